@@ -1,0 +1,1 @@
+"""The command line: argparse, one call of the public function, one write."""

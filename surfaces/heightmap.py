@@ -1,0 +1,150 @@
+"""The height map: heights on a regular grid, with its pixel size and its history."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import SurfaceError
+
+__all__ = ["HeightMap"]
+
+
+@dataclass(frozen=True, eq=False)
+class HeightMap:
+    """Heights of a surface on a regular grid of cell-centred pixels.
+
+    Parameters
+    ----------
+    heights
+        Heights out of the solid [m], shape (ny, nx), at least 3 x 3; NaN marks a missing point.
+        Kept as a read-only float64 copy.
+    spacing
+        Pixel size (dy, dx) [m], or one number for square pixels; positive.
+    periodic
+        True if the map continues across its border as if repeated.
+    name
+        Name for reports.
+    history
+        What was done to the map so far, oldest first: one mapping per step with the key ``step``
+        and the parameters and counts of that step.
+
+    Raises
+    ------
+    SurfaceError
+        If the heights are not a real 2-D array of at least 3 x 3 points, hold infinities, or are
+        all missing, or if the spacing is not positive and finite.
+
+    Notes
+    -----
+    The first axis is y, the second x; pixel (i, j) is centred at ``((j + 1/2) dx, (i + 1/2) dy)``
+    and the map covers ``ny dy`` by ``nx dx``.
+    """
+
+    heights: NDArray[np.float64]
+    spacing: tuple[float, float]
+    periodic: bool = dataclasses.field(default=False, kw_only=True)
+    name: str = dataclasses.field(default="", kw_only=True)
+    history: tuple[Mapping[str, Any], ...] = dataclasses.field(default=(), kw_only=True)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "heights", _checked_heights(self.heights))
+        object.__setattr__(self, "spacing", _checked_spacing(self.spacing))
+        object.__setattr__(self, "history", tuple(dict(step) for step in self.history))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of points (ny, nx)."""
+        ny, nx = self.heights.shape
+        return ny, nx
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Lengths (Ly, Lx) [m] covered by the pixels."""
+        return self.shape[0] * self.spacing[0], self.shape[1] * self.spacing[1]
+
+    @property
+    def area(self) -> float:
+        """Nominal area Ly Lx [m^2]."""
+        return self.size[0] * self.size[1]
+
+    @property
+    def x(self) -> NDArray[np.float64]:
+        """Pixel centres along the second axis [m], shape (nx,)."""
+        return (np.arange(self.shape[1]) + 0.5) * self.spacing[1]
+
+    @property
+    def y(self) -> NDArray[np.float64]:
+        """Pixel centres along the first axis [m], shape (ny,)."""
+        return (np.arange(self.shape[0]) + 0.5) * self.spacing[0]
+
+    @property
+    def missing(self) -> int:
+        """Number of missing points."""
+        return int(np.count_nonzero(np.isnan(self.heights)))
+
+    @property
+    def rms_height(self) -> float:
+        """Root-mean-square height about the mean of the points present [m]."""
+        return float(np.nanstd(self.heights))
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of heights, spacing and periodicity: identifies the input of a result."""
+        hasher = hashlib.sha256(np.array([*self.spacing, float(self.periodic)]).tobytes())
+        hasher.update(np.array(self.shape).tobytes())
+        hasher.update(self.heights.tobytes())
+        return hasher.hexdigest()
+
+    def replace(self, *, step: Mapping[str, Any] | None = None, **changes: Any) -> HeightMap:
+        """Copy with some fields changed, and `step` appended to the history."""
+        if step is not None:
+            changes["history"] = (*changes.get("history", self.history), step)
+        return dataclasses.replace(self, **changes)
+
+    def __repr__(self) -> str:
+        (ny, nx), (dy, dx) = self.shape, self.spacing
+        label = f" {self.name!r}" if self.name else ""
+        border = "periodic" if self.periodic else "not periodic"
+        gaps = f", {self.missing} missing" if self.missing else ""
+        return f"<HeightMap{label} {ny} x {nx}, pixel {dy:.4g} x {dx:.4g} m, {border}{gaps}>"
+
+
+def _checked_heights(heights: Any) -> NDArray[np.float64]:
+    try:
+        array = np.array(heights, dtype=np.float64, order="C")
+    except (TypeError, ValueError) as error:
+        raise SurfaceError(f"heights are not an array of real numbers: {error}") from error
+    if array.ndim != 2 or min(array.shape) < 3:
+        raise SurfaceError(
+            f"heights have shape {array.shape}; a height map needs two axes of at least 3 points"
+        )
+    infinite = np.isinf(array)
+    if infinite.any():
+        row, col = np.argwhere(infinite)[0]
+        raise SurfaceError(
+            f"heights[{row}, {col}] is infinite ({np.count_nonzero(infinite)} of {array.size} "
+            "points); mark missing points with NaN"
+        )
+    if np.isnan(array).all():
+        raise SurfaceError("every point of the height map is missing (NaN)")
+    array.setflags(write=False)
+    return array
+
+
+def _checked_spacing(spacing: Any) -> tuple[float, float]:
+    try:
+        pair = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,))
+    except (TypeError, ValueError):
+        raise SurfaceError(f"spacing is {spacing!r}; give the pixel size (dy, dx) in m") from None
+    if not (np.isfinite(pair).all() and (pair > 0).all()):
+        raise SurfaceError(
+            f"spacing is {tuple(pair.tolist())}; both pixel sizes (dy, dx) must be positive"
+        )
+    return float(pair[0]), float(pair[1])
