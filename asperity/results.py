@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import __version__
 from .errors import InputError
 
-__all__ = ["POINT_FIELDS", "ContactCurve"]
+__all__ = ["POINT_FIELDS", "ContactCurve", "CurvePoint"]
 
 POINT_FIELDS = (
     "separation",
@@ -26,6 +27,25 @@ POINT_FIELDS = (
     "residual",
     "error_estimate",
 )
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """A contact curve read off at one or several places; arrays have the shape of the question.
+
+    Attributes
+    ----------
+    separation, mean_pressure, load, area_fraction, contact_area, contacts, stiffness
+        As in `ContactCurve`, interpolated between the converged load points.
+    """
+
+    separation: Any
+    mean_pressure: Any
+    load: Any
+    area_fraction: Any
+    contact_area: Any
+    contacts: Any
+    stiffness: Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +79,7 @@ class ContactCurve:
     seconds
         Run time by stage [s].
     settings
-        Everything needed to repeat the run.
+        Everything needed to repeat the run, with the digest of the input map.
     extra
         Further arrays over the load points, by name.
     reasons
@@ -92,8 +112,145 @@ class ContactCurve:
             if array.shape != (n,):
                 raise InputError(f"{name} has shape {array.shape}; expected ({n},)")
             object.__setattr__(self, name, array)
+        for name, values in self.extra.items():
+            if np.shape(values)[:1] != (n,):
+                raise InputError(
+                    f"extra {name!r} has shape {np.shape(values)}; expected ({n}, ...)"
+                )
         if not self.reasons:
             object.__setattr__(self, "reasons", ("",) * n)
 
     def __len__(self) -> int:
         return len(self.separation)
+
+    def at(
+        self, *, pressure: ArrayLike | None = None, separation: ArrayLike | None = None
+    ) -> CurvePoint:
+        """Read the curve off at a mean pressure or a separation.
+
+        Parameters
+        ----------
+        pressure
+            Mean pressure [Pa], scalar or array; within the range of the converged points.
+        separation
+            Separation [m], scalar or array; give this or `pressure`.
+
+        Returns
+        -------
+        CurvePoint
+            Values interpolated by monotone cubics in log pressure, scalar for a scalar question.
+
+        Raises
+        ------
+        InputError
+            If neither or both are given, the question lies outside the curve, or fewer than two
+            converged points with load exist.
+        """
+        from scipy.interpolate import PchipInterpolator
+
+        if (pressure is None) == (separation is None):
+            raise InputError("give either pressure or separation to read the curve off")
+        usable = self.converged & (self.mean_pressure > 0) & np.isfinite(self.separation)
+        order = np.flatnonzero(usable)[np.argsort(self.mean_pressure[usable])]
+        order = order[np.diff(self.mean_pressure[order], prepend=-1.0) > 0]
+        if len(order) < 2:
+            raise InputError("the curve has fewer than two converged points with load")
+        log_p = np.log(self.mean_pressure[order])
+        if pressure is not None:
+            asked = np.asarray(pressure, dtype=float)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                key = np.log(asked)
+            _within(asked, np.exp(log_p[[0, -1]]), key, log_p, "pressure", "Pa")
+        else:
+            asked = np.asarray(separation, dtype=float)
+            falling = self.separation[order][::-1]
+            _within(asked, falling[[0, -1]], asked, falling, "separation", "m")
+            key = PchipInterpolator(falling, log_p[::-1])(asked)
+        key = np.clip(key, log_p[0], log_p[-1])
+
+        def read(name: str, in_log: bool) -> Any:
+            values = np.asarray(getattr(self, name), dtype=float)[order]
+            finite = np.isfinite(values) & ((values > 0) | (not in_log))
+            if np.count_nonzero(finite) < 2:
+                return np.full(np.shape(asked), np.nan)[()]
+            knots = np.log(values[finite]) if in_log else values[finite]
+            found = PchipInterpolator(log_p[finite], knots, extrapolate=False)(key)
+            return (np.exp(found) if in_log else found)[()]
+
+        return CurvePoint(
+            separation=read("separation", False),
+            mean_pressure=np.exp(key)[()],
+            load=read("load", True),
+            area_fraction=read("area_fraction", True),
+            contact_area=read("contact_area", True),
+            contacts=read("contacts", True),
+            stiffness=read("stiffness", True),
+        )
+
+    def to_hdf5(self, path: str | os.PathLike[str]) -> None:
+        """Write the curve to a results file (schema "asperity/1"), replacing it at once."""
+        from .storage import save_curves
+
+        save_curves(path, {self.model: self})
+
+    @classmethod
+    def from_hdf5(cls, path: str | os.PathLike[str], model: str | None = None) -> ContactCurve:
+        """Read a curve from a results file.
+
+        Parameters
+        ----------
+        path
+            Results file of schema "asperity/1".
+        model
+            Name of the curve; may be left out when the file holds one curve.
+
+        Raises
+        ------
+        FileFormatError
+            If the file is no results file or holds no such curve.
+        """
+        from .storage import load_curve
+
+        return load_curve(path, model)
+
+    def __str__(self) -> str:
+        good = int(np.count_nonzero(self.converged))
+
+        def span(values: NDArray[Any], unit: str) -> str:
+            finite = np.asarray(values, dtype=float)
+            finite = finite[np.isfinite(finite)]
+            if not finite.size:
+                return "unknown"
+            return f"{finite.min():.3g} .. {finite.max():.3g}{unit}"
+
+        lines = [
+            f"contact curve   {self.model}, {len(self)} points, {good} converged",
+            f"separation      {span(self.separation, ' m')}",
+            f"mean pressure   {span(self.mean_pressure, ' Pa')}   load {span(self.load, ' N')}",
+            f"area fraction   {span(self.area_fraction, '')}   contacts {span(self.contacts, '')}",
+            f"error estimate  {span(self.error_estimate, '')}",
+            f"residual        {span(self.residual, '')}",
+            f"seconds         {sum(self.seconds.values()):.3g} ("
+            + ", ".join(f"{stage} {value:.2g}" for stage, value in self.seconds.items())
+            + ")",
+        ]
+        lines += [f"point {i}: {why}" for i, why in enumerate(self.reasons) if why]
+        return "\n".join(lines)
+
+
+def _within(
+    asked: NDArray[np.float64],
+    ends: NDArray[np.float64],
+    key: NDArray[np.float64],
+    knots: NDArray[np.float64],
+    name: str,
+    unit: str,
+) -> None:
+    slack = 1e-9 * max(abs(knots[0]), abs(knots[-1]), knots[-1] - knots[0])
+    outside = ~((key >= knots[0] - slack) & (key <= knots[-1] + slack))
+    if np.any(outside):
+        worst = float(np.atleast_1d(asked)[np.atleast_1d(outside)][0])
+        raise InputError(
+            f"{name} {worst:.4g} {unit} lies outside the converged curve, "
+            f"{ends[0]:.4g} to {ends[1]:.4g} {unit}; add load points there"
+        )

@@ -1,0 +1,188 @@
+"""Options that sub-commands share: the surface, its preparation, the material, the loads."""
+
+from __future__ import annotations
+
+import argparse
+import glob
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.errors import InputError, SurfaceError
+from surfaces.heightmap import HeightMap
+
+__all__ = [
+    "add_load_options",
+    "add_material_options",
+    "add_surface_options",
+    "expand_files",
+    "load_surface",
+    "loads",
+    "material",
+    "numbers",
+]
+
+
+def add_surface_options(parser: argparse.ArgumentParser, *, several: bool = False) -> None:
+    """Options that name the file(s) and say how the map is read and prepared."""
+    parser.add_argument(
+        "files" if several else "file",
+        nargs="+" if several else None,
+        metavar="FILE",
+        help="surface file" + ("s or globs" if several else ""),
+    )
+    reading = parser.add_argument_group("reading")
+    reading.add_argument("--dataset", help="name of the dataset in a foreign HDF5 file")
+    reading.add_argument("--unit", help="unit of the heights where the file has none (m, um, nm)")
+    reading.add_argument(
+        "--spacing",
+        nargs="+",
+        type=float,
+        metavar="D",
+        help="pixel size dy dx [m] where the file has none",
+    )
+    preparing = parser.add_argument_group("preparation")
+    preparing.add_argument(
+        "--level",
+        choices=["none", "mean", "plane", "quadratic", "cylinder"],
+        help="form to subtract (default: none for a periodic map, plane for a measured one)",
+    )
+    preparing.add_argument(
+        "--fill", choices=["none", "harmonic"], default="none", help="how to fill missing points"
+    )
+    preparing.add_argument(
+        "--outliers",
+        type=float,
+        metavar="K",
+        help="replace spikes beyond K robust standard deviations (needs --fill)",
+    )
+    preparing.add_argument(
+        "--bandpass",
+        nargs=2,
+        type=float,
+        metavar=("SHORT", "LONG"),
+        help="keep wavelengths between SHORT and LONG [m] (0 and inf leave an end open)",
+    )
+    preparing.add_argument(
+        "--periodic",
+        choices=["taper", "mirror"],
+        help="make the map periodic: taper its border, or mirror it to twice its size",
+    )
+    preparing.add_argument(
+        "--boundary",
+        choices=["periodic", "free"],
+        help="treat the contact as periodic or as one finite punch (default: as the map says)",
+    )
+
+
+def add_material_options(parser: argparse.ArgumentParser) -> None:
+    """Options of the elastic half-space."""
+    group = parser.add_argument_group("material")
+    group.add_argument("--E", type=float, metavar="PA", help="Young's modulus [Pa]; E0 if graded")
+    group.add_argument("--nu", type=float, default=0.3, help="Poisson's ratio (default 0.3)")
+    group.add_argument("--m", type=float, default=0.0, help="exponent of E(z) = E z^m (default 0)")
+    group.add_argument(
+        "--modulus", type=float, metavar="PA", help="composite modulus E* [Pa] in place of E, nu"
+    )
+
+
+def add_load_options(parser: argparse.ArgumentParser) -> None:
+    """Options that choose the load points."""
+    group = parser.add_argument_group("load points").add_mutually_exclusive_group()
+    group.add_argument(
+        "--pressure",
+        metavar="LO:HI:N",
+        help="mean pressures [Pa]: LO:HI:N (geometric), or a comma-separated list",
+    )
+    group.add_argument(
+        "--separation",
+        metavar="HI:LO:N",
+        help="separations [m]: FROM:TO:N (evenly spaced), or a comma-separated list",
+    )
+
+
+def expand_files(patterns: list[str]) -> list[str]:
+    """Files named by the patterns, in order; a pattern without a match is kept as a name."""
+    files: list[str] = []
+    for pattern in patterns:
+        files += sorted(glob.glob(pattern)) or [pattern]
+    return list(dict.fromkeys(files))
+
+
+def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
+    """Read the map and prepare it as the options ask; refuse what no model can use."""
+    import surfaces
+
+    spacing = args.spacing
+    if spacing is not None:
+        if len(spacing) > 2:
+            raise InputError(f"--spacing takes one or two numbers, got {len(spacing)}")
+        spacing = (spacing[0], spacing[-1])
+    hm = surfaces.read(file, dataset=args.dataset, unit=args.unit, spacing=spacing)
+    level = args.level or ("none" if hm.periodic else "plane")
+    steps: dict[str, Any] = {
+        "level": None if level == "none" else level,
+        "fill": None if args.fill == "none" else args.fill,
+        "outliers": args.outliers,
+        "bandpass": None if args.bandpass is None else tuple(args.bandpass),
+        "periodic": args.periodic,
+    }
+    if hm.missing and steps["fill"] is None:
+        raise SurfaceError(
+            f"{Path(file).name} has {hm.missing} missing points of {hm.heights.size}; "
+            "pass --fill harmonic"
+        )
+    if any(value is not None for value in steps.values()):
+        hm = surfaces.prepare(hm, **steps)
+    if np.ptp(hm.heights) == 0.0:
+        raise SurfaceError(f"{Path(file).name} is constant: a flat map has no peaks to touch")
+    return hm if hm.name else hm.replace(name=Path(file).stem)
+
+
+def material(args: argparse.Namespace) -> Any:
+    """Half-space from the options."""
+    from asperity.material import HalfSpace
+
+    if args.modulus is not None and args.E is not None:
+        raise InputError("give either --E (with --nu) or --modulus, not both")
+    if args.modulus is not None:
+        return HalfSpace.from_modulus(args.modulus, m=args.m)
+    if args.E is None:
+        raise InputError("no material: give --E (Young's modulus in Pa) or --modulus (E* in Pa)")
+    return HalfSpace(args.E, args.nu, m=args.m)
+
+
+def loads(args: argparse.Namespace) -> dict[str, NDArray[np.float64]]:
+    """The load points asked for, as keyword arguments of the models; empty for the default."""
+    if args.pressure is not None:
+        pressures = numbers(args.pressure, "--pressure", geometric=True)
+        if not (pressures > 0).all():
+            raise InputError(f"--pressure {args.pressure}: mean pressures must be positive")
+        return {"pressures": pressures}
+    if args.separation is not None:
+        return {"separations": numbers(args.separation, "--separation", geometric=False)}
+    return {}
+
+
+def numbers(text: str, option: str, *, geometric: bool) -> NDArray[np.float64]:
+    """Numbers written as LO:HI:N or as a comma-separated list."""
+    try:
+        if ":" in text:
+            low, high, count = text.split(":")
+            ends, n = (float(low), float(high)), int(count)
+            if n < 1:
+                raise ValueError
+            if geometric and min(ends) <= 0:
+                raise InputError(f"{option} {text}: both ends must be positive")
+            values = (np.geomspace if geometric else np.linspace)(*ends, n)
+        else:
+            values = np.array([float(word) for word in text.split(",")])
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{option} {text}: write LO:HI:N or numbers separated by commas") from None
+    if not np.isfinite(values).all():
+        raise InputError(f"{option} {text}: every number must be finite")
+    return values

@@ -1,0 +1,85 @@
+"""Load points: what was asked, checked, or a default range of light to moderate contact."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from surfaces.heightmap import HeightMap
+
+from .errors import InputError
+
+if TYPE_CHECKING:
+    from .material import HalfSpace
+
+__all__ = ["checked_loads", "default_pressures", "expected_area_fraction", "slope_scale"]
+
+AREA_OVER_LOAD = 2.0
+"""Contact area fraction over p/(E* h') at light load (about 2 for random roughness: Hyun, Pei,
+Molinari & Robbins 2004; Putignano, Afferrante, Carbone & Demelio 2012)."""
+
+
+def slope_scale(hm: HeightMap) -> tuple[float, float]:
+    """Root-mean-square slope [-] and the length [m] over which it turns, by finite differences."""
+    dy, dx = hm.spacing
+    gy, gx = np.diff(hm.heights, axis=0) / dy, np.diff(hm.heights, axis=1) / dx
+    cy, cx = np.diff(gy, axis=0) / dy, np.diff(gx, axis=1) / dx
+    slope = math.sqrt(np.nanmean(gy**2) + np.nanmean(gx**2))
+    curvature = math.sqrt(np.nanmean(cy**2) + np.nanmean(cx**2))
+    return slope, slope / curvature if curvature > 0 else max(hm.size)
+
+
+def pressure_scale(hm: HeightMap, material: HalfSpace) -> float:
+    """Pressure E* h' [Pa] that flattens the roughness, with the modulus met at its own scale.
+
+    A graded half-space answers a wave of number q like a homogeneous one of modulus proportional
+    to E_m* q^-m (theory 6), taken here at the length over which the slope turns.
+    """
+    slope, length = slope_scale(hm)
+    return material.modulus * length**material.m * slope
+
+
+def default_pressures(hm: HeightMap, material: HalfSpace, count: int = 10) -> NDArray[np.float64]:
+    """Mean pressures [Pa], geometric, for about 0.1 % to 10 % of contact."""
+    ends = np.array([1e-3, 1e-1]) / AREA_OVER_LOAD
+    return np.geomspace(*(ends * pressure_scale(hm, material)), count)
+
+
+def expected_area_fraction(hm: HeightMap, material: HalfSpace, pressure: float) -> float:
+    """Rough forecast of the real contact area fraction at a mean pressure, at most 1."""
+    scale = pressure_scale(hm, material)
+    return math.erf(0.5 * math.sqrt(math.pi) * AREA_OVER_LOAD * pressure / scale) if scale else 1.0
+
+
+def checked_loads(
+    hm: HeightMap,
+    material: HalfSpace,
+    pressures: ArrayLike | None,
+    separations: ArrayLike | None,
+) -> tuple[str, NDArray[np.float64]]:
+    """Kind ("pressure" or "separation") and values of the load points.
+
+    Raises
+    ------
+    InputError
+        If both kinds are given, a value is not finite, or a pressure is negative.
+    """
+    if pressures is not None and separations is not None:
+        raise InputError("give either pressures or separations, not both")
+    if separations is not None:
+        values = np.atleast_1d(np.asarray(separations, dtype=np.float64)).ravel()
+        kind = "separation"
+    else:
+        chosen = default_pressures(hm, material) if pressures is None else pressures
+        values = np.atleast_1d(np.asarray(chosen, dtype=np.float64)).ravel()
+        kind = "pressure"
+        if (values < 0).any():
+            raise InputError(
+                f"mean pressure {values.min():.4g} Pa is negative; compression is positive"
+            )
+    if not values.size or not np.isfinite(values).all():
+        raise InputError(f"the {kind} load points must be finite numbers, at least one")
+    return kind, values

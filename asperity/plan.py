@@ -1,0 +1,197 @@
+"""What a scene needs and what is left out, decided from the input before anything runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surfaces.heightmap import HeightMap
+
+from .errors import InputError, SurfaceError
+from .loadpoints import checked_loads, expected_area_fraction, slope_scale
+
+if TYPE_CHECKING:
+    from .material import HalfSpace
+
+__all__ = ["Plan", "make_plan"]
+
+MODEL_BYTES_PER_POINT = 64
+"""Peak memory of the microcontact model per grid point: heights, order, labels, ancestors."""
+
+NEGLIGIBLE_SHIFT = 2e-3
+"""Shift by the neighbours, relative to the approach, below which interaction is left out."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Choices for one run of the microcontact model, each with its reason.
+
+    Attributes
+    ----------
+    boundary
+        "periodic" or "free".
+    law
+        Contact law asked for.
+    graded
+        Whether the graded functions are needed.
+    interaction
+        Whether contacts displace each other.
+    above
+        Height [m] above the mean plane below which nothing is segmented; None segments all.
+    memory
+        Estimated peak memory [bytes].
+    reasons
+        One line for each choice.
+    """
+
+    boundary: str
+    law: str
+    graded: bool
+    interaction: bool
+    above: float | None
+    memory: int
+    reasons: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return "\n".join(self.reasons)
+
+
+def make_plan(
+    hm: HeightMap,
+    material: HalfSpace,
+    *,
+    pressures: ArrayLike | None = None,
+    separations: ArrayLike | None = None,
+    law: str = "auto",
+    interaction: bool = True,
+    boundary: str | None = None,
+) -> Plan:
+    """Decide what a run of `contact_curve` needs.
+
+    Parameters
+    ----------
+    hm
+        Height map without missing points.
+    material
+        Elastic half-space.
+    pressures, separations
+        Load points [Pa] or [m]; the default range if neither is given.
+    law
+        Contact law.
+    interaction
+        False switches elastic interaction off whatever the load.
+    boundary
+        "periodic" or "free"; as the map says if None.
+
+    Raises
+    ------
+    SurfaceError
+        If the map has missing points or is constant.
+    InputError
+        If the load points are not usable or the memory would not suffice.
+    """
+    _require_usable(hm)
+    kind, values = checked_loads(hm, material, pressures, separations)
+    edge = checked_boundary(hm, boundary)
+    reasons = [f"boundary: {edge} ({'as the map says' if boundary is None else 'as asked'})"]
+    graded = material.m != 0.0
+    reasons.append(
+        f"material: graded, m = {material.m:g}"
+        if graded
+        else "material: m = 0, no graded functions"
+    )
+    coupled, why = _interaction_needed(hm, material, kind, values, interaction)
+    reasons.append(why)
+    above, why = _lowest_height(hm, material, kind, values)
+    reasons.append(why)
+    memory = MODEL_BYTES_PER_POINT * hm.heights.size
+    reasons.append(f"memory: about {memory / 2**20:.0f} MiB")
+    _require_memory(memory)
+    reasons.append("fields: pressure and contours are made on request only")
+    return Plan(edge, law, graded, coupled, above, memory, tuple(reasons))
+
+
+def checked_boundary(hm: HeightMap, boundary: str | None) -> str:
+    """The boundary asked for, or the one that the map states."""
+    if boundary is None:
+        return "periodic" if hm.periodic else "free"
+    if boundary not in ("periodic", "free"):
+        raise InputError(f'boundary is {boundary!r}; choose "periodic" or "free"')
+    return boundary
+
+
+def _require_usable(hm: HeightMap) -> None:
+    if hm.missing:
+        raise SurfaceError(
+            f"the map has {hm.missing} missing points of {hm.heights.size}; "
+            'fill them with surfaces.prepare(hm, fill="harmonic")'
+        )
+    if np.ptp(hm.heights) == 0.0:
+        raise SurfaceError("the map is constant: a flat map has no peaks to touch")
+
+
+def _interaction_needed(
+    hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarray, wanted: bool
+) -> tuple[bool, str]:
+    if not wanted:
+        return False, "interaction: off, as asked (the classical independent sum)"
+    if kind != "pressure" or material.m != 0.0:
+        return True, "interaction: on"
+    force = float(values.max()) * hm.area
+    slope, length = slope_scale(hm)
+    if force == 0.0:
+        return False, "interaction: off, no load"
+    shift = force / (np.pi * material.modulus * length)
+    approach = (9.0 * force**2 * (slope / length) / (16.0 * material.modulus**2)) ** (1.0 / 3.0)
+    if shift < NEGLIGIBLE_SHIFT * approach:
+        return False, (
+            "interaction: off, the load is so small that neighbours would shift a contact by "
+            f"less than {NEGLIGIBLE_SHIFT:g} of its approach"
+        )
+    return True, "interaction: on"
+
+
+def _lowest_height(
+    hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarray
+) -> tuple[float | None, str]:
+    """Height under which no summit is expected to touch, relative to the mean plane."""
+    heights = hm.heights - hm.heights.mean()
+    if kind == "separation":
+        candidate = float(values.min()) - 0.5 * hm.rms_height
+    else:
+        area = expected_area_fraction(hm, material, float(values.max()))
+        share = 0.1 + 8.0 * area
+        if share >= 0.6:
+            return None, "segmentation: the whole map, the load may reach deep"
+        candidate = float(np.quantile(heights[:: _stride(hm), :: _stride(hm)], 1.0 - share))
+    top = float(np.mean(heights > candidate))
+    if top >= 0.6:
+        return None, "segmentation: the whole map, the separation reaches deep"
+    return candidate, f"segmentation: only the top {100 * top:.0f} % of the heights"
+
+
+def _stride(hm: HeightMap) -> int:
+    return max(1, int(np.sqrt(hm.heights.size / 2**18)))
+
+
+def _require_memory(needed: int) -> None:
+    available = _available_memory()
+    if available is not None and needed > 0.9 * available:
+        raise InputError(
+            f"the run needs about {needed / 2**30:.1f} GiB and {available / 2**30:.1f} GiB are "
+            "free; crop or resample the map"
+        )
+
+
+def _available_memory() -> int | None:
+    try:
+        with open("/proc/meminfo") as handle:
+            for line in handle:
+                if line.startswith("MemAvailable"):
+                    return int(line.split()[1]) * 1024
+    except OSError:
+        pass
+    return None

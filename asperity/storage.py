@@ -1,0 +1,217 @@
+"""Results files (HDF5, schema "asperity/1") and the plain tables beside them.
+
+Layout: one group per curve under ``/curves``, with one dataset per quantity over the load points,
+``extra/`` for further arrays, and attributes ``model``, ``version``, ``settings`` and ``seconds``
+(JSON).  ``/tables`` holds compound datasets (microcontacts, error against run time), ``/maps``
+two-dimensional fields, and the root attribute ``about`` a JSON mapping about the input.  A file is
+written beside its final place and renamed, so that a reader never sees half of it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import json
+import os
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from . import __version__
+from .errors import FileFormatError, InputError
+from .results import POINT_FIELDS, ContactCurve
+
+__all__ = [
+    "SCHEMA",
+    "ResultFile",
+    "load_curve",
+    "read_results",
+    "replacing",
+    "save_curves",
+    "write_csv",
+    "write_results",
+]
+
+SCHEMA = "asperity/1"
+
+
+@dataclass
+class ResultFile:
+    """What a results file holds: curves, tables, maps and facts about the input.
+
+    Attributes
+    ----------
+    curves
+        Contact curves by name.
+    tables
+        Structured arrays by name (microcontacts, error against run time, ...).
+    maps
+        Two-dimensional arrays by name.
+    about
+        JSON-able facts: input map, material, preparation.
+    """
+
+    curves: dict[str, ContactCurve] = field(default_factory=dict)
+    tables: dict[str, NDArray[Any]] = field(default_factory=dict)
+    maps: dict[str, NDArray[Any]] = field(default_factory=dict)
+    about: dict[str, Any] = field(default_factory=dict)
+
+
+def save_curves(path: str | os.PathLike[str], curves: Mapping[str, ContactCurve]) -> None:
+    """Write contact curves to a results file, replacing it at once."""
+    write_results(path, ResultFile(curves=dict(curves)))
+
+
+def load_curve(path: str | os.PathLike[str], model: str | None = None) -> ContactCurve:
+    """Read one contact curve from a results file (see `ContactCurve.from_hdf5`)."""
+    curves = read_results(path).curves
+    if model is None and len(curves) == 1:
+        return next(iter(curves.values()))
+    if model not in curves:
+        held = ", ".join(curves) or "no curve"
+        raise FileFormatError(f"{path} has no curve {model!r}; it holds {held}")
+    return curves[model]
+
+
+def write_results(path: str | os.PathLike[str], results: ResultFile) -> None:
+    """Write a results file through a temporary file and an atomic rename.
+
+    Raises
+    ------
+    InputError
+        If the folder does not exist or cannot be written.
+    """
+    with replacing(path) as partial, h5py.File(partial, "w") as file:
+        file.attrs["schema"] = SCHEMA
+        file.attrs["version"] = __version__
+        file.attrs["about"] = _json(results.about)
+        for name, curve in results.curves.items():
+            _write_curve(file.create_group(f"curves/{name}"), curve)
+        for name, table in results.tables.items():
+            file.create_dataset(f"tables/{name}", data=_storable(table))
+        for name, array in results.maps.items():
+            file.create_dataset(
+                f"maps/{name}", data=array, compression="gzip", compression_opts=3, shuffle=True
+            )
+
+
+def read_results(path: str | os.PathLike[str]) -> ResultFile:
+    """Read a results file.
+
+    Raises
+    ------
+    FileFormatError
+        If the file is absent, damaged, or of another schema.
+    """
+    if not Path(path).is_file():
+        raise FileFormatError(f"{path}: no such results file; make one with asperity compare")
+    try:
+        with h5py.File(path, "r") as file:
+            schema = file.attrs.get("schema")
+            if schema != SCHEMA:
+                raise FileFormatError(f"{path} has schema {schema!r}; expected {SCHEMA!r}")
+            return ResultFile(
+                curves={k: _read_curve(g) for k, g in file.get("curves", {}).items()},
+                tables={k: _plain(d[()]) for k, d in file.get("tables", {}).items()},
+                maps={k: d[()] for k, d in file.get("maps", {}).items()},
+                about=json.loads(file.attrs.get("about", "{}")),
+            )
+    except (OSError, KeyError, ValueError, RuntimeError) as error:
+        if isinstance(error, FileFormatError):
+            raise
+        raise FileFormatError(f"{path} is not a readable results file: {error}") from error
+
+
+def write_csv(path: str | os.PathLike[str], columns: Mapping[str, Any]) -> None:
+    """Write columns of equal length to a comma-separated file with a header line."""
+    with replacing(path) as partial, open(partial, "w", newline="") as handle:
+        writer = csv.writer(handle)
+        writer.writerow(columns)
+        writer.writerows(zip(*(np.asarray(c).tolist() for c in columns.values()), strict=True))
+
+
+@contextlib.contextmanager
+def replacing(path: str | os.PathLike[str]) -> Iterator[str]:
+    """Name of a temporary file that replaces `path` when the block ends without an error."""
+    target = Path(path)
+    try:
+        handle, partial = tempfile.mkstemp(
+            prefix=f".{target.name}.", suffix=".part", dir=target.parent
+        )
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror}") from error
+    os.close(handle)
+    try:
+        yield partial
+        os.chmod(partial, 0o666 & ~_umask())
+        os.replace(partial, target)
+    finally:
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(partial)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def _write_curve(group: h5py.Group, curve: ContactCurve) -> None:
+    group.attrs["model"] = curve.model
+    group.attrs["version"] = curve.version
+    group.attrs["settings"] = _json(curve.settings)
+    group.attrs["seconds"] = _json(curve.seconds)
+    for name in POINT_FIELDS:
+        group.create_dataset(name, data=getattr(curve, name))
+    group.create_dataset("reasons", data=list(curve.reasons), dtype=h5py.string_dtype())
+    for name, array in curve.extra.items():
+        group.create_dataset(f"extra/{name}", data=_storable(np.asarray(array)))
+
+
+def _read_curve(group: h5py.Group) -> ContactCurve:
+    return ContactCurve(
+        **{name: group[name][()] for name in POINT_FIELDS},
+        model=str(group.attrs["model"]),
+        version=str(group.attrs["version"]),
+        settings=json.loads(group.attrs["settings"]),
+        seconds=json.loads(group.attrs["seconds"]),
+        extra={k: _plain(d[()]) for k, d in group.get("extra", {}).items()},
+        reasons=tuple(group["reasons"].asstr()[()].tolist()),
+    )
+
+
+def _storable(array: NDArray[Any]) -> NDArray[Any]:
+    """Text as fixed-width bytes, which HDF5 can hold inside compound types."""
+    return _recoded(np.asarray(array), "U", np.char.encode)
+
+
+def _plain(array: NDArray[Any]) -> NDArray[Any]:
+    """Inverse of `_storable`: fixed-width bytes back to text."""
+    return _recoded(array, "S", np.char.decode)
+
+
+def _recoded(
+    array: NDArray[Any], kind: str, convert: Callable[[NDArray[Any], str], NDArray[Any]]
+) -> NDArray[Any]:
+    if array.dtype.names is None:
+        return convert(array, "utf-8") if array.dtype.kind == kind else array
+    columns = {name: _recoded(array[name], kind, convert) for name in array.dtype.names}
+    packed = np.empty(
+        array.shape, [(n, c.dtype, c.shape[array.ndim :]) for n, c in columns.items()]
+    )
+    for name, column in columns.items():
+        packed[name] = column
+    return packed
+
+
+def _json(value: Mapping[str, Any]) -> str:
+    def plain(item: Any) -> Any:
+        return item.tolist() if isinstance(item, np.generic | np.ndarray) else str(item)
+
+    return json.dumps(dict(value), default=plain)
