@@ -9,11 +9,13 @@ if TYPE_CHECKING:
     from .errors import ConvergenceError as ConvergenceError
     from .errors import InputError as InputError
     from .errors import ModelRangeError as ModelRangeError
+    from .material import HalfSpace as HalfSpace
 
 __version__ = "0.1.0"
 
 _HOME = {
     "ConvergenceError": "errors",
+    "HalfSpace": "material",
     "InputError": "errors",
     "ModelRangeError": "errors",
 }

@@ -10,11 +10,19 @@ if TYPE_CHECKING:
     from .errors import InputError as InputError
     from .errors import SurfaceError as SurfaceError
     from .heightmap import HeightMap as HeightMap
+    from .polar import PolarProfile as PolarProfile
+    from .polar import PolynomialProfile as PolynomialProfile
+    from .polar import PowerLawProfile as PowerLawProfile
+    from .polar import PowerSumProfile as PowerSumProfile
 
 _HOME = {
     "FileFormatError": "errors",
     "HeightMap": "heightmap",
     "InputError": "errors",
+    "PolarProfile": "polar",
+    "PolynomialProfile": "polar",
+    "PowerLawProfile": "polar",
+    "PowerSumProfile": "polar",
     "SurfaceError": "errors",
 }
 

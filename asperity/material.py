@@ -1,0 +1,118 @@
+"""The elastic half-space: homogeneous, or graded as a power of depth."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from .errors import InputError
+
+__all__ = ["HalfSpace"]
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """Elastic half-space with Young's modulus E(z) = E z^m and constant Poisson ratio.
+
+    Parameters
+    ----------
+    E
+        Young's modulus [Pa] of the homogeneous body (m = 0), or the factor of z^m [Pa m^-m];
+        positive.
+    nu
+        Poisson ratio, -1 < nu <= 1/2.
+    m
+        Exponent of the grading, -1 < m < 1; 0 is the homogeneous body.
+
+    Raises
+    ------
+    InputError
+        If a value is outside its range.
+
+    Notes
+    -----
+    The contact partner is rigid; `HalfSpace.pair` combines two deformable bodies. `modulus` is
+    E* = E / (1 - nu^2) for m = 0 and the effective graded modulus E_m* [Pa m^-m] otherwise: the
+    flat round punch of radius a has the stiffness 2 E_m* a^(1+m) / (1+m) (Popov, Li and Willert
+    2023, equations 9, 11, 13).
+
+    Examples
+    --------
+    >>> HalfSpace(210e9, 0.3).modulus == 210e9 / (1 - 0.3**2)
+    True
+    """
+
+    E: float | None
+    nu: float | None
+    m: float = 0.0
+    modulus: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        if self.E is None or self.nu is None:
+            raise InputError("HalfSpace needs E and nu; use HalfSpace.from_modulus without them")
+        young, nu, m = _number(self.E, "E"), _number(self.nu, "nu"), _exponent(self.m)
+        if young <= 0:
+            raise InputError(f"E must be positive, got {young:g} Pa")
+        if not -1 < nu <= 0.5:
+            raise InputError(f"nu must lie in -1 < nu <= 0.5, got {nu:g}")
+        self._fill(young, nu, m, young / (1 - nu * nu) * _grading_factor(m, nu))
+
+    @classmethod
+    def from_modulus(cls, modulus: float, m: float = 0.0) -> HalfSpace:
+        """Half-space given by its effective modulus E* (or E_m*, [Pa m^-m]) alone."""
+        value = _number(modulus, "modulus")
+        if value <= 0:
+            raise InputError(f"modulus must be positive, got {value:g} Pa")
+        body = object.__new__(cls)
+        body._fill(None, None, _exponent(m), value)
+        return body
+
+    @classmethod
+    def pair(cls, first: HalfSpace, second: HalfSpace) -> HalfSpace:
+        """Composite of two deformable bodies, 1/E* = 1/E1* + 1/E2*; the gradings must agree."""
+        if first.m != second.m:
+            raise InputError(
+                f"bodies graded with m = {first.m:g} and m = {second.m:g} have no composite "
+                "modulus; both need the same m"
+            )
+        product = first.modulus / (first.modulus + second.modulus) * second.modulus
+        return cls.from_modulus(product, first.m)
+
+    def _fill(self, young: float | None, nu: float | None, m: float, modulus: float) -> None:
+        for name, value in (("E", young), ("nu", nu), ("m", m), ("modulus", modulus)):
+            object.__setattr__(self, name, value)
+
+
+def _grading_factor(m: float, nu: float) -> float:
+    """h(m, nu) of E_m* = E h / (1 - nu^2); 1 at m = 0 (equation 13)."""
+    if m == 0:
+        return 1.0
+    beta = math.sqrt((1 + m) * (1 - m * nu / (1 - nu)))
+    log_c = (
+        (1 + m) * math.log(2)
+        + math.lgamma((3 + m + beta) / 2)
+        + math.lgamma((3 + m - beta) / 2)
+        - math.log(math.pi)
+        - math.lgamma(2 + m)
+    )
+    log_ratio = math.lgamma(1 + m / 2) - math.lgamma((1 + m) / 2) - log_c
+    cosine = math.sin((1 - abs(m)) * math.pi / 2)
+    below = math.sqrt(math.pi) * beta * math.sin(beta * math.pi / 2)
+    return 2 * (1 + m) * cosine * math.exp(log_ratio) / below
+
+
+def _number(value: float, name: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be a number, got {value!r}") from None
+    if not math.isfinite(number):
+        raise InputError(f"{name} must be finite, got {number}")
+    return number
+
+
+def _exponent(value: float) -> float:
+    m = _number(value, "m")
+    if not -1 < m < 1:
+        raise InputError(f"m must lie in -1 < m < 1, got {m:g}")
+    return m

@@ -1,0 +1,272 @@
+"""Profiles f(r, phi) of one summit in polar coordinates about it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import InputError
+
+__all__ = ["PolarProfile", "PolynomialProfile", "PowerLawProfile", "PowerSumProfile"]
+
+Array = NDArray[np.float64]
+Angular = Callable[[Array], Any]
+
+
+@dataclass(frozen=True, eq=False)
+class PowerSumProfile:
+    """Sum of power-law terms, f(r, phi) = sum_i r^k_i psi_i(phi).
+
+    Parameters
+    ----------
+    powers
+        Exponents k_i, positive.
+    angular
+        One angular factor psi_i per exponent: a vectorised function of phi [rad], a number, or an
+        array of values at equispaced angles ``2 pi j / n`` (then interpolated by a periodic
+        monotone cubic).
+
+    Raises
+    ------
+    InputError
+        If the numbers of exponents and factors differ, or one of them is unusable.
+
+    Notes
+    -----
+    The section changes with height unless there is one term. All radial integrals of such a
+    profile are closed.
+    """
+
+    powers: tuple[float, ...]
+    angular: tuple[Angular, ...]
+
+    def __init__(self, powers: Sequence[float], angular: Sequence[Any]) -> None:
+        exponents = tuple(float(k) for k in powers)
+        if not exponents or len(exponents) != len(angular):
+            raise InputError(
+                f"give one angular factor per exponent, got {len(exponents)} exponents and "
+                f"{len(angular)} factors"
+            )
+        for k in exponents:
+            if not (np.isfinite(k) and k > 0):
+                raise InputError(f"the exponent k must be positive and finite, got {k:g}")
+        object.__setattr__(self, "powers", exponents)
+        object.__setattr__(self, "angular", tuple(_angular(psi) for psi in angular))
+
+    @property
+    def radius(self) -> float:
+        """Largest radius [m] at which the profile is known: infinite."""
+        return np.inf
+
+    def factors(self, phi: ArrayLike) -> Array:
+        """Angular factors psi_i at the angles `phi` [rad], shape (terms, *phi.shape)."""
+        angle = np.asarray(phi, dtype=float)
+        out = np.empty((len(self.powers), *angle.shape))
+        for row, psi in zip(out, self.angular, strict=True):
+            row[...] = psi(angle)
+        if not np.all(np.isfinite(out)):
+            raise InputError("the angular factor psi is not finite at every angle")
+        return out
+
+    def __call__(self, r: ArrayLike, phi: ArrayLike) -> Array:
+        """Gap f [m] at radius `r` [m] and angle `phi` [rad] (broadcast)."""
+        radius = np.asarray(r, dtype=float)
+        terms = zip(self.powers, self.factors(phi), strict=True)
+        return np.asarray(sum(radius**k * psi for k, psi in terms))
+
+
+class PowerLawProfile(PowerSumProfile):
+    """Power-law profile f(r, phi) = r^k psi(phi): the self-similar body (equation 31).
+
+    Parameters
+    ----------
+    k
+        Exponent, positive: 1 a cone or pyramid, 2 a paraboloid.
+    psi
+        Angular factor [m^(1-k)]: vectorised function of phi, a number, or values at equispaced
+        angles.
+
+    Examples
+    --------
+    >>> float(PowerLawProfile(2.0, 0.5)(3.0, 0.0))
+    4.5
+    """
+
+    def __init__(self, k: float, psi: Any) -> None:
+        super().__init__((k,), (psi,))
+
+    @property
+    def k(self) -> float:
+        """The exponent."""
+        return self.powers[0]
+
+    def psi(self, phi: ArrayLike) -> Array:
+        """The angular factor at `phi` [rad]."""
+        return self.factors(phi)[0]
+
+
+class PolynomialProfile(PowerSumProfile):
+    """Polynomial profile f(x, y) = sum c_ij x^i y^j about the summit.
+
+    Parameters
+    ----------
+    coefficients
+        Mapping from the exponents (i, j) to c_ij [m^(1-i-j)], i + j >= 1.
+
+    Examples
+    --------
+    >>> float(PolynomialProfile({(2, 0): 1.0, (0, 2): 3.0})(2.0, np.pi / 2))
+    12.0
+    """
+
+    coefficients: Mapping[tuple[int, int], float]
+
+    def __init__(self, coefficients: Mapping[tuple[int, int], float]) -> None:
+        if any(i < 0 or j < 0 or i + j < 1 for i, j in coefficients):
+            raise InputError("polynomial exponents must be non-negative with i + j >= 1")
+        degrees = sorted({i + j for i, j in coefficients})
+        super().__init__(degrees, [_homogeneous(coefficients, n) for n in degrees])
+        object.__setattr__(self, "coefficients", dict(coefficients))
+
+
+@dataclass(frozen=True, eq=False)
+class PolarProfile:
+    """Profile tabulated on rays, with a C2 (or monotone C1) cubic interpolation in r.
+
+    Parameters
+    ----------
+    r
+        Radii [m], shape (n_r,), increasing, at least 4; a first radius above 0 is preceded by
+        f(0) = 0.
+    phi
+        Equispaced angles [rad] over one turn, shape (n_phi,), at least 4.
+    f
+        Gap f(r, phi) [m], shape (n_r, n_phi).
+
+    Raises
+    ------
+    InputError
+        If the table is malformed.
+
+    Notes
+    -----
+    On each ray f is the not-a-knot cubic spline; on a ray where that spline would turn back
+    although the values rise, it is the monotone cubic (PCHIP), which is C1 only. Beyond the last
+    radius f goes on with its last slope and the curvature 2 f/r^2 there; contacts that reach so
+    far are flagged by the laws. Between the rays: periodic cubic spline in phi.
+    """
+
+    r: Array
+    phi: Array
+    f: Array
+
+    def __post_init__(self) -> None:
+        r, phi, f = (np.array(a, dtype=float) for a in (self.r, self.phi, self.f))
+        if r.ndim != 1 or phi.ndim != 1 or f.shape != (r.size, phi.size):
+            raise InputError(
+                f"f must have the shape (r, phi) = ({r.size}, {phi.size}), got {f.shape}"
+            )
+        if not (np.all(np.isfinite(f)) and np.all(np.isfinite(r)) and np.all(np.isfinite(phi))):
+            raise InputError("r, phi and f must be finite; fill or cut missing points first")
+        if phi.size < 4 or not np.allclose(np.diff(phi), 2 * np.pi / phi.size, rtol=1e-6):
+            raise InputError("phi must hold at least 4 equispaced angles over one turn")
+        if r.size and r[0] > 0:
+            r, f = np.append(0.0, r), np.vstack([np.zeros(phi.size), f])
+        if r.size < 4 or r[0] != 0 or np.any(np.diff(r) <= 0):
+            raise InputError("r must hold at least 4 increasing radii, none negative")
+        for name, value in (("r", r), ("phi", phi), ("f", f - f[0])):
+            value.setflags(write=False)
+            object.__setattr__(self, name, value)
+
+    @property
+    def radius(self) -> float:
+        """Largest tabulated radius [m]."""
+        return float(self.r[-1])
+
+    @cached_property
+    def slope(self) -> Array:
+        """Radial slope f_r at the nodes of each ray, shape (n_r, n_phi)."""
+        from scipy.interpolate import CubicSpline, PchipInterpolator
+
+        spline = CubicSpline(self.r, self.f)
+        slope = spline(self.r, 1)
+        middle = spline((self.r[1:] + self.r[:-1]) / 2, 1)
+        rising = np.all(np.diff(self.f, axis=0) >= 0, axis=0)
+        small = -1e-9 * np.max(np.abs(slope))
+        turned = rising & (np.any(slope < small, axis=0) | np.any(middle < small, axis=0))
+        if np.any(turned):
+            slope[:, turned] = PchipInterpolator(self.r, self.f[:, turned])(self.r, 1)
+        return slope
+
+    def __call__(self, r: ArrayLike, phi: ArrayLike) -> Array:
+        """Gap f [m] at radius `r` [m] and angle `phi` [rad] (broadcast)."""
+        radius, angle = np.broadcast_arrays(np.asarray(r, float), np.asarray(phi, float))
+        cell = np.clip(np.searchsorted(self.r, radius, side="right") - 1, 0, self.r.size - 2)
+        low, high = self.r[cell], self.r[cell + 1]
+        width = high - low
+        f0, s0 = self._between_rays(cell, angle)
+        f1, s1 = self._between_rays(cell + 1, angle)
+        t = np.minimum((radius - low) / width, 1.0)
+        inside = (
+            f0 * (1 + 2 * t) * (1 - t) ** 2
+            + f1 * t * t * (3 - 2 * t)
+            + width * (s0 * t * (1 - t) ** 2 - s1 * t * t * (1 - t))
+        )
+        over = np.maximum(radius - self.radius, 0.0)
+        return np.asarray(
+            inside + np.where(over > 0, s1 * over + f1 * (over / self.radius) ** 2, 0)
+        )
+
+    @cached_property
+    def _angular_spline(self) -> tuple[Array, Array]:
+        from scipy.interpolate import CubicSpline
+
+        turn = np.append(self.phi, self.phi[0] + 2 * np.pi) - self.phi[0]
+        tables = [np.vstack([table.T, table.T[:1]]) for table in (self.f, self.slope)]
+        splines = [CubicSpline(turn, table, bc_type="periodic").c for table in tables]
+        return splines[0], splines[1]
+
+    def _between_rays(self, node: NDArray[np.intp], phi: Array) -> tuple[Array, Array]:
+        step = 2 * np.pi / self.phi.size
+        turn = np.mod(phi - self.phi[0], 2 * np.pi)
+        ray = np.minimum((turn / step).astype(np.intp), self.phi.size - 1)
+        x = turn - ray * step
+        value, slope = (
+            ((c[0, ray, node] * x + c[1, ray, node]) * x + c[2, ray, node]) * x + c[3, ray, node]
+            for c in self._angular_spline
+        )
+        return value, slope
+
+
+def _angular(psi: Any) -> Angular:
+    """A vectorised function of phi from a function, a number or equispaced samples."""
+    if callable(psi):
+        return psi  # type: ignore[no-any-return]
+    values = np.asarray(psi, dtype=float)
+    if not np.all(np.isfinite(values)):
+        raise InputError("the samples of psi must be finite")
+    if values.ndim == 0:
+        constant = float(values)
+        return lambda phi: np.full(np.shape(phi), constant)
+    if values.ndim != 1 or values.size < 4:
+        raise InputError("psi must be a function, a number or at least 4 equispaced samples")
+    return _periodic(values)
+
+
+def _periodic(values: Array) -> Angular:
+    from scipy.interpolate import PchipInterpolator
+
+    n = values.size
+    node = 2 * np.pi * np.arange(-3, n + 4) / n
+    curve = PchipInterpolator(node, values[np.arange(-3, n + 4) % n])
+    return lambda phi: curve(np.mod(phi, 2 * np.pi))
+
+
+def _homogeneous(coefficients: Mapping[tuple[int, int], float], degree: int) -> Angular:
+    terms = [(i, j, c) for (i, j), c in coefficients.items() if i + j == degree]
+    return lambda phi: sum(c * np.cos(phi) ** i * np.sin(phi) ** j for i, j, c in terms)
