@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from .polar import PolynomialProfile as PolynomialProfile
     from .polar import PowerLawProfile as PowerLawProfile
     from .polar import PowerSumProfile as PowerSumProfile
+    from .synthesis import self_affine as self_affine
 
 _HOME = {
     "FileFormatError": "errors",
@@ -24,6 +25,7 @@ _HOME = {
     "PowerLawProfile": "polar",
     "PowerSumProfile": "polar",
     "SurfaceError": "errors",
+    "self_affine": "synthesis",
 }
 
 __all__ = sorted(_HOME)

@@ -1,0 +1,170 @@
+"""Random rough surfaces with a prescribed power spectrum."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import InputError
+from .heightmap import HeightMap
+
+__all__ = ["self_affine"]
+
+_EDGE = 1e-9  # relative tolerance of the band edges, below the spacing of wave numbers
+
+
+def self_affine(
+    shape: tuple[int, int],
+    size: tuple[float, float],
+    *,
+    hurst: float,
+    rms_slope: float | None = None,
+    rms_height: float | None = None,
+    rolloff: float | None = None,
+    cutoff: float | None = None,
+    anisotropy: float = 1.0,
+    angle: float = 0.0,
+    seed: int = 0,
+) -> HeightMap:
+    """Periodic self-affine surface: deterministic amplitudes, random phases, zero mean.
+
+    Parameters
+    ----------
+    shape
+        Number of points (ny, nx), each at least 3.
+    size
+        Lengths (Ly, Lx) [m] of the periodic cell.
+    hurst
+        Hurst exponent H [-], between 0 and 1.
+    rms_slope
+        Root-mean-square gradient of the band-limited surface [-], from its spectrum.
+    rms_height
+        Root-mean-square height [m]; give this or `rms_slope`, not both.
+    rolloff
+        Wavelength [m] above which the spectrum is flat; None: self-affine to the cell's size.
+    cutoff
+        Shortest wavelength [m]; None: the pixel.
+    anisotropy
+        Ratio (at least 1) of equivalent wavelengths along and across the lay. Both are stretched
+        by the square root of the ratio, so that areas of features are kept.
+    angle
+        Direction of the lay (of the long wavelengths), counter-clockwise from +x [rad].
+    seed
+        Seed of `numpy.random.default_rng`. One uniform phase is drawn for each point of the half
+        spectrum (ny, nx//2 + 1), so a seed names one surface of one `shape`: other sizes, spectra
+        and pixel sizes at the same shape keep the phases, other shapes are other realisations.
+
+    Returns
+    -------
+    HeightMap
+        Periodic map of the surface.
+
+    Raises
+    ------
+    InputError
+        If a parameter is out of its range or no wave lies in the band.
+
+    Notes
+    -----
+    The amplitude of wave vector k (cycles per metre) is proportional to
+    ``max(|k|, 1/rolloff) ** -(1 + H)`` for ``|k| <= 1/cutoff`` and zero beyond, so that the power
+    spectral density falls as ``|k| ** (-2 - 2 H)``. The mean and the Nyquist lines are zero.
+    """
+    ny, nx = _checked_shape(shape)
+    ly, lx = _checked_size(size)
+    _check(0.0 <= hurst <= 1.0, f"hurst is {hurst}; it must lie between 0 and 1")
+    _check(anisotropy >= 1.0, f"anisotropy is {anisotropy}; it must be at least 1")
+    for name, wavelength in (("rolloff", rolloff), ("cutoff", cutoff)):
+        _check(
+            wavelength is None or wavelength > 0.0,
+            f"{name} is {wavelength}; it must be a positive wavelength in m",
+        )
+    _check(
+        (rms_slope is None) != (rms_height is None),
+        "give either rms_slope or rms_height, and not both",
+    )
+    target = rms_slope if rms_height is None else rms_height
+    _check(target is not None and target > 0.0, f"the rms value is {target}; it must be positive")
+
+    fy = np.fft.fftfreq(ny, 1.0 / ny)[:, None] / ly
+    fx = np.arange(nx // 2 + 1)[None, :] / lx
+    amplitude = _amplitude(fy, fx, hurst, rolloff, cutoff, anisotropy, angle)
+    if ny % 2 == 0:
+        amplitude[ny // 2, :] = 0.0
+    if nx % 2 == 0:
+        amplitude[:, nx // 2] = 0.0
+    twice = np.full(nx // 2 + 1, 2.0)  # columns that stand for two conjugate waves
+    twice[0] = 1.0
+    power = twice * amplitude**2
+    if rms_height is None:
+        power = power * (2.0 * np.pi) ** 2 * (fy**2 + fx**2)
+    total = float(power.sum())
+    _check(total > 0.0, "no wave lies between the cut-off and the size of the cell")
+
+    phase = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, size=amplitude.shape)
+    half = np.arange(1, (ny + 1) // 2)
+    phase[ny - half, 0] = -phase[half, 0]
+    amplitude *= float(target or 0.0) / np.sqrt(total) * (ny * nx)
+    heights = np.fft.irfft2(amplitude * np.exp(1j * phase), s=(ny, nx))
+    heights -= heights.mean()
+    step = {
+        "step": "self_affine",
+        "hurst": hurst,
+        "rms_slope": rms_slope,
+        "rms_height": rms_height,
+        "rolloff": rolloff,
+        "cutoff": cutoff,
+        "anisotropy": anisotropy,
+        "angle": angle,
+        "seed": seed,
+    }
+    return HeightMap(heights, (ly / ny, lx / nx), periodic=True, history=(step,))
+
+
+def _amplitude(
+    fy: NDArray[np.float64],
+    fx: NDArray[np.float64],
+    hurst: float,
+    rolloff: float | None,
+    cutoff: float | None,
+    anisotropy: float,
+    angle: float,
+) -> NDArray[np.float64]:
+    """Unscaled amplitudes over the half spectrum; `fy`, `fx` are frequencies [1/m]."""
+    if anisotropy == 1.0:
+        k = np.hypot(fy, fx)
+    else:
+        stretch = np.sqrt(anisotropy)
+        along = (fx * np.cos(angle) + fy * np.sin(angle)) * stretch
+        across = (fy * np.cos(angle) - fx * np.sin(angle)) / stretch
+        k = np.hypot(along, across)
+    lowest = np.min(k[k > 0.0])
+    k_rolloff = lowest if rolloff is None else 1.0 / rolloff
+    inside = k < k_rolloff * (1.0 - _EDGE)
+    amplitude: NDArray[np.float64] = np.where(inside, k_rolloff, np.maximum(k, lowest)) ** (
+        -(1.0 + hurst)
+    )
+    amplitude[0, 0] = 0.0
+    if cutoff is not None:
+        amplitude[k > (1.0 + _EDGE) / cutoff] = 0.0
+    return amplitude
+
+
+def _checked_shape(shape: tuple[int, int]) -> tuple[int, int]:
+    ny, nx = (int(n) for n in shape)
+    _check(min(ny, nx) >= 3, f"shape is {tuple(shape)}; both axes need at least 3 points")
+    return ny, nx
+
+
+def _checked_size(size: tuple[float, float]) -> tuple[float, float]:
+    ly, lx = (float(length) for length in size)
+    _check(
+        0.0 < ly < np.inf and 0.0 < lx < np.inf,
+        f"size is {tuple(size)}; both lengths (Ly, Lx) must be positive",
+    )
+    return ly, lx
+
+
+def _check(holds: bool, message: str) -> None:
+    if not holds:
+        raise InputError(message)
