@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ from .results import ContactCurve
 if TYPE_CHECKING:
     from .material import HalfSpace
 
-__all__ = ["Asperities", "contact_curve"]
+__all__ = ["Asperities", "ContactRun", "contact_curve", "solve_contacts"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +85,25 @@ class Asperities:
         return above is None or all(s.lowest_candidate >= above for s in states)
 
 
+@dataclass(frozen=True, eq=False)
+class ContactRun:
+    """A contact curve with the bodies and states behind it.
+
+    Attributes
+    ----------
+    curve
+        The contact curve.
+    bodies
+        The surface taken apart into peaks.
+    states
+        The state of all microcontacts at each load point, in the order of the curve.
+    """
+
+    curve: ContactCurve
+    bodies: Asperities
+    states: tuple[PopulationState, ...]
+
+
 def contact_curve(
     hm: HeightMap,
     material: HalfSpace,
@@ -92,8 +112,8 @@ def contact_curve(
     separations: ArrayLike | None = None,
     law: str = "auto",
     interaction: bool = True,
-    boundary: str | None = None,
     plan: Plan | None = None,
+    boundary: str | None = None,
     progress: Callable[[PopulationState], object] | None = None,
 ) -> ContactCurve:
     """Load, separation and real contact area from the sum of interacting microcontacts.
@@ -113,10 +133,10 @@ def contact_curve(
         Contact law of one summit: "hertz", "paper", "harmonic", "ellipse", "ritz" or "auto".
     interaction
         False gives the classical sum of independent contacts.
-    boundary
-        "periodic" or "free"; as the map says if None.
     plan
         A plan made before by `make_plan`; overrides `law`, `interaction` and `boundary`.
+    boundary
+        "periodic" or "free"; as the map says if None.
     progress
         Called with the state of every finished load point.
 
@@ -138,7 +158,6 @@ def contact_curve(
     d_i = z_i - s - sum_j G_ij F_j (theory 2 to 5, coupling by Gaussian footprints); contacts that
     touch remain separate and interact.
     """
-    kind, values = checked_loads(hm, material, pressures, separations)
     if plan is None:
         plan = make_plan(
             hm,
@@ -149,14 +168,32 @@ def contact_curve(
             interaction=interaction,
             boundary=boundary,
         )
+    return solve_contacts(
+        hm, material, plan, pressures=pressures, separations=separations, progress=progress
+    ).curve
+
+
+def solve_contacts(
+    hm: HeightMap,
+    material: HalfSpace,
+    plan: Plan,
+    *,
+    pressures: ArrayLike | None = None,
+    separations: ArrayLike | None = None,
+    progress: Callable[[PopulationState], object] | None = None,
+) -> ContactRun:
+    """Run `contact_curve` by a plan and keep the bodies and states (for maps and tables)."""
+    kind, values = checked_loads(hm, material, pressures, separations)
     bodies = Asperities.of(hm, material, plan)
     start = time.perf_counter()
     states = _solve(bodies.population, kind, values, progress)
     solving = time.perf_counter() - start
     if not bodies.deep_enough(states):
-        whole = Plan(**{**vars(plan), "above": None})
-        return contact_curve(hm, material, pressures=pressures, separations=separations, plan=whole)
-    return _curve(bodies, states, solving)
+        whole = dataclasses.replace(plan, above=None)
+        return solve_contacts(
+            hm, material, whole, pressures=pressures, separations=separations, progress=progress
+        )
+    return ContactRun(_curve(bodies, states, solving), bodies, tuple(states))
 
 
 def _solve(

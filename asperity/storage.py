@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from . import __version__
 from .errors import FileFormatError, InputError
 from .results import POINT_FIELDS, ContactCurve
+from .tables import structured
 
 __all__ = [
     "SCHEMA",
@@ -201,13 +202,7 @@ def _recoded(
 ) -> NDArray[Any]:
     if array.dtype.names is None:
         return convert(array, "utf-8") if array.dtype.kind == kind else array
-    columns = {name: _recoded(array[name], kind, convert) for name in array.dtype.names}
-    packed = np.empty(
-        array.shape, [(n, c.dtype, c.shape[array.ndim :]) for n, c in columns.items()]
-    )
-    for name, column in columns.items():
-        packed[name] = column
-    return packed
+    return structured({name: _recoded(array[name], kind, convert) for name in array.dtype.names})
 
 
 def _json(value: Mapping[str, Any]) -> str:

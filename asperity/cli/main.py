@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 
 from asperity import __version__
-from surfaces.errors import AsperityError
+from asperity.errors import AsperityError, ConvergenceError
 
 EXIT_OK, EXIT_NOT_CONVERGED, EXIT_BAD_INPUT = 0, 1, 2
 
@@ -62,7 +62,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except (AsperityError, MemoryError) as error:
         text = " ".join(str(error).split()) or "out of memory"
         sys.stderr.write(f"asperity {args.command}: {text}\n")
-        return EXIT_BAD_INPUT
+        return EXIT_NOT_CONVERGED if isinstance(error, ConvergenceError) else EXIT_BAD_INPUT
     except BrokenPipeError:
         sys.stderr.close()
         return EXIT_OK

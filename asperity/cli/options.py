@@ -16,11 +16,13 @@ from surfaces.heightmap import HeightMap
 __all__ = [
     "add_load_options",
     "add_material_options",
+    "add_model_options",
     "add_surface_options",
     "expand_files",
     "load_surface",
     "loads",
     "material",
+    "model",
     "numbers",
 ]
 
@@ -88,6 +90,22 @@ def add_material_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_model_options(parser: argparse.ArgumentParser) -> None:
+    """Options of the microcontact model."""
+    group = parser.add_argument_group("model")
+    group.add_argument(
+        "--law",
+        default="auto",
+        choices=["auto", "hertz", "paper", "harmonic", "ellipse", "ritz"],
+        help="contact law of one summit (default auto)",
+    )
+    group.add_argument(
+        "--no-interaction",
+        action="store_true",
+        help="the classical sum: contacts do not displace each other",
+    )
+
+
 def add_load_options(parser: argparse.ArgumentParser) -> None:
     """Options that choose the load points."""
     group = parser.add_argument_group("load points").add_mutually_exclusive_group()
@@ -152,6 +170,15 @@ def material(args: argparse.Namespace) -> Any:
     if args.E is None:
         raise InputError("no material: give --E (Young's modulus in Pa) or --modulus (E* in Pa)")
     return HalfSpace(args.E, args.nu, m=args.m)
+
+
+def model(args: argparse.Namespace) -> dict[str, Any]:
+    """Choices of the microcontact model, as keyword arguments."""
+    return {
+        "law": args.law,
+        "interaction": not args.no_interaction,
+        "boundary": args.boundary,
+    }
 
 
 def loads(args: argparse.Namespace) -> dict[str, NDArray[np.float64]]:

@@ -1,0 +1,80 @@
+"""``asperity compare``: both models on one or several surfaces, results file and report."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from asperity.cli import options, output
+from asperity.cli.main import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
+from asperity.errors import AsperityError
+
+EPILOG = """examples:
+  asperity compare scan.h5 --E 210e9 --nu 0.3
+  asperity compare scans/*.h5 --E 210e9 --level plane --fill harmonic --periodic taper
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of ``asperity compare``."""
+    parser.epilog = EPILOG
+    options.add_surface_options(parser, several=True)
+    options.add_material_options(parser)
+    options.add_load_options(parser)
+    options.add_model_options(parser)
+    parser.add_argument(
+        "--tolerance", type=float, default=1e-6, help="bound of the certificate (default 1e-6)"
+    )
+    output.add_output_options(parser, report=True)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Compare on each file; a bad file is named and the others go on."""
+    output.require_folder(args.results, args.report, args.csv)
+    material, loads = options.material(args), options.loads(args)
+    files = options.expand_files(args.files)
+    worst = EXIT_OK
+    for file in files:
+        try:
+            converged = _compare_one(file, args, material, loads, several=len(files) > 1)
+        except AsperityError as error:
+            if len(files) == 1:
+                raise
+            sys.stderr.write(f"asperity compare: {file}: {' '.join(str(error).split())}\n")
+            worst = EXIT_BAD_INPUT
+        else:
+            worst = worst if converged else max(worst, EXIT_NOT_CONVERGED)
+    return worst
+
+
+def _compare_one(file, args, material, loads, *, several: bool) -> bool:  # type: ignore[no-untyped-def]
+    from asperity.compare import compare
+    from asperity.storage import write_csv
+
+    hm = options.load_surface(file, args)
+    shown, advance = output.bar(None, Path(file).name)
+    with shown:
+
+        def stage(label: str) -> None:
+            shown.set_postfix_str(label)
+            advance(label)
+
+        comparison = compare(
+            hm,
+            material,
+            **loads,
+            **options.model(args),
+            tolerance=args.tolerance,
+            progress=stage,
+        )
+    stem = Path(file).stem
+    results, report = (output.named(f, stem, several) for f in (args.results, args.report))
+    comparison.to_hdf5(results)
+    comparison.to_html(report)
+    if args.csv:
+        table = comparison.table
+        target = output.named(args.csv, stem, several)
+        write_csv(target, {name: table[name] for name in table.dtype.names})
+    print(f"{file}\n{comparison}\nresults {results}, report {report}", flush=True)
+    return comparison.converged

@@ -1,0 +1,53 @@
+"""``asperity demo``: make a surface, run both models, write the report, print the verdict."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from asperity.cli import output
+
+EPILOG = """example:
+  asperity demo --folder demo
+"""
+
+POINTS, SIZE = 256, 1e-3
+STEEL, POISSON = 210e9, 0.3
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of ``asperity demo``."""
+    parser.epilog = EPILOG
+    parser.add_argument(
+        "--folder", default=".", help="folder for surface.h5, results.h5 and report.html"
+    )
+    parser.add_argument("--seed", type=int, default=1, help="seed of the surface (default 1)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Generate a self-affine steel surface of 1 mm and compare both models on it."""
+    import surfaces
+    from asperity.compare import compare
+    from asperity.material import HalfSpace
+
+    folder = Path(args.folder)
+    output.require_folder(str(folder / "report.html"))
+    hm = surfaces.self_affine(
+        (POINTS, POINTS),
+        (SIZE, SIZE),
+        hurst=0.8,
+        rms_slope=0.1,
+        rolloff=SIZE / 8,
+        cutoff=SIZE * 8 / POINTS,
+        seed=args.seed,
+    ).replace(name="demo")
+    surfaces.write(hm, folder / "surface.h5")
+    shown, advance = output.bar(None, "demo")
+    with shown:
+        comparison = compare(hm, HalfSpace(STEEL, POISSON), progress=advance)
+    comparison.to_hdf5(folder / "results.h5")
+    comparison.to_html(folder / "report.html")
+    print(comparison)
+    print(f"surface {folder / 'surface.h5'}, results {folder / 'results.h5'}")
+    print(f"report  {folder / 'report.html'}")
+    return output.exit_code([comparison.model, comparison.reference])

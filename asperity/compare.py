@@ -1,0 +1,391 @@
+"""The microcontact model against the full boundary-element solution, error against run time."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import surfaces
+from surfaces.heightmap import HeightMap
+
+from .bem import bem_curve
+from .contacts import contact_map, microcontacts
+from .curve import solve_contacts
+from .errors import InputError
+from .loadpoints import checked_loads, slope_scale
+from .plan import Plan, make_plan
+from .results import ContactCurve
+from .storage import ResultFile, read_results, write_results
+from .tables import structured
+
+if TYPE_CHECKING:
+    from .material import HalfSpace
+
+__all__ = ["Comparison", "compare"]
+
+MAP_AREA_FRACTION = 0.03
+"""Contact area fraction near which the contact maps are taken."""
+
+LOOSE_TOLERANCE = 1e-2
+"""Tolerance of the cheap boundary-element runs; looser saves little, tighter changes nothing."""
+
+SMALLEST_GRID = 48
+"""Coarse boundary-element grids stop here."""
+
+ERRORS = ("load_error", "area_error", "separation_error")
+
+PARETO_TYPE = np.dtype(
+    [
+        ("model", "U16"),
+        ("ny", np.int64),
+        ("nx", np.int64),
+        ("tolerance", np.float64),
+        ("seconds", np.float64),
+        ("load_error", np.float64),
+        ("area_error", np.float64),
+        ("separation_error", np.float64),
+    ]
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Both models on the same surface at the same loads, and what each cost.
+
+    Attributes
+    ----------
+    model
+        Curve of the microcontact model.
+    reference
+        Curve of the boundary-element solution on the full grid.
+    table
+        One row per load point: mean_pressure [Pa], area fractions and separations [m] of both
+        models, load_error (load at equal separation, relative), area_error (area at equal load,
+        relative), separation_error (at equal load, in rms heights), contacts of both.
+    pareto
+        One row per run: model, ny, nx, tolerance, seconds, and its rms errors over the load points.
+    overlap
+        Intersection over union of the two contact maps.
+    maps
+        "bem" and "asperity": contact maps (ny, nx) at the load point `map_point`.
+    map_point
+        Index of the load point of the maps.
+    microcontacts
+        Table of the microcontacts at that load point.
+    plan
+        What the model run needed and left out.
+    about
+        Facts about the input.
+    """
+
+    model: ContactCurve
+    reference: ContactCurve
+    table: NDArray[np.void]
+    pareto: NDArray[np.void]
+    overlap: float
+    maps: dict[str, NDArray[np.bool_]]
+    map_point: int
+    microcontacts: NDArray[np.void]
+    plan: tuple[str, ...]
+    about: dict[str, Any]
+
+    @property
+    def converged(self) -> bool:
+        """Whether every point of both models converged."""
+        return bool(self.model.converged.all() and self.reference.converged.all())
+
+    @property
+    def rival(self) -> NDArray[np.void] | None:
+        """The fastest boundary-element run at least as accurate as the model, if there is one."""
+        ours = self.pareto[self.pareto["model"] == "asperity"][0]
+        others = self.pareto[self.pareto["model"] == "bem"]
+        as_good = (others["load_error"] <= ours["load_error"]) & (
+            others["area_error"] <= ours["area_error"]
+        )
+        if not as_good.any():
+            return None
+        return others[as_good][np.argmin(others[as_good]["seconds"])]
+
+    def verdict(self) -> str:
+        """What a reader wants to know first, in three sentences."""
+        row, ours = self.table[self.map_point], self.pareto[0]
+        text = (
+            f"At a mean pressure of {row['mean_pressure']:.3g} Pa, "
+            f"{100 * row['area_bem']:.2g} % of the nominal area touches at a separation of "
+            f"{row['separation_bem']:.3g} m (boundary elements). Over the whole curve the "
+            f"microcontact model is off by {100 * ours['load_error']:.2g} % rms in load at equal "
+            f"separation and {100 * ours['area_error']:.2g} % rms in area at equal load, in "
+            f"{ours['seconds']:.2g} s. "
+        )
+        rival = self.rival
+        if rival is None:
+            return text + "No loose boundary-element run was as accurate."
+        ratio = float(rival["seconds"] / ours["seconds"])
+        speed = f"{ratio:.2g} times faster" if ratio >= 1 else f"{1 / ratio:.2g} times slower"
+        return text + (
+            f"The model is {speed} than the fastest boundary-element run at least as accurate "
+            f"({rival['ny']} x {rival['nx']} points, tolerance {rival['tolerance']:.0e}, "
+            f"{rival['seconds']:.2g} s)."
+        )
+
+    def to_results(self) -> ResultFile:
+        """Everything as the content of a results file."""
+        about = {
+            **self.about,
+            "plan": list(self.plan),
+            "overlap": self.overlap,
+            "map_point": self.map_point,
+        }
+        return ResultFile(
+            curves={"asperity": self.model, "bem": self.reference},
+            tables={
+                "comparison": self.table,
+                "pareto": self.pareto,
+                "microcontacts": self.microcontacts,
+            },
+            maps=dict(self.maps),
+            about=about,
+        )
+
+    def to_hdf5(self, path: str | os.PathLike[str]) -> None:
+        """Write both curves, the tables and the maps to a results file."""
+        write_results(path, self.to_results())
+
+    @classmethod
+    def from_hdf5(cls, path: str | os.PathLike[str]) -> Comparison:
+        """Read a comparison back from a results file.
+
+        Raises
+        ------
+        FileFormatError, InputError
+            If the file is unreadable or holds no comparison.
+        """
+        held = read_results(path)
+        if "comparison" not in held.tables:
+            raise InputError(f"{path} holds no comparison; make one with asperity compare")
+        about = dict(held.about)
+        return cls(
+            model=held.curves["asperity"],
+            reference=held.curves["bem"],
+            table=held.tables["comparison"],
+            pareto=held.tables["pareto"],
+            plan=tuple(about.pop("plan")),
+            overlap=float(about.pop("overlap")),
+            map_point=int(about.pop("map_point")),
+            maps={name: array.astype(bool) for name, array in held.maps.items()},
+            microcontacts=held.tables["microcontacts"],
+            about=about,
+        )
+
+    def to_html(self, path: str | os.PathLike[str]) -> None:
+        """Write the self-contained report."""
+        from .report import write_report
+
+        write_report(self, path)
+
+    def __str__(self) -> str:
+        lines = ["  pressure [Pa]   area BEM   area model   load error   area error   ds/rms"]
+        lines += [
+            f"  {row['mean_pressure']:12.4g}   {row['area_bem']:8.4f}   {row['area_model']:10.4f}"
+            f"   {100 * row['load_error']:+8.2f} %   {100 * row['area_error']:+8.2f} %"
+            f"   {row['separation_error']:+.4f}"
+            for row in self.table
+        ]
+        lines += [f"  contact-map overlap {self.overlap:.2f}", self.verdict()]
+        return "\n".join(lines)
+
+
+def compare(
+    hm: HeightMap,
+    material: HalfSpace,
+    *,
+    pressures: ArrayLike | None = None,
+    separations: ArrayLike | None = None,
+    law: str = "auto",
+    interaction: bool = True,
+    boundary: str | None = None,
+    tolerance: float = 1e-6,
+    plan: Plan | None = None,
+    progress: Callable[[str], object] | None = None,
+) -> Comparison:
+    """Run both models, the cheap boundary-element settings, and measure the distance between them.
+
+    Parameters
+    ----------
+    hm, material, pressures, separations, law, interaction, boundary, plan
+        As in `contact_curve`.
+    tolerance
+        Tolerance of the reference solution.
+    progress
+        Called with a short label as each stage begins.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    SurfaceError, InputError
+        As in `contact_curve` and `bem_curve`.
+
+    Notes
+    -----
+    The baseline is honest: boundary elements on the full grid and on every coarser grid, with a
+    loose tolerance, by the same solver.  Errors are measured against the full grid at `tolerance`.
+    """
+    say = progress if progress is not None else lambda label: None
+    kind, values = checked_loads(hm, material, pressures, separations)
+    loads = {"pressures" if kind == "pressure" else "separations": values}
+    if plan is None:
+        plan = make_plan(hm, material, **loads, law=law, interaction=interaction, boundary=boundary)
+    say(f"boundary elements {hm.shape[0]} x {hm.shape[1]}, tolerance {tolerance:.0e}")
+    snapshot = _Snapshot()
+    reference = bem_curve(
+        hm, material, **loads, tolerance=tolerance, boundary=plan.boundary, progress=snapshot
+    )
+    say("microcontact model")
+    run = solve_contacts(hm, material, plan, pressures=reference.mean_pressure)
+    same = solve_contacts(hm, material, plan, separations=reference.separation).curve
+    table = _table(run.curve, same, reference, hm.rms_height)
+    seconds = sum(run.curve.seconds.values())
+    rows = [
+        ("asperity", *hm.shape, np.nan, seconds, *(_rms(table[name]) for name in ERRORS)),
+        ("bem", *hm.shape, tolerance, sum(reference.seconds.values()), 0.0, 0.0, 0.0),
+    ]
+    for grid in coarse_grids(hm.shape):
+        say(f"boundary elements {grid[0]} x {grid[1]}, tolerance {LOOSE_TOLERANCE:.0e}")
+        rows.append(_cheap_run(hm, material, grid, plan.boundary, reference))
+    point = int(np.argmin(np.abs(reference.mean_pressure - snapshot.mean_pressure)))
+    maps = {"bem": snapshot.touching, "asperity": contact_map(run.bodies, run.states[point])}
+    union = np.count_nonzero(maps["bem"] | maps["asperity"])
+    both = np.count_nonzero(maps["bem"] & maps["asperity"])
+    return Comparison(
+        model=run.curve,
+        reference=reference,
+        table=table,
+        pareto=np.array(rows, dtype=PARETO_TYPE),
+        overlap=both / union if union else 1.0,
+        maps=maps,
+        map_point=point,
+        microcontacts=microcontacts(run.bodies, run.states[point]),
+        plan=plan.reasons,
+        about=_about(hm, material),
+    )
+
+
+def coarse_grids(shape: tuple[int, int]) -> list[tuple[int, int]]:
+    """The full grid and its halves, quarters, ... down to the smallest useful one."""
+    grids = [shape]
+    while min(grids[-1]) >= 2 * SMALLEST_GRID:
+        grids.append((grids[-1][0] // 2, grids[-1][1] // 2))
+    return grids
+
+
+def load_at_separation(curve: ContactCurve, separation: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Mean pressure [Pa] of a curve at given separations [m], log-linear beyond its ends."""
+    from scipy.interpolate import PchipInterpolator
+
+    usable = curve.converged & (curve.mean_pressure > 0)
+    order = np.flatnonzero(usable)[np.argsort(curve.separation[usable])]
+    order = order[np.diff(curve.separation[order], prepend=-np.inf) > 0]
+    if len(order) < 2:
+        return np.full(np.shape(separation), np.nan)
+    knots, log_p = curve.separation[order], np.log(curve.mean_pressure[order])
+    spline = PchipInterpolator(knots, log_p)
+    inside = np.clip(separation, knots[0], knots[-1])
+    slope = spline.derivative()(inside)
+    return np.exp(spline(inside) + slope * (separation - inside))
+
+
+class _Snapshot:
+    """Keeps the contact map of the solution nearest to `MAP_AREA_FRACTION`."""
+
+    def __init__(self) -> None:
+        self.distance = np.inf
+        self.mean_pressure = 0.0
+        self.touching: NDArray[np.bool_] = np.zeros((0, 0), dtype=bool)
+
+    def __call__(self, solution: Any) -> None:
+        distance = abs(np.log(max(solution.area_fraction, 1e-12) / MAP_AREA_FRACTION))
+        if distance < self.distance or not self.touching.size:
+            self.distance = distance
+            self.mean_pressure = solution.mean_pressure
+            self.touching = solution.pressure > 0
+
+
+def _table(
+    model: ContactCurve, same: ContactCurve, reference: ContactCurve, rms_height: float
+) -> NDArray[np.void]:
+    """Errors per load point: `model` at the reference's loads, `same` at its separations."""
+    loaded = reference.converged & (reference.mean_pressure > 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        load_error = same.mean_pressure / reference.mean_pressure - 1.0
+        area_error = model.contact_area / reference.contact_area - 1.0
+    return structured(
+        {
+            "mean_pressure": reference.mean_pressure,
+            "area_bem": reference.area_fraction,
+            "area_model": model.area_fraction,
+            "separation_bem": reference.separation,
+            "separation_model": model.separation,
+            "load_error": np.where(loaded & same.converged, load_error, np.nan),
+            "area_error": np.where(loaded & model.converged, area_error, np.nan),
+            "separation_error": (model.separation - reference.separation) / rms_height,
+            "contacts_bem": reference.contacts,
+            "contacts_model": model.contacts,
+        }
+    )
+
+
+def _cheap_run(
+    hm: HeightMap,
+    material: HalfSpace,
+    grid: tuple[int, int],
+    boundary: str,
+    reference: ContactCurve,
+) -> tuple[Any, ...]:
+    """Row of the table of run times: boundary elements on a coarse grid at a loose tolerance."""
+    start = time.perf_counter()
+    coarse = hm if grid == hm.shape else surfaces.resample(hm, shape=grid)
+    curve = bem_curve(
+        coarse,
+        material,
+        pressures=reference.mean_pressure,
+        tolerance=LOOSE_TOLERANCE,
+        boundary=boundary,
+    )
+    seconds = time.perf_counter() - start
+    loaded = reference.mean_pressure > 0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        area = (curve.contact_area / reference.contact_area - 1.0)[loaded]
+        shifted = load_at_separation(curve, reference.separation)[loaded]
+    load = shifted / reference.mean_pressure[loaded] - 1.0
+    separation = (curve.separation - reference.separation)[loaded] / hm.rms_height
+    errors = (_rms(load), _rms(area), _rms(separation))
+    return ("bem", *grid, LOOSE_TOLERANCE, seconds, *errors)
+
+
+def _rms(values: NDArray[np.float64]) -> float:
+    finite = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(finite**2))) if finite.size else float("nan")
+
+
+def _about(hm: HeightMap, material: HalfSpace) -> dict[str, Any]:
+    return {
+        "name": hm.name,
+        "shape": list(hm.shape),
+        "spacing": list(hm.spacing),
+        "periodic": hm.periodic,
+        "rms_height": hm.rms_height,
+        "rms_slope": slope_scale(hm)[0],
+        "history": [dict(step) for step in hm.history],
+        "input": hm.digest,
+        "modulus": material.modulus,
+        "m": material.m,
+    }

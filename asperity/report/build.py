@@ -1,0 +1,43 @@
+"""Fill the report's template with a comparison."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import jinja2
+
+from asperity import __version__
+from asperity.storage import replacing
+
+from . import figures
+
+if TYPE_CHECKING:
+    from asperity.compare import Comparison
+
+__all__ = ["write_report"]
+
+
+def write_report(comparison: Comparison, path: str | os.PathLike[str]) -> None:
+    """Write the report of a comparison as one HTML file that needs nothing else."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("asperity", "report"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["percent"] = lambda value: f"{100 * value:+.2f}"
+    environment.filters["short"] = lambda value: f"{value:.4g}"
+    text = environment.get_template("template.html.j2").render(
+        comparison=comparison,
+        about=comparison.about,
+        verdict=comparison.verdict(),
+        version=__version__,
+        separation=figures.separation_figure(comparison),
+        area=figures.area_figure(comparison),
+        maps=figures.map_figure(comparison),
+        pareto=figures.pareto_figure(comparison),
+    )
+    with replacing(path) as partial, open(partial, "w", encoding="utf-8") as handle:
+        handle.write(text)

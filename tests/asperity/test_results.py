@@ -1,0 +1,145 @@
+"""Contact curves: reading off, files, and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asperity.errors import FileFormatError, InputError
+from asperity.results import POINT_FIELDS, ContactCurve
+from asperity.storage import ResultFile, read_results, write_csv, write_results
+from asperity.tables import structured
+
+
+def power_law_curve(n: int = 12, *, broken: int | None = None) -> ContactCurve:
+    """Mean pressure p = exp(-s / s0): the exponential law of rough contact."""
+    pressure = np.geomspace(1e4, 1e7, n)
+    converged = np.ones(n, dtype=bool)
+    if broken is not None:
+        converged[broken] = False
+    separation = -1e-6 * np.log(pressure / 1e8)
+    return ContactCurve(
+        separation=np.where(converged, separation, np.nan),
+        mean_pressure=pressure,
+        load=pressure * 1e-6,
+        area_fraction=pressure / 1e8,
+        contact_area=pressure / 1e8 * 1e-6,
+        contacts=np.arange(n),
+        stiffness=pressure / 1e-6,
+        converged=converged,
+        residual=np.full(n, 1e-9),
+        error_estimate=np.full(n, np.nan),
+        model="asperity",
+        seconds={"contact": 0.5},
+        settings={"law": "paper", "above": None, "modulus": np.float64(2e11)},
+        extra={"filled_share": np.linspace(0, 0.1, n)},
+        reasons=tuple("stopped" if i == broken else "" for i in range(n)),
+    )
+
+
+def test_reading_off_an_exponential_law_is_exact_between_points():
+    curve = power_law_curve()
+    asked = np.array([2.3e4, 7e5, 9.9e6])
+    point = curve.at(pressure=asked)
+    np.testing.assert_allclose(point.area_fraction, asked / 1e8, rtol=1e-12)
+    np.testing.assert_allclose(point.separation, -1e-6 * np.log(asked / 1e8), rtol=1e-12)
+    back = curve.at(separation=point.separation)
+    np.testing.assert_allclose(back.mean_pressure, asked, rtol=1e-9)
+
+
+def test_scalar_question_scalar_answer():
+    point = power_law_curve().at(pressure=1e5)
+    assert np.ndim(point.area_fraction) == 0
+    assert point.load == pytest.approx(0.1)
+
+
+def test_points_that_did_not_converge_are_not_read():
+    whole, broken = power_law_curve(), power_law_curve(broken=5)
+    p = whole.mean_pressure[5]
+    assert broken.at(pressure=p).separation == pytest.approx(whole.separation[5], rel=1e-9)
+
+
+@pytest.mark.parametrize("question", [{}, {"pressure": 1e5, "separation": 1e-6}])
+def test_one_question_at_a_time(question):
+    with pytest.raises(InputError, match="either pressure or separation"):
+        power_law_curve().at(**question)
+
+
+@pytest.mark.parametrize("question", [{"pressure": 1e9}, {"pressure": -1.0}, {"separation": 1.0}])
+def test_reading_off_outside_the_curve_is_refused(question):
+    with pytest.raises(InputError, match="outside the converged curve"):
+        power_law_curve().at(**question)
+
+
+def test_columns_of_unequal_length_are_refused():
+    with pytest.raises(InputError, match=r"load has shape \(3,\); expected \(2,\)"):
+        ContactCurve(**{n: np.zeros(3 if n == "load" else 2) for n in POINT_FIELDS}, model="x")
+
+
+def test_print_tells_the_points_that_failed():
+    text = str(power_law_curve(broken=3))
+    assert "12 points, 11 converged" in text
+    assert "point 3: stopped" in text
+
+
+def test_file_gives_back_the_curve(tmp_path):
+    curve = power_law_curve(broken=2)
+    curve.to_hdf5(tmp_path / "r.h5")
+    back = ContactCurve.from_hdf5(tmp_path / "r.h5")
+    for name in POINT_FIELDS:
+        np.testing.assert_array_equal(getattr(back, name), getattr(curve, name))
+        assert getattr(back, name).dtype == getattr(curve, name).dtype
+    np.testing.assert_array_equal(back.extra["filled_share"], curve.extra["filled_share"])
+    assert back.reasons == curve.reasons
+    assert back.settings == {"law": "paper", "above": None, "modulus": 2e11}
+    assert back.seconds == curve.seconds
+
+
+def test_tables_maps_and_facts_come_back(tmp_path):
+    table = structured({"model": np.array(["bem", "µ"]), "seconds": np.array([1.0, 2.0])})
+    held = ResultFile(
+        curves={"a": power_law_curve(), "b": power_law_curve(3)},
+        tables={"pareto": table},
+        maps={"contact": np.eye(4, 6, dtype=bool)},
+        about={"name": "scan", "history": [{"step": "level"}]},
+    )
+    write_results(tmp_path / "r.h5", held)
+    back = read_results(tmp_path / "r.h5")
+    assert back.tables["pareto"]["model"].tolist() == ["bem", "µ"]
+    np.testing.assert_array_equal(back.tables["pareto"]["seconds"], [1.0, 2.0])
+    np.testing.assert_array_equal(back.maps["contact"], np.eye(4, 6, dtype=bool))
+    assert back.about == held.about
+    with pytest.raises(FileFormatError, match="holds a, b"):
+        ContactCurve.from_hdf5(tmp_path / "r.h5")
+
+
+def test_an_interrupted_write_leaves_the_old_file(tmp_path):
+    power_law_curve().to_hdf5(tmp_path / "r.h5")
+    broken = ResultFile(curves={"a": power_law_curve()}, tables={"bad": np.array([object()])})
+    with pytest.raises(TypeError):
+        write_results(tmp_path / "r.h5", broken)
+    assert len(ContactCurve.from_hdf5(tmp_path / "r.h5")) == 12
+    assert [p.name for p in tmp_path.iterdir()] == ["r.h5"]
+
+
+def test_unreadable_results_are_one_sentence(tmp_path):
+    with pytest.raises(FileFormatError, match="no such results file"):
+        read_results(tmp_path / "none.h5")
+    (tmp_path / "text.h5").write_text("not HDF5")
+    with pytest.raises(FileFormatError, match="not a readable results file"):
+        read_results(tmp_path / "text.h5")
+    power_law_curve().to_hdf5(tmp_path / "r.h5")
+    whole = (tmp_path / "r.h5").read_bytes()
+    (tmp_path / "half.h5").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(FileFormatError, match="not a readable results file"):
+        read_results(tmp_path / "half.h5")
+
+
+def test_no_folder_to_write_into(tmp_path):
+    with pytest.raises(InputError, match="cannot write"):
+        power_law_curve().to_hdf5(tmp_path / "absent" / "r.h5")
+
+
+def test_csv_holds_the_columns(tmp_path):
+    write_csv(tmp_path / "c.csv", {"x": np.array([1.5, 2.0]), "n": np.array([1, 2])})
+    assert (tmp_path / "c.csv").read_text().split() == ["x,n", "1.5,1", "2.0,2"]
