@@ -15,7 +15,13 @@ from .errors import InputError
 if TYPE_CHECKING:
     from .material import HalfSpace
 
-__all__ = ["checked_loads", "default_pressures", "expected_area_fraction", "slope_scale"]
+__all__ = [
+    "checked_loads",
+    "default_pressures",
+    "expected_area_fraction",
+    "pressure_scale",
+    "slope_scale",
+]
 
 AREA_OVER_LOAD = 2.0
 """Contact area fraction over p/(E* h') at light load (about 2 for random roughness: Hyun, Pei,

@@ -1,0 +1,68 @@
+"""The plan: what is left out follows from the input and is said."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from asperity.errors import InputError, SurfaceError
+from asperity.loadpoints import pressure_scale
+from asperity.material import HalfSpace
+from asperity.plan import make_plan
+from surfaces import HeightMap, self_affine
+
+STEEL = HalfSpace.from_modulus(2e11)
+
+
+@pytest.fixture(scope="module")
+def rough() -> HeightMap:
+    return self_affine((96, 128), (9.6e-4, 1.28e-3), hurst=0.8, rms_slope=0.1, cutoff=8e-5, seed=4)
+
+
+def test_homogeneous_material_leaves_graded_functions_out(rough):
+    assert not make_plan(rough, STEEL).graded
+    assert make_plan(rough, HalfSpace.from_modulus(2e11, m=0.3)).graded
+
+
+def test_boundary_follows_the_map_unless_asked(rough):
+    assert make_plan(rough, STEEL).boundary == "periodic"
+    assert make_plan(dataclasses.replace(rough, periodic=False), STEEL).boundary == "free"
+    assert make_plan(rough, STEEL, boundary="free").boundary == "free"
+
+
+def test_interaction_is_left_out_only_at_vanishing_load(rough):
+    scale = pressure_scale(rough, STEEL)
+    assert make_plan(rough, STEEL).interaction
+    assert not make_plan(rough, STEEL, interaction=False).interaction
+    assert not make_plan(rough, STEEL, pressures=[1e-14 * scale]).interaction
+    assert make_plan(rough, STEEL, pressures=[1e-14 * scale, 1e-2 * scale]).interaction
+
+
+def test_light_loads_segment_only_the_top(rough):
+    scale = pressure_scale(rough, STEEL)
+    light = make_plan(rough, STEEL, pressures=[1e-3 * scale])
+    heavy = make_plan(rough, STEEL, pressures=[0.2 * scale])
+    assert light.above is not None
+    assert light.above > 0
+    assert heavy.above is None
+    high = make_plan(rough, STEEL, separations=[1.5 * rough.rms_height])
+    assert high.above == pytest.approx(rough.rms_height, rel=1e-9)
+
+
+def test_every_choice_has_its_reason(rough):
+    text = str(make_plan(rough, STEEL))
+    for word in ("boundary", "material", "interaction", "segmentation", "memory"):
+        assert word in text
+
+
+def test_maps_that_no_model_can_use(rough):
+    holed = rough.heights.copy()
+    holed[3, 5] = np.nan
+    with pytest.raises(SurfaceError, match=r"1 missing points of 12288; fill them"):
+        make_plan(rough.replace(heights=holed), STEEL)
+    with pytest.raises(SurfaceError, match="constant"):
+        make_plan(rough.replace(heights=np.ones((4, 5))), STEEL)
+    with pytest.raises(InputError, match='"periodic" or "free"'):
+        make_plan(rough, STEEL, boundary="open")
