@@ -10,21 +10,25 @@ if TYPE_CHECKING:
     from .errors import InputError as InputError
     from .errors import SurfaceError as SurfaceError
     from .heightmap import HeightMap as HeightMap
+    from .peaks import Peaks as Peaks
     from .polar import PolarProfile as PolarProfile
     from .polar import PolynomialProfile as PolynomialProfile
     from .polar import PowerLawProfile as PowerLawProfile
     from .polar import PowerSumProfile as PowerSumProfile
+    from .segmentation import segment as segment
     from .synthesis import self_affine as self_affine
 
 _HOME = {
     "FileFormatError": "errors",
     "HeightMap": "heightmap",
     "InputError": "errors",
+    "Peaks": "peaks",
     "PolarProfile": "polar",
     "PolynomialProfile": "polar",
     "PowerLawProfile": "polar",
     "PowerSumProfile": "polar",
     "SurfaceError": "errors",
+    "segment": "segmentation",
     "self_affine": "synthesis",
 }
 

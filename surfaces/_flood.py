@@ -1,0 +1,308 @@
+"""Kernels of the segmentation: steepest ascent, plateaus, basins, saddles, merging.
+
+The pointer map ``link`` (int32, flat) holds one number per pixel:
+
+====================  ==========================================================
+-1                    not flooded
+-2 - j                the steepest way up leads to pixel j
+``FLAT``              no way up, but a neighbor of the same height
+0, 1, ...             label of the basin
+====================  ==========================================================
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+FLAT = np.int32(-(2**31))
+_ROWS = np.array([-1, -1, -1, 0, 0, 1, 1, 1])
+_COLS = np.array([-1, 0, 1, -1, 1, -1, 0, 1])
+
+
+@njit(cache=True, nogil=True)
+def ascend(heights, periodic, above, inverse, link, peaks, flats, start, stop):
+    """Link each flooded pixel of the rows [start, stop) to its steepest higher neighbor.
+
+    `inverse` holds 1/distance to the neighbors above, beside and diagonal. Pixels without a higher
+    neighbor are collected: strict peaks in `peaks`, members of plateaus in `flats`.
+    Returns both counts and the lowest height flooded.
+    """
+    ny, nx = heights.shape
+    inv_y, inv_x, inv_d = inverse
+    window = np.full((3, nx + 2), -np.inf)
+    code = np.empty(nx, np.int64)
+    level = np.empty(nx, np.bool_)
+    step = np.empty(8, np.int64)
+    n_peaks = 0
+    n_flats = 0
+    lowest = np.inf
+    for i in range(start, stop):
+        for k in range(3):
+            row = i + k - 1
+            if periodic:
+                row %= ny
+            if i > start and k < 2:
+                window[k, :] = window[k + 1, :]
+            elif 0 <= row < ny:
+                window[k, 1 : nx + 1] = heights[row]
+                if periodic:
+                    window[k, 0] = heights[row, nx - 1]
+                    window[k, nx + 1] = heights[row, 0]
+            else:
+                window[k, :] = -np.inf
+        for k in range(8):
+            step[k] = ((i + _ROWS[k]) % ny - i) * nx + _COLS[k]
+        north, here, south = window[0], window[1], window[2]
+        base = i * nx
+        j = 0
+        while j < nx:
+            if not here[j + 1] >= above:
+                link[base + j] = -1
+                j += 1
+                continue
+            first = j
+            while j < nx and here[j + 1] >= above:
+                j += 1
+            for c in range(first, j):
+                z = here[c + 1]
+                best = (north[c] - z) * inv_d
+                way = 0
+                s = (north[c + 1] - z) * inv_y
+                way = 1 if s > best else way
+                best = max(s, best)
+                s = (north[c + 2] - z) * inv_d
+                way = 2 if s > best else way
+                best = max(s, best)
+                s = (here[c] - z) * inv_x
+                way = 3 if s > best else way
+                best = max(s, best)
+                s = (here[c + 2] - z) * inv_x
+                way = 4 if s > best else way
+                best = max(s, best)
+                s = (south[c] - z) * inv_d
+                way = 5 if s > best else way
+                best = max(s, best)
+                s = (south[c + 1] - z) * inv_y
+                way = 6 if s > best else way
+                best = max(s, best)
+                s = (south[c + 2] - z) * inv_d
+                way = 7 if s > best else way
+                best = max(s, best)
+                code[c] = way if best > 0.0 else 8
+                level[c] = best == 0.0
+            for c in range(first, j):
+                lowest = min(lowest, here[c + 1])
+                p = base + c
+                way = code[c]
+                if way < 8:
+                    up = p + step[way]
+                    if c == 0 and _COLS[way] < 0:
+                        up += nx
+                    elif c == nx - 1 and _COLS[way] > 0:
+                        up -= nx
+                    link[p] = -2 - up
+                elif level[c]:
+                    link[p] = FLAT
+                    flats[n_flats] = p
+                    n_flats += 1
+                else:
+                    link[p] = -2 - p
+                    peaks[n_peaks] = p
+                    n_peaks += 1
+    return n_peaks, n_flats, lowest
+
+
+@njit(cache=True, nogil=True)
+def drain_plateaus(heights, periodic, link, flats):
+    """Link the pixels of plateaus; return the pixels that stand for plateaus that are peaks.
+
+    A plateau with a way out drains through it, nearest exit first. A plateau without one is one
+    peak, at its member nearest to its centroid.
+    """
+    ny, nx = heights.shape
+    flat = heights.ravel()
+    queue = np.empty(flats.size, np.int64)
+    at_row = np.empty(flats.size, np.int64)
+    at_col = np.empty(flats.size, np.int64)
+    found = np.empty(flats.size, np.int64)
+    tail = 0
+    for p in flats:
+        i, j = p // nx, p % nx
+        for k in range(8):
+            row, col = i + _ROWS[k], j + _COLS[k]
+            if periodic:
+                row, col = row % ny, col % nx
+            elif not (0 <= row < ny and 0 <= col < nx):
+                continue
+            q = row * nx + col
+            if flat[q] == flat[p] and link[q] != FLAT:
+                queue[tail] = p
+                found[tail] = q
+                tail += 1
+                break
+    for head in range(tail):
+        link[queue[head]] = -2 - found[head]
+    n_peaks = 0
+    head = 0
+    for seed in range(-1, flats.size):
+        if seed >= 0:
+            if link[flats[seed]] != FLAT:
+                continue
+            tail = 1
+            queue[0] = flats[seed]
+            at_row[0] = flats[seed] // nx
+            at_col[0] = flats[seed] % nx
+            link[queue[0]] = -2 - queue[0]
+        for attempt in range(1 if seed < 0 else 2):
+            head = 0
+            while head < tail:
+                p = queue[head]
+                i, j = p // nx, p % nx
+                for k in range(8):
+                    row, col = i + _ROWS[k], j + _COLS[k]
+                    if periodic:
+                        row, col = row % ny, col % nx
+                    elif not (0 <= row < ny and 0 <= col < nx):
+                        continue
+                    q = row * nx + col
+                    if flat[q] == flat[p] and link[q] == FLAT:
+                        link[q] = -2 - p
+                        at_row[tail] = at_row[head] + _ROWS[k]
+                        at_col[tail] = at_col[head] + _COLS[k]
+                        queue[tail] = q
+                        tail += 1
+                head += 1
+            if seed >= 0 and attempt == 0:
+                center_row = at_row[:tail].mean()
+                center_col = at_col[:tail].mean()
+                best = 0
+                least = np.inf
+                for member in range(tail):
+                    link[queue[member]] = FLAT
+                    away = (at_row[member] - center_row) ** 2 + (at_col[member] - center_col) ** 2
+                    if away < least:
+                        best, least = member, away
+                tail = 1
+                queue[0] = queue[best]
+                link[queue[0]] = -2 - queue[0]
+                found[n_peaks] = queue[0]
+                n_peaks += 1
+    return found[:n_peaks].copy()
+
+
+@njit(cache=True, nogil=True)
+def follow(link, start, stop):
+    """Replace the links of the pixels [start, stop) by the label at the end of their way up."""
+    for p in range(start, stop):
+        if link[p] >= -1:
+            continue
+        q = p
+        while link[q] < 0:
+            q = -2 - link[q]
+        label = link[q]
+        q = p
+        while link[q] < 0:
+            up = -2 - link[q]
+            link[q] = label
+            q = up
+
+
+@njit(cache=True, nogil=True)
+def touching(heights, labels, periodic, n, start, stop):
+    """Pixels of each basin and highest pass between touching basins, over the rows [start, stop).
+
+    Returns the counts (n,), the pairs as ``low * n + high`` and the heights of their passes.
+    """
+    ny, nx = heights.shape
+    counts = np.zeros(n, np.int64)
+    size = 1024
+    used = 0
+    keys = np.full(size, -1, np.int64)
+    passes = np.empty(size)
+    for i in range(start, stop):
+        below = i + 1 if i + 1 < ny else (0 if periodic else -1)
+        for j in range(nx):
+            a = labels[i, j]
+            if a < 0:
+                continue
+            counts[a] += 1
+            for k in range(4):
+                row = i if k == 0 else below
+                col = j + 1 if k == 0 else j + k - 2
+                if row < 0:
+                    break
+                if col < 0 or col >= nx:
+                    if not periodic:
+                        continue
+                    col = nx - 1 if col < 0 else 0
+                b = labels[row, col]
+                if b < 0 or b == a:
+                    continue
+                key = a * n + b if a < b else b * n + a
+                z = min(heights[i, j], heights[row, col])
+                slot = (key * 0x9E3779B97F4A7C15 >> 20) & (size - 1)
+                while keys[slot] != key and keys[slot] >= 0:
+                    slot = (slot + 1) & (size - 1)
+                if keys[slot] == key:
+                    passes[slot] = max(passes[slot], z)
+                    continue
+                keys[slot] = key
+                passes[slot] = z
+                used += 1
+                if 2 * used > size:
+                    old_keys, old_passes = keys, passes
+                    size *= 2
+                    keys = np.full(size, -1, np.int64)
+                    passes = np.empty(size)
+                    for old in range(old_keys.size):
+                        if old_keys[old] >= 0:
+                            slot = (old_keys[old] * 0x9E3779B97F4A7C15 >> 20) & (size - 1)
+                            while keys[slot] >= 0:
+                                slot = (slot + 1) & (size - 1)
+                            keys[slot] = old_keys[old]
+                            passes[slot] = old_passes[old]
+    full = keys >= 0
+    return counts, keys[full], passes[full]
+
+
+@njit(cache=True, nogil=True)
+def merge(height, low, high, passes, lowest, min_prominence):
+    """Join basins over their passes, highest first.
+
+    Returns saddle height and parent of each peak (its saddle's higher side), and the peak that
+    keeps each peak's basin when those below `min_prominence` are pruned.
+    """
+    n = height.size
+    top = np.arange(n)  # union-find: every root is the highest peak of its group
+    keeper = np.arange(n)
+    saddle = np.full(n, lowest)
+    parent = np.full(n, -1)
+    for e in range(passes.size):
+        ends = (low[e], high[e])
+        a, b = ends
+        while top[a] != a:
+            top[a] = top[top[a]]
+            a = top[a]
+        while top[b] != b:
+            top[b] = top[top[b]]
+            b = top[b]
+        if a == b:
+            continue
+        if a > b:
+            a, b = b, a
+        top[b] = a
+        saddle[b] = passes[e]
+        parent[b] = a
+        if height[b] - passes[e] < min_prominence:
+            a, b = ends
+            while keeper[a] != a:
+                keeper[a] = keeper[keeper[a]]
+                a = keeper[a]
+            while keeper[b] != b:
+                keeper[b] = keeper[keeper[b]]
+                b = keeper[b]
+            keeper[max(a, b)] = min(a, b)
+    for peak in range(n):
+        keeper[peak] = keeper[keeper[peak]]
+    return saddle, parent, keeper

@@ -1,0 +1,32 @@
+"""Run kernels that release the interpreter lock on blocks of rows."""
+
+from __future__ import annotations
+
+import itertools
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+__all__ = ["blocks", "run"]
+
+
+def _processors() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def blocks(count: int, least: int = 1) -> list[tuple[int, int]]:
+    """Split ``range(count)`` into one contiguous block per processor, none below `least`."""
+    parts = max(1, min(_processors(), count // max(1, least)))
+    bounds = [count * part // parts for part in range(parts + 1)]
+    return list(itertools.pairwise(bounds))
+
+
+def run(function: Callable[[int, int], Any], parts: list[tuple[int, int]]) -> list[Any]:
+    """Call ``function(start, stop)`` for every block, at the same time; results in order."""
+    if len(parts) == 1:
+        return [function(*parts[0])]
+    with ThreadPoolExecutor(len(parts)) as pool:
+        return list(pool.map(lambda part: function(*part), parts))

@@ -1,0 +1,187 @@
+"""Segmentation of a height map into peaks and their basins."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _flood, _threads
+from .errors import InputError, SurfaceError
+from .heightmap import HeightMap
+from .peaks import Peaks
+
+__all__ = ["segment"]
+
+_LEAST_ROWS = 64
+
+
+def segment(
+    hm: HeightMap,
+    *,
+    above: float | None = None,
+    min_prominence: float = 0.0,
+    wolf: float | None = None,
+) -> Peaks:
+    """Find every peak of a map, its basin, its saddle and its neighbors.
+
+    Parameters
+    ----------
+    hm
+        Height map without missing points; its border is crossed where it is periodic.
+    above
+        Flood only pixels at or above this height [m]; None: all.
+    min_prominence
+        Smallest prominence [m] of a peak. The basins of lower ones join the neighbor across their
+        saddle.
+    wolf
+        The same as a percentage of the height range of the map (Wolf pruning); the larger of both
+        limits counts.
+
+    Returns
+    -------
+    Peaks
+        Peaks in descending height.
+
+    Raises
+    ------
+    SurfaceError
+        If points are missing.
+    InputError
+        If a limit is negative or not a number.
+
+    Notes
+    -----
+    The peaks are those of a flood of the 8-connected grid in descending height, found without
+    sorting the pixels. Each pixel is linked to its steepest higher neighbor, so that a basin is
+    what drains up to one peak; a plateau without a way up is one peak. Two peaks become connected
+    in the flood at the highest path between them; along such a path the height can be lowest only
+    where it crosses from one basin to another, because inside a basin each pixel has a rising way
+    to the peak. The passes between touching basins therefore hold the whole merge tree, and
+    only they are sorted (Kruskal's maximum spanning tree gives saddles and prominences).
+
+    References
+    ----------
+    ISO 25178-2:2012, 3.3 (segmentation, Wolf pruning).
+    """
+    if hm.missing:
+        raise SurfaceError(
+            f"{hm.missing} of {hm.heights.size} points are missing; "
+            'fill them first with prepare(hm, fill="harmonic")'
+        )
+    heights = hm.heights
+    limit = _limit(heights, min_prominence, wolf)
+    if above is not None and np.isnan(above):
+        raise InputError("above is not a number; give a height in m or None")
+    link, summit, lowest = _links(heights, hm, -np.inf if above is None else float(above))
+    summit = summit[np.lexsort((summit, -heights.ravel()[summit]))]
+    link[summit] = np.arange(summit.size)
+    ny, nx = hm.shape
+    parts = _threads.blocks(ny, _LEAST_ROWS)
+    _threads.run(lambda a, b: _flood.follow(link, a * nx, b * nx), parts)
+    labels = link.reshape(hm.shape)
+    counts, pairs, passes = _passes(heights, labels, hm.periodic, summit.size, parts)
+
+    height = heights.ravel()[summit]
+    order = np.argsort(-passes, kind="stable")
+    saddle, parent, keeper = _flood.merge(
+        height, pairs[order, 0], pairs[order, 1], passes[order], lowest, limit
+    )
+    kept = np.flatnonzero(keeper == np.arange(summit.size))
+    if kept.size < summit.size:
+        place = np.full(summit.size + 1, -1, np.int32)
+        place[kept] = np.arange(kept.size)
+        renamed = np.append(place[keeper], np.int32(-1))
+        labels = np.take(renamed, labels)
+        counts = np.bincount(renamed[:-1], weights=counts, minlength=kept.size)
+        pairs, passes = _unique_pairs(np.sort(renamed[pairs], axis=1), passes, kept.size)
+        parent = np.where(parent[kept] >= 0, renamed[parent[kept]], -1)
+        saddle, summit, height = saddle[kept], summit[kept], height[kept]
+    row, col = np.divmod(summit, nx)
+    return Peaks(
+        row=row,
+        col=col,
+        x=hm.x[col],
+        y=hm.y[row],
+        height=height,
+        prominence=height - saddle,
+        saddle=saddle,
+        parent=parent,
+        basin_area=counts * (hm.spacing[0] * hm.spacing[1]),
+        border=_at_border(labels, kept.size, hm.periodic),
+        labels=labels,
+        neighbors=pairs,
+        passes=passes,
+    )
+
+
+def _limit(heights: NDArray[np.float64], min_prominence: float, wolf: float | None) -> float:
+    if not min_prominence >= 0.0:
+        raise InputError(f"min_prominence is {min_prominence}; it must be a height of at least 0 m")
+    if wolf is None:
+        return float(min_prominence)
+    if not 0.0 <= wolf <= 100.0:
+        raise InputError(f"wolf is {wolf}; it must be a percentage from 0 to 100")
+    return max(float(min_prominence), wolf / 100.0 * float(heights.max() - heights.min()))
+
+
+def _links(
+    heights: NDArray[np.float64], hm: HeightMap, above: float
+) -> tuple[NDArray[np.int32], NDArray[np.int64], float]:
+    """Pointer map, summit pixels (any order) and lowest height flooded."""
+    dy, dx = hm.spacing
+    inverse = (1.0 / dy, 1.0 / dx, 1.0 / np.hypot(dy, dx))
+    nx = heights.shape[1]
+    link = np.empty(heights.size, np.int32)
+
+    def ascend(start: int, stop: int) -> tuple[NDArray[np.int32], NDArray[np.int32], float]:
+        peaks = np.empty((stop - start) * nx, np.int32)
+        flats = np.empty((stop - start) * nx, np.int32)
+        n_peaks, n_flats, lowest = _flood.ascend(
+            heights, hm.periodic, above, inverse, link, peaks, flats, start, stop
+        )
+        return peaks[:n_peaks], flats[:n_flats], lowest
+
+    found = _threads.run(ascend, _threads.blocks(heights.shape[0], _LEAST_ROWS))
+    summits = [peaks for peaks, _, _ in found]
+    flats = np.concatenate([flats for _, flats, _ in found])
+    if flats.size:
+        summits.append(_flood.drain_plateaus(heights, hm.periodic, link, flats))
+    return link, np.concatenate(summits).astype(np.int64), min(low for _, _, low in found)
+
+
+def _passes(
+    heights: NDArray[np.float64],
+    labels: NDArray[np.int32],
+    periodic: bool,
+    n: int,
+    parts: list[tuple[int, int]],
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+    """Pixels per basin, touching pairs (k, 2) in order, and the highest pass of each."""
+    found = _threads.run(lambda a, b: _flood.touching(heights, labels, periodic, n, a, b), parts)
+    counts = np.sum([part[0] for part in found], axis=0)
+    keys = np.concatenate([part[1] for part in found])
+    pairs = np.stack(np.divmod(keys, max(n, 1)), axis=1)
+    return counts, *_unique_pairs(pairs, np.concatenate([part[2] for part in found]), n)
+
+
+def _unique_pairs(
+    pairs: NDArray[np.integer], passes: NDArray[np.float64], n: int
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Each pair of two different peaks once, in order, with its highest pass."""
+    keys = pairs[:, 0].astype(np.int64) * n + pairs[:, 1]
+    differ = pairs[:, 0] != pairs[:, 1]
+    keys, passes = keys[differ], passes[differ]
+    order = np.argsort(keys)
+    first = np.flatnonzero(np.diff(keys[order], prepend=-1))
+    if not first.size:
+        return np.empty((0, 2), np.int64), np.empty(0)
+    highest = np.maximum.reduceat(passes[order], first)
+    return np.stack(np.divmod(keys[order][first], n), axis=1), highest
+
+
+def _at_border(labels: NDArray[np.int32], n: int, periodic: bool) -> NDArray[np.bool_]:
+    border = np.zeros(n + 1, np.bool_)
+    if not periodic:
+        for rim in (labels[0], labels[-1], labels[:, 0], labels[:, -1]):
+            border[rim] = True
+    return border[:n]
