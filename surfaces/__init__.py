@@ -9,12 +9,26 @@ if TYPE_CHECKING:
     from .errors import FileFormatError as FileFormatError
     from .errors import InputError as InputError
     from .errors import SurfaceError as SurfaceError
+    from .filling import fill_missing as fill_missing
+    from .filling import mark_outliers as mark_outliers
+    from .filtering import bandpass as bandpass
+    from .filtering import crop as crop
+    from .filtering import make_periodic as make_periodic
+    from .filtering import resample as resample
+    from .formats import read as read
+    from .formats import write as write
+    from .hdf5 import SurfaceFile as SurfaceFile
+    from .hdf5 import open as open
+    from .hdf5 import validate as validate
+    from .hdf5 import write_blocks as write_blocks
     from .heightmap import HeightMap as HeightMap
+    from .levelling import level as level
     from .peaks import Peaks as Peaks
     from .polar import PolarProfile as PolarProfile
     from .polar import PolynomialProfile as PolynomialProfile
     from .polar import PowerLawProfile as PowerLawProfile
     from .polar import PowerSumProfile as PowerSumProfile
+    from .preparation import prepare as prepare
     from .segmentation import segment as segment
     from .synthesis import self_affine as self_affine
 
@@ -28,8 +42,22 @@ _HOME = {
     "PowerLawProfile": "polar",
     "PowerSumProfile": "polar",
     "SurfaceError": "errors",
+    "SurfaceFile": "hdf5",
+    "bandpass": "filtering",
+    "crop": "filtering",
+    "fill_missing": "filling",
+    "level": "levelling",
+    "make_periodic": "filtering",
+    "mark_outliers": "filling",
+    "open": "hdf5",
+    "prepare": "preparation",
+    "read": "formats",
+    "resample": "filtering",
     "segment": "segmentation",
     "self_affine": "synthesis",
+    "validate": "hdf5",
+    "write": "formats",
+    "write_blocks": "hdf5",
 }
 
 __all__ = sorted(_HOME)

@@ -1,0 +1,44 @@
+"""How much memory a read may take: asked before anything is allocated."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from .errors import SurfaceError
+
+__all__ = ["available_bytes", "require_memory"]
+
+_MEMINFO = Path("/proc/meminfo")
+
+
+def available_bytes() -> int:
+    """Memory that can be had without swapping [bytes]; 4 GiB where the system does not say."""
+    if _MEMINFO.is_file():
+        for line in _MEMINFO.read_text().splitlines():
+            if line.startswith("MemAvailable:"):
+                return int(line.split()[1]) * 1024
+    names = os.sysconf_names if hasattr(os, "sysconf_names") else {}
+    if "SC_PHYS_PAGES" in names and "SC_PAGE_SIZE" in names:
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 2
+    return 4 << 30
+
+
+def require_memory(needed: int, what: str, remedy: str) -> None:
+    """Refuse in one sentence what would not fit.
+
+    Parameters
+    ----------
+    needed
+        Bytes that the step will hold at its peak.
+    what
+        Subject of the sentence.
+    remedy
+        What to do instead.
+    """
+    free = available_bytes()
+    if needed > free:
+        raise SurfaceError(
+            f"{what} needs {needed / 1e9:.3g} GB of memory and {free / 1e9:.3g} GB are available; "
+            f"{remedy}"
+        )

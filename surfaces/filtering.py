@@ -1,0 +1,216 @@
+"""Spectral band-pass and resampling by physical wavelength; crop; mirror or taper to periodic."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import fft
+
+from .errors import SurfaceError
+from .heightmap import HeightMap
+
+__all__ = ["bandpass", "crop", "make_periodic", "resample"]
+
+PERIODIC = ("mirror", "taper", "wrap")
+
+
+def bandpass(
+    hm: HeightMap, shortest: float | None = None, longest: float | None = None
+) -> HeightMap:
+    """Keep the wavelengths between two lengths.
+
+    Parameters
+    ----------
+    hm
+        The map, without missing points.
+    shortest, longest
+        Limits of the wavelength [m]; None leaves that side open. The mean is always kept.
+
+    Returns
+    -------
+    HeightMap
+        History step ``bandpass`` with the limits and the rms height [m] before and after.
+
+    Notes
+    -----
+    A sharp cut of the Fourier spectrum for a periodic map. A map that is not periodic is cut in
+    its cosine spectrum, which is the spectrum of the map mirrored at its border: there is no cliff
+    at the seam.
+    """
+    _require_full(hm, "a band-pass")
+    lower = 0.0 if shortest is None else float(shortest)
+    upper = np.inf if longest is None else float(longest)
+    if not 0.0 <= lower < upper:
+        raise SurfaceError(
+            f"bandpass keeps wavelengths {lower:g} to {upper:g} m; the first must be the shorter"
+        )
+    fy, fx = _frequencies(hm)
+    frequency = np.hypot(fy[:, None], fx[None, :])
+    keep = frequency >= (1.0 - 1e-12) / upper
+    if lower > 0.0:
+        keep &= frequency <= (1.0 + 1e-12) / lower
+    keep[0, 0] = True
+    if np.count_nonzero(keep) < 2:
+        raise SurfaceError(
+            f"no wavelength of the map lies between {lower:g} and {upper:g} m; the map has "
+            f"{2 * max(hm.spacing):.4g} to {max(hm.size) * (1 if hm.periodic else 2):.4g} m"
+        )
+    heights = _inverse(_forward(hm) * keep, hm)
+    step = {
+        "step": "bandpass",
+        "shortest": lower or None,
+        "longest": upper if np.isfinite(upper) else None,
+        "rms_before": hm.rms_height,
+        "rms_after": float(np.std(heights)),
+    }
+    return hm.replace(heights=heights, step=step)
+
+
+def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
+    """Move the map to other pixel sizes by its spectrum.
+
+    Parameters
+    ----------
+    hm
+        The map, without missing points.
+    spacing
+        Wanted pixel size (dy, dx) [m], or one number; the nearest that divides the map's size into
+        whole pixels is used.
+
+    Returns
+    -------
+    HeightMap
+        History step ``resample`` with the shapes; wavelengths that the new pixels cannot hold are
+        left out, not folded back.
+    """
+    _require_full(hm, "resampling")
+    wanted = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,))
+    if not (wanted > 0).all():
+        raise SurfaceError(f"spacing is {spacing!r}; both pixel sizes must be positive")
+    ny, nx = (max(1, round(length / d)) for length, d in zip(hm.size, wanted, strict=True))
+    if min(ny, nx) < 3:
+        raise SurfaceError(f"pixels of {wanted[0]:g} x {wanted[1]:g} m leave {ny} x {nx} points")
+    heights = hm.heights
+    for axis, count in ((0, ny), (1, nx)):
+        heights = _resample_axis(heights, count, axis, hm.periodic)
+    step = {"step": "resample", "from": list(hm.shape), "to": [ny, nx]}
+    return hm.replace(heights=heights, spacing=(hm.size[0] / ny, hm.size[1] / nx), step=step)
+
+
+def crop(hm: HeightMap, rows: tuple[int, int], columns: tuple[int, int]) -> HeightMap:
+    """Cut out a rectangle of pixels, first and one past last; the result is not periodic."""
+    for span, count, what in ((rows, hm.shape[0], "rows"), (columns, hm.shape[1], "columns")):
+        if not 0 <= span[0] < span[1] <= count:
+            raise SurfaceError(f"{what} {span[0]} to {span[1]} are not inside 0 to {count}")
+    step = {"step": "crop", "rows": list(rows), "columns": list(columns)}
+    heights = hm.heights[slice(*rows), slice(*columns)]
+    return hm.replace(heights=heights, periodic=False, step=step)
+
+
+def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> HeightMap:
+    """Turn a measured map into one period of an endless surface, and state what that costs.
+
+    Parameters
+    ----------
+    hm
+        The map, levelled and without missing points.
+    how
+        ``mirror``: the map and its mirror images, twice as long on each side; no height is
+        changed. ``taper``: heights fade to their mean within `width` of the border. ``wrap``: the
+        map as it is, with a cliff where its sides do not meet.
+    width
+        Width of the faded strip [m] of ``taper``; a tenth of the shorter side by default.
+
+    Returns
+    -------
+    HeightMap
+        History step ``periodic`` with the rms step across the seam and inside the map [m]
+        (``seam_step``, ``inner_step``), the rms heights before and after, and the fraction of the
+        area that was changed.
+    """
+    if how not in PERIODIC:
+        raise SurfaceError(f"periodic is {how!r}; it must be None or one of {', '.join(PERIODIC)}")
+    _require_full(hm, "a periodic map")
+    heights, changed = hm.heights, 0.0
+    step: dict[str, object] = {"step": "periodic", "how": how, "rms_before": hm.rms_height}
+    if how == "mirror":
+        heights = np.block([[heights, heights[:, ::-1]], [heights[::-1], heights[::-1, ::-1]]])
+    elif how == "taper":
+        strip = 0.1 * min(hm.size) if width is None else float(width)
+        if not 0.0 < strip <= 0.5 * min(hm.size):
+            raise SurfaceError(
+                f"the tapered strip is {strip:g} m wide; it must be at most half of "
+                f"{min(hm.size):g} m"
+            )
+        window = _window(hm.y, hm.size[0], strip)[:, None] * _window(hm.x, hm.size[1], strip)
+        mean = float(heights.mean())
+        heights = mean + (heights - mean) * window
+        changed = float(np.mean(window < 1.0))
+        step["width"] = strip
+    seam = _rms(np.concatenate([heights[0] - heights[-1], heights[:, 0] - heights[:, -1]]))
+    inner = _rms(np.concatenate([np.diff(heights, axis=0).ravel(), np.diff(heights).ravel()]))
+    step |= {
+        "rms_after": float(np.std(heights)),
+        "seam_step": seam,
+        "inner_step": inner,
+        "area_changed": changed,
+    }
+    return hm.replace(heights=heights, periodic=True, step=step)
+
+
+def _frequencies(hm: HeightMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Frequencies [1/m] of the two axes of the spectrum that `_forward` makes."""
+    (ny, nx), (dy, dx) = hm.shape, hm.spacing
+    if hm.periodic:
+        return np.abs(fft.fftfreq(ny, dy)), fft.rfftfreq(nx, dx)
+    return np.arange(ny) / (2 * ny * dy), np.arange(nx) / (2 * nx * dx)
+
+
+def _forward(hm: HeightMap) -> NDArray[np.complex128] | NDArray[np.float64]:
+    return fft.rfft2(hm.heights) if hm.periodic else fft.dctn(hm.heights)
+
+
+def _inverse(spectrum: NDArray[np.complex128], hm: HeightMap) -> NDArray[np.float64]:
+    return fft.irfft2(spectrum, s=hm.shape) if hm.periodic else fft.idctn(spectrum)
+
+
+def _resample_axis(
+    heights: NDArray[np.float64], count: int, axis: int, periodic: bool
+) -> NDArray[np.float64]:
+    """Trigonometric interpolation to `count` cell centres of the same length."""
+    old = heights.shape[axis]
+    if count == old:
+        return heights
+    kept = min(old, count)
+    moved = np.moveaxis(heights, axis, -1)
+    if not periodic:
+        spectrum = np.zeros((*moved.shape[:-1], count))
+        spectrum[..., :kept] = fft.dct(moved, axis=-1)[..., :kept] * (count / old)
+        return np.ascontiguousarray(np.moveaxis(fft.idct(spectrum, axis=-1), -1, axis))
+    half = kept // 2 + 1
+    wave = np.arange(half)
+    shift = np.exp(1j * np.pi * wave * (1.0 / count - 1.0 / old))
+    spectrum = np.zeros((*moved.shape[:-1], count // 2 + 1), dtype=np.complex128)
+    spectrum[..., :half] = fft.rfft(moved, axis=-1)[..., :half] * shift * (count / old)
+    if kept % 2 == 0:
+        spectrum[..., kept // 2] = 0.0
+    return np.ascontiguousarray(np.moveaxis(fft.irfft(spectrum, n=count, axis=-1), -1, axis))
+
+
+def _window(places: NDArray[np.float64], length: float, strip: float) -> NDArray[np.float64]:
+    """Raised cosine: 0 at the border, 1 from `strip` inwards."""
+    inward = np.minimum(places, length - places)
+    return 0.5 - 0.5 * np.cos(np.pi * np.minimum(inward / strip, 1.0))
+
+
+def _rms(values: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def _require_full(hm: HeightMap, what: str) -> None:
+    if hm.missing:
+        row, column = np.argwhere(np.isnan(hm.heights))[0]
+        raise SurfaceError(
+            f"heights[{row}, {column}] is missing ({hm.missing} of {hm.heights.size} points); "
+            f'{what} needs a full map: pass fill="harmonic" (--fill harmonic)'
+        )

@@ -1,0 +1,61 @@
+"""Units of length: read once, where a file or an option comes in; metres everywhere inside."""
+
+from __future__ import annotations
+
+from .errors import InputError
+
+__all__ = ["METRES", "metres_per"]
+
+METRES = {
+    "m": 1.0,
+    "cm": 1e-2,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "nm": 1e-9,
+    "pm": 1e-12,
+    "angstrom": 1e-10,
+    "inch": 0.0254,
+    "mil": 0.0254e-3,
+}
+"""Metres in one unit, by the unit's plain name."""
+
+_ALIASES = {
+    "meter": "m",
+    "metre": "m",
+    "millimeter": "mm",
+    "millimetre": "mm",
+    "micron": "um",
+    "micrometer": "um",
+    "micrometre": "um",
+    "\N{MICRO SIGN}m": "um",
+    "\N{GREEK SMALL LETTER MU}m": "um",
+    "nanometer": "nm",
+    "nanometre": "nm",
+    "\N{LATIN CAPITAL LETTER A WITH RING ABOVE}": "angstrom",
+    "\N{ANGSTROM SIGN}": "angstrom",
+    "A": "angstrom",
+    "in": "inch",
+}
+
+
+def metres_per(unit: str) -> float:
+    """Length of one `unit` in metres.
+
+    Parameters
+    ----------
+    unit
+        Name of a length unit, such as m, mm, um, nm; case matters (mm is not Mm).
+
+    Raises
+    ------
+    InputError
+        If the name is not a known unit of length.
+    """
+    name = unit.strip()
+    name = _ALIASES.get(name, name)
+    if name not in METRES and len(name) > 2:
+        plain = name.lower().removesuffix("s")
+        name = _ALIASES.get(plain, plain)
+    if name not in METRES:
+        raise InputError(f"{unit!r} is not a unit of length; known are {', '.join(METRES)}")
+    return METRES[name]

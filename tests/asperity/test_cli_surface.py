@@ -1,0 +1,107 @@
+"""``asperity surface``: one file, several, a glob; a bad one is named and the rest go on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import surfaces
+from asperity.cli.main import main
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for number in range(3):
+        heights = np.random.default_rng(number).normal(0.0, 1e-7, (20, 31))
+        heights[4, 5] = np.nan
+        hm = surfaces.HeightMap(heights, (1e-6, 2e-6), name=f"map {number}")
+        surfaces.write(hm, tmp_path / f"map{number}.h5")
+    return tmp_path
+
+
+def run(*words: object) -> int:
+    return main(["surface", *map(str, words)])
+
+
+def test_info_on_a_glob(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("info", folder / "*.h5") == 0
+    out = capsys.readouterr().out
+    assert out.count("20 x 31 (y, x), 1 missing") == 3
+
+
+@pytest.mark.parametrize("action", ["info", "validate", "convert"])
+def test_a_batch_goes_on_past_a_bad_file(
+    folder: Path, action: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    content = (folder / "map1.h5").read_bytes()
+    (folder / "map1.h5").write_bytes(content[: len(content) // 2])
+    extra = ["--folder", folder / "out"] if action == "convert" else []
+    assert run(action, folder / "*.h5", *extra) == 2
+    captured = capsys.readouterr()
+    text = captured.out + captured.err
+    assert "map1.h5" in text and "truncated or damaged" in text
+    assert "map2.h5" in text
+    assert "Traceback" not in text
+
+
+def test_prepare_writes_history(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    target = folder / "ready.h5"
+    assert run("prepare", folder / "map0.h5", "--periodic", "mirror", "-o", target) == 0
+    ready = surfaces.read(target)
+    assert ready.periodic and ready.missing == 0 and ready.shape == (40, 62)
+    assert [step["step"] for step in ready.history] == ["level", "fill", "periodic"]
+    assert "fill: method harmonic, count 1" in capsys.readouterr().err
+
+
+def test_prepare_crop_and_resample(folder: Path) -> None:
+    target = folder / "part.h5"
+    words = ("--crop", 5, 20, 0, 30, "--resample", "2e-6", "--bandpass", "0", "inf", "-o", target)
+    assert run("prepare", folder / "map0.h5", *words) == 0
+    assert surfaces.read(target).shape == (8, 30)
+
+
+def test_convert_round_trip(folder: Path) -> None:
+    assert run("convert", folder / "map0.h5", "-o", folder / "a.csv") == 0
+    assert run("convert", folder / "a.csv", "-o", folder / "b.h5") == 0
+    assert surfaces.read(folder / "b.h5").digest == surfaces.read(folder / "map0.h5").digest
+
+
+def test_generate(tmp_path: Path) -> None:
+    words = "--size 1e-3 --shape 64 96 --hurst 0.8 --rms-slope 0.1 --rolloff 2.5e-4".split()
+    assert run("generate", *words, "--cutoff", "6e-5", "--seed", 3, "-o", tmp_path / "g.h5") == 0
+    hm = surfaces.read(tmp_path / "g.h5")
+    assert hm.shape == (64, 96) and hm.size == (1e-3, 1e-3) and hm.periodic
+    assert surfaces.validate(tmp_path / "g.h5") == []
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["info", "none.h5"], "none.h5: no such file"),
+        (["info", "none*.h5"], "no file matches"),
+        (["convert", "{0}/map0.h5"], "say where to write"),
+        (["convert", "{0}/map0.h5", "-o", "a.xyz"], "not as .xyz"),
+        (["convert", "{0}/*.h5", "-o", "a.h5"], "use --folder"),
+        (["convert", "{0}/map0.h5", "--folder", "{0}"], "would replace the input"),
+        (["info", "{0}/map0.h5", "--spacing", "1", "2", "3"], "one number or two"),
+        (["info", "{0}/map0.h5", "--unit", "um"], "leave out"),
+        (["info", "{0}/map0.h5", "--dataset", "z"], "the file holds heights (20, 31) float64"),
+        (["prepare", "{0}/map0.h5", "--fill-limit", "0", "-o", "a.h5"], "fill limit of 0 %"),
+    ],
+)
+def test_bad_input_is_one_sentence(
+    folder: Path, words: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(*(word.format(folder) for word in words)) == 2
+    err = capsys.readouterr().err
+    assert message in err and len(err.splitlines()) == 1
+
+
+def test_help_has_an_example(capsys: pytest.CaptureFixture[str]) -> None:
+    for action in ("info", "generate", "prepare", "convert", "validate", "peaks"):
+        with pytest.raises(SystemExit) as stopped:
+            run(action, "--help")
+        assert stopped.value.code == 0
+        assert f"asperity surface {action}" in capsys.readouterr().out.split("example:")[1]

@@ -1,0 +1,260 @@
+"""Preparation: known form, spikes and gaps go in, and come out again; nothing is done silently."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import surfaces
+from surfaces.errors import SurfaceError
+
+SPACING = (2e-6, 3e-6)
+STABLE = settings(max_examples=20, deadline=None, derandomize=True)
+
+
+def rough(ny: int = 60, nx: int = 84, seed: int = 1) -> surfaces.HeightMap:
+    heights = np.random.default_rng(seed).normal(0.0, 1e-8, (ny, nx))
+    return surfaces.HeightMap(heights, SPACING)
+
+
+def form(hm: surfaces.HeightMap, slope: tuple, curvature: float, angle: float) -> np.ndarray:
+    y, x = hm.y[:, None] - hm.size[0] / 2, hm.x[None, :] - hm.size[1] / 2
+    across = x * np.cos(angle) + y * np.sin(angle)
+    return slope[0] * y + slope[1] * x + 0.5 * curvature * across**2
+
+
+@STABLE
+@given(slope=st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)), offset=st.floats(-1e-3, 1e-3))
+def test_plane_comes_out_exactly(slope: tuple, offset: float) -> None:
+    hm = rough()
+    tilted = hm.replace(heights=hm.heights + form(hm, slope, 0.0, 0.0) + offset)
+    once, direct = surfaces.level(tilted), surfaces.level(hm)
+    np.testing.assert_allclose(once.heights, direct.heights, atol=1e-16 + 1e-13 * abs(offset))
+    np.testing.assert_allclose(once.history[-1]["slope"], slope, atol=3e-5)
+
+
+def test_plane_is_the_least_squares_plane_without_spikes() -> None:
+    hm = rough()
+    y, x = np.meshgrid(hm.y, hm.x, indexing="ij")
+    columns = np.stack([np.ones(y.size), y.ravel(), x.ravel()], axis=1)
+    fit = columns @ np.linalg.lstsq(columns, hm.heights.ravel(), rcond=None)[0]
+    expected = hm.heights - fit.reshape(hm.shape)
+    np.testing.assert_allclose(surfaces.level(hm).heights, expected, atol=1e-20)
+
+
+def test_spikes_do_not_tilt_the_plane() -> None:
+    hm = rough()
+    spiked = hm.heights.copy()
+    spiked[:20, :30][np.random.default_rng(2).random((20, 30)) < 0.3] += 1e-4
+    levelled = surfaces.level(hm.replace(heights=spiked))
+    good = spiked == hm.heights
+    difference = (levelled.heights - surfaces.level(hm).heights)[good]
+    assert np.abs(difference).max() < 2e-9
+    assert levelled.history[-1]["left_out"] == np.count_nonzero(~good)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, 1.5, 2.6])
+def test_cylinder_comes_out_with_its_radius_and_direction(angle: float) -> None:
+    hm = rough()
+    curved = hm.replace(heights=hm.heights + form(hm, (0.01, -0.02), -50.0, angle))
+    levelled = surfaces.level(curved, "cylinder")
+    step = levelled.history[-1]
+    assert levelled.rms_height == pytest.approx(hm.rms_height, rel=0.01)
+    assert step["curvature"][0] == pytest.approx(-50.0, abs=1.5)
+    assert np.cos(2 * (step["angle"] - angle)) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_quadratic_takes_out_a_saddle() -> None:
+    hm = rough()
+    saddle = form(hm, (0, 0), 40.0, 0.3) - form(hm, (0, 0), 25.0, 0.3 + np.pi / 2)
+    levelled = surfaces.level(hm.replace(heights=hm.heights + saddle), "quadratic")
+    assert levelled.rms_height == pytest.approx(hm.rms_height, rel=0.01)
+    np.testing.assert_allclose(levelled.history[-1]["curvature"], [40.0, -25.0], atol=1.5)
+
+
+def test_periodic_maps_lose_their_mean_only() -> None:
+    hm = rough().replace(periodic=True)
+    levelled = surfaces.level(hm, "plane")
+    np.testing.assert_allclose(levelled.heights, hm.heights - hm.heights.mean(), atol=1e-22)
+    assert levelled.history[-1]["form"] == "mean"
+
+
+def test_missing_points_do_not_count() -> None:
+    hm = rough()
+    holed = hm.heights + form(hm, (0.1, 0.2), 0.0, 0.0)
+    holed[10:20, 5:40] = np.nan
+    levelled = surfaces.level(hm.replace(heights=holed))
+    assert levelled.missing == 350
+    assert abs(np.nanmean(levelled.heights)) < 1e-20
+    np.testing.assert_allclose(levelled.history[-1]["slope"], [0.1, 0.2], atol=3e-5)
+
+
+def smooth(ny: int = 64, nx: int = 90) -> surfaces.HeightMap:
+    y, x = np.meshgrid(np.arange(ny), np.arange(nx), indexing="ij")
+    waves = np.sin(2 * np.pi * y / 32 + 0.3) + np.cos(2 * np.pi * x / 45)
+    return surfaces.HeightMap(1e-7 * waves, SPACING)
+
+
+@pytest.mark.parametrize("width", [1, 2, 3])
+def test_spikes_are_found_and_at_most_a_neighbour_more(width: int) -> None:
+    hm = smooth()
+    heights = hm.heights + np.random.default_rng(5).normal(0.0, 3e-9, hm.shape)
+    where = np.zeros(hm.shape, dtype=bool)
+    for row, column in ((4, 0), (20, 30), (40, 71), (60, 80)):
+        where[row : row + width, column : column + width] = True
+    heights[where] += 1e-6
+    marked = surfaces.mark_outliers(hm.replace(heights=heights), 6.0)
+    found = np.isnan(marked.heights)
+    assert found[where].all()
+    assert np.count_nonzero(found) <= np.count_nonzero(where) + (0 if width == 1 else 3)
+    assert marked.history[-1]["count"] == np.count_nonzero(found)
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+def test_filling_is_harmonic(periodic: bool) -> None:
+    """A plane is harmonic, so a gap in it is filled exactly; other fills obey the mean value."""
+    hm = rough()
+    gap = np.zeros(hm.shape, dtype=bool)
+    gap[0:9, 70:84] = gap[25:40, 20:50] = gap[50, 3] = True
+    holed = hm.replace(heights=np.where(gap, np.nan, hm.heights), periodic=periodic)
+    filled = surfaces.fill_missing(holed, limit=0.2)
+    np.testing.assert_array_equal(filled.heights[~gap], hm.heights[~gap])
+    mode = "wrap" if periodic else "edge"
+    padded = np.pad(filled.heights, 1, mode=mode)
+    ratio = (SPACING[1] / SPACING[0]) ** 2
+    across = padded[1:-1, 2:] + padded[1:-1, :-2] - 2 * filled.heights
+    along = padded[2:, 1:-1] + padded[:-2, 1:-1] - 2 * filled.heights
+    assert np.abs((across + ratio * along)[gap]).max() < 1e-20
+    assert filled.history[-1]["count"] == gap.sum()
+
+
+def test_a_plane_is_filled_exactly() -> None:
+    hm = rough()
+    plane = form(hm, (0.2, -0.1), 0.0, 0.0)
+    holed = plane.copy()
+    holed[13:33, 9:41] = np.nan
+    np.testing.assert_allclose(
+        surfaces.fill_missing(hm.replace(heights=holed), limit=0.2).heights, plane, atol=1e-18
+    )
+
+
+def test_large_gaps_go_through_the_iterative_solver(monkeypatch: pytest.MonkeyPatch) -> None:
+    hm = smooth()
+    holed = hm.heights.copy()
+    holed[20:40, 30:60] = np.nan
+    direct = surfaces.fill_missing(hm.replace(heights=holed), limit=0.2)
+    monkeypatch.setattr("surfaces.filling._DIRECT", 10)
+    iterative = surfaces.fill_missing(hm.replace(heights=holed), limit=0.2)
+    np.testing.assert_allclose(iterative.heights, direct.heights, atol=1e-13)
+
+
+def test_the_fill_limit_holds() -> None:
+    hm = rough()
+    holed = np.where(np.random.default_rng(0).random(hm.shape) < 0.2, np.nan, hm.heights)
+    with pytest.raises(SurfaceError, match=r"missing \(.* more than the fill limit of 10 %"):
+        surfaces.prepare(hm.replace(heights=holed))
+    assert surfaces.prepare(hm.replace(heights=holed), fill_limit=0.3).missing == 0
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+def test_bandpass_splits_the_map(periodic: bool) -> None:
+    """Short and long parts add up to the map, and filtering twice changes nothing."""
+    hm = rough().replace(periodic=periodic)
+    short = surfaces.bandpass(hm, longest=2e-5)
+    long = surfaces.bandpass(hm, shortest=2.00001e-5)
+    total = short.heights + long.heights - hm.heights.mean()
+    np.testing.assert_allclose(total, hm.heights, atol=1e-20)
+    again = surfaces.bandpass(short, longest=2e-5)
+    np.testing.assert_allclose(again.heights, short.heights, atol=1e-20)
+
+
+def test_bandpass_keeps_the_wave_inside_and_drops_the_one_outside() -> None:
+    ny, nx = 64, 90
+    x = (np.arange(nx) + 0.5) * 3e-6
+    wave = lambda n: np.broadcast_to(np.sin(2 * np.pi * n * x / (nx * 3e-6)), (ny, nx))  # noqa: E731
+    hm = surfaces.HeightMap(wave(3) + wave(20), SPACING, periodic=True)
+    kept = surfaces.bandpass(hm, 20e-6, None)
+    np.testing.assert_allclose(kept.heights, wave(3), atol=1e-12)
+    with pytest.raises(SurfaceError, match="first must be the shorter"):
+        surfaces.bandpass(hm, 1e-5, 1e-6)
+    with pytest.raises(SurfaceError, match="no wavelength"):
+        surfaces.bandpass(hm, 1.0, 2.0)
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+@pytest.mark.parametrize("factor", [0.5, 2.0, 1.7])
+def test_resampling_keeps_smooth_maps(periodic: bool, factor: float) -> None:
+    """A wave that both grids hold is the same wave on both, at the same place."""
+
+    def wave(hm: surfaces.HeightMap) -> np.ndarray:
+        y, x = hm.y[:, None] / hm.size[0], hm.x[None, :] / hm.size[1]
+        if periodic:
+            return np.sin(2 * np.pi * (2 * y + 3 * x)) + np.cos(4 * np.pi * y + 1)
+        return np.cos(3 * np.pi * y) * np.cos(5 * np.pi * x)
+
+    hm = rough().replace(periodic=periodic)
+    hm = hm.replace(heights=wave(hm))
+    moved = surfaces.resample(hm, tuple(d * factor for d in SPACING))
+    assert moved.size == pytest.approx(hm.size)
+    np.testing.assert_allclose(moved.heights, wave(moved), atol=1e-12)
+
+
+def test_mirror_has_no_cliff_and_taper_fades() -> None:
+    hm = smooth()
+    mirrored = surfaces.make_periodic(hm, "mirror")
+    assert mirrored.periodic and mirrored.shape == (128, 180)
+    assert mirrored.history[-1]["seam_step"] == 0.0
+    assert mirrored.rms_height == pytest.approx(hm.rms_height)
+    tapered = surfaces.make_periodic(hm, "taper", width=2e-5)
+    step = tapered.history[-1]
+    assert step["seam_step"] < step["inner_step"]
+    assert 0.0 < step["area_changed"] < 0.5
+    inside = (slice(12, -12), slice(8, -8))
+    np.testing.assert_allclose(tapered.heights[inside], hm.heights[inside], atol=1e-22)
+    wrapped = surfaces.make_periodic(hm, "wrap").history[-1]
+    assert wrapped["seam_step"] > 1.2 * wrapped["inner_step"]
+
+
+def test_history_has_one_step_per_thing_done() -> None:
+    hm = smooth()
+    heights = hm.heights + np.random.default_rng(5).normal(0.0, 3e-9, hm.shape)
+    heights[30, 40], heights[10, 10] = 1e-5, np.nan
+    ready = surfaces.prepare(
+        hm.replace(heights=heights), outliers=6.0, bandpass=(1e-5, None), periodic="mirror"
+    )
+    names = [step["step"] for step in ready.history]
+    assert names == ["level", "outliers", "fill", "bandpass", "periodic"]
+    assert ready.history[2]["count"] == 2
+    assert ready.missing == 0 and ready.periodic
+
+
+def test_nothing_asked_nothing_done() -> None:
+    hm = rough()
+    same = surfaces.prepare(hm, level=None, fill=None)
+    assert same.digest == hm.digest and same.history == ()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"level": "cubic"}, "level is 'cubic'"),
+        ({"fill": "zero"}, "fill is 'zero'"),
+        ({"outliers": 1.0}, "use 3 or more"),
+        ({"periodic": "glue"}, "periodic is 'glue'"),
+        ({"fill_limit": 2.0}, "fill_limit is 2.0"),
+    ],
+)
+def test_unknown_options(options: dict[str, object], message: str) -> None:
+    with pytest.raises(SurfaceError, match=message):
+        surfaces.prepare(rough(), **options)
+
+
+def test_missing_points_stop_what_needs_a_full_map() -> None:
+    hm = rough()
+    heights = hm.heights.copy()
+    heights[3, 4] = np.nan
+    for options in ({"bandpass": (None, 1e-4)}, {"periodic": "mirror"}):
+        with pytest.raises(SurfaceError, match=r"heights\[3, 4\] is missing .*--fill harmonic"):
+            surfaces.prepare(hm.replace(heights=heights), fill=None, **options)
