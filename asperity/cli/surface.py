@@ -20,6 +20,7 @@ _EPILOG = """examples:
   asperity surface prepare scan.h5 --level plane --outliers 6 --fill harmonic -o ready.h5
   asperity surface convert heights.csv --unit um --spacing 1e-6 -o heights.h5
   asperity surface validate scan.h5
+  asperity surface peaks ready.h5 --min-prominence 1e-8 -o peaks.csv
 """
 
 Work = Callable[[Path, argparse.Namespace], bool]
@@ -135,9 +136,7 @@ def expand(patterns: Sequence[str]) -> list[Path]:
 def _command(
     commands: argparse._SubParsersAction[argparse.ArgumentParser], name: str, summary: str
 ) -> argparse.ArgumentParser:
-    example = next(
-        line for line in _EPILOG.splitlines() if f"surface {name}" in line or name == "peaks"
-    )
+    example = next(line for line in _EPILOG.splitlines() if f"surface {name}" in line)
     return commands.add_parser(
         name,
         help=summary,

@@ -51,7 +51,7 @@ def test_prepare_writes_history(folder: Path, capsys: pytest.CaptureFixture[str]
     assert run("prepare", folder / "map0.h5", "--periodic", "mirror", "-o", target) == 0
     ready = surfaces.read(target)
     assert ready.periodic and ready.missing == 0 and ready.shape == (40, 62)
-    assert [step["step"] for step in ready.history] == ["level", "fill", "periodic"]
+    assert [step["step"] for step in ready.history] == ["read", "level", "fill", "periodic"]
     assert "fill: method harmonic, count 1" in capsys.readouterr().err
 
 
@@ -97,6 +97,15 @@ def test_bad_input_is_one_sentence(
     assert run(*(word.format(folder) for word in words)) == 2
     err = capsys.readouterr().err
     assert message in err and len(err.splitlines()) == 1
+
+
+def test_peaks_as_csv(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    hm = surfaces.self_affine((48, 64), (1e-3, 2e-3), hurst=0.8, rms_slope=0.1, cutoff=2e-4)
+    surfaces.write(hm, tmp_path / "g.h5")
+    assert run("peaks", tmp_path / "g.h5", "-o", tmp_path / "peaks.csv") == 0
+    rows = (tmp_path / "peaks.csv").read_text().splitlines()
+    assert len(rows) == 1 + len(surfaces.segment(hm))
+    assert f"{len(rows) - 1} peaks" in capsys.readouterr().out
 
 
 def test_help_has_an_example(capsys: pytest.CaptureFixture[str]) -> None:
