@@ -1,0 +1,154 @@
+"""Exact Hertz contact of an elliptic paraboloid on a homogeneous or graded half-space."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicSpline
+from scipy.special import hyp2f1
+
+from asperity.errors import InputError
+from asperity.material import HalfSpace
+
+from .table import LawTable
+
+if TYPE_CHECKING:
+    from surfaces import Profiles
+
+__all__ = ["EllipticContact", "elliptic_contact", "tabulate"]
+
+Array = NDArray[np.float64]
+
+
+class EllipticContact(NamedTuple):
+    """Contact of ``f = (k1 X^2 + k2 Y^2) / 2``, k1 >= k2, at the approach d.
+
+    Attributes
+    ----------
+    semi_minor, semi_major
+        Half-axes [m] along X (the larger curvature) and Y.
+    force
+        Normal force [N].
+    stiffness
+        dF/dd [N/m].
+    peak_pressure
+        Pressure [Pa] at the centre; it falls as (1 - rho^2)^((1+m)/2).
+    """
+
+    semi_minor: Array
+    semi_major: Array
+    force: Array
+    stiffness: Array
+    peak_pressure: Array
+
+
+def elliptic_contact(
+    k1: ArrayLike, k2: ArrayLike, approach: ArrayLike, material: HalfSpace
+) -> EllipticContact:
+    """Exact contact of an elliptic paraboloid, any m (broadcast over all arguments).
+
+    Parameters
+    ----------
+    k1, k2
+        Principal curvatures [1/m] of the gap, positive, in any order.
+    approach
+        Approach d [m], non-negative.
+    material
+        Half-space.
+
+    Notes
+    -----
+    A pressure ``p0 (1 - x^2/a^2 - y^2/b^2)^((1+m)/2)`` leaves a paraboloidal displacement; its
+    coefficients are integrals of ``alpha^(1-m)``, ``alpha^(3-m)`` over the directions, which are
+    Gauss hypergeometric functions of e^2 = 1 - b^2/a^2. The aspect b/a follows from the ratio of
+    the curvatures by Newton steps from a tabulated inverse.
+    """
+    first, second, d = (np.asarray(v, dtype=float) for v in (k1, k2, approach))
+    if np.any(~(first > 0)) or np.any(~(second > 0)):
+        raise InputError("both principal curvatures must be positive")
+    m = material.m
+    high, low = np.maximum(first, second) / 2, np.minimum(first, second) / 2
+    beta = _aspect(high / low, m)
+    depth, along, _across = _integrals(beta, m)
+    # With b = beta a, per unit c a^(1-m): d = depth, A = along / a^2.
+    major = np.sqrt(d * along / (depth * low))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        c = np.where(d > 0, d / (depth * major ** (1 - m)), 0.0)
+    peak = 2 * material.modulus * c / (1 + m)
+    force = 2 * np.pi * beta * major**2 * peak / (3 + m)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        stiffness = np.where(d > 0, (3 + m) / 2 * force / d, 0.0)
+    return EllipticContact(beta * major, major, force, stiffness, peak)
+
+
+def tabulate(
+    profiles: Profiles, material: HalfSpace, *, law: str = "hertz", nodes: int = 16
+) -> LawTable:
+    """Law table of the summits' curvatures; it ends where the ellipse has the basin's area."""
+    k1, k2 = profiles.curvature[:, 0], profiles.curvature[:, 1]
+    valid = profiles.valid & (k2 > 0) & (k1 > 0)
+    unit = elliptic_contact(np.where(valid, k1, 1.0), np.where(valid, k2, 1.0), 1.0, material)
+    basin = 0.5 * np.sum(profiles.weight * profiles.edge**2, axis=1)
+    spot = np.pi * unit.semi_minor * unit.semi_major
+    reach = np.where(valid, basin / spot, 0.0)
+    u = np.linspace(0.0, 1.0, nodes + 1)
+    p = 3 + material.m
+    area = np.where(valid, basin, 0.0)[:, None] * u**2
+    force = (unit.force * reach ** (p / 2))[:, None] * u**p
+    stiffness = (unit.force * p / 2 * reach ** (p / 2 - 1))[:, None] * u ** (p - 2)
+    flags = np.zeros(force.shape, dtype=np.uint8)
+    flags[valid, -1] = 128
+    return LawTable(
+        reach, force, stiffness, area, flags, _spread(profiles, material, u, reach, force), p, law
+    )
+
+
+def _spread(profiles: Profiles, material: HalfSpace, u: Array, reach: Array, force: Array) -> Array:
+    """Relative difference to the harmonic-resolved law of the sampled profile."""
+    from .batch import tabulate as tabulate_expansion
+
+    table = tabulate_expansion(profiles, material, law="harmonic", nodes=u.size - 1)
+    rows = np.arange(reach.size)[:, None]
+    better = table.evaluate(rows, reach[:, None] * u**2)[0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.where(better > 0, np.abs(force - better) / better, 0.0))
+
+
+@lru_cache(maxsize=16)
+def _aspect_curve(m: float) -> CubicSpline:
+    """ln(b/a) as a function of the logarithm of the curvature ratio."""
+    log_beta = np.linspace(np.log(1e-5), 0.0, 400)
+    _, along, across = _integrals(np.exp(log_beta), m)
+    return CubicSpline(-np.log(across / along), log_beta)
+
+
+def _aspect(ratio: Array, m: float) -> Array:
+    """Aspect b/a in (0, 1] of the contact whose curvature ratio is `ratio` >= 1."""
+    curve = _aspect_curve(m)
+    if np.any(-np.log(ratio) < curve.x[0]):
+        raise InputError(
+            f"the curvature ratio {np.max(ratio):.3g} is too large for a point contact"
+        )
+    target = -np.log(ratio)
+    log_beta = np.minimum(curve(target), 0.0)
+    slope = curve(target, 1)
+    for _ in range(2):
+        _, along, across = _integrals(np.exp(log_beta), m)
+        log_beta = np.minimum(log_beta + slope * (target + np.log(across / along)), 0.0)
+    return np.asarray(np.exp(log_beta))
+
+
+def _integrals(beta: Array, m: float) -> tuple[Array, Array, Array]:
+    """d, A a^2, B a^2 per c a^(1-m) of the ellipse with half-axes a and b = beta a."""
+    e2 = (1 - beta) * (1 + beta)
+    p, q = (1 - m) / 2, (3 - m) / 2
+    whole = np.pi * beta ** (1 - m) * hyp2f1(p, 0.5, 1.0, e2)
+    scale = np.pi * beta ** (3 - m)
+    cosine = scale / 2 * hyp2f1(q, 1.5, 2.0, e2)
+    sine = scale / 2 * hyp2f1(q, 0.5, 2.0, e2)
+    along = whole - (1 - m) * cosine
+    across = (whole - (1 - m) * sine / beta**2) / beta**2
+    return whole, along, across

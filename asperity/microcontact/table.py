@@ -1,0 +1,118 @@
+"""Force, stiffness and area of many contacts, tabulated over their approach."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity.errors import InputError
+
+__all__ = ["LawTable"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class LawTable:
+    """The law of n contacts at the approaches ``reach * (j / K)^2``, j = 0 ... K.
+
+    Parameters
+    ----------
+    reach
+        Approach [m] of the last node, shape (n,): there the contact fills its basin, or the law
+        ends. Zero marks a contact without a usable law (it never carries load).
+    force, stiffness, area
+        Normal force [N], dF/dd [N/m] and contact area [m^2] at the nodes, shape (n, K + 1).
+    flags
+        Bits of `Flag` at the nodes, uint8, shape (n, K + 1).
+    spread
+        Relative difference of the force to that of the next law (error estimate), (n, K + 1).
+    exponent
+        Power p of u = sqrt(d/reach) in F = u^p s(u), p = 3 + m: then a paraboloid has constant s.
+    law
+        Name of the law.
+
+    Notes
+    -----
+    Between the nodes s is a cubic Hermite in u and area/u^2 is linear in u, so that a Hertzian
+    contact is exact and the stiffness is the derivative of the force. Beyond the reach the basin
+    is filled: a flat punch, force linear with the last stiffness, area constant.
+    """
+
+    reach: Array
+    force: Array
+    stiffness: Array
+    area: Array
+    flags: NDArray[np.uint8]
+    spread: Array
+    exponent: float = 3.0
+    law: str = ""
+
+    def __post_init__(self) -> None:
+        n, nodes = self.force.shape
+        if nodes < 3:
+            raise InputError(f"a law table needs at least 3 nodes, got {nodes}")
+        for name in ("stiffness", "area", "flags", "spread"):
+            if getattr(self, name).shape != (n, nodes):
+                raise InputError(f"{name} must have the shape of force, {(n, nodes)}")
+        if self.reach.shape != (n,):
+            raise InputError(f"reach must have the shape ({n},), got {self.reach.shape}")
+
+    def __len__(self) -> int:
+        return self.reach.size
+
+    @property
+    def nodes(self) -> int:
+        """Number K of intervals."""
+        return self.force.shape[1] - 1
+
+    def approach(self) -> Array:
+        """Approaches [m] of the nodes, shape (n, K + 1)."""
+        u = np.linspace(0.0, 1.0, self.nodes + 1)
+        return self.reach[:, None] * u * u
+
+    def evaluate(self, index: ArrayLike, approach: ArrayLike) -> tuple[Array, Array, Array]:
+        """Force [N], stiffness [N/m] and area [m^2] of the contacts `index` at `approach` [m].
+
+        Parameters
+        ----------
+        index
+            Rows of the table, shape broadcastable with `approach`.
+        approach
+            Approach [m]; contacts at or below zero carry nothing.
+
+        Returns
+        -------
+        force, stiffness, area
+            Of the broadcast shape.
+        """
+        from ._kernels import evaluate_table
+
+        rows, depth = np.broadcast_arrays(
+            np.asarray(index, dtype=np.int64), np.asarray(approach, dtype=float)
+        )
+        values = evaluate_table(
+            np.ascontiguousarray(rows).ravel(),
+            np.ascontiguousarray(depth).ravel(),
+            self.reach,
+            self.force,
+            self.stiffness,
+            self.area,
+            self.exponent,
+        )
+        return (
+            values[0].reshape(rows.shape),
+            values[1].reshape(rows.shape),
+            values[2].reshape(rows.shape),
+        )
+
+    def flags_at(self, index: ArrayLike, approach: ArrayLike) -> NDArray[np.uint8]:
+        """Flags of the node at or above `approach`; the last node's beyond the reach."""
+        rows, depth = np.broadcast_arrays(
+            np.asarray(index, dtype=np.int64), np.asarray(approach, dtype=float)
+        )
+        reach = np.where(self.reach[rows] > 0, self.reach[rows], np.inf)
+        u = np.sqrt(np.clip(depth / reach, 0.0, 1.0))
+        return np.asarray(self.flags[rows, np.ceil(u * self.nodes).astype(np.int64)])
