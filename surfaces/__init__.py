@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from .polar import PowerLawProfile as PowerLawProfile
     from .polar import PowerSumProfile as PowerSumProfile
     from .preparation import prepare as prepare
+    from .profiles import Profiles as Profiles
+    from .profiles import fit_profiles as fit_profiles
     from .segmentation import segment as segment
     from .synthesis import self_affine as self_affine
 
@@ -41,11 +43,13 @@ _HOME = {
     "PolynomialProfile": "polar",
     "PowerLawProfile": "polar",
     "PowerSumProfile": "polar",
+    "Profiles": "profiles",
     "SurfaceError": "errors",
     "SurfaceFile": "hdf5",
     "bandpass": "filtering",
     "crop": "filtering",
     "fill_missing": "filling",
+    "fit_profiles": "profiles",
     "level": "levelling",
     "make_periodic": "filtering",
     "mark_outliers": "filling",

@@ -39,6 +39,8 @@ class Peaks:
         Pairs of peaks whose basins touch, shape (k, 2), the higher peak first.
     passes
         Height [m] of the highest pass between each pair, shape (k,).
+    min_prominence
+        Limit of pruning [m] that was applied.
     """
 
     row: NDArray[np.int64]
@@ -54,6 +56,7 @@ class Peaks:
     labels: NDArray[np.int32]
     neighbors: NDArray[np.int64]
     passes: NDArray[np.float64]
+    min_prominence: float = 0.0
 
     def __len__(self) -> int:
         return int(self.height.size)

@@ -111,6 +111,7 @@ def segment(
         labels=labels,
         neighbors=pairs,
         passes=passes,
+        min_prominence=limit,
     )
 
 

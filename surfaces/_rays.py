@@ -1,0 +1,146 @@
+"""Kernel of the profiles: sub-pixel summits, principal curvatures, and rays to the basin edge."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from ._spline import evaluate, expand
+
+_MOST_SAMPLES = 512
+_FLATTEST = 1e-3  # least ratio of the principal curvatures, and least q relative to the tip
+_NARROWEST = math.sqrt(1.0 / 8.0)  # least aspect of the ellipse on which the rays are spread
+_FEWEST_PIXELS = 9.0
+
+
+@njit(cache=True, nogil=True)
+def summit_of(spline, row, col):
+    """Maximum of the spline near a pixel: Newton steps of at most half a pixel.
+
+    Returns y, x [pixels], the expansion there, and whether a maximum was reached within a pixel.
+    """
+    y, x = float(row), float(col)
+    for _ in range(20):
+        e = expand(spline, y, x)
+        det = e[3] * e[5] - e[4] * e[4]
+        if not (det > 0.0 and e[3] < 0.0):
+            break
+        step_y = -(e[5] * e[1] - e[4] * e[2]) / det
+        step_x = -(e[3] * e[2] - e[4] * e[1]) / det
+        size = max(abs(step_y), abs(step_x))
+        if size < 1e-9:
+            return y, x, e, True
+        scale = min(1.0, 0.5 / size)
+        y += scale * step_y
+        x += scale * step_x
+        if abs(y - row) > 1.0 or abs(x - col) > 1.0:
+            break
+    return float(row), float(col), expand(spline, float(row), float(col)), False
+
+
+@njit(cache=True, nogil=True)
+def fit(
+    heights, spline, labels, periodic, spacing, order, row, col, prominence, pixels, dip,
+    summits, curvature, angle, phi, weight, edge, q, valid, start, stop,
+):  # fmt: skip
+    """Fill the profiles of the peaks ``order[start:stop]``; see `surfaces.profiles.Profiles`."""
+    ny, nx = heights.shape
+    dy, dx = spacing
+    rays, nodes = q.shape[1:]
+    rs = np.empty(_MOST_SAMPLES)
+    fs = np.empty(_MOST_SAMPLES)
+    for place in range(start, stop):
+        n = order[place]
+        y0, x0, e, found = summit_of(spline, row[n], col[n])
+        z0 = e[0] if found else heights[row[n], col[n]]
+        a, b, c = -e[5] / (dx * dx), -e[4] / (dx * dy), -e[3] / (dy * dy)
+        if not found:
+            # a plateau, a spike or a border: the paraboloid that fills the basin
+            a = 2.0 * math.pi * prominence[n] / (pixels[n] * dy * dx)
+            b, c = 0.0, a
+        half = math.hypot(0.5 * (a - c), b)
+        k1 = 0.5 * (a + c) + half
+        k2 = max(0.5 * (a + c) - half, _FLATTEST * k1)
+        long_axis = 0.5 * math.atan2(2.0 * b, a - c) + 0.5 * math.pi
+        if long_axis > 0.5 * math.pi:
+            long_axis -= math.pi
+        summits[n, 0] = (x0 + 0.5) * dx
+        summits[n, 1] = (y0 + 0.5) * dy
+        summits[n, 2] = z0
+        curvature[n, 0] = k1
+        curvature[n, 1] = k2
+        angle[n] = long_axis
+
+        aspect = max((k2 / k1) ** (1.0 / 3.0), _NARROWEST)
+        total = 0.0
+        for p in range(rays):
+            turn = 2.0 * math.pi * p / rays
+            u, v = math.cos(turn), aspect * math.sin(turn)
+            phi[n, p] = long_axis + math.atan2(v, u)
+            weight[n, p] = aspect / (u * u + v * v)
+            total += weight[n, p]
+        covered = 0.0
+        for p in range(rays):
+            weight[n, p] *= 2.0 * math.pi / total
+            way_y, way_x = math.sin(phi[n, p]) / dy, math.cos(phi[n, p]) / dx
+            pixel = 1.0 / max(abs(way_y), abs(way_x))
+            edge[n, p] = 0.0
+            top = 0
+            outside = 0
+            m = 0
+            r = 0.0
+            rs[0], fs[0] = 0.0, 0.0
+            while found and m + 1 < _MOST_SAMPLES:
+                r += max(0.5 * pixel, 0.1 * r)
+                y, x = y0 + r * way_y, x0 + r * way_x
+                if periodic:
+                    y -= ny * math.floor(y / ny)
+                    x -= nx * math.floor(x / nx)
+                elif not (-0.5 <= y <= ny - 0.5 and -0.5 <= x <= nx - 0.5):
+                    break
+                m += 1
+                rs[m] = r
+                fs[m] = z0 - evaluate(spline, y, x)
+                label = labels[int(y + 0.5) % ny, int(x + 0.5) % nx]
+                outside = outside + 1 if label >= 0 and label != n else 0
+                if fs[m] > fs[top] or m == 1:
+                    top = m
+                elif fs[m] <= fs[top] - dip:
+                    break
+                if outside == 2:
+                    top = min(top, m - 2)
+                    edge[n, p] = 0.5 * (rs[m - 2] + rs[m - 1])
+                    break
+            if edge[n, p] == 0.0:
+                edge[n, p] = rs[top]
+                if 0 < top < m:
+                    left, right = rs[top] - rs[top - 1], rs[top + 1] - rs[top]
+                    up = (fs[top] - fs[top - 1]) / left
+                    down = (fs[top] - fs[top + 1]) / right
+                    if up + down > 0.0:
+                        edge[n, p] += 0.5 * (up * right - down * left) / (up + down)
+            edge[n, p] = max(edge[n, p], 0.5 * pixel)
+            covered += 0.5 * weight[n, p] * edge[n, p] ** 2
+        valid[n] = found and covered >= _FEWEST_PIXELS * dy * dx
+
+        for p in range(rays):
+            t = phi[n, p] - long_axis
+            tip = 0.5 * (k2 * math.cos(t) ** 2 + k1 * math.sin(t) ** 2)
+            if not valid[n]:
+                around = math.sqrt(pixels[n] * dy * dx / math.pi)
+                edge[n, p] = max(edge[n, p], around)
+                q[n, p, :] = tip
+                continue
+            way_y, way_x = math.sin(phi[n, p]) / dy, math.cos(phi[n, p]) / dx
+            q[n, p, 0] = tip
+            last = 0.0
+            for j in range(1, nodes):
+                r = edge[n, p] * j / (nodes - 1)
+                y, x = y0 + r * way_y, x0 + r * way_x
+                if periodic:
+                    y -= ny * math.floor(y / ny)
+                    x -= nx * math.floor(x / nx)
+                last = max(last, z0 - evaluate(spline, y, x), _FLATTEST * tip * r * r)
+                q[n, p, j] = last / (r * r)

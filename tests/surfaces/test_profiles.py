@@ -1,0 +1,128 @@
+"""Profiles: known summits come out, rays are monotone, symmetries, and the spline itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import surfaces
+from surfaces import _spline
+
+
+def rough(shape=(96, 80), size=(1.0, 1.25), **changes):
+    options = {"hurst": 0.8, "rms_height": 0.01, "rolloff": 0.5, "cutoff": 0.12, "seed": 1}
+    return surfaces.self_affine(shape, size, **(options | changes))
+
+
+def fitted(hm, **options):
+    peaks = surfaces.segment(hm)
+    return peaks, surfaces.fit_profiles(hm, peaks, **options)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, 1.2, -0.7])
+@pytest.mark.parametrize("spacing", [(1.0, 1.0), (0.7, 1.1)])
+def test_single_paraboloid_comes_back(angle, spacing):
+    k1, k2, y0, x0 = 0.05, 0.02, 20.23, 24.61
+    y = (np.arange(40)[:, None] + 0.5) * spacing[0] - y0 * spacing[0]
+    x = (np.arange(50)[None, :] + 0.5) * spacing[1] - x0 * spacing[1]
+    along = x * np.cos(angle) + y * np.sin(angle)
+    across = y * np.cos(angle) - x * np.sin(angle)
+    hm = surfaces.HeightMap(7.0 - 0.5 * (k2 * along**2 + k1 * across**2), spacing)
+    _, fit = fitted(hm)
+    assert len(fit) == 1 and fit.valid[0] and fit.border[0]
+    assert_allclose([fit.x[0], fit.y[0]], [x0 * spacing[1], y0 * spacing[0]], atol=1e-7)
+    assert_allclose(fit.height, 7.0, atol=1e-9)
+    assert_allclose(fit.curvature[0], [k1, k2], rtol=1e-7)
+    assert_allclose(np.sin(fit.angle[0] - angle), 0.0, atol=1e-7)
+    turn = fit.phi[0] - angle
+    q = 0.5 * (k2 * np.cos(turn) ** 2 + k1 * np.sin(turn) ** 2)
+    assert_allclose(fit.q[0], np.repeat(q[:, None], 17, axis=1), rtol=1e-6)
+    profile = fit.profile(0)
+    r = np.array([0.3, 1.0, 4.0])[:, None]
+    around = np.linspace(0, 2 * np.pi, 9)[None, :]
+    turn = around - angle
+    exact = 0.5 * r**2 * (k2 * np.cos(turn) ** 2 + k1 * np.sin(turn) ** 2)
+    assert_allclose(profile(r, around), exact, rtol=0.03)
+
+
+def test_rays_rise_and_weights_make_one_turn():
+    peaks, fit = fitted(rough())
+    assert_allclose(fit.weight.sum(axis=1), 2 * np.pi)
+    assert (np.diff(fit.f(), axis=2) >= 0).all()
+    assert (fit.q > 0).all() and (fit.edge > 0).all()
+    assert (fit.curvature[:, 0] >= fit.curvature[:, 1]).all() and (fit.curvature > 0).all()
+    assert (fit.height >= peaks.height - 1e-15).all()
+    assert_allclose(fit.phi[:, 0], fit.angle)
+    assert fit.valid.mean() > 0.9
+
+
+def test_rays_cover_their_basins():
+    peaks, fit = fitted(rough((256, 240), (1.0, 1.0), cutoff=0.06))
+    covered = 0.5 * (fit.weight * fit.edge**2).sum(axis=1)
+    inner = fit.valid
+    assert 0.9 < np.median(covered[inner] / peaks.basin_area[inner]) < 1.1
+    assert 0.85 < covered.sum() / peaks.basin_area.sum() < 1.05
+
+
+def test_turning_the_map_turns_the_profiles():
+    hm = rough()
+    turned = surfaces.HeightMap(np.rot90(hm.heights), hm.spacing[::-1], periodic=True)
+    (_, base), (_, other) = fitted(hm), fitted(turned)
+    assert_allclose(other.x, base.y, atol=1e-9)
+    assert_allclose(other.y, hm.size[1] - base.x, atol=1e-9)
+    assert_allclose(other.curvature, base.curvature, rtol=1e-7)
+    assert_allclose(np.sin(2 * (other.angle - base.angle - np.pi / 2)), 0.0, atol=1e-6)
+
+
+def test_small_basins_get_a_paraboloid_and_are_marked():
+    hm = surfaces.HeightMap(np.random.default_rng(0).normal(size=(20, 24)), (1.0, 2.0))
+    _, fit = fitted(hm)
+    assert not fit.valid.all()
+    weak = ~fit.valid
+    turn = fit.phi[weak] - fit.angle[weak, None]
+    k1, k2 = fit.curvature[weak].T[..., None]
+    q = 0.5 * (k2 * np.cos(turn) ** 2 + k1 * np.sin(turn) ** 2)
+    assert_allclose(fit.q[weak], np.repeat(q[:, :, None], 17, axis=2))
+    assert np.isfinite(fit.q).all() and (fit.curvature > 0).all()
+
+
+def test_plateau_is_marked():
+    h = -np.maximum(0.0, np.hypot(*np.mgrid[-9:10, -12:13]) - 4.0)
+    _, fit = fitted(surfaces.HeightMap(h, 1.0))
+    assert np.isfinite(fit.q).all() and (fit.q > 0).all()
+
+
+def test_no_peaks_give_no_profiles():
+    hm = rough()
+    peaks = surfaces.segment(hm, above=1.0)
+    assert len(surfaces.fit_profiles(hm, peaks)) == 0
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+def test_spline_interpolates_every_point(periodic):
+    h = np.random.default_rng(3).normal(size=(23, 31))
+    spline = _spline.coefficients(h, periodic)
+    values = [[_spline.evaluate(spline, float(i), float(j)) for j in range(31)] for i in range(23)]
+    assert_allclose(values, h, atol=1e-8)
+
+
+def test_spline_is_exact_for_a_quadratic_up_to_the_border():
+    y, x = np.mgrid[:20, :26].astype(float)
+
+    def surface(y, x):
+        return 1 + 0.3 * y - 0.2 * x + 0.01 * y * y - 0.03 * x * y + 0.02 * x * x
+
+    spline = _spline.coefficients(surface(y, x), False)
+    for at in ((0.3, 0.2), (10.5, 12.25), (18.9, 24.7)):
+        assert _spline.evaluate(spline, *at) == pytest.approx(surface(*at), abs=1e-8)
+        assert_allclose(_spline.expand(spline, *at)[3:], [0.02, -0.03, 0.04], atol=1e-7)
+
+
+def test_refusals():
+    hm = rough()
+    peaks = surfaces.segment(hm)
+    with pytest.raises(surfaces.InputError, match="at least 4 of each"):
+        surfaces.fit_profiles(hm, peaks, rays=2)
+    with pytest.raises(surfaces.SurfaceError, match="segment this map first"):
+        surfaces.fit_profiles(rough((64, 80)), peaks)
