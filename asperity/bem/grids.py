@@ -1,0 +1,89 @@
+"""Nested grids: coarser height maps, and pressures carried from one grid to the next."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from .operator import Boundary
+
+__all__ = ["coarse_heights", "level_shapes", "prolong"]
+
+_SMALLEST = 48
+
+
+def level_shapes(shape: tuple[int, int]) -> list[tuple[int, int]]:
+    """Shapes of the nested grids, coarsest first; each has about half the points per axis."""
+    shapes = [shape]
+    while min(shapes[0]) > _SMALLEST:
+        ny, nx = (scipy.fft.next_fast_len(-(-n // 2), real=True) for n in shapes[0])
+        shapes.insert(0, (ny, nx))
+    return shapes
+
+
+def coarse_heights(
+    heights: NDArray[np.float64],
+    shapes: list[tuple[int, int]],
+    boundary: Boundary,
+    threads: int = 1,
+) -> list[NDArray[np.float64]]:
+    """Heights on each of the coarser grids.
+
+    Notes
+    -----
+    Periodic: Fourier truncation, the Nyquist lines left out. Free: means over the coarse pixels.
+    """
+    if boundary == "free":
+        maps = []
+        for shape in reversed(shapes):
+            heights = _averaged(_averaged(heights, shape[0]).T, shape[1]).T
+            maps.append(np.ascontiguousarray(heights))
+        return maps[::-1]
+    spectrum = scipy.fft.rfft2(heights, norm="forward", workers=threads)
+    return [_truncated(spectrum, shape) for shape in shapes]
+
+
+def _truncated(spectrum: NDArray[np.complex128], shape: tuple[int, int]) -> NDArray[np.float64]:
+    rows, cols = (shape[0] - 1) // 2, (shape[1] - 1) // 2
+    kept = np.zeros((shape[0], shape[1] // 2 + 1), complex)
+    kept[: rows + 1, : cols + 1] = spectrum[: rows + 1, : cols + 1]
+    kept[-rows:, : cols + 1] = spectrum[-rows:, : cols + 1]
+    result: NDArray[np.float64] = scipy.fft.irfft2(kept, s=shape, norm="forward")
+    return result
+
+
+def _averaged(values: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+    """Means over `count` equal intervals of the first axis."""
+    n = values.shape[0]
+    if count == n:
+        return values
+    integral = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, axis=0)])
+    edges = np.arange(count + 1) * (n / count)
+    below = np.minimum(edges.astype(int), n - 1)
+    share = (edges - below)[:, None]
+    at_edges = (1.0 - share) * integral[below] + share * integral[below + 1]
+    return np.diff(at_edges, axis=0) * (count / n)
+
+
+def prolong(
+    coarse: NDArray[np.float64], shape: tuple[int, int], boundary: Boundary
+) -> NDArray[np.float64]:
+    """Bilinear interpolation of a coarse pressure on a finer grid."""
+    rows = _interpolated(coarse, shape[0], boundary)
+    return np.ascontiguousarray(_interpolated(rows.T, shape[1], boundary).T)
+
+
+def _interpolated(
+    values: NDArray[np.float64], count: int, boundary: Boundary
+) -> NDArray[np.float64]:
+    n = values.shape[0]
+    if boundary == "periodic":
+        place = np.arange(count) * (n / count)
+    else:
+        place = np.clip((np.arange(count) + 0.5) * (n / count) - 0.5, 0.0, n - 1.0)
+    below = place.astype(int)
+    share = (place - below)[:, None]
+    above = (below + 1) % n if boundary == "periodic" else np.minimum(below + 1, n - 1)
+    result: NDArray[np.float64] = (1.0 - share) * values[below] + share * values[above]
+    return result

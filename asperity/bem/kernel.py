@@ -1,0 +1,147 @@
+"""The elastic half-space as a convolution: Fourier symbol and cell-integrated influence.
+
+Pressures are carried as p~ = compliance * p, a length, so that the operator p~ -> u is
+dimensionless and of order one at the pixel scale.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import hyp2f1
+
+__all__ = ["ElasticHalfSpace", "compliance", "influence", "symbol"]
+
+_NEAR_CELLS = 8
+_MIDDLE_CELLS = 100
+
+
+class ElasticHalfSpace(Protocol):
+    """What the solver needs to know of the material."""
+
+    @property
+    def modulus(self) -> float:
+        """E* [Pa], or E_m* [Pa m^-m] of a graded body."""
+
+    @property
+    def m(self) -> float:
+        """Exponent of the grading E(z) = E z**m."""
+
+
+def compliance(spacing: tuple[float, float], material: ElasticHalfSpace) -> float:
+    """Symbol at the wave number of one inverse pixel [m/Pa]: the unit of pressure inside.
+
+    Notes
+    -----
+    ``Lambda(q) = 2**(1-m) pi / (E_m* Gamma((1+m)/2)**2) |q|**(m-1)`` at ``|q| = (dy dx)**-1/2``.
+    """
+    m = material.m
+    pixel = math.sqrt(spacing[0] * spacing[1])
+    factor = 2.0 ** (1.0 - m) * math.pi / math.gamma(0.5 * (1.0 + m)) ** 2
+    return factor * pixel ** (1.0 - m) / material.modulus
+
+
+def wave_numbers(
+    shape: tuple[int, int], spacing: tuple[float, float]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Wave numbers times the pixel length (dy dx)**1/2 of a half spectrum: columns ky, rows kx."""
+    pixel = math.sqrt(spacing[0] * spacing[1])
+    ky = 2.0 * np.pi * np.fft.fftfreq(shape[0]) * (pixel / spacing[0])
+    kx = 2.0 * np.pi * np.fft.rfftfreq(shape[1]) * (pixel / spacing[1])
+    return ky, kx
+
+
+def symbol(
+    shape: tuple[int, int], spacing: tuple[float, float], power: float
+) -> NDArray[np.float64]:
+    """Dimensionless symbol |q|**power on the half spectrum, shape (ny, nx//2+1), zero at q = 0."""
+    ky, kx = wave_numbers(shape, spacing)
+    square = ky[:, None] ** 2 + kx[None, :] ** 2
+    square[0, 0] = 1.0
+    result: NDArray[np.float64] = square ** (0.5 * power)
+    result[0, 0] = 0.0
+    return result
+
+
+def influence(
+    shape: tuple[int, int], spacing: tuple[float, float], m: float
+) -> NDArray[np.float64]:
+    """Displacement at cell offsets (0..ny-1, 0..nx-1) per pressure p~ on one cell, shape (ny, nx).
+
+    Notes
+    -----
+    ``K = C_m int int r**-(1+m) dA`` over the cell, exact within 8 cells (corner function with
+    2F1), a 5 x 5 Gauss rule to 100 cells, and beyond it the mean over the cell by its Taylor
+    series to fourth order (relative error below 1e-13).
+    """
+    pixel = math.sqrt(spacing[0] * spacing[1])
+    hy, hx = spacing[0] / pixel, spacing[1] / pixel
+    longest = max(hx, hy)
+    y = np.arange(shape[0]) * hy
+    x = np.arange(shape[1]) * hx
+    kernel = _taylor_mean(y, x, hy, hx, m)
+    for reach, rule in ((_MIDDLE_CELLS, _gauss_mean), (_NEAR_CELLS, _corner_mean)):
+        rows = min(shape[0], int(reach * longest / hy) + 1)
+        cols = min(shape[1], int(reach * longest / hx) + 1)
+        kernel[:rows, :cols] = rule(y[:rows], x[:cols], hy, hx, m)
+    # C_m / compliance in these units, with C_m = cos(m pi/2) / (pi E_m*)
+    unit = 2.0 ** (1.0 - m) * math.pi / math.gamma(0.5 * (1.0 + m)) ** 2
+    kernel *= math.sin(0.5 * math.pi * (1.0 - abs(m))) / math.pi / unit
+    return kernel
+
+
+def _taylor_mean(
+    y: NDArray[np.float64], x: NDArray[np.float64], hy: float, hx: float, m: float
+) -> NDArray[np.float64]:
+    """Integral of r**-(1+m) over cells far from the origin: value and even derivatives."""
+    a = 1.0 + m
+    inverse = y[:, None] ** 2 + x[None, :] ** 2
+    inverse[0, 0] = 1.0
+    np.divide(1.0, inverse, out=inverse)
+    cx = x[None, :] ** 2 * inverse
+    first = a * inverse / 24.0
+    second = a * (a + 2.0) * inverse**2
+    mean = 1.0 + first * (hx**2 * ((a + 2) * cx - 1) + hy**2 * ((a + 2) * (1 - cx) - 1))
+    for square, h in ((cx, hx), (1.0 - cx, hy)):
+        quartic = 3.0 - 6.0 * (a + 4) * square + (a + 4) * (a + 6) * square**2
+        mean += second * (h**4 / 1920.0) * quartic
+    mean += second * (hx * hy) ** 2 / 576.0 * (1 - (a + 4) + (a + 4) * (a + 6) * cx * (1 - cx))
+    mean *= inverse ** (0.5 * a) * (hx * hy)
+    return mean
+
+
+def _gauss_mean(
+    y: NDArray[np.float64], x: NDArray[np.float64], hy: float, hx: float, m: float
+) -> NDArray[np.float64]:
+    """Integral of r**-(1+m) over cells by a tensor Gauss-Legendre rule of 5 x 5 points."""
+    nodes, weights = np.polynomial.legendre.leggauss(5)
+    total = np.zeros((y.size, x.size))
+    for node_y, weight_y in zip(nodes, weights, strict=True):
+        for node_x, weight_x in zip(nodes, weights, strict=True):
+            square = (y + 0.5 * hy * node_y)[:, None] ** 2 + (x + 0.5 * hx * node_x)[None, :] ** 2
+            square[0, 0] = 1.0
+            total += 0.25 * weight_y * weight_x * square ** (-0.5 * (1.0 + m))
+    return total * (hx * hy)
+
+
+def _corner_mean(
+    y: NDArray[np.float64], x: NDArray[np.float64], hy: float, hx: float, m: float
+) -> NDArray[np.float64]:
+    """Integral of r**-(1+m) over cells by differences of the corner function."""
+    edges_y = np.append(y - 0.5 * hy, y[-1] + 0.5 * hy)
+    edges_x = np.append(x - 0.5 * hx, x[-1] + 0.5 * hx)
+    corner = _corner(np.abs(edges_x)[None, :], np.abs(edges_y)[:, None], m)
+    corner *= np.sign(edges_y)[:, None] * np.sign(edges_x)[None, :]
+    result: NDArray[np.float64] = np.diff(np.diff(corner, axis=0), axis=1)
+    return result
+
+
+def _corner(x: NDArray[np.float64], y: NDArray[np.float64], m: float) -> NDArray[np.float64]:
+    """Integral of r**-(1+m) over the rectangle (0, x) by (0, y), x and y positive."""
+    a = 0.5 * (1.0 + m)
+    along_x = x ** (-2 * a) * hyp2f1(0.5, a, 1.5, -((y / x) ** 2))
+    along_y = y ** (-2 * a) * hyp2f1(0.5, a, 1.5, -((x / y) ** 2))
+    return x * y / (1.0 - m) * (along_x + along_y)

@@ -1,0 +1,79 @@
+"""The mean pressure that belongs to a prescribed separation, found while the contact is solved."""
+
+from __future__ import annotations
+
+import math
+
+__all__ = ["LoadSearch"]
+
+_LONGEST_STEP = 8.0
+
+
+class LoadSearch:
+    """Secant search for the load at which the contact lies at a prescribed level.
+
+    Parameters
+    ----------
+    offset
+        Level u - h of the contact to reach [m].
+    mean
+        First mean pressure p~ to try [m], positive.
+    stiffness
+        Slope of mean pressure over level, if known.
+
+    Notes
+    -----
+    The level of the contact rises with the load, so every solved load bounds the answer from one
+    side; a step never leaves the bounds nor changes the load more than eightfold.
+    """
+
+    def __init__(self, offset: float, mean: float, stiffness: float | None = None) -> None:
+        self.offset = offset
+        self.mean = mean
+        self.stiffness = stiffness
+        self._below, self._above = 0.0, math.inf
+        self._last: tuple[float, float] | None = None
+
+    def update(self, level: float, uncertainty: float) -> float:
+        """Next mean pressure to try, given the level reached by the present one.
+
+        Parameters
+        ----------
+        level
+            Level of the contact at the present load [m].
+        uncertainty
+            How far the level may be off, because the contact is not solved exactly [m].
+        """
+        miss = self.offset - level
+        if miss > uncertainty:
+            self._below = max(self._below, self.mean)
+        elif miss < -uncertainty:
+            self._above = min(self._above, self.mean)
+        if self._last is not None:
+            rise, step = level - self._last[1], self.mean - self._last[0]
+            if abs(rise) > 3.0 * uncertainty and rise * step > 0.0:
+                self.stiffness = step / rise
+        self._last = (self.mean, level)
+        if self.stiffness is None:
+            proposal = self.mean * (_LONGEST_STEP if miss > 0 else 1.0 / _LONGEST_STEP)
+        else:
+            proposal = self.mean + self.stiffness * miss
+        proposal = min(max(proposal, self.mean / _LONGEST_STEP), self.mean * _LONGEST_STEP)
+        if not self._below < proposal < self._above:
+            self._widen()
+            upper = self._above if math.isfinite(self._above) else 4.0 * self.mean
+            proposal = 0.5 * (self._below + upper)
+        self.mean = proposal
+        return proposal
+
+    def rescale(self, ratio: float) -> None:
+        """Carry the search to a grid with another unit of pressure; its bounds are forgotten."""
+        self.mean *= ratio
+        if self.stiffness is not None:
+            self.stiffness *= ratio
+        self._below, self._above, self._last = 0.0, math.inf, None
+
+    def _widen(self) -> None:
+        """Give up bounds that closed on each other: they came from unfinished solves."""
+        if self._above - self._below <= 1e-12 * self._above:
+            self._below, self._above = 0.0, math.inf

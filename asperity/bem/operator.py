@@ -1,0 +1,101 @@
+"""The exact half-space operator: surface displacement of a pressure on the whole grid."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from . import transform
+from .kernel import ElasticHalfSpace, compliance, influence, symbol
+
+__all__ = ["Boundary", "HalfSpaceOperator"]
+
+Boundary = Literal["periodic", "free"]
+
+
+class HalfSpaceOperator:
+    """Displacement of an elastic half-space under a pressure that is constant on each pixel.
+
+    Parameters
+    ----------
+    shape
+        Points (ny, nx) of the pressure grid.
+    spacing
+        Pixel size (dy, dx) [m].
+    material
+        Elastic half-space, homogeneous or graded: `modulus` and `m`.
+    boundary
+        "periodic": the cell repeats, and u has zero mean. "free": the half-space is at rest at
+        infinity and carries no pressure outside the grid.
+    threads
+        Threads of the Fourier transforms.
+
+    Notes
+    -----
+    Periodic: ``u^(q) = Lambda(q) p^(q)`` with ``Lambda ~ |q|**(m-1)`` and ``Lambda(0) = 0``.
+    Free: exact cell-integrated influence, convolved by zero padding (theory sheet, section 6).
+    """
+
+    def __init__(
+        self,
+        shape: tuple[int, int],
+        spacing: tuple[float, float],
+        material: ElasticHalfSpace,
+        boundary: Boundary = "periodic",
+        *,
+        threads: int = 1,
+    ) -> None:
+        if boundary not in ("periodic", "free"):
+            raise InputError(f'boundary is {boundary!r}; choose "periodic" or "free"')
+        self.shape = shape
+        self.spacing = spacing
+        self.m = float(material.m)
+        self.boundary = boundary
+        self.compliance = compliance(spacing, material)
+        self.threads = threads
+        self.pairs = 0
+        if boundary == "periodic":
+            self.padded = shape
+        else:
+            ny, nx = (scipy.fft.next_fast_len(2 * n - 1, real=True) for n in shape)
+            self.padded = (ny, nx)
+        self.transform = transform.plan(self.padded, threads=threads)
+        self.symbol = self._scaled_symbol()
+
+    def _scaled_symbol(self) -> NDArray[np.float64]:
+        """Dimensionless symbol, divided by the number of points of the transform."""
+        points = self.padded[0] * self.padded[1]
+        if self.boundary == "periodic":
+            values = symbol(self.shape, self.spacing, self.m - 1.0)
+            values /= points
+            return values
+        ny, nx = self.padded
+        quadrant = influence((ny // 2 + 1, nx // 2 + 1), self.spacing, self.m)
+        rows, cols = (np.minimum(np.arange(n), n - np.arange(n)) for n in self.padded)
+        self.transform.grid[:, :nx] = quadrant[np.ix_(rows, cols)]
+        self.transform.forward()
+        return np.ascontiguousarray(self.transform.spectrum.real) / points
+
+    def displacement(self, pressure: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Displacement [m] of a pressure p~ [m] (pressure times compliance); a view of a buffer."""
+        ny, nx = self.shape
+        grid = self.transform.grid
+        if self.padded != self.shape:
+            grid[:] = 0.0
+        grid[:ny, :nx] = pressure
+        self.transform.forward()
+        spectrum = self.transform.spectrum
+        np.multiply(spectrum, self.symbol, out=spectrum)
+        self.transform.backward()
+        self.pairs += 1
+        return self.transform.grid[:ny, :nx]
+
+    def __call__(self, pressure: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Displacement [m] into the solid of a pressure [Pa], shape (ny, nx)."""
+        if np.shape(pressure) != self.shape:
+            raise InputError(f"pressure has shape {np.shape(pressure)}; the grid is {self.shape}")
+        return np.array(self.displacement(np.asarray(pressure, np.float64) * self.compliance))

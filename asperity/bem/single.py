@@ -1,0 +1,240 @@
+"""One microcontact by the free-space boundary-element method: the reference of the laws."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from surfaces.heightmap import HeightMap
+
+from ..errors import InputError
+from .certificate import Certificate
+from .kernel import ElasticHalfSpace
+from .solution import BemSolution
+from .solve import ContactProblem
+
+__all__ = ["BemIndentation", "indent_bem"]
+
+Profile = Callable[[Any, Any], Any]
+
+_SCOUT = 64
+_MARGIN = 1.1
+_RAYS = 256
+
+
+@dataclass(frozen=True, eq=False)
+class BemIndentation:
+    """Indentation by one profile, from the boundary-element method.
+
+    Attributes
+    ----------
+    approach
+        Rigid-body approach d [m], a number or shape (n,); the fields below have its shape.
+    force
+        Normal force [N].
+    contact_area
+        Contact area corrected for the pixels at its edge [m^2].
+    converged
+        Whether the certificate is within the tolerance.
+    valid
+        Converged, and the contact stays inside the radius where the profile is known.
+    solutions
+        The full solution of each approach, with pressure, gap and certificate.
+    summit
+        Where the profile's origin lies on the map of each solution, (x, y) [m].
+    """
+
+    approach: Any
+    force: Any
+    contact_area: Any
+    converged: Any
+    valid: Any
+    solutions: tuple[BemSolution, ...]
+    summit: tuple[tuple[float, float], ...]
+
+    @property
+    def certificate(self) -> Certificate:
+        """Certificate of the worst of the solutions."""
+        return max((s.certificate for s in self.solutions), key=lambda c: c.worst)
+
+    @property
+    def radius(self) -> Any:
+        """Radius of the circle with the contact's area [m]."""
+        return np.sqrt(self.contact_area / np.pi)
+
+    @property
+    def pressure_map(self) -> NDArray[np.float64]:
+        """Pressure [Pa] at the last approach, shape (grid, grid)."""
+        return self.solutions[-1].pressure
+
+    @property
+    def x(self) -> NDArray[np.float64]:
+        """Columns of `pressure_map` from the summit [m]."""
+        (dy, dx), (x0, _) = self.solutions[-1].spacing, self.summit[-1]
+        return (np.arange(self.pressure_map.shape[1]) + 0.5) * dx - x0
+
+    @property
+    def y(self) -> NDArray[np.float64]:
+        """Rows of `pressure_map` from the summit [m]."""
+        (dy, dx), (_, y0) = self.solutions[-1].spacing, self.summit[-1]
+        return (np.arange(self.pressure_map.shape[0]) + 0.5) * dy - y0
+
+    def pressure(self, x: ArrayLike, y: ArrayLike, index: int = -1) -> NDArray[np.float64]:
+        """Pressure [Pa] at places from the summit [m] (broadcast), bilinear between the pixels."""
+        return self._sampled(self.solutions[index].pressure, x, y, index)
+
+    def contour(self, phi: ArrayLike, index: int = -1) -> NDArray[np.float64]:
+        """Distance of the contact's edge from the summit [m] at angles `phi` [rad].
+
+        Notes
+        -----
+        First crossing of one half by the bilinear indicator of the contact, with the pixel bias
+        of the area taken out of the radius.
+        """
+        solution = self.solutions[index]
+        angle = np.asarray(phi, dtype=float)
+        reach = np.hypot(*(n * d for n, d in zip(solution.pressure.shape, solution.spacing)))
+        r = np.linspace(0.0, reach, 4 * max(solution.pressure.shape))
+        x, y = r * np.cos(angle[..., None]), r * np.sin(angle[..., None])
+        inside = self._sampled(solution.contact.astype(float), x, y, index)
+        out = np.argmax(inside < 0.5, axis=-1)
+        out = np.maximum(out, 1)
+        rows = np.arange(out.size).reshape(out.shape)
+        flat = inside.reshape(-1, r.size)
+        before, after = flat[rows, out - 1], flat[rows, out]
+        step = np.clip((before - 0.5) / np.maximum(before - after, 1e-300), 0.0, 1.0)
+        edge = r[out - 1] + step * (r[1] - r[0])
+        bias = solution.contact_area / max(solution.contact_area_raw, 1e-300)
+        return np.asarray(edge * np.sqrt(bias) * (before > 0.5))
+
+    def _sampled(
+        self, values: NDArray[np.float64], x: ArrayLike, y: ArrayLike, index: int
+    ) -> NDArray[np.float64]:
+        from scipy.ndimage import map_coordinates
+
+        (dy, dx), (x0, y0) = self.solutions[index].spacing, self.summit[index]
+        px, py = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+        place = np.stack([(py + y0) / dy - 0.5, (px + x0) / dx - 0.5])
+        return np.asarray(map_coordinates(values, place, order=1))
+
+
+def indent_bem(
+    profile: Profile,
+    mat: ElasticHalfSpace,
+    approach: ArrayLike,
+    *,
+    grid: int = 256,
+    tolerance: float = 1e-6,
+) -> BemIndentation:
+    """Indentation of a half-space by one rigid profile: force, area, contour and pressure.
+
+    Parameters
+    ----------
+    profile
+        Gap at first touch f(r, phi) [m], zero at the summit and growing on every ray.
+    mat
+        Elastic half-space, homogeneous or graded.
+    approach
+        Rigid-body approach d [m], positive, a number or shape (n,).
+    grid
+        Points per axis, 16 or more; the grid is fitted to the contact.
+    tolerance
+        Bound on each entry of the certificate [-].
+
+    Raises
+    ------
+    InputError
+        If an approach is not positive, the grid too small, or the profile never rises to the
+        approach.
+    """
+    if grid < 16:
+        raise InputError(f"grid is {grid}; give at least 16 points per axis")
+    depths = np.asarray(approach, dtype=float)
+    if depths.size == 0 or not (np.isfinite(depths).all() and (depths > 0.0).all()):
+        raise InputError("approach must be positive and finite [m]")
+    found = [_one(profile, mat, float(d), grid, tolerance) for d in depths.ravel()]
+    solutions, summits, inside = zip(*found, strict=True)
+    converged = _shaped([s.converged for s in solutions], depths)
+    return BemIndentation(
+        approach=depths[()],
+        force=_shaped([s.load for s in solutions], depths),
+        contact_area=_shaped([s.contact_area for s in solutions], depths),
+        converged=converged,
+        valid=converged & _shaped(list(inside), depths),
+        solutions=solutions,
+        summit=summits,
+    )
+
+
+def _shaped(values: list[Any], like: NDArray[np.float64]) -> Any:
+    return np.array(values).reshape(like.shape)[()]
+
+
+def _one(
+    profile: Profile, mat: ElasticHalfSpace, approach: float, grid: int, tolerance: float
+) -> tuple[BemSolution, tuple[float, float], bool]:
+    """Solve on a coarse grid around {f < d}, then on a fine one around the contact found."""
+    box = _section_box(profile, approach)
+    scout, summit = _solve_in(profile, mat, approach, box, _SCOUT, 1e-2)
+    rows, cols = (np.flatnonzero(scout.contact.any(axis=axis)) for axis in (1, 0))
+    (dy, dx), (x0, y0) = scout.spacing, summit
+    edges = []
+    for found, d, start in ((cols, dx, x0), (rows, dy, y0)):
+        low, high = found[0] * d - d, (found[-1] + 2) * d
+        half, middle = 0.5 * _MARGIN * (high - low), 0.5 * (high + low)
+        edges += [middle - half - start, middle + half - start]
+    solution, summit = _solve_in(profile, mat, approach, tuple(edges), grid, tolerance)
+    radius = getattr(profile, "radius", np.inf)
+    x = (np.arange(grid) + 0.5) * solution.spacing[1] - summit[0]
+    y = (np.arange(grid) + 0.5) * solution.spacing[0] - summit[1]
+    farthest = np.hypot(*np.meshgrid(x, y))[solution.contact].max(initial=0.0)
+    return solution, summit, bool(farthest <= radius)
+
+
+def _section_box(profile: Profile, approach: float) -> tuple[float, float, float, float]:
+    """Edges (x0, x1, y0, y1) [m] of a box around the section {f < d}, which holds the contact."""
+    phi = np.linspace(0.0, 2.0 * np.pi, _RAYS, endpoint=False)
+    radius = getattr(profile, "radius", np.inf)
+    low, high = np.zeros(_RAYS), np.full(_RAYS, 1e-30 if not np.isfinite(radius) else radius)
+    for _ in range(400):
+        short = np.asarray(profile(high, phi)) < approach
+        if not short.any():
+            break
+        high = np.where(short, 2.0 * high, high)
+        if np.isfinite(radius) and high.max() > 8.0 * radius:
+            break
+    else:
+        raise InputError(
+            f"the profile does not rise to the approach {approach:g} m on every ray; "
+            "give a profile that grows outwards"
+        )
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        short = np.asarray(profile(middle, phi)) < approach
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    x, y = high * np.cos(phi), high * np.sin(phi)
+    return float(x.min()), float(x.max()), float(y.min()), float(y.max())
+
+
+def _solve_in(
+    profile: Profile,
+    mat: ElasticHalfSpace,
+    approach: float,
+    box: tuple[float, ...],
+    grid: int,
+    tolerance: float,
+) -> tuple[BemSolution, tuple[float, float]]:
+    x0, x1, y0, y1 = box
+    spacing = ((y1 - y0) / grid, (x1 - x0) / grid)
+    x = x0 + (np.arange(grid) + 0.5) * spacing[1]
+    y = y0 + (np.arange(grid) + 0.5) * spacing[0]
+    px, py = np.meshgrid(x, y)
+    heights = -np.asarray(profile(np.hypot(px, py), np.arctan2(py, px)))
+    hm = HeightMap(heights, spacing, name="profile")
+    problem = ContactProblem(hm, mat, tolerance=tolerance, boundary="free")
+    solution = problem.solve(separation=-approach - float(heights.mean()))
+    return solution, (-x0, -y0)

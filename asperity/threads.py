@@ -1,0 +1,63 @@
+"""The number of threads of every parallel stage, set in one place."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from .errors import InputError
+
+__all__ = ["limit_threads", "set_threads", "threads"]
+
+_VARIABLE = "ASPERITY_THREADS"
+_chosen: int | None = None
+
+
+def available() -> int:
+    """Number of processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def threads() -> int:
+    """Number of threads in use: as set, else ASPERITY_THREADS, else every processor."""
+    if _chosen is not None:
+        return _chosen
+    text = os.environ.get(_VARIABLE, "")
+    if not text:
+        return available()
+    if not text.isdigit() or int(text) < 1:
+        raise InputError(f"{_VARIABLE} is {text!r}; give a whole number of threads, at least 1")
+    return min(int(text), available())
+
+
+def set_threads(count: int | None) -> None:
+    """Use `count` threads from now on, at most one per processor; None returns to the default."""
+    global _chosen
+    if count is not None and count < 1:
+        raise InputError(f"the number of threads is {count}; give at least 1")
+    _chosen = None if count is None else min(int(count), available())
+
+
+@contextmanager
+def limit_threads(count: int | None) -> Iterator[int]:
+    """Use `count` threads inside the block, then return to what was set before."""
+    global _chosen
+    before = _chosen
+    set_threads(count)
+    try:
+        yield threads()
+    finally:
+        _chosen = before
+
+
+def use_numba(count: int) -> None:
+    """Let compiled loops run on `count` threads, as far as numba was started with so many.
+
+    The waiting threads of OpenMP must sleep, not spin: a spinning barrier on a busy machine
+    costs more than the loop that it ends.
+    """
+    os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+    import numba
+
+    numba.set_num_threads(max(1, min(count, numba.config.NUMBA_NUM_THREADS)))
