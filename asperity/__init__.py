@@ -6,18 +6,30 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .bem.curve import bem_curve as bem_curve
+    from .bem.single import BemIndentation as BemIndentation
+    from .bem.single import indent_bem as indent_bem
+    from .bem.solution import BemSolution as BemSolution
+    from .bem.solve import bem_solve as bem_solve
     from .errors import ConvergenceError as ConvergenceError
     from .errors import InputError as InputError
     from .errors import ModelRangeError as ModelRangeError
     from .material import HalfSpace as HalfSpace
+    from .threads import set_threads as set_threads
 
 __version__ = "0.1.0"
 
 _HOME = {
+    "bem_curve": "bem.curve",
+    "bem_solve": "bem.solve",
+    "BemIndentation": "bem.single",
+    "BemSolution": "bem.solution",
     "ConvergenceError": "errors",
     "HalfSpace": "material",
+    "indent_bem": "bem.single",
     "InputError": "errors",
     "ModelRangeError": "errors",
+    "set_threads": "threads",
 }
 
 __all__ = sorted(_HOME)

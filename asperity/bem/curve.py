@@ -95,15 +95,19 @@ def _row(solution: BemSolution) -> dict[str, float]:
 def curve_stiffness(
     separation: NDArray[np.float64], mean_pressure: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Minus the slope of mean pressure over separation [Pa/m] by differences, shape (n,)."""
-    stiffness = np.full(separation.shape, np.nan)
+    """Minus the slope of mean pressure over separation [Pa/m] by differences, shape (n,).
+
+    Repeated points (closer than 1e-5 of the range) share one value; NaN if there is one point.
+    """
     order = np.argsort(separation, kind="stable")
-    distinct = np.unique(separation[order], return_index=True)[1]
-    chosen = order[distinct]
+    steps = np.diff(separation[order])
+    first = np.append(True, steps > 1e-5 * np.ptp(separation))
+    chosen = order[first]
     if chosen.size < 2:
-        return stiffness
+        return np.full(separation.shape, np.nan)
     slope = -np.gradient(mean_pressure[chosen], separation[chosen])
-    stiffness[order] = np.repeat(slope, np.diff(np.append(distinct, order.size)))
+    stiffness = np.empty(separation.shape)
+    stiffness[order] = slope[np.cumsum(first) - 1]
     return stiffness
 
 

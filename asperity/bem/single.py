@@ -74,13 +74,13 @@ class BemIndentation:
     @property
     def x(self) -> NDArray[np.float64]:
         """Columns of `pressure_map` from the summit [m]."""
-        (dy, dx), (x0, _) = self.solutions[-1].spacing, self.summit[-1]
+        dx, x0 = self.solutions[-1].spacing[1], self.summit[-1][0]
         return (np.arange(self.pressure_map.shape[1]) + 0.5) * dx - x0
 
     @property
     def y(self) -> NDArray[np.float64]:
         """Rows of `pressure_map` from the summit [m]."""
-        (dy, dx), (_, y0) = self.solutions[-1].spacing, self.summit[-1]
+        dy, y0 = self.solutions[-1].spacing[0], self.summit[-1][1]
         return (np.arange(self.pressure_map.shape[0]) + 0.5) * dy - y0
 
     def pressure(self, x: ArrayLike, y: ArrayLike, index: int = -1) -> NDArray[np.float64]:
@@ -97,7 +97,7 @@ class BemIndentation:
         """
         solution = self.solutions[index]
         angle = np.asarray(phi, dtype=float)
-        reach = np.hypot(*(n * d for n, d in zip(solution.pressure.shape, solution.spacing)))
+        reach = float(np.hypot(*np.multiply(solution.pressure.shape, solution.spacing)))
         r = np.linspace(0.0, reach, 4 * max(solution.pressure.shape))
         x, y = r * np.cos(angle[..., None]), r * np.sin(angle[..., None])
         inside = self._sampled(solution.contact.astype(float), x, y, index)
@@ -119,7 +119,8 @@ class BemIndentation:
         (dy, dx), (x0, y0) = self.solutions[index].spacing, self.summit[index]
         px, py = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
         place = np.stack([(py + y0) / dy - 0.5, (px + x0) / dx - 0.5])
-        return np.asarray(map_coordinates(values, place, order=1))
+        sampled = map_coordinates(values, place.reshape(2, -1), order=1)
+        return np.asarray(sampled).reshape(px.shape)
 
 
 def indent_bem(

@@ -1,0 +1,82 @@
+"""Area, patches and contours of a contact map."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asperity.bem import contact_map
+
+
+def labels_by_hand(contact, periodic):
+    """Flood fill, one pixel at a time."""
+    ny, nx = contact.shape
+    labels = np.zeros(contact.shape, int)
+    count = 0
+    for start in zip(*np.nonzero(contact), strict=True):
+        if labels[start]:
+            continue
+        count += 1
+        todo = [start]
+        while todo:
+            i, j = todo.pop()
+            if periodic:
+                i, j = i % ny, j % nx
+            if not (0 <= i < ny and 0 <= j < nx) or not contact[i, j] or labels[i, j]:
+                continue
+            labels[i, j] = count
+            todo += [(i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)]
+    return labels, count
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+@pytest.mark.parametrize("filling", [0.1, 0.5, 0.65])
+def test_patches_match_a_flood_fill(periodic, filling):
+    """Same partition, labels without gaps in order of first pixel."""
+    contact = np.random.default_rng(5).random((23, 31)) < filling
+    labels, count = contact_map.label_patches(contact, periodic=periodic)
+    expected, number = labels_by_hand(contact, periodic)
+    assert count == number == labels.max()
+    pairs = np.unique(np.stack([labels[contact], expected[contact]]), axis=1)
+    assert pairs.shape[1] == number
+    assert not labels[~contact].any()
+
+
+def test_area_of_a_disc():
+    """Corrected area of a disc is right to a small part of the pixel bias of a BEM contact."""
+    n = 400
+    y, x = (np.indices((n, 2 * n)) + 0.5) * np.array([2.0, 1.0])[:, None, None]
+    radius = 90.0
+    disc = (x - 397.3) ** 2 + (y - 402.1) ** 2 < radius**2
+    raw, corrected = contact_map.contact_area(disc, (2.0, 1.0), periodic=False)
+    assert raw == pytest.approx(np.pi * radius**2, rel=1e-3)
+    edges = contact_map.contact_edges(disc, periodic=False)
+    assert edges == pytest.approx(8 * radius * 0.75, rel=0.02)
+    assert raw - corrected == pytest.approx((np.pi - 1 + np.log(2)) / 24 * edges * 2.0)
+
+
+def test_full_contact_has_no_edge_in_a_periodic_cell():
+    """Nothing is taken off a closed contact."""
+    full = np.ones((6, 9), bool)
+    assert contact_map.contact_area(full, (1.0, 2.0), periodic=True) == (108.0, 108.0)
+    assert contact_map.contact_edges(full, periodic=False) == 30
+
+
+def test_contours_enclose_their_patches():
+    """One outline per patch (and per hole), in metres."""
+    contact = np.zeros((20, 30), bool)
+    contact[3:9, 4:12] = True
+    contact[14:17, 20:25] = True
+    found = contact_map.contours(contact, (0.5, 0.25))
+    assert len(found) == 2
+    box = sorted(tuple(np.ptp(outline, axis=0)) for outline in found)
+    assert box == [(4 * 0.25, 2 * 0.5), (7 * 0.25, 5 * 0.5)]
+
+
+def test_histogram_integrates_to_one():
+    """A density over the positive values."""
+    values = np.random.default_rng(6).normal(size=1000)
+    density, edges = contact_map.histogram(values, 20)
+    assert (density * np.diff(edges)).sum() == pytest.approx(1.0)
+    assert edges[0] == 0.0
+    assert not contact_map.histogram(np.zeros(5))[0].any()

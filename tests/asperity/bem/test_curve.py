@@ -1,0 +1,52 @@
+"""Contact curves by boundary elements."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from bem_support import rough
+
+from asperity import HalfSpace, bem_curve, bem_solve
+
+BODY = HalfSpace.from_modulus(1.0)
+
+
+def test_curve_equals_single_solutions_in_the_order_asked():
+    """Each point is the solution at its load, whatever the order and repetition."""
+    hm = rough()
+    loads = [0.1, 0.01, 0.03, 0.03, 0.0]
+    curve = bem_curve(hm, BODY, pressures=loads)
+    assert curve.converged.all() and curve.residual.max() <= 1e-6
+    for i, load in enumerate(loads):
+        one = bem_solve(hm, BODY, pressure=load)
+        assert curve.separation[i] == pytest.approx(one.separation, rel=1e-4)
+        assert curve.area_fraction[i] == pytest.approx(one.area_fraction, rel=0.02)
+        assert curve.mean_pressure[i] == pytest.approx(load, abs=1e-12)
+    assert curve.stiffness[2] == curve.stiffness[3]
+
+
+def test_default_loads_and_extra():
+    """Without load points: ten of them, light to moderate contact, with certificates."""
+    hm = rough((48, 64))
+    curve = bem_curve(hm, BODY)
+    assert len(curve) == 10 and curve.converged.all()
+    assert curve.area_fraction[0] < 0.01 and 0.03 < curve.area_fraction[-1] < 0.3
+    for name in ("load_error", "complementarity", "penetration", "contact_area_raw", "fft_pairs"):
+        assert curve.extra[name].shape == (10,)
+
+
+def test_stiffness_by_slope_and_by_energy():
+    """dp/ds of neighboring points; the energy of the curve is its work."""
+    hm = rough((48, 64), seed=1)
+    curve = bem_curve(hm, BODY, pressures=np.linspace(0.02, 0.05, 7), tolerance=1e-8)
+    assert (curve.stiffness > 0).all()
+    slope = np.gradient(curve.extra["elastic_energy"] / hm.area, -curve.separation)
+    np.testing.assert_allclose(slope[1:-1], curve.mean_pressure[1:-1], rtol=0.01)
+
+
+def test_prescribed_separations():
+    """Separations in falling order of load give the same curve back."""
+    hm = rough((48, 64), seed=2)
+    forward = bem_curve(hm, BODY, pressures=[0.01, 0.05])
+    back = bem_curve(hm, BODY, separations=forward.separation)
+    np.testing.assert_allclose(back.mean_pressure, forward.mean_pressure, rtol=1e-3)

@@ -1,0 +1,250 @@
+"""The contact solution: closed forms, certificates, limits, refusals."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from bem_support import periodic_displacement, polonsky_keer, rough
+
+from asperity import HalfSpace, bem_solve, errors
+from surfaces import HeightMap
+
+BODY = HalfSpace.from_modulus(1.0)
+
+
+def certificate_by_hand(solution, hm, m=0.0, modulus=1.0):
+    """Certificate of a periodic pressure, with nothing of the solver's code."""
+    p, h = solution.pressure, hm.heights
+    gap = periodic_displacement(p, hm.spacing, modulus, m) - h
+    work = (p * (gap - gap.min())).sum() / p.sum() / h.std()
+    return max(work, (gap[p > 0].mean() - gap.min()) / h.std())
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_westergaard_wave(axis):
+    """Strip contact of a wave: width and pressure converge to the closed form."""
+    errors_found = []
+    for n in (64, 256):
+        shape, spacing = ((n, 6), (1.0 / n, 0.1)) if axis == 0 else ((6, n), (0.1, 1.0 / n))
+        place = (np.arange(n) + 0.5) / n
+        wave = 0.01 * np.cos(2 * np.pi * place)
+        heights = np.broadcast_to(np.expand_dims(wave, 1 - axis), shape)
+        hm = HeightMap(heights, spacing, periodic=True)
+        full = np.pi * 0.01
+        mean = 0.3 * full
+        solution = bem_solve(hm, BODY, pressure=mean, tolerance=1e-9)
+        s = np.sin(np.pi * np.minimum(place, 1 - place))
+        exact = (
+            2
+            * mean
+            * np.cos(np.pi * np.minimum(place, 1 - place))
+            / 0.3
+            * np.sqrt(np.maximum(0.3 - s**2, 0.0))
+        )
+        found = solution.pressure.mean(axis=1 - axis)
+        errors_found.append(np.abs(found - exact).sum() / exact.sum())
+        assert solution.converged
+    assert errors_found[1] < 0.008
+    assert errors_found[1] < 0.3 * errors_found[0]
+
+
+@pytest.mark.parametrize("m", [-0.4, 0.0, 0.5, 0.8])
+@pytest.mark.parametrize("shape", [(60, 84), (45, 63)])
+def test_agrees_with_the_textbook_solver(m, shape):
+    """The same pressure as Polonsky and Keer's iteration, for every grading and odd grids."""
+    hm = rough(shape)
+    mean = 0.05 * 1.0
+    body = HalfSpace.from_modulus(3.0, m)
+    solution = bem_solve(hm, body, pressure=mean, tolerance=1e-9)
+    assert solution.converged
+    assert solution.mean_pressure == pytest.approx(mean, rel=1e-12)
+    assert certificate_by_hand(solution, hm, m, 3.0) < 1.1e-9
+    expected = polonsky_keer(hm.heights, hm.spacing, mean, modulus=3.0, m=m, tolerance=1e-9)
+    assert np.abs(solution.pressure - expected).max() < 2e-4 * expected.max()
+
+
+@pytest.mark.parametrize("mean", [1e-4, 0.02, 0.3, 1.0])
+def test_gap_and_separation(mean):
+    """The gap is zero in the contact and positive outside; separation is its mean."""
+    hm = rough(seed=3)
+    solution = bem_solve(hm, BODY, pressure=mean, tolerance=1e-7)
+    assert solution.converged
+    contact = solution.contact
+    scale = hm.rms_height
+    assert np.abs(solution.gap[contact].mean()) < 1e-12 * scale
+    assert solution.gap.min() > -1e-6 * scale
+    assert solution.separation == pytest.approx(solution.mean_gap, abs=1e-9 * scale)
+    assert 0 < solution.area_fraction <= solution.contact_area_raw / hm.area
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("mean", [3e-3, 0.1])
+def test_separation_is_the_inverse_of_pressure(boundary, mean):
+    """Solving at the separation found returns the pressure."""
+    hm = rough((40, 52), slope=0.5, seed=4)
+    loaded = bem_solve(hm, BODY, pressure=mean, boundary=boundary, tolerance=1e-8)
+    back = bem_solve(hm, BODY, separation=loaded.separation, boundary=boundary, tolerance=1e-8)
+    assert back.converged
+    assert back.mean_pressure == pytest.approx(mean, rel=1e-4)
+    assert np.abs(back.pressure - loaded.pressure).max() < 1e-3 * loaded.pressure.max()
+
+
+def test_full_contact():
+    """Beyond closure the pressure is the inverse symbol of the heights, for any grading."""
+    hm = rough((40, 52), seed=5)
+    for m in (-0.3, 0.0, 0.6):
+        body = HalfSpace.from_modulus(2.0, m)
+        solution = bem_solve(hm, body, pressure=50.0, tolerance=1e-9)
+        assert solution.converged
+        assert solution.contact_area == pytest.approx(hm.area, rel=1e-12)
+        assert solution.contacts == 1
+        assert abs(solution.separation) < 1e-8 * hm.rms_height
+        displaced = periodic_displacement(solution.pressure, hm.spacing, 2.0, m)
+        relative = displaced - hm.heights + hm.heights.mean()
+        assert np.abs(relative).max() < 1e-7 * hm.rms_height
+
+
+def test_zero_load():
+    """No load: no pressure, and the flat touches the highest point."""
+    hm = rough(seed=6)
+    solution = bem_solve(hm, BODY, pressure=0.0)
+    assert solution.converged
+    assert not solution.pressure.any()
+    assert solution.contacts == 0 and solution.contact_area == 0.0
+    assert solution.separation == pytest.approx(hm.heights.max() - hm.heights.mean(), rel=1e-12)
+    assert solution.gap.min() == pytest.approx(0.0, abs=1e-15)
+    apart = bem_solve(hm, BODY, separation=2 * solution.separation)
+    assert apart.converged and apart.load == 0.0
+    assert apart.gap.min() == pytest.approx(solution.separation, rel=1e-12)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_flat_map(boundary):
+    """A flat map: uniform pressure in a periodic cell, a punch in free space."""
+    hm = HeightMap(np.full((24, 36), 2.5e-6), (1e-3, 2e-3))
+    solution = bem_solve(hm, BODY, pressure=3.0, boundary=boundary, tolerance=1e-8)
+    assert solution.converged
+    assert solution.area_fraction == pytest.approx(1.0, rel=0.05)
+    if boundary == "periodic":
+        np.testing.assert_allclose(solution.pressure, 3.0, rtol=1e-12)
+        assert solution.separation == pytest.approx(0.0, abs=1e-12)
+    else:
+        assert solution.pressure[0, 0] > 2 * solution.pressure[12, 18] > 0
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_single_pixel_contact(boundary):
+    """A needle carries the whole load on its pixel, with the influence of one cell."""
+    heights = np.zeros((20, 26))
+    heights[7, 0] = 10.0
+    hm = HeightMap(heights, (0.1, 0.2))
+    solution = bem_solve(hm, BODY, pressure=1e-3, boundary=boundary)
+    assert solution.converged
+    assert np.flatnonzero(solution.pressure).tolist() == [7 * 26]
+    assert solution.pressure[7, 0] == pytest.approx(1e-3 * heights.size, rel=1e-12)
+    assert solution.contacts == 1
+    back = bem_solve(hm, BODY, separation=solution.separation, boundary=boundary)
+    assert back.load == pytest.approx(solution.load, rel=1e-4)
+
+
+def test_contact_across_the_seam():
+    """A periodic shift of the map shifts the solution, and patches join across the seam."""
+    ny, nx = 40, 60
+    y, x = np.meshgrid((np.arange(ny) + 0.5) / ny, (np.arange(nx) + 0.5) / nx, indexing="ij")
+    cap = -((x - 0.5) ** 2 + (y - 0.5) ** 2)
+    hm = HeightMap(cap, (1 / ny, 1 / nx), periodic=True)
+    moved = HeightMap(np.roll(cap, (20, 30), (0, 1)), (1 / ny, 1 / nx), periodic=True)
+    a = bem_solve(hm, BODY, pressure=0.02, tolerance=1e-9)
+    b = bem_solve(moved, BODY, pressure=0.02, tolerance=1e-9)
+    assert a.contacts == b.contacts == 1
+    assert b.contact_area == a.contact_area
+    np.testing.assert_allclose(
+        np.roll(b.pressure, (20, 30), (0, 1)), a.pressure, atol=1e-5 * a.pressure.max()
+    )
+
+
+def test_scaling_of_lengths_and_modulus():
+    """Heights and spacing times s, modulus times c: pressure times c s^-m, in any units."""
+    hm = rough((40, 52), slope=0.3, seed=8)
+    for m in (-0.3, 0.4):
+        one = bem_solve(hm, HalfSpace.from_modulus(1.0, m), pressure=0.01, tolerance=1e-9)
+        s, c = 1e-7, 7e10
+        small = HeightMap(hm.heights * s, tuple(s * d for d in hm.spacing), periodic=True)
+        body = HalfSpace.from_modulus(c, m)
+        two = bem_solve(small, body, pressure=0.01 * c * s**m, tolerance=1e-9)
+        np.testing.assert_allclose(
+            two.pressure / (c * s**m), one.pressure, atol=1e-5 * one.pressure.max()
+        )
+        assert two.separation == pytest.approx(one.separation * s, rel=1e-7)
+
+
+def test_warm_start_and_guess():
+    """A guess changes the cost, not the answer; a wrong one is refused."""
+    hm = rough(seed=9)
+    cold = bem_solve(hm, BODY, pressure=0.05, tolerance=1e-8)
+    warm = bem_solve(hm, BODY, pressure=0.05, tolerance=1e-8, guess=cold)
+    assert warm.fft_pairs == 1
+    np.testing.assert_array_equal(warm.pressure > 0, cold.pressure > 0)
+    near = bem_solve(hm, BODY, pressure=0.06, tolerance=1e-8, guess=cold.pressure)
+    far = bem_solve(hm, BODY, pressure=0.06, tolerance=1e-8)
+    np.testing.assert_allclose(near.pressure, far.pressure, atol=1e-4 * far.pressure.max())
+    with pytest.raises(errors.InputError, match="guess has shape"):
+        bem_solve(hm, BODY, pressure=0.06, guess=np.zeros((3, 3)))
+
+
+def test_monotony():
+    """More load: more area, less separation, more energy."""
+    hm = rough(seed=10)
+    found = [bem_solve(hm, BODY, pressure=p) for p in (0.003, 0.01, 0.03, 0.1, 0.3)]
+    assert all(np.diff([s.contact_area for s in found]) > 0)
+    assert all(np.diff([s.separation for s in found]) < 0)
+    assert all(np.diff([s.elastic_energy for s in found]) > 0)
+
+
+def test_energy_is_the_work_of_the_load():
+    """Elastic energy differs between two loads by the integral of load over separation."""
+    hm = rough(seed=11)
+    loads = np.linspace(0.04, 0.05, 9)
+    found = [bem_solve(hm, BODY, pressure=p, tolerance=1e-9) for p in loads]
+    separation = np.array([s.separation for s in found])
+    work = -np.trapezoid(loads, separation) * hm.area
+    assert found[-1].elastic_energy - found[0].elastic_energy == pytest.approx(work, rel=1e-4)
+
+
+def test_stagnation_is_not_convergence(monkeypatch):
+    """A solve that cannot reach its tolerance says so."""
+    from asperity.bem import correction
+
+    monkeypatch.setattr(correction, "_MOST_INNER", 0)
+    solution = bem_solve(rough(seed=12), BODY, pressure=0.02, tolerance=1e-9)
+    assert not solution.converged
+    assert solution.status == "stagnated"
+    assert "stopped falling" in solution.reason
+    assert "not converged" in str(solution)
+
+
+@pytest.mark.parametrize(
+    "arguments, words",
+    [
+        ({}, "exactly one of pressure and separation"),
+        ({"pressure": 1.0, "separation": 1.0}, "exactly one of pressure and separation"),
+        ({"pressure": -1.0}, "not negative"),
+        ({"pressure": np.nan}, "finite mean pressure"),
+        ({"separation": 0.0}, "prescribe a pressure instead"),
+        ({"separation": np.inf}, "finite distance"),
+        ({"pressure": 1.0, "tolerance": 1e-14}, "tolerance is"),
+        ({"pressure": 1.0, "boundary": "open"}, "boundary is 'open'"),
+    ],
+)
+def test_refusals(arguments, words):
+    """Each wrong argument gives one sentence."""
+    with pytest.raises(errors.InputError, match=words):
+        bem_solve(rough((20, 26)), BODY, **arguments)
+
+
+def test_missing_points_are_refused():
+    """A map with holes is refused with the option that fills them."""
+    heights = rough((20, 26)).heights.copy()
+    heights[3, 4] = np.nan
+    with pytest.raises(errors.SurfaceError, match=r"1 missing points.*fill"):
+        bem_solve(HeightMap(heights, 0.1), BODY, pressure=1.0)
