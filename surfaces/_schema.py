@@ -14,7 +14,7 @@ import numpy as np
 from .errors import InputError
 from .units import metres_per
 
-__all__ = ["DAMAGED", "SCHEMA", "Fault", "Header", "read_header"]
+__all__ = ["DAMAGED", "SCHEMA", "Fault", "Header", "brief", "read_header"]
 
 SCHEMA = "surface/1"
 DAMAGED = (
@@ -96,7 +96,7 @@ def read_header(
             Fault(f'{where} has no attribute schema; schema 1 files say "{SCHEMA}"', False)
         )
     elif schema != SCHEMA:
-        faults.append(Fault(f"{where} has schema {schema!r}; this version reads {SCHEMA!r}"))
+        faults.append(Fault(f"{where} has schema {_shown(schema)}; this version reads {SCHEMA!r}"))
     history = _history(attributes.pop("history", None), where, faults)
     if any(fault.fatal for fault in faults):
         return None, faults
@@ -157,7 +157,7 @@ def _attributes(dataset: h5py.Dataset, where: str, faults: list[Fault]) -> dict[
                 raise ValueError("it is larger than 1 MiB")
             value = dataset.attrs[name]
         except DAMAGED as error:
-            faults.append(Fault(f"{where}: attribute {name} cannot be read ({_brief(error)})"))
+            faults.append(Fault(f"{where}: attribute {name} cannot be read ({brief(error)})"))
             continue
         found[str(name)] = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
     return found
@@ -172,13 +172,13 @@ def _spacing(
             Fault(f"{where} has no attribute spacing; pass --spacing DY DX (spacing=...) in m")
         )
         return 0.0, 0.0
-    try:
-        dy, dx = (float(d) for d in np.broadcast_to(np.asarray(pixel, dtype=np.float64), (2,)))
-    except (TypeError, ValueError):
-        dy = dx = math.nan
+    values = np.asarray(pixel)
+    dy = dx = math.nan
+    if values.dtype.kind in "fiu" and values.shape in ((), (1,), (2,)):
+        dy, dx = (float(d) for d in np.broadcast_to(values, (2,)))
     if not (0 < dy < math.inf and 0 < dx < math.inf):
         faults.append(
-            Fault(f"{where}: spacing is {pixel!r}; it must be two positive lengths (dy, dx) in m")
+            Fault(f"{where}: spacing is {_shown(pixel)}; it must be two positive lengths in m")
         )
     elif stated is not None and given is not None and not np.allclose((dy, dx), given, rtol=1e-9):
         faults.append(
@@ -194,15 +194,16 @@ def _unit(stated: Any, given: str | None, where: str, faults: list[Fault]) -> st
             Fault(f"{where} has no attribute unit; pass --unit (unit=...), such as --unit um")
         )
         return ""
+    if not isinstance(unit, str):
+        faults.append(Fault(f"{where}: unit is {_shown(unit)}; it must be a name such as um"))
+        return ""
     try:
-        factor = metres_per(str(unit))
+        factor = metres_per(unit)
         if stated is not None and given is not None and metres_per(given) != factor:
-            faults.append(
-                Fault(f"{where} states unit {stated!r}, --unit {given!r} contradicts it; leave out")
-            )
+            faults.append(Fault(f"{where} states unit {_shown(stated)}; leave out --unit {given}"))
     except InputError as error:
         faults.append(Fault(f"{where}: unit {error}"))
-    return str(unit)
+    return unit
 
 
 def _periodic(stated: Any, where: str, faults: list[Fault]) -> bool:
@@ -211,7 +212,7 @@ def _periodic(stated: Any, where: str, faults: list[Fault]) -> bool:
         return False
     value = np.asarray(stated)
     if value.size != 1 or value.dtype.kind not in "biu" or int(value.ravel()[0]) not in (0, 1):
-        faults.append(Fault(f"{where}: periodic is {stated!r}; it must be true or false"))
+        faults.append(Fault(f"{where}: periodic is {_shown(stated)}; it must be true or false"))
         return False
     return bool(value.ravel()[0])
 
@@ -230,8 +231,14 @@ def _history(stated: Any, where: str, faults: list[Fault]) -> tuple[Mapping[str,
     return tuple(steps)
 
 
-def _brief(error: BaseException) -> str:
+def brief(error: BaseException) -> str:
     """The reason inside an h5py message, on one line."""
     text = " ".join(str(error).split())
     inner = text[text.find("(") + 1 : text.rfind(")")] if "(" in text else text
     return inner[:120] or type(error).__name__
+
+
+def _shown(value: Any) -> str:
+    """A value from a file, on one line and short."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -65,7 +65,7 @@ def read_npz(
 
 
 def is_text_grid(path: Path) -> bool:
-    """Whether the first line that is not a comment is a row of numbers."""
+    """Whether the file is text whose first line, comments left out, is a row of numbers."""
     try:
         with path.open(encoding="utf-8-sig") as file:
             for line in file:
@@ -75,7 +75,7 @@ def is_text_grid(path: Path) -> bool:
                     return all(_is_number(cell) for cell in cells)
     except UnicodeDecodeError:
         return False
-    return False
+    return True
 
 
 def read_text(

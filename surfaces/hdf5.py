@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._memory import require_memory
-from ._schema import DAMAGED, SCHEMA, Fault, Header, _brief, read_header
+from ._probe import survives
+from ._schema import DAMAGED, SCHEMA, Fault, Header, brief, read_header
 from .errors import AsperityError, FileFormatError, InputError, SurfaceError
 from .heightmap import HeightMap
 from .units import metres_per
@@ -106,11 +107,12 @@ class SurfaceFile:
         for start in range(top, bottom, step):
             stop = min(start + step, bottom)
             try:
-                heights[start - top : stop - top] = self._dataset[start:stop, left:right]
+                with np.errstate(all="ignore"):
+                    heights[start - top : stop - top] = self._dataset[start:stop, left:right]
             except DAMAGED as error:
                 raise FileFormatError(
                     f"{self.path}: rows {start} to {stop} of dataset {self._dataset.name} are "
-                    f"damaged ({_brief(error)}); copy the file again from its source"
+                    f"damaged ({brief(error)}); copy the file again from its source"
                 ) from error
         heights *= metres_per(self.unit)
         return heights
@@ -201,12 +203,13 @@ def open(
     FileFormatError
         If the file is missing or damaged, or does not hold a height map with its units.
     """
-    path = Path(path)
+    path, pixel = Path(path), _pair(spacing)
+    _require_sound(path, dataset)
     file = _opened(path)
     try:
         with _naming_damage(path):
             found = _find(file, path, dataset)
-            header, faults = read_header(found, unit=unit, spacing=_pair(spacing))
+            header, faults = read_header(found, unit=unit, spacing=pixel)
         if header is None:
             raise FileFormatError(f"{path}: {next(f.text for f in faults if f.fatal)}")
         return SurfaceFile(path, file, found, header)
@@ -231,6 +234,7 @@ def validate(path: str | os.PathLike[str], *, dataset: str | None = None) -> lis
     """
     path = Path(path)
     try:
+        _require_sound(path, dataset)
         file = _opened(path)
     except FileFormatError as error:
         return [Fault(str(error).removeprefix(f"{path}: "))]
@@ -342,9 +346,23 @@ def _opened(path: Path) -> h5py.File:
         if isinstance(error, FileFormatError):
             raise
         raise FileFormatError(
-            f"{path}: cannot be opened, truncated or damaged HDF5 ({_brief(error)}); "
+            f"{path}: cannot be opened, truncated or damaged HDF5 ({brief(error)}); "
             "copy the file again from its source"
         ) from error
+
+
+def _require_sound(path: Path, dataset: str | None) -> None:
+    """Refuse a file whose metadata hang or crash the HDF5 library."""
+
+    def attempt() -> None:
+        with _opened(path) as file, _naming_damage(path):
+            read_header(_find(file, path, dataset))
+
+    if path.is_file() and not survives(attempt):
+        raise FileFormatError(
+            f"{path}: damaged HDF5, its metadata hang or crash the HDF5 library; "
+            "copy the file again from its source"
+        )
 
 
 @contextmanager
@@ -356,7 +374,7 @@ def _naming_damage(path: Path) -> Iterator[None]:
         raise
     except DAMAGED as error:
         raise FileFormatError(
-            f"{path}: damaged HDF5 ({_brief(error)}); copy the file again from its source"
+            f"{path}: damaged HDF5 ({brief(error)}); copy the file again from its source"
         ) from error
 
 
@@ -411,7 +429,7 @@ def _replacing(path: Path) -> Iterator[Path]:
         yield part
         os.replace(part, path)
     except OSError as error:
-        raise SurfaceError(f"{path}: cannot be written ({_brief(error)})") from error
+        raise SurfaceError(f"{path}: cannot be written ({brief(error)})") from error
     finally:
         part.unlink(missing_ok=True)
 

@@ -11,7 +11,7 @@ from typing import Any
 from xml.parsers.expat import ExpatError
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .errors import FileFormatError
 from .heightmap import HeightMap
@@ -64,7 +64,9 @@ def read_instrument(
     try:
         with library.open_topography(str(path)) as reader:
             channel = _channel(reader, path, dataset)
-            topography = channel.topography()
+            chosen = _unit(channel, path, unit)
+            sizes = _sizes(channel, path, spacing, metres_per(chosen))
+            topography = channel.topography(**sizes)
             origin = {
                 "step": "read",
                 "file": path.name,
@@ -72,57 +74,52 @@ def read_instrument(
                 "channel": str(channel.name),
             }
             heights = np.ma.filled(np.ma.masked_invalid(topography.heights()), np.nan)
-            stated = {
-                "unit": topography.unit if isinstance(topography.unit, str) else None,
-                "size": topography.physical_sizes,
-                "periodic": bool(topography.is_periodic),
-                "instrument": (topography.info.get("instrument") or {}).get("name"),
-            }
+            periodic = bool(topography.is_periodic)
+            length_x, length_y = topography.physical_sizes
+            instrument = (topography.info.get("instrument") or {}).get("name")
     except FileFormatError:
         raise
-    except _DAMAGED as error:
+    except library.Exceptions.CannotDetectFileFormat as error:
         raise FileFormatError(
-            f"{path}: no reader of SurfaceTopography understands this file "
-            f"({type(error).__name__}: {' '.join(str(error).split())[:120]})"
+            f"{path}: not HDF5, npy, npz or rows of numbers, nor a format that SurfaceTopography "
+            "knows, or damaged"
         ) from error
-    if stated["instrument"]:
-        origin["instrument"] = str(stated["instrument"])
-    return _as_map(np.asarray(heights, dtype=np.float64).T, path, unit, spacing, stated, origin)
+    except (*_DAMAGED, library.Exceptions.ReadFileError) as error:
+        reason = " ".join(str(error).split())[:120]
+        raise FileFormatError(
+            f"{path}: damaged, or not as its format says ({type(error).__name__}: {reason})"
+        ) from error
+    if instrument:
+        origin["instrument"] = str(instrument)
+    origin["unit"] = chosen
+    heights = np.asarray(heights, dtype=np.float64).T * metres_per(chosen)
+    pixel = np.array([length_y, length_x]) * metres_per(chosen) / heights.shape
+    return HeightMap(heights, pixel, periodic=periodic, name=path.stem, history=(origin,))
 
 
-def _as_map(
-    heights: NDArray[np.float64],
-    path: Path,
-    unit: str | None,
-    spacing: ArrayLike | None,
-    stated: dict[str, Any],
-    origin: dict[str, Any],
-) -> HeightMap:
-    """The library keeps x first; ours has y first."""
-    chosen = stated["unit"] or unit
-    if chosen is None:
+def _unit(channel: Any, path: Path, given: str | None) -> str:
+    """Unit of the heights and lengths of a channel; the library uses one for both."""
+    stated = channel.unit if isinstance(channel.unit, str) else None
+    if stated is None and given is None:
         raise FileFormatError(f"{path}: states no unit; pass --unit (unit=...), such as --unit um")
-    factor = metres_per(chosen)
-    if stated["size"] is not None:
-        length_x, length_y = stated["size"]
-        pixel: Any = (
-            length_y * factor / heights.shape[0],
-            length_x * factor / heights.shape[1],
-        )
-    elif spacing is not None:
-        pixel = spacing
-    else:
+    if stated is not None and given is not None and metres_per(stated) != metres_per(given):
+        raise FileFormatError(f"{path}: states unit {stated!r}; leave out --unit {given}")
+    return str(stated or given)
+
+
+def _sizes(
+    channel: Any, path: Path, spacing: ArrayLike | None, metres: float
+) -> dict[str, tuple[float, float]]:
+    """What to tell the library about a map whose file does not say how large it is."""
+    if channel.physical_sizes is not None:
+        return {}
+    if spacing is None:
         raise FileFormatError(
             f"{path}: states no pixel size; pass --spacing DY DX (spacing=...) in m"
         )
-    origin["unit"] = str(chosen)
-    return HeightMap(
-        heights * factor,
-        pixel,
-        periodic=stated["periodic"],
-        name=path.stem,
-        history=(origin,),
-    )
+    dy, dx = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,)) / metres
+    nx, ny = channel.nb_grid_pts
+    return {"physical_sizes": (float(nx * dx), float(ny * dy))}
 
 
 def _library(path: Path) -> Any:

@@ -57,5 +57,5 @@ def metres_per(unit: str) -> float:
         plain = name.lower().removesuffix("s")
         name = _ALIASES.get(plain, plain)
     if name not in METRES:
-        raise InputError(f"{unit!r} is not a unit of length; known are {', '.join(METRES)}")
+        raise InputError(f"{unit[:30]!r} is not a unit of length; known are {', '.join(METRES)}")
     return METRES[name]

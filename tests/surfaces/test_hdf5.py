@@ -148,7 +148,7 @@ def test_missing_folder_is_one_sentence(tmp_path: Path) -> None:
     [
         ({"unit": None}, "no attribute unit; pass --unit"),
         ({"unit": "parsec"}, "'parsec' is not a unit"),
-        ({"unit": 3.0}, "not a unit"),
+        ({"unit": 3.0}, "must be a name such as um"),
         ({"spacing": None}, "no attribute spacing; pass --spacing"),
         ({"spacing": [1e-6, -1e-6]}, "two positive lengths"),
         ({"spacing": [1e-6, np.nan]}, "two positive lengths"),

@@ -1,0 +1,256 @@
+"""Arrays, text and instrument files: units are never guessed, and faults are one sentence."""
+
+from __future__ import annotations
+
+import io
+import sys
+import zipfile
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+import surfaces
+from surfaces.errors import FileFormatError, InputError, SurfaceError
+from surfaces.units import metres_per
+
+SPACING = (2e-6, 3e-6)
+HEIGHTS = np.random.default_rng(4).normal(0.0, 5.0, (12, 17))
+HEIGHTS[2, 3] = np.nan
+
+
+def sample() -> surfaces.HeightMap:
+    return surfaces.HeightMap(HEIGHTS * 1e-6, SPACING, periodic=True, name="sample")
+
+
+@pytest.mark.parametrize(
+    ("name", "metres"),
+    [
+        ("m", 1.0),
+        ("mm", 1e-3),
+        ("um", 1e-6),
+        ("\N{MICRO SIGN}m", 1e-6),
+        ("\N{GREEK SMALL LETTER MU}m", 1e-6),
+        ("nm", 1e-9),
+        ("\N{ANGSTROM SIGN}", 1e-10),
+        ("micron", 1e-6),
+        ("Micrometers", 1e-6),
+        ("inch", 0.0254),
+        (" mm ", 1e-3),
+    ],
+)
+def test_units(name: str, metres: float) -> None:
+    assert metres_per(name) == metres
+
+
+@pytest.mark.parametrize("name", ["", "parsec", "Mm", "s", "nm2", "None"])
+def test_unknown_units(name: str) -> None:
+    with pytest.raises(InputError, match="is not a unit of length"):
+        metres_per(name)
+
+
+@pytest.mark.parametrize("suffix", [".h5", ".npz", ".txt", ".csv"])
+def test_what_is_written_is_read(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"map{suffix}"
+    surfaces.write(sample(), path)
+    back = surfaces.read(path)
+    assert back.digest == sample().digest and back.name == "sample"
+
+
+def as_npy(path: Path) -> None:
+    np.save(path, HEIGHTS)
+
+
+def as_npz(path: Path) -> None:
+    np.savez(path, z=HEIGHTS)
+
+
+def as_text(path: Path) -> None:
+    np.savetxt(path, HEIGHTS)
+
+
+def as_german_csv(path: Path) -> None:
+    rows = (";".join("" if np.isnan(v) else repr(float(v)) for v in row) for row in HEIGHTS)
+    path.write_text("\n".join(rows).replace(".", ","))
+
+
+@pytest.mark.parametrize(
+    ("name", "make"),
+    [("a.npy", as_npy), ("a.npz", as_npz), ("a.txt", as_text), ("a.csv", as_german_csv)],
+)
+def test_bare_arrays_need_unit_and_spacing(tmp_path: Path, name: str, make) -> None:
+    path = tmp_path / name
+    make(path)
+    hm = surfaces.read(path, unit="um", spacing=SPACING)
+    np.testing.assert_allclose(hm.heights, HEIGHTS * 1e-6, rtol=1e-12)
+    assert hm.spacing == SPACING and hm.history[0]["unit"] == "um"
+    with pytest.raises(FileFormatError, match="states no unit; pass --unit"):
+        surfaces.read(path, spacing=SPACING)
+    with pytest.raises(FileFormatError, match="states no pixel size; pass --spacing"):
+        surfaces.read(path, unit="um")
+
+
+def test_text_comments_may_state_units(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    np.savetxt(path, HEIGHTS, header="unit: nm\nspacing: 1e-6 2e-6", delimiter="\t")
+    hm = surfaces.read(path)
+    assert hm.spacing == (1e-6, 2e-6)
+    np.testing.assert_allclose(hm.heights, HEIGHTS * 1e-9)
+    with pytest.raises(FileFormatError, match="states unit 'nm'"):
+        surfaces.read(path, unit="um")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("1 2 3\n4 5\n6 7 8\n", "line 2 has 2 numbers where the first row has 3"),
+        ("1 2 3\n4 x 6\n7 8 9\n", "line 2 holds 'x', which is no number"),
+        ("# only a comment\n\n", "no rows of numbers"),
+        ("1 2\n3 4\n", "at least 3 points"),
+        ("inf 2 3\n4 5 6\n7 8 9\n", "infinite"),
+    ],
+)
+def test_bad_text(tmp_path: Path, text: str, message: str) -> None:
+    path = tmp_path / "a.txt"
+    path.write_text(text)
+    with pytest.raises(InputError, match=message) as caught:
+        surfaces.read(path, unit="um", spacing=1e-6)
+    assert str(caught.value).count(str(path)) == 1
+
+
+def test_npz_with_several_arrays_lists_them(tmp_path: Path) -> None:
+    path = tmp_path / "a.npz"
+    np.savez(path, z=HEIGHTS, w=HEIGHTS * 2)
+    with pytest.raises(FileFormatError, match=r"holds z, w; name the heights with --dataset"):
+        surfaces.read(path, unit="um", spacing=1e-6)
+    twice = surfaces.read(path, dataset="w", unit="um", spacing=1e-6)
+    np.testing.assert_allclose(twice.heights, HEIGHTS * 2e-6)
+
+
+@pytest.mark.parametrize("cut", [1, 8, 100, 700])
+@pytest.mark.parametrize("name", ["a.npy", "a.npz"])
+def test_truncated_arrays(tmp_path: Path, name: str, cut: int) -> None:
+    path = tmp_path / name
+    (as_npy if name.endswith("npy") else as_npz)(path)
+    path.write_bytes(path.read_bytes()[:cut])
+    with pytest.raises(FileFormatError, match="damaged or not a plain"):
+        surfaces.read(path, unit="um", spacing=1e-6)
+
+
+def npy_that_promises(shape: tuple[int, ...]) -> bytes:
+    buffer = io.BytesIO()
+    header = {"shape": shape, "fortran_order": False, "descr": "<f8"}
+    np.lib.format.write_array_header_1_0(buffer, header)
+    return buffer.getvalue() + b"\x00" * 800
+
+
+def test_arrays_that_promise_more_than_they_hold(tmp_path: Path) -> None:
+    content = npy_that_promises((10**7, 10**7))
+    (tmp_path / "a.npy").write_bytes(content)
+    with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
+        archive.writestr("heights.npy", content)
+    for name in ("a.npy", "a.npz"):
+        with pytest.raises(FileFormatError, match=r"damaged|promises"):
+            surfaces.read(tmp_path / name, unit="um", spacing=1e-6)
+
+
+def test_objects_are_never_unpickled(tmp_path: Path) -> None:
+    np.save(tmp_path / "a.npy", np.array([[{}] * 4] * 4, dtype=object), allow_pickle=True)
+    with pytest.raises(FileFormatError, match="damaged or not a plain npy"):
+        surfaces.read(tmp_path / "a.npy", unit="um", spacing=1e-6)
+
+
+@pytest.mark.parametrize("values", [np.zeros((4, 4), complex), np.full((4, 4), "a"), np.zeros(9)])
+def test_arrays_that_are_no_heights(tmp_path: Path, values: np.ndarray) -> None:
+    np.save(tmp_path / "a.npy", values)
+    with pytest.raises(FileFormatError, match="heights are real numbers, 2-D"):
+        surfaces.read(tmp_path / "a.npy", unit="um", spacing=1e-6)
+
+
+def test_empty_and_unknown_files(tmp_path: Path) -> None:
+    (tmp_path / "empty.txt").touch()
+    with pytest.raises(FileFormatError, match="the file is empty"):
+        surfaces.read(tmp_path / "empty.txt")
+    with pytest.raises(SurfaceError, match=r"written as \.h5"):
+        surfaces.write(sample(), tmp_path / "a.npy")
+
+
+def test_hdf5_is_known_by_its_content(tmp_path: Path) -> None:
+    surfaces.write(sample(), tmp_path / "a.h5")
+    (tmp_path / "a.h5").rename(tmp_path / "a.scan")
+    assert surfaces.read(tmp_path / "a.scan").digest == sample().digest
+
+
+def test_missing_extra_gives_the_pip_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+    (tmp_path / "a.sur").write_bytes(b"DIGITAL SURF")
+    with pytest.raises(FileFormatError, match=r"pip install 'asperity\[formats\]'"):
+        surfaces.read(tmp_path / "a.sur")
+
+
+@pytest.mark.parametrize("failure", [RuntimeError("numpy ABI"), OSError("libz.so"), SyntaxError()])
+def test_broken_extra_gives_the_pip_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failure: Exception
+) -> None:
+    class Broken:
+        def find_spec(self, name: str, path: object, target: ModuleType | None = None) -> None:
+            if name == "SurfaceTopography":
+                raise failure
+
+    for name in [name for name in sys.modules if name.split(".")[0] == "SurfaceTopography"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setattr(sys, "meta_path", [Broken(), *sys.meta_path])
+    (tmp_path / "a.sur").write_bytes(b"DIGITAL SURF")
+    with pytest.raises(FileFormatError, match=r"is broken .*--force-reinstall"):
+        surfaces.read(tmp_path / "a.sur")
+
+
+TWINS = {
+    "al3d-1.al3d": "focusvar_small_steep.h5",
+    "KautschukInfiniteFocus.x3p": "optical_rubber_missing.h5",
+    "di-3.di": "afm_10um_rough.h5",
+}
+
+
+@pytest.mark.parametrize("raw", TWINS)
+def test_instrument_files_equal_their_twins(measured: Path, raw: str) -> None:
+    pytest.importorskip("SurfaceTopography")
+    twin = surfaces.read(measured / TWINS[raw])
+    hm = surfaces.read(measured / "raw" / raw)
+    offset = twin.history[0]["height_offset_removed"]
+    rounding = 2.0**-23 * np.nanmax(np.abs(twin.heights)) + 2.0**-50 * abs(offset)
+    np.testing.assert_allclose(hm.heights - offset, twin.heights, rtol=0, atol=rounding)
+    assert hm.spacing == pytest.approx(twin.spacing, rel=1e-7)
+    assert hm.missing == twin.missing
+
+
+def test_instrument_text_without_size_takes_it_from_the_options(tmp_path: Path) -> None:
+    pytest.importorskip("SurfaceTopography")
+    rows = "\n".join(" ".join(f"{v:.3f}" for v in row) for row in np.nan_to_num(HEIGHTS))
+    (tmp_path / "a.asc").write_text("made by a machine\n" + rows)
+    with pytest.raises(FileFormatError, match="states no unit; pass --unit"):
+        surfaces.read(tmp_path / "a.asc", spacing=SPACING)
+    with pytest.raises(FileFormatError, match="states no pixel size; pass --spacing"):
+        surfaces.read(tmp_path / "a.asc", unit="um")
+    hm = surfaces.read(tmp_path / "a.asc", unit="um", spacing=SPACING)
+    assert hm.spacing == pytest.approx(SPACING)
+
+
+def test_digital_surf(measured: Path) -> None:
+    pytest.importorskip("SurfaceTopography")
+    hm = surfaces.read(measured / "raw" / "test_uncompressed.sur")
+    assert hm.shape == (512, 512)
+    assert hm.size == pytest.approx((10.025e-6, 10.02e-6), rel=5e-4)
+    assert hm.rms_height == pytest.approx(119.1e-9, rel=1e-3)
+
+
+def test_damaged_instrument_files(measured: Path, tmp_path: Path) -> None:
+    pytest.importorskip("SurfaceTopography")
+    for source in sorted((measured / "raw").iterdir()):
+        content = source.read_bytes()
+        for keep in (0.02, 0.5):
+            path = tmp_path / source.name
+            path.write_bytes(content[: int(keep * len(content))])
+            with pytest.raises(InputError, match=source.name):
+                surfaces.read(path)
