@@ -20,7 +20,7 @@ _ROWS = np.array([-1, -1, -1, 0, 0, 1, 1, 1])
 _COLS = np.array([-1, 0, 1, -1, 1, -1, 0, 1])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def ascend(heights, periodic, above, inverse, link, peaks, flats, start, stop):
     """Link each flooded pixel of the rows [start, stop) to its steepest higher neighbor.
 
@@ -30,7 +30,7 @@ def ascend(heights, periodic, above, inverse, link, peaks, flats, start, stop):
     """
     ny, nx = heights.shape
     inv_y, inv_x, inv_d = inverse
-    window = np.full((3, nx + 2), -np.inf)
+    window = np.empty((3, nx + 2))
     code = np.empty(nx, np.int64)
     level = np.empty(nx, np.bool_)
     step = np.empty(8, np.int64)
@@ -41,16 +41,18 @@ def ascend(heights, periodic, above, inverse, link, peaks, flats, start, stop):
         for k in range(3):
             row = i + k - 1
             if periodic:
-                row %= ny
+                row = row + ny if row < 0 else (row - ny if row >= ny else row)
             if i > start and k < 2:
-                window[k, :] = window[k + 1, :]
+                for j in range(nx + 2):
+                    window[k, j] = window[k + 1, j]
             elif 0 <= row < ny:
-                window[k, 1 : nx + 1] = heights[row]
-                if periodic:
-                    window[k, 0] = heights[row, nx - 1]
-                    window[k, nx + 1] = heights[row, 0]
+                for j in range(nx):
+                    window[k, j + 1] = heights[row, j]
+                window[k, 0] = heights[row, nx - 1] if periodic else -np.inf
+                window[k, nx + 1] = heights[row, 0] if periodic else -np.inf
             else:
-                window[k, :] = -np.inf
+                for j in range(nx + 2):
+                    window[k, j] = -np.inf
         for k in range(8):
             step[k] = ((i + _ROWS[k]) % ny - i) * nx + _COLS[k]
         north, here, south = window[0], window[1], window[2]
@@ -113,15 +115,14 @@ def ascend(heights, periodic, above, inverse, link, peaks, flats, start, stop):
     return n_peaks, n_flats, lowest
 
 
-@njit(cache=True, nogil=True)
-def drain_plateaus(heights, periodic, link, flats):
+@njit(cache=True, nogil=True, error_model="numpy")
+def drain_plateaus(flat, shape, periodic, link, flats):
     """Link the pixels of plateaus; return the pixels that stand for plateaus that are peaks.
 
     A plateau with a way out drains through it, nearest exit first. A plateau without one is one
     peak, at its member nearest to its centroid.
     """
-    ny, nx = heights.shape
-    flat = heights.ravel()
+    ny, nx = shape
     queue = np.empty(flats.size, np.int64)
     at_row = np.empty(flats.size, np.int64)
     at_col = np.empty(flats.size, np.int64)
@@ -174,8 +175,11 @@ def drain_plateaus(heights, periodic, link, flats):
                         tail += 1
                 head += 1
             if seed >= 0 and attempt == 0:
-                center_row = at_row[:tail].mean()
-                center_col = at_col[:tail].mean()
+                center_row = 0.0
+                center_col = 0.0
+                for member in range(tail):
+                    center_row += at_row[member] / tail
+                    center_col += at_col[member] / tail
                 best = 0
                 least = np.inf
                 for member in range(tail):
@@ -188,10 +192,10 @@ def drain_plateaus(heights, periodic, link, flats):
                 link[queue[0]] = -2 - queue[0]
                 found[n_peaks] = queue[0]
                 n_peaks += 1
-    return found[:n_peaks].copy()
+    return found[:n_peaks]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def follow(link, start, stop):
     """Replace the links of the pixels [start, stop) by the label at the end of their way up."""
     for p in range(start, stop):
@@ -208,17 +212,18 @@ def follow(link, start, stop):
             q = up
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def touching(heights, labels, periodic, n, start, stop):
     """Pixels of each basin and highest pass between touching basins, over the rows [start, stop).
 
-    Returns the counts (n,), the pairs as ``low * n + high`` and the heights of their passes.
+    Returns the counts (n,), the pairs as ``low * n + high`` (0: none) and the heights of their
+    passes.
     """
     ny, nx = heights.shape
     counts = np.zeros(n, np.int64)
     size = 1024
     used = 0
-    keys = np.full(size, -1, np.int64)
+    keys = np.zeros(size, np.int64)  # 0 marks a free slot: no pair (0, 0) occurs
     passes = np.empty(size)
     for i in range(start, stop):
         below = i + 1 if i + 1 < ny else (0 if periodic else -1)
@@ -242,7 +247,7 @@ def touching(heights, labels, periodic, n, start, stop):
                 key = a * n + b if a < b else b * n + a
                 z = min(heights[i, j], heights[row, col])
                 slot = (key * 0x9E3779B97F4A7C15 >> 20) & (size - 1)
-                while keys[slot] != key and keys[slot] >= 0:
+                while keys[slot] != key and keys[slot] != 0:
                     slot = (slot + 1) & (size - 1)
                 if keys[slot] == key:
                     passes[slot] = max(passes[slot], z)
@@ -253,20 +258,19 @@ def touching(heights, labels, periodic, n, start, stop):
                 if 2 * used > size:
                     old_keys, old_passes = keys, passes
                     size *= 2
-                    keys = np.full(size, -1, np.int64)
+                    keys = np.zeros(size, np.int64)
                     passes = np.empty(size)
                     for old in range(old_keys.size):
-                        if old_keys[old] >= 0:
+                        if old_keys[old] != 0:
                             slot = (old_keys[old] * 0x9E3779B97F4A7C15 >> 20) & (size - 1)
-                            while keys[slot] >= 0:
+                            while keys[slot] != 0:
                                 slot = (slot + 1) & (size - 1)
                             keys[slot] = old_keys[old]
                             passes[slot] = old_passes[old]
-    full = keys >= 0
-    return counts, keys[full], passes[full]
+    return counts, keys, passes
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def merge(height, low, high, passes, lowest, min_prominence):
     """Join basins over their passes, highest first.
 
@@ -274,10 +278,14 @@ def merge(height, low, high, passes, lowest, min_prominence):
     keeps each peak's basin when those below `min_prominence` are pruned.
     """
     n = height.size
-    top = np.arange(n)  # union-find: every root is the highest peak of its group
-    keeper = np.arange(n)
-    saddle = np.full(n, lowest)
-    parent = np.full(n, -1)
+    top = np.empty(n, np.int64)  # union-find: every root is the highest peak of its group
+    keeper = np.empty(n, np.int64)
+    saddle = np.empty(n)
+    parent = np.empty(n, np.int64)
+    for peak in range(n):
+        top[peak] = keeper[peak] = peak
+        saddle[peak] = lowest
+        parent[peak] = -1
     for e in range(passes.size):
         ends = (low[e], high[e])
         a, b = ends

@@ -15,15 +15,15 @@ _NARROWEST = math.sqrt(1.0 / 8.0)  # least aspect of the ellipse on which the ra
 _FEWEST_PIXELS = 9.0
 
 
-@njit(cache=True, nogil=True)
-def summit_of(spline, row, col):
+@njit(cache=True, nogil=True, error_model="numpy")
+def summit_of(flat, width, row, col):
     """Maximum of the spline near a pixel: Newton steps of at most half a pixel.
 
     Returns y, x [pixels], the expansion there, and whether a maximum was reached within a pixel.
     """
     y, x = float(row), float(col)
     for _ in range(20):
-        e = expand(spline, y, x)
+        e = expand(flat, width, y, x)
         det = e[3] * e[5] - e[4] * e[4]
         if not (det > 0.0 and e[3] < 0.0):
             break
@@ -37,12 +37,27 @@ def summit_of(spline, row, col):
         x += scale * step_x
         if abs(y - row) > 1.0 or abs(x - col) > 1.0:
             break
-    return float(row), float(col), expand(spline, float(row), float(col)), False
+    return float(row), float(col), expand(flat, width, float(row), float(col)), False
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
+def _wrapped(at, n):
+    while at < 0.0:
+        at += n
+    while at >= n:
+        at -= n
+    return at
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _pixel(at, n):
+    nearest = int(at + 0.5)
+    return nearest if nearest < n else nearest - n
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def fit(
-    heights, spline, labels, periodic, spacing, order, row, col, prominence, pixels, dip,
+    heights, flat, width, labels, periodic, spacing, order, row, col, prominence, pixels, dip,
     summits, curvature, angle, phi, weight, edge, q, valid, start, stop,
 ):  # fmt: skip
     """Fill the profiles of the peaks ``order[start:stop]``; see `surfaces.profiles.Profiles`."""
@@ -53,7 +68,7 @@ def fit(
     fs = np.empty(_MOST_SAMPLES)
     for place in range(start, stop):
         n = order[place]
-        y0, x0, e, found = summit_of(spline, row[n], col[n])
+        y0, x0, e, found = summit_of(flat, width, row[n], col[n])
         z0 = e[0] if found else heights[row[n], col[n]]
         a, b, c = -e[5] / (dx * dx), -e[4] / (dx * dy), -e[3] / (dy * dy)
         if not found:
@@ -93,17 +108,16 @@ def fit(
             r = 0.0
             rs[0], fs[0] = 0.0, 0.0
             while found and m + 1 < _MOST_SAMPLES:
-                r += max(0.5 * pixel, 0.1 * r)
+                r += pixel if m == 0 else max(0.5 * pixel, 0.1 * r)
                 y, x = y0 + r * way_y, x0 + r * way_x
                 if periodic:
-                    y -= ny * math.floor(y / ny)
-                    x -= nx * math.floor(x / nx)
+                    y, x = _wrapped(y, ny), _wrapped(x, nx)
                 elif not (-0.5 <= y <= ny - 0.5 and -0.5 <= x <= nx - 0.5):
                     break
                 m += 1
                 rs[m] = r
-                fs[m] = z0 - evaluate(spline, y, x)
-                label = labels[int(y + 0.5) % ny, int(x + 0.5) % nx]
+                fs[m] = z0 - evaluate(flat, width, y, x)
+                label = labels[_pixel(y, ny), _pixel(x, nx)]
                 outside = outside + 1 if label >= 0 and label != n else 0
                 if fs[m] > fs[top] or m == 1:
                     top = m
@@ -131,7 +145,8 @@ def fit(
             if not valid[n]:
                 around = math.sqrt(pixels[n] * dy * dx / math.pi)
                 edge[n, p] = max(edge[n, p], around)
-                q[n, p, :] = tip
+                for j in range(nodes):
+                    q[n, p, j] = tip
                 continue
             way_y, way_x = math.sin(phi[n, p]) / dy, math.cos(phi[n, p]) / dx
             q[n, p, 0] = tip
@@ -140,7 +155,6 @@ def fit(
                 r = edge[n, p] * j / (nodes - 1)
                 y, x = y0 + r * way_y, x0 + r * way_x
                 if periodic:
-                    y -= ny * math.floor(y / ny)
-                    x -= nx * math.floor(x / nx)
-                last = max(last, z0 - evaluate(spline, y, x), _FLATTEST * tip * r * r)
+                    y, x = _wrapped(y, ny), _wrapped(x, nx)
+                last = max(last, z0 - evaluate(flat, width, y, x), _FLATTEST * tip * r * r)
                 q[n, p, j] = last / (r * r)

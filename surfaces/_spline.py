@@ -8,6 +8,8 @@ that evaluation needs no case distinction and the end conditions of the filter d
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -25,38 +27,43 @@ _LANES = 16
 def coefficients(heights: NDArray[np.float64], periodic: bool) -> NDArray[np.float64]:
     """Spline coefficients, shape (ny + 2 PAD, nx + 2 PAD), that interpolate `heights` exactly."""
     ny, nx = heights.shape
-    out = np.empty((ny + 2 * PAD, nx + 2 * PAD))
-    inner = out[PAD : PAD + ny]
+    width = nx + 2 * PAD
+    out = np.empty((ny + 2 * PAD, width))
+    out[PAD : PAD + ny, PAD : PAD + nx] = heights
+    flat = out.ravel()
     _threads.run(
-        lambda a, b: _filter_columns(heights.T, inner.T, periodic, a, b), _threads.blocks(ny, 64)
+        lambda a, b: _filter_lines(flat, nx, 1, width, periodic, PAD + a, PAD + b),
+        _threads.blocks(ny, 64),
     )
     _threads.run(
-        lambda a, b: _filter_columns(inner, out, periodic, a, b), _threads.blocks(nx + 2 * PAD, 64)
+        lambda a, b: _filter_lines(flat, ny, width, 1, periodic, a, b), _threads.blocks(width, 64)
     )
     return out
 
 
-@njit(cache=True, nogil=True)
-def _filter_columns(source, target, periodic, start, stop):
-    """Filter the columns [start, stop) of `source` (m, k) into `target` (m + 2 PAD, k)."""
-    m = source.shape[0]
+@njit(cache=True, nogil=True, error_model="numpy")
+def _filter_lines(flat, m, along, across, periodic, start, stop):
+    """Filter the lines [start, stop) in place, several at a time: m points and the padding.
+
+    `along` and `across` are the strides inside a line and from one line to the next.
+    """
     buffer = np.empty((m + 2 * PAD, _LANES))
     first = np.zeros(_LANES)
     second = np.zeros(_LANES)
     for left in range(start, stop, _LANES):
-        width = min(_LANES, stop - left)
-        for i in range(m):
-            for k in range(width):
-                buffer[i + PAD, k] = source[i, left + k]
+        lanes = min(_LANES, stop - left)
+        for i in range(PAD, PAD + m):
+            for k in range(lanes):
+                buffer[i, k] = flat[i * along + (left + k) * across]
         for ghost in range(1, PAD + 1):
             low, high = PAD - ghost, PAD + m - 1 + ghost
             if periodic:
-                for k in range(width):
+                for k in range(lanes):
                     buffer[low, k] = buffer[PAD + (-ghost) % m, k]
                     buffer[high, k] = buffer[PAD + (m - 1 + ghost) % m, k]
             else:
                 bend = 0.5 * ghost * (ghost + 1)
-                for k in range(width):
+                for k in range(lanes):
                     for edge, way, place in ((PAD, 1, low), (PAD + m - 1, -1, high)):
                         a = buffer[edge, k]
                         b = buffer[edge + way, k]
@@ -79,76 +86,90 @@ def _filter_columns(source, target, periodic, start, stop):
                 second[k] = _POLE_2 * (second[k] - first[k])
                 buffer[i, k] = second[k]
         for i in range(m + 2 * PAD):
-            for k in range(width):
-                target[i, left + k] = buffer[i, k]
+            for k in range(lanes):
+                flat[i * along + (left + k) * across] = buffer[i, k]
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True, error_model="numpy")
 def _weights(t):
+    """The six weights at a fraction t of a pixel, times 120."""
     u = 1.0 - t
     return (
-        u * u * u * u * u / 120.0,
-        (26.0 + t * (-50.0 + t * (20.0 + t * (20.0 + t * (-20.0 + t * 5.0))))) / 120.0,
-        (66.0 + t * t * (-60.0 + t * t * (30.0 - t * 10.0))) / 120.0,
-        (26.0 + t * (50.0 + t * (20.0 + t * (-20.0 + t * (-20.0 + t * 10.0))))) / 120.0,
-        (1.0 + t * (5.0 + t * (10.0 + t * (10.0 + t * (5.0 - t * 5.0))))) / 120.0,
-        t * t * t * t * t / 120.0,
+        u * u * u * u * u,
+        26.0 + t * (-50.0 + t * (20.0 + t * (20.0 + t * (-20.0 + t * 5.0)))),
+        66.0 + t * t * (-60.0 + t * t * (30.0 - t * 10.0)),
+        26.0 + t * (50.0 + t * (20.0 + t * (-20.0 + t * (-20.0 + t * 10.0)))),
+        1.0 + t * (5.0 + t * (10.0 + t * (10.0 + t * (5.0 - t * 5.0)))),
+        t * t * t * t * t,
     )
 
 
-@njit(cache=True, nogil=True)
-def evaluate(spline, y, x):
-    """Height at the pixel coordinates (y, x), anywhere within PAD - 3 pixels of the map."""
-    row = int(np.floor(y))
-    col = int(np.floor(x))
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def evaluate(flat, width, y, x):
+    """Height at the pixel coordinates (y, x), anywhere within PAD - 3 pixels of the map.
+
+    `flat` holds the coefficients row by row, `width` in a row. The unsigned index spares the test
+    for negative ones, and six running columns let the compiler use vector instructions: this
+    takes two thirds of the time of the plain double sum.
+    """
+    row = math.floor(y)
+    col = math.floor(x)
     wy = _weights(y - row)
     wx = _weights(x - col)
-    row += PAD - 2
-    col += PAD - 2
-    total = 0.0
+    one = np.uint64(1)
+    k = np.uint64((row + PAD - 2) * width + col + PAD - 2)
+    c0, c1, c2, c3, c4, c5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for a in range(6):
-        line = spline[row + a]
-        total += wy[a] * (
-            wx[0] * line[col]
-            + wx[1] * line[col + 1]
-            + wx[2] * line[col + 2]
-            + wx[3] * line[col + 3]
-            + wx[4] * line[col + 4]
-            + wx[5] * line[col + 5]
-        )
-    return total
+        w = wy[a]
+        c0 += w * flat[k]
+        c1 += w * flat[k + one]
+        c2 += w * flat[k + np.uint64(2)]
+        c3 += w * flat[k + np.uint64(3)]
+        c4 += w * flat[k + np.uint64(4)]
+        c5 += w * flat[k + np.uint64(5)]
+        k += np.uint64(width)
+    total = wx[0] * c0 + wx[1] * c1 + wx[2] * c2 + wx[3] * c3 + wx[4] * c4 + wx[5] * c5
+    return total * (1.0 / 14400.0)
 
 
-@njit(cache=True, nogil=True)
-def expand(spline, y, x):
+@njit(cache=True, nogil=True, error_model="numpy")
+def expand(flat, width, y, x):
     """Height, gradient and second derivatives (h, h_y, h_x, h_yy, h_xy, h_xx) per pixel."""
-    row = int(np.floor(y))
-    col = int(np.floor(x))
+    row = math.floor(y)
+    col = math.floor(x)
     table = np.empty((2, 3, 6))
     for axis in range(2):
         t = y - row if axis == 0 else x - col
         u = 1.0 - t
-        table[axis, 0, :] = _weights(t)
-        table[axis, 1, 0] = -(u**4) / 24.0
-        table[axis, 1, 1] = (-50.0 + t * (40.0 + t * (60.0 + t * (-80.0 + t * 25.0)))) / 120.0
-        table[axis, 1, 2] = t * (-120.0 + t * t * (120.0 - t * 50.0)) / 120.0
-        table[axis, 1, 3] = (50.0 + t * (40.0 + t * (-60.0 + t * (-80.0 + t * 50.0)))) / 120.0
-        table[axis, 1, 4] = (5.0 + t * (20.0 + t * (30.0 + t * (20.0 - t * 25.0)))) / 120.0
-        table[axis, 1, 5] = t**4 / 24.0
-        table[axis, 2, 0] = u**3 / 6.0
-        table[axis, 2, 1] = (40.0 + t * (120.0 + t * (-240.0 + t * 100.0))) / 120.0
-        table[axis, 2, 2] = (-120.0 + t * t * (360.0 - t * 200.0)) / 120.0
-        table[axis, 2, 3] = (40.0 + t * (-120.0 + t * (-240.0 + t * 200.0))) / 120.0
-        table[axis, 2, 4] = (20.0 + t * (60.0 + t * (60.0 - t * 100.0))) / 120.0
-        table[axis, 2, 5] = t**3 / 6.0
-    out = np.zeros(6)
+        w = _weights(t)
+        for k in range(6):
+            table[axis, 0, k] = w[k]
+        table[axis, 1, 0] = -5.0 * u**4
+        table[axis, 1, 1] = -50.0 + t * (40.0 + t * (60.0 + t * (-80.0 + t * 25.0)))
+        table[axis, 1, 2] = t * (-120.0 + t * t * (120.0 - t * 50.0))
+        table[axis, 1, 3] = 50.0 + t * (40.0 + t * (-60.0 + t * (-80.0 + t * 50.0)))
+        table[axis, 1, 4] = 5.0 + t * (20.0 + t * (30.0 + t * (20.0 - t * 25.0)))
+        table[axis, 1, 5] = 5.0 * t**4
+        table[axis, 2, 0] = 20.0 * u**3
+        table[axis, 2, 1] = 40.0 + t * (120.0 + t * (-240.0 + t * 100.0))
+        table[axis, 2, 2] = -120.0 + t * t * (360.0 - t * 200.0)
+        table[axis, 2, 3] = 40.0 + t * (-120.0 + t * (-240.0 + t * 200.0))
+        table[axis, 2, 4] = 20.0 + t * (60.0 + t * (60.0 - t * 100.0))
+        table[axis, 2, 5] = 20.0 * t**3
+    corner = (row + PAD - 2) * width + col + PAD - 2
+    h, h_y, h_x, h_yy, h_xy, h_xx = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for a in range(6):
+        c0, c1, c2 = 0.0, 0.0, 0.0
         for b in range(6):
-            c = spline[row + PAD - 2 + a, col + PAD - 2 + b]
-            out[0] += c * table[0, 0, a] * table[1, 0, b]
-            out[1] += c * table[0, 1, a] * table[1, 0, b]
-            out[2] += c * table[0, 0, a] * table[1, 1, b]
-            out[3] += c * table[0, 2, a] * table[1, 0, b]
-            out[4] += c * table[0, 1, a] * table[1, 1, b]
-            out[5] += c * table[0, 0, a] * table[1, 2, b]
-    return out
+            c = flat[corner + a * width + b]
+            c0 += c * table[1, 0, b]
+            c1 += c * table[1, 1, b]
+            c2 += c * table[1, 2, b]
+        h += c0 * table[0, 0, a]
+        h_y += c0 * table[0, 1, a]
+        h_x += c1 * table[0, 0, a]
+        h_yy += c0 * table[0, 2, a]
+        h_xy += c1 * table[0, 1, a]
+        h_xx += c2 * table[0, 0, a]
+    s = 1.0 / 14400.0
+    return h * s, h_y * s, h_x * s, h_yy * s, h_xy * s, h_xx * s

@@ -155,9 +155,9 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
 
     def fit(start: int, stop: int) -> None:
         _rays.fit(
-            hm.heights, spline, peaks.labels, hm.periodic, hm.spacing, near, peaks.row, peaks.col,
-            peaks.prominence, pixels, peaks.min_prominence, summits, curvature, angle, phi, weight,
-            edge, q, valid, start, stop,
+            hm.heights, spline.ravel(), spline.shape[1], peaks.labels, hm.periodic, hm.spacing,
+            near, peaks.row, peaks.col, peaks.prominence, pixels, peaks.min_prominence, summits,
+            curvature, angle, phi, weight, edge, q, valid, start, stop,
         )  # fmt: skip
 
     _threads.run(fit, _threads.blocks(n, 64))

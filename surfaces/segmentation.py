@@ -146,7 +146,7 @@ def _links(
     summits = [peaks for peaks, _, _ in found]
     flats = np.concatenate([flats for _, flats, _ in found])
     if flats.size:
-        summits.append(_flood.drain_plateaus(heights, hm.periodic, link, flats))
+        summits.append(_flood.drain_plateaus(heights.ravel(), hm.shape, hm.periodic, link, flats))
     return link, np.concatenate(summits).astype(np.int64), min(low for _, _, low in found)
 
 
@@ -161,8 +161,9 @@ def _passes(
     found = _threads.run(lambda a, b: _flood.touching(heights, labels, periodic, n, a, b), parts)
     counts = np.sum([part[0] for part in found], axis=0)
     keys = np.concatenate([part[1] for part in found])
-    pairs = np.stack(np.divmod(keys, max(n, 1)), axis=1)
-    return counts, *_unique_pairs(pairs, np.concatenate([part[2] for part in found]), n)
+    used = keys > 0
+    pairs = np.stack(np.divmod(keys[used], max(n, 1)), axis=1)
+    return counts, *_unique_pairs(pairs, np.concatenate([part[2] for part in found])[used], n)
 
 
 def _unique_pairs(

@@ -103,7 +103,10 @@ def test_no_peaks_give_no_profiles():
 def test_spline_interpolates_every_point(periodic):
     h = np.random.default_rng(3).normal(size=(23, 31))
     spline = _spline.coefficients(h, periodic)
-    values = [[_spline.evaluate(spline, float(i), float(j)) for j in range(31)] for i in range(23)]
+    values = [
+        [_spline.evaluate(spline.ravel(), spline.shape[1], float(i), float(j)) for j in range(31)]
+        for i in range(23)
+    ]
     assert_allclose(values, h, atol=1e-8)
 
 
@@ -115,8 +118,12 @@ def test_spline_is_exact_for_a_quadratic_up_to_the_border():
 
     spline = _spline.coefficients(surface(y, x), False)
     for at in ((0.3, 0.2), (10.5, 12.25), (18.9, 24.7)):
-        assert _spline.evaluate(spline, *at) == pytest.approx(surface(*at), abs=1e-8)
-        assert_allclose(_spline.expand(spline, *at)[3:], [0.02, -0.03, 0.04], atol=1e-7)
+        assert _spline.evaluate(spline.ravel(), spline.shape[1], *at) == pytest.approx(
+            surface(*at), abs=1e-8
+        )
+        assert_allclose(
+            _spline.expand(spline.ravel(), spline.shape[1], *at)[3:], [0.02, -0.03, 0.04], atol=1e-7
+        )
 
 
 def test_refusals():
