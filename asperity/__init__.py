@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from .errors import ConvergenceError as ConvergenceError
     from .errors import InputError as InputError
     from .errors import ModelRangeError as ModelRangeError
+    from .indentation import Indentation as Indentation
+    from .indentation import indent as indent
     from .material import HalfSpace as HalfSpace
     from .threads import set_threads as set_threads
 
@@ -26,7 +28,9 @@ _HOME = {
     "BemSolution": "bem.solution",
     "ConvergenceError": "errors",
     "HalfSpace": "material",
+    "indent": "indentation",
     "indent_bem": "bem.single",
+    "Indentation": "indentation",
     "InputError": "errors",
     "ModelRangeError": "errors",
     "set_threads": "threads",

@@ -30,6 +30,9 @@ class PowerSumProfile:
         One angular factor psi_i per exponent: a vectorised function of phi [rad], a number, or an
         array of values at equispaced angles ``2 pi j / n`` (then interpolated by a periodic
         monotone cubic).
+    corners
+        Angles [rad] at which a factor has a kink (the corners of a polygon); angular means are
+        then taken exactly between them.
 
     Raises
     ------
@@ -44,8 +47,11 @@ class PowerSumProfile:
 
     powers: tuple[float, ...]
     angular: tuple[Angular, ...]
+    corners: tuple[float, ...]
 
-    def __init__(self, powers: Sequence[float], angular: Sequence[Any]) -> None:
+    def __init__(
+        self, powers: Sequence[float], angular: Sequence[Any], *, corners: Sequence[float] = ()
+    ) -> None:
         exponents = tuple(float(k) for k in powers)
         if not exponents or len(exponents) != len(angular):
             raise InputError(
@@ -57,6 +63,7 @@ class PowerSumProfile:
                 raise InputError(f"the exponent k must be positive and finite, got {k:g}")
         object.__setattr__(self, "powers", exponents)
         object.__setattr__(self, "angular", tuple(_angular(psi) for psi in angular))
+        object.__setattr__(self, "corners", tuple(float(c) for c in corners))
 
     @property
     def radius(self) -> float:
@@ -90,6 +97,8 @@ class PowerLawProfile(PowerSumProfile):
     psi
         Angular factor [m^(1-k)]: vectorised function of phi, a number, or values at equispaced
         angles.
+    corners
+        Angles [rad] of the kinks of psi, if any.
 
     Examples
     --------
@@ -97,8 +106,8 @@ class PowerLawProfile(PowerSumProfile):
     4.5
     """
 
-    def __init__(self, k: float, psi: Any) -> None:
-        super().__init__((k,), (psi,))
+    def __init__(self, k: float, psi: Any, *, corners: Sequence[float] = ()) -> None:
+        super().__init__((k,), (psi,), corners=corners)
 
     @property
     def k(self) -> float:
@@ -155,7 +164,8 @@ class PolarProfile:
 
     Notes
     -----
-    On each ray f is the not-a-knot cubic spline; on a ray where that spline would turn back
+    On each ray f is the not-a-knot cubic spline, with the slope 0 at the summit where the data
+    have no tip; on a ray where that spline would turn back
     although the values rise, it is the monotone cubic (PCHIP), which is C1 only. Beyond the last
     radius f goes on with its last slope and the curvature 2 f/r^2 there; contacts that reach so
     far are flagged by the laws. Between the rays: periodic cubic spline in phi.
@@ -193,9 +203,14 @@ class PolarProfile:
         """Radial slope f_r at the nodes of each ray, shape (n_r, n_phi)."""
         from scipy.interpolate import CubicSpline, PchipInterpolator
 
-        spline = CubicSpline(self.r, self.f)
-        slope = spline(self.r, 1)
-        middle = spline((self.r[1:] + self.r[:-1]) / 2, 1)
+        free = CubicSpline(self.r, self.f)
+        slope, middle = free(self.r, 1), free((self.r[1:] + self.r[:-1]) / 2, 1)
+        smooth = np.abs(slope[0]) * self.r[1] < 0.1 * np.abs(self.f[1])
+        if np.any(smooth):
+            table = self.f[:, smooth]
+            flat = CubicSpline(self.r, table, bc_type=((1, np.zeros(table.shape[1])), "not-a-knot"))
+            slope[:, smooth] = flat(self.r, 1)
+            middle[:, smooth] = flat((self.r[1:] + self.r[:-1]) / 2, 1)
         rising = np.all(np.diff(self.f, axis=0) >= 0, axis=0)
         small = -1e-9 * np.max(np.abs(slope))
         turned = rising & (np.any(slope < small, axis=0) | np.any(middle < small, axis=0))

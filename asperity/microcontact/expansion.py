@@ -2,6 +2,154 @@
 
 from __future__ import annotations
 
-from .batch import tabulate
+from dataclasses import dataclass
 
-__all__ = ["tabulate"]
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.indentation import Indentation
+from asperity.material import HalfSpace
+from surfaces.polar import PolarProfile, PowerSumProfile
+
+from .basis import Basis, basis_of, synthesis
+from .batch import tabulate
+from .branch import RisingBranch
+from .flags import Flag
+from .pressure import AxisymmetricPressure
+from .validity import contour_flags, profile_flags
+
+__all__ = ["Expansion", "indent", "tabulate"]
+
+Array = NDArray[np.float64]
+
+_ANGLES = 720
+
+
+@dataclass(frozen=True, eq=False)
+class Expansion:
+    """Quantities of the expansion at radii a, shape (k,).
+
+    Attributes
+    ----------
+    approach
+        D(a) [m] (equation 22, 49).
+    slope
+        a D'(a) [m].
+    first, second
+        Force [N] of the mean profile (equations 23, 49), and its second-order part F2.
+    second_slope
+        a dF2/da [N].
+    amplitudes
+        Edge amplitudes e_n [m], n = 1, 2, ..., shape (k, harmonics).
+    """
+
+    a: Array
+    material: HalfSpace
+    orders: NDArray[np.int64]
+    approach: Array
+    slope: Array
+    first: Array
+    second: Array
+    second_slope: Array
+    amplitudes: NDArray[np.complex128]
+
+    @classmethod
+    def at(cls, basis: Basis, a: Array, material: HalfSpace, *, published: bool) -> Expansion:
+        """Evaluate at the radii `a`, all positive."""
+        m, modulus = material.m, material.modulus
+        approach, slope, curve = (basis.depth(a, order) for order in (0, 1, 2))
+        scale = modulus * a ** (1 + m)
+        first = 2 * scale * (approach / (1 + m) - basis.gap(a))
+        e, de = (basis.amplitudes(a, order, published=published) for order in (0, 1))
+        square = np.sum(np.abs(e) ** 2, axis=1) / 2
+        change = np.sum((e * de.conj()).real, axis=1)
+        second = scale * square / slope
+        second_slope = scale / slope * ((1 + m) * square + change - square * curve / slope)
+        return cls(a, material, basis.orders, approach, slope, first, second, second_slope, e)
+
+    def edge(self, phi: Array) -> Array:
+        """Edge amplitude e(phi) [m], shape (k, phi.size)."""
+        return synthesis(self.amplitudes, phi)
+
+    def first_stiffness(self) -> Array:
+        """2 E* a^(1+m) / (1+m): slope of the first-order force [N/m]."""
+        m = self.material.m
+        return np.asarray(2 * self.material.modulus * self.a ** (1 + m) / (1 + m))
+
+    def variance(self) -> Array:
+        """Mean square of the first-order deviation of the contour [m^2]."""
+        return np.asarray(
+            np.sum(np.abs(self.amplitudes) ** 2, axis=1) / 2 * (self.a / self.slope) ** 2
+        )
+
+    def mean_shift(self) -> Array:
+        """Second-order change of the mean radius [m]."""
+        m = self.material.m
+        growth = self.second_slope / (2 * self.material.modulus * self.a**m * self.slope)
+        weight = (m + (1 - m) * self.orders) / 4
+        ratio = np.abs(self.amplitudes / self.slope[:, None]) ** 2
+        return np.asarray(growth - self.a * (ratio @ weight))
+
+
+def indent(
+    profile: PowerSumProfile | PolarProfile,
+    material: HalfSpace,
+    approach: Array,
+    *,
+    law: str = "harmonic",
+) -> Indentation:
+    """Solution by the laws "paper" and "harmonic"; see `asperity.indent`."""
+    basis = basis_of(profile, material.m)
+    shape = approach.shape
+    depth = approach.ravel()
+    a = RisingBranch(basis).radius(depth)
+    known = np.isfinite(a) & (a > 0)
+    harmonic = Expansion.at(basis, a[known], material, published=False)
+    published = Expansion.at(basis, a[known], material, published=True)
+    one = published if law == "paper" else harmonic
+    force, stiffness = one.first, one.first_stiffness()
+    area = np.pi * (one.a**2 + one.variance())
+    shift = np.zeros(one.a.shape)
+    if law == "harmonic":
+        force = force + one.second
+        stiffness = stiffness + one.second_slope / one.slope
+        shift = one.mean_shift()
+        area = area + 2 * np.pi * one.a * shift
+    spread = (harmonic.second if law == "paper" else harmonic.second - published.second) / (
+        harmonic.first + harmonic.second
+    )
+
+    def fill(values: Array) -> Array:
+        full = np.where(depth > 0, np.nan, 0.0)
+        full[known] = values
+        return full
+
+    def contour(phi: Array) -> Array:
+        full = np.repeat(np.where(depth > 0, np.nan, 0.0)[:, None], phi.size, axis=1)
+        deviation = basis.published(one.a, phi) if law == "paper" else one.edge(phi)
+        full[known] = (one.a + shift)[:, None] - (one.a / one.slope)[:, None] * deviation
+        return full
+
+    def pressure(r: Array, phi: Array) -> Array:
+        full = np.repeat(np.where(depth > 0, np.nan, 0.0)[:, None], phi.size, axis=1)
+        edge = contour(phi)[known]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            stretched = np.where(edge > 0, one.a[:, None] * r / edge, np.inf)
+        full[known] = AxisymmetricPressure(basis, material)(stretched, one.a)
+        return full
+
+    phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
+    boundary = contour(phi)
+    flags = contour_flags(a, boundary) | profile_flags(profile, depth, phi, boundary)
+    flags[~np.isfinite(a)] |= np.uint8(Flag.TURNING)
+    columns = [fill(v).reshape(shape) for v in (force, area, one.a, stiffness)]
+    return Indentation(
+        law,
+        material,
+        approach,
+        *columns,
+        flags=flags.reshape(shape),
+        error_estimate=np.abs(fill(spread)).reshape(shape),
+        contour_function=contour,
+        pressure_function=pressure,
+    )

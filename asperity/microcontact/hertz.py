@@ -10,15 +10,20 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 from scipy.special import hyp2f1
 
-from asperity.errors import InputError
+from asperity.errors import InputError, ModelRangeError
+from asperity.indentation import Indentation
 from asperity.material import HalfSpace
+from surfaces.polar import PolarProfile, PowerSumProfile
 
+from .basis import PowerBasis, TableBasis, basis_of
+from .flags import Flag
 from .table import LawTable
+from .validity import profile_flags
 
 if TYPE_CHECKING:
     from surfaces import Profiles
 
-__all__ = ["EllipticContact", "elliptic_contact", "tabulate"]
+__all__ = ["EllipticContact", "elliptic_contact", "indent", "tabulate"]
 
 Array = NDArray[np.float64]
 
@@ -75,13 +80,85 @@ def elliptic_contact(
     depth, along, _across = _integrals(beta, m)
     # With b = beta a, per unit c a^(1-m): d = depth, A = along / a^2.
     major = np.sqrt(d * along / (depth * low))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        c = np.where(d > 0, d / (depth * major ** (1 - m)), 0.0)
+    c = np.where(d > 0, d, 0.0) / (depth * np.where(d > 0, major, 1.0) ** (1 - m))
     peak = 2 * material.modulus * c / (1 + m)
     force = 2 * np.pi * beta * major**2 * peak / (3 + m)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        stiffness = np.where(d > 0, (3 + m) / 2 * force / d, 0.0)
+    stiffness = (3 + m) / 2 * force / np.where(d > 0, d, 1.0)
     return EllipticContact(beta * major, major, force, stiffness, peak)
+
+
+def indent(
+    profile: PowerSumProfile | PolarProfile,
+    material: HalfSpace,
+    approach: Array,
+    *,
+    law: str = "hertz",
+) -> Indentation:
+    """Hertz contact of the curvatures at the summit; see `asperity.indent`."""
+    k1, k2, along = _summit(profile, material.m)
+    depth = np.maximum(approach.ravel(), 0.0)
+    contact = elliptic_contact(k1, k2, depth, material)
+    major, minor = contact.semi_major, contact.semi_minor
+
+    def contour(phi: Array) -> Array:
+        turn = phi - along
+        ratio = major / np.where(minor > 0, minor, 1.0)
+        return major[:, None] / np.hypot(np.cos(turn), ratio[:, None] * np.sin(turn))
+
+    def pressure(r: Array, phi: Array) -> Array:
+        edge = contour(phi)
+        rho = np.minimum(r / np.where(edge > 0, edge, 1.0), 1.0)
+        inside = np.where(edge > 0, (1 - rho) * (1 + rho), 0.0)
+        return np.asarray(contact.peak_pressure[:, None] * inside ** ((1 + material.m) / 2))
+
+    phi = 2 * np.pi * np.arange(180) / 180
+    flags = profile_flags(profile, depth, phi, contour(phi))
+    shape = approach.shape
+    columns = [
+        np.asarray(v).reshape(shape)
+        for v in (contact.force, np.pi * major * minor, np.sqrt(major * minor), contact.stiffness)
+    ]
+    return Indentation(
+        law,
+        material,
+        approach,
+        *columns,
+        flags=flags.reshape(shape),
+        error_estimate=_difference(profile, material, depth, contact.force).reshape(shape),
+        contour_function=contour,
+        pressure_function=pressure,
+    )
+
+
+def _difference(
+    profile: PowerSumProfile | PolarProfile, material: HalfSpace, depth: Array, force: Array
+) -> Array:
+    """Relative difference of the force to that of the harmonic-resolved law."""
+    from .expansion import indent as indent_expansion
+
+    better = indent_expansion(profile, material, depth, law="harmonic").force
+    known = better > 0
+    return np.asarray(np.where(known, np.abs(force - better) / np.where(known, better, 1.0), 0.0))
+
+
+def _summit(profile: PowerSumProfile | PolarProfile, m: float) -> tuple[float, float, float]:
+    """Principal curvatures [1/m] at the summit, largest first, and the long axis [rad]."""
+    basis = basis_of(profile, m)
+    if isinstance(basis, PowerBasis):
+        lowest = int(np.argmin(basis.powers))
+        if basis.powers[lowest] != 2:
+            raise ModelRangeError(
+                f"the summit grows as r^{basis.powers[lowest]:g}, not as r^2: it has no curvature "
+                "for the law 'hertz'; use 'harmonic'"
+            )
+        mean, wave = basis.means[lowest], basis.harmonics[lowest, 1]
+    else:
+        assert isinstance(basis, TableBasis)
+        mean, wave = basis.summit()
+    high, low = 2 * (mean + abs(wave)), 2 * (mean - abs(wave))
+    if not low > 0:
+        raise ModelRangeError("the summit is a saddle or flat; the law 'hertz' needs a convex one")
+    return float(high), float(low), float((np.pi - np.angle(wave)) / 2)
 
 
 def tabulate(
@@ -100,7 +177,7 @@ def tabulate(
     force = (unit.force * reach ** (p / 2))[:, None] * u**p
     stiffness = (unit.force * p / 2 * reach ** (p / 2 - 1))[:, None] * u ** (p - 2)
     flags = np.zeros(force.shape, dtype=np.uint8)
-    flags[valid, -1] = 128
+    flags[valid, -1] = Flag.FILLED
     return LawTable(
         reach, force, stiffness, area, flags, _spread(profiles, material, u, reach, force), p, law
     )
@@ -113,8 +190,8 @@ def _spread(profiles: Profiles, material: HalfSpace, u: Array, reach: Array, for
     table = tabulate_expansion(profiles, material, law="harmonic", nodes=u.size - 1)
     rows = np.arange(reach.size)[:, None]
     better = table.evaluate(rows, reach[:, None] * u**2)[0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(np.where(better > 0, np.abs(force - better) / better, 0.0))
+    known = better > 0
+    return np.asarray(np.where(known, np.abs(force - better) / np.where(known, better, 1.0), 0.0))
 
 
 @lru_cache(maxsize=16)

@@ -1,0 +1,260 @@
+"""One contact: closed forms, consistency of stiffness, symmetries, scalings, load control."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from asperity import HalfSpace, InputError, ModelRangeError, indent
+from asperity.microcontact import Flag
+from asperity.microcontact.hertz import elliptic_contact
+from asperity.transforms import kappa
+from surfaces import PolarProfile, PolynomialProfile, PowerLawProfile, PowerSumProfile
+
+EXPONENTS = [-0.5, -0.3, 0.0, 0.3, 0.5, 0.8]
+GRADED_HERTZ = {-0.3: 6.0468631897, 0.0: 8 / 3, 0.5: 1.0158730159}
+TURN = 2 * np.pi * np.arange(48) / 48
+
+exponent = st.floats(-0.8, 0.8)
+power = st.floats(0.6, 4.0)
+
+
+def wavy(k):
+    """Power-law body with a second, third and fifth harmonic."""
+    return PowerLawProfile(
+        k, lambda p: 1 + 0.1 * np.cos(2 * p + 1) + 0.06 * np.cos(3 * p) + 0.02 * np.sin(5 * p)
+    )
+
+
+def body():
+    """Body whose section changes with height."""
+    return PowerSumProfile(
+        [2.0, 3.0, 4.0],
+        [
+            lambda p: 1 + 0.15 * np.cos(2 * p),
+            lambda p: 0.2 * np.cos(3 * p),
+            lambda p: -0.1 + 0.05 * np.cos(p),
+        ],
+    )
+
+
+def tabulated(profile, radius=1.0, nodes=24):
+    """The same body as a table."""
+    r = np.linspace(0, radius, nodes)
+    return PolarProfile(r, TURN, profile(r[:, None], TURN))
+
+
+@settings(max_examples=30, deadline=None, derandomize=True)
+@given(k=power, m=exponent, scale=st.floats(1e-6, 1e6))
+def test_axisymmetric_power_law_is_exact(k, m, scale):
+    profile, material = PowerLawProfile(k, scale), HalfSpace.from_modulus(7.0, m)
+    a = 0.3
+    depth = kappa(m, k) * scale * a**k
+    for law in ("paper", "harmonic"):
+        one = indent(profile, material, depth, law=law)
+        expected = 14.0 / (1 + m) * k / (k + m + 1) * depth * a ** (1 + m)
+        assert one.force == pytest.approx(expected, rel=1e-11)
+        assert one.contact_area == pytest.approx(np.pi * a * a, rel=1e-11)
+        assert one.stiffness == pytest.approx(14.0 * a ** (1 + m) / (1 + m), rel=1e-11)
+        assert one.flags == 0 and one.valid
+
+
+@pytest.mark.parametrize("m", GRADED_HERTZ)
+def test_unit_paraboloid_has_the_known_force(m):
+    depth = kappa(m, 2.0)
+    one = indent(PowerLawProfile(2, 1.0), HalfSpace.from_modulus(1.0, m), depth)
+    assert one.force == pytest.approx(GRADED_HERTZ[m], abs=1e-10)
+
+
+def test_cone_is_sneddon():
+    one = indent(PowerLawProfile(1, 0.4), HalfSpace.from_modulus(2.0), 0.05, law="paper")
+    a = 2 * 0.05 / (np.pi * 0.4)
+    assert one.force == pytest.approx(2 * 2.0 * 0.05**2 / (np.pi * 0.4), rel=1e-13)
+    r = np.array([0.2, 0.5, 0.9]) * a
+    expected = 0.5 * 2.0 * 0.4 * np.arccosh(a / r)
+    np.testing.assert_allclose(one.pressure(r, 0.0), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("law", ["paper", "harmonic"])
+@pytest.mark.parametrize("m", EXPONENTS)
+def test_pressure_of_the_round_paraboloid_is_graded_hertz(law, m):
+    one = indent(PowerLawProfile(2, 0.5), HalfSpace.from_modulus(1.0, m), 0.02, law=law)
+    r = np.linspace(0, 1.2, 13) * one.radius
+    mean = one.force / (np.pi * one.radius**2)
+    inside = np.maximum(1 - (r / one.radius) ** 2, 0)
+    expected = mean * (3 + m) / 2 * inside ** ((1 + m) / 2)
+    np.testing.assert_allclose(one.pressure(r, 0.0), expected, rtol=1e-10, atol=1e-15)
+
+
+@pytest.mark.parametrize(("k", "factors"), [(1, (2.5, 1.5)), (2, (5 / 3, 2 / 3))])
+def test_published_contour_of_power_laws(k, factors):
+    profile = wavy(k)
+    one = indent(profile, HalfSpace.from_modulus(1.0), 0.01, law="paper")
+    expected = one.radius * (factors[0] - factors[1] * profile.psi(TURN))
+    np.testing.assert_allclose(one.contour(TURN), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("m", EXPONENTS)
+def test_hertz_is_exact_on_ellipses_and_the_others_approach_it_at_their_order(m):
+    material = HalfSpace.from_modulus(1.0, m)
+    errors = {"paper": [], "harmonic": []}
+    for ratio in (1.1, 1.21):
+        profile = PolynomialProfile({(2, 0): ratio / 2, (0, 2): 0.5})
+        exact = elliptic_contact(ratio, 1.0, 0.1, material)
+        hertz = indent(profile, material, 0.1, law="hertz")
+        assert hertz.force == pytest.approx(exact.force, rel=1e-12)
+        np.testing.assert_allclose(
+            hertz.contour([0, np.pi / 2]), [exact.semi_minor, exact.semi_major], rtol=1e-12
+        )
+        for law, found in errors.items():
+            one = indent(profile, material, 0.1, law=law)
+            found.append(one.force / exact.force - 1)
+    assert errors["paper"][1] / errors["paper"][0] == pytest.approx(4, rel=0.1)
+    assert errors["harmonic"][1] / errors["harmonic"][0] == pytest.approx(16, rel=0.15)
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+@pytest.mark.parametrize("law", ["hertz", "paper", "harmonic"])
+@pytest.mark.parametrize("kind", ["closed", "table"])
+def test_stiffness_is_the_derivative_of_the_force(law, m, kind):
+    profile = tabulated(body()) if kind == "table" else body()
+    material, depth, step = HalfSpace.from_modulus(1.0, m), np.array([0.02, 0.2, 0.5]), 1e-5
+    up, down = (indent(profile, material, depth * (1 + s), law=law) for s in (step, -step))
+    slope = (up.force - down.force) / (2 * step * depth)
+    stiffness = indent(profile, material, depth, law=law).stiffness
+    np.testing.assert_allclose(slope, stiffness, rtol=1e-7)
+
+
+@pytest.mark.parametrize("law", ["paper", "harmonic"])
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+def test_table_agrees_with_the_closed_multipliers(law, m):
+    material, depth = HalfSpace.from_modulus(1.0, m), np.array([0.05, 0.2, 0.5])
+    closed = indent(body(), material, depth, law=law)
+    table = indent(tabulated(body()), material, depth, law=law)
+    np.testing.assert_allclose(table.force, closed.force, rtol=1e-5)
+    np.testing.assert_allclose(table.contact_area, closed.contact_area, rtol=2e-5)
+    np.testing.assert_allclose(table.contour(TURN), closed.contour(TURN), rtol=1e-4)
+    x = np.array([0.0, 0.05, 0.1])
+    np.testing.assert_allclose(
+        table.pressure(x, 0.02), closed.pressure(x, 0.02), rtol=1e-3, atol=1e-3
+    )
+
+
+def test_contour_rotates_with_the_body():
+    material = HalfSpace.from_modulus(1.0, 0.2)
+    turned = PowerLawProfile(1.5, lambda p: wavy(1.5).psi(p - 0.4))
+    for law in ("paper", "harmonic"):
+        one = indent(wavy(1.5), material, 0.1, law=law)
+        other = indent(turned, material, 0.1, law=law)
+        assert other.force == pytest.approx(one.force, rel=1e-12)
+        np.testing.assert_allclose(other.contour(TURN + 0.4), one.contour(TURN), rtol=1e-9)
+
+
+def test_first_harmonic_is_a_shift_only_in_the_resolved_law():
+    """A paraboloid about a point beside its summit: the spot is the same circle, moved."""
+    eps, depth = 1e-4, 0.02
+    shifted = PolynomialProfile({(1, 0): -2 * eps, (2, 0): 1.0, (0, 2): 1.0})
+    one = indent(shifted, HalfSpace.from_modulus(1.0), depth)
+    moved = (one.contour(0.0) - one.contour(np.pi)) / 2
+    assert moved == pytest.approx(eps, rel=1e-3)
+    assert indent(shifted, HalfSpace.from_modulus(1.0), depth, law="paper").contour(
+        0.0
+    ) - one.radius == pytest.approx(1.178 * eps, rel=1e-3)
+
+
+@settings(max_examples=20, deadline=None, derandomize=True)
+@given(m=exponent, s=st.floats(1e-7, 1e3), z=st.floats(1e-3, 1e3))
+def test_lengths_scale(m, s, z):
+    material = HalfSpace.from_modulus(1.0, m)
+    one = indent(wavy(1.5), material, 0.1)
+    scaled = PowerLawProfile(1.5, lambda p: z / s**1.5 * wavy(1.5).psi(p))
+    other = indent(scaled, material, z * 0.1)
+    assert other.force == pytest.approx(z * s ** (1 + m) * one.force, rel=1e-9)
+    assert other.contact_area == pytest.approx(s * s * one.contact_area, rel=1e-9)
+
+
+@pytest.mark.parametrize("law", ["hertz", "paper", "harmonic"])
+def test_load_control_inverts_the_force(law):
+    material, depth = HalfSpace.from_modulus(3e9, 0.1), np.array([1e-3, 0.1, 0.4])
+    for profile in (body(), tabulated(body())):
+        force = indent(profile, material, depth, law=law).force
+        again = indent(profile, material, load=force, law=law)
+        np.testing.assert_allclose(again.approach, depth, rtol=1e-9)
+
+
+def test_balanced_pressure_integrates_to_the_force():
+    one = indent(body(), HalfSpace.from_modulus(1.0), np.array([0.1, 0.3]))
+    edge = 1.02 * one.contour(TURN).max()
+    x = (np.arange(240) + 0.5) / 120 * edge - edge
+    field = one.pressure(x, x[:, None], balanced=True)
+    total = field.sum(axis=(1, 2)) * (x[1] - x[0]) ** 2
+    np.testing.assert_allclose(total, one.force, rtol=1e-3)
+
+
+def test_nothing_touches_without_approach():
+    one = indent(body(), HalfSpace.from_modulus(1.0), np.array([-0.1, 0.0, 0.1]))
+    assert np.all(one.force[:2] == 0) and np.all(one.contact_area[:2] == 0) and one.force[2] > 0
+    assert np.all(one.mean_pressure[:2] == 0)
+
+
+def test_a_body_that_turns_over_has_no_solution_beyond():
+    body = PowerSumProfile([2, 4], [1.0, -1.0])
+    one = indent(body, HalfSpace.from_modulus(1.0), np.array([0.1, 10.0]))
+    assert np.isfinite(one.force[0]) and np.isnan(one.force[1])
+    assert one.flags[1] & Flag.TURNING and not one.valid[1]
+
+
+def test_a_triangular_cone_is_out_of_the_published_range_in_its_corners():
+    spiky = PowerLawProfile(1, lambda p: 1 + 0.75 * np.cos(3 * p))
+    one = indent(spiky, HalfSpace.from_modulus(1.0), 0.1, law="paper")
+    assert one.flags & Flag.CONTOUR_NEGATIVE and one.flags & Flag.CONTOUR_DOUBTFUL
+    assert not one.valid
+
+
+def test_second_summits_negative_gaps_and_falling_rays_are_flagged():
+    x0 = 1.5
+
+    def two(r, phi):
+        x, y = r * np.cos(phi), r * np.sin(phi)
+        second = (x - x0) ** 2 + y**2 + 0.05
+        return np.minimum(x * x + y * y, second)
+
+    r = np.linspace(0, 2.5, 60)
+    profile = PolarProfile(r, TURN, two(r[:, None], TURN))
+    one = indent(profile, HalfSpace.from_modulus(1.0), np.array([0.01, 0.3, 2.0]))
+    assert one.flags[0] == 0
+    assert one.flags[1] & Flag.SECOND_SUMMIT
+    assert one.flags[2] & Flag.RAY_TURNS
+
+
+def test_a_contact_beyond_the_sampled_radius_is_flagged():
+    one = indent(tabulated(body(), radius=0.2), HalfSpace.from_modulus(1.0), np.array([0.02, 0.3]))
+    assert not one.flags[0] & Flag.BEYOND_RADIUS
+    assert one.flags[1] & Flag.BEYOND_RADIUS
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (lambda b, m: indent(b, m), InputError, "either approach or load"),
+        (lambda b, m: indent(b, m, 1.0, load=1.0), InputError, "either approach or load"),
+        (lambda b, m: indent(b, m, np.nan), InputError, "approach must be a finite"),
+        (lambda b, m: indent(b, m, load=-1.0), InputError, "load must be positive"),
+        (lambda b, m: indent(wavy(1), m, 0.1, law="hertz"), ModelRangeError, "has no curvature"),
+        (
+            lambda b, m: indent(PowerLawProfile(2, -1.0), m, 0.1),
+            ModelRangeError,
+            "does not rise from its summit",
+        ),
+        (
+            lambda b, m: indent(PowerSumProfile([2, 4], [1.0, -1.0]), m, load=50.0),
+            ModelRangeError,
+            "reaches no load",
+        ),
+    ],
+)
+def test_unusable_requests_are_refused_in_one_sentence(call, error, message):
+    with pytest.raises(error, match=message):
+        call(body(), HalfSpace.from_modulus(1.0))
