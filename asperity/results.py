@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -185,6 +186,31 @@ class ContactCurve:
             contact_area=read("contact_area", True),
             contacts=read("contacts", True),
             stiffness=read("stiffness", True),
+        )
+
+    def select(self, points: ArrayLike) -> ContactCurve:
+        """The curve of some load points (indices or a mask), in that order."""
+        index = np.arange(len(self))[np.asarray(points)]
+        return dataclasses.replace(
+            self,
+            **{name: getattr(self, name)[index] for name in POINT_FIELDS},
+            extra={name: np.asarray(values)[index] for name, values in self.extra.items()},
+            reasons=tuple(self.reasons[i] for i in index),
+        )
+
+    def joined(self, later: ContactCurve) -> ContactCurve:
+        """This curve followed by the points of a later run of the same model; times add up."""
+        columns = {
+            name: np.concatenate([getattr(self, name), getattr(later, name)])
+            for name in POINT_FIELDS
+        }
+        stages = dict.fromkeys([*self.seconds, *later.seconds])
+        return dataclasses.replace(
+            later,
+            **columns,
+            extra={k: np.concatenate([self.extra[k], v]) for k, v in later.extra.items()},
+            reasons=self.reasons + later.reasons,
+            seconds={k: self.seconds.get(k, 0.0) + later.seconds.get(k, 0.0) for k in stages},
         )
 
     def to_hdf5(self, path: str | os.PathLike[str]) -> None:

@@ -1,0 +1,108 @@
+"""Runs that can be interrupted: each finished load point is in the results file."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import InputError
+from .results import ContactCurve
+from .storage import ResultFile, read_results, write_results
+
+__all__ = ["Solve", "run_resumably"]
+
+Solve = Callable[[NDArray[np.float64], Callable[[ContactCurve], None]], ContactCurve]
+"""Solves the given load points and calls back with the curve of the points finished so far."""
+
+SECONDS_BETWEEN_WRITES = 1.0
+
+
+def run_resumably(
+    solve: Solve,
+    values: NDArray[np.float64],
+    column: str,
+    path: str | os.PathLike[str],
+    *,
+    request: Mapping[str, Any],
+    resume: bool,
+) -> ContactCurve:
+    """Solve load points, keeping every finished one in the results file.
+
+    Parameters
+    ----------
+    solve
+        Solves load points, telling what is finished as it goes.
+    values
+        Load points, shape (n,).
+    column
+        Column of the curve that holds them: "mean_pressure" or "separation".
+    path
+        Results file.
+    request
+        JSON-able facts that two runs must share for one to continue the other.
+    resume
+        Whether to continue from the file, if it exists.
+
+    Returns
+    -------
+    ContactCurve
+        All points in the order of `values`.
+
+    Raises
+    ------
+    InputError
+        If the file was made from another input or with other settings.
+    """
+    done = _finished(path, request) if resume and Path(path).exists() else None
+    if done is None:
+        keeper = _Keeper(path, request, None)
+        whole = solve(values, keeper)
+    else:
+        near = np.isclose(values[:, None], getattr(done, column)[None, :], rtol=1e-6, atol=0.0)
+        held = near.any(axis=1)
+        index = np.argmax(near, axis=1)
+        keeper = _Keeper(path, request, done)
+        if not held.all():
+            index[~held] = len(done) + np.arange(np.count_nonzero(~held))
+            done = done.joined(solve(values[~held], keeper))
+        whole = done.select(index)
+    keeper.write(whole)
+    return whole
+
+
+class _Keeper:
+    """Writes the points finished so far, not more often than once a second."""
+
+    def __init__(
+        self, path: str | os.PathLike[str], request: Mapping[str, Any], done: ContactCurve | None
+    ) -> None:
+        self.path, self.request, self.done = path, dict(request), done
+        self.next_write = time.monotonic() + SECONDS_BETWEEN_WRITES
+
+    def __call__(self, fresh: ContactCurve) -> None:
+        if time.monotonic() >= self.next_write:
+            self.write(fresh if self.done is None else self.done.joined(fresh))
+            self.next_write = time.monotonic() + SECONDS_BETWEEN_WRITES
+
+    def write(self, curve: ContactCurve) -> None:
+        content = ResultFile(curves={curve.model: curve}, about={"request": self.request})
+        write_results(self.path, content)
+
+
+def _finished(path: str | os.PathLike[str], request: Mapping[str, Any]) -> ContactCurve | None:
+    held = read_results(path)
+    before = held.about.get("request", {})
+    changed = [key for key in request if before.get(key) != request[key]]
+    if changed:
+        raise InputError(
+            f"{path} cannot be continued: {', '.join(changed)} changed; give another -o or leave "
+            "out --resume"
+        )
+    curve = next(iter(held.curves.values()))
+    return curve.select(curve.converged) if curve.converged.any() else None

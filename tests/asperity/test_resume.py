@@ -1,0 +1,89 @@
+"""Interrupted runs: finished points are kept, and only the others are solved again."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asperity.resume
+from asperity.errors import InputError
+from asperity.results import ContactCurve
+from asperity.resume import run_resumably
+
+REQUEST = {"input": "abc", "law": "paper"}
+LOADS = np.array([3.0, 1.0, 2.0, 5.0])
+
+
+def curve_of(pressure: np.ndarray) -> ContactCurve:
+    zeros = np.zeros(len(pressure))
+    return ContactCurve(
+        separation=-np.log(pressure),
+        mean_pressure=pressure * (1 + 1e-9),
+        load=zeros,
+        area_fraction=pressure / 10,
+        contact_area=zeros,
+        contacts=zeros.astype(np.int64),
+        stiffness=zeros,
+        converged=pressure != 5.0,
+        residual=zeros,
+        error_estimate=zeros,
+        model="bem",
+        seconds={"loads": 1.0},
+        extra={"pairs": pressure},
+        reasons=tuple("stopped" if p == 5.0 else "" for p in pressure),
+    )
+
+
+class Solver:
+    """Finishes light loads first and can be interrupted after some of them."""
+
+    def __init__(self, fails_after: int = 99) -> None:
+        self.fails_after, self.solved = fails_after, []
+
+    def __call__(self, values, keep):
+        for count, p in enumerate(np.sort(values), start=1):
+            self.solved.append(float(p))
+            keep(curve_of(np.sort(values)[:count]))
+            if count == self.fails_after:
+                raise KeyboardInterrupt
+        return curve_of(values)
+
+
+@pytest.fixture(autouse=True)
+def write_at_once(monkeypatch):
+    monkeypatch.setattr(asperity.resume, "SECONDS_BETWEEN_WRITES", 0.0)
+
+
+def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path):
+    path = tmp_path / "r.h5"
+    with pytest.raises(KeyboardInterrupt):
+        run_resumably(Solver(2), LOADS, "mean_pressure", path, request=REQUEST, resume=False)
+    again = Solver()
+    whole = run_resumably(again, LOADS, "mean_pressure", path, request=REQUEST, resume=True)
+    assert again.solved == [3.0, 5.0]
+    np.testing.assert_allclose(whole.mean_pressure, LOADS, rtol=1e-8)
+    np.testing.assert_array_equal(whole.extra["pairs"], LOADS)
+    kept = ContactCurve.from_hdf5(path)
+    np.testing.assert_array_equal(kept.mean_pressure, whole.mean_pressure)
+
+
+def test_points_that_did_not_converge_are_solved_again(tmp_path):
+    path = tmp_path / "r.h5"
+    run_resumably(Solver(), LOADS, "mean_pressure", path, request=REQUEST, resume=True)
+    again = Solver()
+    run_resumably(again, LOADS, "mean_pressure", path, request=REQUEST, resume=True)
+    assert again.solved == [5.0]
+
+
+def test_another_input_is_not_continued(tmp_path):
+    path = tmp_path / "r.h5"
+    run_resumably(Solver(), LOADS, "mean_pressure", path, request=REQUEST, resume=False)
+    with pytest.raises(InputError, match="cannot be continued: law changed"):
+        run_resumably(
+            Solver(),
+            LOADS,
+            "mean_pressure",
+            path,
+            request={**REQUEST, "law": "hertz"},
+            resume=True,
+        )
