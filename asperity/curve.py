@@ -79,10 +79,9 @@ class Asperities:
         seconds["interaction set-up"] = clock() - start
         return cls(hm, material, plan, peaks, profiles, population, seconds)
 
-    def deep_enough(self, states: Sequence[PopulationState]) -> bool:
+    def deep_enough(self, state: PopulationState) -> bool:
         """Whether no contact came near the height below which nothing was segmented."""
-        above = self.plan.above
-        return above is None or all(s.lowest_candidate >= above for s in states)
+        return self.plan.above is None or state.lowest_candidate >= self.plan.above
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +114,7 @@ def contact_curve(
     plan: Plan | None = None,
     boundary: str | None = None,
     progress: Callable[[PopulationState], object] | None = None,
+    checkpoint: Callable[[ContactCurve], object] | None = None,
 ) -> ContactCurve:
     """Load, separation and real contact area from the sum of interacting microcontacts.
 
@@ -139,6 +139,8 @@ def contact_curve(
         "periodic" or "free"; as the map says if None.
     progress
         Called with the state of every finished load point.
+    checkpoint
+        Called with the curve of the points finished so far, after each.
 
     Returns
     -------
@@ -169,7 +171,13 @@ def contact_curve(
             boundary=boundary,
         )
     return solve_contacts(
-        hm, material, plan, pressures=pressures, separations=separations, progress=progress
+        hm,
+        material,
+        plan,
+        pressures=pressures,
+        separations=separations,
+        progress=progress,
+        checkpoint=checkpoint,
     ).curve
 
 
@@ -181,41 +189,38 @@ def solve_contacts(
     pressures: ArrayLike | None = None,
     separations: ArrayLike | None = None,
     progress: Callable[[PopulationState], object] | None = None,
+    checkpoint: Callable[[ContactCurve], object] | None = None,
 ) -> ContactRun:
-    """Run `contact_curve` by a plan and keep the bodies and states (for maps and tables)."""
+    """Run `contact_curve` by a plan and keep the bodies and states (for maps and tables).
+
+    The points are solved from light to heavy, so that each starts from the last.  Where a contact
+    came near the height below which nothing was segmented, the whole map is taken instead.
+    """
     kind, values = checked_loads(hm, material, pressures, separations)
     bodies = Asperities.of(hm, material, plan)
     start = time.perf_counter()
-    states = _solve(bodies.population, kind, values, progress)
-    solving = time.perf_counter() - start
-    if not bodies.deep_enough(states):
-        whole = dataclasses.replace(plan, above=None)
-        return solve_contacts(
-            hm, material, whole, pressures=pressures, separations=separations, progress=progress
-        )
-    return ContactRun(_curve(bodies, states, solving), bodies, tuple(states))
-
-
-def _solve(
-    population: Population,
-    kind: str,
-    values: NDArray[np.float64],
-    progress: Callable[[PopulationState], object] | None,
-) -> list[PopulationState]:
-    """States in the order asked, solved from light to heavy so that each starts from the last."""
-    order = np.argsort(values if kind == "pressure" else -values, kind="stable")
     states: dict[int, PopulationState] = {}
     state = None
-    for i in order.tolist():
-        value = float(values[i])
-        if kind == "pressure":
-            state = population.solve(mean_pressure=value, state=state)
-        else:
-            state = population.solve(separation=value, state=state)
+    for i in np.argsort(values if kind == "pressure" else -values, kind="stable").tolist():
+        asked = {"mean_pressure" if kind == "pressure" else "separation": float(values[i])}
+        state = bodies.population.solve(**asked, state=state)
+        if not bodies.deep_enough(state):
+            return solve_contacts(
+                hm,
+                material,
+                dataclasses.replace(plan, above=None),
+                pressures=pressures,
+                separations=separations,
+                progress=progress,
+                checkpoint=checkpoint,
+            )
         states[i] = state
         if progress is not None:
             progress(state)
-    return [states[i] for i in range(len(values))]
+        if checkpoint is not None:
+            checkpoint(_curve(bodies, list(states.values()), time.perf_counter() - start))
+    ordered = tuple(states[i] for i in range(len(values)))
+    return ContactRun(_curve(bodies, ordered, time.perf_counter() - start), bodies, ordered)
 
 
 def _curve(bodies: Asperities, states: Sequence[PopulationState], solving: float) -> ContactCurve:
