@@ -352,7 +352,8 @@ def _cheap_run(
 ) -> tuple[Any, ...]:
     """Row of the table of run times: boundary elements on a coarse grid at a loose tolerance."""
     start = time.perf_counter()
-    coarse = hm if grid == hm.shape else surfaces.resample(hm, shape=grid)
+    pixel = (hm.size[0] / grid[0], hm.size[1] / grid[1])
+    coarse = hm if grid == hm.shape else surfaces.resample(hm, pixel)
     curve = bem_curve(
         coarse,
         material,

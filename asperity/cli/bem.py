@@ -17,32 +17,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_surface_options(parser)
     options.add_material_options(parser)
     options.add_load_options(parser)
-    parser.add_argument(
-        "--tolerance", type=float, default=1e-6, help="bound of the certificate (default 1e-6)"
-    )
+    options.add_tolerance_option(parser)
     output.add_output_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Solve, write the results file and print the curve."""
-    from asperity.bem import bem_curve
-    from asperity.loadpoints import checked_loads
-
     output.require_folder(args.results, args.csv)
     material, loads = options.material(args), options.loads(args)
     hm = options.load_surface(args.file, args)
-    _, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))
-    shown, advance = output.bar(len(values), "load points")
-    with shown:
-        curve = bem_curve(
-            hm,
-            material,
-            **loads,
-            tolerance=args.tolerance,
-            boundary=args.boundary,
-            progress=advance,
+    from asperity.bem import bem_curve
+
+    settings = {"tolerance": args.tolerance, "boundary": args.boundary}
+
+    def solve(kind, values, progress, checkpoint):  # type: ignore[no-untyped-def]
+        return bem_curve(
+            hm, material, **{kind: values}, **settings, progress=progress, checkpoint=checkpoint
         )
-    output.save_curve(curve, args)
-    print(curve)
-    print(f"results         {args.results}")
-    return output.exit_code([curve])
+
+    return output.finish(output.solve_and_keep(solve, hm, material, loads, args, settings), args)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from asperity.cli import options, output
 from asperity.cli.main import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
+from asperity.cli.surface import expand
 from asperity.errors import AsperityError
 
 EPILOG = """examples:
@@ -23,9 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_material_options(parser)
     options.add_load_options(parser)
     options.add_model_options(parser)
-    parser.add_argument(
-        "--tolerance", type=float, default=1e-6, help="bound of the certificate (default 1e-6)"
-    )
+    options.add_tolerance_option(parser)
     output.add_output_options(parser, report=True)
 
 
@@ -33,7 +32,7 @@ def run(args: argparse.Namespace) -> int:
     """Compare on each file; a bad file is named and the others go on."""
     output.require_folder(args.results, args.report, args.csv)
     material, loads = options.material(args), options.loads(args)
-    files = options.expand_files(args.files)
+    files = [str(path) for path in expand(args.files)]
     worst = EXIT_OK
     for file in files:
         try:
@@ -49,10 +48,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _compare_one(file, args, material, loads, *, several: bool) -> bool:  # type: ignore[no-untyped-def]
+    hm = options.load_surface(file, args)
     from asperity.compare import compare
     from asperity.storage import write_csv
 
-    hm = options.load_surface(file, args)
     shown, advance = output.bar(None, Path(file).name)
     with shown:
 

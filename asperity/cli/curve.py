@@ -24,24 +24,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Solve, write the results file and print the curve."""
-    from asperity.contacts import microcontacts
-    from asperity.curve import solve_contacts
-    from asperity.loadpoints import checked_loads
-    from asperity.plan import make_plan
-    from asperity.storage import write_csv
-
     output.require_folder(args.results, args.csv, args.contacts)
     material, loads = options.material(args), options.loads(args)
     hm = options.load_surface(args.file, args)
+    from asperity.curve import contact_curve
+    from asperity.plan import make_plan
+
     plan = make_plan(hm, material, **loads, **options.model(args))
-    _, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))
-    shown, advance = output.bar(len(values), "load points")
-    with shown:
-        done = solve_contacts(hm, material, plan, **loads, progress=advance)
-    output.save_curve(done.curve, args)
+
+    def solve(kind, values, progress, checkpoint):  # type: ignore[no-untyped-def]
+        return contact_curve(
+            hm, material, **{kind: values}, plan=plan, progress=progress, checkpoint=checkpoint
+        )
+
+    curve = output.solve_and_keep(solve, hm, material, loads, args, options.model(args))
     if args.contacts:
-        table = microcontacts(done.bodies, done.states[-1])
-        write_csv(args.contacts, {name: table[name] for name in table.dtype.names})
-    print(done.curve)
-    print(f"results         {args.results}")
-    return output.exit_code([done.curve])
+        _write_contacts(hm, material, plan, curve, args.contacts)
+    return output.finish(curve, args)
+
+
+def _write_contacts(hm, material, plan, curve, path) -> None:  # type: ignore[no-untyped-def]
+    from asperity.contacts import microcontacts
+    from asperity.curve import solve_contacts
+    from asperity.storage import write_csv
+
+    last = solve_contacts(hm, material, plan, separations=curve.separation[-1:])
+    table = microcontacts(last.bodies, last.states[0])
+    write_csv(path, {name: table[name] for name in table.dtype.names})

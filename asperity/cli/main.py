@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import re
 import sys
 from collections.abc import Sequence
 
@@ -54,7 +55,7 @@ def build_parser(command: str | None = None) -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code: 0, 1 (not converged) or 2 (bad input)."""
-    arguments = list(sys.argv[1:] if argv is None else argv)
+    arguments = _with_negative_numbers(sys.argv[1:] if argv is None else argv)
     named = next((word for word in arguments if not word.startswith("-")), "")
     args = build_parser(named).parse_args(arguments)
     try:
@@ -66,6 +67,17 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         sys.stderr.close()
         return EXIT_OK
+
+
+def _with_negative_numbers(words: Sequence[str]) -> list[str]:
+    """Join ``--option -1e6`` to ``--option=-1e6``, which argparse would take for two options."""
+    joined: list[str] = []
+    for word in words:
+        if joined and re.match(r"--[a-z-]+$", joined[-1]) and re.match(r"-[.\d]", word):
+            joined[-1] += f"={word}"
+        else:
+            joined.append(word)
+    return joined
 
 
 def _module(command: str):  # type: ignore[no-untyped-def]

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import glob
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.cli.surface import add_preparation, prepared
 from asperity.errors import InputError, SurfaceError
 from surfaces.heightmap import HeightMap
 
@@ -18,7 +18,7 @@ __all__ = [
     "add_material_options",
     "add_model_options",
     "add_surface_options",
-    "expand_files",
+    "add_tolerance_option",
     "load_surface",
     "loads",
     "material",
@@ -45,34 +45,9 @@ def add_surface_options(parser: argparse.ArgumentParser, *, several: bool = Fals
         metavar="D",
         help="pixel size dy dx [m] where the file has none",
     )
-    preparing = parser.add_argument_group("preparation")
-    preparing.add_argument(
-        "--level",
-        choices=["none", "mean", "plane", "quadratic", "cylinder"],
-        help="form to subtract (default: none for a periodic map, plane for a measured one)",
-    )
-    preparing.add_argument(
-        "--fill", choices=["none", "harmonic"], default="none", help="how to fill missing points"
-    )
-    preparing.add_argument(
-        "--outliers",
-        type=float,
-        metavar="K",
-        help="replace spikes beyond K robust standard deviations (needs --fill)",
-    )
-    preparing.add_argument(
-        "--bandpass",
-        nargs=2,
-        type=float,
-        metavar=("SHORT", "LONG"),
-        help="keep wavelengths between SHORT and LONG [m] (0 and inf leave an end open)",
-    )
-    preparing.add_argument(
-        "--periodic",
-        choices=["taper", "mirror"],
-        help="make the map periodic: taper its border, or mirror it to twice its size",
-    )
-    preparing.add_argument(
+    add_preparation(parser)
+    parser.set_defaults(level=None, fill="none")
+    parser.add_argument(
         "--boundary",
         choices=["periodic", "free"],
         help="treat the contact as periodic or as one finite punch (default: as the map says)",
@@ -106,6 +81,13 @@ def add_model_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_tolerance_option(parser: argparse.ArgumentParser) -> None:
+    """Option of the boundary elements."""
+    parser.add_argument(
+        "--tolerance", type=float, default=1e-6, help="bound of the certificate (default 1e-6)"
+    )
+
+
 def add_load_options(parser: argparse.ArgumentParser) -> None:
     """Options that choose the load points."""
     group = parser.add_argument_group("load points").add_mutually_exclusive_group()
@@ -121,14 +103,6 @@ def add_load_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def expand_files(patterns: list[str]) -> list[str]:
-    """Files named by the patterns, in order; a pattern without a match is kept as a name."""
-    files: list[str] = []
-    for pattern in patterns:
-        files += sorted(glob.glob(pattern)) or [pattern]
-    return list(dict.fromkeys(files))
-
-
 def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     """Read the map and prepare it as the options ask; refuse what no model can use."""
     import surfaces
@@ -139,21 +113,14 @@ def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
             raise InputError(f"--spacing takes one or two numbers, got {len(spacing)}")
         spacing = (spacing[0], spacing[-1])
     hm = surfaces.read(file, dataset=args.dataset, unit=args.unit, spacing=spacing)
-    level = args.level or ("none" if hm.periodic else "plane")
-    steps: dict[str, Any] = {
-        "level": None if level == "none" else level,
-        "fill": None if args.fill == "none" else args.fill,
-        "outliers": args.outliers,
-        "bandpass": None if args.bandpass is None else tuple(args.bandpass),
-        "periodic": args.periodic,
-    }
-    if hm.missing and steps["fill"] is None:
+    if hm.missing and args.fill == "none":
         raise SurfaceError(
             f"{Path(file).name} has {hm.missing} missing points of {hm.heights.size}; "
             "pass --fill harmonic"
         )
-    if any(value is not None for value in steps.values()):
-        hm = surfaces.prepare(hm, **steps)
+    if args.level is None:
+        args = argparse.Namespace(**{**vars(args), "level": "none" if hm.periodic else "plane"})
+    hm = prepared(hm, args)
     if np.ptp(hm.heights) == 0.0:
         raise SurfaceError(f"{Path(file).name} is constant: a flat map has no peaks to touch")
     return hm if hm.name else hm.replace(name=Path(file).stem)

@@ -5,13 +5,25 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from asperity.cli.main import EXIT_NOT_CONVERGED, EXIT_OK
 from asperity.errors import InputError
-from asperity.results import ContactCurve
+from asperity.results import POINT_FIELDS, ContactCurve
 
-__all__ = ["add_output_options", "bar", "exit_code", "named", "save_curve"]
+if TYPE_CHECKING:
+    from asperity.material import HalfSpace
+    from surfaces import HeightMap
+
+__all__ = [
+    "add_output_options",
+    "bar",
+    "exit_code",
+    "finish",
+    "named",
+    "require_folder",
+    "solve_and_keep",
+]
 
 
 def add_output_options(parser: argparse.ArgumentParser, *, report: bool = False) -> None:
@@ -23,6 +35,10 @@ def add_output_options(parser: argparse.ArgumentParser, *, report: bool = False)
     if report:
         group.add_argument(
             "--report", default="report.html", help="report file (default report.html)"
+        )
+    else:
+        group.add_argument(
+            "--resume", action="store_true", help="continue from the points in the results file"
         )
     group.add_argument("--csv", metavar="FILE", help="also write the curve as CSV")
 
@@ -41,14 +57,47 @@ def named(file: str, stem: str, several: bool) -> str:
     return str(target.with_name(f"{stem}-{target.name}")) if several else file
 
 
-def save_curve(curve: ContactCurve, args: argparse.Namespace) -> None:
-    """Write the curve to the results file, and to CSV where asked."""
-    from asperity.results import POINT_FIELDS
+def solve_and_keep(
+    solve: Callable[..., ContactCurve],
+    hm: HeightMap,
+    material: HalfSpace,
+    loads: dict[str, Any],
+    args: argparse.Namespace,
+    settings: dict[str, Any],
+) -> ContactCurve:
+    """Run ``solve(kind, values, progress, checkpoint)``, each finished point kept in the file."""
+    from asperity.loadpoints import checked_loads
+    from asperity.resume import run_resumably
+
+    kind, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))
+    request = {
+        "command": args.command,
+        "input": hm.digest,
+        "modulus": material.modulus,
+        "m": material.m,
+        **settings,
+    }
+    shown, advance = bar(len(values), "load points")
+    with shown:
+        return run_resumably(
+            lambda points, keep: solve(f"{kind}s", points, advance, keep),
+            values,
+            "mean_pressure" if kind == "pressure" else "separation",
+            args.results,
+            request=request,
+            resume=args.resume,
+        )
+
+
+def finish(curve: ContactCurve, args: argparse.Namespace) -> int:
+    """Write the CSV where asked, print the curve, and give the exit code."""
     from asperity.storage import write_csv
 
-    curve.to_hdf5(args.results)
     if args.csv:
         write_csv(args.csv, {name: getattr(curve, name) for name in POINT_FIELDS})
+    print(curve)
+    print(f"results         {args.results}")
+    return exit_code([curve])
 
 
 def exit_code(curves: Iterable[ContactCurve]) -> int:
