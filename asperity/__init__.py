@@ -11,12 +11,18 @@ if TYPE_CHECKING:
     from .bem.single import indent_bem as indent_bem
     from .bem.solution import BemSolution as BemSolution
     from .bem.solve import bem_solve as bem_solve
+    from .comparison import Comparison as Comparison
+    from .comparison import compare as compare
+    from .curve import contact_curve as contact_curve
     from .errors import ConvergenceError as ConvergenceError
     from .errors import InputError as InputError
     from .errors import ModelRangeError as ModelRangeError
     from .indentation import Indentation as Indentation
     from .indentation import indent as indent
     from .material import HalfSpace as HalfSpace
+    from .plan import Plan as Plan
+    from .plan import make_plan as make_plan
+    from .results import ContactCurve as ContactCurve
     from .threads import set_threads as set_threads
 
 __version__ = "0.1.0"
@@ -26,6 +32,10 @@ _HOME = {
     "bem_solve": "bem.solve",
     "BemIndentation": "bem.single",
     "BemSolution": "bem.solution",
+    "Comparison": "comparison",
+    "compare": "comparison",
+    "ContactCurve": "results",
+    "contact_curve": "curve",
     "ConvergenceError": "errors",
     "HalfSpace": "material",
     "indent": "indentation",
@@ -33,6 +43,8 @@ _HOME = {
     "Indentation": "indentation",
     "InputError": "errors",
     "ModelRangeError": "errors",
+    "make_plan": "plan",
+    "Plan": "plan",
     "set_threads": "threads",
 }
 

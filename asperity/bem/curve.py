@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +28,8 @@ def bem_curve(
     separations: ArrayLike | None = None,
     tolerance: float = 1e-6,
     boundary: Boundary | None = None,
+    progress: Callable[[BemSolution], object] | None = None,
+    checkpoint: Callable[[ContactCurve], object] | None = None,
 ) -> ContactCurve:
     """Load, separation and contact area of a rough map at several load points.
 
@@ -39,6 +42,10 @@ def bem_curve(
     separations
         separations [m]. With neither: 10 geometric loads for about 0.1 % to 10 % of contact,
         from the rms slope and the modulus.
+    progress
+        Called with the solution of every finished load point.
+    checkpoint
+        Called with the curve of the points finished so far, after each.
 
     Returns
     -------
@@ -51,23 +58,28 @@ def bem_curve(
     start = time.perf_counter()
     problem = ContactProblem(hm, mat, tolerance=tolerance, boundary=boundary)
     order = np.argsort(values if kind == "pressure" else -values, kind="stable")
-    rows: list[dict[str, float]] = [{} for _ in values]
-    reasons = [""] * len(values)
+    solved: dict[int, tuple[dict[str, float], str]] = {}
     guess: BemSolution | None = None
-    for index in order:
+
+    def curve_of(points: Iterable[int]) -> ContactCurve:
+        seconds = {"setup": problem.setup_seconds}
+        seconds["loads"] = time.perf_counter() - start - problem.setup_seconds
+        return _curve(problem, [solved[i] for i in points], seconds)
+
+    for index in order.tolist():
         value = float(values[index])
         solution = problem.solve(
             pressure=value if kind == "pressure" else None,
             separation=value if kind == "separation" else None,
             guess=guess,
         )
-        rows[index] = _row(solution)
-        reasons[index] = solution.reason
+        solved[index] = (_row(solution), solution.reason)
         guess = solution if solution.mean_pressure > 0.0 else None
-    columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    seconds = {"setup": problem.setup_seconds}
-    seconds["loads"] = time.perf_counter() - start - problem.setup_seconds
-    return _curve(problem, columns, tuple(reasons), seconds)
+        if progress is not None:
+            progress(solution)
+        if checkpoint is not None:
+            checkpoint(curve_of(solved))
+    return curve_of(range(len(values)))
 
 
 def _row(solution: BemSolution) -> dict[str, float]:
@@ -113,10 +125,11 @@ def curve_stiffness(
 
 def _curve(
     problem: ContactProblem,
-    columns: dict[str, NDArray[np.float64]],
-    reasons: tuple[str, ...],
+    points: Sequence[tuple[dict[str, float], str]],
     seconds: dict[str, float],
 ) -> ContactCurve:
+    rows, reasons = zip(*points, strict=True)
+    columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     names = ("separation", "mean_pressure", "load", "area_fraction", "contact_area")
     main = {name: columns.pop(name) for name in names}
     return ContactCurve(
@@ -125,10 +138,10 @@ def _curve(
         stiffness=curve_stiffness(main["separation"], main["mean_pressure"]),
         converged=columns.pop("converged").astype(bool),
         residual=columns.pop("residual"),
-        error_estimate=np.full(len(reasons), np.nan),
+        error_estimate=np.full(len(rows), np.nan),
         model="bem",
         seconds=seconds,
         settings=problem.settings(),
         extra=columns,
-        reasons=reasons,
+        reasons=tuple(reasons),
     )

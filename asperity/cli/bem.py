@@ -26,7 +26,7 @@ def run(args: argparse.Namespace) -> int:
     output.require_folder(args.results, args.csv)
     material, loads = options.material(args), options.loads(args)
     hm = options.load_surface(args.file, args)
-    from asperity.bem import bem_curve
+    from asperity.bem.curve import bem_curve
 
     settings = {"tolerance": args.tolerance, "boundary": args.boundary}
 

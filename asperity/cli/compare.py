@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _compare_one(file, args, material, loads, *, several: bool) -> bool:  # type: ignore[no-untyped-def]
     hm = options.load_surface(file, args)
-    from asperity.compare import compare
+    from asperity.comparison import compare
     from asperity.storage import write_csv
 
     shown, advance = output.bar(None, Path(file).name)

@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read the results, write the report, print the verdict."""
-    from asperity.compare import Comparison
+    from asperity.comparison import Comparison
 
     output.require_folder(args.output)
     comparison = Comparison.from_hdf5(args.results)

@@ -13,7 +13,7 @@ from asperity.storage import replacing
 from . import figures
 
 if TYPE_CHECKING:
-    from asperity.compare import Comparison
+    from asperity.comparison import Comparison
 
 __all__ = ["write_report"]
 

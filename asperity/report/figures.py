@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from asperity.compare import Comparison
+    from asperity.comparison import Comparison
     from asperity.results import ContactCurve
 
 __all__ = ["area_figure", "map_figure", "pareto_figure", "separation_figure"]

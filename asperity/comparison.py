@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 import surfaces
 from surfaces.heightmap import HeightMap
 
-from .bem import bem_curve
+from .bem.curve import bem_curve
 from .contacts import contact_map, microcontacts
 from .curve import solve_contacts
 from .errors import InputError
