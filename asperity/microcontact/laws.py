@@ -20,6 +20,7 @@ LAWS = {
     "hertz": "asperity.microcontact.hertz",
     "paper": "asperity.microcontact.expansion",
     "harmonic": "asperity.microcontact.expansion",
+    "ellipse": "asperity.microcontact.ellipse",
 }
 """Name of each law -> module that holds ``indent(profile, material, approach, *, law)`` and
 ``tabulate(profiles, material, *, law, nodes)``."""

@@ -1,0 +1,311 @@
+"""Exact edge operator of the elliptic contact (Galin), tabulated over the axis ratio.
+
+On an ellipse with semi-axes ``a, b`` and scaled coordinates ``xi = x/a, eta = y/b`` a pressure
+``(1 - rho**2)**((m-1)/2)`` times a polynomial displaces the half-space by a polynomial of the
+same degree and parity. The tables give, per monomial of the displacement, the amplitude of the
+edge singularity at nodes on a quarter of the ellipse. Everything is algebra and products with
+the Fourier moments of one weight per axis ratio, so that a table takes a fraction of a second.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.polynomial import polynomial
+from numpy.typing import NDArray
+from scipy.special import eval_jacobi, gamma, roots_jacobi
+
+__all__ = ["DEGREE", "EllipseTables", "edge_operator", "ellipse_tables", "monomials"]
+
+Array = NDArray[np.float64]
+
+DEGREE = 6
+"""Default degree of the profile polynomials."""
+
+LOG_RATIO = (math.log(1 / 80), math.log(2.5), 64)
+"""First and last ln(b/a) of the tables and the number of nodes."""
+
+
+def monomials(degree: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Exponents ``i, j`` of x**i y**j up to a degree, ordered by degree and then by j."""
+    pairs = [(k - j, j) for k in range(degree + 1) for j in range(k + 1)]
+    i, j = np.array(pairs).T
+    return i, j
+
+
+@dataclass(frozen=True)
+class EllipseTables:
+    """Tables of the elliptic contact of one grading exponent.
+
+    Parameters
+    ----------
+    m
+        Exponent of the grading.
+    degree
+        Degree of the polynomials.
+    rows
+        One row per ln(b/a): edge amplitudes (monomial, node) flattened, quadrature weights of
+        ``gamma**(m-1)`` at the nodes, stiffness of the unit punch (s = 1, modulus 1), and the
+        upper triangles of the second-order stiffness form of the four parity classes.
+    moments
+        Mean of each monomial under the flat-punch pressure of the ellipse.
+    parity
+        Parity class of each monomial: 0 even-even, 1 odd-odd, 2 odd in x, 3 odd in y.
+    order
+        Degree of each monomial.
+    nodes
+        Ellipse parameter t of the nodes on the quarter, 0 to pi/2.
+    """
+
+    m: float
+    degree: int
+    rows: Array
+    moments: Array
+    parity: NDArray[np.int64]
+    order: NDArray[np.int64]
+    nodes: Array
+
+
+def _parity(degree: int) -> NDArray[np.int64]:
+    i, j = monomials(degree)
+    return np.choose((i % 2) + 2 * (j % 2), [0, 2, 3, 1])
+
+
+def _fourier_moments(weight: Array, count: int) -> Array:
+    """Mean of ``weight * cos(2 k t)`` over the period pi of weights sampled on it, k < count."""
+    return np.fft.rfft(weight, axis=-1).real[..., :count] / weight.shape[-1]
+
+
+def _product_weights(moments: Array, nodes: int, period: float) -> Array:
+    """Weights of ``nodes`` equispaced points: exact for trigonometric polynomials times weight.
+
+    ``moments[..., k]`` are the means of weight * cos(2 pi k t / period).
+    """
+    k = np.arange(moments.shape[-1])
+    factor = np.where(k == 0, 1.0, 2.0)
+    factor[2 * k == nodes] = 1.0
+    keep = 2 * k <= nodes
+    cosine = np.cos(2 * np.pi * np.outer(k, np.arange(nodes)) / nodes)
+    return period / nodes * (moments * (factor * keep)) @ cosine
+
+
+def _rotations(degree: int, psi: Array) -> Array:
+    """Matrices (psi, n, n): coefficients of monomials of (x, y) in those of (u, v).
+
+    ``x = u cos - v sin``, ``y = u sin + v cos``.
+    """
+    i, j = monomials(degree)
+    n = i.size
+    c, s = np.cos(psi), np.sin(psi)
+    out = np.zeros((psi.size, n, n))
+    index = {(int(p), int(q)): r for r, (p, q) in enumerate(zip(i, j, strict=True))}
+    for r in range(n):
+        for p in range(i[r] + 1):
+            for q in range(j[r] + 1):
+                # u**p (-v)**(i-p) from x**i, u**q v**(j-q) from y**j
+                coef = math.comb(i[r], p) * math.comb(j[r], q) * (-1.0) ** (i[r] - p)
+                power = p + q
+                out[:, r, index[power, i[r] + j[r] - power]] += (
+                    coef * c ** (p + j[r] - q) * s ** (i[r] - p + q)
+                )
+    return out
+
+
+def _chord_transform(degree: int, m: float) -> Array:
+    """Row j: polynomial in s0 of ``int |s-s0|**-m (1-s**2)**((m-1)/2) s**j ds``, |s0| < 1."""
+    exponent = (m - 1) / 2
+    s, w = roots_jacobi(degree + 2, exponent, exponent)
+    eigen = np.ones(degree + 1)
+    for j in range(1, degree + 1):
+        eigen[j] = eigen[j - 1] * (m + j - 1) / j
+    eigen *= np.pi / math.cos(m * np.pi / 2)
+    points = np.cos((np.arange(degree + 1) + 0.5) * np.pi / (degree + 1))
+    to_powers = np.linalg.inv(np.vander(points, degree + 1, increasing=True))
+    out = np.zeros((degree + 1, degree + 1))
+    for order in range(degree + 1):
+        norm = math.sqrt((w * eval_jacobi(order, exponent, exponent, s) ** 2).sum())
+        coef = to_powers @ eval_jacobi(order, exponent, exponent, points) / norm
+        values = polynomial.polyval(s, coef)
+        for j in range(degree + 1):
+            out[j] += eigen[order] * (w * s**j * values).sum() * coef
+    return out
+
+
+def _chord_transform_lower(degree: int, m: float, upper: Array) -> Array:
+    """As `_chord_transform` with exponent (m-3)/2 (finite part): degree j gives degree j - 2."""
+    out = np.zeros_like(upper)
+    if degree >= 2:
+        out[2] = -upper[0]
+    for j in range(2, degree):
+        derivative = np.append(polynomial.polyder(upper[j]), 0.0)
+        out[j + 1] = (j * out[j - 1] - derivative) / (j + m - 1)
+    return out
+
+
+def _on_chords(degree: int, transform: Array, drop: int) -> Array:
+    """Matrix of u**a v**b -> displacement polynomial in (u, v); (1-v**2)**((a-l-drop)/2)."""
+    i, j = monomials(degree)
+    index = {(int(p), int(q)): r for r, (p, q) in enumerate(zip(i, j, strict=True))}
+    out = np.zeros((i.size, i.size))
+    for r in range(i.size):
+        for power in range((i[r] - drop) % 2, i[r] - drop + 1, 2):
+            half = (i[r] - drop - power) // 2
+            for k in range(half + 1):
+                column = index[power, int(j[r]) + 2 * k]
+                out[r, column] += transform[i[r], power] * math.comb(half, k) * (-1.0) ** k
+    return out
+
+
+def _operator(degree: int, m: float, transform: Array, drop: int, ratio: Array) -> Array:
+    """Displacement coefficients of pressure monomials on unit-area ellipses (ratio, n, n)."""
+    count = 4 * (degree + 1)
+    psi = np.arange(count) * np.pi / count
+    forward = _rotations(degree, psi)
+    backward = _rotations(degree, -psi)
+    single = forward @ _on_chords(degree, transform, drop) @ backward
+    ratio = ratio[:, None]
+    fine = np.arange(8192) * np.pi / 8192
+    weight = (np.cos(fine) ** 2 / ratio + ratio * np.sin(fine) ** 2) ** (-(1 + m) / 2)
+    weights = _product_weights(_fourier_moments(weight, count // 2 + 1), count, np.pi)
+    n = single.shape[1]
+    return (weights @ single.reshape(count, -1)).reshape(-1, n, n) * (
+        math.cos(m * np.pi / 2) / np.pi
+    )
+
+
+def _edge_amplitudes(degree: int, operator: Array, nodes: Array) -> Array:
+    """(ratio, monomial, node): edge amplitude that goes with a displacement monomial."""
+    i, j = monomials(degree)
+    parity = _parity(degree)
+    edge = np.cos(nodes) ** i[:, None] * np.sin(nodes) ** j[:, None]
+    out = np.empty((operator.shape[0], i.size, nodes.size))
+    for kind in range(4):
+        rows = np.flatnonzero(parity == kind)
+        block = operator[:, rows[:, None], rows]
+        out[:, rows] = np.linalg.solve(
+            block, np.broadcast_to(edge[rows], (len(block), *edge[rows].shape))
+        )
+    return out
+
+
+def _boundary_modes(degree: int, kind: int, t: Array) -> Array:
+    """Angular modes of a parity class at parameters t: (t, modes)."""
+    if kind == 0:
+        return np.cos(np.outer(t, np.arange(0, degree + 1, 2)))
+    if kind == 1:
+        return np.sin(np.outer(t, np.arange(2, degree + 1, 2)))
+    odd = np.arange(1, degree + 1, 2)
+    return np.cos(np.outer(t, odd)) if kind == 2 else np.sin(np.outer(t, odd))
+
+
+def _stiffness_forms(degree: int, m: float, lower: Array, weight: Array, bent: Array) -> Array:
+    """Upper triangles of the second-order stiffness form, per ratio (ellipse_law 2).
+
+    ``lower`` is the operator with exponent (m-3)/2, ``weight`` and ``bent`` the product weights
+    of w and of its second derivative over 2 pi.
+    """
+    i, j = monomials(degree)
+    parity, order = _parity(degree), i + j
+    t = np.arange(weight.shape[1]) * 2 * np.pi / weight.shape[1]
+    edge = np.cos(t) ** i[:, None] * np.sin(t) ** j[:, None]
+    out = []
+    for kind in range(4):
+        rows = np.flatnonzero(parity == kind)
+        modes = _boundary_modes(degree, kind, t)
+        null = np.swapaxes(lower[:, rows[:, None], rows], 1, 2)
+        null = null / np.abs(null).max()
+        system = np.concatenate(
+            [null, np.broadcast_to(edge[rows].T, (len(null), t.size, rows.size))], axis=1
+        )
+        right = np.concatenate([np.zeros((rows.size, modes.shape[1])), modes])
+        solution = np.linalg.pinv(system, rcond=1e-12) @ right
+        slope = np.einsum("rt,brk->btk", edge[rows] * order[rows, None], solution)
+        amplitude = -0.5 * (m - 1) * slope
+        form = np.einsum("bt,ti,btj->bij", weight, modes, 0.5 * m * modes + amplitude)
+        form = form + 0.25 * np.einsum("bt,ti,tj->bij", bent, modes, modes)
+        form = 0.5 * (form + np.swapaxes(form, 1, 2))
+        for p in range(modes.shape[1]):
+            for q in range(p, modes.shape[1]):
+                out.append(form[:, p, q] * (1.0 if p == q else 2.0))
+    return np.array(out).T
+
+
+def _punch_moments(degree: int, m: float) -> Array:
+    """Mean of xi**i eta**j over the ellipse under (1 - rho**2)**((m-1)/2)."""
+    i, j = monomials(degree)
+    even = (i % 2 == 0) & (j % 2 == 0)
+    angular = gamma((i + 1) / 2) * gamma((j + 1) / 2) / (np.pi * gamma((i + j) / 2 + 1))
+    p, q = (i + j) / 2 + 1, (m + 1) / 2
+    return np.where(even, angular * gamma(p) * gamma(q) / gamma(p + q) * q, 0.0)
+
+
+def edge_operator(m: float, ratio: Array, degree: int = DEGREE) -> Array:
+    """Edge amplitudes of displacement monomials on ellipses of unit area measure a b = 1.
+
+    Parameters
+    ----------
+    m
+        Exponent of the grading.
+    ratio
+        Axis ratios b/a, shape (n,).
+    degree
+        Degree of the polynomials.
+
+    Returns
+    -------
+    NDArray
+        Amplitude P(t) of ``p = P (1 - rho**2)**((m-1)/2)`` for unit modulus, shape
+        (n, monomials, degree + 1), at t from 0 to pi/2; even or odd beyond by parity.
+    """
+    nodes = np.linspace(0, np.pi / 2, degree + 1)
+    operator = _operator(degree, m, _chord_transform(degree, m), 0, ratio)
+    return _edge_amplitudes(degree, operator, nodes)
+
+
+@lru_cache(maxsize=8)
+def ellipse_tables(m: float, degree: int = DEGREE) -> EllipseTables:
+    """Tables of the elliptic contact for one grading exponent, built once per process.
+
+    Parameters
+    ----------
+    m
+        Exponent of the grading, -1 < m < 1.
+    degree
+        Degree of the profile polynomials, even, at least 2.
+    """
+    quarter = degree + 1
+    nodes = np.linspace(0, np.pi / 2, quarter)
+    around = 4 * (quarter - 1)
+    ratio = np.exp(np.linspace(*LOG_RATIO))
+    edge = edge_operator(m, ratio, degree)
+    transform = _chord_transform_lower(degree, m, _chord_transform(degree, m))
+    lower = _operator(degree, m, transform, 2, ratio)
+    ratio = ratio[:, None]
+    fine = np.arange(8192) * np.pi / 8192
+    squared = np.cos(fine) ** 2 * ratio + np.sin(fine) ** 2 / ratio
+    dense = 8 * (degree + 2)
+    even = _fourier_moments(squared ** ((m - 1) / 2), dense // 4 + 1)
+    full = np.zeros((ratio.size, dense // 2 + 1))
+    full[:, ::2] = even
+    weight = _product_weights(full, dense, 2 * np.pi)
+    bent = _product_weights(-full * np.arange(full.shape[1]) ** 2, dense, 2 * np.pi)
+    forms = _stiffness_forms(degree, m, lower, weight, bent)
+
+    on_quarter = _product_weights(full[:, : around // 2 + 1], around, 2 * np.pi)[:, :quarter]
+    on_quarter = on_quarter * np.where((nodes == 0) | (nodes == nodes[-1]), 2.0, 4.0)
+    alpha = _fourier_moments(squared ** ((m - 1) / 2), 1)
+    stiffness = 2 / ((1 + m) * alpha)
+    rows = np.concatenate([edge.reshape(ratio.size, -1), on_quarter, stiffness, forms], axis=1)
+    i, j = monomials(degree)
+    return EllipseTables(
+        m=m,
+        degree=degree,
+        rows=np.ascontiguousarray(rows),
+        moments=_punch_moments(degree, m),
+        parity=_parity(degree),
+        order=i + j,
+        nodes=nodes,
+    )
