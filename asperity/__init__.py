@@ -22,29 +22,33 @@ if TYPE_CHECKING:
     from .material import HalfSpace as HalfSpace
     from .plan import Plan as Plan
     from .plan import make_plan as make_plan
+    from .population import Population as Population
+    from .population import PopulationState as PopulationState
     from .results import ContactCurve as ContactCurve
     from .threads import set_threads as set_threads
 
 __version__ = "0.1.0"
 
 _HOME = {
-    "bem_curve": "bem.curve",
-    "bem_solve": "bem.solve",
     "BemIndentation": "bem.single",
     "BemSolution": "bem.solution",
     "Comparison": "comparison",
-    "compare": "comparison",
     "ContactCurve": "results",
-    "contact_curve": "curve",
     "ConvergenceError": "errors",
     "HalfSpace": "material",
-    "indent": "indentation",
-    "indent_bem": "bem.single",
     "Indentation": "indentation",
     "InputError": "errors",
     "ModelRangeError": "errors",
-    "make_plan": "plan",
     "Plan": "plan",
+    "Population": "population",
+    "PopulationState": "population",
+    "bem_curve": "bem.curve",
+    "bem_solve": "bem.solve",
+    "compare": "comparison",
+    "contact_curve": "curve",
+    "indent": "indentation",
+    "indent_bem": "bem.single",
+    "make_plan": "plan",
     "set_threads": "threads",
 }
 

@@ -1,0 +1,1 @@
+"""Elastic interaction of microcontacts: footprints, operators, and the convex coupled solve."""

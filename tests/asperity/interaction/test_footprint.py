@@ -1,0 +1,79 @@
+"""Gaussian footprints: integrals, limits, and the rule that fixes their size."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import gammaincc, i0e, j0
+
+from asperity.interaction.footprint import (
+    FLOOR,
+    Footprints,
+    far_table,
+    pair_table,
+    smooth_part,
+)
+
+EXPONENTS = (-0.5, -0.3, 0.0, 0.3, 0.8)
+
+
+@pytest.mark.parametrize("m", EXPONENTS)
+@pytest.mark.parametrize(("r", "spread"), [(0.7, 0.3), (0.0, 0.5), (3.0, 0.1)])
+def test_interaction_is_the_integral_over_waves(m, r, spread):
+    f = Footprints(2.0, m)
+    integral = quad(
+        lambda q: q**m * np.exp(-q * q * spread / 2) * j0(q * r), 0, 40, limit=400, epsabs=1e-12
+    )[0]
+    assert f.interaction(r, spread) == pytest.approx(f.symbol / (2 * np.pi) * integral, rel=1e-7)
+
+
+def test_homogeneous_interaction_has_its_closed_form():
+    r, spread = np.array([0.0, 0.3, 2.0, 30.0]), 0.4
+    t2 = r * r / spread
+    closed = np.sqrt(np.pi / 2) * i0e(t2 / 4) / (np.pi * np.sqrt(spread))
+    np.testing.assert_allclose(Footprints(1.0).interaction(r, spread), closed, rtol=1e-12)
+
+
+@pytest.mark.parametrize("m", EXPONENTS)
+def test_distant_footprints_are_points(m):
+    f = Footprints(3.0, m)
+    p = 1 + m
+    second = 1 + 0.5 * p * p * 1e-6
+    assert f.interaction(1.0, 1e-6) == pytest.approx(f.point * second, rel=1e-10)
+
+
+@pytest.mark.parametrize("m", EXPONENTS)
+def test_self_compliance_of_the_footprint_is_that_of_the_contact(m):
+    f, k = Footprints(3.0, m), 0.7
+    own = f.interaction(0.0, 2 * f.variance(k))
+    assert own == pytest.approx(1 / ((1 + FLOOR) * k), rel=1e-12)
+
+
+@pytest.mark.parametrize("m", EXPONENTS)
+def test_footprint_has_nearly_the_second_moment_of_the_punch(m):
+    """Not fitted: the self-compliance alone gives the punch's a^2/(3+m) per axis to 10 %."""
+    k = 2 / (1 + m) / (1 + FLOOR)
+    assert Footprints(1.0, m).variance(k) == pytest.approx(1 / (3 + m), rel=0.1)
+
+
+def wave(q, m, order, r):
+    return (-q * q) ** order * q**m * gammaincc((1 - m) / 2, q * q / 4) * j0(q * r)
+
+
+@pytest.mark.parametrize("m", EXPONENTS)
+def test_smooth_part_and_its_laplacians_are_integrals_over_waves(m):
+    f = Footprints(1.0, m)
+    for r in (0.0, 0.5, 1.3):
+        parts = smooth_part(m, np.array([r * r]))
+        for order, part in enumerate(parts):
+            integral = quad(wave, 0, 30, args=(m, order, r), limit=400)[0]
+            wanted = f.symbol / (2 * np.pi) * integral
+            assert f.point * part[0] == pytest.approx(wanted, rel=1e-7)
+
+
+@pytest.mark.parametrize("m", EXPONENTS)
+def test_tables_are_fine_enough_for_linear_interpolation(m):
+    for table, bound in ((pair_table(m), 3e-5), (far_table(m, 4.0), 3e-5)):
+        middle = 0.5 * (table[:-2] + table[2:]) - table[1:-1]
+        assert np.abs(middle / 4).max() < bound * np.abs(table).max()

@@ -1,0 +1,91 @@
+"""Laws of the contacts: Hertz exactly, energy, footprint moments, filled basins."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from standin import HertzTable
+
+from asperity.errors import InputError
+from asperity.interaction.footprint import Footprints
+from asperity.interaction.laws import Laws
+
+EXPONENTS = (-0.3, 0.0, 0.5)
+TABLE = HertzTable(np.array([1.0, 3.0]), np.array([0.2, 0.5]))
+
+
+@pytest.mark.parametrize("m", EXPONENTS)
+def test_hertz_and_filled_basin_are_reproduced(m):
+    table = replace(TABLE, m=m, modulus=2.0, nodes=16)
+    laws = Laws(table, Footprints(2.0, m))
+    for d in (1e-6, 0.03, 0.17, 0.6, 2.0):
+        law = laws(np.full(2, d))
+        force, stiffness, _ = table.evaluate(np.arange(2), np.full(2, d))
+        np.testing.assert_allclose(law.force, force, rtol=1e-7)
+        np.testing.assert_allclose(law.stiffness, stiffness, rtol=1e-7)
+        assert (laws.filled(np.full(2, d)) == (d >= table.reach)).all()
+
+
+def test_open_contacts_carry_nothing():
+    law = Laws(TABLE, Footprints(1.0))(np.array([0.0, -1.0]))
+    assert not law.force.any() and not law.stiffness.any() and not law.moment.any()
+
+
+@pytest.mark.parametrize("m", EXPONENTS)
+@pytest.mark.parametrize("d", [0.01, 0.1, 0.45, 0.8])
+def test_derivatives(m, d):
+    """dU/dd = F, dF/dd = k, F dm/dF = growth."""
+    laws = Laws(replace(TABLE, m=m), Footprints(1.0, m))
+    h = 1e-6
+    at, up, down = (laws(np.full(2, d + e)) for e in (0, h, -h))
+    np.testing.assert_allclose((up.energy - down.energy) / (2 * h), at.force, rtol=1e-7)
+    np.testing.assert_allclose((up.force - down.force) / (2 * h), at.stiffness, rtol=1e-6)
+    growth = at.force * (up.moment - down.moment) / (up.force - down.force)
+    np.testing.assert_allclose(growth, at.growth, rtol=1e-5)
+
+
+def test_moment_of_hertz_is_three_fifths_of_the_footprint():
+    f = Footprints(1.0)
+    law = Laws(TABLE, f)(np.full(2, 0.15))
+    np.testing.assert_allclose(law.moment, 0.6 * f.variance(law.stiffness), rtol=1e-6)
+    np.testing.assert_allclose(law.moment + law.growth, f.variance(law.stiffness), rtol=1e-6)
+
+
+@pytest.mark.parametrize("m", EXPONENTS)
+def test_footprint_of_a_filled_basin_is_that_of_its_punch(m):
+    """Growth of the whole-force footprint ends at the punch's."""
+    f = Footprints(1.0, m)
+    laws = Laws(replace(TABLE, m=m), f)
+    law = laws(np.full(2, 50.0))
+    np.testing.assert_allclose(law.moment, f.variance(law.stiffness), rtol=0.05)
+
+
+def test_a_rough_table_gives_positive_stiffness_and_growing_nodes():
+    rng = np.random.default_rng(4)
+
+    class Rough:
+        exponent = 3.0
+        reach = np.ones(20)
+        force = np.cumsum(rng.uniform(-0.2, 1, (20, 13)), axis=1) - 0.1
+        stiffness = rng.uniform(-1, 20, (20, 13))
+
+    laws = Laws(Rough, Footprints(1.0))
+    force = np.array([laws(np.full(20, (j / 12) ** 2)).force for j in range(15)])
+    assert (np.diff(force, axis=0) > 0).all()
+    for d in np.linspace(0.01, 1.5, 50):
+        law = laws(np.full(20, d))
+        assert (law.stiffness > 0).all() and (law.force > 0).all()
+
+
+@pytest.mark.parametrize("field", ["reach", "force", "stiffness"])
+def test_a_table_with_nan_is_refused(field):
+    class Broken:
+        exponent = 3.0
+        reach, force, stiffness = np.ones(2), np.ones((2, 5)), np.ones((2, 5))
+
+    bad = np.full_like(getattr(Broken, field), np.nan)
+    setattr(Broken, field, bad)
+    with pytest.raises(InputError, match=field):
+        Laws(Broken, Footprints(1.0))

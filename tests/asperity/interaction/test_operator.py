@@ -1,0 +1,146 @@
+"""The fast interaction against dense exact sums; symmetry, definiteness, self-images."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from asperity.interaction.exact import dense_matrix, periodic_interaction, self_image
+from asperity.interaction.footprint import FLOOR, Footprints
+from asperity.interaction.operator import Interaction
+
+CELL = (1.0, 1.7)
+
+
+def scene(n, m, seed, filling=0.5):
+    """Random overlapping discs: places, stiffness; radii fill `filling` of the cell on average."""
+    rng = np.random.default_rng(seed)
+    y, x = rng.uniform(0, CELL[0], n), rng.uniform(0, CELL[1], n)
+    radius = rng.uniform(0.3, 1.0, n)
+    radius *= np.sqrt(filling * CELL[0] * CELL[1] / (np.pi * np.sum(radius**2)))
+    return y, x, 2 * radius ** (1 + m) / (1 + m)
+
+
+def tangent_matrices(y, x, k, m, boundary):
+    """Tangent of the fast plan column by column, and its exact twin, scaled by sqrt(k)."""
+    f = Footprints(1.0, m)
+    plan = Interaction(y, x, CELL, boundary, f, widest=f.variance(k).max())
+    k, n = k[plan.order], len(k)
+    tangent = plan.tangent(np.ones(n, bool), k)
+    fast = np.array([tangent(e) for e in np.eye(n)])
+    v = f.variance(k)
+    exact = dense_matrix(y[plan.order], x[plan.order], v, CELL, boundary, f)
+    exact[np.diag_indices(n)] += FLOOR / (1 + FLOOR) / k
+    scale = np.sqrt(k)
+    return fast * scale * scale[:, None], exact * scale * scale[:, None]
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+@pytest.mark.parametrize("filling", [0.2, 0.6, 1.2])
+def test_tangent_is_positive_definite_for_overlapping_discs(m, boundary, filling):
+    y, x, k = scene(150, m, 3, filling)
+    fast, exact = tangent_matrices(y, x, k, m, boundary)
+    assert np.linalg.eigvalsh(exact)[0] >= FLOOR / (1 + FLOOR) * (1 - 1e-6)
+    assert np.linalg.eigvalsh(0.5 * (fast + fast.T))[0] >= 0.98 * FLOOR / (1 + FLOOR)
+    assert np.abs(fast - exact).max() < 5e-3
+    assert np.abs(fast - fast.T).max() < 1e-6
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+def test_field_is_the_dense_sum(m, boundary):
+    y, x, k = scene(200, m, 5)
+    f = Footprints(3.0, m)
+    v = 0.6 * f.variance(3.0 * k)
+    force = np.random.default_rng(1).uniform(0, 1, len(y))
+    dense = dense_matrix(y, x, v, CELL, boundary, f)
+    np.fill_diagonal(dense, dense.diagonal() - f.self_factor * v ** (-(1 + m) / 2))
+    plan = Interaction(y, x, CELL, boundary, f)
+    value, slope = plan.field(force[plan.order], v[plan.order])
+    size = np.abs(dense).sum(1).mean()
+    assert np.abs(value - (dense @ force)[plan.order]).max() < 2e-3 * size
+    step = 1e-3 * v.mean()
+    wider = v.copy()
+    wider[:100] += step
+    moved = dense_matrix(y, x, wider, CELL, boundary, f) - dense_matrix(y, x, v, CELL, boundary, f)
+    own = f.self_factor * (wider ** (-(1 + m) / 2) - v ** (-(1 + m) / 2))
+    moved[np.diag_indices(len(v))] -= own
+    moved[:100, :100] = np.nan
+    rows = np.arange(100)
+    wanted = moved[rows][:, 100:] @ force[100:] / step
+    force[:100] = 0.0
+    _, slope = plan.field(force[plan.order], v[plan.order])
+    back = np.empty(len(v))
+    back[plan.order] = slope
+    np.testing.assert_allclose(back[rows], wanted, atol=0.02 * np.abs(wanted).max())
+
+
+def test_finer_settings_converge_to_the_dense_sum():
+    y, x, k = scene(120, 0.0, 8, 0.3)
+    f = Footprints(1.0)
+    v = 0.6 * f.variance(k)
+    dense = dense_matrix(y, x, v, CELL, "periodic", f)
+    np.fill_diagonal(dense, dense.diagonal() - f.self_factor / np.sqrt(v))
+    errors = []
+    for options in ({"cut": 2.0, "nodes": 2.2}, {"cut": 3.5, "nodes": 4.0, "neighbours": 60}):
+        plan = Interaction(y, x, CELL, "periodic", f, **options)
+        value, _ = plan.field(np.ones(len(y)), v[plan.order])
+        errors.append(np.abs(value - dense.sum(1)[plan.order]).max())
+    assert errors[1] < 0.2 * errors[0]
+
+
+@settings(max_examples=8, deadline=None, derandomize=True)
+@given(
+    m=st.sampled_from([-0.4, 0.0, 0.6]),
+    boundary=st.sampled_from(["periodic", "free"]),
+    seed=st.integers(0, 99),
+)
+def test_reciprocity(m, boundary, seed):
+    """<G p, q> = <p, G q>."""
+    y, x, k = scene(90, m, seed)
+    plan = Interaction(y, x, CELL, boundary, Footprints(1.0, m))
+    v = Footprints(1.0, m).variance(k)[plan.order]
+    p, q = np.random.default_rng(seed).normal(size=(2, len(y)))
+    left, right = plan.field(p, v)[0] @ q, p @ plan.field(q, v)[0]
+    assert left == pytest.approx(right, abs=1e-9 * np.linalg.norm(p) * np.linalg.norm(q))
+
+
+@pytest.mark.parametrize(("ly", "lx", "value"), [(1.0, 1.0, -1.2414929), (2.0, 2.0, -0.62074644)])
+def test_self_image_of_a_square_cell(ly, lx, value):
+    assert self_image((ly, lx), Footprints(1.0)) == pytest.approx(value, rel=1e-7)
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+def test_self_image_of_a_rectangle_is_that_of_two_squares(m):
+    """A square cell with one force is a double cell with two."""
+    f = Footprints(2.0, m)
+    two = periodic_interaction(np.zeros(1), np.ones(1), np.full(1, 1e-12), (1.0, 2.0), f)[0]
+    assert self_image((1.0, 2.0), f) + two == pytest.approx(self_image((1.0, 1.0), f), rel=1e-9)
+    assert self_image((2.0, 1.0), f) == pytest.approx(self_image((1.0, 2.0), f), rel=1e-12)
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+@pytest.mark.parametrize("cell", [(1.0, 1.0), (1.0, 2.5)])
+def test_lone_contact_feels_its_images(m, cell):
+    f = Footprints(1.0, m)
+    plan = Interaction(np.array([0.4]), np.array([0.3]), cell, "periodic", f)
+    value, _ = plan.field(np.ones(1), np.full(1, 1e-12))
+    assert value[0] == pytest.approx(self_image(cell, f), rel=5e-3)
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+def test_field_does_not_change_when_the_cell_moves(m):
+    y, x, k = scene(150, m, 11)
+    f = Footprints(1.0, m)
+    v = 0.6 * f.variance(k)
+    fields = []
+    for shift in (0.0, 0.37):
+        plan = Interaction(y + shift, x - shift, CELL, "periodic", f)
+        back = np.empty(len(y))
+        back[plan.order] = plan.field(k[plan.order], v[plan.order])[0]
+        fields.append(back)
+    size = np.ptp(fields[0])
+    assert np.abs(fields[0] - fields[1]).max() < 5e-3 * size

@@ -1,0 +1,116 @@
+"""The coupled solve: gradient, descent, complementarity, two spheres."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from standin import HertzTable, random_population
+
+from asperity.interaction.footprint import Footprints
+from asperity.interaction.laws import Laws
+from asperity.interaction.operator import Interaction
+from asperity.interaction.solver import Problem, State, conjugate_gradients, descend
+
+CELL = (1.0, 1.4)
+
+
+def make(n, *, m=0.0, boundary="periodic", seed=0, filling=0.3, apart=False):
+    y, x, height, table = random_population(n, CELL, seed, m=m, filling=filling, apart=apart)
+    f = Footprints(1.0, m)
+    widest = f.variance(table.stiffness[:, -1]).max()
+    plan = Interaction(y, x, CELL, boundary, f, widest=widest)
+    return Problem(height[plan.order], Laws(table, f).rows(plan.order), plan)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+def test_residual_is_the_gradient_of_the_energy(m, boundary):
+    problem = make(40, m=m, boundary=boundary)
+    rng = np.random.default_rng(2)
+    d = problem.laws.reach * rng.uniform(0.1, 2.0, 40)
+    gap = problem.height + 0.1
+    state = State.at(problem, d)
+    gradient = d + state.displacement - gap
+    h = 1e-6 * d
+    way = rng.normal(size=40) * h
+    up, down = State.at(problem, d + way), State.at(problem, d - way)
+    fall = (up.energy(gap) - down.energy(gap)).sum()
+    assert fall == pytest.approx(gradient @ (up.laws.force - down.laws.force), rel=1e-5)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+def test_solution_obeys_the_contact_conditions(m, boundary):
+    """d = z - s - u where closed, no overlap where open, to the tolerance asked."""
+    problem = make(300, m=m, boundary=boundary)
+    s = -0.01
+    solution = descend(problem, s, np.zeros(300), tolerance=1e-7)
+    assert not solution.reason
+    closed = solution.approach > 0
+    assert 20 < closed.sum() < 290
+    error = np.abs(solution.approach - solution.wanted)[closed]
+    assert error.max() < 1e-4 * solution.approach.max()
+    assert solution.wanted[~closed].max() <= 1e-4 * solution.approach.max()
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_solution_does_not_depend_on_the_start(boundary):
+    problem = make(225, boundary=boundary, filling=0.2, apart=True)
+    loads = []
+    for start in (0.0, 1.0, 30.0):
+        solution = descend(problem, -0.03, start * problem.laws.reach, tolerance=1e-7)
+        assert not solution.reason
+        loads.append(solution.laws.force)
+    for other in loads[1:]:
+        np.testing.assert_allclose(other, loads[0], atol=1e-5 * loads[0].max())
+
+
+def test_energy_falls_at_every_step(monkeypatch):
+    problem = make(300, filling=0.2)
+    s = -0.08
+    energies = []
+    at = State.at.__func__
+
+    def recorded(cls, problem, approach):
+        state = at(cls, problem, approach)
+        energies.append(state.energy(problem.height - s).sum())
+        return state
+
+    monkeypatch.setattr(State, "at", classmethod(recorded))
+    solution = descend(problem, s, 3 * problem.laws.reach, tolerance=1e-6)
+    assert not solution.reason
+    # trial points that were refused may lie above; the running minimum is what was accepted
+    lowest = np.minimum.accumulate(energies)
+    assert lowest[-1] < energies[0]
+    assert energies[-1] == pytest.approx(lowest[-1], rel=1e-9)
+
+
+@pytest.mark.parametrize("distance", [3.0, 5.0, 9.0])
+def test_two_spheres_follow_the_interacting_hertz_expansion(distance):
+    """d0 = d + F/(pi E D) [1 + (1/10 + 1/6) (a/D)^2], up to (a/D)^4 (moments of the pressure of
+    the source and of the punch that receives)."""
+    radius, d0 = 50.0, 0.02
+    table = HertzTable(np.full(2, radius), np.full(2, 1.0))
+    a0 = np.sqrt(radius * d0)
+    y, x = np.array([0.0, 0.6 * distance * a0]), np.array([0.0, 0.8 * distance * a0])
+    f = Footprints(1.0)
+    plan = Interaction(y, x, (50.0, 60.0), "free", f, widest=f.variance(2 * a0))
+    problem = Problem(np.full(2, d0), Laws(table, f), plan)
+    solution = descend(problem, 0.0, np.full(2, 0.5 * d0), tolerance=1e-9)
+    d = d0
+    for _ in range(200):
+        a = np.sqrt(radius * d)
+        ratio = a / (distance * a0)
+        force = 4 / 3 * a * d
+        d = 0.5 * (d + d0 - force / (np.pi * distance * a0) * (1 + (1 / 10 + 1 / 6) * ratio**2))
+    np.testing.assert_allclose(solution.laws.force, force, rtol=2e-3 * (3 / distance) ** 2)
+
+
+def test_conjugate_gradients_solve_the_tangent_system():
+    problem = make(200)
+    stiffness = problem.laws(1.5 * problem.laws.reach).stiffness
+    tangent = problem.plan.tangent(np.ones(200, bool), stiffness)
+    right = np.random.default_rng(0).normal(size=200)
+    solution, count = conjugate_gradients(tangent, right, tolerance=1e-9, limit=400)
+    assert count < 400
+    assert np.abs(tangent(solution) - right).max() < 1e-5

@@ -1,0 +1,212 @@
+"""Populations of summits: laws of the coupled and of the independent sum."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from standin import HertzTable, random_population
+
+from asperity.errors import InputError
+from asperity.material import HalfSpace
+from asperity.population import Population
+
+CELL = (1.0, 1.4)
+
+
+def make(n=200, *, seed=0, m=0.0, boundary="periodic", filling=0.3, apart=False, **options):
+    y, x, height, table = random_population(n, CELL, seed, m=m, filling=filling, apart=apart)
+    material = HalfSpace.from_modulus(1.0, m)
+    return Population(
+        x=x, y=y, height=height, table=table, cell=CELL, boundary=boundary, material=material,
+        **options,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+def test_curve_converges_and_is_monotone(m, boundary):
+    population = make(m=m, boundary=boundary)
+    state, states = None, []
+    for s in np.linspace(population.height.max(), -3 * population.height.std(), 20):
+        state = population.solve(separation=s, state=state)
+        assert state.converged and state.residual <= 1e-3 and not state.reason
+        states.append(state)
+    pressure = np.array([s.mean_pressure for s in states])
+    assert pressure[0] == 0 and states[0].active == 0
+    assert (np.diff(pressure) > 0).all()
+    assert (np.diff([s.contact_area for s in states]) > 0).all()
+    assert 0.8 < states[-1].filled_share <= 1
+    if boundary == "periodic":
+        assert states[-1].contact_area > 0.3 * population.nominal_area
+
+
+def test_a_far_start_gives_the_same_answer_as_a_walk():
+    population = make(196, apart=True)
+    state = None
+    for s in (0.04, 0.03, 0.02, 0.0, -0.02):
+        state = population.solve(separation=s, state=state, tolerance=1e-6)
+    direct = population.solve(separation=-0.02, tolerance=1e-6)
+    np.testing.assert_allclose(direct.force, state.force, atol=1e-5 * state.force.max())
+    back = population.solve(separation=0.03, state=direct, tolerance=1e-6)
+    again = population.solve(separation=0.03, tolerance=1e-6)
+    assert back.mean_pressure == pytest.approx(again.mean_pressure, rel=5e-4)
+
+
+def test_every_summit_that_can_touch_is_listed():
+    """The zero-mean field is negative far from loads: summits below the plane touch there."""
+    population = make(400, filling=0.1)
+    state = population.solve(separation=0.0)
+    assert population.height[state.force > 0].min() < 0
+    assert state.lowest_candidate <= population.height[state.force > 0].min()
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_contacts_far_apart_are_independent(boundary):
+    rng = np.random.default_rng(3)
+    y, x = np.meshgrid(np.arange(6) * 1e3, np.arange(5) * 1e3, indexing="ij")
+    n = y.size
+    common = {
+        "x": x.ravel(), "y": y.ravel(), "height": rng.uniform(0, 1e-3, n),
+        "table": HertzTable(np.full(n, 1.0), np.full(n, 0.1)), "cell": (6e3, 5e3),
+        "boundary": boundary, "material": HalfSpace.from_modulus(1.0),
+    }  # fmt: skip
+    coupled = Population(**common).solve(separation=0.0)
+    independent = Population(**common, interaction=False).solve(separation=0.0)
+    np.testing.assert_allclose(coupled.force, independent.force, rtol=2e-3, atol=1e-9)
+    assert independent.converged and independent.iterations == 0
+
+
+def test_independent_sum_is_the_sum_of_hertz():
+    population = make(interaction=False)
+    state = population.solve(separation=0.05)
+    closed = population.height > 0.05
+    force, stiffness, area = population.table.evaluate(
+        np.flatnonzero(closed), population.height[closed] - 0.05
+    )
+    assert state.mean_pressure * population.nominal_area == pytest.approx(force.sum(), rel=1e-6)
+    assert state.contact_area == pytest.approx(area.sum())
+    assert state.normal_stiffness * population.nominal_area == pytest.approx(
+        stiffness.sum(), rel=1e-5
+    )
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("interaction", [True, False])
+def test_pressure_control_meets_separation_control(boundary, interaction):
+    population = make(boundary=boundary, interaction=interaction)
+    state = None
+    for pressure in (1e-4, 3e-3, 5e-2, 1e-3):
+        state = population.solve(mean_pressure=pressure, state=state)
+        assert state.converged
+        assert state.mean_pressure == pytest.approx(pressure, rel=1e-3)
+        same = population.solve(separation=state.separation)
+        assert same.mean_pressure == pytest.approx(pressure, rel=3e-3)
+    assert population.solve(mean_pressure=0.0).active == 0
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+def test_stiffness_is_the_slope_of_the_pressure(m):
+    population = make(m=m)
+    h = 2e-5
+    up, at, down = (
+        population.solve(separation=s, tolerance=1e-7) for s in (0.03 + h, 0.03, 0.03 - h)
+    )
+    slope = (down.mean_pressure - up.mean_pressure) / (2 * h)
+    assert at.normal_stiffness == pytest.approx(slope, rel=0.02)
+
+
+def test_doubled_cell_carries_the_same_pressure():
+    """Two copies of a periodic cell side by side are the same surface."""
+    population = make(150)
+    both = replace(
+        population.table,
+        radius=np.tile(population.table.radius, 2),
+        reach=np.tile(population.table.reach, 2),
+    )
+    double = Population(
+        x=np.concatenate((population.x, population.x + CELL[1])),
+        y=np.tile(population.y, 2),
+        height=np.tile(population.height, 2),
+        table=both,
+        cell=(CELL[0], 2 * CELL[1]),
+        boundary="periodic",
+        material=population.material,
+    )
+    for s in (0.03, 0.0):
+        one, two = (p.solve(separation=s, tolerance=1e-5) for p in (population, double))
+        assert two.mean_pressure == pytest.approx(one.mean_pressure, rel=2e-3)
+        assert two.active == pytest.approx(2 * one.active, abs=4)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_moving_the_surface_changes_nothing(boundary):
+    population = make(boundary=boundary)
+    moved = Population(
+        x=population.x + 0.31, y=population.y - 0.77, height=population.height,
+        table=population.table, cell=CELL, boundary=boundary, material=population.material,
+    )  # fmt: skip
+    one, two = (p.solve(separation=0.0, tolerance=1e-6) for p in (population, moved))
+    assert two.mean_pressure == pytest.approx(one.mean_pressure, rel=1e-3)
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+def test_units_do_not_matter(m):
+    """Lengths times a, modulus times b: pressure times b a^-m."""
+    a, b = 1e-6, 2e11
+    y, x, height, table = random_population(150, CELL, 1, m=m)
+    big = Population(x=x, y=y, height=height, table=table, cell=CELL, boundary="periodic",
+                     material=HalfSpace.from_modulus(1.0, m))  # fmt: skip
+    table = replace(table, radius=a * table.radius, reach=a * table.reach, modulus=b)
+    small = Population(x=a * x, y=a * y, height=a * height, table=table,
+                       cell=(a * CELL[0], a * CELL[1]), boundary="periodic",
+                       material=HalfSpace.from_modulus(b, m))  # fmt: skip
+    one, two = big.solve(separation=0.01), small.solve(separation=a * 0.01)
+    assert two.mean_pressure == pytest.approx(one.mean_pressure * b * a**m, rel=1e-5)
+    assert two.active == one.active
+
+
+def test_a_filled_plane_is_refused_with_its_reason():
+    y, x, height, table = random_population(300, CELL, 2)
+    table = replace(table, reach=2.0 * table.reach)
+    population = Population(x=x, y=y, height=0.1 * height, table=table, cell=CELL,
+                            boundary="periodic", material=HalfSpace.from_modulus(1.0))  # fmt: skip
+    state = population.solve(separation=-1.0)
+    assert not state.converged
+    assert "nominal area" in state.reason
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"x": np.zeros(3)}, "rows"),
+        ({"height": np.full(5, np.nan)}, "height"),
+        ({"boundary": "mirror"}, "boundary"),
+        ({"cell": (1.0, -2.0)}, "cell"),
+        ({"y": np.zeros((5, 1))}, "one-dimensional"),
+    ],
+)
+def test_unusable_input_is_refused(change, message):
+    good = {
+        "x": np.arange(5.0), "y": np.arange(5.0), "height": np.zeros(5),
+        "table": HertzTable(np.ones(5), np.ones(5)), "cell": (5.0, 6.0),
+        "boundary": "periodic", "material": HalfSpace.from_modulus(1.0),
+    }  # fmt: skip
+    with pytest.raises(InputError, match=message):
+        Population(**{**good, **change})
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({}, "either"),
+        ({"separation": 0.0, "mean_pressure": 1.0}, "either"),
+        ({"mean_pressure": -1.0}, "negative"),
+        ({"separation": np.nan}, "finite"),
+        ({"separation": 0.0, "tolerance": 0.0}, "tolerance"),
+    ],
+)
+def test_unusable_points_are_refused(given, message):
+    with pytest.raises(InputError, match=message):
+        make(20).solve(**given)
