@@ -33,6 +33,11 @@ if TYPE_CHECKING:
     from .profiles import fit_profiles as fit_profiles
     from .segmentation import segment as segment
     from .synthesis import self_affine as self_affine
+    from .textures import ground as ground
+    from .textures import plateau_honed as plateau_honed
+    from .textures import redistribute as redistribute
+    from .textures import turned as turned
+    from .textures import two_scale as two_scale
 
 _HOME = {
     "FileFormatError": "errors",
@@ -50,15 +55,20 @@ _HOME = {
     "crop": "filtering",
     "fill_missing": "filling",
     "fit_profiles": "profiles",
+    "ground": "textures",
     "level": "levelling",
     "make_periodic": "filtering",
     "mark_outliers": "filling",
     "open": "hdf5",
+    "plateau_honed": "textures",
     "prepare": "preparation",
     "read": "formats",
+    "redistribute": "textures",
     "resample": "filtering",
     "segment": "segmentation",
     "self_affine": "synthesis",
+    "turned": "textures",
+    "two_scale": "textures",
     "validate": "hdf5",
     "write": "formats",
     "write_blocks": "hdf5",

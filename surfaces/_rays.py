@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from ._spline import evaluate, expand
 
@@ -13,17 +14,79 @@ _MOST_SAMPLES = 512
 _FLATTEST = 1e-3  # least ratio of the principal curvatures, and least q relative to the tip
 _NARROWEST = math.sqrt(1.0 / 8.0)  # least aspect of the ellipse on which the rays are spread
 _FEWEST_PIXELS = 9.0
+_LOCAL = 1e-4
+
+
+def _quartic_rows() -> NDArray[np.float64]:
+    """Least-squares coefficients of a quartic on 5 x 5 points, shape (15, 25)."""
+    y, x = (a.ravel() for a in np.mgrid[-2:3, -2:3].astype(float))
+    terms = [y**i * x ** (degree - i) for degree in range(5) for i in range(degree + 1)]
+    return np.ascontiguousarray(np.linalg.pinv(np.stack(terms, axis=1)))
+
+
+_QUARTIC = _quartic_rows()
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def summit_of(flat, width, row, col):
-    """Maximum of the spline near a pixel: Newton steps of at most half a pixel.
+def local_fit(heights, periodic, row, col, c):
+    """Quartic c (15,) through the 5 x 5 points about a pixel; True where it represents them.
+
+    It does if no point is off by more than `_LOCAL` of their range. Such a fit is as good as the
+    spline and does not feel kinks of the map that are three or more pixels away.
+    """
+    ny, nx = heights.shape
+    points = np.empty(25)
+    low, high = np.inf, -np.inf
+    for k in range(25):
+        i, j = row + k // 5 - 2, col + k % 5 - 2
+        if periodic:
+            i, j = i % ny, j % nx
+        elif not (0 <= i < ny and 0 <= j < nx):
+            return False
+        points[k] = heights[i, j]
+        low, high = min(low, points[k]), max(high, points[k])
+    for m in range(15):
+        c[m] = 0.0
+        for k in range(25):
+            c[m] += _QUARTIC[m, k] * points[k]
+    for k in range(25):
+        h = _quartic(c, k // 5 - 2.0, k % 5 - 2.0)[0]
+        if abs(h - points[k]) > _LOCAL * (high - low):
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _quartic(c, y, x):
+    """Height, gradient and second derivatives (h, h_y, h_x, h_yy, h_xy, h_xx) of the quartic."""
+    h, h_y, h_x, h_yy, h_xy, h_xx = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    m = 0
+    for degree in range(5):
+        for i in range(degree + 1):
+            j = degree - i
+            yi, xj = y**i, x**j
+            yi1, xj1 = (i * y ** (i - 1) if i > 0 else 0.0), (j * x ** (j - 1) if j > 0 else 0.0)
+            h += c[m] * yi * xj
+            h_y += c[m] * yi1 * xj
+            h_x += c[m] * yi * xj1
+            h_xy += c[m] * yi1 * xj1
+            if i > 1:
+                h_yy += c[m] * i * (i - 1) * y ** (i - 2) * xj
+            if j > 1:
+                h_xx += c[m] * j * (j - 1) * x ** (j - 2) * yi
+            m += 1
+    return h, h_y, h_x, h_yy, h_xy, h_xx
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def summit_of(flat, width, row, col, c, local):
+    """Maximum near a pixel of the local quartic or else of the spline: damped Newton steps.
 
     Returns y, x [pixels], the expansion there, and whether a maximum was reached within a pixel.
     """
     y, x = float(row), float(col)
     for _ in range(20):
-        e = expand(flat, width, y, x)
+        e = _quartic(c, y - row, x - col) if local else expand(flat, width, y, x)
         det = e[3] * e[5] - e[4] * e[4]
         if not (det > 0.0 and e[3] < 0.0):
             break
@@ -37,7 +100,7 @@ def summit_of(flat, width, row, col):
         x += scale * step_x
         if abs(y - row) > 1.0 or abs(x - col) > 1.0:
             break
-    return float(row), float(col), expand(flat, width, float(row), float(col)), False
+    return float(row), float(col), e, False
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -66,9 +129,11 @@ def fit(
     rays, nodes = q.shape[1:]
     rs = np.empty(_MOST_SAMPLES)
     fs = np.empty(_MOST_SAMPLES)
+    quartic = np.empty(15)
     for place in range(start, stop):
         n = order[place]
-        y0, x0, e, found = summit_of(flat, width, row[n], col[n])
+        local = local_fit(heights, periodic, row[n], col[n], quartic)
+        y0, x0, e, found = summit_of(flat, width, row[n], col[n], quartic, local)
         z0 = e[0] if found else heights[row[n], col[n]]
         a, b, c = -e[5] / (dx * dx), -e[4] / (dx * dy), -e[3] / (dy * dy)
         if not found:

@@ -1,0 +1,298 @@
+"""Machined and layered surfaces built from self-affine parts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import InputError
+from .heightmap import HeightMap
+from .synthesis import self_affine
+
+__all__ = ["ground", "plateau_honed", "redistribute", "turned", "two_scale"]
+
+Array = NDArray[np.float64]
+
+
+def plateau_honed(
+    shape: tuple[int, int],
+    size: tuple[float, float],
+    *,
+    rms_slope: float,
+    cutoff: float,
+    rolloff: float | None = None,
+    hurst: float = 0.8,
+    crossing: float = np.pi / 3,
+    plateau: float = 0.35,
+    fine: float = 0.15,
+    seed: int = 0,
+) -> HeightMap:
+    """Plateau-honed surface: two crossed families of scratches, worn tops, a fine roughness.
+
+    Parameters
+    ----------
+    shape, size
+        Points (ny, nx) and lengths (Ly, Lx) [m] of the periodic cell.
+    rms_slope
+        Root-mean-square gradient of the whole [-], from its spectrum.
+    cutoff
+        Shortest wavelength [m].
+    rolloff
+        Longest wavelength across a scratch [m]; None: an eighth of the shorter side.
+    hurst
+        Hurst exponent of all parts [-].
+    crossing
+        Angle between both families [rad], symmetric about +x.
+    plateau
+        Heights above the mean are compressed to this fraction, smoothly [-].
+    fine
+        Rms height of the isotropic roughness relative to that of the worn scratches [-].
+    seed
+        Seeds are `seed` (roughness), `seed + 1` and `seed + 2` (scratches).
+
+    Returns
+    -------
+    HeightMap
+        Periodic map with negative skewness.
+    """
+    if not 0.0 < plateau <= 1.0:
+        raise InputError(f"plateau is {plateau}; it must be a fraction above 0, at most 1")
+    settings = _settings(locals())
+    long = min(size) / 8.0 if rolloff is None else rolloff
+    part: dict[str, Any] = {"hurst": hurst, "rms_height": 1.0, "rolloff": long}
+    stretch = np.sqrt(_SCRATCH)  # the short wavelengths keep the roll-off asked for
+    scratches = sum(
+        self_affine(
+            shape, size, hurst=hurst, rms_height=1.0, rolloff=long * stretch,
+            cutoff=1.5 * cutoff * stretch, anisotropy=_SCRATCH, angle=angle, seed=seed + k,
+        ).heights
+        for k, angle in ((1, 0.5 * crossing), (2, -0.5 * crossing))
+    ) / np.sqrt(2.0)  # fmt: skip
+    half = 0.5 * (1.0 - plateau)
+    worn = 0.5 * (1.0 + plateau) * scratches - np.hypot(half * scratches, 0.1)
+    worn /= worn.std()
+    rough = self_affine(shape, size, cutoff=2.0 * cutoff, seed=seed, **part).heights
+    return _finished(worn + fine * rough, size, cutoff, rms_slope, "plateau_honed", settings)
+
+
+def ground(
+    shape: tuple[int, int],
+    size: tuple[float, float],
+    *,
+    rms_slope: float,
+    cutoff: float,
+    rolloff: float | None = None,
+    hurst: float = 0.8,
+    length: float = 25.0,
+    angle: float = 0.0,
+    fine: float = 0.1,
+    seed: int = 0,
+) -> HeightMap:
+    """Ground surface: parallel scratches `length` times as long as wide, and a fine roughness.
+
+    Parameters are those of `plateau_honed`; the scratches run along `angle` [rad].
+    """
+    settings = _settings(locals())
+    long = min(size) / 8.0 if rolloff is None else rolloff
+    stretch = np.sqrt(length)
+    scratches = self_affine(
+        shape, size, hurst=hurst, rms_height=1.0, rolloff=long * stretch, cutoff=cutoff * stretch,
+        anisotropy=length, angle=angle, seed=seed + 1,
+    )  # fmt: skip
+    rough = self_affine(
+        shape, size, hurst=hurst, rms_height=fine, rolloff=long, cutoff=cutoff, seed=seed
+    )
+    heights = scratches.heights + rough.heights
+    return _finished(heights, size, cutoff, rms_slope, "ground", settings)
+
+
+def turned(
+    shape: tuple[int, int],
+    size: tuple[float, float],
+    *,
+    feed: float,
+    nose_radius: float,
+    roughness: float = 0.0,
+    cutoff: float | None = None,
+    hurst: float = 0.8,
+    seed: int = 0,
+) -> HeightMap:
+    """Turned surface: the grooves of a round tool, with self-affine roughness on top.
+
+    Parameters
+    ----------
+    shape, size
+        Points (ny, nx) and lengths (Ly, Lx) [m] of the periodic cell.
+    feed
+        Distance of the grooves along y [m]; rounded so that a whole number fits the cell.
+    nose_radius
+        Radius of the tool's nose [m], at least half the feed.
+    roughness
+        Rms height of the roughness [m]; it is rolled off above the feed.
+    cutoff, hurst, seed
+        Shortest wavelength [m], Hurst exponent and seed of the roughness.
+
+    Returns
+    -------
+    HeightMap
+        Periodic map of ridges along x, each about ``feed**2 / (8 nose_radius)`` high.
+    """
+    settings = _settings(locals())
+    if not 0.0 < feed <= 2.0 * nose_radius:
+        raise InputError(f"feed is {feed}; it must be positive and at most twice the nose radius")
+    count = max(1, round(size[0] / feed))
+    width = size[0] / count
+    y = (np.arange(shape[0]) + 0.5) * size[0] / shape[0]
+    across = np.mod(y, width) - 0.5 * width
+    groove = nose_radius - np.sqrt(nose_radius**2 - across**2)
+    heights = np.repeat((groove - groove.mean())[:, None], shape[1], axis=1)
+    if roughness > 0.0:
+        heights = heights + self_affine(
+            shape, size, hurst=hurst, rms_height=roughness, rolloff=min(width, *size),
+            cutoff=cutoff, seed=seed,
+        ).heights  # fmt: skip
+    return _map(heights, size, "turned", settings)
+
+
+def two_scale(
+    shape: tuple[int, int],
+    size: tuple[float, float],
+    *,
+    coarse: float,
+    fine: float,
+    coarse_height: float,
+    fine_height: float,
+    width: float = 2.0,
+    hurst: float = 0.8,
+    seed: int = 0,
+) -> HeightMap:
+    """Sum of two narrow bands of waves: hills of one size carrying bumps of another.
+
+    Parameters
+    ----------
+    shape, size
+        Points (ny, nx) and lengths (Ly, Lx) [m] of the periodic cell.
+    coarse, fine
+        Shortest wavelength of each band [m].
+    coarse_height, fine_height
+        Rms height of each band [m].
+    width
+        Ratio of the longest to the shortest wavelength of a band, above 1.
+    hurst
+        Hurst exponent inside the bands.
+    seed
+        Seeds are `seed` (coarse) and `seed + 1` (fine).
+    """
+    if not (coarse > fine > 0.0 and width > 1.0):
+        raise InputError(
+            f"coarse is {coarse}, fine is {fine} and width is {width}; give coarse > fine > 0 "
+            "and width > 1"
+        )
+    settings = _settings(locals())
+    heights = np.zeros(shape)
+    for k, (short, rms) in enumerate(((coarse, coarse_height), (fine, fine_height))):
+        whole = self_affine(shape, size, hurst=hurst, rms_height=1.0, cutoff=short, seed=seed + k)
+        band = _filtered(whole.heights, size, lambda f, s=short: f > 1.0 / (width * s))
+        if not band.any():
+            raise InputError(f"no wave fits between {width * short:g} and {short:g} m")
+        heights += band * (rms / band.std())
+    return _map(heights, size, "two_scale", settings)
+
+
+def redistribute(
+    hm: HeightMap, quantile: Callable[[Array], Array], *, iterations: int = 20
+) -> HeightMap:
+    """Give a periodic map another height distribution and keep its spectrum.
+
+    Parameters
+    ----------
+    hm
+        Periodic map without missing points.
+    quantile
+        Inverse of the cumulative height distribution: heights [m] of probabilities in (0, 1);
+        for instance the method ``ppf`` of a distribution of `scipy.stats`.
+    iterations
+        Rounds of imposing the spectrum, then the heights.
+
+    Returns
+    -------
+    HeightMap
+        Map with exactly these heights and nearly the old spectrum.
+
+    Raises
+    ------
+    InputError
+        If the map is not periodic or the quantiles are not finite and increasing.
+
+    References
+    ----------
+    Schreiber and Schmitz, Phys. Rev. Lett. 77 (1996) 635 (iterated amplitude adjustment).
+    """
+    if not hm.periodic or hm.missing:
+        raise InputError("redistribute needs a periodic map without missing points")
+    n = hm.heights.size
+    levels = np.asarray(quantile((np.arange(n) + 0.5) / n), float)
+    if not (np.isfinite(levels).all() and (np.diff(levels) >= 0.0).all()):
+        raise InputError("the quantile function must give finite, increasing heights")
+    amplitude = np.abs(np.fft.rfft2(hm.heights))
+    amplitude *= levels.std() / hm.rms_height
+    amplitude[0, 0] = abs(levels.sum())
+    heights = hm.heights
+    for turn in range(max(1, iterations)):
+        if turn:
+            phase = np.angle(np.fft.rfft2(heights))
+            heights = np.fft.irfft2(amplitude * np.exp(1j * phase), s=hm.shape)
+        ranked = np.empty(n)
+        ranked[np.argsort(heights, axis=None, kind="stable")] = levels
+        heights = ranked.reshape(hm.shape)
+    return hm.replace(heights=heights, step={"step": "redistribute", "iterations": iterations})
+
+
+_SCRATCH = 12.0
+
+
+def _settings(arguments: dict[str, Any]) -> dict[str, Any]:
+    return {k: v for k, v in arguments.items() if k not in ("shape", "size")}
+
+
+def _filtered(
+    heights: Array, size: tuple[float, float], keep: Callable[[Array], NDArray[np.bool_]]
+) -> Array:
+    """Waves of the map whose frequency [1/m] is kept."""
+    ny, nx = heights.shape
+    f = np.hypot(np.fft.fftfreq(ny, size[0] / ny)[:, None], np.fft.rfftfreq(nx, size[1] / nx))
+    spectrum = np.fft.rfft2(heights)
+    spectrum[~keep(f)] = 0.0
+    return np.fft.irfft2(spectrum, s=heights.shape)
+
+
+def _finished(
+    heights: Array,
+    size: tuple[float, float],
+    cutoff: float,
+    rms_slope: float,
+    name: str,
+    settings: dict[str, Any],
+) -> HeightMap:
+    """Band-limited map of zero mean, scaled to the rms slope of its spectrum."""
+    if not rms_slope > 0.0:
+        raise InputError(f"rms_slope is {rms_slope}; it must be positive")
+    ny, nx = heights.shape
+    smooth = _filtered(heights, size, lambda f: (f > 0.0) & (f <= (1.0 + 1e-9) / cutoff))
+    fy = np.fft.fftfreq(ny, size[0] / ny)[:, None]
+    fx = np.fft.fftfreq(nx, size[1] / nx)[None, :]
+    power = np.abs(np.fft.fft2(smooth) / smooth.size) ** 2
+    slope = 2.0 * np.pi * np.sqrt(np.sum(power * (fy**2 + fx**2)))
+    return _map(smooth * (rms_slope / slope), size, name, settings)
+
+
+def _map(
+    heights: Array, size: tuple[float, float], name: str, settings: dict[str, Any]
+) -> HeightMap:
+    spacing = (size[0] / heights.shape[0], size[1] / heights.shape[1])
+    return HeightMap(
+        heights, spacing, periodic=True, name=name, history=({"step": name, **settings},)
+    )

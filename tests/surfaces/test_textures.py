@@ -1,0 +1,92 @@
+"""Machined textures: what makes each of them what it is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import surfaces
+from surfaces import textures
+
+SHAPE, SIZE = (128, 160), (1.0, 1.25)
+
+
+def skewness(h):
+    return float(np.mean((h - h.mean()) ** 3) / h.std() ** 3)
+
+
+def slope_of(hm):
+    ny, nx = hm.shape
+    fy = np.fft.fftfreq(ny, hm.spacing[0])[:, None]
+    fx = np.fft.fftfreq(nx, hm.spacing[1])[None, :]
+    power = np.abs(np.fft.fft2(hm.heights) / hm.heights.size) ** 2
+    power_y, power_x = (power * (2 * np.pi * f) ** 2 for f in (fy, fx))
+    return np.sqrt(power_y.sum()), np.sqrt(power_x.sum())
+
+
+def test_plateau_honed_has_worn_tops_and_the_asked_slope():
+    hm = textures.plateau_honed(SHAPE, SIZE, rms_slope=0.1, cutoff=0.05, seed=3)
+    assert hm.periodic and abs(hm.heights.mean()) < 1e-12
+    assert_allclose(np.hypot(*slope_of(hm)), 0.1, rtol=1e-9)
+    assert skewness(hm.heights) < -0.3
+    assert hm.history[0]["step"] == "plateau_honed" and hm.history[0]["seed"] == 3
+
+
+@pytest.mark.parametrize("angle", [0.0, np.pi / 2])
+def test_ground_is_steep_across_the_lay_only(angle):
+    hm = textures.ground(SHAPE, SIZE, rms_slope=0.1, cutoff=0.05, angle=angle, seed=1)
+    across_y, across_x = slope_of(hm)
+    steep, mild = (across_y, across_x) if angle == 0.0 else (across_x, across_y)
+    assert steep > 4 * mild
+
+
+def test_turned_has_one_ridge_per_feed():
+    hm = textures.turned((120, 40), (1.2, 0.4), feed=0.1, nose_radius=0.5)
+    peaks = surfaces.segment(hm)
+    assert len(peaks) == 12
+    assert_allclose(np.ptp(hm.heights), 0.1**2 / (8 * 0.5), rtol=0.25)
+    rough = textures.turned((120, 40), (1.2, 0.4), feed=0.1, nose_radius=0.5, roughness=1e-4)
+    assert_allclose((rough.heights - hm.heights).std(), 1e-4, rtol=1e-9)
+
+
+def test_two_scale_has_power_in_two_bands_only():
+    hm = textures.two_scale(
+        SHAPE, SIZE, coarse=0.4, fine=0.05, coarse_height=1.0, fine_height=0.1, seed=2
+    )
+    power = np.abs(np.fft.fft2(hm.heights) / hm.heights.size) ** 2
+    k = np.hypot(
+        np.fft.fftfreq(SHAPE[0], hm.spacing[0])[:, None], np.fft.fftfreq(SHAPE[1], hm.spacing[1])
+    )
+    coarse, fine = (k > 1 / 0.81) & (k < 1 / 0.39), (k > 1 / 0.11) & (k < 1 / 0.049)
+    assert_allclose([power[coarse].sum(), power[fine].sum()], [1.0, 0.01], rtol=1e-6)
+    assert power[~(coarse | fine)].sum() < 1e-20
+
+
+def test_redistribute_gives_the_heights_and_keeps_the_spectrum():
+    hm = surfaces.self_affine(
+        SHAPE, SIZE, hurst=0.7, rms_height=1.0, rolloff=0.3, cutoff=0.05, seed=1
+    )
+
+    def quantile(p):
+        return -np.log1p(-p)  # exponential heights
+
+    other = textures.redistribute(hm, quantile)
+    n = hm.heights.size
+    assert_allclose(np.sort(other.heights, axis=None), quantile((np.arange(n) + 0.5) / n))
+    old, new = (np.abs(np.fft.rfft2(m.heights - m.heights.mean())) for m in (hm, other))
+    assert np.corrcoef(old.ravel(), new.ravel())[0, 1] > 0.98
+
+
+def test_refusals():
+    with pytest.raises(surfaces.InputError, match="plateau is"):
+        textures.plateau_honed(SHAPE, SIZE, rms_slope=0.1, cutoff=0.05, plateau=0.0)
+    with pytest.raises(surfaces.InputError, match="rms_slope is"):
+        textures.ground(SHAPE, SIZE, rms_slope=0.0, cutoff=0.05)
+    with pytest.raises(surfaces.InputError, match="feed is"):
+        textures.turned(SHAPE, SIZE, feed=0.3, nose_radius=0.1)
+    with pytest.raises(surfaces.InputError, match="coarse > fine"):
+        textures.two_scale(SHAPE, SIZE, coarse=0.1, fine=0.2, coarse_height=1, fine_height=1)
+    flat = surfaces.HeightMap(np.eye(5), 1.0)
+    with pytest.raises(surfaces.InputError, match="periodic map"):
+        textures.redistribute(flat, np.sort)
