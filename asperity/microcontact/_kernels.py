@@ -57,64 +57,71 @@ def evaluate_table(rows, approach, reach, force, stiffness, area, p):  # type: i
 
 
 @njit(cache=True, nogil=True)
-def _slopes(t, q, out):  # type: ignore[no-untyped-def]
-    """Parabolic slopes dq/dt at the nodes of one ray."""
-    last = t.size - 1
-    for j in range(1, last):
-        low, high = t[j] - t[j - 1], t[j + 1] - t[j]
-        below, above = (q[j] - q[j - 1]) / low, (q[j + 1] - q[j]) / high
-        out[j] = (below * high + above * low) / (low + high)
-    out[0] = 2.0 * (q[1] - q[0]) / (t[1] - t[0]) - out[1]
-    out[last] = 2.0 * (q[last] - q[last - 1]) / (t[last] - t[last - 1]) - out[last - 1]
+def _cubics(q, out):  # type: ignore[no-untyped-def]
+    """Coefficients of powers of x in [0, 1] on the cells of one ray, with parabolic slopes."""
+    last = q.size - 1
+    before = q[1] - q[0]
+    slope = before - 0.5 * (q[2] - q[1] - before)
+    for c in range(last):
+        rise = q[c + 1] - q[c]
+        if c + 1 < last:
+            following = 0.5 * (rise + q[c + 2] - q[c + 1])
+        else:
+            following = rise + 0.5 * (rise - before)
+        out[c, 0] = q[c]
+        out[c, 1] = slope
+        out[c, 2] = 3.0 * rise - 2.0 * slope - following
+        out[c, 3] = slope + following - 2.0 * rise
+        slope, before = following, rise
 
 
 @njit(cache=True, nogil=True)
-def _sample_ray(t, bins, q, slope, edge, radius, out):  # type: ignore[no-untyped-def]
-    """f, r f' and r^2 f'' of one ray at the radii; beyond the edge f goes on as a parabola."""
-    last = t.size - 1
-    scale = (bins.size - 1) / t[last]
-    top = edge * t[last]
-    end = top * top * q[last]
-    end_slope = max(2.0 * top * q[last] + top * top * slope[last] / edge, 0.0)
-    for j in range(radius.size):
-        r = radius[j]
-        if r >= top:
-            over = r - top
-            out[0, j] = end + (end_slope + q[last] * over) * over
-            out[1, j] = r * (end_slope + 2.0 * q[last] * over)
-            out[2, j] = r * r * 2.0 * q[last]
-            continue
-        s = r / edge
-        c = bins[int(s * scale)]
-        while t[c + 1] < s:
-            c += 1
-        width = t[c + 1] - t[c]
-        x = (s - t[c]) / width
-        y = 1.0 - x
-        rise = q[c + 1] - q[c]
-        g0, g1 = slope[c] * width, slope[c + 1] * width
-        value = q[c] + rise * x * x * (3.0 - 2.0 * x) + x * y * (g0 * y - g1 * x)
-        first = (6.0 * x * y * rise + g0 * y * (1.0 - 3.0 * x) + g1 * x * (3.0 * x - 2.0)) / width
-        second = (6.0 * (y - x) * rise + g0 * (6.0 * x - 4.0) + g1 * (6.0 * x - 2.0)) / (
-            width * width
-        )
-        square = r * r
-        out[0, j] = square * value
-        out[1, j] = square * (2.0 * value + s * first)
-        out[2, j] = square * (2.0 * value + s * (4.0 * first + s * second))
+def _sample(cubics, edge, a, nodes, out):  # type: ignore[no-untyped-def]
+    """f, r f', r^2 f'' at ``r = a nodes`` on all rays, shape (3, points, rays).
+
+    Beyond the end of a ray f goes on with its last slope and the curvature 2q.
+    """
+    rays, cells = cubics.shape[0], cubics.shape[1]
+    for k in range(rays):
+        top = edge[k]
+        ratio, square = a / top, top * top
+        end = cubics[k, cells - 1]
+        q = end[0] + end[1] + end[2] + end[3]
+        first = (end[1] + 2.0 * end[2] + 3.0 * end[3]) * cells
+        slope = max(2.0 * q + first, 0.0)
+        for j in range(nodes.size):
+            s = ratio * nodes[j]
+            if s >= 1.0:
+                over = s - 1.0
+                out[0, j, k] = square * (q + (slope + q * over) * over)
+                out[1, j, k] = square * s * (slope + 2.0 * q * over)
+                out[2, j, k] = square * s * s * 2.0 * q
+                continue
+            x = s * cells
+            cell = int(x)
+            x -= cell
+            c0, c1 = cubics[k, cell, 0], cubics[k, cell, 1]
+            c2, c3 = cubics[k, cell, 2], cubics[k, cell, 3]
+            value = c0 + x * (c1 + x * (c2 + x * c3))
+            first_s = s * cells * (c1 + x * (2.0 * c2 + 3.0 * x * c3))
+            second_s = s * s * cells * cells * (2.0 * c2 + 6.0 * x * c3)
+            scale = square * s * s
+            out[0, j, k] = scale * value
+            out[1, j, k] = scale * (2.0 * value + first_s)
+            out[2, j, k] = scale * (2.0 * value + 4.0 * first_s + second_s)
 
 
 @njit(cache=True, nogil=True, parallel=True)
-def expand_profiles(phi, weight, edge, t, bins, q, valid, top, fractions, nodes, rules, harmonics):  # type: ignore[no-untyped-def]
+def expand_profiles(phi, weight, edge, q, valid, top, fractions, nodes, rules, harmonics):  # type: ignore[no-untyped-def]
     """Approach, its slope, mean profile and squared edge amplitudes at a grid of radii.
 
     For contact i and radius ``top[i] * fractions[l]`` the row holds: 0 D, 1 a D', 2 the mean of
     G~, 3 mean square of the published numerator, 4 the same harmonic-resolved, 5 the sum of
     (m + (1-m) n) <e_n^2>, 6 and 7 the smallest and largest numerator (published), 8 and 9
     (harmonic), 10 the share of angle on which the circle lies beyond the ray's end.
-    `rules` holds the radial weights, shape (2, harmonics + 3, points): of f and of r f'; the last
-    row pair that of a D' (r f', r^2 f''). `harmonics` holds m + (1-m) n for n = 0 ... N + 1; what
-    the harmonics up to N leave over is treated as if it were harmonic N + 1.
+    `rules` holds the radial weights, shape (3, N + 4, points), of f, r f' and r^2 f'' for the
+    operators n = 0 ... N + 1, for G~ and for a D'. `harmonics` holds m + (1-m) n for
+    n = 0 ... N + 1; what the harmonics up to N leave over is treated as harmonic N + 1.
     """
     peaks, rays = phi.shape
     radii, points = fractions.size, nodes.size
@@ -123,42 +130,39 @@ def expand_profiles(phi, weight, edge, t, bins, q, valid, top, fractions, nodes,
     for i in prange(peaks):
         if not valid[i]:
             continue
-        slope = np.empty((rays, t.size))
+        cubics = np.empty((rays, q.shape[2] - 1, 4))
         cosine, sine = np.empty((count, rays)), np.empty((count, rays))
         share = weight[i] / (2.0 * math.pi)
         for k in range(rays):
-            _slopes(t, q[i, k], slope[k])
-            for n in range(count):
-                cosine[n, k] = math.cos(n * phi[i, k])
-                sine[n, k] = math.sin(n * phi[i, k])
-        sample = np.empty((3, points))
-        applied = np.empty((count + 1, rays))
-        radius = np.empty(points)
+            _cubics(q[i, k], cubics[k])
+            c, s = math.cos(phi[i, k]), math.sin(phi[i, k])
+            cosine[0, k], sine[0, k] = 1.0, 0.0
+            for n in range(1, count):
+                cosine[n, k] = cosine[n - 1, k] * c - sine[n - 1, k] * s
+                sine[n, k] = sine[n - 1, k] * c + cosine[n - 1, k] * s
+        sample = np.empty((3, points, rays))
+        applied = np.empty((count + 3, rays))
         for step in range(radii):
             a = top[i] * fractions[step]
-            for j in range(points):
-                radius[j] = a * nodes[j]
-            mean_g, mean_slope, beyond = 0.0, 0.0, 0.0
-            for k in range(rays):
-                _sample_ray(t, bins, q[i, k], slope[k], edge[i, k], radius, sample)
-                g, dslope = 0.0, 0.0
+            _sample(cubics, edge[i], a, nodes, sample)
+            for n in range(count + 3):
+                for k in range(rays):
+                    applied[n, k] = 0.0
                 for j in range(points):
-                    g += rules[0, count + 1, j] * sample[0, j]
-                    dslope += rules[0, count + 2, j] * sample[1, j]
-                    dslope += rules[1, count + 2, j] * sample[2, j]
-                for n in range(count + 1):
-                    total = 0.0
-                    for j in range(points):
-                        total += rules[0, n, j] * sample[0, j] + rules[1, n, j] * sample[1, j]
-                    applied[n, k] = total
-                mean_g += share[k] * g
-                mean_slope += share[k] * dslope
-                if a > edge[i, k] * t[t.size - 1]:
-                    beyond += share[k]
-            _reduce(applied, share, cosine, sine, harmonics, out[i, step])
-            out[i, step, 1] = mean_slope
-            out[i, step, 2] = mean_g
-            out[i, step, 10] = beyond
+                    w0, w1, w2 = rules[0, n, j], rules[1, n, j], rules[2, n, j]
+                    if n == count + 2:
+                        for k in range(rays):
+                            applied[n, k] += w1 * sample[1, j, k] + w2 * sample[2, j, k]
+                    else:
+                        for k in range(rays):
+                            applied[n, k] += w0 * sample[0, j, k] + w1 * sample[1, j, k]
+            row = out[i, step]
+            _reduce(applied, share, cosine, sine, harmonics, row)
+            for k in range(rays):
+                row[2] += share[k] * applied[count + 1, k]
+                row[1] += share[k] * applied[count + 2, k]
+                if a > edge[i, k]:
+                    row[10] += share[k]
     return out
 
 
@@ -203,55 +207,53 @@ def _reduce(applied, share, cosine, sine, harmonics, row):  # type: ignore[no-un
     row[5] += harmonics[count] * max(row[4] - resolved, 0.0)
 
 
-@njit(cache=True, nogil=True)
-def resample(u, force, area, second, flags, good, basin, intervals, p):  # type: ignore[no-untyped-def]
+@njit(cache=True, nogil=True, parallel=True)
+def resample(u, ratios, flags, good, basin, intervals, p):  # type: ignore[no-untyped-def]
     """Columns of the law table from values over rising ``u = sqrt(approach)``.
 
-    The table of a contact ends where `area` reaches `basin`, else at its last `good` value.
-    Between the given values force/u^p and area/u^2 are cubic through the four nearest.
+    `ratios` holds force/u^p, area/u^2 and spread, shape (3, peaks, radii); between the radii they
+    are cubic through the four nearest. The table of a contact ends where the area reaches
+    `basin`, else at its last `good` value.
     """
     peaks = good.size
     reach = np.zeros(peaks)
     values = np.zeros((4, peaks, intervals + 1))
     marks = np.zeros((peaks, intervals + 1), dtype=np.uint8)
-    w, dw = np.empty(4), np.empty(4)
-    for i in range(peaks):
+    for i in prange(peaks):
         last = good[i] - 1
         if last < 3:
             continue
-        filled = False
+        w, dw = np.empty(4), np.empty(4)
+        end, filled = u[i, last], False
         for k in range(last + 1):
-            if area[i, k] >= basin[i]:
-                last, filled = k, True
+            area = ratios[1, i, k] * u[i, k] ** 2
+            if area >= basin[i]:
+                before = ratios[1, i, k - 1] * u[i, k - 1] ** 2 if k else 0.0
+                square = u[i, k - 1] ** 2 if k else 0.0
+                share = (basin[i] - before) / (area - before)
+                end = math.sqrt(square + share * (u[i, k] ** 2 - square))
+                filled = True
                 break
-        end = u[i, last]
-        if filled and last > 0:
-            share = (basin[i] - area[i, last - 1]) / (area[i, last] - area[i, last - 1])
-            square = u[i, last - 1] ** 2
-            end = math.sqrt(square + share * (end * end - square))
         reach[i] = end * end
-        base = 0
+        base, near = 0, 0
         for j in range(1, intervals + 1):
             x = end * j / intervals
             while base + 4 < good[i] and u[i, base + 2] < x:
                 base += 1
+            while near < last and u[i, near] < x:
+                near += 1
             _lagrange(u[i], base, x, w, dw)
             s, ds, b = 0.0, 0.0, 0.0
             for k in range(4):
-                node = u[i, base + k]
-                scaled = force[i, base + k] / node**p
-                s += w[k] * scaled
-                ds += dw[k] * scaled
-                b += w[k] * area[i, base + k] / (node * node)
-            power = x**p
-            values[0, i, j] = power * s
-            values[1, i, j] = power * (p * s / x + ds) / (2.0 * x)
+                s += w[k] * ratios[0, i, base + k]
+                ds += dw[k] * ratios[0, i, base + k]
+                b += w[k] * ratios[1, i, base + k]
+            power = x ** (p - 2.0)
+            values[0, i, j] = max(power * x * x * s, values[0, i, j - 1])
+            values[1, i, j] = max(0.5 * power * (p * s + x * ds), 0.5 * values[0, i, j] / (x * x))
             values[2, i, j] = max(b * x * x, values[2, i, j - 1])
-            near = base
-            while near < last and u[i, near] < x:
-                near += 1
+            values[3, i, j] = ratios[2, i, near]
             marks[i, j] = flags[i, near]
-            values[3, i, j] = second[i, near] / (force[i, near] + 1e-300)
         if filled:
             values[2, i, intervals] = max(basin[i], values[2, i, intervals - 1])
             marks[i, intervals] |= 128

@@ -21,9 +21,11 @@ __all__ = ["tabulate"]
 Array = NDArray[np.float64]
 
 _RADII = 16
-_POINTS = 12
+_POINTS = 8
 _HARMONICS = 5
 _OVERSHOOT = 1.15
+_SMALLEST, _GRADING = 0.02, 1.3
+_LIMIT = 0.5
 
 
 def tabulate(
@@ -55,61 +57,61 @@ def tabulate(
     All quantities are computed on a grid of radii a, where everything is explicit, and
     interpolated to the approaches in the normalised forms F/u^(3+m), A/u^2, u = sqrt(d). Beyond
     the end of a ray f goes on with its last slope and the curvature 2q, so that the mean profile
-    keeps rising; the flag `BEYOND_RADIUS` says where that is used.
+    keeps rising; the flag `BEYOND_RADIUS` says where that is used. Where the expansion leaves its
+    range the table is bounded (F2 <= F/2, the area between half and twice that of the circle) and
+    flagged `CONTOUR_DOUBTFUL`. A profile that is marked as unresolved is used as it is given.
     """
     from ._kernels import expand_profiles
 
     m = material.m
-    fractions = _OVERSHOOT * np.arange(1, _RADII + 1) / _RADII
+    fractions = _OVERSHOOT * np.linspace(_SMALLEST, 1.0, _RADII) ** _GRADING
     top = np.sqrt(0.5 * np.sum(profiles.weight * profiles.edge**2, axis=1) / np.pi)
     t, weights = gauss_jacobi(m, _POINTS)
+    usable = np.all(np.isfinite(profiles.q), axis=(1, 2)) & np.all(profiles.edge > 0, axis=1)
     rows = expand_profiles(
         np.ascontiguousarray(profiles.phi),
         np.ascontiguousarray(profiles.weight),
         np.ascontiguousarray(profiles.edge),
-        np.ascontiguousarray(profiles.t, dtype=float),
-        _bins(profiles.t),
         np.ascontiguousarray(profiles.q),
-        np.ascontiguousarray(profiles.valid),
+        usable,
         top,
         fractions,
         t,
         _rules(m, t, weights),
         m + (1 - m) * np.arange(_HARMONICS + 2.0),
     )
-    return _assemble(rows, top[:, None] * fractions, material, law, nodes, profiles.valid)
+    return _assemble(rows, top, fractions, material, law, nodes, usable)
 
 
 def _rules(m: float, t: Array, weights: Array) -> Array:
-    """Radial weights of f and r f' for the operators n = 0 ... N + 1, for G~ and for a D'."""
-    rules = np.zeros((2, _HARMONICS + 4, t.size))
+    """Radial weights of f, r f' and r^2 f'' for n = 0 ... N + 1, for G~ and for a D'."""
+    rules = np.zeros((3, _HARMONICS + 4, t.size))
     for n in range(_HARMONICS + 2):
         rules[1, n] = weights * t ** (n + 1)
         rules[0, n] = (n + 1 + m) * rules[1, n]
     rules[0, -2] = weights * t
-    rules[:, -1] = weights / t
+    rules[1:, -1] = weights / t
     return rules
 
 
-def _bins(t: Array) -> NDArray[np.int64]:
-    """Cell of the ray nodes `t` in which each of a fine set of equal bins begins."""
-    start = np.linspace(0.0, t[-1], 4 * t.size + 1)
-    cell = np.searchsorted(t, start, side="right") - 1
-    return np.clip(cell, 0, t.size - 2).astype(np.int64)
-
-
 def _assemble(
-    rows: Array, a: Array, material: HalfSpace, law: str, nodes: int, valid: NDArray[np.bool_]
+    rows: Array,
+    top: Array,
+    fractions: Array,
+    material: HalfSpace,
+    law: str,
+    nodes: int,
+    valid: NDArray[np.bool_],
 ) -> LawTable:
-    """Law table from the explicit quantities over the grid of radii `a`, shape (n, radii)."""
+    """Law table from the explicit quantities over the radii ``top * fractions``."""
     from ._kernels import resample
 
     m, modulus, p = material.m, material.modulus, 3 + material.m
-    basin = np.pi * (a[:, -1] / _OVERSHOOT) ** 2
+    basin = np.pi * top**2
     rising = np.logical_and.accumulate((rows[..., 0] > 0) & (rows[..., 1] > 0), axis=1)
     good = np.where(valid, np.count_nonzero(rising, axis=1), 0)
     good[good < 4] = 0
-    a = np.where(good[:, None] > 0, a, 1.0 + np.arange(a.shape[1]))
+    a = np.where(good > 0, top, 1.0)[:, None] * fractions
     approach = np.where(rising, rows[..., 0], 1.0)
     slope = np.where(rising, rows[..., 1], 1.0) / a
     first = 2 * modulus * a ** (1 + m) * (approach / (1 + m) - rows[..., 2])
@@ -121,16 +123,19 @@ def _assemble(
     flags[largest > 0.5 * slope * a] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
     flags[rows[..., high] >= slope * a] |= np.uint8(Flag.CONTOUR_NEGATIVE)
     flags[rows[..., 10] > 0] |= np.uint8(Flag.BEYOND_RADIUS)
+    force = first + np.minimum(second, _LIMIT * first) if law == "harmonic" else first
+    odd |= (law == "harmonic") & (second > _LIMIT * first)
     flags[odd] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
-    force = first + second if law == "harmonic" else first
-    columns = resample(np.sqrt(approach), force, area, second, flags, good, basin, nodes, p)
+    spread = np.where(force > 0, second / np.where(force > 0, force, 1.0), 0.0)
+    ratios = np.stack([force / approach ** (p / 2), area / approach, spread])
+    columns = resample(np.sqrt(approach), ratios, flags, good, basin, nodes, p)
     return LawTable(*columns, exponent=p, law=law)
 
 
 def _area(
     rows: Array, a: Array, slope: Array, second: Array, material: HalfSpace, law: str
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Contact area over the radii, made to rise, and where it had to be made so."""
+    """Contact area over the radii, bounded and made to rise, and where that changed it."""
     m = material.m
     if law == "paper":
         area = np.pi * (a * a + rows[..., 3] / slope**2)
@@ -138,13 +143,13 @@ def _area(
         change = _derivative(second / a ** (3 + m), a, 3 + m)
         shift = change / (2 * material.modulus * a**m * slope) - rows[..., 5] / (2 * a * slope**2)
         area = np.pi * (a * a + 2 * a * shift + rows[..., 4] / slope**2)
-    odd = area < np.maximum.accumulate(np.maximum(area, 0.0), axis=1)
-    odd |= area <= 0
-    safe = np.where(area > 0, area, np.pi * a * a)
-    return np.maximum.accumulate(safe, axis=1), odd
+    circle = np.pi * a * a
+    bounded = np.clip(area, (1 - _LIMIT) * circle, circle / (1 - _LIMIT))
+    rising = np.maximum.accumulate(bounded, axis=1)
+    return rising, rising != area
 
 
 def _derivative(ratio: Array, a: Array, p: float) -> Array:
-    """Derivative over a of ``ratio a^p`` on the equispaced grid of radii."""
-    change = np.gradient(ratio, axis=1, edge_order=2) / (a[:, 1:2] - a[:, :1])
+    """Derivative over a of ``ratio a^p`` on the grid of radii, which is common up to a factor."""
+    change = np.gradient(ratio, a[0] / a[0, -1], axis=1, edge_order=2) / a[:, -1:]
     return np.asarray(a ** (p - 1) * (p * ratio + a * change))

@@ -166,7 +166,7 @@ def tabulate(
 ) -> LawTable:
     """Law table of the summits' curvatures; it ends where the ellipse has the basin's area."""
     k1, k2 = profiles.curvature[:, 0], profiles.curvature[:, 1]
-    valid = profiles.valid & (k2 > 0) & (k1 > 0)
+    valid = np.isfinite(k1) & (k2 > 0) & np.all(profiles.edge > 0, axis=1)
     unit = elliptic_contact(np.where(valid, k1, 1.0), np.where(valid, k2, 1.0), 1.0, material)
     basin = 0.5 * np.sum(profiles.weight * profiles.edge**2, axis=1)
     spot = np.pi * unit.semi_minor * unit.semi_major

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from laws.sampled import sampled
 
-from asperity import HalfSpace, InputError
+from asperity import HalfSpace, InputError, indent
 from asperity.microcontact import Flag, LawTable, tabulate
 from asperity.microcontact.hertz import elliptic_contact
+from surfaces import PowerSumProfile, fit_profiles, segment, self_affine
 
 DEPTHS = np.array([1e-3, 0.03, 0.2, 0.5, 0.95])
 
@@ -91,7 +92,7 @@ def test_beyond_the_reach_the_basin_is_a_flat_punch():
 
 def test_negative_approach_and_unusable_profiles_carry_nothing():
     profiles = sampled([paraboloid(1.0), paraboloid(1.0)], [0.5, 0.5])
-    profiles.valid[1] = False
+    profiles.edge[1] = 0.0
     table = tabulate(profiles, HalfSpace.from_modulus(1.0))
     assert np.all(np.array(table.evaluate([0, 1], [-0.1, 0.1])) == 0)
 
@@ -107,3 +108,38 @@ def test_a_table_with_unequal_columns_is_refused():
             np.ones(2), np.ones((2, 4)), np.ones((2, 4)), np.ones((2, 3)),
             np.zeros((2, 4), np.uint8), np.zeros((2, 4)),
         )  # fmt: skip
+
+
+@pytest.mark.parametrize("law", ["hertz", "paper", "harmonic"])
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+def test_summits_of_a_rough_map_give_rising_tables(law, m):
+    hm = self_affine((96, 128), (96e-6, 102e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6, seed=3)
+    profiles = fit_profiles(hm, segment(hm))
+    table = tabulate(profiles, HalfSpace.from_modulus(1e9, m), law=law)
+    assert len(table) > 20 and np.all(table.reach > 0)
+    assert np.all(np.diff(table.force, axis=1) >= 0) and np.all(table.stiffness[:, 1:] > 0)
+    assert np.all(np.diff(table.area, axis=1) >= 0)
+    basin = 0.5 * np.sum(profiles.weight * profiles.edge**2, axis=1)
+    filled = (table.flags[:, -1] & Flag.FILLED) > 0
+    np.testing.assert_allclose(table.area[filled, -1], basin[filled], rtol=1e-9)
+    assert filled.mean() > 0.8
+
+
+def test_batch_agrees_with_the_single_contact_inside_its_range():
+    def body(r, phi):
+        return r**2 * (1 + 0.1 * np.cos(2 * phi) + 0.2 * r * np.cos(3 * phi) - 0.2 * r**2)
+
+    closed = PowerSumProfile(
+        [2, 3, 4],
+        [lambda p: 1 + 0.1 * np.cos(2 * p), lambda p: 0.2 * np.cos(3 * p), -0.2],
+    )
+    for m in (-0.3, 0.0, 0.5):
+        material = HalfSpace.from_modulus(1.0, m)
+        for law in ("paper", "harmonic"):
+            table = tabulate(sampled([body], [1.0]), material, law=law)
+            depth = table.reach * np.array([0.01, 0.1, 0.3])
+            force, stiffness, area = table.evaluate(0, depth)
+            one = indent(closed, material, depth, law=law)
+            np.testing.assert_allclose(force, one.force, rtol=1e-4)
+            np.testing.assert_allclose(stiffness, one.stiffness, rtol=1e-3)
+            np.testing.assert_allclose(area, one.contact_area, rtol=2e-3)
