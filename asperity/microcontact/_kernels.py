@@ -251,11 +251,12 @@ def resample(u, ratios, flags, good, basin, intervals, p):  # type: ignore[no-un
             power = x ** (p - 2.0)
             values[0, i, j] = max(power * x * x * s, values[0, i, j - 1])
             values[1, i, j] = max(0.5 * power * (p * s + x * ds), 0.5 * values[0, i, j] / (x * x))
-            values[2, i, j] = max(b * x * x, values[2, i, j - 1])
+            area = min(b * x * x, basin[i]) if filled else b * x * x
+            values[2, i, j] = max(area, values[2, i, j - 1])
             values[3, i, j] = ratios[2, i, near]
             marks[i, j] = flags[i, near]
         if filled:
-            values[2, i, intervals] = max(basin[i], values[2, i, intervals - 1])
+            values[2, i, intervals] = basin[i]
             marks[i, intervals] |= 128
     return reach, values[0], values[1], values[2], marks, values[3]
 
