@@ -6,6 +6,12 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .bearing import BearingCurve as BearingCurve
+    from .bearing import bearing_curve as bearing_curve
+    from .correlation import Autocorrelation as Autocorrelation
+    from .correlation import Texture as Texture
+    from .correlation import autocorrelation as autocorrelation
+    from .correlation import texture as texture
     from .errors import FileFormatError as FileFormatError
     from .errors import InputError as InputError
     from .errors import SurfaceError as SurfaceError
@@ -17,6 +23,7 @@ if TYPE_CHECKING:
     from .filtering import resample as resample
     from .formats import read as read
     from .formats import write as write
+    from .hdf5 import Fault as Fault
     from .hdf5 import SurfaceFile as SurfaceFile
     from .hdf5 import open as open
     from .hdf5 import validate as validate
@@ -32,6 +39,14 @@ if TYPE_CHECKING:
     from .profiles import Profiles as Profiles
     from .profiles import fit_profiles as fit_profiles
     from .segmentation import segment as segment
+    from .spectrum import SpectralMoments as SpectralMoments
+    from .spectrum import Spectrum as Spectrum
+    from .spectrum import power_spectrum as power_spectrum
+    from .spectrum import power_spectrum_2d as power_spectrum_2d
+    from .spectrum_fit import SpectrumFit as SpectrumFit
+    from .spectrum_fit import fit_spectrum as fit_spectrum
+    from .statistics import Statistics as Statistics
+    from .statistics import describe as describe
     from .synthesis import self_affine as self_affine
     from .textures import ground as ground
     from .textures import plateau_honed as plateau_honed
@@ -40,6 +55,9 @@ if TYPE_CHECKING:
     from .textures import two_scale as two_scale
 
 _HOME = {
+    "Autocorrelation": "correlation",
+    "BearingCurve": "bearing",
+    "Fault": "hdf5",
     "FileFormatError": "errors",
     "HeightMap": "heightmap",
     "InputError": "errors",
@@ -49,24 +67,36 @@ _HOME = {
     "PowerLawProfile": "polar",
     "PowerSumProfile": "polar",
     "Profiles": "profiles",
+    "SpectralMoments": "spectrum",
+    "Spectrum": "spectrum",
+    "SpectrumFit": "spectrum_fit",
+    "Statistics": "statistics",
     "SurfaceError": "errors",
     "SurfaceFile": "hdf5",
+    "Texture": "correlation",
+    "autocorrelation": "correlation",
     "bandpass": "filtering",
+    "bearing_curve": "bearing",
     "crop": "filtering",
+    "describe": "statistics",
     "fill_missing": "filling",
     "fit_profiles": "profiles",
+    "fit_spectrum": "spectrum_fit",
     "ground": "textures",
     "level": "levelling",
     "make_periodic": "filtering",
     "mark_outliers": "filling",
     "open": "hdf5",
     "plateau_honed": "textures",
+    "power_spectrum": "spectrum",
+    "power_spectrum_2d": "spectrum",
     "prepare": "preparation",
     "read": "formats",
     "redistribute": "textures",
     "resample": "filtering",
     "segment": "segmentation",
     "self_affine": "synthesis",
+    "texture": "correlation",
     "turned": "textures",
     "two_scale": "textures",
     "validate": "hdf5",

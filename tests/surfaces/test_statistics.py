@@ -1,0 +1,155 @@
+"""Statistics: closed forms of simple maps, and laws of units, shifts and rotations."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import surfaces
+from surfaces.errors import SurfaceError
+from surfaces.statistics import gradients
+
+SIZE = (1e-3, 2e-3)
+
+
+def rough(**changes: float) -> surfaces.HeightMap:
+    options = {"hurst": 0.8, "rms_slope": 0.1, "rolloff": 2e-4, "cutoff": 3e-5} | changes
+    return surfaces.self_affine((192, 256), SIZE, seed=5, **options)
+
+
+def test_a_sine_has_its_textbook_numbers() -> None:
+    ny, nx, amplitude, k = 30, 2000, 1e-6, 2 * np.pi * 4 / SIZE[1]
+    hm = surfaces.HeightMap(np.zeros((ny, nx)), (SIZE[0] / ny, SIZE[1] / nx), periodic=True)
+    hm = hm.replace(heights=amplitude * np.sin(k * hm.x) + 0 * hm.y[:, None])
+    found = surfaces.describe(hm)
+    assert found.heights["Sq"] == pytest.approx(amplitude / np.sqrt(2))
+    assert found.heights["Sa"] == pytest.approx(2 * amplitude / np.pi, rel=1e-4)
+    assert found.heights["Ssk"] == pytest.approx(0.0, abs=1e-9)
+    assert found.heights["Sku"] == pytest.approx(1.5)
+    assert found.heights["Sz"] == pytest.approx(2 * amplitude, rel=1e-4)
+    assert found.hybrid["Sdq"] == pytest.approx(k * amplitude / np.sqrt(2), rel=1e-4)
+    assert found.hybrid["curvature"] == pytest.approx(0.5 * k**2 * amplitude / np.sqrt(2), rel=1e-4)
+    assert found.hybrid["Sdr"] == pytest.approx((k * amplitude) ** 2 / 4, rel=1e-3)
+    assert math.degrees(found.texture.direction) == pytest.approx(90.0, abs=2.0)
+    assert found.texture.shortest == pytest.approx(np.arccos(0.2) / k, rel=0.02)
+
+
+def test_curvature_of_a_paraboloid() -> None:
+    """Away from the border, second differences of a paraboloid are exact."""
+    hm = surfaces.HeightMap(np.zeros((20, 31)), (1e-6, 2e-6))
+    y, x = hm.y[:, None], hm.x[None, :]
+    _, curvature = gradients(hm.replace(heights=-(300.0 * x**2 + 100.0 * y**2) / 2))
+    assert curvature == pytest.approx(200.0)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 7.0])
+def test_units(factor: float) -> None:
+    """All lengths times a factor: heights scale, slopes and ratios stay."""
+    hm = rough()
+    scaled = surfaces.HeightMap(
+        hm.heights * factor, [d * factor for d in hm.spacing], periodic=True
+    )
+    one, other = surfaces.describe(hm), surfaces.describe(scaled)
+    for name in ("Sq", "Sa", "Sp", "Sv", "Sz"):
+        assert other.heights[name] == pytest.approx(factor * one.heights[name])
+    for name in ("Ssk", "Sku"):
+        assert other.heights[name] == pytest.approx(one.heights[name])
+    assert other.hybrid["Sdq"] == pytest.approx(one.hybrid["Sdq"])
+    assert other.texture.shortest == pytest.approx(factor * one.texture.shortest)
+    assert other.moments.nayak == pytest.approx(one.moments.nayak)
+    assert other.fit.cutoff == pytest.approx(factor * one.fit.cutoff)
+
+
+def test_turning_the_map_by_a_right_angle_turns_the_lay() -> None:
+    hm = rough(anisotropy=4.0, angle=0.4)
+    turned = surfaces.HeightMap(hm.heights.T, hm.spacing[::-1], periodic=True)
+    one, other = surfaces.describe(hm), surfaces.describe(turned)
+    assert other.moments.slope_ratio == pytest.approx(one.moments.slope_ratio)
+    assert one.moments.lay == pytest.approx(0.4, abs=0.05)
+    assert one.moments.lay + other.moments.lay == pytest.approx(np.pi / 2)
+    assert one.texture.direction == pytest.approx(0.4, abs=0.25)
+    assert one.texture.aspect < 0.5
+    assert one.moments.slope_ratio == pytest.approx(4.0, rel=0.1)
+
+
+def test_a_shift_around_the_seam_changes_nothing() -> None:
+    hm = rough()
+    shifted = hm.replace(heights=np.roll(hm.heights, (31, 77), axis=(0, 1)) + 1.0)
+    one, other = surfaces.describe(hm), surfaces.describe(shifted)
+    assert other.heights["Sq"] == pytest.approx(one.heights["Sq"])
+    assert other.hybrid["Sdq"] == pytest.approx(one.hybrid["Sdq"])
+    assert other.texture.shortest == pytest.approx(one.texture.shortest, rel=1e-6)
+
+
+def test_spectral_and_finite_differences_meet_on_a_smooth_map_only() -> None:
+    smooth = surfaces.describe(rough(cutoff=1.5e-4))
+    assert smooth.hybrid["Sdq"] == pytest.approx(smooth.moments.rms_slope, rel=0.02)
+    assert not any("resolve" in warning for warning in smooth.warnings)
+    fine = surfaces.describe(rough(cutoff=1.6e-5))
+    assert any("pixels do not resolve" in warning for warning in fine.warnings)
+
+
+def test_autocorrelation_is_the_transform_of_the_spectrum() -> None:
+    """Around the seam: value at a shift is the mean product, over the variance."""
+    hm = rough()
+    found = surfaces.autocorrelation(hm)
+    z = hm.heights - hm.heights.mean()
+    direct = np.mean(z * np.roll(z, (5, -9), axis=(0, 1))) / np.mean(z * z)
+    row = np.argmin(np.abs(found.lag_y - 5 * hm.spacing[0]))
+    column = np.argmin(np.abs(found.lag_x + 9 * hm.spacing[1]))
+    assert found.value[row, column] == pytest.approx(direct)
+    assert found.value.max() == pytest.approx(1.0)
+
+
+def test_autocorrelation_with_missing_points_uses_the_pairs_present() -> None:
+    hm = surfaces.HeightMap(np.random.default_rng(0).normal(size=(24, 31)), (1e-6, 2e-6))
+    heights = hm.heights.copy()
+    heights[3:7, 4:11] = np.nan
+    found = surfaces.autocorrelation(hm.replace(heights=heights))
+    z = heights - np.nanmean(heights)
+    products = z[2:, 3:] * z[:-2, :-3]
+    expected = np.nanmean(products) / np.nanmean(z * z)
+    assert found.value[12 + 2, 15 + 3] == pytest.approx(expected)
+
+
+def test_bearing_curve_of_known_distributions() -> None:
+    """Even heights are all core; Gaussian ones have the textbook core."""
+    even = np.random.default_rng(1).permutation(np.linspace(-1.0, 1.0, 4000)).reshape(50, 80)
+    curve = surfaces.bearing_curve(surfaces.HeightMap(even, 1.0))
+    core, volumes = curve.core(), curve.volumes()
+    assert core["Sk"] == pytest.approx(2.0, rel=1e-3)
+    assert core["Spk"] == pytest.approx(0.0, abs=1e-3)
+    assert curve.ratio_at(0.5) == pytest.approx(0.25, abs=1e-3)
+    assert curve.height_at(0.25) == pytest.approx(0.5, abs=1e-3)
+    assert volumes["Vmp"] == pytest.approx(0.5 * 0.1 * 0.2, rel=0.01)
+    assert volumes["Vvv"] == pytest.approx(0.5 * 0.2 * 0.4, rel=0.01)
+    normal = surfaces.HeightMap(np.random.default_rng(2).normal(size=(400, 500)), 1.0)
+    core = surfaces.bearing_curve(normal).core()
+    assert core["Smr1"] == pytest.approx(1.0 - core["Smr2"], abs=0.02)
+    assert core["Spk"] == pytest.approx(core["Svk"], rel=0.05)
+
+
+def test_warnings_name_what_is_wrong() -> None:
+    hm = rough().replace(periodic=False)
+    heights = hm.heights + 0.05 * hm.x
+    heights[4, 5] = np.nan
+    found = surfaces.describe(hm.replace(heights=heights))
+    assert found.moments is None and found.fit is None
+    assert any("level the map first" in warning for warning in found.warnings)
+    assert any("points are missing: no spectrum" in warning for warning in found.warnings)
+    assert "warning" in str(found)
+
+
+def test_a_constant_map_is_refused() -> None:
+    with pytest.raises(SurfaceError, match="constant"):
+        surfaces.describe(surfaces.HeightMap(np.ones((4, 5)), 1.0))
+
+
+def test_measured_maps_have_the_slopes_of_their_table(measured: Path) -> None:
+    table = {"afm_10um_grains": 0.223, "optical_rubber_missing": 0.136, "wli_milled_a": 0.161}
+    for name, slope in table.items():
+        hm = surfaces.prepare(surfaces.read(measured / f"{name}.h5"), fill=None)
+        assert gradients(hm)[0] == pytest.approx(slope, rel=0.005)
