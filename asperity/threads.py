@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 from .errors import InputError
 
-__all__ = ["limit_threads", "set_threads", "threads"]
+__all__ = ["limit_threads", "set_threads", "sleepy_barriers", "threads", "use_numba"]
 
 _VARIABLE = "ASPERITY_THREADS"
 _chosen: int | None = None
@@ -51,13 +51,17 @@ def limit_threads(count: int | None) -> Iterator[int]:
         _chosen = before
 
 
-def use_numba(count: int) -> None:
-    """Let compiled loops run on `count` threads, as far as numba was started with so many.
+def sleepy_barriers() -> None:
+    """Make the waiting threads of OpenMP sleep; call before the first compiled parallel loop.
 
-    The waiting threads of OpenMP must sleep, not spin: a spinning barrier on a busy machine
-    costs more than the loop that it ends.
+    A spinning barrier on a busy machine costs more than the loop that it ends.
     """
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+
+
+def use_numba(count: int) -> None:
+    """Let compiled loops run on `count` threads, as far as numba was started with so many."""
+    sleepy_barriers()
     import numba
 
     numba.set_num_threads(max(1, min(count, numba.config.NUMBA_NUM_THREADS)))

@@ -1,7 +1,7 @@
 """The certificate: how far a pressure is from solving the contact problem, in float64.
 
-It is recomputed from the returned pressure alone with the exact operator; no quantity of the
-iteration enters.
+It is recomputed from the pressure alone with the exact operator; no quantity of the iteration
+enters.
 """
 
 from __future__ import annotations
@@ -11,7 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Certificate", "certify", "height_scale"]
+from ._grid_kernels import contact_sums
+
+__all__ = ["Certificate", "Reading", "certify"]
 
 
 @dataclass(frozen=True)
@@ -40,13 +42,26 @@ class Certificate:
         return float("inf") if any(v != v for v in values) else max(values)
 
 
-def height_scale(rms_height: float, largest_displacement: float) -> float:
-    """Length that the certificate is relative to [m].
+@dataclass(frozen=True)
+class Reading:
+    """A certificate and what was read with it.
 
-    The rms height; for a map flat to within rounding of the displacement, a millionth of the
-    largest displacement, below which float64 cannot resolve the gap.
+    Attributes
+    ----------
+    certificate
+        The relative errors.
+    level
+        Mean of u - h over the contact [m]; its smallest value if there is no contact.
+    scale
+        Length that the errors are relative to [m].
+    contact
+        Number of points under pressure.
     """
-    return max(rms_height, 1e-6 * largest_displacement, np.finfo(float).tiny)
+
+    certificate: Certificate
+    level: float
+    scale: float
+    contact: int
 
 
 def certify(
@@ -57,15 +72,15 @@ def certify(
     *,
     mean_pressure: float | None = None,
     offset: float | None = None,
-) -> tuple[Certificate, float, float]:
-    """Certificate of a pressure, mean of u - h over its contact [m], and the length of scale [m].
+) -> Reading:
+    """Certificate of a pressure.
 
     Parameters
     ----------
     pressure
-        Pressure in any unit, shape (ny, nx), non-negative.
+        Non-negative pressure in any unit, at least as large as the map.
     displacement
-        Displacement of that pressure by the exact operator [m], shape (ny, nx).
+        Displacement of that pressure by the exact operator [m], at least as large as the map.
     heights
         Heights out of the solid [m], shape (ny, nx).
     rms_height
@@ -74,20 +89,27 @@ def certify(
         Prescribed mean pressure, in the unit of `pressure`; or
     offset
         prescribed value of u - h in the contact [m].
+
+    Notes
+    -----
+    The length of scale is the rms height; for a map flat to within rounding of the displacement,
+    a millionth of the largest displacement, below which float64 cannot resolve the gap.
     """
-    gap = displacement - heights
-    contact = pressure > 0.0
-    lowest = float(gap.min())
-    scale = height_scale(rms_height, float(np.abs(displacement).max()))
-    if not contact.any():
+    count, gap_sum, lowest, total, work, largest = contact_sums(pressure, displacement, heights)
+    scale = max(rms_height, 1e-6 * largest, float(np.finfo(float).tiny))
+    if count == 0:
         missing = 0.0 if not mean_pressure else 1.0
-        below = 0.0 if offset is None else max(0.0, offset - lowest) / scale
-        return Certificate(missing, 0.0, below), lowest if offset is None else offset, scale
-    total = float(pressure.sum())
-    level = float(gap[contact].mean())
-    work = float(np.vdot(pressure, gap)) / total - lowest
+        penetration = 0.0 if offset is None else max(0.0, offset - lowest) / scale
+        level = lowest if offset is None else offset
+        return Reading(Certificate(missing, 0.0, penetration), level, scale, 0)
+    level = gap_sum / count
     if offset is not None:
         load = abs(level - offset) / scale
+    elif mean_pressure:
+        load = abs(total / heights.size / mean_pressure - 1.0)
     else:
-        load = abs(float(pressure.mean()) / mean_pressure - 1.0) if mean_pressure else np.inf
-    return Certificate(load, max(work, 0.0) / scale, (level - lowest) / scale), level, scale
+        load = float("inf")
+    complementarity = max(work / total - lowest, 0.0) / scale
+    return Reading(
+        Certificate(load, complementarity, (level - lowest) / scale), level, scale, int(count)
+    )

@@ -8,20 +8,24 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _grid_kernels
 from .active_set import solve_on_list
-from .certificate import Certificate, certify
+from .certificate import Certificate, Reading, certify
+from .contact_list import ContactList
 from .full_grid import FullGridOperator
 from .load_search import LoadSearch
 from .operator import HalfSpaceOperator
+from .split import SplitOperator
 
 __all__ = ["Level", "Outcome"]
 
 _BAND = 0.05
 _MARGIN = 2.0
-_REDUCTION = 0.02
 _MOST_OUTER = 60
 _PATIENCE = 8
 _MOST_INNER = 400
+_SMALL_GRID = 128 * 128
+_FULL_SHARE = 0.4
 
 
 @dataclass
@@ -36,22 +40,27 @@ class Outcome:
 
 
 class Level:
-    """One grid of the nested solver: heights, exact operator, pressure.
+    """One grid of the nested solver: heights, exact operator with its pressure, list operators.
 
     Parameters
     ----------
     heights
-        Heights [m], shape (ny, nx).
+        Heights [m], shape (ny, nx), read-only.
     exact
-        Operator on the whole grid.
+        Operator on the whole grid; its `pressure` is the state.
     """
 
     def __init__(self, heights: NDArray[np.float64], exact: HalfSpaceOperator) -> None:
         self.heights = heights
         self.exact = exact
         self.rms_height = float(heights.std())
-        self.inner = FullGridOperator(exact)
-        self.pressure = np.zeros(heights.shape)
+        self._split: SplitOperator | None = None
+        self._full: FullGridOperator | None = None
+
+    @property
+    def pressure(self) -> NDArray[np.float64]:
+        """Pressure p~ [m], shape (ny, nx): a view of the operator's input."""
+        return self.exact.pressure[:, : self.heights.shape[1]]
 
     def solve(self, load: float | LoadSearch, tolerance: float) -> Outcome:
         """Correct the pressure until its certificate is within the tolerance.
@@ -68,57 +77,71 @@ class Level:
         iterations = 0
         best, idle = math.inf, 0
         for outer in range(_MOST_OUTER):
-            mean = search.mean if search else load
-            displacement = self.exact.displacement(self.pressure)
-            certificate, level, scale = certify(
-                self.pressure,
+            mean = search.mean if isinstance(load, LoadSearch) else load
+            displacement = self.exact.apply()
+            reading = certify(
+                self.exact.pressure,
                 displacement,
                 self.heights,
                 self.rms_height,
                 mean_pressure=None if search else mean,
                 offset=search.offset if search else None,
             )
-            if certificate.worst <= tolerance:
-                return Outcome(certificate, level, iterations, True, "")
-            idle = 0 if certificate.worst < 0.7 * best else idle + 1
-            best = min(best, certificate.worst)
+            worst = reading.certificate.worst
+            if worst <= tolerance:
+                return Outcome(reading.certificate, reading.level, iterations, True, "")
+            idle = 0 if worst < 0.7 * best else idle + 1
+            best = min(best, worst)
             if idle >= _PATIENCE:
                 break
-            error = max(certificate.complementarity, certificate.penetration)
+            error = max(reading.certificate.complementarity, reading.certificate.penetration)
             if search:
-                mean = search.update(level, error * scale)
-                error = max(error, certificate.load)
-            iterations += self._correct(mean, displacement, level, scale, error, outer, tolerance)
+                mean = search.update(reading.level, error * reading.scale)
+                error = max(error, reading.certificate.load)
+            iterations += self._correct(mean, displacement, reading, error, outer == 0, tolerance)
         reason = (
             f"the error stopped falling at {best:.1e}, above the tolerance {tolerance:.1e}, "
             f"after {outer} corrections"
         )
-        return Outcome(certificate, level, iterations, False, reason)
+        return Outcome(reading.certificate, reading.level, iterations, False, reason)
 
     def _correct(
         self,
         mean: float,
         displacement: NDArray[np.float64],
-        level: float,
-        scale: float,
+        reading: Reading,
         error: float,
-        outer: int,
+        first: bool,
         tolerance: float,
     ) -> int:
         """One solve on the list of candidates; returns the iterations spent."""
-        gap = displacement - self.heights
-        width = _BAND * min(1.0, error if outer == 0 else _MARGIN / _BAND * error) * scale
-        points = np.flatnonzero((self.pressure != 0.0) | (gap <= level + width))
-        self.inner.bind(points)
-        aim = 0.5 * tolerance if self.inner.exact else max(0.5 * tolerance, _REDUCTION * error)
-        values, spent = solve_on_list(
-            self.inner,
-            self.pressure.ravel()[points],
-            gap.ravel()[points],
-            scale=scale,
-            tolerance=aim,
-            longest=_MOST_INNER,
-            total=mean * self.pressure.size,
+        width = min(_BAND * min(1.0, error), 1.0) if first else min(_BAND, _MARGIN * error)
+        threshold = reading.level + width * reading.scale
+        start, columns, values, gap = _grid_kernels.select(
+            self.exact.pressure, displacement, self.heights, threshold
         )
-        self.pressure.ravel()[points] = values
+        points = ContactList(start, columns)
+        operator = self._operator(len(points))
+        operator.bind(points)
+        spent = solve_on_list(
+            operator,
+            values,
+            gap,
+            scale=reading.scale,
+            tolerance=max(0.5 * tolerance, operator.aim * error),
+            longest=_MOST_INNER,
+            total=mean * self.heights.size,
+        )
+        _grid_kernels.put(self.exact.pressure, start, columns, values)
         return spent
+
+    def _operator(self, points: int) -> SplitOperator | FullGridOperator:
+        """The cheaper operator for a list of so many points."""
+        size = self.heights.size
+        if size <= _SMALL_GRID or points > _FULL_SHARE * size:
+            if self._full is None:
+                self._full = FullGridOperator(self.exact)
+            return self._full
+        if self._split is None:
+            self._split = SplitOperator(self.exact)
+        return self._split

@@ -141,7 +141,7 @@ def _curve(
         error_estimate=np.full(len(rows), np.nan),
         model="bem",
         seconds=seconds,
-        settings=problem.settings(),
+        settings={**problem.settings(), "input": problem.hm.digest},
         extra=columns,
         reasons=tuple(reasons),
     )

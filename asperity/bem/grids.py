@@ -6,6 +6,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from . import _grid_kernels
 from .operator import Boundary
 
 __all__ = ["coarse_heights", "level_shapes", "prolong"]
@@ -38,10 +39,15 @@ def coarse_heights(
         maps = []
         for shape in reversed(shapes):
             heights = _averaged(_averaged(heights, shape[0]).T, shape[1]).T
-            maps.append(np.ascontiguousarray(heights))
+            maps.append(_frozen(np.ascontiguousarray(heights)))
         return maps[::-1]
     spectrum = scipy.fft.rfft2(heights, norm="forward", workers=threads)
-    return [_truncated(spectrum, shape) for shape in shapes]
+    return [_frozen(_truncated(spectrum, shape)) for shape in shapes]
+
+
+def _frozen(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    values.setflags(write=False)
+    return values
 
 
 def _truncated(spectrum: NDArray[np.complex128], shape: tuple[int, int]) -> NDArray[np.float64]:
@@ -67,23 +73,42 @@ def _averaged(values: NDArray[np.float64], count: int) -> NDArray[np.float64]:
 
 
 def prolong(
-    coarse: NDArray[np.float64], shape: tuple[int, int], boundary: Boundary
-) -> NDArray[np.float64]:
-    """Bilinear interpolation of a coarse pressure on a finer grid."""
-    rows = _interpolated(coarse, shape[0], boundary)
-    return np.ascontiguousarray(_interpolated(rows.T, shape[1], boundary).T)
+    coarse: NDArray[np.float64],
+    shape: tuple[int, int],
+    fine: NDArray[np.float64],
+    fine_shape: tuple[int, int],
+    boundary: Boundary,
+    mean: float,
+) -> None:
+    """Bilinear interpolation of a coarse pressure into a finer grid, scaled to a mean pressure.
+
+    Parameters
+    ----------
+    coarse, shape
+        Coarse pressure, at least of the given shape.
+    fine, fine_shape
+        Result, at least of the given shape.
+    boundary
+        Whether the map continues across its border.
+    mean
+        Mean of the result; not scaled if zero.
+    """
+    rows = _places(shape[0], fine_shape[0], boundary)
+    columns = _places(shape[1], fine_shape[1], boundary)
+    _grid_kernels.interpolate(coarse, fine, *rows, *columns, mean)
 
 
-def _interpolated(
-    values: NDArray[np.float64], count: int, boundary: Boundary
-) -> NDArray[np.float64]:
-    n = values.shape[0]
+def _places(
+    n: int, count: int, boundary: Boundary
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+    """Coarse points below and above each fine point of one axis, and the share of the latter.
+
+    Fourier truncation keeps the first points of both grids together, averaging their borders.
+    """
     if boundary == "periodic":
         place = np.arange(count) * (n / count)
     else:
         place = np.clip((np.arange(count) + 0.5) * (n / count) - 0.5, 0.0, n - 1.0)
-    below = place.astype(int)
-    share = (place - below)[:, None]
+    below = place.astype(np.int64)
     above = (below + 1) % n if boundary == "periodic" else np.minimum(below + 1, n - 1)
-    result: NDArray[np.float64] = (1.0 - share) * values[below] + share * values[above]
-    return result
+    return below, above, place - below

@@ -9,7 +9,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from . import transform
+from . import _grid_kernels, transform
 from .kernel import ElasticHalfSpace, compliance, influence, symbol
 
 __all__ = ["Boundary", "HalfSpaceOperator"]
@@ -63,7 +63,8 @@ class HalfSpaceOperator:
         else:
             ny, nx = (scipy.fft.next_fast_len(2 * n - 1, real=True) for n in shape)
             self.padded = (ny, nx)
-        self.transform = transform.plan(self.padded, threads=threads)
+        self.transform = transform.plan(self.padded, rows=shape[0], threads=threads)
+        self.pressure = self.transform.values
         self.symbol = self._scaled_symbol()
 
     def _scaled_symbol(self) -> NDArray[np.float64]:
@@ -76,26 +77,25 @@ class HalfSpaceOperator:
         ny, nx = self.padded
         quadrant = influence((ny // 2 + 1, nx // 2 + 1), self.spacing, self.m)
         rows, cols = (np.minimum(np.arange(n), n - np.arange(n)) for n in self.padded)
-        self.transform.grid[:, :nx] = quadrant[np.ix_(rows, cols)]
-        self.transform.forward()
-        return np.ascontiguousarray(self.transform.spectrum.real) / points
+        spectrum = scipy.fft.rfft2(quadrant[np.ix_(rows, cols)], workers=self.threads)
+        return np.ascontiguousarray(spectrum.real) / points
 
-    def displacement(self, pressure: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Displacement [m] of a pressure p~ [m] (pressure times compliance); a view of a buffer."""
-        ny, nx = self.shape
-        grid = self.transform.grid
-        if self.padded != self.shape:
-            grid[:] = 0.0
-        grid[:ny, :nx] = pressure
+    def apply(self) -> NDArray[np.float64]:
+        """Displacement [m] of the pressure p~ in `pressure`: a buffer of ny rows, nx or more wide.
+
+        p~ [m] is the pressure times `compliance`; columns of `pressure` beyond nx must be zero.
+        """
         self.transform.forward()
-        spectrum = self.transform.spectrum
-        np.multiply(spectrum, self.symbol, out=spectrum)
+        _grid_kernels.multiply(self.transform.spectrum, self.symbol)
         self.transform.backward()
         self.pairs += 1
-        return self.transform.grid[:ny, :nx]
+        return self.transform.grid
 
     def __call__(self, pressure: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacement [m] into the solid of a pressure [Pa], shape (ny, nx)."""
         if np.shape(pressure) != self.shape:
             raise InputError(f"pressure has shape {np.shape(pressure)}; the grid is {self.shape}")
-        return np.array(self.displacement(np.asarray(pressure, np.float64) * self.compliance))
+        nx = self.shape[1]
+        self.pressure[:, :nx] = pressure
+        self.pressure *= self.compliance
+        return np.array(self.apply()[:, :nx])

@@ -13,6 +13,7 @@ from surfaces.heightmap import HeightMap
 
 from ..errors import InputError, SurfaceError
 from ..threads import threads as thread_count
+from ..threads import use_numba
 from .correction import Level, Outcome
 from .grids import coarse_heights, level_shapes, prolong
 from .kernel import ElasticHalfSpace
@@ -109,6 +110,7 @@ class ContactProblem:
         start = time.perf_counter()
         self.hm, self.mat, self.tolerance = hm, mat, float(tolerance)
         self._threads = thread_count()
+        use_numba(self._threads)
         exact = HalfSpaceOperator(hm.shape, hm.spacing, mat, boundary, threads=self._threads)
         self.boundary: Boundary = boundary
         self.compliance = exact.compliance
@@ -135,10 +137,9 @@ class ContactProblem:
             if offset is not None:
                 search = LoadSearch(offset, _FIRST_LOAD * self.level.rms_height)
             if guess is not None:
-                self._begin(guess)
+                self._begin(guess, search.mean if search else load)
             else:
                 iterations = self._nested(load, search)
-            self._fill(self.level, load, search)
         middle = time.perf_counter()
         outcome = self.level.solve(search or load, self.tolerance)
         seconds = {
@@ -169,15 +170,20 @@ class ContactProblem:
             )
         return 0.0, -separation - self._mean_height
 
-    def _begin(self, guess: BemSolution | ArrayLike) -> None:
-        """Start from a given pressure."""
+    def _begin(self, guess: BemSolution | ArrayLike, mean: float) -> None:
+        """Start from a given pressure, scaled to the load."""
         given = guess.pressure if isinstance(guess, BemSolution) else np.asarray(guess, np.float64)
         if given.shape != self.hm.shape or not np.isfinite(given).all():
             raise InputError(
                 f"guess has shape {given.shape}; give finite pressures of shape {self.hm.shape}"
             )
-        np.maximum(given, 0.0, out=self.level.pressure)
-        self.level.pressure *= self.compliance
+        pressure = self.level.pressure
+        np.maximum(given, 0.0, out=pressure)
+        start = float(pressure.mean())
+        if start > 0.0:
+            pressure *= mean / start
+        else:
+            pressure[:] = mean
 
     def _nested(self, load: float, search: LoadSearch | None) -> int:
         """Start from the coarser grids; returns the iterations spent on them."""
@@ -198,31 +204,34 @@ class ContactProblem:
                 continue
             if search:
                 search.rescale(ratio)
-            if coarse is not None:
-                level.pressure[:] = prolong(coarse.pressure, (ny, nx), self.boundary)
-            self._fill(level, ratio * load, search)
+            self._start(level, coarse, ratio * load, search)
             tolerance = max(_COARSE_TOLERANCE, self.tolerance)
             iterations += level.solve(search or ratio * load, tolerance).iterations
             if search:
                 search.rescale(1.0 / ratio)
             coarse = level
-        if coarse is not None:
-            self.level.pressure[:] = prolong(coarse.pressure, self.hm.shape, self.boundary)
+        self._start(self.level, coarse, load, search)
         return iterations
 
-    def _fill(self, level: Level, load: float, search: LoadSearch | None) -> None:
-        """Scale the starting pressure of a grid to its load, where there is one yet."""
-        mean = float(level.pressure.mean())
-        if search and mean > 0.0:
-            level.pressure *= search.mean / mean
-        elif search:
-            level.pressure[np.unravel_index(level.heights.argmax(), level.heights.shape)] = (
-                search.mean * level.heights.size
+    def _start(
+        self, level: Level, coarse: Level | None, load: float, search: LoadSearch | None
+    ) -> None:
+        """First pressure of a grid, at its load: from the coarser grid if there is one."""
+        mean = search.mean if search else load
+        if coarse is not None:
+            prolong(
+                coarse.exact.pressure,
+                coarse.heights.shape,
+                level.exact.pressure,
+                level.heights.shape,
+                self.boundary,
+                mean,
             )
-        elif mean > 0.0:
-            level.pressure *= load / mean
+        elif search:
+            highest = np.unravel_index(level.heights.argmax(), level.heights.shape)
+            level.pressure[highest] = mean * level.heights.size
         else:
-            level.pressure[:] = load
+            level.pressure[:] = mean
 
     def _solution(
         self,
@@ -231,9 +240,9 @@ class ContactProblem:
         coarse: int,
         seconds: dict[str, float],
     ) -> BemSolution:
-        ny, nx = self.hm.shape
+        nx = self.hm.shape[1]
         exact = self.level.exact
-        displacement = exact.transform.grid[:ny, :nx]
+        displacement = exact.transform.grid[:, :nx]
         unit = self.hm.area / self.hm.heights.size / self.compliance
         energy = 0.5 * float(np.vdot(self.level.pressure, displacement)) * unit
         gap = displacement - self.hm.heights
@@ -270,5 +279,4 @@ class ContactProblem:
             "shape": self.hm.shape,
             "spacing": self.hm.spacing,
             "threads": self._threads,
-            "input": self.hm.digest,
         }

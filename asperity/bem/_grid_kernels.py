@@ -1,0 +1,133 @@
+"""Compiled passes over whole grids.
+
+Pressure and displacement grids may be wider than the map (padding); the map's shape rules.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit, prange
+from numpy.typing import NDArray
+
+from ..threads import sleepy_barriers
+
+sleepy_barriers()
+
+_FAST = {"reassoc", "contract", "nsz"}
+Grid = NDArray[np.float64]
+
+
+@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)  # type: ignore[misc]
+def contact_sums(pressure: Grid, displacement: Grid, heights: Grid) -> Any:
+    """Count, sum of gap, lowest gap, load, load times gap, largest |u|; gap = u - h."""
+    ny, nx = heights.shape
+    count = 0
+    gap_sum = total = work = largest = 0.0
+    lowest = np.inf
+    for y in prange(ny):
+        row_count = 0
+        row_gap = row_total = row_work = row_largest = 0.0
+        row_lowest = np.inf
+        for x in range(nx):
+            u = displacement[y, x]
+            gap = u - heights[y, x]
+            p = pressure[y, x]
+            row_lowest = min(row_lowest, gap)
+            row_largest = max(row_largest, abs(u))
+            if p > 0.0:
+                row_count += 1
+                row_gap += gap
+                row_total += p
+                row_work += p * gap
+        count += row_count
+        gap_sum += row_gap
+        total += row_total
+        work += row_work
+        lowest = min(lowest, row_lowest)
+        largest = max(largest, row_largest)
+    return count, gap_sum, lowest, total, work, largest
+
+
+@njit(cache=True, nogil=True, parallel=True)  # type: ignore[misc]
+def select(pressure: Grid, displacement: Grid, heights: Grid, threshold: float) -> Any:
+    """Points under pressure or with a gap up to the threshold, row by row.
+
+    Returns row pointers (ny + 1,), columns, flat indices into the map, pressures and gaps.
+    """
+    ny, nx = heights.shape
+    start = np.zeros(ny + 1, np.int64)
+    for y in prange(ny):
+        k = 0
+        for x in range(nx):
+            if displacement[y, x] - heights[y, x] <= threshold or pressure[y, x] != 0.0:
+                k += 1
+        start[y + 1] = k
+    for y in range(ny):
+        start[y + 1] += start[y]
+    n = start[ny]
+    columns = np.empty(n, np.int32)
+    p = np.empty(n)
+    g = np.empty(n)
+    for y in prange(ny):
+        k = start[y]
+        if start[y + 1] > k:
+            for x in range(nx):
+                gap = displacement[y, x] - heights[y, x]
+                if gap <= threshold or pressure[y, x] != 0.0:
+                    columns[k] = x
+                    p[k] = pressure[y, x]
+                    g[k] = gap
+                    k += 1
+    return start, columns, p, g
+
+
+@njit(cache=True, nogil=True, parallel=True)  # type: ignore[misc]
+def put(grid: Grid, start: NDArray[np.int64], columns: NDArray[np.int32], values: Grid) -> None:
+    """Write the values of a list into the grid."""
+    for y in prange(start.size - 1):
+        for k in range(start[y], start[y + 1]):
+            grid[y, columns[k]] = values[k]
+
+
+@njit(cache=True, nogil=True, parallel=True)  # type: ignore[misc]
+def multiply(spectrum: NDArray[np.complex128], factor: Grid) -> None:
+    """Scale a half spectrum by a real symbol, in place."""
+    for y in prange(spectrum.shape[0]):
+        for x in range(spectrum.shape[1]):
+            spectrum[y, x] *= factor[y, x]
+
+
+@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)  # type: ignore[misc]
+def interpolate(
+    coarse: Grid,
+    fine: Grid,
+    below_y: NDArray[np.int64],
+    above_y: NDArray[np.int64],
+    share_y: Grid,
+    below_x: NDArray[np.int64],
+    above_x: NDArray[np.int64],
+    share_x: Grid,
+    mean: float,
+) -> float:
+    """Bilinear interpolation of a non-negative pressure, scaled to a mean if that is positive."""
+    ny, nx = below_y.size, below_x.size
+    total = 0.0
+    for y in prange(ny):
+        low, high = coarse[below_y[y]], coarse[above_y[y]]
+        t = share_y[y]
+        row = 0.0
+        for x in range(nx):
+            left = (1.0 - t) * low[below_x[x]] + t * high[below_x[x]]
+            right = (1.0 - t) * low[above_x[x]] + t * high[above_x[x]]
+            value = (1.0 - share_x[x]) * left + share_x[x] * right
+            fine[y, x] = value
+            row += value
+        total += row
+    if mean > 0.0 and total > 0.0:
+        factor = mean * (ny * nx) / total
+        for y in prange(ny):
+            for x in range(nx):
+                fine[y, x] *= factor
+    return total / (ny * nx)

@@ -1,0 +1,158 @@
+"""The split operator: a fitted stencil at the listed points and a smooth remainder, in float32.
+
+It is close to the exact operator (relative symbol error below 2 %, below 5e-4 for long waves) and
+costs as much as the list is long, not as the grid is large.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from . import _split_kernels, transform
+from ._simd import LANES, RADIUS
+from .contact_list import ContactList
+from .operator import HalfSpaceOperator
+from .stencil import fitted_stencil, precondition_stencil, stencil_symbol, vector_table
+
+__all__ = ["SplitOperator"]
+
+_COARSENING = 4
+_ORDER = 4
+_ASPECT_STEP = 0.03
+
+
+class SplitOperator:
+    """Approximate operator and preconditioner on a contact list.
+
+    Parameters
+    ----------
+    exact
+        The operator that is approximated.
+    aim
+        Relative reduction of the error that one solve with this operator is worth.
+    """
+
+    aim = 0.02
+
+    def __init__(self, exact: HalfSpaceOperator) -> None:
+        self.shape = exact.shape
+        self.periodic = exact.boundary == "periodic"
+        aspect = exact.spacing[0] / exact.spacing[1]
+        fit_aspect = math.exp(_ASPECT_STEP * round(math.log(aspect) / _ASPECT_STEP))
+        stencil = fitted_stencil(fit_aspect, exact.m, not self.periodic, _COARSENING, _ORDER)
+        self._near = vector_table(stencil)
+        self._inverse = vector_table(precondition_stencil(fit_aspect, exact.m))
+        ny, nx = self.shape
+        self._grid = np.zeros((ny + 2 * RADIUS, nx + 2 * LANES), np.float32)
+        nyc, nxc = (scipy.fft.next_fast_len(-(-n // _COARSENING), real=True) for n in exact.padded)
+        self._transform = transform.plan((nyc, nxc), dtype=np.float32, threads=exact.threads)
+        self._rows = np.zeros((ny, nxc), np.float32)
+        self._first_y, self._weight_y = _taps(ny, exact.padded[0], nyc)
+        self._first_x, self._weight_x = _taps(nx, exact.padded[1], nxc)
+        self._rows_of, self._weight_of = _transposed(self._first_y, self._weight_y, nyc)
+        self._symbol = _remainder(exact, stencil, (nyc, nxc))
+        self._list = ContactList.empty()
+        self._places = np.empty(0, np.int64)
+
+    def bind(self, points: ContactList) -> None:
+        """Choose the list."""
+        self._grid[:] = 0.0
+        self._list = points
+        stride = self._grid.shape[1]
+        self._places = points.flat(stride) + (RADIUS * stride + LANES)
+
+    def _stencil(
+        self, values: NDArray[np.float32], weights: NDArray[np.float32]
+    ) -> NDArray[np.float32]:
+        result = np.empty_like(values)
+        _split_kernels.near(
+            self._grid, self.shape, self.periodic, self._places, values, weights, result
+        )
+        return result
+
+    def apply(self, pressure: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Displacement at the points of a pressure p~ on them, nearly."""
+        result = self._stencil(pressure, self._near)
+        pair, points = self._transform, self._list
+        _split_kernels.spread(
+            points.start,
+            points.columns,
+            pressure,
+            self._first_x,
+            self._weight_x,
+            self._rows_of,
+            self._weight_of,
+            self._rows,
+            pair.values,
+        )
+        pair.forward()
+        np.multiply(pair.spectrum, self._symbol, out=pair.spectrum)
+        pair.backward()
+        _split_kernels.gather(
+            points.start,
+            points.columns,
+            pair.grid,
+            self._first_y,
+            self._weight_y,
+            self._first_x,
+            self._weight_x,
+            self._rows,
+            result,
+        )
+        return result
+
+    def precondition(self, residual: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Residual filtered by a short stencil of |q|**(1-m)."""
+        return self._stencil(residual, self._inverse)
+
+
+def _spline(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Centred cardinal B-spline of the order in use."""
+    total = np.zeros_like(x)
+    for k in range(_ORDER + 1):
+        power = np.maximum(x + 0.5 * _ORDER - k, 0.0) ** (_ORDER - 1)
+        total += (-1) ** k * math.comb(_ORDER, k) * power
+    return total / math.factorial(_ORDER - 1)
+
+
+def _taps(count: int, period: int, coarse: int) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """First coarse point and weights (count, order) of each fine point of one axis."""
+    place = np.arange(count) * (coarse / period)
+    first = np.floor(place - 0.5 * _ORDER).astype(np.int64) + 1
+    weights = _spline(place[:, None] - (first[:, None] + np.arange(_ORDER)))
+    return first % coarse, weights.astype(np.float32)
+
+
+def _transposed(
+    first: NDArray[np.int64], weights: NDArray[np.float32], coarse: int
+) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """The same weights by coarse point: fine rows and weights (coarse, k), zeros at the end."""
+    target = ((first[:, None] + np.arange(weights.shape[1])) % coarse).ravel()
+    source = np.repeat(np.arange(first.size), weights.shape[1])
+    order = np.argsort(target, kind="stable")
+    target, source, value = target[order], source[order], weights.ravel()[order]
+    number = np.bincount(target, minlength=coarse)
+    slot = np.arange(target.size) - np.repeat(np.cumsum(number) - number, number)
+    rows = np.zeros((coarse, int(number.max())), np.int64)
+    table = np.zeros(rows.shape, np.float32)
+    rows[target, slot], table[target, slot] = source, value
+    return rows, table
+
+
+def _remainder(
+    exact: HalfSpaceOperator, stencil: NDArray[np.float64], coarse: tuple[int, int]
+) -> NDArray[np.float32]:
+    """Symbol of the coarse grid: what the stencil leaves, over the transfer of the splines."""
+    ky = np.rint(np.fft.fftfreq(coarse[0]) * coarse[0]).astype(int)
+    kx = np.arange(coarse[1] // 2 + 1)
+    points = exact.padded[0] * exact.padded[1]
+    near = stencil_symbol(stencil, ky / exact.padded[0], kx / exact.padded[1]) / points
+    left = exact.symbol[np.ix_(ky, kx)] - near
+    left /= (np.sinc(ky / coarse[0])[:, None] * np.sinc(kx / coarse[1])[None, :]) ** (2 * _ORDER)
+    left[2 * np.abs(ky) == coarse[0], :] = 0.0
+    left[:, 2 * kx == coarse[1]] = 0.0
+    return left.astype(np.float32)

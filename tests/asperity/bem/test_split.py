@@ -1,0 +1,137 @@
+"""The split operator and its stencils against the exact operator."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from bem_support import rough
+
+from asperity import HalfSpace
+from asperity.bem import _grid_kernels, split, stencil
+from asperity.bem.contact_list import ContactList
+from asperity.bem.full_grid import FullGridOperator
+from asperity.bem.operator import HalfSpaceOperator
+
+CASES = [
+    ((140, 200), (0.01, 0.01), "periodic", 0.0),
+    ((150, 131), (0.02, 0.01), "periodic", -0.5),
+    ((144, 160), (0.01, 0.013), "periodic", 0.8),
+    ((140, 150), (0.01, 0.01), "free", 0.0),
+    ((129, 160), (0.01, 0.015), "free", 0.4),
+]
+
+
+def listed(shape, filling=0.3, seed=0):
+    """A list of points in patches, some at the border and across the seam, and its mask."""
+    ny, nx = shape
+    hm = rough(shape, size=(1.0, nx / ny), cutoff=12.0, seed=seed)
+    mask = hm.heights > np.quantile(hm.heights, 1 - filling)
+    rows, columns = np.nonzero(mask)
+    start = np.searchsorted(rows, np.arange(ny + 1))
+    return ContactList(start, columns.astype(np.int32)), mask
+
+
+@pytest.mark.parametrize("shape, spacing, boundary, m", CASES)
+def test_split_operator_is_close_to_the_exact_one(shape, spacing, boundary, m):
+    """A rough pressure on a list: displacement within 2 % of its variation, long waves better."""
+    exact = HalfSpaceOperator(shape, spacing, HalfSpace.from_modulus(1.0, m), boundary)
+    points, mask = listed(shape)
+    nearly = split.SplitOperator(exact)
+    nearly.bind(points)
+    rng = np.random.default_rng(1)
+    for values, bound in ((rng.standard_normal(len(points)), 0.02), (np.ones(len(points)), 2e-3)):
+        exact.pressure[:] = 0.0
+        exact.pressure[:, : shape[1]][mask] = values
+        expected = exact.apply()[:, : shape[1]][mask]
+        found = nearly.apply(values.astype(np.float32))
+        assert np.abs(found - expected).max() < bound * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("shape, spacing, boundary, m", CASES)
+def test_split_operator_and_preconditioner_are_symmetric(shape, spacing, boundary, m):
+    """<S p, q> = <p, S q>, and both are positive."""
+    exact = HalfSpaceOperator(shape, spacing, HalfSpace.from_modulus(1.0, m), boundary)
+    points, _ = listed(shape)
+    p, q = np.random.default_rng(2).standard_normal((2, len(points))).astype(np.float32)
+    for kind in (split.SplitOperator, FullGridOperator):
+        operator = kind(exact)
+        operator.bind(points)
+        for action in (operator.apply, operator.precondition):
+            left, right = np.vdot(action(p), q), np.vdot(p, action(q))
+            size = np.linalg.norm(action(p)) * np.linalg.norm(q)
+            assert abs(left - right) < 1e-5 * size
+            assert np.vdot(action(p), p) > 0
+
+
+@pytest.mark.parametrize("shape, spacing, boundary, m", CASES)
+def test_full_grid_operator_is_the_exact_one(shape, spacing, boundary, m):
+    """On a list, up to single precision."""
+    exact = HalfSpaceOperator(shape, spacing, HalfSpace.from_modulus(1.0, m), boundary)
+    points, mask = listed(shape)
+    single = FullGridOperator(exact)
+    single.bind(points)
+    values = np.random.default_rng(3).standard_normal(len(points))
+    exact.pressure[:, : shape[1]][mask] = values
+    expected = exact.apply()[:, : shape[1]][mask]
+    found = single.apply(values.astype(np.float32))
+    np.testing.assert_allclose(found, expected, atol=2e-6 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("m", [-0.5, 0.0, 0.5, 0.8])
+@pytest.mark.parametrize("aspect", [1.0, 2.0])
+def test_fitted_symbol(m, aspect):
+    """Outside the coarse band the stencil alone is within 6 % of the symbol."""
+    taps = stencil.fitted_stencil(aspect, m, False, 4, 4)
+    f = np.linspace(0.0, 0.5, 41)[1:]
+    found = stencil.stencil_symbol(taps, f, f)
+    q = 2 * np.pi * np.hypot(f[:, None] / np.sqrt(aspect), f[None, :] * np.sqrt(aspect))
+    outside = np.maximum(f[:, None], f[None, :]) > 0.125
+    relative = np.abs(found / q ** (m - 1) - 1)
+    assert relative[outside].max() < 0.06
+    np.testing.assert_array_equal(taps, taps[::-1])
+    np.testing.assert_array_equal(taps, taps[:, ::-1])
+
+
+@pytest.mark.parametrize("m", [-0.5, 0.0, 0.5, 0.8])
+@pytest.mark.parametrize("aspect", [0.4, 1.0, 3.0])
+def test_preconditioner_is_positive(m, aspect):
+    """The symbol of the cut-off stencil has no zero."""
+    taps = stencil.precondition_stencil(aspect, m)
+    f = np.linspace(0, 0.5, 200)
+    assert stencil.stencil_symbol(taps, f, f).min() > 0.01 * taps.max()
+
+
+def test_stencil_sum_is_the_direct_sum():
+    """The vectorized stencil equals a loop over its taps, across the seam or not."""
+    shape = (140, 150)
+    points, mask = listed(shape, 0.2, seed=4)
+    values = np.random.default_rng(5).standard_normal(len(points)).astype(np.float32)
+    for boundary in ("periodic", "free"):
+        exact = HalfSpaceOperator(shape, (1.0, 1.0), HalfSpace.from_modulus(1.0), boundary)
+        operator = split.SplitOperator(exact)
+        operator.bind(points)
+        taps = stencil.precondition_stencil(1.0, 0.0)
+        dense = np.zeros((shape[0] + 14, shape[1] + 14))
+        dense[7:-7, 7:-7][mask] = values
+        if boundary == "periodic":
+            dense = np.pad(dense[7:-7, 7:-7], 7, mode="wrap")
+        windows = np.lib.stride_tricks.sliding_window_view(dense, (15, 15))[mask]
+        expected = np.einsum("kij,ij->k", windows, taps)
+        np.testing.assert_allclose(operator.precondition(values), expected, atol=2e-5)
+
+
+def test_selected_points():
+    """The candidate list is the one of numpy, in row order; values are put back in place."""
+    rng = np.random.default_rng(6)
+    displacement, heights = rng.random((2, 9, 14))
+    pressure = np.where(rng.random((9, 14)) < 0.2, rng.random((9, 14)), 0.0)
+    heights.setflags(write=False)
+    start, columns, p, g = _grid_kernels.select(pressure, displacement, heights, -0.3)
+    mask = (displacement - heights <= -0.3) | (pressure != 0)
+    rows, expected = np.nonzero(mask)
+    np.testing.assert_array_equal(columns, expected)
+    np.testing.assert_array_equal(np.repeat(np.arange(9), np.diff(start)), rows)
+    np.testing.assert_array_equal(p, pressure[mask])
+    np.testing.assert_array_equal(g, (displacement - heights)[mask])
+    _grid_kernels.put(pressure, start, columns, p + 1.0)
+    np.testing.assert_array_equal(pressure[mask], p + 1.0)
