@@ -13,8 +13,13 @@ from numba import njit, prange
 
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 
-STATES = 12
-"""Numbers kept per node: force, punch stiffness, first-order rest, weight, areas, flags."""
+WIDEST, SHARE, CONFINED = 0.5, 0.05, 0.5
+"""Limits of trust: displacement of the contour, share of F2, confined share of the contour."""
+
+STATES = 10
+"""Numbers kept per level: force, stiffness of the first-order contour and its change with a
+uniform displacement, areas of the ellipse and of the contour and the change of the latter,
+largest displacement, share of F2, confined share, trust (1 or 0)."""
 
 
 @njit(cache=True, fastmath=FAST, nogil=True)
@@ -141,6 +146,7 @@ def _march(
     lb = math.log(size) + 0.5 * math.log(ratio)
     x0, y0, turn = 0.0, 0.0, 0.0
     before = np.zeros(5)
+    begun = False
     slope = np.array([0.5, 0.5, 0.0, 0.0, 0.0])
     for level in range(levels.size):
         d = depth * levels[level] ** 2
@@ -151,9 +157,7 @@ def _march(
             turn += slope[2] * growth
             x0 += slope[3] * growth
             y0 += slope[4] * growth
-        repeats = first if level == 0 else 1
-        if level > 0 and state[level - 1, 8] > 0.0:
-            repeats = 2
+        repeats = 1 if begun else first
         for _ in range(repeats):
             a, b = math.exp(la), math.exp(lb)
             s = math.sqrt(a * b)
@@ -231,7 +235,6 @@ def _march(
                     Qv = max(Q[c, q], 0.15 * average)
                     Pv = P[c, q]
                     x = Pv / Qv
-                    widest = max(widest, abs(x))
                     free[c, q] = 1.0
                     if confined:
                         px, py = a * ct[q] * sx[c], b * st[q] * sy[c]
@@ -245,8 +248,8 @@ def _march(
                             x = limit
                             free[c, q] = 0.0
                             filled += w
-                    if x < -0.9:
-                        x = -0.9
+                    widest = max(widest, abs(x))
+                    x = max(x, -0.9)
                     X[c, q] = x
                     Q[c, q] = Qv
                     gain += w * (Pv * x - 0.5 * Qv * x * x)
@@ -328,7 +331,6 @@ def _march(
         state[level, 6] = widest
         state[level, 7] = scale * gain / force
         state[level, 8] = filled / total
-        state[level, 9] = push / total
         shape[level, 0] = a
         shape[level, 1] = b
         shape[level, 2] = oldx
@@ -348,6 +350,15 @@ def _march(
         before[2] = turn
         before[3] = x0
         before[4] = y0
+        state[level, 9] = 1.0
+        untrusted = widest > WIDEST or abs(state[level, 7]) > SHARE
+        untrusted = untrusted or state[level, 8] > CONFINED
+        if untrusted or not (force > 0.0):
+            state[level, 9] = 0.0
+            if begun or level > levels.size // 2:
+                break
+        else:
+            begun = True
 
 
 @njit(cache=True, parallel=True, fastmath=FAST, nogil=True)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.material import HalfSpace
+from asperity.transforms import gauss_jacobi
 
 from .ellipse_tables import LOG_RATIO, EllipseTables, ellipse_tables
 from .fit import SummitFits, fit_summits
@@ -27,6 +28,12 @@ if TYPE_CHECKING:
 __all__ = ["tabulate"]
 
 Array = NDArray[np.float64]
+
+_ORDER = 0
+"""Harmonic whose edge operator carries a contour on along its ray."""
+
+LEVELS = np.exp(np.linspace(np.log(1 / 80), 0.0, 25))
+"""Square roots of the approaches, relative to the reach, at which the law is computed."""
 
 _FIRST = 8
 """Newton steps at the smallest approach; every other one needs a single evaluation."""
@@ -60,19 +67,44 @@ def solve_states(fits: SummitFits, tables: EllipseTables, levels: Array) -> tupl
 
 @lru_cache(maxsize=8)
 def _slope_matrix(count: int) -> Array:
-    """Matrix of the derivative at the nodes 1/count ... 1 from the nearest five of them."""
+    """Matrix of the derivative per step from the nearest five of `count` equispaced values."""
     out = np.zeros((count, count))
     width = min(5, count)
     for row in range(count):
         first = min(max(row - width // 2, 0), count - width)
         x = np.arange(first, first + width) - row
         powers = np.vander(x.astype(float), width, increasing=True)
-        out[row, first : first + width] = np.linalg.inv(powers)[1] * count
+        out[row, first : first + width] = np.linalg.inv(powers)[1]
     return out
 
 
+@lru_cache(maxsize=8)
+def _resampling(nodes: int) -> tuple[Array, Array, Array, Array, Array]:
+    """Matrices from the levels to u = j/nodes, j = 1 ... nodes.
+
+    Value and derivative over u of the cubic Hermite through values and derivatives, and linear
+    interpolation.
+    """
+    u = np.arange(1, nodes + 1) / nodes
+    i = np.clip(np.searchsorted(LEVELS, u) - 1, 0, LEVELS.size - 2)
+    h = LEVELS[i + 1] - LEVELS[i]
+    x = (u - LEVELS[i]) / h
+    row = np.arange(nodes)
+    out = [np.zeros((nodes, LEVELS.size)) for _ in range(5)]
+    for m, low, high in (
+        (out[0], (1 + 2 * x) * (1 - x) ** 2, x * x * (3 - 2 * x)),
+        (out[1], h * x * (1 - x) ** 2, h * x * x * (x - 1)),
+        (out[2], 6 * x * (x - 1) / h, 6 * x * (1 - x) / h),
+        (out[3], (1 - x) * (1 - 3 * x), x * (3 * x - 2)),
+        (out[4], 1 - x, x),
+    ):
+        m[row, i] = low
+        m[row, i + 1] = high
+    return out[0], out[1], out[2], out[3], out[4]
+
+
 def tabulate(
-    profiles: Profiles, material: HalfSpace, *, law: str = "ellipse", nodes: int = 16
+    profiles: Profiles, material: HalfSpace, *, law: str = "ellipse", nodes: int = 32
 ) -> LawTable:
     """Law table of a batch of profiles about their optimal ellipses.
 
@@ -89,91 +121,162 @@ def tabulate(
     """
     tables = ellipse_tables(material.m)
     fits = fit_summits(profiles, tables.degree)
-    levels = np.arange(1, nodes + 1) / nodes
-    state, _ = solve_states(fits, tables, levels)
-    return _assemble(state, fits, material, levels, law)
+    state, shape = solve_states(fits, tables, LEVELS)
+    good = state[..., 9] > 0
+    filling = follow_basins(profiles, fits, shape, good, LEVELS, tables)
+    return _assemble(state, filling, good, fits, material, nodes, law)
+
+
+def follow_basins(
+    profiles: Profiles, fits: SummitFits, shape: Array, good: NDArray[np.bool_], levels: Array,
+    tables: EllipseTables,
+) -> Array:  # fmt: skip
+    """Area and punch stiffness (n, levels, 2) of the contours on rays from the last good node."""
+    from ._basin_kernels import fill_basins
+
+    first, last, count = LOG_RATIO
+    nq = tables.nodes.size
+    column = tables.order.size * nq + nq
+    turned = profiles.phi - profiles.angle[:, None]
+    return fill_basins(
+        np.ascontiguousarray(profiles.q),
+        moment_weights(tables.m, profiles.t.size, _ORDER),
+        np.ascontiguousarray(profiles.weight),
+        np.stack([np.cos(turned), np.sin(turned)], axis=-1),
+        fits.edge,
+        fits.length,
+        fits.height,
+        shape,
+        _ends(good)[1],
+        levels,
+        nq,
+        tables.m,
+        _ORDER + 3 + tables.m,
+        np.ascontiguousarray(tables.rows[:, column]),
+        first,
+        (last - first) / (count - 1),
+        0.5 * (1 + tables.m),
+    )
+
+
+@lru_cache(maxsize=8)
+def moment_weights(m: float, nodes: int, order: int, radii: int = 13) -> Array:
+    """Weights (radii, nodes) of ``h(a) = int t**(order+3) q(a t) (1-t*t)**((m-1)/2) dt``.
+
+    ``a`` runs over equispaced fractions of the ray from 0 to 1, ``q`` over equispaced nodes with
+    local cubics between them. The edge operator of harmonic `order` of one ray is
+    ``a*a * ((order + 3 + m) h + a h')`` (theory 5).
+    """
+    t, w = gauss_jacobi(m, 24)
+    out = np.zeros((radii, nodes))
+    last = nodes - 1
+    for row, a in zip(out, np.linspace(0, 1, radii), strict=True):
+        position = a * t * last
+        i = np.clip(position.astype(int), 1, last - 2)
+        u = position - i
+        cubic = (
+            -u * (u - 1) * (u - 2) / 6,
+            (u + 1) * (u - 1) * (u - 2) / 2,
+            -(u + 1) * u * (u - 2) / 2,
+            (u + 1) * u * (u - 1) / 6,
+        )
+        for k, share in enumerate(cubic):
+            np.add.at(row, i + k - 1, share * w * t ** (order + 3))
+    return out
 
 
 def _assemble(
-    state: Array, fits: SummitFits, material: HalfSpace, levels: Array, law: str
-) -> LawTable:
+    state: Array, filling: Array, good: NDArray[np.bool_], fits: SummitFits,
+    material: HalfSpace, nodes: int, law: str,
+) -> LawTable:  # fmt: skip
     """Law table in SI from the states in units of each profile."""
     p = 3 + material.m
-    n, count = state.shape[:2]
-    good = np.logical_and.accumulate(_trusted(state), axis=1)
-    scaled = _extend(state[..., 0] / levels**p, good)
-    slope = levels ** (p - 1) * (p * scaled + levels * (scaled @ _slope_matrix(count).T))
-    raw = slope / (2 * levels)
-    area = second_order_area(state, raw)
-    force, stiffness, area = _continue(
-        state[..., 0], raw, area, good, fits.basin, levels, material.m
-    )
+    step = np.log(LEVELS[1] / LEVELS[0])
+    scaled = _extend(state[..., 0] / LEVELS**p, good)
+    slope = scaled @ _slope_matrix(LEVELS.size).T / step
+    raw = LEVELS ** (p - 2) * (p * scaled + slope) / 2
+    spot = _extend(second_order_area(state, raw) / LEVELS**2, good) * LEVELS**2
+    force, stiffness, area = _continue(scaled * LEVELS**p, raw, spot, filling, good, fits.basin)
+    scaled = force / LEVELS**p
+    slope = 2 * stiffness * LEVELS ** (1 - p) - p * scaled / LEVELS
+    value, value_slope, change, change_slope, linear = _resampling(nodes)
+    u = np.arange(1, nodes + 1) / nodes
+    s = scaled @ value.T + slope @ value_slope.T
+    g = scaled @ change.T + slope @ change_slope.T
+    area = (area / LEVELS**2) @ linear.T * u**2
     unit = material.modulus * fits.length ** (1 + material.m)
-    flags = _flags(state, good, area, fits.basin)
+    trusted = good.astype(float) @ linear.T > 0.999
+    error = np.where(good, np.abs(state[..., 7]), 0.05) @ linear.T
+    flags = np.zeros((len(fits), nodes + 1), dtype=np.uint8)
+    flags[:, 1:][~trusted] |= np.uint8(Flag.BEYOND_RADIUS)
+    flags[:, 1:][area > 0.999 * fits.basin[:, None]] |= np.uint8(Flag.FILLED)
 
     def full(values: Array, scale: Array) -> Array:
-        out = np.zeros((n, count + 1))
+        out = np.zeros((len(fits), nodes + 1))
         out[:, 1:] = values * scale[:, None]
         return out
 
     return LawTable(
         reach=np.where(fits.valid, fits.height, 0.0),
-        force=full(force, unit * fits.height),
-        stiffness=full(stiffness, unit),
+        force=full(s * u**p, unit * fits.height),
+        stiffness=full(u ** (p - 2) * (p * s + u * g) / 2, unit),
         area=full(area, fits.length**2),
         flags=flags,
-        spread=full(np.where(good, np.abs(state[..., 7]), 0.1), np.ones(n)),
+        spread=full(error, np.ones(len(fits))),
         exponent=p,
         law=law,
     )
 
 
+def _ends(good: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """First and last trusted level of each profile; both 0 where there is none."""
+    first = np.argmax(good, axis=1)
+    last = good.shape[1] - 1 - np.argmax(good[:, ::-1], axis=1)
+    return first, np.where(good.any(axis=1), last, 0)
+
+
 def _extend(values: Array, good: NDArray[np.bool_]) -> Array:
-    """Values beyond the last trusted node, continued with the last difference."""
-    last = np.maximum(np.count_nonzero(good, axis=1) - 1, 0)
+    """Values continued from the trusted levels: constant below, by the last difference above."""
+    first, last = _ends(good)
     rows = np.arange(len(values))
     end = values[rows, last]
-    step = end - values[rows, np.maximum(last - 1, 0)]
-    beyond = np.arange(values.shape[1]) - last[:, None]
-    return np.where(beyond > 0, end[:, None] + step[:, None] * beyond, values)
-
-
-def _trusted(state: Array) -> NDArray[np.bool_]:
-    """Nodes at which the expansion holds: small displacements, small F2, inside the basin."""
-    return (
-        np.isfinite(state).all(axis=2)
-        & (state[..., 0] > 0)
-        & (state[..., 6] < 0.5)
-        & (np.abs(state[..., 7]) < 0.05)
-        & (state[..., 8] <= 0)
-    )
+    step = end - values[rows, np.maximum(last - 1, first)]
+    place = np.arange(values.shape[1])
+    beyond = place - last[:, None]
+    above = np.where(beyond > 0, end[:, None] + step[:, None] * beyond, values)
+    return np.where(place < first[:, None], values[rows, first][:, None], above)
 
 
 def _continue(
-    force: Array, stiffness: Array, area: Array, good: NDArray[np.bool_], basin: Array,
-    levels: Array, m: float,
+    force: Array, stiffness: Array, area: Array, filling: Array, good: NDArray[np.bool_],
+    basin: Array,
 ) -> tuple[Array, Array, Array]:  # fmt: skip
-    """Beyond the last trusted node the area grows like d until it fills the basin.
+    """Beyond the last trusted node: planforms on rays, their stiffness, and its integral.
 
-    The stiffness grows like area**((1+m)/2), the law of similar punches, and the force is its
-    integral.
+    The ratios of stiffness and area of the two descriptions at the last trusted node fade as the
+    basin fills.
     """
-    d = levels**2
-    last = np.maximum(np.count_nonzero(good, axis=1) - 1, 0)
+    last = _ends(good)[1]
     rows = np.arange(len(force))
-    start = d[last]
-    area0 = np.clip(area[rows, last], 1e-9 * basin, basin)
-    grown = np.minimum(area0[:, None] * d / start[:, None], basin[:, None])
-    stiff = stiffness[rows, last][:, None] * (grown / area0[:, None]) ** ((1 + m) / 2)
-    beyond = np.arange(levels.size) > last[:, None]
-    area = np.where(beyond, grown, np.minimum(area, basin[:, None]))
-    stiffness = np.where(beyond, stiff, stiffness)
-    stiffness = np.maximum.accumulate(stiffness, axis=1)
+    beyond = np.arange(LEVELS.size) > last[:, None]
+    start = filling[rows, last]
+    grown = np.where(beyond, filling[..., 0], start[:, :1])
+    room = np.maximum(basin - start[:, 0], 1e-9 * basin)
+    fade = np.clip((basin[:, None] - grown) / room[:, None], 0.0, 1.0)
+    stiff = np.where(beyond, filling[..., 1], start[:, 1:])
+    stiff = stiff * (stiffness[rows, last] / start[:, 1])[:, None] ** fade
+    spot = grown * (area[rows, last] / start[:, 0])[:, None] ** fade
+    stiffness = np.maximum.accumulate(np.where(beyond, stiff, stiffness), axis=1)
+    area = np.maximum.accumulate(np.where(beyond, spot, area), axis=1)
     steps = np.zeros_like(force)
-    steps[:, 1:] = 0.5 * (stiffness[:, 1:] + stiffness[:, :-1]) * np.diff(d)
-    steps = np.where(beyond, steps, 0.0)
+    width = np.diff(LEVELS)
+    low, high = LEVELS[:-1], LEVELS[1:]
+    # stiffness linear in the level u over d = u*u
+    steps[:, 1:] = (
+        width * (stiffness[:, :-1] * (2 * low + high) + stiffness[:, 1:] * (low + 2 * high)) / 3
+    )
     base = np.where(beyond, force[rows, last][:, None], force)
-    return base + np.cumsum(steps, axis=1), stiffness, np.maximum.accumulate(area, axis=1)
+    return base + np.cumsum(np.where(beyond, steps, 0.0), axis=1), stiffness, area
 
 
 def second_order_area(state: Array, stiffness: Array) -> Array:
@@ -187,12 +290,3 @@ def second_order_area(state: Array, stiffness: Array) -> Array:
     area = state[..., 4] + uniform * state[..., 5]
     low = np.minimum(state[..., 3], state[..., 4])
     return np.clip(area, low, np.maximum(state[..., 3], state[..., 4]))
-
-
-def _flags(state: Array, good: NDArray[np.bool_], area: Array, basin: Array) -> NDArray[np.uint8]:
-    flags = np.zeros((state.shape[0], state.shape[1] + 1), dtype=np.uint8)
-    inner = flags[:, 1:]
-    inner[~good] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
-    inner[state[..., 8] > 0] |= np.uint8(Flag.BEYOND_RADIUS)
-    inner[area > 0.999 * basin[:, None]] |= np.uint8(Flag.FILLED)
-    return flags
