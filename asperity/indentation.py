@@ -59,6 +59,7 @@ class Indentation:
     error_estimate: Array
     contour_function: Callable[[Array], Array] = field(repr=False)
     pressure_function: Callable[[Array, Array], Array] = field(repr=False)
+    history_function: Callable[[Array, Array], Array] | None = field(default=None, repr=False)
 
     @property
     def valid(self) -> NDArray[np.bool_]:
@@ -79,7 +80,9 @@ class Indentation:
         values = self.contour_function(angle.ravel())
         return values.reshape(self.approach.shape + angle.shape)
 
-    def pressure(self, x: ArrayLike, y: ArrayLike, *, balanced: bool = False) -> Array:
+    def pressure(
+        self, x: ArrayLike, y: ArrayLike, *, balanced: bool = False, history: bool = False
+    ) -> Array:
         """Pressure [Pa] at the points (x, y) [m], shape (*approach.shape, *points.shape).
 
         Parameters
@@ -89,9 +92,20 @@ class Indentation:
         balanced
             Scale the field so that it integrates to the force over the contact area: the
             published field does so over the circle, a second-order mismatch.
+        history
+            Integrate over all earlier contacts (equations 28, 51) in place of stretching the
+            axisymmetric field to the contour (29, 52); slower, equal for power laws.
+
+        Raises
+        ------
+        InputError
+            If the law has no history integral.
         """
         x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
-        values = self.pressure_function(np.hypot(x, y).ravel(), np.arctan2(y, x).ravel())
+        law = self.history_function if history else self.pressure_function
+        if law is None:
+            raise InputError(f"the law {self.law!r} has no history integral of the pressure")
+        values = law(np.hypot(x, y).ravel(), np.arctan2(y, x).ravel())
         if balanced:
             values = values * self._balance().reshape(-1, 1)
         return values.reshape(self.approach.shape + x.shape)

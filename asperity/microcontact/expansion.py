@@ -15,7 +15,7 @@ from .basis import Basis, basis_of, synthesis
 from .batch import tabulate
 from .branch import RisingBranch
 from .flags import Flag
-from .pressure import AxisymmetricPressure
+from .pressure import AxisymmetricPressure, history_pressure
 from .validity import contour_flags, profile_flags
 
 __all__ = ["Expansion", "indent", "tabulate"]
@@ -67,6 +67,11 @@ class Expansion:
         second_slope = scale / slope * ((1 + m) * square + change - square * curve / slope)
         return cls(a, material, basis.orders, approach, slope, first, second, second_slope, e)
 
+    def boundary(self, edge: Array, shift: Array | float = 0.0) -> Array:
+        """Contour [m] for the edge amplitude `edge` [m], shape (k, phi.size)."""
+        mean = np.broadcast_to(self.a + shift, self.a.shape)
+        return np.asarray(mean[:, None] - (self.a / self.slope)[:, None] * edge)
+
     def edge(self, phi: Array) -> Array:
         """Edge amplitude e(phi) [m], shape (k, phi.size)."""
         return synthesis(self.amplitudes, phi)
@@ -109,12 +114,10 @@ def indent(
     one = published if law == "paper" else harmonic
     force, stiffness = one.first, one.first_stiffness()
     area = np.pi * (one.a**2 + one.variance())
-    shift = np.zeros(one.a.shape)
     if law == "harmonic":
         force = force + one.second
         stiffness = stiffness + one.second_slope / one.slope
-        shift = one.mean_shift()
-        area = area + 2 * np.pi * one.a * shift
+        area = area + 2 * np.pi * one.a * one.mean_shift()
     spread = (harmonic.second if law == "paper" else harmonic.second - published.second) / (
         harmonic.first + harmonic.second
     )
@@ -124,19 +127,32 @@ def indent(
         full[known] = values
         return full
 
-    def contour(phi: Array) -> Array:
-        full = np.repeat(np.where(depth > 0, np.nan, 0.0)[:, None], phi.size, axis=1)
-        deviation = basis.published(one.a, phi) if law == "paper" else one.edge(phi)
-        full[known] = (one.a + shift)[:, None] - (one.a / one.slope)[:, None] * deviation
+    def on_rays(values: Array) -> Array:
+        full = np.repeat(np.where(depth > 0, np.nan, 0.0)[:, None], values.shape[1], axis=1)
+        full[known] = values
         return full
 
+    def boundary_of(state: Expansion, phi: Array) -> Array:
+        if law == "paper":
+            return state.boundary(basis.published(state.a, phi))
+        return state.boundary(state.edge(phi), state.mean_shift())
+
+    def contour(phi: Array) -> Array:
+        return on_rays(boundary_of(one, phi))
+
     def pressure(r: Array, phi: Array) -> Array:
-        full = np.repeat(np.where(depth > 0, np.nan, 0.0)[:, None], phi.size, axis=1)
-        edge = contour(phi)[known]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            stretched = np.where(edge > 0, one.a[:, None] * r / edge, np.inf)
-        full[known] = AxisymmetricPressure(basis, material)(stretched, one.a)
-        return full
+        edge = boundary_of(one, phi)
+        inside = edge > 0
+        stretched = np.where(inside, one.a[:, None] * r / np.where(inside, edge, 1.0), np.inf)
+        return on_rays(AxisymmetricPressure(basis, material)(stretched, one.a))
+
+    def history(r: Array, phi: Array) -> Array:
+        def past(radii: Array, angles: Array) -> Array:
+            state = Expansion.at(basis, radii, material, published=law == "paper")
+            return boundary_of(state, angles)
+
+        fields = [history_pressure(basis, material, past, x, r, phi) for x in one.a]
+        return on_rays(np.reshape(fields, (one.a.size, phi.size)))
 
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     boundary = contour(phi)
@@ -152,4 +168,5 @@ def indent(
         error_estimate=np.abs(fill(spread)).reshape(shape),
         contour_function=contour,
         pressure_function=pressure,
+        history_function=history,
     )

@@ -1,7 +1,8 @@
-"""Pressure inside one contact: the axisymmetric field of the mean profile."""
+"""Pressure inside one contact: the field of the mean profile, and the full history integral."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -13,13 +14,14 @@ from asperity.material import HalfSpace
 
 from .basis import Basis, PowerBasis
 
-__all__ = ["AxisymmetricPressure"]
+__all__ = ["AxisymmetricPressure", "history_pressure"]
 
 Array = NDArray[np.float64]
 
 _POINTS = 64
 _SLOPES = 400
 _RADII = 160
+_HISTORY = 120
 
 
 class AxisymmetricPressure:
@@ -74,10 +76,7 @@ class AxisymmetricPressure:
 
     @cached_property
     def _rule(self) -> tuple[Array, Array]:
-        """Nodes and weights of ``int_0^1 h(s) s^((m-1)/2) ds``."""
-        q = (self._material.m - 1) / 2
-        x, w = roots_jacobi(_POINTS, 0, q)
-        return (1 + x) / 2, w * 2 ** (-q - 1)
+        return _edge_rule(self._material.m)
 
     def _slope(self, top: float) -> PchipInterpolator:
         """D'(x) up to the radius `top`."""
@@ -85,3 +84,62 @@ class AxisymmetricPressure:
         slope = self._basis.depth(x, 1) / x
         first = np.maximum(slope[0] - x[0] * (slope[1] - slope[0]) / (x[1] - x[0]), 0.0)
         return PchipInterpolator(np.append(0.0, x), np.append(first, slope))
+
+
+def history_pressure(
+    basis: Basis,
+    material: HalfSpace,
+    contour: Callable[[Array, Array], Array],
+    a: float,
+    r: Array,
+    phi: Array,
+) -> Array:
+    """Pressure by the full history integral (equations 28, 51) in a contact of radius `a`.
+
+    Parameters
+    ----------
+    basis
+        Transforms of the profile.
+    material
+        Half-space.
+    contour
+        Function (radii, angles) -> boundary a*(phi) [m] of the earlier contacts.
+    a
+        Present effective radius [m].
+    r, phi
+        Points, shape (p,).
+
+    Returns
+    -------
+    pressure
+        [Pa], shape (p,); NaN where the boundary has not only grown on the ray of the point.
+
+    Notes
+    -----
+    ``p = E/pi int (a*(phi)/a*)^(1-m) D'(a*) (a*(phi)^2 - r^2)^((m-1)/2) da*`` over the contacts
+    that hold the point, by a Gauss-Jacobi rule in ``a*(phi)^2 - r^2``.
+    """
+    m = material.m
+    s, w = _edge_rule(m)
+    past = a * np.arange(1, _HISTORY + 1) / _HISTORY
+    edges = np.vstack([np.zeros(phi.size), contour(past, phi)])
+    past = np.append(0.0, past)
+    out = np.zeros(phi.size)
+    growing = np.all(np.diff(edges, axis=0) > 0, axis=0)
+    out[~growing] = np.nan
+    for i in np.flatnonzero(growing & (edges[-1] > r)):
+        span = (edges[-1, i] - r[i]) * (edges[-1, i] + r[i])
+        edge = np.sqrt(r[i] ** 2 + s * span)
+        inverse = PchipInterpolator(edges[:, i], past)
+        then = inverse(edge)
+        slope = basis.depth(then, 1) / then
+        rate = slope * inverse(edge, 1) / (2 * edge)
+        out[i] = span ** ((1 + m) / 2) * np.sum(w * (edge / then) ** (1 - m) * rate)
+    return np.asarray(material.modulus / np.pi * out)
+
+
+def _edge_rule(m: float) -> tuple[Array, Array]:
+    """Nodes and weights of ``int_0^1 h(s) s^((m-1)/2) ds``."""
+    q = (m - 1) / 2
+    x, w = roots_jacobi(_POINTS, 0, q)
+    return (1 + x) / 2, w * 2 ** (-q - 1)

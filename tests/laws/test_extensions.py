@@ -1,0 +1,147 @@
+"""Flat punches, partial slip, viscoelastic contact: closed forms and refusals."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asperity import HalfSpace, InputError, ModelRangeError
+from asperity.microcontact.friction import partial_slip, tangential_modulus
+from asperity.microcontact.punch import flat_punch
+from asperity.microcontact.viscoelastic import Relaxation, viscoelastic_indent
+from surfaces import PowerLawProfile
+from surfaces.shapes import polygon
+
+SPHERE = PowerLawProfile(2, 0.5)
+STEEL = HalfSpace(210e9, 0.3)
+
+
+@pytest.mark.parametrize("m", [-0.5, 0.0, 0.5, 0.8])
+def test_round_punch_is_exact(m):
+    a, material = 0.3, HalfSpace.from_modulus(2.0, m)
+    punch = flat_punch(a, material)
+    assert punch.stiffness == pytest.approx(4 * a ** (1 + m) / (1 + m), rel=1e-13)
+    assert punch.pressure(0.0, 0.1) == pytest.approx(
+        2 / np.pi * (a * a - 0.01) ** ((m - 1) / 2), rel=1e-12
+    )
+    assert np.all(punch.force([-1.0, 0.0, 2.0]) == [0.0, 0.0, 2 * punch.stiffness])
+
+
+def test_elliptic_punch_is_exact():
+    """Stiffness of the elliptic punch: pi E* a / K(e)."""
+    from scipy.special import ellipk
+
+    a, b = 2.0, 0.7
+    punch = flat_punch(
+        lambda phi: 1 / np.hypot(np.cos(phi) / a, np.sin(phi) / b), HalfSpace.from_modulus(1.0)
+    )
+    assert punch.contact_area == pytest.approx(np.pi * a * b, rel=1e-12)
+    assert punch.stiffness == pytest.approx(np.pi * a / ellipk(1 - (b / a) ** 2), rel=1e-12)
+
+
+def test_square_punch_has_the_stiffness_of_the_theory():
+    corners = polygon(4).corners
+    punch = flat_punch(
+        lambda phi: 1 / polygon(4).psi(phi), HalfSpace.from_modulus(1.0), corners=corners
+    )
+    assert punch.contact_area == pytest.approx(4.0, rel=1e-13)
+    assert punch.stiffness / 2 == pytest.approx(1.1346, abs=5e-5)
+
+
+def test_punch_without_its_origin_is_refused():
+    with pytest.raises(InputError, match="must contain the origin"):
+        flat_punch(lambda phi: np.cos(phi), HalfSpace.from_modulus(1.0))
+
+
+def test_tangential_modulus_of_equal_bodies():
+    shear = 210e9 / 2.6
+    assert tangential_modulus(STEEL, STEEL) == pytest.approx(2 * shear / 1.7)
+    with pytest.raises(InputError, match="graded"):
+        tangential_modulus(HalfSpace(1.0, 0.3, 0.2))
+    with pytest.raises(InputError, match="needs E and nu"):
+        tangential_modulus(HalfSpace.from_modulus(1.0))
+
+
+@pytest.mark.parametrize("law", ["paper", "harmonic", "hertz"])
+def test_sphere_under_partial_slip_is_cattaneo_mindlin(law):
+    mu, ratio, depth = 0.3, 1.2, 0.02
+    body = HalfSpace.from_modulus(5.0)
+    whole = 4 / 3 * 5.0 * depth**1.5
+    force = mu * whole * np.array([0.0, 0.2, 0.7, 1.0])
+    slip = partial_slip(
+        SPHERE, body, depth, friction=mu, modulus_ratio=ratio, tangential_force=force, law=law
+    )
+    rest = 1 - force / (mu * whole)
+    a = np.sqrt(depth)
+    np.testing.assert_allclose(slip.stick.radius, a * np.cbrt(rest), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(
+        slip.displacement[:3],
+        (mu * ratio * depth * (1 - rest ** (2 / 3)))[:3],
+        rtol=1e-9,
+        atol=1e-15,
+    )
+    assert slip.slipping.tolist() == [False, False, False, True]
+    r = np.array([0.1, 0.6, 0.95]) * a
+    p0, c = 2 * 5.0 * a / np.pi, a * np.cbrt(rest[1])
+    expected = mu * p0 * np.sqrt(1 - (r / a) ** 2)
+    expected -= mu * p0 * c / a * np.sqrt(np.maximum(1 - (r / c) ** 2, 0))
+    np.testing.assert_allclose(slip.traction(r, 0.0)[1], expected, rtol=1e-9, atol=1e-14)
+
+
+def test_displacement_and_force_control_agree():
+    profile, body = polygon(5, 2.0, scale=0.5), HalfSpace.from_modulus(1.0)
+    u = np.array([1e-4, 1e-3])
+    one = partial_slip(profile, body, 0.02, friction=0.4, modulus_ratio=1.1, displacement=u)
+    two = partial_slip(
+        profile, body, 0.02, friction=0.4, modulus_ratio=1.1, tangential_force=one.tangential_force
+    )
+    np.testing.assert_allclose(two.displacement, u, rtol=1e-8)
+    assert np.all(np.diff(one.stick_area) < 0)
+
+
+def test_partial_slip_refuses_what_it_cannot_do():
+    body = HalfSpace.from_modulus(1.0)
+    with pytest.raises(InputError, match="homogeneous half-space"):
+        partial_slip(
+            SPHERE, HalfSpace.from_modulus(1.0, 0.1), 0.1, friction=0.3, modulus_ratio=1.0,
+            displacement=0.1,
+        )  # fmt: skip
+    with pytest.raises(ModelRangeError, match="the contact slides"):
+        partial_slip(SPHERE, body, 0.1, friction=0.3, modulus_ratio=1.0, tangential_force=1.0)
+    with pytest.raises(InputError, match="either displacement or"):
+        partial_slip(SPHERE, body, 0.1, friction=0.3, modulus_ratio=1.0)
+
+
+def test_maxwell_sphere_relaxes_and_creeps_as_known():
+    maxwell = Relaxation(0.0, [4.0], [2.0])
+    t = np.linspace(0, 6, 13)
+    held = viscoelastic_indent(SPHERE, maxwell, t, np.full(t.size, 0.01))
+    np.testing.assert_allclose(held.force, 4 / 3 * 0.01**1.5 * 4 * np.exp(-t / 2), rtol=1e-12)
+    creeping = viscoelastic_indent(SPHERE, maxwell, t, load=np.full(t.size, 0.02))
+    expected = (0.75 * 0.02 / 4 * (1 + t / 2)) ** (2 / 3)
+    np.testing.assert_allclose(creeping.approach, expected, rtol=1e-9)
+
+
+def test_standard_solid_creeps_to_its_equilibrium():
+    solid = Relaxation(1.0, [3.0], [2.0])
+    t = np.append(np.linspace(0, 10, 201), np.linspace(10.1, 60, 150))
+    load = np.full(t.size, 0.02)
+    found = viscoelastic_indent(SPHERE, solid, t, load=load)
+    creep = 1 - 0.75 * np.exp(-t / 8)
+    np.testing.assert_allclose(found.approach, (0.75 * 0.02 * creep) ** (2 / 3), rtol=1e-4)
+    again = viscoelastic_indent(SPHERE, solid, t, found.approach)
+    np.testing.assert_allclose(again.force, load, rtol=1e-8)
+
+
+def test_slow_and_fast_loading_are_elastic():
+    profile, solid = polygon(4, 1.0), Relaxation(1.0, [3.0], [2.0])
+    for factor, modulus in ((1e6, 1.0), (1e-6, 4.0)):
+        t = np.linspace(0, factor, 50)
+        found = viscoelastic_indent(profile, solid, t, np.linspace(0, 0.1, 50), law="paper")
+        expected = modulus * found.elastic.force[-1]
+        assert found.force[-1] == pytest.approx(expected, rel=1e-4)
+
+
+def test_a_shrinking_contact_is_refused():
+    with pytest.raises(ModelRangeError, match="would shrink"):
+        viscoelastic_indent(SPHERE, Relaxation(1.0, [], []), [0.0, 1.0], [0.2, 0.1])
