@@ -13,8 +13,9 @@ from ._spline import evaluate, expand
 _MOST_SAMPLES = 512
 _FLATTEST = 1e-3  # least ratio of the principal curvatures, and least q relative to the tip
 _NARROWEST = math.sqrt(1.0 / 8.0)  # least aspect of the ellipse on which the rays are spread
-_FEWEST_PIXELS = 9.0
-_LOCAL = 1e-4
+_LOCAL = 1e-4  # largest misfit of the local quartic, relative to the range of its points
+
+SUMMIT, PLATEAU, RIM = 0, -1, -2
 
 
 def _quartic_rows() -> NDArray[np.float64]:
@@ -79,28 +80,70 @@ def _quartic(c, y, x):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def summit_of(flat, width, row, col, c, local):
-    """Maximum near a pixel of the local quartic or else of the spline: damped Newton steps.
+def climb(heights, flat, width, labels, periodic, row, col, n, c):
+    """Climb from the summit pixel of peak n to the maximum of the interpolated surface.
 
-    Returns y, x [pixels], the expansion there, and whether a maximum was reached within a pixel.
+    Newton steps with the absolute values of the principal curvatures, of at most half a pixel,
+    on the local quartic `c` where it represents the map and else on the spline. Returns y, x
+    [pixels], the expansion there and what was found: `SUMMIT`, `PLATEAU` (none within reach),
+    `RIM` (the climb leaves the map) or 1 + m, if it leads into the basin of another peak m.
     """
+    ny, nx = heights.shape
+    local = local_fit(heights, periodic, row, col, c)
     y, x = float(row), float(col)
-    for _ in range(20):
-        e = _quartic(c, y - row, x - col) if local else expand(flat, width, y, x)
-        det = e[3] * e[5] - e[4] * e[4]
-        if not (det > 0.0 and e[3] < 0.0):
+    e = expand(flat, width, y, x)
+    for _ in range(30):
+        if local:
+            e = _quartic(c, y - row, x - col)
+        else:
+            e = expand(flat, width, y, x)
+        half = math.hypot(0.5 * (e[3] - e[5]), e[4])
+        mean = 0.5 * (e[3] + e[5])
+        size = abs(mean) + half
+        if size == 0.0:
             break
-        step_y = -(e[5] * e[1] - e[4] * e[2]) / det
-        step_x = -(e[3] * e[2] - e[4] * e[1]) / det
-        size = max(abs(step_y), abs(step_x))
-        if size < 1e-9:
-            return y, x, e, True
-        scale = min(1.0, 0.5 / size)
+        high, low = mean + half, mean - half
+        turn = 0.5 * math.atan2(2.0 * e[4], e[5] - e[3])
+        along_x, along_y = math.cos(turn), math.sin(turn)
+        first = (e[2] * along_x + e[1] * along_y) / max(abs(high), 1e-6 * size)
+        second = (e[1] * along_x - e[2] * along_y) / max(abs(low), 1e-6 * size)
+        step_y = first * along_y + second * along_x
+        step_x = first * along_x - second * along_y
+        length = max(abs(step_y), abs(step_x))
+        if high < 0.0 and length < 1e-9:
+            return y, x, e, SUMMIT
+        scale = min(1.0, 0.5 / max(length, 1e-300))
         y += scale * step_y
         x += scale * step_x
-        if abs(y - row) > 1.0 or abs(x - col) > 1.0:
-            break
-    return float(row), float(col), e, False
+        away = max(abs(y - row), abs(x - col))
+        at_y, at_x = y, x
+        if periodic:
+            at_y, at_x = _wrapped(y, ny), _wrapped(x, nx)
+        elif not (-0.5 <= y < ny - 0.5 and -0.5 <= x < nx - 0.5):
+            return float(row), float(col), e, RIM
+        label = labels[_pixel(at_y, ny), _pixel(at_x, nx)]
+        if away > 1.25 and label >= 0 and label != n:
+            return float(row), float(col), e, 1 + label
+        if away > (1.25 if local else 3.0):
+            if not local:
+                break
+            local = False
+    return float(row), float(col), e, PLATEAU
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def summits(
+    heights, flat, width, labels, periodic, row, col, places, expansions, kinds, first, last
+):
+    """Climb from the peaks [first, last): places (n, 2), expansions (n, 6) and kinds (n,)."""
+    c = np.empty(15)
+    for n in range(first, last):
+        y, x, e, kind = climb(heights, flat, width, labels, periodic, row[n], col[n], n, c)
+        places[n, 0] = y
+        places[n, 1] = x
+        kinds[n] = kind
+        for k in range(6):
+            expansions[n, k] = e[k]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -120,8 +163,8 @@ def _pixel(at, n):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def fit(
-    heights, flat, width, labels, periodic, spacing, order, row, col, prominence, pixels, dip,
-    summits, curvature, angle, phi, weight, edge, q, valid, start, stop,
+    heights, flat, width, labels, owner, periodic, spacing, order, row, col, prominence, pixels,
+    dip, places, expansions, kinds, summit, curvature, angle, phi, weight, edge, q, start, stop,
 ):  # fmt: skip
     """Fill the profiles of the peaks ``order[start:stop]``; see `surfaces.profiles.Profiles`."""
     ny, nx = heights.shape
@@ -129,15 +172,17 @@ def fit(
     rays, nodes = q.shape[1:]
     rs = np.empty(_MOST_SAMPLES)
     fs = np.empty(_MOST_SAMPLES)
-    quartic = np.empty(15)
     for place in range(start, stop):
         n = order[place]
-        local = local_fit(heights, periodic, row[n], col[n], quartic)
-        y0, x0, e, found = summit_of(flat, width, row[n], col[n], quartic, local)
-        z0 = e[0] if found else heights[row[n], col[n]]
-        a, b, c = -e[5] / (dx * dx), -e[4] / (dx * dy), -e[3] / (dy * dy)
-        if not found:
-            # a plateau, a spike or a border: the paraboloid that fills the basin
+        found = kinds[n] == SUMMIT
+        sampled = found or kinds[n] == PLATEAU
+        y0, x0 = places[n]
+        z0 = expansions[n, 0] if found else heights[row[n], col[n]]
+        if found:
+            a = -expansions[n, 5] / (dx * dx)
+            b = -expansions[n, 4] / (dx * dy)
+            c = -expansions[n, 3] / (dy * dy)
+        else:  # the round paraboloid that fills the basin down to the saddle
             a = 2.0 * math.pi * prominence[n] / (pixels[n] * dy * dx)
             b, c = 0.0, a
         half = math.hypot(0.5 * (a - c), b)
@@ -146,9 +191,9 @@ def fit(
         long_axis = 0.5 * math.atan2(2.0 * b, a - c) + 0.5 * math.pi
         if long_axis > 0.5 * math.pi:
             long_axis -= math.pi
-        summits[n, 0] = (x0 + 0.5) * dx
-        summits[n, 1] = (y0 + 0.5) * dy
-        summits[n, 2] = z0
+        summit[n, 0] = (x0 + 0.5) * dx
+        summit[n, 1] = (y0 + 0.5) * dy
+        summit[n, 2] = z0
         curvature[n, 0] = k1
         curvature[n, 1] = k2
         angle[n] = long_axis
@@ -161,7 +206,6 @@ def fit(
             phi[n, p] = long_axis + math.atan2(v, u)
             weight[n, p] = aspect / (u * u + v * v)
             total += weight[n, p]
-        covered = 0.0
         for p in range(rays):
             weight[n, p] *= 2.0 * math.pi / total
             way_y, way_x = math.sin(phi[n, p]) / dy, math.cos(phi[n, p]) / dx
@@ -172,7 +216,7 @@ def fit(
             m = 0
             r = 0.0
             rs[0], fs[0] = 0.0, 0.0
-            while found and m + 1 < _MOST_SAMPLES:
+            while sampled and m + 1 < _MOST_SAMPLES:
                 r += pixel if m == 0 else max(0.5 * pixel, 0.1 * r)
                 y, x = y0 + r * way_y, x0 + r * way_x
                 if periodic:
@@ -183,7 +227,7 @@ def fit(
                 rs[m] = r
                 fs[m] = z0 - evaluate(flat, width, y, x)
                 label = labels[_pixel(y, ny), _pixel(x, nx)]
-                outside = outside + 1 if label >= 0 and label != n else 0
+                outside = outside + 1 if label >= 0 and owner[label] != n else 0
                 if fs[m] > fs[top] or m == 1:
                     top = m
                 elif fs[m] <= fs[top] - dip:
@@ -201,13 +245,11 @@ def fit(
                     if up + down > 0.0:
                         edge[n, p] += 0.5 * (up * right - down * left) / (up + down)
             edge[n, p] = max(edge[n, p], 0.5 * pixel)
-            covered += 0.5 * weight[n, p] * edge[n, p] ** 2
-        valid[n] = found and covered >= _FEWEST_PIXELS * dy * dx
 
         for p in range(rays):
             t = phi[n, p] - long_axis
             tip = 0.5 * (k2 * math.cos(t) ** 2 + k1 * math.sin(t) ** 2)
-            if not valid[n]:
+            if not sampled:
                 around = math.sqrt(pixels[n] * dy * dx / math.pi)
                 edge[n, p] = max(edge[n, p], around)
                 for j in range(nodes):

@@ -15,6 +15,8 @@ from .polar import PolarProfile
 
 __all__ = ["Profiles", "fit_profiles"]
 
+_SAME = 0.2  # two summits nearer than this [pixels] are one
+
 Array = NDArray[np.float64]
 
 
@@ -48,8 +50,13 @@ class Profiles:
     border
         True where the basin touches the border of a map that is not periodic, shape (n,).
     valid
-        False where the summit could not be resolved (a plateau, a spike, fewer than nine pixels
-        inside the edge), shape (n,). Such a profile is the paraboloid with the curvatures given.
+        Whether there is a summit, shape (n,). False where the interpolated surface rises from
+        the summit pixel into the basin of another peak (the grid cuts a ridge into several
+        peaks), or out of a map that is not periodic. Such a profile is a paraboloid that fills
+        the basin down to its saddle; it stands for no contact of its own.
+    owner
+        Peak into whose basin the surface rises, shape (n,), the peak itself where `valid`. The
+        rays of the owner run through the basins that it owns.
     """
 
     x: Array
@@ -65,6 +72,7 @@ class Profiles:
     pixels: NDArray[np.int64]
     border: NDArray[np.bool_]
     valid: NDArray[np.bool_]
+    owner: NDArray[np.int64]
 
     def __len__(self) -> int:
         return int(self.x.size)
@@ -72,7 +80,7 @@ class Profiles:
     def __repr__(self) -> str:
         return (
             f"<Profiles: {len(self)} peaks, {self.phi.shape[1]} rays, {self.t.size} nodes, "
-            f"{int(self.valid.sum())} resolved>"
+            f"{int(self.valid.sum())} summits>"
         )
 
     def f(self) -> Array:
@@ -136,7 +144,8 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
     maximum of the spline. The rays are uniform in the parameter of an ellipse with the aspect
     ``(k2/k1) ** (1/3)`` (the square root of the aspect of the Hertz contact, at least 1/sqrt(8)),
     which keeps the angular quadrature accurate for elongated contacts. A ray ends at the first
-    local maximum of f, or where it has left the basin of its peak for another.
+    local maximum of f, or where it has left the basin of its peak for another. A plateau, which
+    has no curvature of its own, starts with the paraboloid that fills its basin.
     """
     if rays < 4 or nodes < 4:
         raise InputError(f"rays is {rays} and nodes is {nodes}; give at least 4 of each")
@@ -146,25 +155,40 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
             "segment this map first"
         )
     n = len(peaks)
-    pixels = np.rint(peaks.basin_area / np.prod(hm.spacing)).astype(np.int64)
-    summits, curvature, angle = np.empty((n, 3)), np.empty((n, 2)), np.empty(n)
-    phi, weight, edge = (np.empty((n, rays)) for _ in range(3))
-    q, valid = np.empty((n, rays, nodes)), np.empty(n, np.bool_)
     spline = _spline.coefficients(hm.heights, hm.periodic)
+    grid = (hm.heights, spline.ravel(), spline.shape[1], peaks.labels)
+    places, expansions, kinds = np.empty((n, 2)), np.empty((n, 6)), np.empty(n, np.int64)
+    parts = _threads.blocks(n, 64)
+    _threads.run(
+        lambda a, b: _rays.summits(
+            *grid, hm.periodic, peaks.row, peaks.col, places, expansions, kinds, a, b
+        ),
+        parts,
+    )
+    owner = _owners(hm, peaks, places, kinds)
+    counts = np.rint(peaks.basin_area / np.prod(hm.spacing)).astype(np.int64)
+    pixels = np.bincount(owner, weights=counts, minlength=n).astype(np.int64)
+    border = np.zeros(n, np.bool_)
+    np.logical_or.at(border, owner, peaks.border)
+    own = owner == np.arange(n)
+    pixels[~own], border[~own] = counts[~own], peaks.border[~own]
+
+    summit, curvature, angle = np.empty((n, 3)), np.empty((n, 2)), np.empty(n)
+    phi, weight, edge = (np.empty((n, rays)) for _ in range(3))
+    q = np.empty((n, rays, nodes))
     near = np.lexsort((peaks.col, peaks.row // 32))  # neighbors share the cache
-
-    def fit(start: int, stop: int) -> None:
-        _rays.fit(
-            hm.heights, spline.ravel(), spline.shape[1], peaks.labels, hm.periodic, hm.spacing,
-            near, peaks.row, peaks.col, peaks.prominence, pixels, peaks.min_prominence, summits,
-            curvature, angle, phi, weight, edge, q, valid, start, stop,
-        )  # fmt: skip
-
-    _threads.run(fit, _threads.blocks(n, 64))
+    _threads.run(
+        lambda a, b: _rays.fit(
+            *grid, owner, hm.periodic, hm.spacing, near, peaks.row, peaks.col, peaks.prominence,
+            pixels, peaks.min_prominence, places, expansions, kinds, summit, curvature, angle, phi,
+            weight, edge, q, a, b,
+        ),
+        parts,
+    )  # fmt: skip
     return Profiles(
-        x=summits[:, 0].copy(),
-        y=summits[:, 1].copy(),
-        height=summits[:, 2].copy(),
+        x=summit[:, 0].copy(),
+        y=summit[:, 1].copy(),
+        height=summit[:, 2].copy(),
         curvature=curvature,
         angle=angle,
         phi=phi,
@@ -173,6 +197,33 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
         t=np.linspace(0.0, 1.0, nodes),
         q=q,
         pixels=pixels,
-        border=peaks.border.copy(),
-        valid=valid,
+        border=border,
+        valid=own & (kinds != _rays.RIM),
+        owner=owner,
     )
+
+
+def _owners(
+    hm: HeightMap, peaks: Peaks, places: Array, kinds: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Peak that stands for each peak; `kinds` is updated for those that share a summit."""
+    n = len(peaks)
+    rank = np.arange(n)
+    pixel = np.rint(places).astype(np.int64)
+    if hm.periodic:
+        pixel %= hm.shape
+    at = peaks.labels[pixel[:, 0], pixel[:, 1]] if n else rank
+    shared = (kinds == _rays.SUMMIT) & (at >= 0) & (at != rank)
+    shared[shared] &= kinds[at[shared]] == _rays.SUMMIT
+    away = places[shared] - places[at[shared]]
+    if hm.periodic:
+        away -= np.array(hm.shape) * np.round(away / hm.shape)
+    shared[shared] &= np.hypot(*away.T) < _SAME
+    kinds[shared] = 1 + at[shared]
+    owner = np.where(kinds > 0, kinds - 1, rank)
+    for _ in range(n):
+        further = owner[owner]
+        if np.array_equal(further, owner):
+            return owner
+        owner = further
+    return owner

@@ -75,7 +75,25 @@ def test_turning_the_map_turns_the_profiles():
     assert_allclose(np.sin(2 * (other.angle - base.angle - np.pi / 2)), 0.0, atol=1e-6)
 
 
-def test_small_basins_get_a_paraboloid_and_are_marked():
+def test_ridge_cut_into_pieces_by_the_grid_is_one_peak():
+    """Its pixels have several maxima, the surface through them has one; the rays pass them all."""
+    k1, k2, angle = 1.2, 0.004, 0.4
+    y, x = np.mgrid[:60, :80] - np.array([30.2, 40.3])[:, None, None]
+    along = x * np.cos(angle) + y * np.sin(angle)
+    across = y * np.cos(angle) - x * np.sin(angle)
+    ridge = -0.5 * k2 * along**2 - (1 - np.cos(across * np.sqrt(k1)))
+    hm = surfaces.HeightMap(np.where(np.abs(across) < 2.5, ridge, -2.0), 1.0)
+    peaks, fit = fitted(hm)
+    top = int(np.argmin(np.hypot(fit.x - 40.8, fit.y - 30.7)))
+    pieces = np.flatnonzero(fit.owner == top)
+    assert len(pieces) > 2 and fit.valid[top] and fit.valid[pieces].sum() == 1
+    assert fit.pixels[top] == np.isin(peaks.labels, pieces).sum()
+    assert_allclose([fit.x[top], fit.y[top]], [40.8, 30.7], atol=1.0)
+    assert abs(np.sin(fit.angle[top] - angle)) < 0.01
+    assert fit.edge[top].max() > 20
+
+
+def test_peaks_without_a_summit_get_a_paraboloid_and_are_marked():
     hm = surfaces.HeightMap(np.random.default_rng(0).normal(size=(20, 24)), (1.0, 2.0))
     _, fit = fitted(hm)
     assert not fit.valid.all()
@@ -87,10 +105,13 @@ def test_small_basins_get_a_paraboloid_and_are_marked():
     assert np.isfinite(fit.q).all() and (fit.curvature > 0).all()
 
 
-def test_plateau_is_marked():
+def test_plateau_is_a_blunt_summit():
     h = -np.maximum(0.0, np.hypot(*np.mgrid[-9:10, -12:13]) - 4.0)
     _, fit = fitted(surfaces.HeightMap(h, 1.0))
-    assert np.isfinite(fit.q).all() and (fit.q > 0).all()
+    assert np.isfinite(fit.q).all() and (fit.q > 0).all() and fit.valid[0]
+    assert_allclose([fit.x[0], fit.y[0], fit.height[0]], [12.5, 9.5, 0.0], atol=1e-12)
+    r = fit.t * fit.edge[0][:, None]
+    assert (fit.f()[0][r < 3.0] < 0.1).all() and (fit.f()[0][(r > 5.5) & (r < 8)] > 1.0).all()
 
 
 def test_no_peaks_give_no_profiles():

@@ -197,6 +197,27 @@ def test_neighbors_hold_the_highest_pass_of_each_touching_pair():
     assert_array_equal(peaks.passes, [passes[p] for p in sorted(passes)])
 
 
+@pytest.mark.parametrize("decimals", [None, 1])
+def test_prominences_agree_with_the_max_tree_of_higra(decimals):
+    """Dynamics of the leaves of an independent max-tree, plateaus included."""
+    higra = pytest.importorskip("higra")
+    hm = rough((60, 50)).replace(periodic=False)
+    if decimals is not None:
+        hm = hm.replace(heights=np.round(hm.heights, decimals))
+    graph = higra.get_8_adjacency_graph(hm.shape)
+    tree, altitudes = higra.component_tree_max_tree(graph, hm.heights)
+    dynamics = higra.attribute_dynamics(tree, altitudes, increasing_altitudes=False)
+    leaves = np.flatnonzero(higra.attribute_extrema(tree, altitudes))
+    peaks = surfaces.segment(hm)
+    order = np.lexsort((dynamics[leaves], altitudes[leaves]))
+    mine = np.lexsort((peaks.prominence, peaks.height))
+    assert_array_equal(peaks.height[mine], altitudes[leaves][order])
+    if decimals is None:
+        assert_allclose(peaks.prominence[mine], dynamics[leaves][order])
+    else:  # of two equally high peaks either may be the one that ends at the saddle
+        assert_allclose(np.sort(peaks.prominence), np.sort(dynamics[leaves]), atol=1e-12)
+
+
 def test_border_flag():
     hm = rough()
     assert not surfaces.segment(hm).border.any()
