@@ -31,6 +31,10 @@ if TYPE_CHECKING:
     from .heightmap import HeightMap as HeightMap
     from .levelling import level as level
     from .peaks import Peaks as Peaks
+    from .plot import plot_bearing as plot_bearing
+    from .plot import plot_map as plot_map
+    from .plot import plot_profiles as plot_profiles
+    from .plot import plot_spectrum as plot_spectrum
     from .polar import PolarProfile as PolarProfile
     from .polar import PolynomialProfile as PolynomialProfile
     from .polar import PowerLawProfile as PowerLawProfile
@@ -88,6 +92,10 @@ _HOME = {
     "mark_outliers": "filling",
     "open": "hdf5",
     "plateau_honed": "textures",
+    "plot_bearing": "plot",
+    "plot_map": "plot",
+    "plot_profiles": "plot",
+    "plot_spectrum": "plot",
     "power_spectrum": "spectrum",
     "power_spectrum_2d": "spectrum",
     "prepare": "preparation",

@@ -6,94 +6,22 @@ import argparse
 import glob
 import math
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tqdm import tqdm
 
 import surfaces
+from asperity.cli.surface_options import add_arguments, add_preparation
 from surfaces.errors import AsperityError, InputError
 
-_EPILOG = """examples:
-  asperity surface info scan.h5 'raw/*.sur'
-  asperity surface generate --shape 512 512 --size 1e-3 --hurst 0.8 --rms-slope 0.1 -o map.h5
-  asperity surface prepare scan.h5 --level plane --outliers 6 --fill harmonic -o ready.h5
-  asperity surface convert heights.csv --unit um --spacing 1e-6 -o heights.h5
-  asperity surface validate scan.h5
-  asperity surface peaks ready.h5 --min-prominence 1e-8 -o peaks.csv
-"""
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["add_arguments", "add_preparation", "expand", "prepared", "run"]
 
 Work = Callable[[Path, argparse.Namespace], bool]
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of all sub-commands."""
-    parser.epilog = _EPILOG
-    commands = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
-
-    info = _command(commands, "info", "what a map is and how rough it is")
-    _files(info)
-
-    validate = _command(commands, "validate", "name every fault of HDF5 height-map files")
-    validate.add_argument("files", nargs="+", metavar="FILE", help="files or glob patterns")
-    validate.add_argument("--dataset", metavar="NAME", help="name of the heights in the file")
-
-    convert = _command(commands, "convert", "rewrite maps as HDF5 schema 1, .npz, .txt or .csv")
-    _files(convert)
-    _outputs(convert)
-
-    prepare = _command(commands, "prepare", "level, remove outliers, fill, filter, make periodic")
-    _files(prepare)
-    _outputs(prepare)
-    add_preparation(prepare)
-
-    generate = _command(commands, "generate", "make a self-affine rough surface")
-    _generation(generate)
-
-    peaks = _command(commands, "peaks", "list the peaks of a map")
-    _files(peaks)
-    peaks.add_argument("--above", type=float, metavar="M", help="only heights above this [m]")
-    peaks.add_argument(
-        "--min-prominence", type=float, default=0.0, metavar="M", help="smallest prominence [m]"
-    )
-    peaks.add_argument("-o", "--output", metavar="CSV", help="write all peaks as CSV")
-
-
-def add_preparation(parser: argparse.ArgumentParser) -> None:
-    """Options of `surfaces.prepare`."""
-    parser.add_argument(
-        "--level",
-        choices=["none", "mean", "plane", "quadratic", "cylinder"],
-        default="plane",
-        help="form to take out (default: plane)",
-    )
-    parser.add_argument(
-        "--fill", choices=["none", "harmonic"], default="harmonic", help="fill missing points"
-    )
-    parser.add_argument(
-        "--fill-limit", type=float, default=0.1, metavar="F", help="largest fraction to fill (0.1)"
-    )
-    parser.add_argument(
-        "--outliers", type=float, metavar="K", help="drop spikes beyond K robust deviations"
-    )
-    parser.add_argument(
-        "--bandpass",
-        type=float,
-        nargs=2,
-        metavar=("SHORT", "LONG"),
-        help="wavelengths to keep [m]; 0 and inf leave a side open",
-    )
-    parser.add_argument("--periodic", choices=["mirror", "taper", "wrap"], help="make it periodic")
-    parser.add_argument(
-        "--resample", type=float, nargs="+", metavar="D", help="pixel size to move to: DY DX [m]"
-    )
-    parser.add_argument(
-        "--crop",
-        type=int,
-        nargs=4,
-        metavar=("TOP", "BOTTOM", "LEFT", "RIGHT"),
-        help="pixels to keep, first and one past last",
-    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -108,8 +36,10 @@ def run(args: argparse.Namespace) -> int:
         "peaks": _peaks,
     }
     files = expand(args.files)
-    if len(files) > 1 and getattr(args, "output", None):
-        raise InputError(f"-o names one file and {len(files)} were given; use --folder")
+    for option in ("output", "plot", "fans"):
+        if len(files) > 1 and getattr(args, option, None):
+            remedy = "use --folder" if hasattr(args, "folder") else "give one file"
+            raise InputError(f"--{option} names one file and {len(files)} were given; {remedy}")
     bad = 0
     for path in tqdm(files, disable=None, unit="file", leave=False):
         try:
@@ -119,64 +49,19 @@ def run(args: argparse.Namespace) -> int:
             text = " ".join(str(error).split()) or f"{path}: out of memory"
             named = text if str(path) in text else f"{path}: {text}"
             tqdm.write(f"asperity surface {args.action}: {named}", file=sys.stderr)
+    if getattr(args, "sections", None):
+        from surfaces.page import write_page
+
+        write_page(args.sections, Path(args.html))
     return 2 if bad else 0
 
 
 def expand(patterns: Sequence[str]) -> list[Path]:
-    """Files of names and glob patterns, in order, each once."""
-    found: dict[Path, None] = {}
-    for pattern in patterns:
-        names = sorted(glob.glob(pattern, recursive=True)) if glob.has_magic(pattern) else [pattern]
-        if not names and not Path(pattern).exists():
-            raise InputError(f"{pattern}: no file matches")
-        found |= dict.fromkeys(Path(name) for name in names or [pattern])
-    return list(found)
-
-
-def _command(
-    commands: argparse._SubParsersAction[argparse.ArgumentParser], name: str, summary: str
-) -> argparse.ArgumentParser:
-    example = next(line for line in _EPILOG.splitlines() if f"surface {name}" in line)
-    return commands.add_parser(
-        name,
-        help=summary,
-        description=summary[0].upper() + summary[1:] + ".",
-        epilog=f"example:\n{example}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-
-
-def _files(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("files", nargs="+", metavar="FILE", help="files or glob patterns")
-    parser.add_argument("--dataset", metavar="NAME", help="name of the heights in the file")
-    parser.add_argument("--unit", help="unit of the heights where the file states none")
-    parser.add_argument(
-        "--spacing", type=float, nargs="+", metavar="D", help="pixel size DY DX [m], if not stated"
-    )
-
-
-def _outputs(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("-o", "--output", metavar="FILE", help="file to write (one input only)")
-    parser.add_argument("--folder", metavar="DIR", help="folder to write NAME.h5 to, for batches")
-    parser.add_argument("--float32", action="store_true", help="half the size, 7 digits")
-
-
-def _generation(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--shape", type=int, nargs="+", default=[512, 512], metavar="N")
-    parser.add_argument("--size", type=float, nargs="+", default=[1e-3], metavar="L", help="[m]")
-    parser.add_argument("--hurst", type=float, default=0.8, help="Hurst exponent (0.8)")
-    parser.add_argument("--rms-slope", type=float, help="rms slope [-]")
-    parser.add_argument("--rms-height", type=float, help="rms height [m]")
-    parser.add_argument("--rolloff", type=float, help="longest self-affine wavelength [m]")
-    parser.add_argument("--cutoff", type=float, help="shortest wavelength [m]")
-    parser.add_argument(
-        "--anisotropy", type=float, default=1.0, help="ratio of correlation lengths"
-    )
-    parser.add_argument("--angle", type=float, default=0.0, help="direction of the lay [degrees]")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--name", help="name kept in the file")
-    parser.add_argument("-o", "--output", metavar="FILE", required=True)
-    parser.add_argument("--float32", action="store_true", help="half the size, 7 digits")
+    """Files of names and glob patterns, in order, each once; a pattern without match is a name."""
+    names = [
+        name for word in patterns for name in sorted(glob.glob(word, recursive=True)) or [word]
+    ]
+    return [Path(name) for name in dict.fromkeys(names)]
 
 
 def _read(path: Path, args: argparse.Namespace) -> surfaces.HeightMap:
@@ -197,17 +82,23 @@ def _info(path: Path, args: argparse.Namespace) -> bool:
     hm = _read(path, args)
     (ny, nx), (dy, dx), (length_y, length_x) = hm.shape, hm.spacing, hm.size
     lines = [
-        f"{path}",
-        f"  points     {ny} x {nx} (y, x), {hm.missing} missing",
-        f"  pixel      {dy:.6g} x {dx:.6g} m, map {length_y:.6g} x {length_x:.6g} m",
-        f"  periodic   {'yes' if hm.periodic else 'no'}",
-        f"  rms height {hm.rms_height:.6g} m",
+        f"points      {ny} x {nx} (y, x), {hm.missing} missing",
+        f"pixel       {dy:.6g} x {dx:.6g} m, map {length_y:.6g} x {length_x:.6g} m",
+        f"periodic    {'yes' if hm.periodic else 'no'}",
+        *str(surfaces.describe(hm)).splitlines(),
+        *(f"history     {_told(step)}" for step in hm.history),
     ]
-    for step in hm.history:
-        details = ", ".join(f"{k} {v}" for k, v in step.items() if k != "step")
-        lines.append(f"  history    {step.get('step', '?')}: {details}"[:160])
-    tqdm.write("\n".join(lines))
+    tqdm.write("\n".join([str(path), *(f"  {line}" for line in lines)]))
+    if args.html:
+        from surfaces.page import section
+
+        args.sections = [*getattr(args, "sections", []), section(hm)]
     return True
+
+
+def _told(step: Mapping[str, object]) -> str:
+    details = ", ".join(f"{key} {value}" for key, value in step.items() if key != "step")
+    return f"{step.get('step', '?')}: {details}"
 
 
 def _validate(path: Path, args: argparse.Namespace) -> bool:
@@ -226,12 +117,15 @@ def _convert(path: Path, args: argparse.Namespace) -> bool:
 
 def _prepare(path: Path, args: argparse.Namespace) -> bool:
     hm = prepared(_read(path, args), args)
-    for step in hm.history:
-        if step["step"] != "read":
-            details = ", ".join(f"{key} {value}" for key, value in step.items() if key != "step")
-            tqdm.write(f"{path}: {step['step']}: {details}", file=sys.stderr)
+    _tell_steps(hm, path)
     _save(hm, path, args)
     return True
+
+
+def _tell_steps(hm: surfaces.HeightMap, path: Path) -> None:
+    for step in hm.history:
+        if step.get("step") != "read":
+            tqdm.write(f"{path}: {_told(step)}", file=sys.stderr)
 
 
 def prepared(hm: surfaces.HeightMap, args: argparse.Namespace) -> surfaces.HeightMap:
@@ -250,8 +144,8 @@ def prepared(hm: surfaces.HeightMap, args: argparse.Namespace) -> surfaces.Heigh
         bandpass=band,
         fill_limit=args.fill_limit,
     )
-    if args.resample:
-        hm = surfaces.resample(hm, _pair(args.resample, "--resample"))
+    if pixel := _pair(args.resample, "--resample"):
+        hm = surfaces.resample(hm, pixel)
     return surfaces.make_periodic(hm, args.periodic) if args.periodic else hm
 
 
@@ -297,22 +191,53 @@ def _generate(args: argparse.Namespace) -> int:
 
 
 def _peaks(path: Path, args: argparse.Namespace) -> bool:
+    hm = prepared(_read(path, args), args)
+    _tell_steps(hm, path)
     peaks = surfaces.segment(
-        _read(path, args), above=args.above, min_prominence=args.min_prominence
+        hm, above=args.above, min_prominence=args.min_prominence, wolf=args.wolf
     )
-    tqdm.write(f"{path}: {len(peaks)} peaks")
-    columns = ("x", "y", "height", "prominence", "basin_area")
+    profiles = surfaces.fit_profiles(hm, peaks)
+    columns = {
+        "x_m": profiles.x,
+        "y_m": profiles.y,
+        "height_m": profiles.height,
+        "prominence_m": peaks.prominence,
+        "basin_area_m2": peaks.basin_area,
+        "curvature_1_per_m": profiles.curvature[:, 0],
+        "curvature_2_per_m": profiles.curvature[:, 1],
+        "angle_rad": profiles.angle,
+        "border": peaks.border.astype(int),
+        "resolved": profiles.valid.astype(int),
+    }
+    resolved = int(profiles.valid.sum())
+    tqdm.write(
+        f"{path}: {len(peaks)} peaks, {resolved} resolved, {peaks.border.sum()} at the border"
+    )
+    if args.plot:
+        from surfaces.plot import plot_map
+
+        _save_figure(plot_map(hm, peaks), args.plot)
+    if args.fans:
+        from surfaces.plot import plot_profiles
+
+        _save_figure(plot_profiles(profiles, range(min(9, len(peaks)))), args.fans)
     if args.output:
-        rows = zip(*(getattr(peaks, name).tolist() for name in (*columns, "border")), strict=True)
-        lines = ["x_m,y_m,height_m,prominence_m,basin_area_m2,border"]
-        lines += [",".join(str(value) for value in row) for row in rows]
+        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+        lines = [",".join(columns), *(",".join(str(value) for value in row) for row in rows)]
         try:
             Path(args.output).write_text("\n".join(lines) + "\n")
         except OSError as error:
             raise InputError(f"{args.output}: cannot be written ({error.strerror})") from error
         return True
-    tqdm.write("  " + "".join(f"{name:>14s}" for name in columns) + "   (SI; highest ten)")
+    shown = list(columns)[:7]
+    tqdm.write("  " + "".join(f"{name:>18s}" for name in shown) + "   (highest ten)")
     for index in range(min(10, len(peaks))):
-        values = (float(getattr(peaks, name)[index]) for name in columns)
-        tqdm.write("  " + "".join(f"{value:14.6g}" for value in values))
+        tqdm.write("  " + "".join(f"{float(columns[name][index]):18.6g}" for name in shown))
     return True
+
+
+def _save_figure(figure: Figure, target: str) -> None:
+    try:
+        figure.savefig(target, dpi=150)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{target}: cannot be written ({error})") from error

@@ -1,0 +1,142 @@
+"""Options of ``asperity surface`` and its sub-commands."""
+
+from __future__ import annotations
+
+import argparse
+
+_EPILOG = """examples:
+  asperity surface info scan.h5 'raw/*.sur' --html maps.html
+  asperity surface generate --shape 512 512 --size 1e-3 --hurst 0.8 --rms-slope 0.1 -o map.h5
+  asperity surface prepare scan.h5 --level plane --outliers 6 --fill harmonic -o ready.h5
+  asperity surface convert heights.csv --unit um --spacing 1e-6 -o heights.h5
+  asperity surface validate scan.h5
+  asperity surface peaks scan.h5 --fill harmonic --wolf 5 --plot peaks.png -o peaks.csv
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add all sub-commands with their options."""
+    parser.epilog = _EPILOG
+    commands = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+
+    info = _command(commands, "info", "what a map is and how rough it is, as it stands")
+    _files(info)
+    info.add_argument("--html", metavar="FILE", help="write a page with numbers and pictures")
+
+    validate = _command(commands, "validate", "name every fault of HDF5 height-map files")
+    validate.add_argument("files", nargs="+", metavar="FILE", help="files or glob patterns")
+    validate.add_argument("--dataset", metavar="NAME", help="name of the heights in the file")
+
+    convert = _command(commands, "convert", "rewrite maps as HDF5 schema 1, .npz, .txt or .csv")
+    _files(convert)
+    _outputs(convert)
+
+    prepare = _command(commands, "prepare", "level, remove outliers, fill, filter, make periodic")
+    _files(prepare)
+    _outputs(prepare)
+    add_preparation(prepare)
+
+    generate = _command(commands, "generate", "make a self-affine rough surface")
+    _generation(generate)
+
+    peaks = _command(commands, "peaks", "prepare a map and list its peaks")
+    _files(peaks)
+    add_preparation(peaks, fill="none")
+    finding = peaks.add_argument_group("peaks")
+    finding.add_argument("--above", type=float, metavar="M", help="only heights above this [m]")
+    finding.add_argument(
+        "--min-prominence", type=float, default=0.0, metavar="M", help="smallest prominence [m]"
+    )
+    finding.add_argument(
+        "--wolf",
+        type=float,
+        metavar="PERCENT",
+        help="the same in %% of the height range",
+    )
+    finding.add_argument("--plot", metavar="FILE", help="picture of map, summits and basins")
+    finding.add_argument("--fans", metavar="FILE", help="picture of the nine highest profiles")
+    finding.add_argument("-o", "--output", metavar="CSV", help="write all peaks as CSV")
+
+
+def add_preparation(parser: argparse.ArgumentParser, *, fill: str = "harmonic") -> None:
+    """Options of `surfaces.prepare`, and of cropping and resampling."""
+    parser = parser.add_argument_group("preparation")  # type: ignore[assignment]
+    parser.add_argument(
+        "--level",
+        choices=["none", "mean", "plane", "quadratic", "cylinder"],
+        default="plane",
+        help="form to take out (default: plane)",
+    )
+    parser.add_argument(
+        "--fill", choices=["none", "harmonic"], default=fill, help=f"missing points ({fill})"
+    )
+    parser.add_argument(
+        "--fill-limit", type=float, default=0.1, metavar="F", help="largest fraction to fill (0.1)"
+    )
+    parser.add_argument(
+        "--outliers", type=float, metavar="K", help="drop spikes beyond K robust deviations"
+    )
+    parser.add_argument(
+        "--bandpass",
+        type=float,
+        nargs=2,
+        metavar=("SHORT", "LONG"),
+        help="wavelengths to keep [m]; 0 and inf leave a side open",
+    )
+    parser.add_argument("--periodic", choices=["mirror", "taper", "wrap"], help="make it periodic")
+    parser.add_argument(
+        "--resample", type=float, nargs="+", metavar="D", help="pixel size to move to: DY DX [m]"
+    )
+    parser.add_argument(
+        "--crop",
+        type=int,
+        nargs=4,
+        metavar=("TOP", "BOTTOM", "LEFT", "RIGHT"),
+        help="pixels to keep, first and one past last",
+    )
+
+
+def _command(
+    commands: argparse._SubParsersAction[argparse.ArgumentParser], name: str, summary: str
+) -> argparse.ArgumentParser:
+    example = next(line for line in _EPILOG.splitlines() if f"surface {name}" in line)
+    return commands.add_parser(
+        name,
+        help=summary,
+        description=summary[0].upper() + summary[1:] + ".",
+        epilog=f"example:\n{example}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+
+
+def _files(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("files", nargs="+", metavar="FILE", help="files or glob patterns")
+    parser.add_argument("--dataset", metavar="NAME", help="name of the heights in the file")
+    parser.add_argument("--unit", help="unit of the heights where the file states none")
+    parser.add_argument(
+        "--spacing", type=float, nargs="+", metavar="D", help="pixel size DY DX [m], if not stated"
+    )
+
+
+def _outputs(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("-o", "--output", metavar="FILE", help="file to write (one input only)")
+    parser.add_argument("--folder", metavar="DIR", help="folder to write NAME.h5 to, for batches")
+    parser.add_argument("--float32", action="store_true", help="half the size, 7 digits")
+
+
+def _generation(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--shape", type=int, nargs="+", default=[512, 512], metavar="N")
+    parser.add_argument("--size", type=float, nargs="+", default=[1e-3], metavar="L", help="[m]")
+    parser.add_argument("--hurst", type=float, default=0.8, help="Hurst exponent (0.8)")
+    parser.add_argument("--rms-slope", type=float, help="rms slope [-]")
+    parser.add_argument("--rms-height", type=float, help="rms height [m]")
+    parser.add_argument("--rolloff", type=float, help="longest self-affine wavelength [m]")
+    parser.add_argument("--cutoff", type=float, help="shortest wavelength [m]")
+    parser.add_argument(
+        "--anisotropy", type=float, default=1.0, help="ratio of correlation lengths"
+    )
+    parser.add_argument("--angle", type=float, default=0.0, help="direction of the lay [degrees]")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--name", help="name kept in the file")
+    parser.add_argument("-o", "--output", metavar="FILE", required=True)
+    parser.add_argument("--float32", action="store_true", help="half the size, 7 digits")

@@ -1,0 +1,133 @@
+"""One self-contained HTML page about height maps: numbers, pictures, history."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+import math
+from collections.abc import Iterable
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from .bearing import bearing_curve
+from .errors import SurfaceError
+from .heightmap import HeightMap
+from .plot import plot_bearing, plot_map, plot_spectrum
+from .spectrum import power_spectrum
+from .statistics import Statistics, describe
+
+__all__ = ["section", "write_page"]
+
+_STYLE = """
+body{font:15px/1.5 system-ui,sans-serif;color:#1f2a33;max-width:70rem}
+body{margin:2rem auto;padding:0 1rem}
+h1{font-size:1.5rem} h2{font-size:1.2rem;border-top:1px solid #d5dbe0;padding-top:1.2rem}
+.figures,.numbers{display:flex;flex-wrap:wrap;gap:1rem;align-items:flex-start}
+img{max-width:100%;height:auto} .figures img{max-width:calc(50% - .5rem)}
+table{border-collapse:collapse;margin:.8rem 0}
+td,th{vertical-align:top;padding:.15rem .9rem .15rem 0;text-align:left}
+th{font-weight:600;white-space:nowrap} td{font-variant-numeric:tabular-nums}
+.warning{background:#fdf3e1;border-left:4px solid #e0a030;padding:.4rem .8rem;margin:.4rem 0}
+@media(max-width:50rem){.figures img{max-width:100%}}
+"""
+
+_MEANING = {
+    "Sq": "rms height [m]",
+    "Sa": "mean absolute height [m]",
+    "Ssk": "skewness [-]",
+    "Sku": "kurtosis [-]",
+    "Sp": "highest peak [m]",
+    "Sv": "deepest dale [m]",
+    "Sz": "peak to dale [m]",
+    "Sdq": "rms slope, finite differences [-]",
+    "Sdr": "additional area [-]",
+    "curvature": "rms, finite differences [1/m]",
+    "Sk": "core height [m]",
+    "Spk": "reduced peak height [m]",
+    "Svk": "reduced dale height [m]",
+    "Smr1": "ratio of the peaks [-]",
+    "Smr2": "ratio above the dales [-]",
+    "Vmp": "peak material volume [m]",
+    "Vmc": "core material volume [m]",
+    "Vvc": "core void volume [m]",
+    "Vvv": "dale void volume [m]",
+}
+
+
+def section(hm: HeightMap) -> str:
+    """One map as an HTML section with embedded pictures."""
+    found = describe(hm)
+    figures = [plot_map(hm), plot_bearing(bearing_curve(hm))]
+    if found.moments is not None:
+        figures.append(plot_spectrum(power_spectrum(hm), found.fit))
+    (ny, nx), (dy, dx) = hm.shape, hm.spacing
+    facts = {
+        "points": f"{ny} &times; {nx} (y, x), {hm.missing} missing",
+        "pixel": f"{dy:.6g} &times; {dx:.6g} m",
+        "size": f"{hm.size[0]:.6g} &times; {hm.size[1]:.6g} m",
+        "periodic": "yes" if hm.periodic else "no",
+    }
+    warnings = "".join(f'<p class="warning">{html.escape(text)}</p>' for text in found.warnings)
+    return (
+        f"<section><h2>{html.escape(hm.name or 'height map')}</h2>{_table(facts)}{warnings}"
+        f'<div class="figures">{"".join(_image(figure) for figure in figures)}</div>'
+        f'<div class="numbers">{"".join(_table(rows) for rows in _numbers(found))}</div>'
+        f"{_history(hm)}</section>"
+    )
+
+
+def write_page(sections: Iterable[str], path: Path) -> None:
+    """Write sections as one page that needs no other file and no network."""
+    text = (
+        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width,initial-scale=1">'
+        f"<title>Height maps</title><style>{_STYLE}</style></head>"
+        f"<body><h1>Height maps</h1>{''.join(sections)}</body></html>"
+    )
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise SurfaceError(f"{path}: cannot be written ({error.strerror})") from error
+
+
+def _numbers(found: Statistics) -> list[dict[str, str]]:
+    """Rows of the tables: heights and slopes, bearing curve, spectrum and texture."""
+    spatial = {
+        "Sal, autocorrelation length [m]": f"{found.texture.shortest:.5g}",
+        "Str, texture aspect ratio [-]": f"{found.texture.aspect:.3g}",
+        "lay, from +x towards +y [deg]": f"{math.degrees(found.texture.direction):.0f}",
+    }
+    if found.moments is not None:
+        spatial["rms slope, spectral [-]"] = f"{found.moments.rms_slope:.5g}"
+        spatial["rms curvature, spectral [1/m]"] = f"{found.moments.rms_curvature:.5g}"
+        spatial["Nayak parameter [-]"] = f"{found.moments.nayak:.4g}"
+        spatial["largest over smallest rms slope [-]"] = f"{found.moments.slope_ratio:.3g}"
+    if found.fit is not None:
+        spatial["self-affine fit"] = html.escape(str(found.fit)).replace(", ", "<br>")
+    return [_named(found.heights | found.hybrid), _named(found.functional), spatial]
+
+
+def _named(values: dict[str, float]) -> dict[str, str]:
+    return {f"{name}, {_MEANING[name]}": f"{value:.5g}" for name, value in values.items()}
+
+
+def _history(hm: HeightMap) -> str:
+    rows = {}
+    for number, step in enumerate(hm.history, start=1):
+        details = ", ".join(f"{key} {value}" for key, value in step.items() if key != "step")
+        rows[f"{number}. {html.escape(str(step.get('step', '')))}"] = html.escape(details)
+    return f"<h3>History</h3>{_table(rows)}" if rows else ""
+
+
+def _table(rows: dict[str, str]) -> str:
+    body = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in rows.items())
+    return f"<table>{body}</table>"
+
+
+def _image(figure: Figure) -> str:
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=120, bbox_inches="tight")
+    data = base64.b64encode(buffer.getvalue()).decode("ascii")
+    return f'<img alt="" src="data:image/png;base64,{data}">'

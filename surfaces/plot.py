@@ -1,0 +1,181 @@
+"""Figures of height maps: peaks and basins, spectrum with fit, profile fans, bearing curve.
+
+Every function returns a matplotlib `Figure` that belongs to no window; ``figure.savefig(path)``
+writes it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import EngFormatter
+from numpy.typing import NDArray
+
+from .bearing import BearingCurve
+from .heightmap import HeightMap
+from .peaks import Peaks
+from .profiles import Profiles
+from .spectrum import Spectrum
+from .spectrum_fit import SpectrumFit
+
+__all__ = ["plot_bearing", "plot_map", "plot_profiles", "plot_spectrum"]
+
+_PIXELS = 1200
+_NAMED = 400
+_INK = "#1f2a33"
+_ACCENT = "#d1495b"
+_QUIET = "#8a97a0"
+
+
+def plot_map(hm: HeightMap, peaks: Peaks | None = None) -> Figure:
+    """The map in true proportions, with the summits and the borders of the basins of its peaks.
+
+    Parameters
+    ----------
+    hm
+        The map; missing points are drawn white.
+    peaks
+        Peaks to mark. Of more than 400 the most prominent 400 are marked; all basins are outlined.
+    """
+    stride = max(1, -(-max(hm.shape) // _PIXELS))
+    heights = hm.heights[::stride, ::stride]
+    scale, unit = _prefix(float(np.nanmax(np.abs(heights - np.nanmean(heights)))))
+    shown = (heights - np.nanmean(heights)) / scale
+    low, high = np.nanquantile(shown, (0.002, 0.998))
+    extent = (0.0, hm.size[1], 0.0, hm.size[0])
+    width = 6.4
+    figure = Figure(figsize=(width, _height(width - 1.9, hm) + 0.8), layout="constrained")
+    axes = figure.add_subplot()
+    image = axes.imshow(
+        shown, origin="lower", extent=extent, cmap="cividis", vmin=low, vmax=high, aspect="equal"
+    )
+    bar = axes.inset_axes((1.03, 0.0, 0.035, 1.0))
+    figure.colorbar(image, cax=bar, label=f"height [{unit}]", extend="both")
+    if peaks is not None:
+        _mark(axes, peaks, stride, extent)
+    for axis, label in ((axes.xaxis, "x"), (axes.yaxis, "y")):
+        axis.set_major_formatter(EngFormatter(unit="m"))
+        axis.set_label_text(label)
+    return figure
+
+
+def plot_spectrum(spectrum: Spectrum, fit: SpectrumFit | None = None) -> Figure:
+    """Density of the rings over the wave number, the axes' profiles, and the fitted model."""
+    figure = Figure(figsize=(6.4, 4.2), layout="constrained")
+    axes = figure.add_subplot()
+    floor = spectrum.density.max() * 1e-14
+    seen = spectrum.density > floor
+    axes.loglog(spectrum.q[seen], spectrum.density[seen], "o", ms=3.5, color=_INK, label="rings")
+    if fit is not None:
+        label = f"fit, H = {fit.hurst:.2f} $\\pm$ {fit.hurst_error:.2g}"
+        axes.loglog(fit.q, fit.density, color=_ACCENT, lw=1.6, label=label)
+        for wavelength, name in ((fit.rolloff, "roll-off"), (fit.cutoff, "cut-off")):
+            if np.isfinite(wavelength):
+                axes.axvline(2.0 * np.pi / wavelength, color=_QUIET, lw=0.8, ls="--")
+                axes.annotate(
+                    f" {name} {EngFormatter('m', places=1)(wavelength)}",
+                    (2.0 * np.pi / wavelength, 0.02),
+                    xycoords=("data", "axes fraction"),
+                    rotation=90,
+                    fontsize=8,
+                    color=_INK,
+                    ha="right",
+                )
+    axes.set_xlabel("wave number 2$\\pi$/$\\lambda$ [rad/m]")
+    axes.set_ylabel("power spectral density [m$^4$]")
+    axes.legend(frameon=False)
+    axes.grid(alpha=0.25)
+    return figure
+
+
+def plot_profiles(profiles: Profiles, chosen: Iterable[int]) -> Figure:
+    """Fans of chosen peaks: gap f over the distance from the summit, one line per ray.
+
+    Parameters
+    ----------
+    profiles
+        From `surfaces.fit_profiles`.
+    chosen
+        Indices of up to nine peaks.
+    """
+    indices = list(chosen)[:9]
+    columns = min(3, len(indices)) or 1
+    rows = -(-len(indices) // columns) or 1
+    figure = Figure(figsize=(2.9 * columns + 0.6, 2.5 * rows + 0.3), layout="constrained")
+    gap = profiles.f()
+    for place, index in enumerate(indices):
+        axes = figure.add_subplot(rows, columns, place + 1)
+        lengths = profiles.t * profiles.edge[index][:, None]
+        scale, unit = _prefix(float(gap[index].max()))
+        turn = (profiles.phi[index] - profiles.angle[index]) % (2.0 * np.pi)
+        for ray, angle in enumerate(turn):
+            color = _ray_color(float(angle))
+            axes.plot(lengths[ray], gap[index, ray] / scale, color=color, lw=1.0)
+        axes.invert_yaxis()
+        axes.xaxis.set_major_formatter(EngFormatter(unit="m"))
+        axes.tick_params(labelsize=7)
+        axes.set_ylabel(f"f [{unit}]", fontsize=8)
+        axes.set_title(
+            f"peak {index}" + ("" if profiles.valid[index] else ", not resolved"), size=9
+        )
+        axes.grid(alpha=0.25)
+    figure.supxlabel(
+        "distance from the summit; dark along the long axis of the contact", fontsize=8
+    )
+    return figure
+
+
+def plot_bearing(curve: BearingCurve) -> Figure:
+    """Height over material ratio, with the core between its reduced peaks and dales."""
+    figure = Figure(figsize=(6.4, 3.4), layout="constrained")
+    axes = figure.add_subplot()
+    scale, unit = _prefix(float(np.abs(curve.height).max()))
+    axes.plot(100.0 * curve.ratio, curve.height / scale, color=_INK, lw=1.6)
+    core = curve.core()
+    for ratio in (core["Smr1"], core["Smr2"]):
+        axes.axhline(curve.height_at(ratio) / scale, color=_ACCENT, lw=0.9, ls="--")
+    axes.set_xlabel("material ratio [%]")
+    axes.set_ylabel(f"height [{unit}]")
+    axes.set_xlim(0.0, 100.0)
+    axes.grid(alpha=0.25)
+    return figure
+
+
+def _mark(axes: Axes, peaks: Peaks, stride: int, extent: tuple[float, float, float, float]) -> None:
+    labels = peaks.labels[::stride, ::stride]
+    edge = np.zeros((*labels.shape, 4))
+    edge[..., :3] = 1.0
+    edge[:-1, :, 3] = labels[:-1] != labels[1:]
+    edge[:, :-1, 3] = np.maximum(edge[:, :-1, 3], labels[:, :-1] != labels[:, 1:])
+    edge[..., 3] *= 0.55
+    axes.imshow(edge, origin="lower", extent=extent, aspect="equal", interpolation="nearest")
+    order = np.argsort(-peaks.prominence, kind="stable")[:_NAMED]
+    axes.plot(
+        peaks.x[order], peaks.y[order], "^", ms=3.0, mfc=_ACCENT, mec="white", mew=0.4, ls="none"
+    )
+    count = f"{len(peaks)} peaks"
+    axes.set_title(
+        count + (f", the {_NAMED} most prominent marked" if len(peaks) > _NAMED else ""), size=10
+    )
+
+
+def _ray_color(angle: float) -> NDArray[np.float64]:
+    """Dark along the long axis of the contact, light across it."""
+    share = np.sin(angle) ** 2
+    dark, light = np.array([0.12, 0.16, 0.20]), np.array([0.82, 0.29, 0.36])
+    return dark + share * (light - dark)
+
+
+def _height(width: float, hm: HeightMap) -> float:
+    return float(np.clip(width * hm.size[0] / hm.size[1], 1.2, 9.0))
+
+
+def _prefix(largest: float) -> tuple[float, str]:
+    """Metres in the unit that suits a length, and its name."""
+    for factor, unit in ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")):
+        if largest >= factor:
+            return factor, unit
+    return 1e-12, "pm"

@@ -1,0 +1,90 @@
+"""Figures hold what they should, on maps that are not square and with points missing."""
+
+from __future__ import annotations
+
+import io
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import surfaces
+
+
+def rough(anisotropy: float = 1.0) -> surfaces.HeightMap:
+    return surfaces.self_affine(
+        (60, 96),
+        (1e-4, 2e-4),
+        hurst=0.8,
+        rms_slope=0.1,
+        cutoff=1e-5,
+        anisotropy=anisotropy,
+        seed=1,
+    )
+
+
+def drawn(figure: Figure) -> str:
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg")
+    return buffer.getvalue()
+
+
+def test_map_with_peaks_and_basins() -> None:
+    hm = rough()
+    peaks = surfaces.segment(hm)
+    figure = surfaces.plot_map(hm, peaks)
+    axes = figure.axes[0]
+    assert len(axes.images) == 2
+    (marks,) = axes.lines
+    np.testing.assert_allclose(np.sort(marks.get_xdata()), np.sort(peaks.x))
+    assert f"{len(peaks)} peaks" in axes.get_title()
+    assert axes.get_xlim() == pytest.approx((0.0, 2e-4))
+    assert "<svg" in drawn(figure)
+
+
+def test_map_with_missing_points_and_more_pixels_than_shown(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("surfaces.plot._PIXELS", 40)
+    heights = rough().heights.copy()
+    heights[5:20, 7:30] = np.nan
+    figure = surfaces.plot_map(rough().replace(heights=heights))
+    assert figure.axes[0].images[0].get_array().shape == (20, 32)
+    assert "<svg" in drawn(figure)
+
+
+def test_spectrum_with_fit() -> None:
+    spectrum = surfaces.power_spectrum(rough())
+    fit = surfaces.fit_spectrum(spectrum)
+    figure = surfaces.plot_spectrum(spectrum, fit)
+    rings, model = figure.axes[0].lines[:2]
+    assert rings.get_xdata().max() <= spectrum.nyquist
+    np.testing.assert_allclose(model.get_ydata(), fit.density)
+    assert "cut-off 10.0" in "".join(text.get_text() for text in figure.axes[0].texts)
+    assert "<svg" in drawn(figure)
+
+
+def test_fans_of_chosen_peaks() -> None:
+    hm = rough()
+    profiles = surfaces.fit_profiles(hm, surfaces.segment(hm))
+    figure = surfaces.plot_profiles(profiles, [0, 2, 3, 4])
+    assert len(figure.axes) == 4
+    assert all(len(axes.lines) == profiles.phi.shape[1] for axes in figure.axes)
+    assert "<svg" in drawn(figure)
+
+
+def test_bearing_curve() -> None:
+    figure = surfaces.plot_bearing(surfaces.bearing_curve(rough()))
+    assert "<svg" in drawn(figure)
+
+
+def test_nothing_heavy_is_imported_before_it_is_used() -> None:
+    code = (
+        "import sys, surfaces; hm = surfaces.HeightMap([[1.0, 2.0, 3.0]] * 3, 1.0)\n"
+        "heavy = {'scipy', 'numba', 'matplotlib', 'h5py', 'cv2'} & set(sys.modules)\n"
+        "assert not heavy, heavy\n"
+        "from surfaces import plot_map; assert 'matplotlib.pyplot' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
