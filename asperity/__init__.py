@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -28,6 +29,10 @@ if TYPE_CHECKING:
     from .threads import set_threads as set_threads
 
 __version__ = "0.1.0"
+
+# Waiting OpenMP threads must sleep: on a busy machine a spinning barrier costs more than the loop
+# that it ends.  The runtime reads this once, when the first parallel kernel loads it.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 _HOME = {
     "BemIndentation": "bem.single",
