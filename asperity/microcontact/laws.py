@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["LAWS", "law_module", "tabulate"]
 
 LAWS = {
+    "auto": "asperity.microcontact.ellipse",
     "hertz": "asperity.microcontact.hertz",
     "paper": "asperity.microcontact.expansion",
     "harmonic": "asperity.microcontact.expansion",
