@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import time
 from collections.abc import Callable
@@ -18,7 +19,7 @@ from .bem.curve import bem_curve
 from .contacts import contact_map, microcontacts
 from .curve import solve_contacts
 from .errors import InputError
-from .loadpoints import checked_loads, slope_scale
+from .loadpoints import checked_loads, default_pressures, slope_scale
 from .plan import Plan, make_plan
 from .results import ContactCurve
 from .storage import ResultFile, read_results, write_results
@@ -34,6 +35,9 @@ MAP_AREA_FRACTION = 0.03
 
 LOOSE_TOLERANCE = 1e-2
 """Tolerance of the cheap boundary-element runs; looser saves little, tighter changes nothing."""
+
+COMPILATION_SHAPE = (96, 112)
+"""Large enough to meet every kernel of both models."""
 
 SMALLEST_GRID = 48
 """Coarse boundary-element grids stop here."""
@@ -244,6 +248,8 @@ def compare(
     loads = {"pressures" if kind == "pressure" else "separations": values}
     if plan is None:
         plan = make_plan(hm, material, **loads, law=law, interaction=interaction, boundary=boundary)
+    say("compilation")
+    _compile(material, plan)
     say(f"boundary elements {hm.shape[0]} x {hm.shape[1]}, tolerance {tolerance:.0e}")
     snapshot = _Snapshot()
     reference = bem_curve(
@@ -301,6 +307,21 @@ def load_at_separation(curve: ContactCurve, separation: NDArray[np.float64]) -> 
     inside = np.clip(separation, knots[0], knots[-1])
     slope = spline.derivative()(inside)
     return np.exp(spline(inside) + slope * (separation - inside))
+
+
+def _compile(material: HalfSpace, plan: Plan) -> None:
+    """Run both models once on a small map, so that no run time holds compilation."""
+    small = surfaces.self_affine(
+        COMPILATION_SHAPE,
+        (1.0, 1.0),
+        hurst=0.8,
+        rms_slope=0.1,
+        seed=0,
+    )
+    whole = dataclasses.replace(plan, above=None)
+    loads = default_pressures(small, material, count=2)
+    solve_contacts(small, material, whole, pressures=loads)
+    bem_curve(small, material, pressures=loads, tolerance=LOOSE_TOLERANCE, boundary=plan.boundary)
 
 
 class _Snapshot:

@@ -88,11 +88,12 @@ class Interaction:
             y, x = y - y.min(), x - x.min()
             size = (float(y.max()) + small, float(x.max()) + small)
         reach = math.sqrt(neighbours / math.pi * size[0] * size[1] / len(y))
-        reach = max(reach, cut * WIDEST * math.sqrt(widest))
+        floor = cut * WIDEST * math.sqrt(widest)
+        reach = max(reach, floor)
         if periodic:
             reach = min(reach, 0.499 * min(size))
         else:
-            reach = max(min(reach, 1.01 * math.hypot(*size)), 0.02 * math.hypot(*size))
+            reach = max(min(reach, 1.01 * math.hypot(*size)), 0.02 * math.hypot(*size), floor)
         self.eta = reach / cut
         size = (size[0] / self.eta, size[1] / self.eta)
         y, x = y / self.eta, x / self.eta

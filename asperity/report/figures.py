@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
@@ -93,6 +94,8 @@ def pareto_figure(comparison: Comparison) -> str:
             _scatter(axes, comparison, name)
             axes.set(xscale="log", yscale="log", xlabel="run time [s]", title=title)
             axes.margins(0.18)
+            axes.xaxis.set_minor_formatter(NullFormatter())
+            axes.yaxis.set_minor_formatter(NullFormatter())
         panels[0].set_ylabel("rms error [%]")
         panels[0].legend()
 

@@ -1,0 +1,154 @@
+"""The sum of microcontacts: laws that hold for any surface, and the cuts that change nothing."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import asperity
+from asperity.contacts import contact_map, microcontacts
+from asperity.curve import solve_contacts
+from asperity.errors import SurfaceError
+from asperity.loadpoints import default_pressures
+from asperity.plan import make_plan
+from surfaces import HeightMap, self_affine
+
+STEEL = asperity.HalfSpace(210e9, 0.3)
+
+
+@pytest.fixture(scope="module")
+def rough() -> HeightMap:
+    return self_affine(
+        (120, 160), (1.2e-3, 1.6e-3), hurst=0.8, rms_slope=0.1, rolloff=3e-4, cutoff=8e-5, seed=5
+    )
+
+
+def paraboloid(radius: float, periodic: bool = False) -> HeightMap:
+    """One cap of an ellipsoid on pixels that are not square."""
+    ny, nx, dy, dx = 81, 101, 1.2e-6, 1e-6
+    y, x = (np.arange(ny) - 40) * dy, (np.arange(nx) - 50) * dx
+    return HeightMap(
+        -(x[None, :] ** 2 + y[:, None] ** 2) / (2 * radius), (dy, dx), periodic=periodic
+    )
+
+
+@pytest.mark.parametrize("law", ["hertz", "paper", "harmonic", "ellipse"])
+def test_one_cap_is_hertz(law):
+    hm = paraboloid(1e-3)
+    top = -hm.heights.mean()
+    approach = np.array([2e-8, 1e-7, 3e-7])
+    curve = asperity.contact_curve(hm, STEEL, separations=top - approach, law=law)
+    force = 4 / 3 * STEEL.modulus * np.sqrt(1e-3) * approach**1.5
+    np.testing.assert_allclose(curve.load, force, rtol=2e-3)
+    np.testing.assert_allclose(curve.contact_area, np.pi * 1e-3 * approach, rtol=2e-3)
+    np.testing.assert_array_equal(curve.contacts, 1)
+    np.testing.assert_allclose(curve.stiffness * hm.area, 1.5 * force / approach, rtol=1e-2)
+
+
+def test_pressure_and_separation_control_agree(rough):
+    loads = default_pressures(rough, STEEL, count=4)
+    by_load = asperity.contact_curve(rough, STEEL, pressures=loads)
+    by_gap = asperity.contact_curve(rough, STEEL, separations=by_load.separation)
+    np.testing.assert_allclose(by_load.mean_pressure, loads, rtol=2e-3)
+    np.testing.assert_allclose(by_gap.mean_pressure, loads, rtol=5e-3)
+    np.testing.assert_allclose(by_gap.area_fraction, by_load.area_fraction, rtol=5e-3)
+
+
+def test_load_area_and_contacts_grow_as_the_separation_falls(rough):
+    separations = np.linspace(2.0, 0.3, 12) * rough.rms_height
+    curve = asperity.contact_curve(rough, STEEL, separations=separations)
+    assert curve.converged.all()
+    assert (np.diff(curve.load) > 0).all()
+    assert (np.diff(curve.area_fraction) > 0).all()
+    slope = -np.gradient(curve.mean_pressure, curve.separation)
+    np.testing.assert_allclose(curve.stiffness[2:-2], slope[2:-2], rtol=0.1)
+
+
+def test_scaling_of_lengths_and_modulus(rough):
+    loads = default_pressures(rough, STEEL, count=3)
+    curve = asperity.contact_curve(rough, STEEL, pressures=loads)
+    larger = rough.replace(
+        heights=1e3 * rough.heights, spacing=(1e3 * rough.spacing[0], 1e3 * rough.spacing[1])
+    )
+    soft = asperity.HalfSpace.from_modulus(STEEL.modulus / 50)
+    scaled = asperity.contact_curve(larger, soft, pressures=loads / 50)
+    np.testing.assert_allclose(scaled.area_fraction, curve.area_fraction, rtol=2e-3)
+    np.testing.assert_allclose(scaled.separation, 1e3 * curve.separation, rtol=2e-3)
+
+
+def test_adding_a_constant_and_shifting_change_nothing(rough):
+    loads = default_pressures(rough, STEEL, count=3)
+    curve = asperity.contact_curve(rough, STEEL, pressures=loads)
+    moved = rough.replace(heights=np.roll(rough.heights, (37, -51), axis=(0, 1)) + 1e-5)
+    again = asperity.contact_curve(moved, STEEL, pressures=loads)
+    np.testing.assert_allclose(again.area_fraction, curve.area_fraction, rtol=2e-3)
+    np.testing.assert_allclose(again.separation, curve.separation, rtol=2e-3, atol=1e-10)
+
+
+def test_interaction_opens_the_surface(rough):
+    """On a half-space at rest far away, neighbours only ever push each other away."""
+    case = {"separations": [1.0 * rough.rms_height], "boundary": "free"}
+    alone = asperity.contact_curve(rough, STEEL, interaction=False, **case)
+    coupled = asperity.contact_curve(rough, STEEL, **case)
+    assert coupled.load[0] < alone.load[0]
+
+
+def test_segmenting_only_the_top_changes_nothing(rough):
+    loads = default_pressures(rough, STEEL, count=3)[:2]
+    plan = make_plan(rough, STEEL, pressures=loads)
+    assert plan.above is not None
+    cut = asperity.contact_curve(rough, STEEL, pressures=loads, plan=plan)
+    whole = asperity.contact_curve(
+        rough, STEEL, pressures=loads, plan=dataclasses.replace(plan, above=None)
+    )
+    assert cut.settings["above"] is not None
+    np.testing.assert_allclose(cut.area_fraction, whole.area_fraction, rtol=3e-3)
+    np.testing.assert_allclose(cut.separation, whole.separation, rtol=3e-3)
+
+
+def test_a_plan_that_cuts_too_high_is_mended(rough):
+    loads = default_pressures(rough, STEEL, count=3)
+    plan = make_plan(rough, STEEL, pressures=loads)
+    high = dataclasses.replace(plan, above=2.5 * rough.rms_height)
+    curve = asperity.contact_curve(rough, STEEL, pressures=loads, plan=high)
+    assert curve.settings["above"] is None
+
+
+def test_leaving_interaction_out_at_vanishing_load_changes_nothing(rough):
+    load = 1e-7 * default_pressures(rough, STEEL)[:1]
+    plan = make_plan(rough, STEEL, pressures=load)
+    coupled = asperity.contact_curve(
+        rough, STEEL, pressures=load, plan=dataclasses.replace(plan, interaction=True)
+    )
+    alone = asperity.contact_curve(
+        rough, STEEL, pressures=load, plan=dataclasses.replace(plan, interaction=False)
+    )
+    np.testing.assert_allclose(alone.area_fraction, coupled.area_fraction, rtol=1e-2)
+
+
+def test_zero_load_is_first_touch(rough):
+    curve = asperity.contact_curve(rough, STEEL, pressures=[0.0, 1e7])
+    assert curve.load[0] == 0.0
+    assert curve.contacts[0] == 0
+    assert curve.separation[0] >= curve.separation[1]
+
+
+def test_map_and_table_hold_the_same_area(rough):
+    plan = make_plan(rough, STEEL)
+    run = solve_contacts(rough, STEEL, plan, pressures=default_pressures(rough, STEEL)[-3:])
+    for state in run.states:
+        table = microcontacts(run.bodies, state)
+        pixels = np.count_nonzero(contact_map(run.bodies, state))
+        assert table["area"].sum() == pytest.approx(state.contact_area, rel=1e-9)
+        assert pixels * rough.area / rough.heights.size == pytest.approx(
+            state.contact_area, rel=0.15
+        )
+
+
+def test_maps_with_missing_points_are_refused(rough):
+    heights = rough.heights.copy()
+    heights[0, 0] = np.nan
+    with pytest.raises(SurfaceError, match="fill"):
+        asperity.contact_curve(rough.replace(heights=heights), STEEL)
