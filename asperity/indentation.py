@@ -74,6 +74,10 @@ class Indentation:
             np.where(touching, self.force, 0.0) / np.where(touching, self.contact_area, 1.0)
         )
 
+    def flag_names(self) -> str:
+        """Names of the flags set anywhere, joined by |; empty if there are none."""
+        return Flag(int(np.bitwise_or.reduce(np.ravel(self.flags), initial=0))).name or ""
+
     def contour(self, phi: ArrayLike) -> Array:
         """Boundary a(phi) [m] of the contact, shape (*approach.shape, *phi.shape)."""
         angle = np.asarray(phi, dtype=float)
@@ -179,15 +183,15 @@ def indent(
     """
     if (approach is None) == (load is None):
         raise InputError("give either approach or load")
-    module = law_module(law)
+    solve: Callable[..., Indentation] | None = getattr(law_module(law), "indent", None)
+    if solve is None:
+        raise ModelRangeError(f"the law {law!r} works on batches of peaks only")
     if load is None:
-        depth = _finite(approach, "approach")
-        solution: Indentation = module.indent(profile, material, depth, law=law)
-        return solution
+        return solve(profile, material, _finite(approach, "approach"), law=law)
     force = _finite(load, "load")
     if np.any(force <= 0):
         raise InputError("load must be positive; give approach for a body that does not touch")
-    return _by_load(module.indent, profile, material, force, law)
+    return _by_load(solve, profile, material, force, law)
 
 
 def _by_load(

@@ -1,0 +1,99 @@
+"""``asperity indent`` from the outside: tables, pictures, files, refusals."""
+
+from __future__ import annotations
+
+import h5py
+import numpy as np
+import pytest
+
+from asperity.cli.main import main
+from surfaces import HeightMap, PolarProfile, write
+from surfaces.profile_file import read_profile, write_profile
+from surfaces.shapes import bent_body
+
+TURN = 2 * np.pi * np.arange(32) / 32
+
+
+@pytest.fixture
+def table() -> PolarProfile:
+    """Table of a body whose section changes with height."""
+    r = np.linspace(0, 2e-6, 24)
+    body = bent_body(curvature=1e5, size=3e-6)
+    return PolarProfile(r, TURN, body(r[:, None], TURN))
+
+
+def test_shape_against_boundary_elements_with_picture(tmp_path, capsys):
+    picture = tmp_path / "square.png"
+    call = ["indent", "--shape", "polygon:4", "--m", "0.3", "--bem", "--grid", "64"]
+    assert main([*call, "--law", "paper,harmonic", "--picture", str(picture)]) == 0
+    lines = {line.split()[0]: line.split() for line in capsys.readouterr().out.splitlines() if line}
+    assert -4.2 < float(lines["paper"][3]) < -3.5
+    assert -0.9 < float(lines["harmonic"][3]) < -0.3
+    assert picture.stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    "shape",
+    ["polygon:5", "cosine:3", "rounded:4:0.5", "ellipse:2", "cone", "paraboloid", "random:0.1:3",
+     "convex:6:1", "bent"],
+)  # fmt: skip
+def test_every_shape_is_solved(shape, capsys):
+    assert main(["indent", "--shape", shape, "--k", "2", "--picture", "none"]) == 0
+    assert "harmonic" in capsys.readouterr().out
+
+
+def test_profile_file_comes_back_and_is_solved(tmp_path, table, capsys):
+    path = tmp_path / "profile.h5"
+    write_profile(table, path)
+    np.testing.assert_array_equal(read_profile(path).f, table.f)
+    call = ["indent", str(path), "--E", "1e9", "--approach", "1e-9:1e-8:3", "--picture", "none"]
+    assert main([*call, "--law", "harmonic"]) == 0
+    assert capsys.readouterr().out.count("harmonic") == 3
+
+
+def test_load_control_reaches_the_load(tmp_path, table, capsys):
+    path = tmp_path / "profile.h5"
+    write_profile(table, path)
+    call = ["indent", str(path), "--modulus", "1e9", "--load", "2e-6", "--picture", "none"]
+    assert main([*call, "--law", "paper"]) == 0
+    line = next(v for v in capsys.readouterr().out.splitlines() if v.split()[:1] == ["paper"])
+    assert float(line.split()[1]) == pytest.approx(2e-6, rel=1e-4)
+
+
+def test_the_highest_peak_of_a_map_is_a_profile(tmp_path):
+    y, x = np.mgrid[0:48, 0:64]
+    heights = -((x - 30.3) ** 2 + 2 * (y - 22.6) ** 2) * 1e-9
+    path = tmp_path / "map.h5"
+    write(HeightMap(heights, (1e-6, 1e-6)), path)
+    profile = read_profile(path)
+    assert profile(3e-6, 0.0) == pytest.approx(9e-9, rel=1e-3)
+    assert profile(3e-6, np.pi / 2) == pytest.approx(18e-9, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (["indent"], "either a profile file or --shape"),
+        (["indent", "--shape", "blob"], "no shape is called 'blob'"),
+        (["indent", "--shape", "polygon"], "lacks its numbers"),
+        (["indent", "--shape", "cone", "--law", "cube"], "no law is called 'cube'"),
+        (["indent", "--shape", "cone", "--approach", "-1"], "must be positive"),
+        (["indent", "--shape", "cone", "--picture", "/nowhere/a.png"], "does not exist"),
+        (["indent", "nothing.h5", "--E", "1"], "no such file"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_code_two(call, message, capsys):
+    assert main(call) == 2
+    error = capsys.readouterr().err
+    assert message in error and error.count("\n") == 1
+
+
+def test_damaged_profile_files_are_refused(tmp_path, capsys):
+    path = tmp_path / "bad.h5"
+    with h5py.File(path, "w") as file:
+        file["r"] = np.arange(5.0)
+    assert main(["indent", str(path), "--E", "1"]) == 2
+    assert "no dataset 'phi'" in capsys.readouterr().err
+    path.write_bytes(path.read_bytes()[:700])
+    assert main(["indent", str(path), "--E", "1"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
