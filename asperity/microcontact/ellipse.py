@@ -264,8 +264,8 @@ def _continue(
     room = np.maximum(basin - start[:, 0], 1e-9 * basin)
     fade = np.clip((basin[:, None] - grown) / room[:, None], 0.0, 1.0)
     stiff = np.where(beyond, filling[..., 1], start[:, 1:])
-    stiff = stiff * (stiffness[rows, last] / start[:, 1])[:, None] ** fade
-    spot = grown * (area[rows, last] / start[:, 0])[:, None] ** fade
+    stiff = stiff * _ratio(stiffness[rows, last], start[:, 1])[:, None] ** fade
+    spot = grown * _ratio(area[rows, last], start[:, 0])[:, None] ** fade
     stiffness = np.maximum.accumulate(np.where(beyond, stiff, stiffness), axis=1)
     area = np.maximum.accumulate(np.where(beyond, spot, area), axis=1)
     steps = np.zeros_like(force)
@@ -277,6 +277,12 @@ def _continue(
     )
     base = np.where(beyond, force[rows, last][:, None], force)
     return base + np.cumsum(np.where(beyond, steps, 0.0), axis=1), stiffness, area
+
+
+def _ratio(inner: Array, outer: Array) -> Array:
+    """Ratio of the two descriptions where they meet, kept to what a mended summit can need."""
+    usable = (inner > 0) & (outer > 0)
+    return np.clip(np.divide(inner, outer, out=np.ones(len(inner)), where=usable), 0.5, 2.0)
 
 
 def second_order_area(state: Array, stiffness: Array) -> Array:
