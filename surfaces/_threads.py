@@ -12,9 +12,11 @@ __all__ = ["blocks", "run"]
 
 
 def _processors() -> int:
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    """Processors that this process may use, or fewer by the variable ASPERITY_THREADS."""
+    mine = hasattr(os, "sched_getaffinity")
+    available = len(os.sched_getaffinity(0)) if mine else os.cpu_count() or 1
+    text = os.environ.get("ASPERITY_THREADS", "")
+    return min(int(text), available) if text.isdigit() and int(text) > 0 else available
 
 
 def blocks(count: int, least: int = 1) -> list[tuple[int, int]]:
