@@ -147,7 +147,6 @@ class Population:
         self.interaction = interaction
         self.footprints = Footprints(material.modulus, material.m)
         self.laws = Laws(table, self.footprints)
-        self.widest = self.footprints.variance(np.clip(table.stiffness[:, -1], 0.0, None))
         usable = np.flatnonzero(self.laws.usable)
         if len(usable) == 0:
             raise InputError("no summit of the population has a usable contact law")
@@ -319,7 +318,7 @@ class _Trail:
             population.cell,
             population.boundary,
             population.footprints,
-            widest=float(population.widest[index].max()),
+            widest=float(population.laws.widest[index].max()),
         )
         index = index[plan.order]
         problem = Problem(population.height[index], population.laws.rows(index), plan)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from numba import njit, prange
 
 
@@ -47,3 +48,26 @@ def evaluate(approach, reach, power, table, force, stiffness, energy, moment, gr
         energy[i] = work
         moment[i] = max(m, 0.0)
         growth[i] = grown
+
+
+@njit(cache=True, nogil=True)
+def convex(place, force):
+    """Replace each row of `force` by the largest convex function below it (lower hull)."""
+    nodes = place.size
+    stack = np.empty(nodes, np.int64)
+    for row in force:
+        top = 0
+        for j in range(nodes):
+            while top >= 2:
+                a, b = stack[top - 2], stack[top - 1]
+                lower = (row[b] - row[a]) * (place[j] - place[b])
+                if lower < (row[j] - row[b]) * (place[b] - place[a]):
+                    break
+                top -= 1
+            stack[top] = j
+            top += 1
+        for k in range(top - 1):
+            a, b = stack[k], stack[k + 1]
+            for j in range(a + 1, b):
+                t = (place[j] - place[a]) / (place[b] - place[a])
+                row[j] = (1.0 - t) * row[a] + t * row[b]

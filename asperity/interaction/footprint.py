@@ -82,6 +82,11 @@ class Footprints:
         k = np.asarray(stiffness, float)
         return np.asarray(((1 + FLOOR) * self.self_factor * k) ** (2 / self.power))
 
+    def punch(self, radius: ArrayLike) -> NDArray[np.float64]:
+        """Stiffness [N/m] of the flat round punch of a radius [m] (theory 0)."""
+        p = self.power
+        return np.asarray(2 * self.modulus * np.asarray(radius, float) ** p / p)
+
     def interaction(self, distance: ArrayLike, variance: ArrayLike) -> NDArray[np.float64]:
         """Displacement g(r; S^2) [m/N] of one Gaussian by another, free half-space.
 

@@ -11,7 +11,10 @@ from ..errors import InputError
 from . import _laws
 from .footprint import Footprints
 
-__all__ = ["Evaluated", "LawNodes", "Laws"]
+__all__ = ["STIFFEST", "Evaluated", "LawNodes", "Laws"]
+
+STIFFEST = 1.5
+"""Largest stiffness over that of a round punch of the same area; an ellipse of 6:1 has 1.28."""
 
 
 class LawNodes(Protocol):
@@ -20,6 +23,7 @@ class LawNodes(Protocol):
     reach: NDArray[np.float64]
     force: NDArray[np.float64]
     stiffness: NDArray[np.float64]
+    area: NDArray[np.float64]
 
     @property
     def exponent(self) -> float: ...
@@ -52,8 +56,8 @@ class Laws:
     Parameters
     ----------
     nodes
-        Tables with `reach` (n,) [m], `force` [N] and `stiffness` [N/m] (n, K+1) at the approaches
-        reach (j/K)^2, and the `exponent` p of F = v^p s(v), v = K sqrt(d/reach).
+        Tables with `reach` (n,) [m], `force` [N], `stiffness` [N/m] and `area` [m^2] (n, K+1) at
+        the approaches reach (j/K)^2, and the `exponent` p of F = v^p s(v), v = K sqrt(d/reach).
     footprints
         Kernel that turns a stiffness into a footprint.
 
@@ -61,6 +65,10 @@ class Laws:
     ----------
     usable
         Contacts that can carry load, bool, shape (n,): reach and the force there are positive.
+    repaired
+        Contacts whose table broke a law of contact and was mended, bool, shape (n,).
+    widest
+        Variance [m^2] of the footprint of the filled basin, shape (n,).
     table
         Shape (n, K, 9), for v in [j, j+1]: coefficients of s = e0 + e1 v + e2 v^2 + e3 v^3; the
         constant of the energy; coefficients of the moment in v - j.
@@ -68,26 +76,39 @@ class Laws:
     Notes
     -----
     s is a cubic Hermite polynomial, linear in the first interval, so that Hertz contacts are exact
-    at any grading. The nodal stiffness is limited so that the force grows (Fritsch and Carlson
-    1980). The energy is integrated in closed form; the moment is a cubic Hermite polynomial with
-    the exact slope dm/dF = (v - m)/F at the nodes. Beyond `reach` the basin is filled: the contact
-    is a flat punch of constant stiffness and footprint.
+    at any grading. The energy is integrated in closed form; the moment is a growing cubic
+    Hermite polynomial with the slope dm/dF = (v - m)/F at the nodes. Beyond `reach` the basin is
+    filled: the contact is a flat punch of constant stiffness and footprint.
+
+    The coupled problem needs what every true law has (theory 7.6): the contact grows with the
+    approach, and its stiffness with it, up to that of a flat punch of the contact. A table that
+    breaks this gets the largest convex force below its own, no steeper than `STIFFEST` times a
+    round punch of its largest area; nodal stiffnesses are kept between those of the neighboring
+    intervals.
     """
 
     def __init__(self, nodes: LawNodes, footprints: Footprints) -> None:
         reach = np.ascontiguousarray(nodes.reach, float)
-        force, stiffness = np.asarray(nodes.force, float), np.asarray(nodes.stiffness, float)
-        for name, array in (("reach", reach), ("force", force), ("stiffness", stiffness)):
+        force, stiffness, area = (
+            np.asarray(a, float) for a in (nodes.force, nodes.stiffness, nodes.area)
+        )
+        names = {"reach": reach, "force": force, "stiffness": stiffness, "area": area}
+        for name, array in names.items():
             if not np.isfinite(array).all():
                 raise InputError(f"law table: {name} holds values that are not finite")
         self.exponent, self.footprints = float(nodes.exponent), footprints
         self.usable = (reach > 0) & (force[:, -1] > 0)
         self.reach = np.where(self.usable, reach, 0.0)
         self.table = np.zeros((len(reach), force.shape[1] - 1, 9))
-        rows = self.usable
-        self.table[rows] = _tabulate(
-            reach[rows], force[rows], stiffness[rows], self.exponent, footprints
+        self.repaired = np.zeros(len(reach), bool)
+        self.widest = np.zeros(len(reach))
+        rows = np.flatnonzero(self.usable)
+        cap = STIFFEST * footprints.punch(np.sqrt(area[rows].max(axis=1) / np.pi))
+        force, stiffness, self.repaired[rows] = _sound(
+            reach[rows], force[rows], stiffness[rows], cap
         )
+        self.table[rows] = _tabulate(reach[rows], force, stiffness, self.exponent, footprints)
+        self.widest[rows] = footprints.variance(stiffness[:, -1])
 
     def __len__(self) -> int:
         return len(self.reach)
@@ -96,8 +117,8 @@ class Laws:
         """The laws of the contacts `index` alone."""
         part = object.__new__(Laws)
         part.exponent, part.footprints = self.exponent, self.footprints
-        part.reach, part.usable = self.reach[index], self.usable[index]
-        part.table = self.table[index]
+        for name in ("reach", "usable", "repaired", "widest", "table"):
+            setattr(part, name, getattr(self, name)[index])
         return part
 
     def __call__(self, approach: NDArray[np.float64]) -> Evaluated:
@@ -131,7 +152,7 @@ def _tabulate(
     """The table of `Laws` for usable contacts."""
     steps = force.shape[1] - 1
     v = np.arange(1.0, steps + 1)
-    force, slope = _growing(force, stiffness * 2 * reach[:, None] * np.arange(steps + 1) / steps**2)
+    slope = stiffness * 2 * reach[:, None] * np.arange(steps + 1) / steps**2
     s = force[:, 1:] * v**-power
     ds = slope[:, 1:] * v**-power - power * s / v
     # first interval: straight, through the first node, not below a fifth of its value
@@ -152,22 +173,33 @@ def _tabulate(
     return table
 
 
-def _growing(
-    force: NDArray[np.float64], slope: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Nodal forces and slopes dF/dv of a force that grows."""
-    v = np.arange(force.shape[1]) / (force.shape[1] - 1)
+def _sound(
+    reach: NDArray[np.float64],
+    force: NDArray[np.float64],
+    stiffness: NDArray[np.float64],
+    cap: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+    """Forces and stiffnesses that both grow, and which rows had to be changed."""
+    steps = force.shape[1] - 1
+    slack = 1e-6 * stiffness[:, -1:]
+    broken = (np.diff(stiffness, axis=1) < -slack).any(axis=1)
+    broken |= (np.diff(force, axis=1) <= 0).any(axis=1)
+    broken |= (stiffness > cap[:, None]).any(axis=1)
+    u2 = (np.arange(steps + 1) / steps) ** 2
+    force, stiffness = force.copy(), stiffness.copy()
     # a law that stands still would have an infinite compliance
-    step = 1e-6 * np.arange(force.shape[1])
-    force = np.maximum(force, 1e-6 * force[:, -1:] * v**4)
-    force = np.maximum.accumulate(force * np.exp(-step), axis=1) * np.exp(step)
-    secant = np.diff(force, axis=1)
-    left = np.concatenate((secant[:, :1], secant), 1)
-    right = np.concatenate((secant, secant[:, -1:]), 1)
-    # up to the first node the force is a power, whose slope there may exceed three secants
-    left[:, 1] *= 2
-    slope = np.clip(slope, 1e-9 * force[:, -1:], 3 * np.minimum(left, right))
-    return force, slope
+    hull = np.maximum(force[broken], 1e-3 * force[broken, -1:] * u2**2)
+    hull[:, 0] = 0.0
+    _laws.convex(u2, hull)
+    depth = reach[broken, None] * np.diff(u2)
+    secant = np.minimum(np.diff(hull, axis=1) / depth, cap[broken, None])
+    force[broken, 1:] = np.cumsum(secant * depth, axis=1)
+    force[broken, 0] = 0.0
+    above = np.concatenate((secant, secant[:, -1:]), axis=1)
+    below = np.concatenate((np.zeros((len(secant), 1)), secant), axis=1)
+    above[:, -1] = np.maximum(cap[broken], secant[:, -1])
+    stiffness[broken] = np.clip(stiffness[broken], below, above)
+    return force, stiffness, broken
 
 
 def _hermite(
@@ -227,6 +259,10 @@ def _moment(
     moment = np.cumsum(part, axis=1) / force
     bend = (variance(j + 1.0) - moment) * slope(j + 1.0) / force
     zero = np.zeros((len(table), 1))
+    # slopes limited so that the moment grows between the nodes too (Fritsch and Carlson 1980)
+    secant = np.diff(moment, axis=1, prepend=0.0)
+    after = np.concatenate((secant[:, 1:], secant[:, -1:]), axis=1)
+    bend = np.clip(bend, 0.0, 3 * np.maximum(np.minimum(secant, after), 0.0))
     table[..., 5:] = np.stack(
         _hermite(
             np.concatenate((zero, moment[:, :-1]), 1),

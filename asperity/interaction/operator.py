@@ -20,7 +20,7 @@ NEIGHBOURS = 30
 CUT = 2.0
 """Cut-off of the near pairs over the split length eta."""
 
-WIDEST = 3.0
+WIDEST = 2.0
 """Least split length over the root of the widest variance: moments must stay an expansion."""
 
 NODES = 2.2

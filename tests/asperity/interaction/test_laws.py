@@ -10,7 +10,7 @@ from standin import HertzTable
 
 from asperity.errors import InputError
 from asperity.interaction.footprint import Footprints
-from asperity.interaction.laws import Laws
+from asperity.interaction.laws import STIFFEST, Laws
 
 EXPONENTS = (-0.3, 0.0, 0.5)
 TABLE = HertzTable(np.array([1.0, 3.0]), np.array([0.2, 0.5]))
@@ -62,7 +62,7 @@ def test_footprint_of_a_filled_basin_is_that_of_its_punch(m):
     np.testing.assert_allclose(law.moment, f.variance(law.stiffness), rtol=0.05)
 
 
-def test_a_rough_table_gives_positive_stiffness_and_growing_nodes():
+def test_a_broken_table_is_mended_into_a_growing_law():
     rng = np.random.default_rng(4)
 
     class Rough:
@@ -70,6 +70,7 @@ def test_a_rough_table_gives_positive_stiffness_and_growing_nodes():
         reach = np.ones(20)
         force = np.cumsum(rng.uniform(-0.2, 1, (20, 13)), axis=1) - 0.1
         stiffness = rng.uniform(-1, 20, (20, 13))
+        area = rng.uniform(1, 2, (20, 13))
 
     laws = Laws(Rough, Footprints(1.0))
     force = np.array([laws(np.full(20, (j / 12) ** 2)).force for j in range(15)])
@@ -77,13 +78,41 @@ def test_a_rough_table_gives_positive_stiffness_and_growing_nodes():
     for d in np.linspace(0.01, 1.5, 50):
         law = laws(np.full(20, d))
         assert (law.stiffness > 0).all() and (law.force > 0).all()
+    assert laws.repaired.all()
+    cap = STIFFEST * 2 * np.sqrt(Rough.area.max(axis=1) / np.pi)
+    assert (laws(np.full(20, 2.0)).stiffness <= cap * (1 + 1e-9)).all()
 
 
-@pytest.mark.parametrize("field", ["reach", "force", "stiffness"])
+@pytest.mark.parametrize("m", EXPONENTS)
+def test_a_sound_table_is_left_alone(m):
+    assert not Laws(replace(TABLE, m=m), Footprints(1.0, m)).repaired.any()
+
+
+@pytest.mark.parametrize("m", EXPONENTS)
+def test_mending_a_hertz_table_loses_little(m):
+    """A dent in one nodal stiffness: the force stays within a percent."""
+
+    class Dented:
+        reach, exponent = TABLE.reach, 3.0 + m
+        force, stiffness, area = replace(TABLE, m=m)._grid
+
+    Dented.stiffness = Dented.stiffness.copy()
+    Dented.stiffness[:, 7] = 0.99 * Dented.stiffness[:, 6]
+    f = Footprints(1.0, m)
+    mended, sound = Laws(Dented, f), Laws(replace(TABLE, m=m), f)
+    assert mended.repaired.all()
+    for d in (0.01, 0.1, 0.3):
+        np.testing.assert_allclose(
+            mended(np.full(2, d)).force, sound(np.full(2, d)).force, rtol=0.01
+        )
+
+
+@pytest.mark.parametrize("field", ["reach", "force", "stiffness", "area"])
 def test_a_table_with_nan_is_refused(field):
     class Broken:
         exponent = 3.0
-        reach, force, stiffness = np.ones(2), np.ones((2, 5)), np.ones((2, 5))
+        reach = np.ones(2)
+        force = stiffness = area = np.ones((2, 5))
 
     bad = np.full_like(getattr(Broken, field), np.nan)
     setattr(Broken, field, bad)
