@@ -312,13 +312,16 @@ class _Trail:
         count = min(len(height), int(SPARE * touching) + 40)
         listed = float(height[count]) if count < len(height) else -math.inf
         index = population.falling[:count]
+        deepest = population.height[index] - max(listed, float(height[-1]))
+        bound = population.laws.rows(index)(deepest)
+        widest = np.quantile(population.footprints.variance(bound.stiffness), 0.98)
         plan = Interaction(
             population.y[index],
             population.x[index],
             population.cell,
             population.boundary,
             population.footprints,
-            widest=float(population.laws.widest[index].max()),
+            widest=float(widest),
         )
         index = index[plan.order]
         problem = Problem(population.height[index], population.laws.rows(index), plan)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@njit(cache=True, nogil=True)
 def evaluate(approach, reach, power, table, force, stiffness, energy, moment, growth):
     """Laws at the given approaches; `Laws` says what the rows of `table` hold."""
     steps = table.shape[1]
-    for i in prange(approach.size):
+    for i in range(approach.size):
         d = approach[i]
         if d <= 0.0 or reach[i] <= 0.0:
             continue

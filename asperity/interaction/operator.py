@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..threads import threads
 from . import _kernels
+from ._pool import run
 from .footprint import Footprints, far_table, pair_table, smooth_part
 from .mesh import Mesh
 
@@ -22,6 +23,13 @@ CUT = 2.0
 
 WIDEST = 2.0
 """Least split length over the root of the widest variance: moments must stay an expansion."""
+
+CAP = 0.35
+"""Largest variance over the squared split length that the expansion takes; wider footprints keep
+this second moment beyond the cut-off."""
+
+PAIRS_PER_THREAD = 40_000
+"""Pairs that repay a thread."""
 
 NODES = 2.2
 """Mesh nodes per split length."""
@@ -42,8 +50,7 @@ class Interaction:
     footprints
         Kernel of the half-space.
     widest
-        Largest variance [m^2] of a footprint that will be asked for; the split length is kept well
-        above its root.
+        Variance [m^2] that few footprints exceed; the split length is kept well above its root.
     neighbours, cut, nodes
         Accuracy against cost: mean number of near neighbours, cut-off over the split length,
         mesh nodes per split length.
@@ -103,17 +110,18 @@ class Interaction:
         self.order = np.argsort(place, kind="stable")
         self.y, self.x = y[self.order], x[self.order]
         start = np.searchsorted(place[self.order], np.arange(cells[0] * cells[1] + 1))
-        far = far_table(footprints.m, cut * cut)
-        self.ptr, self.col, self.pair = _kernels.half_list(
-            self.y, self.x, start, cells, size, periodic, far, (len(far) - 1) / cut**2
+        self.ptr, self.col, self.pair = _near_pairs(
+            self.y, self.x, start, cells, size, periodic, cut, footprints.m
         )
         self.mesh = Mesh(footprints, size, periodic=periodic, nodes=nodes)
         self.shape = pair_table(footprints.m)
         self.own = tuple(float(v[0]) for v in smooth_part(footprints.m, np.zeros(1)))
         self.scale = footprints.point * self.eta**-footprints.power
-        self.bounds = _chunks(self.ptr)
-        self.grid = np.zeros(self.mesh.shape)
-        self.part = np.zeros((len(self.bounds) - 1, len(y), 2))
+        self.rows = _chunks(self.ptr, len(self.col))
+        self.part = np.zeros((len(self.rows), len(y), 2))
+        self.grids = np.zeros((len(self.rows), *self.mesh.shape))
+        self.tangent_col = np.empty(len(self.col), np.int32)
+        self.tangent_value = np.empty(len(self.col), np.float32)
         self.lowest = 0.0
 
     def field(
@@ -136,29 +144,23 @@ class Interaction:
             v1_i = sum_j F_j dN/dm_i [1/m], shape (n,).
         """
         m = variance / self.eta**2
-        _kernels.deposit(self.y, self.x, force, m, self.mesh.per_step, self.grid)
-        smooth = self.mesh.convolve(self.grid)
         out = np.empty((len(force), 2))
-        _kernels.field(
-            self.y,
-            self.x,
-            force,
-            m,
-            self.mesh.per_step,
-            smooth,
-            self.ptr,
-            self.col,
-            self.pair,
-            self.bounds,
-            self.shape,
-            self.footprints.power,
-            self.part,
-            out,
+        smooth = _mesh_field(self, self.rows, self.y, self.x, force, m, self.grids, out)
+        self.lowest = self.scale * min(0.0, float(smooth.min()))
+        p, pairs = self.footprints.power, (self.ptr, self.col, self.pair)
+        run(
+            lambda c, rows: _kernels.near_field(
+                rows, force, m, CAP, *pairs, self.shape, p, self.part[c]
+            ),
+            self.rows,
         )
         f0, f1, f2 = self.own
-        self.lowest = self.scale * min(0.0, float(smooth.min()))
-        value = out[:, 0] - force * (f0 + m * (f1 + 0.25 * m * f2))
-        slope = out[:, 1] - force * (0.5 * f1 + 0.25 * m * f2)
+        held = np.minimum(m, CAP)
+        value = out[:, 0] + held * out[:, 1] - force * (f0 + held * (f1 + 0.25 * held * f2))
+        slope = np.where(m < CAP, out[:, 1] - force * (0.5 * f1 + 0.25 * held * f2), 0.0)
+        for part in self.part:
+            value += part[:, 0]
+            slope += part[:, 1]
         return self.scale * value, self.scale / self.eta**2 * slope
 
     def tangent(
@@ -194,61 +196,115 @@ class Tangent:
         rank = np.full(len(active), -1, np.int32)
         rank[self.index] = np.arange(n, dtype=np.int32)
         variance = plan.footprints.variance(np.where(active, stiffness, 0.0)) / plan.eta**2
-        self.ptr = np.zeros(n + 1, np.int64)
-        self.col = np.empty(len(plan.col), np.int32)
-        self.value = np.empty(len(plan.col), np.float32)
-        _kernels.tangent_list(
-            plan.ptr,
-            plan.col,
-            plan.pair,
-            rank,
-            variance,
-            plan.shape,
-            plan.footprints.power,
-            self.ptr,
-            self.col,
-            self.value,
+        self.ptr = np.zeros((n, 2), np.int64)
+        self.col, self.value = plan.tangent_col, plan.tangent_value
+        run(
+            lambda c, rows: _kernels.tangent_list(
+                rows,
+                plan.ptr,
+                plan.col,
+                plan.pair,
+                rank,
+                variance,
+                CAP,
+                plan.shape,
+                plan.footprints.power,
+                plan.ptr[rows[0]],
+                self.ptr,
+                self.col,
+                self.value,
+            ),
+            plan.rows,
         )
         self.y, self.x = plan.y[self.index], plan.x[self.index]
         self.variance = variance[self.index]
         self.compliance = 1 / stiffness[self.index] + extra[self.index]
         f0, f1, f2 = plan.own
-        images = f0 + self.variance * (f1 + 0.25 * self.variance * f2)
-        self.diagonal = self.compliance / plan.scale - images
-        self.bounds = _chunks(self.ptr)
-        self.grid = np.zeros(plan.mesh.shape, np.float32)
-        self.part = np.zeros((len(self.bounds) - 1, n))
+        held = np.minimum(self.variance, CAP)
+        self.held = held
+        self.diagonal = self.compliance / plan.scale - f0 - held * (f1 + 0.25 * held * f2)
+        self.rows = np.searchsorted(self.index, plan.rows)
+        self.grids = np.zeros((len(self.rows), *plan.mesh.shape), np.float32)
+        self.part = np.zeros((len(self.rows), n))
+        self.out = np.empty((n, 2))
 
     def __len__(self) -> int:
         return len(self.index)
 
     def __call__(self, vector: NDArray[np.float64]) -> NDArray[np.float64]:
         """Matrix times vector [m] for forces `vector` [N], shape (len(self),)."""
-        mesh = self.plan.mesh
-        _kernels.deposit(self.y, self.x, vector, self.variance, mesh.per_step, self.grid)
-        smooth = mesh.convolve(self.grid)
-        out = np.empty(len(vector))
-        _kernels.tangent(
-            self.y,
-            self.x,
-            self.variance,
-            mesh.per_step,
-            smooth,
-            self.ptr,
-            self.col,
-            self.value,
-            self.bounds,
-            self.diagonal,
-            vector,
-            self.part,
-            out,
+        out = self.out
+        _mesh_field(self.plan, self.rows, self.y, self.x, vector, self.variance, self.grids, out)
+        run(
+            lambda c, rows: _kernels.near_tangent(
+                rows, self.ptr, self.col, self.value, vector, self.part[c]
+            ),
+            self.rows,
         )
-        return self.plan.scale * out
+        total = self.diagonal * vector + out[:, 0] + self.held * out[:, 1]
+        for part in self.part:
+            total += part
+        total *= self.plan.scale
+        return np.asarray(total)
 
 
-def _chunks(ptr: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Bounds of runs of rows with about equal work, one for each thread."""
+def _mesh_field(
+    plan: Interaction,
+    rows: NDArray[np.int64],
+    y: NDArray[np.float64],
+    x: NDArray[np.float64],
+    force: NDArray[np.float64],
+    variance: NDArray[np.float64],
+    grids: NDArray[np.floating],
+    out: NDArray[np.float64],
+) -> NDArray[np.floating]:
+    """Potential of the mesh part, and into `out` (n, 2) its value and half its Laplacian."""
+    per_step = plan.mesh.per_step
+    run(
+        lambda c, part: _kernels.deposit(part, y, x, force, variance, CAP, per_step, grids[c]),
+        rows,
+    )
+    smooth = plan.mesh.convolve(grids[0] if len(grids) == 1 else grids.sum(axis=0))
+    run(lambda _, part: _kernels.gather(part, y, x, per_step, smooth, out), rows)
+    return smooth
+
+
+def _near_pairs(
+    y: NDArray[np.float64],
+    x: NDArray[np.float64],
+    start: NDArray[np.int64],
+    cells: tuple[int, int],
+    size: tuple[float, float],
+    wrap: bool,
+    cut: float,
+    m: float,
+) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float32]]:
+    """Pairs i < j within the cut-off: CSR bounds (n + 1,), columns, and the data of each pair."""
+    far = far_table(m, cut * cut)
+    scale = (len(far) - 1) / cut**2
+    ptr = np.zeros(len(y) + 1, np.int64)
+    col, pair = np.empty(0, np.int32), np.empty((0, 4), np.float32)
+    count = max(1, min(threads(), len(y) // 2000, cells[0]))
+    edges = np.linspace(0, cells[0], count + 1).astype(np.int64)
+    rows = np.stack((edges[:-1], edges[1:]), axis=1)
+
+    def find(_: int, part: NDArray[np.int64]) -> None:
+        _kernels.half_list(
+            y, x, start, cells, size, wrap, cut * cut, part, ptr, far, scale, col, pair
+        )
+
+    run(find, rows)
+    np.cumsum(ptr, out=ptr)
+    if ptr[-1]:
+        col, pair = np.empty(ptr[-1], np.int32), np.empty((ptr[-1], 4), np.float32)
+        run(find, rows)
+    return ptr, col, pair
+
+
+def _chunks(ptr: NDArray[np.int64], pairs: int) -> NDArray[np.int64]:
+    """Runs of rows with about equal work, one for each thread, shape (chunks, 2)."""
+    count = max(1, min(threads(), pairs // PAIRS_PER_THREAD))
     work = ptr + 8 * np.arange(len(ptr))
-    threads = numba.get_num_threads()
-    inner = np.searchsorted(work, work[-1] * np.arange(1, threads) / threads)
-    return np.concatenate(([0], inner, [len(ptr) - 1])).astype(np.int64)
+    inner = np.searchsorted(work, work[-1] * np.arange(1, count) / count)
+    edges = np.concatenate(([0], inner, [len(ptr) - 1])).astype(np.int64)
+    return np.stack((edges[:-1], edges[1:]), axis=1)
