@@ -351,8 +351,7 @@ class _Trail:
         approach[self.index] = solution.approach
         force[self.index] = solution.laws.force
         stiffness[self.index] = solution.laws.stiffness
-        closed = np.flatnonzero(approach > 0)
-        area[closed] = population.table.evaluate(closed, approach[closed])[2]
+        area[self.index] = solution.laws.area
         signed = np.full(n, -np.inf)
         signed[self.index] = np.where(
             solution.approach > 0, solution.approach, np.minimum(solution.wanted, 0.0)
@@ -364,12 +363,9 @@ class _Trail:
         population = self.population
         approach = np.maximum(population.height - separation, 0.0)
         laws = population.laws(approach)
-        area = np.zeros(len(population))
-        closed = np.flatnonzero(approach > 0)
-        area[closed] = population.table.evaluate(closed, approach[closed])[2]
         done = Solution(approach, approach, laws, 0.0, 0, 0, "")
         trail = replace(self, listed=-math.inf)
-        return trail._pack(separation, approach, laws.force, laws.stiffness, area, done, 0, 0)
+        return trail._pack(separation, approach, laws.force, laws.stiffness, laws.area, done, 0, 0)
 
     def _pack(
         self,

@@ -176,14 +176,11 @@ def near_field(rows, force, variance, cap, ptr, col, pair, shape, power, out):
             vj = min(variance[j], cap)
             fj = 1.0 if variance[j] < cap else 0.0
             spread = variance[i] + variance[j]
-            reach = pair[k, 0] + spread
-            w = spread / reach * nodes
+            inverse = 1.0 / (pair[k, 0] + spread)
+            w = spread * inverse * nodes
             c = min(int(w), nodes - 1)
             t = w - c
-            if power == 1.0:
-                scale = 1.0 / math.sqrt(reach)
-            else:
-                scale = reach ** (-0.5 * power)
+            scale = math.sqrt(inverse) if power == 1.0 else inverse ** (0.5 * power)
             bend = 0.5 * pair[k, 2]
             cross = 0.25 * pair[k, 3]
             value = (
@@ -192,7 +189,7 @@ def near_field(rows, force, variance, cap, ptr, col, pair, shape, power, out):
                 - (vi + vj) * bend
                 - vi * vj * cross
             )
-            slope = (shape[c, 1] + t * (shape[c + 1, 1] - shape[c, 1])) * scale / reach
+            slope = (shape[c, 1] + t * (shape[c + 1, 1] - shape[c, 1])) * scale * inverse
             a0 += force[j] * value
             a1 += force[j] * (slope - fi * (bend + vj * cross))
             out[j, 0] += force[i] * value
@@ -216,13 +213,10 @@ def tangent_list(rows, ptr, col, pair, rank, variance, cap, shape, power, k, tpt
                 continue
             vj = min(variance[j], cap)
             spread = variance[i] + variance[j]
-            reach = pair[e, 0] + spread
-            w = spread / reach * nodes
+            inverse = 1.0 / (pair[e, 0] + spread)
+            w = spread * inverse * nodes
             c = min(int(w), nodes - 1)
-            if power == 1.0:
-                scale = 1.0 / math.sqrt(reach)
-            else:
-                scale = reach ** (-0.5 * power)
+            scale = math.sqrt(inverse) if power == 1.0 else inverse ** (0.5 * power)
             tcol[k] = rank[j]
             tval[k] = (
                 (shape[c, 0] + (w - c) * (shape[c + 1, 0] - shape[c, 0])) * scale
@@ -245,3 +239,30 @@ def near_tangent(rows, tptr, tcol, tval, v, out):
             total += tval[k] * v[j]
             out[j] += tval[k] * v[i]
         out[i] += total
+
+
+@njit(cache=True, nogil=True)
+def advance(length, stiffness, direction, image, solution, residual):
+    """One step of conjugate gradients; returns residual . stiffness residual."""
+    product = 0.0
+    for i in range(solution.size):
+        solution[i] += length * direction[i]
+        residual[i] -= length * image[i]
+        product += stiffness[i] * residual[i] * residual[i]
+    return product
+
+
+@njit(cache=True, nogil=True)
+def redirect(ratio, stiffness, residual, direction):
+    """New direction: scaled residual plus `ratio` times the old one."""
+    for i in range(direction.size):
+        direction[i] = stiffness[i] * residual[i] + ratio * direction[i]
+
+
+@njit(cache=True, nogil=True)
+def dot(a, b):
+    """Scalar product, in one thread."""
+    total = 0.0
+    for i in range(a.size):
+        total += a[i] * b[i]
+    return total

@@ -9,7 +9,7 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True)
-def evaluate(approach, reach, power, table, force, stiffness, energy, moment, growth):
+def evaluate(approach, reach, power, table, force, stiffness, area, energy, moment, growth):
     """Laws at the given approaches; `Laws` says what the rows of `table` hold."""
     steps = table.shape[1]
     for i in range(approach.size):
@@ -43,6 +43,7 @@ def evaluate(approach, reach, power, table, force, stiffness, energy, moment, gr
             m = (m * f + full * k * over) / (f + k * over)
             f += k * over
             grown = full - m
+        area[i] = v * v * (row[9] + t * (row[10] - row[9]))
         force[i] = f
         stiffness[i] = max(k, 0.05 * f / d)
         energy[i] = work

@@ -36,6 +36,8 @@ class Evaluated:
     ----------
     force, stiffness
         F [N] and its slope k = dF/dd [N/m].
+    area
+        Contact area [m^2].
     energy
         U = int_0^d F dd [J].
     moment
@@ -44,10 +46,11 @@ class Evaluated:
         F dm/dF = v - m [m^2], by which the footprint of an increment exceeds it.
     """
 
-    __slots__ = ("energy", "force", "growth", "moment", "stiffness")
+    __slots__ = ("area", "energy", "force", "growth", "moment", "stiffness")
 
     def __init__(self, n: int) -> None:
-        self.force, self.stiffness, self.energy, self.moment, self.growth = np.zeros((5, n))
+        self.force, self.stiffness, self.area = np.zeros((3, n))
+        self.energy, self.moment, self.growth = np.zeros((3, n))
 
 
 class Laws:
@@ -70,8 +73,8 @@ class Laws:
     widest
         Variance [m^2] of the footprint of the filled basin, shape (n,).
     table
-        Shape (n, K, 9), for v in [j, j+1]: coefficients of s = e0 + e1 v + e2 v^2 + e3 v^3; the
-        constant of the energy; coefficients of the moment in v - j.
+        Shape (n, K, 11), for v in [j, j+1]: coefficients of s = e0 + e1 v + e2 v^2 + e3 v^3; the
+        constant of the energy; coefficients of the moment in v - j; area/v^2 at both ends.
 
     Notes
     -----
@@ -99,7 +102,7 @@ class Laws:
         self.exponent, self.footprints = float(nodes.exponent), footprints
         self.usable = (reach > 0) & (force[:, -1] > 0)
         self.reach = np.where(self.usable, reach, 0.0)
-        self.table = np.zeros((len(reach), force.shape[1] - 1, 9))
+        self.table = np.zeros((len(reach), force.shape[1] - 1, 11))
         self.repaired = np.zeros(len(reach), bool)
         self.widest = np.zeros(len(reach))
         rows = np.flatnonzero(self.usable)
@@ -108,6 +111,9 @@ class Laws:
             reach[rows], force[rows], stiffness[rows], cap
         )
         self.table[rows] = _tabulate(reach[rows], force, stiffness, self.exponent, footprints)
+        shape = area[rows, 1:] / np.arange(1.0, force.shape[1]) ** 2
+        self.table[rows, :, 9] = np.concatenate((shape[:, :1], shape[:, :-1]), axis=1)
+        self.table[rows, :, 10] = shape
         self.widest[rows] = footprints.variance(stiffness[:, -1])
 
     def __len__(self) -> int:
@@ -131,6 +137,7 @@ class Laws:
             self.table,
             out.force,
             out.stiffness,
+            out.area,
             out.energy,
             out.moment,
             out.growth,
@@ -158,7 +165,7 @@ def _tabulate(
     # first interval: straight, through the first node, not below a fifth of its value
     ds[:, 0] = np.minimum(ds[:, 0], 0.8 * s[:, 0])
     first = s[:, :1] - ds[:, :1]
-    table = np.zeros((*s.shape, 9))
+    table = np.zeros((*s.shape, 11))
     local = _hermite(
         np.concatenate((first, s[:, :-1]), 1), s, np.concatenate((ds[:, :1], ds[:, :-1]), 1), ds
     )
@@ -263,7 +270,7 @@ def _moment(
     secant = np.diff(moment, axis=1, prepend=0.0)
     after = np.concatenate((secant[:, 1:], secant[:, -1:]), axis=1)
     bend = np.clip(bend, 0.0, 3 * np.maximum(np.minimum(secant, after), 0.0))
-    table[..., 5:] = np.stack(
+    table[..., 5:9] = np.stack(
         _hermite(
             np.concatenate((zero, moment[:, :-1]), 1),
             moment,

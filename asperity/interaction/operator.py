@@ -28,7 +28,7 @@ CAP = 0.35
 """Largest variance over the squared split length that the expansion takes; wider footprints keep
 this second moment beyond the cut-off."""
 
-PAIRS_PER_THREAD = 40_000
+PAIRS_PER_THREAD = 15_000
 """Pairs that repay a thread."""
 
 NODES = 2.2

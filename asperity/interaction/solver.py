@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _kernels
 from .laws import Evaluated, Laws
 from .operator import Interaction, Tangent
 
@@ -232,19 +233,15 @@ def conjugate_gradients(
     stiffness = 1 / matrix.compliance
     solution = np.zeros(len(right))
     residual = right.copy()
-    scaled = stiffness * residual
-    direction = scaled.copy()
-    product = float(residual @ scaled)
+    direction = stiffness * residual
+    product = _kernels.dot(residual, direction)
     goal = tolerance**2 * product
     for count in range(1, limit + 1):
         image = matrix(direction)
-        length = product / float(direction @ image)
-        solution += length * direction
-        residual -= length * image
-        scaled = stiffness * residual
-        last, product = product, float(residual @ scaled)
+        length = product / _kernels.dot(direction, image)
+        last = product
+        product = _kernels.advance(length, stiffness, direction, image, solution, residual)
         if product <= goal:
             return solution, count
-        direction *= product / last
-        direction += scaled
+        _kernels.redirect(product / last, stiffness, residual, direction)
     return solution, limit

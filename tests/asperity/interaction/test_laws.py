@@ -22,9 +22,10 @@ def test_hertz_and_filled_basin_are_reproduced(m):
     laws = Laws(table, Footprints(2.0, m))
     for d in (1e-6, 0.03, 0.17, 0.6, 2.0):
         law = laws(np.full(2, d))
-        force, stiffness, _ = table.evaluate(np.arange(2), np.full(2, d))
+        force, stiffness, area = table.evaluate(np.arange(2), np.full(2, d))
         np.testing.assert_allclose(law.force, force, rtol=1e-7)
         np.testing.assert_allclose(law.stiffness, stiffness, rtol=1e-7)
+        np.testing.assert_allclose(law.area, area, rtol=1e-7)
         assert (laws.filled(np.full(2, d)) == (d >= table.reach)).all()
 
 
