@@ -10,6 +10,7 @@ from .errors import SurfaceError
 __all__ = ["available_bytes", "require_memory"]
 
 _MEMINFO = Path("/proc/meminfo")
+_CGROUP = Path("/sys/fs/cgroup")
 
 
 def available_bytes() -> int:
@@ -17,11 +18,21 @@ def available_bytes() -> int:
     if _MEMINFO.is_file():
         for line in _MEMINFO.read_text().splitlines():
             if line.startswith("MemAvailable:"):
-                return int(line.split()[1]) * 1024
+                return min(int(line.split()[1]) * 1024, _left_in_container())
     names = os.sysconf_names if hasattr(os, "sysconf_names") else {}
     if "SC_PHYS_PAGES" in names and "SC_PAGE_SIZE" in names:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 2
     return 4 << 30
+
+
+def _left_in_container() -> int:
+    """What the limit of a container leaves [bytes]; no limit is a very large number."""
+    try:
+        limit = (_CGROUP / "memory.max").read_text().strip()
+        used = (_CGROUP / "memory.current").read_text().strip()
+    except OSError:
+        return 1 << 62
+    return max(0, int(limit) - int(used)) if limit.isdigit() else 1 << 62
 
 
 def require_memory(needed: int, what: str, remedy: str) -> None:

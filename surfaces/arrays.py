@@ -45,7 +45,7 @@ def read_npz(
                 with archive.open(name) as member:
                     _check_npy_header(member, archive.getinfo(name).file_size, name)
         with np.load(path, allow_pickle=False) as arrays:
-            stated = {
+            stated: dict[str, Any] = {
                 key: arrays[key].tolist()
                 for key in ("unit", "spacing", "periodic", "name")
                 if key in names and arrays[key].size <= 2

@@ -84,9 +84,10 @@ def autocorrelation(hm: HeightMap) -> Autocorrelation:
     pairs = _correlated(present.astype(np.float64), shape)
     half_y, half_x = hm.shape[0] // 2, hm.shape[1] // 2
     rows, columns = np.arange(-half_y, half_y + 1), np.arange(-half_x, half_x + 1)
+    lag_y, lag_x = rows.astype(np.float64), columns.astype(np.float64)
     inside = np.ix_(rows % shape[0], columns % shape[1])
     value = products[inside] / np.maximum(pairs[inside], 1.0) / variance
-    return Autocorrelation(rows * hm.spacing[0], columns * hm.spacing[1], value)
+    return Autocorrelation(lag_y * hm.spacing[0], lag_x * hm.spacing[1], value)
 
 
 def texture(correlation: Autocorrelation, *, threshold: float = 0.2) -> Texture:
@@ -130,4 +131,4 @@ def _correlated(z: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.fl
     """Sum of the products of `z` with itself at every shift, padded to `shape`."""
     modes = fft.rfft2(z, s=shape)
     power = np.square(modes.real) + np.square(modes.imag)
-    return fft.irfft2(power, s=shape)
+    return np.asarray(fft.irfft2(power, s=shape))

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 from scipy.sparse import coo_matrix, diags
-from scipy.sparse.linalg import LinearOperator, cg, spsolve
+from scipy.sparse.linalg import LinearOperator, cg, splu
 
 from .errors import SurfaceError
 from .heightmap import HeightMap
 
 __all__ = ["fill_missing", "mark_outliers"]
 
-_DIRECT = 40_000
+_DIRECT = 400_000
 _NINE_TENTHS = 1.6449  # nine tenths of a normal variable lie within this many deviations
 
 
@@ -106,21 +108,27 @@ def fill_missing(hm: HeightMap, *, limit: float = 0.1) -> HeightMap:
             f"{count} of {missing.size} points are missing ({100 * fraction:.3g} %), more than the "
             f"fill limit of {100 * limit:.3g} %; crop the map or raise fill_limit (--fill-limit)"
         )
-    step = {"step": "fill", "method": "harmonic", "count": count, "fraction": fraction}
+    step: dict[str, Any] = {
+        "step": "fill",
+        "method": "harmonic",
+        "count": count,
+        "fraction": fraction,
+    }
     if count == 0:
         return hm.replace(step=step)
+    gaps = cv2.connectedComponentsWithStats(missing.astype(np.uint8), connectivity=4)[2]
+    step["largest_gap"] = int(gaps[1:, cv2.CC_STAT_AREA].max())
     heights = hm.heights.copy()
-    heights[missing] = _harmonic(heights, missing, hm.spacing, hm.periodic)
-    step["largest_gap"] = int(
-        cv2.connectedComponentsWithStats(missing.astype(np.uint8))[2][1:, 4].max()
-    )
+    direct = step["largest_gap"] <= _DIRECT
+    heights[missing] = _harmonic(heights, missing, hm.spacing, hm.periodic, direct)
     return hm.replace(heights=heights, step=step)
 
 
 def _median(z: NDArray[np.float64], periodic: bool) -> NDArray[np.float64]:
     """Median of the 5 x 5 points about each point; the map goes on evenly beyond its border."""
     padded = np.pad(z, 2, mode="wrap") if periodic else _extended(_extended(z).T).T
-    return cv2.medianBlur(padded.astype(np.float32), 5)[2:-2, 2:-2].astype(np.float64)
+    blurred = cv2.medianBlur(padded.astype(np.float32), 5)
+    return np.asarray(blurred[2:-2, 2:-2], dtype=np.float64)
 
 
 def _extended(z: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -134,6 +142,7 @@ def _harmonic(
     missing: NDArray[np.bool_],
     spacing: tuple[float, float],
     periodic: bool,
+    direct: bool,
 ) -> NDArray[np.float64]:
     """Solution of the discrete Laplace equation on the missing points, in scan order."""
     ny, nx = heights.shape
@@ -164,8 +173,9 @@ def _harmonic(
         )
     i, j, w = (np.concatenate(part) for part in zip(*pairs, strict=True))
     matrix = (coo_matrix((w, (i, j)), shape=(count, count)) + diags(total)).tocsc()
-    if count <= _DIRECT:
-        return spsolve(matrix, right) + middle
+    if direct:
+        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0)
+        return np.asarray(factors.solve(right) + middle)
     start = _local_fill(np.where(missing, 0.0, heights - middle), ~missing)[missing]
     jacobi = LinearOperator((count, count), matvec=lambda x: x / total)
     filled, status = cg(matrix.tocsr(), right, x0=start, rtol=1e-8, maxiter=4000, M=jacobi)
@@ -173,7 +183,7 @@ def _harmonic(
         raise SurfaceError(
             f"filling {count} missing points did not converge; crop the map to the measured part"
         )
-    return filled + middle
+    return np.asarray(filled + middle)
 
 
 def _local_fill(z: NDArray[np.float64], present: NDArray[np.bool_]) -> NDArray[np.float64]:

@@ -55,7 +55,10 @@ def bandpass(
             f"no wavelength of the map lies between {lower:g} and {upper:g} m; the map has "
             f"{2 * max(hm.spacing):.4g} to {max(hm.size) * (1 if hm.periodic else 2):.4g} m"
         )
-    heights = _inverse(_forward(hm) * keep, hm)
+    if hm.periodic:
+        heights = fft.irfft2(fft.rfft2(hm.heights) * keep, s=hm.shape)
+    else:
+        heights = fft.idctn(fft.dctn(hm.heights) * keep)
     step = {
         "step": "bandpass",
         "shortest": lower or None,
@@ -159,19 +162,11 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
 
 
 def _frequencies(hm: HeightMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Frequencies [1/m] of the two axes of the spectrum that `_forward` makes."""
+    """Frequencies [1/m] of the two axes of the Fourier or cosine spectrum."""
     (ny, nx), (dy, dx) = hm.shape, hm.spacing
     if hm.periodic:
         return np.abs(fft.fftfreq(ny, dy)), fft.rfftfreq(nx, dx)
     return np.arange(ny) / (2 * ny * dy), np.arange(nx) / (2 * nx * dx)
-
-
-def _forward(hm: HeightMap) -> NDArray[np.complex128] | NDArray[np.float64]:
-    return fft.rfft2(hm.heights) if hm.periodic else fft.dctn(hm.heights)
-
-
-def _inverse(spectrum: NDArray[np.complex128], hm: HeightMap) -> NDArray[np.float64]:
-    return fft.irfft2(spectrum, s=hm.shape) if hm.periodic else fft.idctn(spectrum)
 
 
 def _resample_axis(
@@ -200,7 +195,7 @@ def _resample_axis(
 def _window(places: NDArray[np.float64], length: float, strip: float) -> NDArray[np.float64]:
     """Raised cosine: 0 at the border, 1 from `strip` inwards."""
     inward = np.minimum(places, length - places)
-    return 0.5 - 0.5 * np.cos(np.pi * np.minimum(inward / strip, 1.0))
+    return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.minimum(inward / strip, 1.0)))
 
 
 def _rms(values: NDArray[np.float64]) -> float:

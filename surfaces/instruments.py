@@ -93,7 +93,8 @@ def read_instrument(
         origin["instrument"] = str(instrument)
     origin["unit"] = chosen
     heights = np.asarray(heights, dtype=np.float64).T * metres_per(chosen)
-    pixel = np.array([length_y, length_x]) * metres_per(chosen) / heights.shape
+    ny, nx = heights.shape
+    pixel = (length_y * metres_per(chosen) / ny, length_x * metres_per(chosen) / nx)
     return HeightMap(heights, pixel, periodic=periodic, name=path.stem, history=(origin,))
 
 

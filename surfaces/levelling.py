@@ -55,9 +55,9 @@ def level(hm: HeightMap, form: str = "plane") -> HeightMap:
         raise SurfaceError(
             f"{np.count_nonzero(present)} points are present; too few to fit a {form}"
         )
-    shift = float(np.median(hm.heights[present]))
-    z = np.where(present, hm.heights, shift) - shift
-    scale = float(np.ptp(z[present])) or 1.0
+    shift = float(np.median(_sample(hm.heights, present)))
+    z = np.where(present, hm.heights - shift, 0.0)
+    scale = float(max(z.max(), -z.min())) or 1.0
     z /= scale
     aspect = hm.size[0] / hm.size[1]
     coefficients = _solve(*_block_medians(z, present, v, u), form, aspect)
@@ -88,18 +88,26 @@ def _evaluate(
     c0, cu, cv, cuu, cuv, cvv = coefficients
     along_x = cu * u + cuu * u * u
     along_y = c0 + cv * v + cvv * v * v
-    form = along_y[:, None] + along_x[None, :]
-    return form + (cuv * v)[:, None] * u[None, :] if cuv else form
+    form: NDArray[np.float64] = along_y[:, None] + along_x[None, :]
+    if cuv:
+        form += (cuv * v)[:, None] * u[None, :]
+    return form
 
 
 def _inliers(residual: NDArray[np.float64], present: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    sample = residual[present]
-    sample = sample[:: max(1, sample.size // 200_000)]
+    sample = _sample(residual, present)
     center = float(np.median(sample))
     sigma = _MAD_TO_SIGMA * float(np.median(np.abs(sample - center)))
     if sigma == 0.0:
         return present
     return present & (np.abs(residual - center) <= _REJECT * sigma)
+
+
+def _sample(values: NDArray[np.float64], present: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Some hundred thousand of the values present, evenly spread; all of them on a small map."""
+    step = max(1, math.isqrt(values.size // 200_000))
+    sample = values[::step, ::step][present[::step, ::step]]
+    return sample if sample.size else values[present]
 
 
 def _fit(

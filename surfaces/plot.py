@@ -166,7 +166,7 @@ def _ray_color(angle: float) -> NDArray[np.float64]:
     """Dark along the long axis of the contact, light across it."""
     share = np.sin(angle) ** 2
     dark, light = np.array([0.12, 0.16, 0.20]), np.array([0.82, 0.29, 0.36])
-    return dark + share * (light - dark)
+    return np.asarray(dark + share * (light - dark))
 
 
 def _height(width: float, hm: HeightMap) -> float:

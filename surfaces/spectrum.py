@@ -152,7 +152,7 @@ def power_spectrum(hm: HeightMap) -> Spectrum:
     edges = _ring_edges(2.0 * np.pi / max(hm.size), nyquist)
     ring = np.digitize(q, edges).ravel()
     half = np.broadcast_to(0.5 * weight, q.shape).ravel()
-    count = np.bincount(ring, half, len(edges) + 1)[1:-1]
+    count = np.bincount(ring, half, len(edges) + 1)[1:-1].astype(np.float64)
     power = np.bincount(ring, half * density.ravel(), len(edges) + 1)[1:-1]
     logs = np.log(np.maximum(q, 0.5 * edges[0])).ravel()
     place = np.bincount(ring, half * logs, len(edges) + 1)[1:-1]
@@ -241,7 +241,7 @@ def _profiles(
 def _hann(count: int) -> NDArray[np.float64]:
     """Periodic Hann window of mean square one."""
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * (np.arange(count) + 0.5) / count)
-    return window / np.sqrt(np.mean(window**2))
+    return np.asarray(window / np.sqrt(np.mean(window**2)))
 
 
 def _moments(

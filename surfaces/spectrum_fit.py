@@ -122,7 +122,7 @@ def _model(
 ) -> NDArray[np.float64]:
     """ln C: level at the last x and slope of the power law, then breaks and the third slope."""
     level, slope = parameters[0], parameters[1]
-    y = level + slope * (x - x[-1])
+    y: NDArray[np.float64] = level + slope * (x - x[-1])
     if parts[0]:
         y = np.where(x < parameters[2], level + slope * (parameters[2] - x[-1]), y)
     if parts[1]:
@@ -155,7 +155,8 @@ def _refined(
         start += [x[low]] * parts[0]
         start += [x[high], solution[2]] if parts[1] else []
         starts.append((float(np.sum((matrix @ solution - y * root) ** 2)), start))
-    return least_squares(lambda p: root * (_model(p, x, parts) - y), min(starts)[1]).x
+    fitted = least_squares(lambda p: root * (_model(p, x, parts) - y), min(starts)[1])
+    return np.asarray(fitted.x, dtype=np.float64)
 
 
 def _described(

@@ -102,12 +102,13 @@ def describe(hm: HeightMap) -> Statistics:
     z = z - z.mean()
     if not z.any():
         raise SurfaceError("the map is constant; it has no roughness")
-    sq = float(np.sqrt(np.mean(z**2)))
+    square = z * z
+    sq = float(np.sqrt(np.mean(square)))
     heights = {
         "Sq": sq,
         "Sa": float(np.mean(np.abs(z))),
-        "Ssk": float(np.mean((z / sq) ** 3)),
-        "Sku": float(np.mean((z / sq) ** 4)),
+        "Ssk": float(np.mean(square * z)) / sq**3,
+        "Sku": float(np.mean(square * square)) / sq**4,
         "Sp": float(z.max()),
         "Sv": float(-z.min()),
         "Sz": float(np.ptp(z)),
