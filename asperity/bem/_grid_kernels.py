@@ -11,58 +11,70 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from ..threads import sleepy_barriers
+from ..threads import short_barriers
 
-sleepy_barriers()
+short_barriers()
 
-_FAST = {"reassoc", "contract", "nsz"}
+_FAST = {"reassoc", "contract", "nsz", "nnan"}
+BLOCK = 64
 Grid = NDArray[np.float64]
 
 
 @njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)  # type: ignore[misc]
-def contact_sums(pressure: Grid, displacement: Grid, heights: Grid) -> Any:
-    """Count, sum of gap, lowest gap, load, load times gap, largest |u|; gap = u - h."""
+def contact_sums(pressure: Grid, displacement: Grid, heights: Grid, block_low: Grid) -> Any:
+    """Count, sum of gap, lowest gap, load, load times gap, load times u, largest |u|; gap = u - h.
+
+    `block_low` (ny, blocks) receives the lowest gap of each run of 64 points, -inf under pressure.
+    """
     ny, nx = heights.shape
     count = 0
-    gap_sum = total = work = largest = 0.0
+    gap_sum = total = work = moment = largest = 0.0
     lowest = np.inf
     for y in prange(ny):
-        row_count = 0
-        row_gap = row_total = row_work = row_largest = 0.0
-        row_lowest = np.inf
-        for x in range(nx):
-            u = displacement[y, x]
-            gap = u - heights[y, x]
-            p = pressure[y, x]
-            row_lowest = min(row_lowest, gap)
-            row_largest = max(row_largest, abs(u))
-            if p > 0.0:
-                row_count += 1
-                row_gap += gap
-                row_total += p
-                row_work += p * gap
-        count += row_count
-        gap_sum += row_gap
-        total += row_total
-        work += row_work
-        lowest = min(lowest, row_lowest)
-        largest = max(largest, row_largest)
-    return count, gap_sum, lowest, total, work, largest
+        for b in range(block_low.shape[1]):
+            low, peak, load, local = np.inf, 0.0, 0.0, 0
+            sum_gap = sum_work = sum_moment = 0.0
+            for x in range(b * BLOCK, min(nx, (b + 1) * BLOCK)):
+                u = displacement[y, x]
+                gap = u - heights[y, x]
+                p = pressure[y, x]
+                low = min(low, gap)
+                peak = max(peak, abs(u))
+                load += p
+                sum_work += p * gap
+                sum_moment += p * u
+                touching = p > 0.0
+                local += touching
+                sum_gap += gap if touching else 0.0
+            count += local
+            gap_sum += sum_gap
+            total += load
+            work += sum_work
+            moment += sum_moment
+            lowest = min(lowest, low)
+            largest = max(largest, peak)
+            block_low[y, b] = low if local == 0 else -np.inf
+    return count, gap_sum, lowest, total, work, moment, largest
 
 
 @njit(cache=True, nogil=True, parallel=True)  # type: ignore[misc]
-def select(pressure: Grid, displacement: Grid, heights: Grid, threshold: float) -> Any:
+def select(
+    pressure: Grid, displacement: Grid, heights: Grid, block_low: Grid, threshold: float
+) -> Any:
     """Points under pressure or with a gap up to the threshold, row by row.
 
-    Returns row pointers (ny + 1,), columns, flat indices into the map, pressures and gaps.
+    `block_low` comes from `contact_sums`. Returns row pointers (ny + 1,), columns, pressures and
+    gaps of the points.
     """
     ny, nx = heights.shape
     start = np.zeros(ny + 1, np.int64)
     for y in prange(ny):
         k = 0
-        for x in range(nx):
-            if displacement[y, x] - heights[y, x] <= threshold or pressure[y, x] != 0.0:
-                k += 1
+        for b in range(block_low.shape[1]):
+            if block_low[y, b] <= threshold:
+                for x in range(b * BLOCK, min(nx, (b + 1) * BLOCK)):
+                    gap = displacement[y, x] - heights[y, x]
+                    k += (gap <= threshold) | (pressure[y, x] > 0.0)
         start[y + 1] = k
     for y in range(ny):
         start[y + 1] += start[y]
@@ -72,15 +84,34 @@ def select(pressure: Grid, displacement: Grid, heights: Grid, threshold: float) 
     g = np.empty(n)
     for y in prange(ny):
         k = start[y]
-        if start[y + 1] > k:
-            for x in range(nx):
-                gap = displacement[y, x] - heights[y, x]
-                if gap <= threshold or pressure[y, x] != 0.0:
-                    columns[k] = x
-                    p[k] = pressure[y, x]
-                    g[k] = gap
-                    k += 1
+        for b in range(block_low.shape[1]):
+            if block_low[y, b] <= threshold:
+                for x in range(b * BLOCK, min(nx, (b + 1) * BLOCK)):
+                    gap = displacement[y, x] - heights[y, x]
+                    if gap <= threshold or pressure[y, x] > 0.0:
+                        columns[k] = x
+                        p[k] = pressure[y, x]
+                        g[k] = gap
+                        k += 1
     return start, columns, p, g
+
+
+@njit(cache=True, nogil=True, parallel=True)  # type: ignore[misc]
+def finish(
+    pressure: Grid,
+    displacement: Grid,
+    heights: Grid,
+    unit: float,
+    level: float,
+    real_pressure: Grid,
+    gap: Grid,
+) -> None:
+    """Pressure times a unit, and gap above a level, of the size of the map."""
+    ny, nx = heights.shape
+    for y in prange(ny):
+        for x in range(nx):
+            real_pressure[y, x] = pressure[y, x] * unit
+            gap[y, x] = displacement[y, x] - heights[y, x] - level
 
 
 @njit(cache=True, nogil=True, parallel=True)  # type: ignore[misc]

@@ -8,9 +8,9 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from ..threads import sleepy_barriers
+from ..threads import short_barriers
 
-sleepy_barriers()
+short_barriers()
 
 _FAST = {"reassoc", "contract", "nsz"}
 Single = NDArray[np.float32]

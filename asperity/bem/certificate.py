@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ._grid_kernels import contact_sums
+from ._grid_kernels import BLOCK, contact_sums
 
 __all__ = ["Certificate", "Reading", "certify"]
 
@@ -54,14 +54,17 @@ class Reading:
         Mean of u - h over the contact [m]; its smallest value if there is no contact.
     scale
         Length that the errors are relative to [m].
-    contact
-        Number of points under pressure.
+    moment
+        Sum of pressure times displacement [m times the unit of pressure].
+    block_low
+        Lowest gap of each run of 64 points, -inf where there is pressure [m].
     """
 
     certificate: Certificate
     level: float
     scale: float
-    contact: int
+    moment: float
+    block_low: NDArray[np.float64]
 
 
 def certify(
@@ -95,13 +98,17 @@ def certify(
     The length of scale is the rms height; for a map flat to within rounding of the displacement,
     a millionth of the largest displacement, below which float64 cannot resolve the gap.
     """
-    count, gap_sum, lowest, total, work, largest = contact_sums(pressure, displacement, heights)
+    ny, nx = heights.shape
+    block_low = np.empty((ny, -(-nx // BLOCK)))
+    count, gap_sum, lowest, total, work, moment, largest = contact_sums(
+        pressure, displacement, heights, block_low
+    )
     scale = max(rms_height, 1e-6 * largest, float(np.finfo(float).tiny))
     if count == 0:
         missing = 0.0 if not mean_pressure else 1.0
         penetration = 0.0 if offset is None else max(0.0, offset - lowest) / scale
         level = lowest if offset is None else offset
-        return Reading(Certificate(missing, 0.0, penetration), level, scale, 0)
+        return Reading(Certificate(missing, 0.0, penetration), level, scale, 0.0, block_low)
     level = gap_sum / count
     if offset is not None:
         load = abs(level - offset) / scale
@@ -110,6 +117,5 @@ def certify(
     else:
         load = float("inf")
     complementarity = max(work / total - lowest, 0.0) / scale
-    return Reading(
-        Certificate(load, complementarity, (level - lowest) / scale), level, scale, int(count)
-    )
+    certificate = Certificate(load, complementarity, (level - lowest) / scale)
+    return Reading(certificate, level, scale, moment, block_low)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from . import _grid_kernels
 from .active_set import solve_on_list
-from .certificate import Certificate, Reading, certify
+from .certificate import Reading, certify
 from .contact_list import ContactList
 from .full_grid import FullGridOperator
 from .load_search import LoadSearch
@@ -25,6 +25,7 @@ _MOST_OUTER = 60
 _PATIENCE = 8
 _MOST_INNER = 400
 _SMALL_GRID = 128 * 128
+_ROWS = 64
 _FULL_SHARE = 0.4
 
 
@@ -32,8 +33,7 @@ _FULL_SHARE = 0.4
 class Outcome:
     """How the outer iteration on one grid ended."""
 
-    certificate: Certificate
-    level: float
+    reading: Reading
     iterations: int
     converged: bool
     reason: str
@@ -53,7 +53,7 @@ class Level:
     def __init__(self, heights: NDArray[np.float64], exact: HalfSpaceOperator) -> None:
         self.heights = heights
         self.exact = exact
-        self.rms_height = float(heights.std())
+        self.rms_height = _rms_height(heights)
         self._split: SplitOperator | None = None
         self._full: FullGridOperator | None = None
 
@@ -89,7 +89,7 @@ class Level:
             )
             worst = reading.certificate.worst
             if worst <= tolerance:
-                return Outcome(reading.certificate, reading.level, iterations, True, "")
+                return Outcome(reading, iterations, True, "")
             idle = 0 if worst < 0.7 * best else idle + 1
             best = min(best, worst)
             if idle >= _PATIENCE:
@@ -103,7 +103,7 @@ class Level:
             f"the error stopped falling at {best:.1e}, above the tolerance {tolerance:.1e}, "
             f"after {outer} corrections"
         )
-        return Outcome(reading.certificate, reading.level, iterations, False, reason)
+        return Outcome(reading, iterations, False, reason)
 
     def _correct(
         self,
@@ -118,7 +118,7 @@ class Level:
         width = min(_BAND * min(1.0, error), 1.0) if first else min(_BAND, _MARGIN * error)
         threshold = reading.level + width * reading.scale
         start, columns, values, gap = _grid_kernels.select(
-            self.exact.pressure, displacement, self.heights, threshold
+            self.exact.pressure, displacement, self.heights, reading.block_low, threshold
         )
         points = ContactList(start, columns)
         operator = self._operator(len(points))
@@ -145,3 +145,13 @@ class Level:
         if self._split is None:
             self._split = SplitOperator(self.exact)
         return self._split
+
+
+def _rms_height(heights: NDArray[np.float64]) -> float:
+    """Root-mean-square height [m], by blocks of rows that fit in the cache."""
+    mean = heights.mean()
+    total = 0.0
+    for start in range(0, heights.shape[0], _ROWS):
+        block = heights[start : start + _ROWS] - mean
+        total += float(np.square(block, out=block).sum())
+    return math.sqrt(total / heights.size)

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from . import _grid_kernels
 from .operator import Boundary
+from .transform import RealTransform
 
-__all__ = ["coarse_heights", "level_shapes", "prolong"]
+__all__ = ["CoarseMaps", "level_shapes", "prolong"]
 
 _SMALLEST = 48
 
@@ -23,26 +24,56 @@ def level_shapes(shape: tuple[int, int]) -> list[tuple[int, int]]:
     return shapes
 
 
-def coarse_heights(
-    heights: NDArray[np.float64],
-    shapes: list[tuple[int, int]],
-    boundary: Boundary,
-    threads: int = 1,
-) -> list[NDArray[np.float64]]:
-    """Heights on each of the coarser grids.
+class CoarseMaps:
+    """Coarser maps of one height map.
 
-    Notes
-    -----
-    Periodic: Fourier truncation, the Nyquist lines left out. Free: means over the coarse pixels.
+    Parameters
+    ----------
+    heights
+        Heights [m], shape (ny, nx).
+    pair
+        Transform of the map's shape (periodic), free to be used; its input is left zero.
+    boundary
+        Periodic: Fourier truncation, the Nyquist lines left out. Free: means over the pixels.
+    shapes
+        Shapes of the coarser grids, coarsest first.
     """
-    if boundary == "free":
-        maps = []
-        for shape in reversed(shapes):
-            heights = _averaged(_averaged(heights, shape[0]).T, shape[1]).T
-            maps.append(_frozen(np.ascontiguousarray(heights)))
-        return maps[::-1]
-    spectrum = scipy.fft.rfft2(heights, norm="forward", workers=threads)
-    return [_frozen(_truncated(spectrum, shape)) for shape in shapes]
+
+    def __init__(
+        self,
+        heights: NDArray[np.float64],
+        pair: RealTransform,
+        boundary: Boundary,
+        shapes: list[tuple[int, int]],
+    ) -> None:
+        self._averages: list[NDArray[np.float64]] = []
+        self._low: NDArray[np.complex128] | None = None
+        if boundary == "free":
+            for shape in reversed(shapes):
+                heights = _averaged(_averaged(heights, shape[0]).T, shape[1]).T
+                self._averages.insert(0, _frozen(np.ascontiguousarray(heights)))
+        elif shapes:
+            pair.values[:] = heights
+            pair.forward()
+            pair.values[:] = 0.0
+            self._low = _low_waves(pair.spectrum, shapes[-1]) / heights.size
+
+    def level(self, index: int, shape: tuple[int, int], pair: RealTransform) -> NDArray[np.float64]:
+        """Heights of the grid number `index`, by its own transform pair."""
+        if self._low is None:
+            return self._averages[index]
+        pair.load_spectrum(_low_waves(self._low, shape))
+        pair.backward()
+        return _frozen(pair.grid[:, : shape[1]].copy())
+
+
+def _low_waves(spectrum: NDArray[np.complex128], shape: tuple[int, int]) -> NDArray[np.complex128]:
+    """Half spectrum of a coarser grid: the waves that it holds, without the Nyquist lines."""
+    rows, columns = (shape[0] - 1) // 2, (shape[1] - 1) // 2
+    kept = np.zeros((shape[0], shape[1] // 2 + 1), np.complex128)
+    kept[: rows + 1, : columns + 1] = spectrum[: rows + 1, : columns + 1]
+    kept[-rows:, : columns + 1] = spectrum[-rows:, : columns + 1]
+    return kept
 
 
 def _frozen(values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -50,20 +81,13 @@ def _frozen(values: NDArray[np.float64]) -> NDArray[np.float64]:
     return values
 
 
-def _truncated(spectrum: NDArray[np.complex128], shape: tuple[int, int]) -> NDArray[np.float64]:
-    rows, cols = (shape[0] - 1) // 2, (shape[1] - 1) // 2
-    kept = np.zeros((shape[0], shape[1] // 2 + 1), complex)
-    kept[: rows + 1, : cols + 1] = spectrum[: rows + 1, : cols + 1]
-    kept[-rows:, : cols + 1] = spectrum[-rows:, : cols + 1]
-    result: NDArray[np.float64] = scipy.fft.irfft2(kept, s=shape, norm="forward")
-    return result
-
-
 def _averaged(values: NDArray[np.float64], count: int) -> NDArray[np.float64]:
     """Means over `count` equal intervals of the first axis."""
     n = values.shape[0]
     if count == n:
         return values
+    if n == 2 * count:
+        return 0.5 * (values[::2] + values[1::2])
     integral = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, axis=0)])
     edges = np.arange(count + 1) * (n / count)
     below = np.minimum(edges.astype(int), n - 1)

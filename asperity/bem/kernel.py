@@ -61,9 +61,14 @@ def symbol(
     ky, kx = wave_numbers(shape, spacing)
     square = ky[:, None] ** 2 + kx[None, :] ** 2
     square[0, 0] = 1.0
-    result: NDArray[np.float64] = square ** (0.5 * power)
-    result[0, 0] = 0.0
-    return result
+    if abs(power) == 1.0:
+        np.sqrt(square, out=square)
+        if power < 0.0:
+            np.divide(1.0, square, out=square)
+    else:
+        np.power(square, 0.5 * power, out=square)
+    square[0, 0] = 0.0
+    return square
 
 
 def influence(

@@ -14,8 +14,9 @@ from surfaces.heightmap import HeightMap
 from ..errors import InputError, SurfaceError
 from ..threads import threads as thread_count
 from ..threads import use_numba
+from ._grid_kernels import finish
 from .correction import Level, Outcome
-from .grids import coarse_heights, level_shapes, prolong
+from .grids import CoarseMaps, level_shapes, prolong
 from .kernel import ElasticHalfSpace
 from .load_search import LoadSearch
 from .operator import Boundary, HalfSpaceOperator
@@ -23,7 +24,7 @@ from .solution import BemSolution
 
 __all__ = ["ContactProblem", "bem_solve"]
 
-_COARSE_TOLERANCE = 1e-3
+_COARSE_TOLERANCE = 1e-2
 _FIRST_LOAD = 1e-3
 
 
@@ -77,7 +78,7 @@ def bem_solve(
     section 6). The certificate is recomputed from the returned pressure with the exact operator
     in float64.
     """
-    problem = ContactProblem(hm, mat, tolerance=tolerance, boundary=boundary)
+    problem = ContactProblem(hm, mat, tolerance=tolerance, boundary=boundary, once=True)
     return problem.solve(pressure=pressure, separation=separation, guess=guess)
 
 
@@ -88,6 +89,8 @@ class ContactProblem:
     ----------
     hm, mat, tolerance, boundary
         As in `bem_solve`.
+    once
+        Solved at one load only: the result takes over the buffers instead of copying them.
     """
 
     def __init__(
@@ -97,6 +100,7 @@ class ContactProblem:
         *,
         tolerance: float = 1e-6,
         boundary: Boundary | None = None,
+        once: bool = False,
     ) -> None:
         if hm.missing:
             raise SurfaceError(
@@ -109,6 +113,7 @@ class ContactProblem:
             boundary = "periodic" if hm.periodic else "free"
         start = time.perf_counter()
         self.hm, self.mat, self.tolerance = hm, mat, float(tolerance)
+        self._last = once
         self._threads = thread_count()
         use_numba(self._threads)
         exact = HalfSpaceOperator(hm.shape, hm.spacing, mat, boundary, threads=self._threads)
@@ -188,16 +193,17 @@ class ContactProblem:
     def _nested(self, load: float, search: LoadSearch | None) -> int:
         """Start from the coarser grids; returns the iterations spent on them."""
         shapes = level_shapes(self.hm.shape)[:-1]
-        maps = coarse_heights(self.hm.heights, shapes, self.boundary, self._threads)
+        pair = self.level.exact.transform
+        maps = CoarseMaps(self.hm.heights, pair, self.boundary, shapes)
         iterations = 0
         coarse: Level | None = None
         ly, lx = self.hm.size
-        for heights in maps:
-            ny, nx = heights.shape
+        for index, (ny, nx) in enumerate(shapes):
             spacing = (ly / ny, lx / nx)
             exact = HalfSpaceOperator(
                 (ny, nx), spacing, self.mat, self.boundary, threads=self._threads
             )
+            heights = maps.level(index, (ny, nx), exact.transform)
             level = Level(heights, exact)
             ratio = exact.compliance / self.compliance
             if search and -search.offset >= float(heights.max()):
@@ -240,23 +246,22 @@ class ContactProblem:
         coarse: int,
         seconds: dict[str, float],
     ) -> BemSolution:
-        nx = self.hm.shape[1]
-        exact = self.level.exact
-        displacement = exact.transform.grid[:, :nx]
-        unit = self.hm.area / self.hm.heights.size / self.compliance
-        energy = 0.5 * float(np.vdot(self.level.pressure, displacement)) * unit
-        gap = displacement - self.hm.heights
-        gap -= outcome.level if offset is None else offset
-        pressure = self.level.pressure / self.compliance
+        exact, reading = self.level.exact, outcome.reading
+        grids = exact.pressure, exact.transform.grid
+        out = grids if self._last else (np.empty(self.hm.shape), np.empty(self.hm.shape))
+        level = reading.level if offset is None else offset
+        finish(*grids, self.hm.heights, 1.0 / self.compliance, level, *out)
+        pressure, gap = (grid[:, : self.hm.shape[1]] for grid in out)
         mean = float(pressure.mean())
+        cell = self.hm.spacing[0] * self.hm.spacing[1]
         return BemSolution(
             pressure=pressure,
             gap=gap,
-            separation=-outcome.level - self._mean_height,
+            separation=-reading.level - self._mean_height,
             mean_pressure=mean,
             load=mean * self.hm.area,
-            elastic_energy=energy,
-            certificate=outcome.certificate,
+            elastic_energy=0.5 * reading.moment / self.compliance * cell,
+            certificate=reading.certificate,
             converged=outcome.converged,
             status="converged" if outcome.converged else "stagnated",
             reason=outcome.reason,

@@ -36,7 +36,7 @@ class SplitOperator:
         Relative reduction of the error that one solve with this operator is worth.
     """
 
-    aim = 0.02
+    aim = 0.006
 
     def __init__(self, exact: HalfSpaceOperator) -> None:
         self.shape = exact.shape

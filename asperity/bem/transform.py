@@ -30,6 +30,9 @@ class RealTransform(Protocol):
     spectrum: NDArray[Any]
     grid: NDArray[Any]
 
+    def load_spectrum(self, spectrum: NDArray[Any]) -> None:
+        """Give a half spectrum to `backward`."""
+
     def forward(self) -> None:
         """Transform `values`, with zeros in the rows that it lacks, into `spectrum`."""
 
@@ -126,6 +129,9 @@ class _FFTWTransform:
                 planned(used, out, (1,), "FFTW_BACKWARD"),
             ]
 
+    def load_spectrum(self, spectrum: NDArray[Any]) -> None:
+        self.spectrum[:] = spectrum
+
     def forward(self) -> None:
         self._tail[:] = 0.0
         for stage in self._forward:
@@ -146,6 +152,9 @@ class _ScipyTransform:
         self.grid = np.zeros((rows, shape[1]), dtype)
         self.spectrum = np.empty((0, 0), np.result_type(dtype, np.complex64))
         self._shape, self._rows, self._threads = shape, rows, threads
+
+    def load_spectrum(self, spectrum: NDArray[Any]) -> None:
+        self.spectrum = np.array(spectrum, self.spectrum.dtype)
 
     def forward(self) -> None:
         by_rows = scipy.fft.rfft(self.values, axis=1, workers=self._threads)

@@ -120,18 +120,35 @@ def test_stencil_sum_is_the_direct_sum():
         np.testing.assert_allclose(operator.precondition(values), expected, atol=2e-5)
 
 
-def test_selected_points():
-    """The candidate list is the one of numpy, in row order; values are put back in place."""
+def test_sums_and_selected_points():
+    """Sums and candidate list are those of numpy; values are put back in place."""
     rng = np.random.default_rng(6)
     displacement, heights = rng.random((2, 9, 14))
     pressure = np.where(rng.random((9, 14)) < 0.2, rng.random((9, 14)), 0.0)
     heights.setflags(write=False)
-    start, columns, p, g = _grid_kernels.select(pressure, displacement, heights, -0.3)
-    mask = (displacement - heights <= -0.3) | (pressure != 0)
-    rows, expected = np.nonzero(mask)
-    np.testing.assert_array_equal(columns, expected)
+    gap = displacement - heights
+    low = np.empty((9, 1))
+    sums = _grid_kernels.contact_sums(pressure, displacement, heights, low)
+    touching = pressure > 0
+    expected = (
+        touching.sum(),
+        gap[touching].sum(),
+        gap.min(),
+        pressure.sum(),
+        (pressure * gap).sum(),
+        (pressure * displacement).sum(),
+        displacement.max(),
+    )
+    assert sums == pytest.approx(expected, rel=1e-13)
+    np.testing.assert_array_equal(
+        low[:, 0], np.where(touching.any(axis=1), -np.inf, gap.min(axis=1))
+    )
+    start, columns, p, g = _grid_kernels.select(pressure, displacement, heights, low, -0.3)
+    mask = (gap <= -0.3) | touching
+    rows, where = np.nonzero(mask)
+    np.testing.assert_array_equal(columns, where)
     np.testing.assert_array_equal(np.repeat(np.arange(9), np.diff(start)), rows)
     np.testing.assert_array_equal(p, pressure[mask])
-    np.testing.assert_array_equal(g, (displacement - heights)[mask])
+    np.testing.assert_array_equal(g, gap[mask])
     _grid_kernels.put(pressure, start, columns, p + 1.0)
     np.testing.assert_array_equal(pressure[mask], p + 1.0)
