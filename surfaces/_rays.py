@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ._spline import evaluate, expand
 
 _MOST_SAMPLES = 512
-_WIDEST = 1.5  # most by which a ray may run on beyond its basin
+_BEYOND = 1.1  # rays run on beyond their basin by this factor: see fit_profiles
 _FLATTEST = 1e-3  # least ratio of the principal curvatures, and least q relative to the tip
 _NARROWEST = math.sqrt(1.0 / 8.0)  # least aspect of the ellipse on which the rays are spread
 _LOCAL = 1e-4  # largest misfit of the local quartic, relative to the range of its points
@@ -163,28 +163,6 @@ def _pixel(at, n):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def widen(left_at, highest, weight, area, edge):
-    """Ray lengths that cover the area of the basin, as far as that is possible.
-
-    A basin is not star-shaped: rays that end where they leave it miss parts of it. They are
-    lengthened by a common factor of at most `_WIDEST`, none beyond the first local maximum of f.
-    """
-    factor = 1.0
-    for _ in range(6):
-        fixed, free = 0.0, 0.0
-        for p in range(edge.size):
-            edge[p] = min(factor * left_at[p], highest[p])
-            share = 0.5 * weight[p] * edge[p] ** 2
-            if edge[p] < highest[p]:
-                free += share
-            else:
-                fixed += share
-        if fixed + free >= area or free == 0.0 or factor == _WIDEST:
-            return
-        factor = min(factor * math.sqrt((area - fixed) / free), _WIDEST)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def fit(
     heights, flat, width, labels, owner, periodic, spacing, order, row, col, prominence, pixels,
     dip, places, expansions, kinds, summit, curvature, angle, phi, weight, edge, q, start, stop,
@@ -195,8 +173,6 @@ def fit(
     rays, nodes = q.shape[1:]
     rs = np.empty(_MOST_SAMPLES)
     fs = np.empty(_MOST_SAMPLES)
-    left_at = np.empty(rays)
-    highest = np.empty(rays)
     for place in range(start, stop):
         n = order[place]
         found = kinds[n] == SUMMIT
@@ -235,7 +211,7 @@ def fit(
             weight[n, p] *= 2.0 * math.pi / total
             way_y, way_x = math.sin(phi[n, p]) / dy, math.cos(phi[n, p]) / dx
             pixel = 1.0 / max(abs(way_y), abs(way_x))
-            left_at[p] = 0.0
+            limit = np.inf
             top = 0
             outside = 0
             m = 0
@@ -257,21 +233,18 @@ def fit(
                     top = m
                 elif fs[m] <= fs[top] - dip:
                     break
-                if outside == 2 and left_at[p] == 0.0:
-                    left_at[p] = 0.5 * (rs[m - 2] + rs[m - 1])
-                if left_at[p] > 0.0 and r > _WIDEST * left_at[p]:
+                if outside == 2 and limit == np.inf:
+                    limit = _BEYOND * 0.5 * (rs[m - 2] + rs[m - 1])
+                if r > limit:
                     break
-            highest[p] = rs[top]
+            edge[n, p] = rs[top]
             if 0 < top < m:
                 left, right = rs[top] - rs[top - 1], rs[top + 1] - rs[top]
                 up = (fs[top] - fs[top - 1]) / left
                 down = (fs[top] - fs[top + 1]) / right
                 if up + down > 0.0:
-                    highest[p] += 0.5 * (up * right - down * left) / (up + down)
-            highest[p] = max(highest[p], 0.5 * pixel)
-            if left_at[p] == 0.0:
-                left_at[p] = highest[p]
-        widen(left_at, highest, weight[n], pixels[n] * dy * dx, edge[n])
+                    edge[n, p] += 0.5 * (up * right - down * left) / (up + down)
+            edge[n, p] = max(min(edge[n, p], limit), 0.5 * pixel)
 
         for p in range(rays):
             t = phi[n, p] - long_axis

@@ -144,9 +144,11 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
     maximum of the spline. The rays are uniform in the parameter of an ellipse with the aspect
     ``(k2/k1) ** (1/3)`` (the square root of the aspect of the Hertz contact, at least 1/sqrt(8)),
     which keeps the angular quadrature accurate for elongated contacts. A ray ends at the first
-    local maximum of f, or where it has left the basin of its peak for another; as a basin is not
-    star-shaped, the latter rays are lengthened until all rays together cover its area. A plateau,
-    which has no curvature of its own, starts with the paraboloid that fills its basin.
+    local maximum of f, or a tenth beyond the point where it leaves the basin of its peak for
+    another: basins are not star-shaped, and rays cut at their edge cover only nine tenths of the
+    map. A plateau, which has no curvature of its own, starts with the paraboloid that fills its
+    basin. Unflooded pixels count to no basin, so that `segment(above=...)` changes hardly a ray
+    above that height.
     """
     if rays < 4 or nodes < 4:
         raise InputError(f"rays is {rays} and nodes is {nodes}; give at least 4 of each")
