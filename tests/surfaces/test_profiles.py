@@ -61,7 +61,7 @@ def test_rays_cover_their_basins():
     peaks, fit = fitted(rough((256, 240), (1.0, 1.0), cutoff=0.06))
     covered = 0.5 * (fit.weight * fit.edge**2).sum(axis=1)
     inner = fit.valid
-    assert_allclose(np.median(covered[inner] / peaks.basin_area[inner]), 1.0, atol=0.08)
+    assert_allclose(np.median(covered[inner] / peaks.basin_area[inner]), 1.05, atol=0.05)
     assert_allclose(covered.sum() / peaks.basin_area.sum(), 1.0, atol=0.08)
 
 
