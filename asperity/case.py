@@ -27,6 +27,7 @@ __all__ = ["Case", "LawRow", "draw_case", "judge"]
 Array = NDArray[np.float64]
 
 _ANGLES = 360
+_EVERY = tuple(law for law in LAWS if law != "auto")
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +116,7 @@ def judge(
     profile, material, approach
         The contact, see `asperity.indent`.
     laws
-        Names of the laws; all of them by default.
+        Names of the laws; by default all but "auto", which is one of them.
     grid
         Points per axis of the boundary elements, or None for none.
     tolerance
@@ -130,7 +131,7 @@ def judge(
         reference = indent_bem(profile, material, approach, grid=grid, tolerance=tolerance)
         seconds = time.perf_counter() - start
         edge = reference.contour(phi)
-    rows = tuple(_row(law, profile, material, approach, reference, edge) for law in laws or LAWS)
+    rows = tuple(_row(law, profile, material, approach, reference, edge) for law in laws or _EVERY)
     return Case(profile, material, approach, rows, reference, seconds, edge)
 
 

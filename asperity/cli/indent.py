@@ -131,7 +131,7 @@ def _laws(text: str | None) -> tuple[str, ...]:
     from asperity.microcontact.laws import LAWS
 
     if text is None:
-        return tuple(LAWS)
+        return ()
     names = tuple(word.strip() for word in text.split(","))
     for name in names:
         if name not in LAWS:

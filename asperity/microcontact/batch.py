@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from asperity.material import HalfSpace
 from asperity.transforms import gauss_jacobi
 
+from .estimate import expected_error
 from .flags import Flag
 from .table import LawTable
 
@@ -126,7 +127,7 @@ def _assemble(
     force = first + np.minimum(second, _LIMIT * first) if law == "harmonic" else first
     odd |= (law == "harmonic") & (second > _LIMIT * first)
     flags[odd] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
-    spread = np.where(force > 0, second / np.where(force > 0, force, 1.0), 0.0)
+    spread = expected_error(first, second, modulus * a**m * rows[..., 3] / slope, law)
     ratios = np.stack([force / approach ** (p / 2), area / approach, spread])
     columns = resample(np.sqrt(approach), ratios, flags, good, basin, nodes, p)
     return LawTable(*columns, exponent=p, law=law)

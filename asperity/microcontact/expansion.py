@@ -14,6 +14,7 @@ from surfaces.polar import PolarProfile, PowerSumProfile
 from .basis import Basis, basis_of, synthesis
 from .batch import tabulate
 from .branch import RisingBranch
+from .estimate import expected_error
 from .flags import Flag
 from .pressure import AxisymmetricPressure, history_pressure
 from .validity import contour_flags, profile_flags
@@ -72,6 +73,10 @@ class Expansion:
         mean = np.broadcast_to(self.a + shift, self.a.shape)
         return np.asarray(mean[:, None] - (self.a / self.slope)[:, None] * edge)
 
+    def ratios(self) -> NDArray[np.complex128]:
+        """First-order amplitudes of the contour over a, shape (k, harmonics)."""
+        return np.asarray(-self.amplitudes / self.slope[:, None])
+
     def edge(self, phi: Array) -> Array:
         """Edge amplitude e(phi) [m], shape (k, phi.size)."""
         return synthesis(self.amplitudes, phi)
@@ -118,9 +123,7 @@ def indent(
         force = force + one.second
         stiffness = stiffness + one.second_slope / one.slope
         area = area + 2 * np.pi * one.a * one.mean_shift()
-    spread = (harmonic.second if law == "paper" else harmonic.second - published.second) / (
-        harmonic.first + harmonic.second
-    )
+    spread = expected_error(one.first, harmonic.second, published.second, law)
 
     def fill(values: Array) -> Array:
         full = np.where(depth > 0, np.nan, 0.0)
@@ -144,14 +147,25 @@ def indent(
         edge = boundary_of(one, phi)
         inside = edge > 0
         stretched = np.where(inside, one.a[:, None] * r / np.where(inside, edge, 1.0), np.inf)
-        return on_rays(AxisymmetricPressure(basis, material)(stretched, one.a))
+        field = AxisymmetricPressure(basis, material)
+        values = field(stretched, one.a)
+        if law == "harmonic":
+            for i, ratios in enumerate(one.ratios()):
+                values[i] += field.resolved(stretched[i], phi, one.a[i], ratios)
+        return on_rays(values)
 
     def history(r: Array, phi: Array) -> Array:
-        def past(radii: Array, angles: Array) -> Array:
-            state = Expansion.at(basis, radii, material, published=law == "paper")
-            return boundary_of(state, angles)
+        def state(radii: Array) -> Expansion:
+            return Expansion.at(basis, radii, material, published=law == "paper")
 
-        fields = [history_pressure(basis, material, past, x, r, phi) for x in one.a]
+        def past(radii: Array, angles: Array) -> Array:
+            return boundary_of(state(radii), angles)
+
+        def ratios(radii: Array) -> NDArray[np.complex128]:
+            return state(radii).ratios()
+
+        resolved = ratios if law == "harmonic" else None
+        fields = [history_pressure(basis, material, past, x, r, phi, resolved) for x in one.a]
         return on_rays(np.reshape(fields, (one.a.size, phi.size)))
 
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
@@ -165,7 +179,7 @@ def indent(
         approach,
         *columns,
         flags=flags.reshape(shape),
-        error_estimate=np.abs(fill(spread)).reshape(shape),
+        error_estimate=fill(spread).reshape(shape),
         contour_function=contour,
         pressure_function=pressure,
         history_function=history,

@@ -133,12 +133,13 @@ def indent(
 def _difference(
     profile: PowerSumProfile | PolarProfile, material: HalfSpace, depth: Array, force: Array
 ) -> Array:
-    """Relative difference of the force to that of the harmonic-resolved law."""
+    """Relative difference of the force to the harmonic-resolved law, plus what that errs by."""
     from .expansion import indent as indent_expansion
 
-    better = indent_expansion(profile, material, depth, law="harmonic").force
-    known = better > 0
-    return np.asarray(np.where(known, np.abs(force - better) / np.where(known, better, 1.0), 0.0))
+    one = indent_expansion(profile, material, depth, law="harmonic")
+    known = one.force > 0
+    change = np.abs(force - one.force) / np.where(known, one.force, 1.0)
+    return np.asarray(np.where(known, change + one.error_estimate, 0.0))
 
 
 def _summit(profile: PowerSumProfile | PolarProfile, m: float) -> tuple[float, float, float]:
@@ -184,14 +185,16 @@ def tabulate(
 
 
 def _spread(profiles: Profiles, material: HalfSpace, u: Array, reach: Array, force: Array) -> Array:
-    """Relative difference to the harmonic-resolved law of the sampled profile."""
+    """Relative difference to the harmonic-resolved law, plus what that errs by."""
     from .batch import tabulate as tabulate_expansion
 
     table = tabulate_expansion(profiles, material, law="harmonic", nodes=u.size - 1)
     rows = np.arange(reach.size)[:, None]
-    better = table.evaluate(rows, reach[:, None] * u**2)[0]
+    depth = reach[:, None] * u**2
+    better = table.evaluate(rows, depth)[0]
     known = better > 0
-    return np.asarray(np.where(known, np.abs(force - better) / np.where(known, better, 1.0), 0.0))
+    change = np.abs(force - better) / np.where(known, better, 1.0)
+    return np.asarray(np.where(known, change + table.spread_at(rows, depth), 0.0))
 
 
 @lru_cache(maxsize=16)

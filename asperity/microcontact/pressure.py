@@ -1,4 +1,15 @@
-"""Pressure inside one contact: the field of the mean profile, and the full history integral."""
+"""Pressure inside one contact: the scaled field of the mean profile, and the history integral.
+
+The published field (equations 12, 29, 52) is a sequence of flat punches whose pressure is stretched
+to their contour. That is exact to first order for the second angular harmonic only. On a nearly
+round punch of contour ``a (1 + sum d_n cos n phi)`` the exact first-order field has, for each n,
+the factor
+
+    1 - (1-m) d_n cos(n phi) q_n(rho),   q_n(rho) = (rho^n - rho^2) / (1 - rho^2),
+
+since ``rho^n (1-rho^2)^((m-3)/2) cos n phi`` leaves no displacement. The harmonic-resolved law
+uses it.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +18,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import CubicSpline, PchipInterpolator
 from scipy.special import hyp2f1, roots_jacobi
 
 from asperity.material import HalfSpace
@@ -17,11 +28,13 @@ from .basis import Basis, PowerBasis
 __all__ = ["AxisymmetricPressure", "history_pressure"]
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 _POINTS = 64
 _SLOPES = 400
 _RADII = 160
 _HISTORY = 120
+_RESOLVED = 96
 
 
 class AxisymmetricPressure:
@@ -52,6 +65,38 @@ class AxisymmetricPressure:
         m = self._material.m
         shape = self._power_law if isinstance(self._basis, PowerBasis) else self._table
         return np.asarray(self._material.modulus / np.pi * z ** ((1 + m) / 2) * shape(z, a))
+
+    def resolved(self, r: Array, phi: Array, a: float, ratios: Complex) -> Array:
+        """What the exact punches of each harmonic add at the (stretched) points, shape (p,).
+
+        Parameters
+        ----------
+        r, phi
+            Points, `r` stretched to the circle of radius `a` [m].
+        ratios
+            Amplitudes of the contour over `a`, harmonics n = 1, 2, ....
+        """
+        m = self._material.m
+        rho = np.sin(np.pi / 2 * np.linspace(0.0, 1.0, _RADII))
+        s, w = self._rule
+        x = a * np.sqrt(rho[:, None] ** 2 * (1 - s) + s)
+        slope = self._slope_at(x, a) * w / (2 * x)
+        n = np.arange(1, min(ratios.size, _RESOLVED) + 1)
+        table = np.empty((rho.size, n.size))
+        inner = a * rho[:, None] / x
+        for i, order in enumerate(n):
+            table[:, i] = np.sum(slope * punch_factor(inner, order), axis=1)
+        inside = np.minimum(r / a, 1.0)
+        weight = a ** (1 + m) * ((1 - inside) * (1 + inside)) ** ((1 + m) / 2)
+        wave = (ratios[: n.size] * np.exp(1j * np.multiply.outer(phi, n))).real
+        total = np.sum(CubicSpline(rho, table)(inside) * wave, axis=1)
+        return np.asarray(-(1 - m) * self._material.modulus / np.pi * weight * total)
+
+    def _slope_at(self, x: Array, a: float) -> Array:
+        """D'(x), closed for power laws, splined for tables."""
+        if isinstance(self._basis, PowerBasis):
+            return np.asarray((self._basis.depth(x.ravel(), 1) / x.ravel()).reshape(x.shape))
+        return np.asarray(self._slope(a)(x))
 
     def _power_law(self, z: Array, a: Array) -> Array:
         basis, m = self._basis, self._material.m
@@ -86,6 +131,13 @@ class AxisymmetricPressure:
         return PchipInterpolator(np.append(0.0, x), np.append(first, slope))
 
 
+def punch_factor(rho: Array, order: int) -> Array:
+    """q_n(rho) = (rho^n - rho^2) / (1 - rho^2), with its limit 1 - n/2 at the edge."""
+    square = (1 - rho) * (1 + rho)
+    near = square < 1e-7
+    return np.where(near, 1 - order / 2, (rho**order - rho**2) / np.where(near, 1.0, square))
+
+
 def history_pressure(
     basis: Basis,
     material: HalfSpace,
@@ -93,6 +145,7 @@ def history_pressure(
     a: float,
     r: Array,
     phi: Array,
+    ratios: Callable[[Array], Complex] | None = None,
 ) -> Array:
     """Pressure by the full history integral (equations 28, 51) in a contact of radius `a`.
 
@@ -108,6 +161,9 @@ def history_pressure(
         Present effective radius [m].
     r, phi
         Points, shape (p,).
+    ratios
+        Function radii -> amplitudes of their contours over the radius, for the harmonic-resolved
+        punches; without it the published ones.
 
     Returns
     -------
@@ -123,19 +179,33 @@ def history_pressure(
     s, w = _edge_rule(m)
     past = a * np.arange(1, _HISTORY + 1) / _HISTORY
     edges = np.vstack([np.zeros(phi.size), contour(past, phi)])
-    past = np.append(0.0, past)
+    shapes = None if ratios is None else ratios(past)[:, :_RESOLVED]
+    then_of = np.append(0.0, past)
     out = np.zeros(phi.size)
     growing = np.all(np.diff(edges, axis=0) > 0, axis=0)
     out[~growing] = np.nan
     for i in np.flatnonzero(growing & (edges[-1] > r)):
         span = (edges[-1, i] - r[i]) * (edges[-1, i] + r[i])
         edge = np.sqrt(r[i] ** 2 + s * span)
-        inverse = PchipInterpolator(edges[:, i], past)
+        inverse = PchipInterpolator(edges[:, i], then_of)
         then = inverse(edge)
         slope = basis.depth(then, 1) / then
-        rate = slope * inverse(edge, 1) / (2 * edge)
-        out[i] = span ** ((1 + m) / 2) * np.sum(w * (edge / then) ** (1 - m) * rate)
+        rate = slope * inverse(edge, 1) / (2 * edge) * (edge / then) ** (1 - m)
+        if shapes is not None:
+            rate = rate * (1 - (1 - m) * _punch_sum(shapes, then / a, r[i] / edge, phi[i]))
+        out[i] = span ** ((1 + m) / 2) * np.sum(w * rate)
     return np.asarray(material.modulus / np.pi * out)
+
+
+def _punch_sum(shapes: Complex, share: Array, rho: Array, phi: float) -> Array:
+    """Sum of d_n cos(n phi) q_n(rho) at the moments ``share`` of the history."""
+    place = np.clip(share * _HISTORY - 1, 0.0, _HISTORY - 1)
+    low = np.minimum(place.astype(int), _HISTORY - 2)
+    part = (place - low)[:, None]
+    ratio = shapes[low] * (1 - part) + shapes[low + 1] * part
+    n = np.arange(1, shapes.shape[1] + 1)
+    factor = np.stack([punch_factor(rho, order) for order in n], axis=1)
+    return np.asarray(np.sum((ratio * np.exp(1j * n * phi)).real * factor, axis=1))
 
 
 def _edge_rule(m: float) -> tuple[Array, Array]:

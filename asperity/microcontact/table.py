@@ -110,9 +110,18 @@ class LawTable:
 
     def flags_at(self, index: ArrayLike, approach: ArrayLike) -> NDArray[np.uint8]:
         """Flags of the node at or above `approach`; the last node's beyond the reach."""
+        return np.asarray(self.flags[self._node(index, approach)])
+
+    def spread_at(self, index: ArrayLike, approach: ArrayLike) -> Array:
+        """Error estimate of the node at or above `approach`; the last node's beyond the reach."""
+        return np.asarray(self.spread[self._node(index, approach)])
+
+    def _node(
+        self, index: ArrayLike, approach: ArrayLike
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         rows, depth = np.broadcast_arrays(
             np.asarray(index, dtype=np.int64), np.asarray(approach, dtype=float)
         )
         reach = np.where(self.reach[rows] > 0, self.reach[rows], np.inf)
         u = np.sqrt(np.clip(depth / reach, 0.0, 1.0))
-        return np.asarray(self.flags[rows, np.ceil(u * self.nodes).astype(np.int64)])
+        return rows, np.ceil(u * self.nodes).astype(np.int64)
