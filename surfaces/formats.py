@@ -25,8 +25,10 @@ def read(
     dataset: str | None = None,
     unit: str | None = None,
     spacing: ArrayLike | None = None,
+    rows: tuple[int, int] | None = None,
+    columns: tuple[int, int] | None = None,
 ) -> HeightMap:
-    """Read a height map from a file of any known format.
+    """Read a height map, or a rectangle of it, from a file of any known format.
 
     Parameters
     ----------
@@ -40,6 +42,9 @@ def read(
         Unit of the heights, needed where the file states none: m, mm, um, nm, ...
     spacing
         Pixel size (dy, dx) [m], or one number, needed where the file states none.
+    rows, columns
+        First and one-past-last pixel of the rectangle; None is all. From HDF5 nothing else is
+        read, so that the file may be larger than memory.
 
     Returns
     -------
@@ -60,7 +65,14 @@ def read(
         raise FileFormatError(f"{path}: this is not a file")
     reader = _reader(path)
     try:
-        return reader(path, dataset, unit, spacing)
+        if reader is _read_hdf5:
+            return _read_hdf5(path, dataset, unit, spacing, rows, columns)
+        hm = reader(path, dataset, unit, spacing)
+        if rows is None and columns is None:
+            return hm
+        from .filtering import crop
+
+        return crop(hm, rows or (0, hm.shape[0]), columns or (0, hm.shape[1]))
     except (FileFormatError, SurfaceError) as error:
         if str(error).startswith(str(path)):
             raise
@@ -138,13 +150,18 @@ def _reader(
 
 
 def _read_hdf5(
-    path: Path, dataset: str | None, unit: str | None, spacing: ArrayLike | None
+    path: Path,
+    dataset: str | None,
+    unit: str | None,
+    spacing: ArrayLike | None,
+    rows: tuple[int, int] | None = None,
+    columns: tuple[int, int] | None = None,
 ) -> HeightMap:
     from .hdf5 import open as open_hdf5
 
     try:
         with open_hdf5(path, dataset=dataset, unit=unit, spacing=spacing) as file:
-            return file.read()
+            return file.read(rows, columns)
     except InputError as error:
         if isinstance(error, FileFormatError | SurfaceError):
             raise

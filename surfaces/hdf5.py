@@ -307,15 +307,8 @@ def write_blocks(
             values = [str(step[key]) for step in steps if key in step]
             if values:
                 heights.attrs[key] = values[0]
-        row = 0
-        for block in blocks:
-            rows = np.asarray(block, dtype=np.float64)
-            if rows.ndim != 2 or rows.shape[1] != shape[1] or row + len(rows) > shape[0]:
-                raise SurfaceError(f"block at row {row} has shape {rows.shape} in a map of {shape}")
+        for row, rows in _whole_chunks(blocks, shape):
             heights[row : row + len(rows)] = rows
-            row += len(rows)
-        if row != shape[0]:
-            raise SurfaceError(f"the blocks hold {row} of {shape[0]} rows; give all of them")
 
 
 def list_arrays(file: h5py.File, limit: int = 12) -> str:
@@ -331,6 +324,29 @@ def list_arrays(file: h5py.File, limit: int = 12) -> str:
     if len(found) > limit:
         found[limit:] = ["..."]
     return ", ".join(found) or "no dataset"
+
+
+def _whole_chunks(
+    blocks: Iterable[ArrayLike], shape: tuple[int, int]
+) -> Iterator[tuple[int, NDArray[np.float64]]]:
+    """Blocks cut anew so that each chunk is compressed once, with their first rows; all checked."""
+    held, written = np.empty((0, shape[1])), 0
+    for block in blocks:
+        rows = np.asarray(block, dtype=np.float64)
+        row = written + len(held)
+        if rows.ndim != 2 or rows.shape[1] != shape[1] or row + len(rows) > shape[0]:
+            raise SurfaceError(f"block at row {row} has shape {rows.shape} in a map of {shape}")
+        held = np.concatenate([held, rows]) if len(held) else rows
+        whole = len(held) - len(held) % _CHUNK
+        if whole:
+            yield written, held[:whole]
+            held, written = held[whole:], written + whole
+    if written + len(held) != shape[0]:
+        raise SurfaceError(
+            f"the blocks hold {written + len(held)} of {shape[0]} rows; give all of them"
+        )
+    if len(held):
+        yield written, held
 
 
 def _opened(path: Path) -> h5py.File:

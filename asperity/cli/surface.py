@@ -65,8 +65,14 @@ def expand(patterns: Sequence[str]) -> list[Path]:
 
 
 def _read(path: Path, args: argparse.Namespace) -> surfaces.HeightMap:
+    crop = getattr(args, "crop", None)
     return surfaces.read(
-        path, dataset=args.dataset, unit=args.unit, spacing=_pair(args.spacing, "--spacing")
+        path,
+        dataset=args.dataset,
+        unit=args.unit,
+        spacing=_pair(args.spacing, "--spacing"),
+        rows=(crop[0], crop[1]) if crop else None,
+        columns=(crop[2], crop[3]) if crop else None,
     )
 
 
@@ -116,7 +122,7 @@ def _convert(path: Path, args: argparse.Namespace) -> bool:
 
 
 def _prepare(path: Path, args: argparse.Namespace) -> bool:
-    hm = prepared(_read(path, args), args)
+    hm = prepared(_read(path, args), args, crop=False)
     _tell_steps(hm, path)
     _save(hm, path, args)
     return True
@@ -128,9 +134,11 @@ def _tell_steps(hm: surfaces.HeightMap, path: Path) -> None:
             tqdm.write(f"{path}: {_told(step)}", file=sys.stderr)
 
 
-def prepared(hm: surfaces.HeightMap, args: argparse.Namespace) -> surfaces.HeightMap:
-    """The map after the options of `add_preparation`."""
-    if args.crop:
+def prepared(
+    hm: surfaces.HeightMap, args: argparse.Namespace, *, crop: bool = True
+) -> surfaces.HeightMap:
+    """The map after the options of `add_preparation`; `crop` is False where the read did that."""
+    if args.crop and crop:
         top, bottom, left, right = args.crop
         hm = surfaces.crop(hm, (top, bottom), (left, right))
     band = args.bandpass
@@ -191,7 +199,7 @@ def _generate(args: argparse.Namespace) -> int:
 
 
 def _peaks(path: Path, args: argparse.Namespace) -> bool:
-    hm = prepared(_read(path, args), args)
+    hm = prepared(_read(path, args), args, crop=False)
     _tell_steps(hm, path)
     peaks = surfaces.segment(
         hm, above=args.above, min_prominence=args.min_prominence, wolf=args.wolf

@@ -58,6 +58,18 @@ def test_what_is_written_is_read(tmp_path: Path, suffix: str) -> None:
     assert back.digest == sample().digest and back.name == "sample"
 
 
+@pytest.mark.parametrize("suffix", [".h5", ".npz", ".csv"])
+def test_rectangles(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"map{suffix}"
+    surfaces.write(sample(), path)
+    part = surfaces.read(path, rows=(1, 9), columns=(3, 8))
+    np.testing.assert_array_equal(part.heights, sample().heights[1:9, 3:8])
+    assert not part.periodic and part.history[-1]["step"] == "crop"
+    assert surfaces.read(path, columns=(0, 5)).shape == (12, 5)
+    with pytest.raises(SurfaceError, match=r"map.*not inside"):
+        surfaces.read(path, rows=(0, 13))
+
+
 def as_npy(path: Path) -> None:
     np.save(path, HEIGHTS)
 
