@@ -13,6 +13,7 @@ from .peaks import Peaks
 __all__ = ["segment"]
 
 _LEAST_ROWS = 64
+_MOST_PIXELS = 2**31 - 4  # links are kept in 32 bits
 
 
 def segment(
@@ -69,6 +70,10 @@ def segment(
             'fill them first with prepare(hm, fill="harmonic")'
         )
     heights = hm.heights
+    if heights.size > _MOST_PIXELS:
+        raise SurfaceError(
+            f"the map has {heights.size} points, more than {_MOST_PIXELS}; crop or resample it"
+        )
     limit = _limit(heights, min_prominence, wolf)
     if above is not None and np.isnan(above):
         raise InputError("above is not a number; give a height in m or None")

@@ -60,6 +60,25 @@ def test_random_caps_come_back(spacing, kind, options, periodic):
         assert hits >= 15
 
 
+def test_noise_is_pruned_and_the_caps_remain():
+    shape, spacing = (150, 170), (1.0, 1.0)
+    caps = examples.random_caps(
+        shape, spacing, 12, distance=32, curvature=(0.02, 0.04), height=1.0, seed=5
+    )
+    hm = examples.draw(shape, spacing, caps, base=-6.0, periodic=True)
+    noise = np.random.default_rng(1).normal(scale=0.01, size=shape)
+    noisy = hm.replace(heights=hm.heights + noise)
+    assert len(surfaces.segment(noisy)) > 100
+    peaks = surfaces.segment(noisy, min_prominence=0.2)
+    fit = surfaces.fit_profiles(noisy, peaks)
+    assert len(peaks) == len(surfaces.segment(hm)) and fit.valid.all()
+    for cap in caps:
+        k, away = nearest(fit, cap, hm)
+        assert away < 2.0
+        exact = cap.gap(fit.edge[k], fit.phi[k] - cap.angle)
+        assert np.median(np.abs(fit.f()[k, :, -1] / exact - 1)) < 0.4
+
+
 def test_profile_of_an_ellipsoid_is_its_gap():
     gap = examples.ellipsoid(0.05, 0.02, depth=10.0)
     cap = examples.Cap(30.3, 24.8, 0.0, gap, 0.5)
