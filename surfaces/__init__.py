@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from .errors import InputError as InputError
     from .errors import SurfaceError as SurfaceError
     from .filling import fill_missing as fill_missing
-    from .filling import mark_outliers as mark_outliers
     from .filtering import bandpass as bandpass
     from .filtering import crop as crop
     from .filtering import make_periodic as make_periodic
@@ -30,6 +29,7 @@ if TYPE_CHECKING:
     from .hdf5 import write_blocks as write_blocks
     from .heightmap import HeightMap as HeightMap
     from .levelling import level as level
+    from .outliers import mark_outliers as mark_outliers
     from .peaks import Peaks as Peaks
     from .plot import plot_bearing as plot_bearing
     from .plot import plot_map as plot_map
@@ -89,7 +89,7 @@ _HOME = {
     "ground": "textures",
     "level": "levelling",
     "make_periodic": "filtering",
-    "mark_outliers": "filling",
+    "mark_outliers": "outliers",
     "open": "hdf5",
     "plateau_honed": "textures",
     "plot_bearing": "plot",

@@ -1,4 +1,4 @@
-"""Missing points: mark outliers as missing, and fill missing points harmonically."""
+"""Fill missing points with the harmonic surface through the points about them."""
 
 from __future__ import annotations
 
@@ -7,71 +7,15 @@ from typing import Any
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
 from scipy.sparse import coo_matrix, diags
 from scipy.sparse.linalg import LinearOperator, cg, splu
 
 from .errors import SurfaceError
 from .heightmap import HeightMap
 
-__all__ = ["fill_missing", "mark_outliers"]
+__all__ = ["fill_missing", "quick_fill"]
 
 _DIRECT = 400_000
-_NINE_TENTHS = 1.6449  # nine tenths of a normal variable lie within this many deviations
-
-
-def mark_outliers(hm: HeightMap, threshold: float = 6.0) -> HeightMap:
-    """Turn spikes into missing points.
-
-    Parameters
-    ----------
-    hm
-        The map; missing points are left out of the judgement.
-    threshold
-        A point is a spike if its roughness (what a 5 x 5 median filter, applied twice, leaves)
-        exceeds this many robust standard deviations (0.61 times the ninth decile of the roughness
-        of the map); at least 3.
-
-    Returns
-    -------
-    HeightMap
-        History step ``outliers`` with the threshold [m] and the count.
-
-    Notes
-    -----
-    Repeated until nothing more is found, at most five times, with spikes replaced by the medians:
-    a spike wider than two points is taken from its rim inwards.
-    """
-    if not threshold >= 3.0:
-        raise SurfaceError(f"outliers is {threshold}; use 3 or more robust standard deviations")
-    present = np.isfinite(hm.heights)
-    middle = float(np.median(hm.heights[present]))
-    scale = float(np.max(np.abs(hm.heights[present] - middle))) or 1.0
-    z = np.where(present, (hm.heights - middle) / scale, 0.0)
-    if not present.all():
-        z = _local_fill(z, present)
-    spikes = np.zeros(hm.shape, dtype=bool)
-    limit = 0.0
-    for _ in range(5):
-        median = _median(z, hm.periodic)
-        rough = z - median
-        rough -= _median(rough, hm.periodic)
-        if limit == 0.0:
-            sigma = float(np.quantile(np.abs(rough[present]), 0.9)) / _NINE_TENTHS
-            limit = threshold * sigma + 1e-7
-        found = present & ~spikes & (np.abs(rough) > limit)
-        if not found.any():
-            break
-        spikes |= found
-        z[found] = median[found]
-    heights = np.where(spikes, np.nan, hm.heights)
-    step = {
-        "step": "outliers",
-        "threshold": threshold,
-        "limit": limit * scale,
-        "count": int(np.count_nonzero(spikes)),
-    }
-    return hm.replace(heights=heights, step=step)
 
 
 def fill_missing(hm: HeightMap, *, limit: float = 0.1) -> HeightMap:
@@ -124,19 +68,6 @@ def fill_missing(hm: HeightMap, *, limit: float = 0.1) -> HeightMap:
     return hm.replace(heights=heights, step=step)
 
 
-def _median(z: NDArray[np.float64], periodic: bool) -> NDArray[np.float64]:
-    """Median of the 5 x 5 points about each point; the map goes on evenly beyond its border."""
-    padded = np.pad(z, 2, mode="wrap") if periodic else _extended(_extended(z).T).T
-    blurred = cv2.medianBlur(padded.astype(np.float32), 5)
-    return np.asarray(blurred[2:-2, 2:-2], dtype=np.float64)
-
-
-def _extended(z: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Two rows more on either side, mirrored through the medians along the border rows."""
-    first, last = (median_filter(row, 5, mode="nearest") for row in (z[0], z[-1]))
-    return np.vstack([2.0 * first - z[2:0:-1], z, 2.0 * last - z[-2:-4:-1]])
-
-
 def _harmonic(
     heights: NDArray[np.float64],
     missing: NDArray[np.bool_],
@@ -176,7 +107,7 @@ def _harmonic(
     if direct:
         factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0)
         return np.asarray(factors.solve(right) + middle)
-    start = _local_fill(np.where(missing, 0.0, heights - middle), ~missing)[missing]
+    start = quick_fill(np.where(missing, 0.0, heights - middle), ~missing)[missing]
     jacobi = LinearOperator((count, count), matvec=lambda x: x / total)
     filled, status = cg(matrix.tocsr(), right, x0=start, rtol=1e-8, maxiter=4000, M=jacobi)
     if status != 0:
@@ -186,7 +117,7 @@ def _harmonic(
     return np.asarray(filled + middle)
 
 
-def _local_fill(z: NDArray[np.float64], present: NDArray[np.bool_]) -> NDArray[np.float64]:
+def quick_fill(z: NDArray[np.float64], present: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Quick fill by averages over ever coarser blocks: a start, and a stand-in for medians."""
     if present.all():
         return z
@@ -197,5 +128,5 @@ def _local_fill(z: NDArray[np.float64], present: NDArray[np.bool_]) -> NDArray[n
     blocks = (weight.shape[0] // 2, 2, weight.shape[1] // 2, 2)
     count = weight.reshape(blocks).sum(axis=(1, 3))
     mean = weighted.reshape(blocks).sum(axis=(1, 3)) / np.maximum(count, 1.0)
-    coarse = _local_fill(mean, count > 0)
+    coarse = quick_fill(mean, count > 0)
     return np.where(present, z, np.kron(coarse, np.ones((2, 2)))[:ny, :nx])

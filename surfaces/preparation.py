@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from . import filling, filtering, levelling
 from .errors import SurfaceError
 from .heightmap import HeightMap
+from .outliers import mark_outliers
 
 __all__ = ["prepare"]
 
@@ -48,8 +50,6 @@ def prepare(
     SurfaceError
         If an option is unknown, or too many points are missing.
     """
-    from . import filling, filtering, levelling
-
     if fill not in (None, "harmonic"):
         raise SurfaceError(f"fill is {fill!r}; it must be None or harmonic")
     if not 0.0 <= fill_limit < 1.0:
@@ -57,7 +57,7 @@ def prepare(
     if level is not None:
         hm = levelling.level(hm, level)
     if outliers is not None:
-        hm = filling.mark_outliers(hm, outliers)
+        hm = mark_outliers(hm, outliers)
     if fill is not None and (hm.missing or outliers is not None):
         hm = filling.fill_missing(hm, limit=fill_limit)
     if bandpass is not None:
