@@ -1,0 +1,18 @@
+"""A power-law graded half-space E(z) = E0 z^m under the same surface, against boundary elements."""
+
+import asperity
+import surfaces
+
+hm = surfaces.self_affine(
+    (192, 192), (1e-3, 1e-3), hurst=0.8, rms_slope=0.1, rolloff=2.5e-4, cutoff=4e-5, seed=4
+)
+for m in (-0.3, 0.0, 0.3):
+    body = asperity.HalfSpace(200e9 * (2e-5) ** -m, 0.3, m=m)
+    separations = [1.5 * hm.rms_height, hm.rms_height]
+    model = asperity.contact_curve(hm, body, separations=separations)
+    reference = asperity.bem_curve(hm, body, separations=separations)
+    for i in range(2):
+        print(
+            f"m = {m:+.1f}: mean pressure {model.mean_pressure[i]:.3e} Pa, "
+            f"boundary elements {reference.mean_pressure[i]:.3e} Pa"
+        )

@@ -1,0 +1,57 @@
+"""Every example runs as it stands, and prints the number pinned here."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
+
+
+def run(name: str, folder: Path) -> str:
+    code = f"import sys; sys.path.insert(0, {str(EXAMPLES.parent)!r}); " + (
+        f"import runpy; runpy.run_path({str(EXAMPLES / name)!r}, run_name='__main__')"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_ten_lines(tmp_path):
+    share = re.search(r"([\d.]+) % touches", run("01_ten_lines.py", tmp_path))
+    assert share is not None
+    assert float(share[1]) == pytest.approx(0.49, abs=0.03)
+
+
+def test_compare_with_bem(tmp_path):
+    text = run("02_compare_with_bem.py", tmp_path)
+    overlap = re.search(r"overlap ([\d.]+)", text)
+    assert overlap is not None
+    assert float(overlap[1]) > 0.6
+    assert (tmp_path / "report.html").stat().st_size > 20_000
+
+
+def test_measured_map(tmp_path):
+    text = run("03_measured_map.py", tmp_path)
+    assert "10 points, 10 converged" in text
+    assert "'step': 'level'" in text
+
+
+def test_graded_half_space(tmp_path):
+    text = run("04_graded_half_space.py", tmp_path)
+    pairs = re.findall(r"mean pressure (\S+) Pa, boundary elements (\S+) Pa", text)
+    assert len(pairs) == 6
+    for model, reference in pairs:
+        assert float(model) == pytest.approx(float(reference), rel=0.15)
+
+
+def test_the_readme_shows_the_first_example():
+    readme = (EXAMPLES.parent / "README.md").read_text()
+    code = (EXAMPLES / "01_ten_lines.py").read_text().split('"""', 2)[2].strip()
+    assert code in readme
