@@ -58,7 +58,7 @@ class PopulationState:
     iterations, products
         Newton steps and applications of the interaction.
     lowest_candidate
-        Height [m] above which every summit was free to touch.
+        Height [m] above which a summit can touch in the field of the others.
     """
 
     separation: float
@@ -144,7 +144,7 @@ class Population:
             raise InputError(f"cell must be two positive lengths, got {cell!r}")
         self.table, self.boundary, self.material = table, boundary, material
         self.cell = (float(cell[0]), float(cell[1]))
-        self.interaction = interaction
+        self.interaction = interaction and (boundary == "periodic" or len(self.height) > 1)
         self.footprints = Footprints(material.modulus, material.m)
         self.laws = Laws(table, self.footprints)
         usable = np.flatnonzero(self.laws.usable)
@@ -310,9 +310,10 @@ class _Trail:
         height = population.height[population.falling]
         touching = int(np.searchsorted(-height, -needed))
         count = min(len(height), int(SPARE * touching) + 40)
-        listed = float(height[count]) if count < len(height) else -math.inf
+        end = min(needed, float(height[-1]))
+        listed = float(height[count]) if count < len(height) else end - (float(height[0]) - end)
         index = population.falling[:count]
-        deepest = population.height[index] - max(listed, float(height[-1]))
+        deepest = population.height[index] - listed
         bound = population.laws.rows(index)(deepest)
         widest = np.quantile(population.footprints.variance(bound.stiffness), 0.98)
         plan = Interaction(
@@ -396,7 +397,7 @@ class _Trail:
             reason=solution.reason,
             iterations=steps,
             products=products,
-            lowest_candidate=self.listed,
+            lowest_candidate=separation + 1.1 * self.lowest,
             _trail=self,
         )
 

@@ -40,7 +40,7 @@ def summits(gap, ratio, angle, edge, rays=16, nodes=17) -> Profiles:
         x=zero, y=zero, height=zero, curvature=curvature, angle=np.full(n, angle),
         phi=local + angle, weight=2 * np.pi * weight / weight.sum(axis=1, keepdims=True),
         edge=length, t=t, q=q, pixels=np.full(n, 1000), border=np.zeros(n, bool),
-        valid=np.ones(n, bool),
+        valid=np.ones(n, bool), owner=np.arange(n),
     )  # fmt: skip
 
 
