@@ -22,12 +22,13 @@ _COLS = np.array([-1, 0, 1, -1, 1, -1, 0, 1])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def ascend(heights, periodic, above, inverse, link, peaks, flats, start, stop):
+def ascend(heights, periodic, above, inverse, link, peaks, flats, runs, start, stop):
     """Link each flooded pixel of the rows [start, stop) to its steepest higher neighbor.
 
     `inverse` holds 1/distance to the neighbors above, beside and diagonal. Pixels without a higher
-    neighbor are collected: strict peaks in `peaks`, members of plateaus in `flats`.
-    Returns both counts and the lowest height flooded.
+    neighbor are collected: strict peaks in `peaks`, members of plateaus in `flats`. `runs` gets the
+    first pixel and the end of each flooded run of a row. Returns the three counts and the lowest
+    height flooded.
     """
     ny, nx = heights.shape
     inv_y, inv_x, inv_d = inverse
@@ -37,26 +38,25 @@ def ascend(heights, periodic, above, inverse, link, peaks, flats, start, stop):
     step = np.empty(8, np.int64)
     n_peaks = 0
     n_flats = 0
+    n_runs = 0
     lowest = np.inf
     for i in range(start, stop):
-        for k in range(3):
+        for k in range(0 if i == start else 2, 3):
             row = i + k - 1
             if periodic:
                 row = row + ny if row < 0 else (row - ny if row >= ny else row)
-            if i > start and k < 2:
-                for j in range(nx + 2):
-                    window[k, j] = window[k + 1, j]
-            elif 0 <= row < ny:
+            line = window[(i + k) % 3]
+            if 0 <= row < ny:
                 for j in range(nx):
-                    window[k, j + 1] = heights[row, j]
-                window[k, 0] = heights[row, nx - 1] if periodic else -np.inf
-                window[k, nx + 1] = heights[row, 0] if periodic else -np.inf
+                    line[j + 1] = heights[row, j]
+                line[0] = heights[row, nx - 1] if periodic else -np.inf
+                line[nx + 1] = heights[row, 0] if periodic else -np.inf
             else:
                 for j in range(nx + 2):
-                    window[k, j] = -np.inf
+                    line[j] = -np.inf
         for k in range(8):
             step[k] = ((i + _ROWS[k]) % ny - i) * nx + _COLS[k]
-        north, here, south = window[0], window[1], window[2]
+        north, here, south = window[i % 3], window[(i + 1) % 3], window[(i + 2) % 3]
         base = i * nx
         j = 0
         while j < nx:
@@ -67,6 +67,9 @@ def ascend(heights, periodic, above, inverse, link, peaks, flats, start, stop):
             first = j
             while j < nx and here[j + 1] >= above:
                 j += 1
+            runs[n_runs, 0] = base + first
+            runs[n_runs, 1] = base + j
+            n_runs += 1
             for c in range(first, j):
                 z = here[c + 1]
                 best = (north[c] - z) * inv_d
@@ -113,7 +116,7 @@ def ascend(heights, periodic, above, inverse, link, peaks, flats, start, stop):
                     link[p] = -2 - p
                     peaks[n_peaks] = p
                     n_peaks += 1
-    return n_peaks, n_flats, lowest
+    return n_peaks, n_flats, n_runs, lowest
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -197,28 +200,27 @@ def drain_plateaus(flat, shape, periodic, link, flats):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def follow(link, start, stop):
-    """Replace the links of the pixels [start, stop) by the label at the end of their way up."""
-    for p in range(start, stop):
-        if link[p] >= -1:
-            continue
-        q = p
-        while link[q] < 0:
-            q = -2 - link[q]
-        label = link[q]
-        q = p
-        while link[q] < 0:
-            up = -2 - link[q]
-            link[q] = label
-            q = up
+def follow(link, runs):
+    """Replace the links of the pixels of all runs by the label at the end of their way up."""
+    for run in range(runs.shape[0]):
+        for p in range(runs[run, 0], runs[run, 1]):
+            q = p
+            while link[q] < 0:
+                q = -2 - link[q]
+            label = link[q]
+            q = p
+            while link[q] < 0:
+                up = -2 - link[q]
+                link[q] = label
+                q = up
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def touching(heights, labels, periodic, n, start, stop):
-    """Pixels of each basin and highest pass between touching basins, over the rows [start, stop).
+def touching(heights, labels, periodic, n, runs):
+    """Pixels of each basin and highest pass between touching basins, over the pixels of all runs.
 
     Returns the counts (n,), the pairs as ``low * n + high`` (0: none) and the heights of their
-    passes.
+    passes. The pairs are kept in a hash table that doubles when half full.
     """
     ny, nx = heights.shape
     counts = np.zeros(n, np.int64)
@@ -226,28 +228,31 @@ def touching(heights, labels, periodic, n, start, stop):
     used = 0
     keys = np.zeros(size, np.int64)  # 0 marks a free slot: no pair (0, 0) occurs
     passes = np.empty(size)
-    for i in range(start, stop):
-        below = i + 1 if i + 1 < ny else (0 if periodic else -1)
-        for j in range(nx):
+    cols = np.empty(4, np.int64)
+    for run in range(runs.shape[0]):
+        i = runs[run, 0] // nx
+        low = i + 1 if i + 1 < ny else (0 if periodic else i)
+        for j in range(runs[run, 0] - i * nx, runs[run, 1] - i * nx):
             a = labels[i, j]
-            if a < 0:
-                continue
             counts[a] += 1
+            west = j - 1 if j > 0 else (nx - 1 if periodic else j)
+            east = j + 1 if j + 1 < nx else (0 if periodic else j)
+            if (
+                labels[i, east] == a
+                and labels[low, j] == a
+                and labels[low, west] == a
+                and labels[low, east] == a
+            ):
+                continue
+            cols[0], cols[1], cols[2], cols[3] = east, west, j, east
             for k in range(4):
-                row = i if k == 0 else below
-                col = j + 1 if k == 0 else j + k - 2
-                if row < 0:
-                    break
-                if col < 0 or col >= nx:
-                    if not periodic:
-                        continue
-                    col = nx - 1 if col < 0 else 0
-                b = labels[row, col]
+                row = i if k == 0 else low
+                b = labels[row, cols[k]]
                 if b < 0 or b == a:
                     continue
                 key = a * n + b if a < b else b * n + a
-                z = min(heights[i, j], heights[row, col])
-                slot = (key * 0x9E3779B97F4A7C15 >> 20) & (size - 1)
+                z = min(heights[i, j], heights[row, cols[k]])
+                slot = _slot(key, size)
                 while keys[slot] != key and keys[slot] != 0:
                     slot = (slot + 1) & (size - 1)
                 if keys[slot] == key:
@@ -263,12 +268,19 @@ def touching(heights, labels, periodic, n, start, stop):
                     passes = np.empty(size)
                     for old in range(old_keys.size):
                         if old_keys[old] != 0:
-                            slot = (old_keys[old] * 0x9E3779B97F4A7C15 >> 20) & (size - 1)
+                            slot = _slot(old_keys[old], size)
                             while keys[slot] != 0:
                                 slot = (slot + 1) & (size - 1)
                             keys[slot] = old_keys[old]
                             passes[slot] = old_passes[old]
     return counts, keys, passes
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _slot(key, size):
+    """First place to look for a key in a table of `size` slots, a power of two."""
+    mixed = np.uint64(key) * np.uint64(0x9E3779B97F4A7C15)
+    return np.int64(mixed >> np.uint64(24)) & (size - 1)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-__all__ = ["blocks", "run"]
+__all__ = ["blocks", "each", "run"]
 
 
 def _processors() -> int:
@@ -28,7 +28,12 @@ def blocks(count: int, least: int = 1) -> list[tuple[int, int]]:
 
 def run(function: Callable[[int, int], Any], parts: list[tuple[int, int]]) -> list[Any]:
     """Call ``function(start, stop)`` for every block, at the same time; results in order."""
+    return each(lambda part: function(*part), parts)
+
+
+def each(function: Callable[[Any], Any], parts: list[Any]) -> list[Any]:
+    """Call ``function(part)`` for every part, at the same time; results in order."""
     if len(parts) == 1:
-        return [function(*parts[0])]
+        return [function(parts[0])]
     with ThreadPoolExecutor(len(parts)) as pool:
-        return list(pool.map(lambda part: function(*part), parts))
+        return list(pool.map(function, parts))

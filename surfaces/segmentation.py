@@ -77,14 +77,12 @@ def segment(
     limit = _limit(heights, min_prominence, wolf)
     if above is not None and np.isnan(above):
         raise InputError("above is not a number; give a height in m or None")
-    link, summit, lowest = _links(heights, hm, -np.inf if above is None else float(above))
+    link, summit, runs, lowest = _links(heights, hm, -np.inf if above is None else float(above))
     summit = summit[np.lexsort((summit, -heights.ravel()[summit]))]
     link[summit] = np.arange(summit.size)
-    ny, nx = hm.shape
-    parts = _threads.blocks(ny, _LEAST_ROWS)
-    _threads.run(lambda a, b: _flood.follow(link, a * nx, b * nx), parts)
+    _threads.each(lambda some: _flood.follow(link, some), runs)
     labels = link.reshape(hm.shape)
-    counts, pairs, passes = _passes(heights, labels, hm.periodic, summit.size, parts)
+    counts, pairs, passes = _passes(heights, labels, hm.periodic, summit.size, runs)
 
     height = heights.ravel()[summit]
     order = np.argsort(-passes, kind="stable")
@@ -101,7 +99,7 @@ def segment(
         pairs, passes = _unique_pairs(np.sort(renamed[pairs], axis=1), passes, kept.size)
         parent = np.where(parent[kept] >= 0, renamed[parent[kept]], -1)
         saddle, summit, height = saddle[kept], summit[kept], height[kept]
-    row, col = np.divmod(summit, nx)
+    row, col = np.divmod(summit, hm.shape[1])
     return Peaks(
         row=row,
         col=col,
@@ -132,27 +130,29 @@ def _limit(heights: NDArray[np.float64], min_prominence: float, wolf: float | No
 
 def _links(
     heights: NDArray[np.float64], hm: HeightMap, above: float
-) -> tuple[NDArray[np.int32], NDArray[np.int64], float]:
-    """Pointer map, summit pixels (any order) and lowest height flooded."""
+) -> tuple[NDArray[np.int32], NDArray[np.int64], list[NDArray[np.int32]], float]:
+    """Pointer map, summit pixels (any order), flooded runs by block, lowest height flooded."""
     dy, dx = hm.spacing
     inverse = (1.0 / dy, 1.0 / dx, 1.0 / np.hypot(dy, dx))
     nx = heights.shape[1]
     link = np.empty(heights.size, np.int32)
 
-    def ascend(start: int, stop: int) -> tuple[NDArray[np.int32], NDArray[np.int32], float]:
+    def ascend(start: int, stop: int) -> tuple[NDArray[np.int32], ...]:
         peaks = np.empty((stop - start) * nx, np.int32)
         flats = np.empty((stop - start) * nx, np.int32)
-        n_peaks, n_flats, lowest = _flood.ascend(
-            heights, hm.periodic, above, inverse, link, peaks, flats, start, stop
+        runs = np.empty(((stop - start) * (nx // 2 + 1), 2), np.int32)
+        n_peaks, n_flats, n_runs, lowest = _flood.ascend(
+            heights, hm.periodic, above, inverse, link, peaks, flats, runs, start, stop
         )
-        return peaks[:n_peaks], flats[:n_flats], lowest
+        return peaks[:n_peaks], flats[:n_flats], runs[:n_runs], lowest
 
     found = _threads.run(ascend, _threads.blocks(heights.shape[0], _LEAST_ROWS))
-    summits = [peaks for peaks, _, _ in found]
-    flats = np.concatenate([flats for _, flats, _ in found])
+    summits = [part[0] for part in found]
+    flats = np.concatenate([part[1] for part in found])
     if flats.size:
         summits.append(_flood.drain_plateaus(heights.ravel(), hm.shape, hm.periodic, link, flats))
-    return link, np.concatenate(summits).astype(np.int64), min(low for _, _, low in found)
+    runs = [part[2] for part in found]
+    return link, np.concatenate(summits).astype(np.int64), runs, min(part[3] for part in found)
 
 
 def _passes(
@@ -160,10 +160,10 @@ def _passes(
     labels: NDArray[np.int32],
     periodic: bool,
     n: int,
-    parts: list[tuple[int, int]],
+    runs: list[NDArray[np.int32]],
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
     """Pixels per basin, touching pairs (k, 2) in order, and the highest pass of each."""
-    found = _threads.run(lambda a, b: _flood.touching(heights, labels, periodic, n, a, b), parts)
+    found = _threads.each(lambda some: _flood.touching(heights, labels, periodic, n, some), runs)
     counts = np.sum([part[0] for part in found], axis=0)
     keys = np.concatenate([part[1] for part in found])
     used = keys > 0
