@@ -87,8 +87,9 @@ def read_header(
     where = f"dataset {dataset.name}"
     faults = list(_array_faults(dataset, where))
     attributes = _attributes(dataset, where, faults)
-    pixel = _spacing(attributes.pop("spacing", None), spacing, where, faults)
-    stated = _unit(attributes.pop("unit", None), unit, where, faults)
+    holds = f" (its attributes: {', '.join(attributes) or 'none'})"[:200]
+    pixel = _spacing(attributes.pop("spacing", None), spacing, where, faults, holds)
+    stated = _unit(attributes.pop("unit", None), unit, where, faults, holds)
     periodic = _periodic(attributes.pop("periodic", None), where, faults)
     schema = attributes.pop("schema", None)
     if schema is None:
@@ -164,12 +165,18 @@ def _attributes(dataset: h5py.Dataset, where: str, faults: list[Fault]) -> dict[
 
 
 def _spacing(
-    stated: Any, given: tuple[float, float] | None, where: str, faults: list[Fault]
+    stated: Any,
+    given: tuple[float, float] | None,
+    where: str,
+    faults: list[Fault],
+    holds: str,
 ) -> tuple[float, float]:
     pixel = given if stated is None else stated
     if pixel is None:
         faults.append(
-            Fault(f"{where} has no attribute spacing; pass --spacing DY DX (spacing=...) in m")
+            Fault(
+                f"{where} has no attribute spacing; pass --spacing DY DX (spacing=...) in m{holds}"
+            )
         )
         return 0.0, 0.0
     values = np.asarray(pixel)
@@ -187,11 +194,11 @@ def _spacing(
     return dy, dx
 
 
-def _unit(stated: Any, given: str | None, where: str, faults: list[Fault]) -> str:
+def _unit(stated: Any, given: str | None, where: str, faults: list[Fault], holds: str) -> str:
     unit = given if stated is None else stated
     if unit is None:
         faults.append(
-            Fault(f"{where} has no attribute unit; pass --unit (unit=...), such as --unit um")
+            Fault(f"{where} has no attribute unit; pass --unit (unit=...), such as um{holds}")
         )
         return ""
     if not isinstance(unit, str):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import zipfile
 from pathlib import Path
@@ -83,7 +84,7 @@ def read_text(
 ) -> HeightMap:
     """Heights from rows of numbers; comment lines ``unit = um``, ``spacing = DY DX`` are used."""
     require_memory(
-        8 * path.stat().st_size, f"{path}: reading the text", "convert it to HDF5 in pieces"
+        12 * path.stat().st_size, f"{path}: reading the text", "convert it to HDF5 in pieces"
     )
     stated: dict[str, Any] = {}
     rows: list[NDArray[np.float64]] = []
@@ -181,9 +182,11 @@ def _check_npy_header(member: IO[bytes], size: int, name: str) -> None:
         else np.lib.format.read_array_header_2_0
     )
     shape, _, dtype = reader(member)
-    promised = int(np.prod([int(n) for n in shape], dtype=object)) * dtype.itemsize
+    points = math.prod(int(n) for n in shape)
+    promised = points * dtype.itemsize
     if dtype.hasobject or promised > size:
         raise FileFormatError(f"array {name} promises {promised} bytes and the file holds {size}")
+    require_memory(24 * points, f"array {name} of shape {shape}", "save a part of it")
 
 
 def _separator(line: str) -> tuple[str | None, bool]:

@@ -201,6 +201,8 @@ def _generate(args: argparse.Namespace) -> int:
 def _peaks(path: Path, args: argparse.Namespace) -> bool:
     hm = prepared(_read(path, args), args, crop=False)
     _tell_steps(hm, path)
+    if hm.rms_height == 0.0:
+        raise InputError(f"{path}: the map is constant; a flat map has no peaks")
     peaks = surfaces.segment(
         hm, above=args.above, min_prominence=args.min_prominence, wolf=args.wolf
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -98,6 +99,42 @@ def test_bad_input_is_one_sentence(
     folder: Path, words: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(*(word.format(folder) for word in words)) == 2
+    err = capsys.readouterr().err
+    assert message in err.splitlines()[-1] and "Traceback" not in err
+
+
+def small(path: Path) -> None:
+    with h5py.File(path, "w") as file:
+        file["heights"] = np.ones((2, 2))
+
+
+def constant(path: Path) -> None:
+    surfaces.write(surfaces.HeightMap(np.ones((5, 6)), 1e-6), path)
+
+
+def nothing(path: Path) -> None:
+    path.touch()
+
+
+def words_only(path: Path) -> None:
+    path.write_text("height of the hill: considerable\n")
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (small, "at least 3 points"),
+        (constant, "constant"),
+        (nothing, "the file is empty"),
+        (words_only, "not an HDF5 file"),
+    ],
+)
+@pytest.mark.parametrize("action", ["info", "peaks"])
+def test_files_that_are_no_use(
+    tmp_path: Path, make, message: str, action: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    make(tmp_path / "a.h5")
+    assert run(action, tmp_path / "a.h5", "--unit", "m", "--spacing", 1e-6) == 2
     err = capsys.readouterr().err
     assert message in err.splitlines()[-1] and "Traceback" not in err
 

@@ -195,6 +195,13 @@ def test_foreign_file_by_explicit_options(foreign: Path) -> None:
     assert hm.history[0]["dataset"] == "/scan/z"
 
 
+def test_attributes_that_are_there_are_listed(foreign: Path) -> None:
+    with h5py.File(foreign, "r+") as file:
+        file["scan/z"].attrs["pixel_size"] = 2.0
+    with pytest.raises(FileFormatError, match=r"spacing=.*its attributes: pixel_size"):
+        surfaces.read(foreign, dataset="scan/z", unit="um")
+
+
 def test_wrong_dataset_lists_what_the_file_holds(foreign: Path) -> None:
     for name in (None, "nothing", "scan"):
         with pytest.raises(FileFormatError, match=r"holds scan/mask \(12, 15\) uint8, scan/z"):
