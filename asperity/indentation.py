@@ -98,7 +98,8 @@ class Indentation:
             published field does so over the circle, a second-order mismatch.
         history
             Integrate over all earlier contacts (equations 28, 51) in place of stretching the
-            axisymmetric field to the contour (29, 52); slower, equal for power laws.
+            axisymmetric field to the contour (29, 52); slower, equal for power laws. The law
+            "harmonic" does so in any case where the shape of the contact changes with load.
 
         Raises
         ------

@@ -16,6 +16,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import eigh_tridiagonal
 from scipy.special import beta, betainc, betaincc, gammaln, roots_jacobi
 
 __all__ = ["gauss_jacobi", "kappa", "moments"]
@@ -56,10 +57,27 @@ def kappa(m: float, k: ArrayLike) -> Array:
 
 @lru_cache(maxsize=64)
 def gauss_jacobi(m: float, points: int) -> tuple[Array, Array]:
-    """Nodes t in (0, 1) and weights of int_0^1 h(t) (1 - t^2)^((m-1)/2) dt = sum w h(t)."""
-    x, w = roots_jacobi(points, (m - 1) / 2, 0)
-    t = (1 + x) / 2
-    w = w * 2 ** (-(m + 1) / 2) * (1 + t) ** ((m - 1) / 2)
+    """Nodes t in (0, 1) and weights of int_0^1 h(t) (1 - t^2)^((m-1)/2) dt = sum w h(t).
+
+    Notes
+    -----
+    Exact for polynomials of degree ``2 points - 1``: the recurrence of the orthogonal polynomials
+    of this weight is found on a fine Gauss-Jacobi rule with (1 + t)^((m-1)/2) in its weights
+    (Stieltjes), its Jacobi matrix gives nodes and weights (Golub and Welsch).
+    """
+    x, v = roots_jacobi(2 * points + 40, (m - 1) / 2, 0)
+    fine = (1 + x) / 2
+    v = v * 2 ** (-(m + 1) / 2) * (1 + fine) ** ((m - 1) / 2)
+    diagonal, off = np.empty(points), np.empty(points)
+    previous, current, norm = np.zeros_like(fine), np.ones_like(fine), np.sum(v)
+    for k in range(points):
+        diagonal[k] = np.sum(v * fine * current**2) / norm
+        above = (fine - diagonal[k]) * current - (off[k - 1] if k else 0.0) * previous
+        previous, current = current, above
+        grown = np.sum(v * current**2)
+        off[k], norm = grown / norm, grown
+    t, vectors = eigh_tridiagonal(diagonal, np.sqrt(off[:-1]))
+    w = np.sum(v) * vectors[0] ** 2
     t.setflags(write=False)
     w.setflags(write=False)
     return t, w

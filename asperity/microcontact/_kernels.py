@@ -16,6 +16,9 @@ def evaluate_table(rows, approach, reach, force, stiffness, area, p):  # type: i
     n = rows.size
     intervals = force.shape[1] - 1
     out = np.zeros((3, n))
+    scale = np.ones(intervals + 1)
+    for j in range(1, intervals + 1):
+        scale[j] = (j / intervals) ** (-p)
     for i in range(n):
         row, d = rows[i], approach[i]
         top = reach[row]
@@ -32,24 +35,22 @@ def evaluate_table(rows, approach, reach, force, stiffness, area, p):  # type: i
         x -= j
         step = 1.0 / intervals
         u1 = (j + 1) * step
-        scale1 = u1 ** (-p)
-        s1 = force[row, j + 1] * scale1
-        g1 = (2.0 * u1 * u1 * top * stiffness[row, j + 1] - p * force[row, j + 1]) * scale1 / u1
+        s1 = force[row, j + 1] * scale[j + 1]
+        g1 = 2.0 * u1 * top * stiffness[row, j + 1] * scale[j + 1] - p * s1 / u1
         b1 = area[row, j + 1] / (u1 * u1)
         if j == 0:
             s, g, b = s1 + g1 * (u - u1), g1, b1
         else:
             u0 = j * step
-            scale0 = u0 ** (-p)
-            s0 = force[row, j] * scale0
-            g0 = (2.0 * u0 * u0 * top * stiffness[row, j] - p * force[row, j]) * scale0 / u0
+            s0 = force[row, j] * scale[j]
+            g0 = 2.0 * u0 * top * stiffness[row, j] * scale[j] - p * s0 / u0
             y = 1.0 - x
             s = s0 * (1.0 + 2.0 * x) * y * y + s1 * x * x * (3.0 - 2.0 * x)
             s += step * x * y * (g0 * y - g1 * x)
             g = 6.0 * x * y * (s1 - s0) / step
             g += g0 * y * (1.0 - 3.0 * x) + g1 * x * (3.0 * x - 2.0)
             b = area[row, j] / (u0 * u0) * y + b1 * x
-        power = u**p
+        power = u * u * u if p == 3.0 else u**p
         out[0, i] = power * s
         out[1, i] = power * (p * s / u + g) / (2.0 * u * top)
         out[2, i] = b * u * u

@@ -21,8 +21,6 @@ __all__ = ["tabulate"]
 
 Array = NDArray[np.float64]
 
-_RADII = 16
-_POINTS = 8
 _HARMONICS = 5
 _OVERSHOOT = 1.15
 _SMALLEST, _GRADING = 0.02, 1.3
@@ -30,7 +28,13 @@ _LIMIT = 0.5
 
 
 def tabulate(
-    profiles: Profiles, material: HalfSpace, *, law: str = "harmonic", nodes: int = 16
+    profiles: Profiles,
+    material: HalfSpace,
+    *,
+    law: str = "harmonic",
+    nodes: int = 16,
+    radii: int = 14,
+    points: int = 6,
 ) -> LawTable:
     """Law table of the profiles by the first-order (`paper`) or `harmonic` expansion.
 
@@ -45,6 +49,8 @@ def tabulate(
         second-order force and area).
     nodes
         Intervals of the table.
+    radii, points
+        Radii at which the expansion is evaluated, and points of the radial rule.
 
     Returns
     -------
@@ -65,9 +71,9 @@ def tabulate(
     from ._kernels import expand_profiles
 
     m = material.m
-    fractions = _OVERSHOOT * np.linspace(_SMALLEST, 1.0, _RADII) ** _GRADING
+    fractions = _OVERSHOOT * np.linspace(_SMALLEST, 1.0, radii) ** _GRADING
     top = np.sqrt(0.5 * np.sum(profiles.weight * profiles.edge**2, axis=1) / np.pi)
-    t, weights = gauss_jacobi(m, _POINTS)
+    t, weights = gauss_jacobi(m, points)
     usable = np.all(np.isfinite(profiles.q), axis=(1, 2)) & np.all(profiles.edge > 0, axis=1)
     rows = expand_profiles(
         np.ascontiguousarray(profiles.phi),

@@ -11,12 +11,13 @@ from asperity.indentation import Indentation
 from asperity.material import HalfSpace
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from .basis import Basis, basis_of, synthesis
+from .basis import Basis, PowerBasis, basis_of, synthesis
 from .batch import tabulate
 from .branch import RisingBranch
 from .estimate import expected_error
 from .flags import Flag
-from .pressure import AxisymmetricPressure, history_pressure
+from .history import HistoryPressure
+from .pressure import AxisymmetricPressure
 from .validity import contour_flags, profile_flags
 
 __all__ = ["Expansion", "indent", "tabulate"]
@@ -158,21 +159,20 @@ def indent(
         def state(radii: Array) -> Expansion:
             return Expansion.at(basis, radii, material, published=law == "paper")
 
-        def past(radii: Array, angles: Array) -> Array:
-            return boundary_of(state(radii), angles)
-
-        def ratios(radii: Array) -> NDArray[np.complex128]:
-            return state(radii).ratios()
-
-        resolved = ratios if law == "harmonic" else None
-        fields = [history_pressure(basis, material, past, x, r, phi, resolved) for x in one.a]
-        return on_rays(np.reshape(fields, (one.a.size, phi.size)))
+        field = HistoryPressure(
+            basis,
+            material,
+            lambda radii, angles: boundary_of(state(radii), angles),
+            (lambda radii: state(radii).ratios()) if law == "harmonic" else None,
+        )
+        return on_rays(np.reshape([field(x, r, phi) for x in one.a], (one.a.size, phi.size)))
 
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     boundary = contour(phi)
     flags = contour_flags(a, boundary) | profile_flags(profile, depth, phi, boundary)
     flags[~np.isfinite(a)] |= np.uint8(Flag.TURNING)
     columns = [fill(v).reshape(shape) for v in (force, area, one.a, stiffness)]
+    similar = law == "paper" or (isinstance(basis, PowerBasis) and basis.powers.size == 1)
     return Indentation(
         law,
         material,
@@ -181,6 +181,6 @@ def indent(
         flags=flags.reshape(shape),
         error_estimate=fill(spread).reshape(shape),
         contour_function=contour,
-        pressure_function=pressure,
+        pressure_function=pressure if similar else history,
         history_function=history,
     )

@@ -1,4 +1,4 @@
-"""Pressure inside one contact: the scaled field of the mean profile, and the history integral.
+"""Pressure inside one contact: the scaled field of the mean profile.
 
 The published field (equations 12, 29, 52) is a sequence of flat punches whose pressure is stretched
 to their contour. That is exact to first order for the second angular harmonic only. On a nearly
@@ -13,7 +13,6 @@ uses it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -25,7 +24,7 @@ from asperity.material import HalfSpace
 
 from .basis import Basis, PowerBasis
 
-__all__ = ["AxisymmetricPressure", "history_pressure"]
+__all__ = ["AxisymmetricPressure", "edge_rule", "punch_factor"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -33,7 +32,6 @@ Complex = NDArray[np.complex128]
 _POINTS = 64
 _SLOPES = 400
 _RADII = 160
-_HISTORY = 120
 _RESOLVED = 96
 
 
@@ -121,7 +119,7 @@ class AxisymmetricPressure:
 
     @cached_property
     def _rule(self) -> tuple[Array, Array]:
-        return _edge_rule(self._material.m)
+        return edge_rule(self._material.m)
 
     def _slope(self, top: float) -> PchipInterpolator:
         """D'(x) up to the radius `top`."""
@@ -138,77 +136,7 @@ def punch_factor(rho: Array, order: int) -> Array:
     return np.where(near, 1 - order / 2, (rho**order - rho**2) / np.where(near, 1.0, square))
 
 
-def history_pressure(
-    basis: Basis,
-    material: HalfSpace,
-    contour: Callable[[Array, Array], Array],
-    a: float,
-    r: Array,
-    phi: Array,
-    ratios: Callable[[Array], Complex] | None = None,
-) -> Array:
-    """Pressure by the full history integral (equations 28, 51) in a contact of radius `a`.
-
-    Parameters
-    ----------
-    basis
-        Transforms of the profile.
-    material
-        Half-space.
-    contour
-        Function (radii, angles) -> boundary a*(phi) [m] of the earlier contacts.
-    a
-        Present effective radius [m].
-    r, phi
-        Points, shape (p,).
-    ratios
-        Function radii -> amplitudes of their contours over the radius, for the harmonic-resolved
-        punches; without it the published ones.
-
-    Returns
-    -------
-    pressure
-        [Pa], shape (p,); NaN where the boundary has not only grown on the ray of the point.
-
-    Notes
-    -----
-    ``p = E/pi int (a*(phi)/a*)^(1-m) D'(a*) (a*(phi)^2 - r^2)^((m-1)/2) da*`` over the contacts
-    that hold the point, by a Gauss-Jacobi rule in ``a*(phi)^2 - r^2``.
-    """
-    m = material.m
-    s, w = _edge_rule(m)
-    past = a * np.arange(1, _HISTORY + 1) / _HISTORY
-    edges = np.vstack([np.zeros(phi.size), contour(past, phi)])
-    shapes = None if ratios is None else ratios(past)[:, :_RESOLVED]
-    then_of = np.append(0.0, past)
-    out = np.zeros(phi.size)
-    growing = np.all(np.diff(edges, axis=0) > 0, axis=0)
-    out[~growing] = np.nan
-    for i in np.flatnonzero(growing & (edges[-1] > r)):
-        span = (edges[-1, i] - r[i]) * (edges[-1, i] + r[i])
-        edge = np.sqrt(r[i] ** 2 + s * span)
-        inverse = PchipInterpolator(edges[:, i], then_of)
-        then = inverse(edge)
-        slope = basis.depth(then, 1) / then
-        rate = slope * inverse(edge, 1) / (2 * edge) * (edge / then) ** (1 - m)
-        if shapes is not None:
-            rate = rate * (1 - (1 - m) * _punch_sum(shapes, then / a, r[i] / edge, phi[i]))
-        out[i] = span ** ((1 + m) / 2) * np.sum(w * rate)
-    return np.asarray(material.modulus / np.pi * out)
-
-
-def _punch_sum(shapes: Complex, share: Array, rho: Array, phi: float) -> Array:
-    """Sum of d_n cos(n phi) q_n(rho) at the moments ``share`` of the history."""
-    place = np.clip(share * _HISTORY - 1, 0.0, _HISTORY - 1)
-    low = np.minimum(place.astype(int), _HISTORY - 2)
-    part = (place - low)[:, None]
-    ratio = shapes[low] * (1 - part) + shapes[low + 1] * part
-    n = np.arange(1, shapes.shape[1] + 1)
-    factor = np.stack([punch_factor(rho, order) for order in n], axis=1)
-    return np.asarray(np.sum((ratio * np.exp(1j * n * phi)).real * factor, axis=1))
-
-
-def _edge_rule(m: float) -> tuple[Array, Array]:
+def edge_rule(m: float) -> tuple[Array, Array]:
     """Nodes and weights of ``int_0^1 h(s) s^((m-1)/2) ds``."""
     q = (m - 1) / 2
     x, w = roots_jacobi(_POINTS, 0, q)

@@ -124,12 +124,12 @@ def test_maxwell_sphere_relaxes_and_creeps_as_known():
 
 def test_standard_solid_creeps_to_its_equilibrium():
     solid = Relaxation(1.0, [3.0], [2.0])
-    t = np.append(np.linspace(0, 10, 201), np.linspace(10.1, 60, 150))
+    t = np.append(np.linspace(0, 10, 101), np.linspace(10.2, 60, 80))
     load = np.full(t.size, 0.02)
-    found = viscoelastic_indent(SPHERE, solid, t, load=load)
+    found = viscoelastic_indent(SPHERE, solid, t, load=load, law="paper")
     creep = 1 - 0.75 * np.exp(-t / 8)
-    np.testing.assert_allclose(found.approach, (0.75 * 0.02 * creep) ** (2 / 3), rtol=1e-4)
-    again = viscoelastic_indent(SPHERE, solid, t, found.approach)
+    np.testing.assert_allclose(found.approach, (0.75 * 0.02 * creep) ** (2 / 3), rtol=4e-4)
+    again = viscoelastic_indent(SPHERE, solid, t, found.approach, law="paper")
     np.testing.assert_allclose(again.force, load, rtol=1e-8)
 
 

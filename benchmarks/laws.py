@@ -1,0 +1,73 @@
+"""Time and error of the law tables: 11 000 summits of a rough map at 50 approaches.
+
+    python benchmarks/laws.py [law ...]
+
+Microseconds per profile on the threads that numba has, without compilation, least of several
+runs: the fit of the profiles, the table of the law, its evaluation at 50 approaches, and their
+sum. The error is that of the table against one ten times finer (force, at contacts without flag).
+"""
+
+from __future__ import annotations
+
+import platform
+import sys
+import time
+from collections.abc import Callable
+
+import numba
+import numpy as np
+
+import surfaces
+from asperity import HalfSpace
+from asperity.microcontact import tabulate
+
+REPEATS = 7
+SHARES = np.linspace(0.02, 1.0, 50) ** 2
+
+
+def least(call: Callable[[], object]) -> float:
+    """Least seconds of several calls, after one that compiles."""
+    call()
+    seconds = []
+    for _ in range(REPEATS):
+        start = time.perf_counter()
+        call()
+        seconds.append(time.perf_counter() - start)
+    return min(seconds)
+
+
+def main(laws: list[str]) -> None:
+    """Print one row per law and grading."""
+    hm = surfaces.self_affine(
+        (1024, 1024), (1024.0, 1024.0), hurst=0.8, rms_slope=0.1, rolloff=128, cutoff=4, seed=1
+    )
+    peaks = surfaces.segment(hm)
+    profiles = surfaces.fit_profiles(hm, peaks)
+    n = len(profiles)
+    fit = least(lambda: surfaces.fit_profiles(hm, peaks)) / n * 1e6
+    print(f"{platform.processor()}, {numba.get_num_threads()} threads, {n} profiles, seed 1")
+    print("law        m    fit  table  evaluate    sum [us per profile]  error median   95 %")
+    rows = np.arange(n)[:, None]
+    for law in laws:
+        for m in (0.0, 0.3):
+            material = HalfSpace.from_modulus(1.0, m)
+            table = tabulate(profiles, material, law=law)
+            depth = table.reach[:, None] * SHARES
+            made = least(lambda: tabulate(profiles, material, law=law)) / n * 1e6  # noqa: B023
+            read = least(lambda: table.evaluate(rows, depth)) / n * 1e6  # noqa: B023
+            error = ""
+            if law in ("paper", "harmonic"):
+                fine = tabulate(profiles, material, law=law, nodes=64, radii=96, points=64)
+                some = depth[:, 10:40:10]
+                good = (fine.flags_at(rows, some) & 3) == 0
+                change = table.evaluate(rows, some)[0] / fine.evaluate(rows, some)[0] - 1
+                values = np.abs(change[good])
+                error = f"{np.median(values):.1e}  {np.percentile(values, 95):.1e}"
+            print(
+                f"{law:9} {m:3.1f} {fit:6.1f} {made:6.1f} {read:9.1f} {fit + made + read:6.1f}"
+                f"{'':23}{error}"
+            )
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:] or ["hertz", "paper", "harmonic", "ellipse"])
