@@ -13,6 +13,7 @@ from ._spline import evaluate, expand
 
 _MOST_SAMPLES = 512
 _BEYOND = 1.1  # rays run on beyond their basin by this factor: see fit_profiles
+_TINY = 1e-300
 _FLATTEST = 1e-3  # least ratio of the principal curvatures, and least q relative to the tip
 _NARROWEST = math.sqrt(1.0 / 8.0)  # least aspect of the ellipse on which the rays are spread
 _LOCAL = 1e-4  # largest misfit of the local quartic, relative to the range of its points
@@ -219,6 +220,8 @@ def fit(
             way_y, way_x = math.sin(phi[n, p]) / dy, math.cos(phi[n, p]) / dx
             pixel = 1.0 / max(abs(way_y), abs(way_x))
             limit = np.inf
+            if periodic:  # half-way to the image of the summit
+                limit = min(0.5 * ny / max(abs(way_y), _TINY), 0.5 * nx / max(abs(way_x), _TINY))
             top = 0
             outside = 0
             m = 0
@@ -240,8 +243,8 @@ def fit(
                     top = m
                 elif fs[m] <= fs[top] - dip:
                     break
-                if outside == 2 and limit == np.inf:
-                    limit = _BEYOND * 0.5 * (rs[m - 2] + rs[m - 1])
+                if outside == 2:
+                    limit = min(limit, _BEYOND * 0.5 * (rs[m - 2] + rs[m - 1]))
                 if r > limit:
                     break
             edge[n, p] = rs[top]

@@ -130,6 +130,17 @@ def test_plateau_is_a_blunt_summit():
     assert (fit.f()[0][r < 3.0] < 0.1).all() and (fit.f()[0][(r > 5.5) & (r < 8)] > 1.0).all()
 
 
+@pytest.mark.parametrize("periodic", [True, False])
+def test_pruning_to_one_peak_ends_the_rays_at_the_cell(periodic):
+    hm = rough((40, 60), (1.0, 2.0)).replace(periodic=periodic)
+    peaks = surfaces.segment(hm, min_prominence=0.99 * float(np.ptp(hm.heights)))
+    fit = surfaces.fit_profiles(hm, peaks)
+    assert len(fit) == 1
+    assert (fit.edge * np.abs(np.sin(fit.phi)) <= (0.501 if periodic else 1.0)).all()
+    assert (fit.edge * np.abs(np.cos(fit.phi)) <= (1.001 if periodic else 2.0)).all()
+    assert fit.edge.max() > 0.4
+
+
 def test_no_peaks_give_no_profiles():
     hm = rough()
     peaks = surfaces.segment(hm, above=1.0)
