@@ -337,7 +337,7 @@ class _Snapshot:
         if distance < self.distance or not self.touching.size:
             self.distance = distance
             self.mean_pressure = solution.mean_pressure
-            self.touching = solution.pressure > 0
+            self.touching = solution.contact
 
 
 def _table(

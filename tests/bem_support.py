@@ -63,3 +63,34 @@ def rough(shape=(60, 84), size=(1.0, 1.5), *, slope=1.0, cutoff=4.0, seed=0, per
     gradient = np.stack([np.diff(heights, axis=0)[:, 1:] / dy, np.diff(heights, axis=1)[1:] / dx])
     heights *= slope / np.sqrt((gradient**2).sum(axis=0).mean())
     return HeightMap(heights, (dy, dx), periodic=periodic)
+
+
+def random_case(seed, largest=180):
+    """Random map, half-space, mean pressure and boundary, for solving at any of them."""
+    from asperity import HalfSpace
+
+    rng = np.random.default_rng(1000 + seed)
+    shape = tuple(int(n) for n in rng.integers(20, largest, 2))
+    spacing = tuple(1e-6 * np.exp(rng.uniform(np.log(0.5), np.log(2.0), 2)))
+    boundary = "periodic" if rng.random() < 0.6 else "free"
+    m = float(rng.choice([0.0, 0.0, rng.uniform(-0.5, 0.8)]))
+    highest = 0.5 / max(spacing)
+    cutoff = highest / rng.choice([1, 1, 2, 4])
+    rolloff = cutoff / rng.uniform(1.0, 30.0)
+    ky = np.fft.fftfreq(shape[0], spacing[0])[:, None]
+    kx = np.fft.rfftfreq(shape[1], spacing[1])[None, :]
+    k = np.hypot(ky, kx)
+    amplitude = np.maximum(k, rolloff) ** -(1.0 + rng.uniform(0.3, 1.0))
+    amplitude[k > max(cutoff, k[1, 0], k[0, 1])] = 0.0
+    amplitude[0, 0] = 0.0
+    heights = np.fft.irfft2(np.fft.rfft2(rng.standard_normal(shape)) * amplitude, s=shape)
+    slope = np.sqrt(
+        np.mean((np.diff(heights, axis=0) / spacing[0]) ** 2)
+        + np.mean((np.diff(heights, axis=1) / spacing[1]) ** 2)
+    )
+    wanted = rng.choice([1e-3, 0.1, 1.0])
+    heights *= wanted / slope
+    modulus = 1e9
+    pressure = modulus * np.sqrt(spacing[0] * spacing[1]) ** m * wanted * 10 ** rng.uniform(-4, 0.6)
+    body = HalfSpace.from_modulus(modulus, m)
+    return HeightMap(heights, spacing), body, float(pressure), boundary

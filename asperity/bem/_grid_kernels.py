@@ -24,7 +24,8 @@ Grid = NDArray[np.float64]
 def contact_sums(pressure: Grid, displacement: Grid, heights: Grid, block_low: Grid) -> Any:
     """Count, sum of gap, lowest gap, load, load times gap, load times u, largest |u|; gap = u - h.
 
-    `block_low` (ny, blocks) receives the lowest gap of each run of 64 points, -inf under pressure.
+    `block_low` (ny, blocks) receives the lowest gap of each run of 64 points, -inf where one
+    carries a pressure (a predicted one may be negative).
     """
     ny, nx = heights.shape
     count = 0
@@ -32,7 +33,8 @@ def contact_sums(pressure: Grid, displacement: Grid, heights: Grid, block_low: G
     lowest = np.inf
     for y in prange(ny):
         for b in range(block_low.shape[1]):
-            low, peak, load, local = np.inf, 0.0, 0.0, 0
+            low, peak, load = np.inf, 0.0, 0.0
+            local = marked = 0
             sum_gap = sum_work = sum_moment = 0.0
             for x in range(b * BLOCK, min(nx, (b + 1) * BLOCK)):
                 u = displacement[y, x]
@@ -45,6 +47,7 @@ def contact_sums(pressure: Grid, displacement: Grid, heights: Grid, block_low: G
                 sum_moment += p * u
                 touching = p > 0.0
                 local += touching
+                marked += p != 0.0
                 sum_gap += gap if touching else 0.0
             count += local
             gap_sum += sum_gap
@@ -53,7 +56,7 @@ def contact_sums(pressure: Grid, displacement: Grid, heights: Grid, block_low: G
             moment += sum_moment
             lowest = min(lowest, low)
             largest = max(largest, peak)
-            block_low[y, b] = low if local == 0 else -np.inf
+            block_low[y, b] = low if marked == 0 else -np.inf
     return count, gap_sum, lowest, total, work, moment, largest
 
 
@@ -61,7 +64,7 @@ def contact_sums(pressure: Grid, displacement: Grid, heights: Grid, block_low: G
 def select(
     pressure: Grid, displacement: Grid, heights: Grid, block_low: Grid, threshold: float
 ) -> Any:
-    """Points under pressure or with a gap up to the threshold, row by row.
+    """Points with a pressure or with a gap up to the threshold, row by row.
 
     `block_low` comes from `contact_sums`. Returns row pointers (ny + 1,), columns, pressures and
     gaps of the points.
@@ -74,7 +77,7 @@ def select(
             if block_low[y, b] <= threshold:
                 for x in range(b * BLOCK, min(nx, (b + 1) * BLOCK)):
                     gap = displacement[y, x] - heights[y, x]
-                    k += (gap <= threshold) | (pressure[y, x] > 0.0)
+                    k += (gap <= threshold) | (pressure[y, x] != 0.0)
         start[y + 1] = k
     for y in range(ny):
         start[y + 1] += start[y]
@@ -88,7 +91,7 @@ def select(
             if block_low[y, b] <= threshold:
                 for x in range(b * BLOCK, min(nx, (b + 1) * BLOCK)):
                     gap = displacement[y, x] - heights[y, x]
-                    if gap <= threshold or pressure[y, x] > 0.0:
+                    if gap <= threshold or pressure[y, x] != 0.0:
                         columns[k] = x
                         p[k] = pressure[y, x]
                         g[k] = gap
@@ -97,21 +100,23 @@ def select(
 
 
 @njit(cache=True, nogil=True, parallel=True)  # type: ignore[misc]
-def finish(
-    pressure: Grid,
-    displacement: Grid,
-    heights: Grid,
-    unit: float,
-    level: float,
-    real_pressure: Grid,
-    gap: Grid,
-) -> None:
-    """Pressure times a unit, and gap above a level, of the size of the map."""
+def finish(pressure: Grid, displacement: Grid, heights: Grid, unit: float, level: float) -> None:
+    """Turn p~ into pressure and u into the gap above a level, in place."""
     ny, nx = heights.shape
     for y in prange(ny):
         for x in range(nx):
-            real_pressure[y, x] = pressure[y, x] * unit
-            gap[y, x] = displacement[y, x] - heights[y, x] - level
+            pressure[y, x] *= unit
+            displacement[y, x] -= heights[y, x] + level
+
+
+@njit(cache=True, nogil=True, parallel=True)  # type: ignore[misc]
+def extrapolate(now: Grid, old: Grid, share_now: float, share_old: float) -> None:
+    """Replace (now, old) by (share_now now + share_old old, now)."""
+    for y in prange(now.shape[0]):
+        for x in range(now.shape[1]):
+            value = now[y, x]
+            now[y, x] = share_now * value + share_old * old[y, x]
+            old[y, x] = value
 
 
 @njit(cache=True, nogil=True, parallel=True)  # type: ignore[misc]

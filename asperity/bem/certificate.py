@@ -54,6 +54,8 @@ class Reading:
         Mean of u - h over the contact [m]; its smallest value if there is no contact.
     scale
         Length that the errors are relative to [m].
+    total
+        Sum of the pressure.
     moment
         Sum of pressure times displacement [m times the unit of pressure].
     block_low
@@ -63,6 +65,7 @@ class Reading:
     certificate: Certificate
     level: float
     scale: float
+    total: float
     moment: float
     block_low: NDArray[np.float64]
 
@@ -108,7 +111,7 @@ def certify(
         missing = 0.0 if not mean_pressure else 1.0
         penetration = 0.0 if offset is None else max(0.0, offset - lowest) / scale
         level = lowest if offset is None else offset
-        return Reading(Certificate(missing, 0.0, penetration), level, scale, 0.0, block_low)
+        return Reading(Certificate(missing, 0.0, penetration), level, scale, 0.0, 0.0, block_low)
     level = gap_sum / count
     if offset is not None:
         load = abs(level - offset) / scale
@@ -118,4 +121,4 @@ def certify(
         load = float("inf")
     complementarity = max(work / total - lowest, 0.0) / scale
     certificate = Certificate(load, complementarity, (level - lowest) / scale)
-    return Reading(certificate, level, scale, moment, block_low)
+    return Reading(certificate, level, scale, total, moment, block_low)

@@ -11,6 +11,7 @@ __all__ = [
     "contact_area",
     "contact_edges",
     "contours",
+    "count_patches",
     "histogram",
     "label_patches",
 ]
@@ -57,19 +58,38 @@ def label_patches(contact: NDArray[np.bool_], *, periodic: bool) -> tuple[NDArra
     count
         Number of patches n.
     """
+    labels, count = _components(contact)
+    pairs = _seam_pairs(labels) if periodic and count > 1 else ()
+    if not len(pairs):
+        return labels, count - 1
+    target = _merged(pairs, count)
+    return target[labels], int(target.max())
+
+
+def count_patches(contact: NDArray[np.bool_], *, periodic: bool) -> int:
+    """Number of the patches of `label_patches`, without their labels."""
+    labels, count = _components(contact)
+    pairs = _seam_pairs(labels) if periodic and count > 1 else ()
+    return int(_merged(pairs, count).max()) if len(pairs) else count - 1
+
+
+def _components(contact: NDArray[np.bool_]) -> tuple[NDArray[np.int32], int]:
+    """Labels of the map without its continuation, and their number with the background."""
     import cv2
 
     count, labels = cv2.connectedComponents(
         np.ascontiguousarray(contact).view(np.uint8), connectivity=4, ltype=cv2.CV_32S
     )
-    if not periodic or count == 1:
-        return labels, count - 1
+    return labels, count
+
+
+def _seam_pairs(labels: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Pairs of labels that meet across the seam, shape (k, 2)."""
     pairs = []
     for first, last in ((labels[0], labels[-1]), (labels[:, 0], labels[:, -1])):
         both = (first > 0) & (last > 0)
         pairs.append(np.stack([first[both], last[both]], axis=1))
-    target = _merged(np.unique(np.concatenate(pairs), axis=0), count)
-    return target[labels], int(target.max())
+    return np.unique(np.concatenate(pairs), axis=0)
 
 
 def _merged(pairs: NDArray[np.int32], count: int) -> NDArray[np.int32]:

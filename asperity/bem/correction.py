@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..threads import idle_threads, use_numba
 from . import _grid_kernels
 from .active_set import solve_on_list
 from .certificate import Reading, certify
@@ -26,6 +27,7 @@ _PATIENCE = 8
 _MOST_INNER = 400
 _SMALL_GRID = 128 * 128
 _ROWS = 64
+_ONE_THREAD = 256 * 256
 _FULL_SHARE = 0.4
 
 
@@ -62,7 +64,9 @@ class Level:
         """Pressure p~ [m], shape (ny, nx): a view of the operator's input."""
         return self.exact.pressure[:, : self.heights.shape[1]]
 
-    def solve(self, load: float | LoadSearch, tolerance: float) -> Outcome:
+    def solve(
+        self, load: float | LoadSearch, tolerance: float, *, predicted: bool = False
+    ) -> Outcome:
         """Correct the pressure until its certificate is within the tolerance.
 
         Parameters
@@ -72,13 +76,18 @@ class Level:
             is advanced by each correction.
         tolerance
             Bound on each entry of the certificate.
+        predicted
+            The operator's buffers hold a pressure, possibly negative in places, and its
+            displacement: the first correction needs no transform.
         """
         search = load if isinstance(load, LoadSearch) else None
         iterations = 0
         best, idle = math.inf, 0
         for outer in range(_MOST_OUTER):
             mean = search.mean if isinstance(load, LoadSearch) else load
-            displacement = self.exact.apply()
+            use_numba(1 if self.heights.size <= _ONE_THREAD else idle_threads(self.exact.threads))
+            known = predicted and outer == 0
+            displacement = self.exact.transform.grid if known else self.exact.apply()
             reading = certify(
                 self.exact.pressure,
                 displacement,
@@ -88,7 +97,7 @@ class Level:
                 offset=search.offset if search else None,
             )
             worst = reading.certificate.worst
-            if worst <= tolerance:
+            if worst <= tolerance and not known:
                 return Outcome(reading, iterations, True, "")
             idle = 0 if worst < 0.7 * best else idle + 1
             best = min(best, worst)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,12 +13,54 @@ from surfaces.heightmap import HeightMap
 
 from ..loadpoints import checked_loads
 from ..results import ContactCurve
+from .contact_map import contact_area, count_patches
 from .kernel import ElasticHalfSpace
 from .operator import Boundary
-from .solution import BemSolution
-from .solve import ContactProblem
+from .path import LoadPath
+from .problem import ContactProblem
 
-__all__ = ["bem_curve"]
+__all__ = ["CurvePoint", "bem_curve"]
+
+_NO_MAP = np.zeros((0, 0), np.bool_)
+
+
+@dataclass(frozen=True, eq=False)
+class CurvePoint:
+    """One solved point of a curve, as `progress` sees it.
+
+    Attributes
+    ----------
+    columns
+        Every number of the point, by the names of `ContactCurve` and of its `extra`.
+    contact
+        Pixels under pressure, shape (ny, nx).
+    reason
+        Why the point did not converge, else "".
+    """
+
+    columns: Mapping[str, float]
+    contact: NDArray[np.bool_]
+    reason: str
+
+    @property
+    def mean_pressure(self) -> float:
+        """Mean pressure [Pa]."""
+        return self.columns["mean_pressure"]
+
+    @property
+    def separation(self) -> float:
+        """Separation [m]."""
+        return self.columns["separation"]
+
+    @property
+    def area_fraction(self) -> float:
+        """Corrected contact area over nominal area [-]."""
+        return self.columns["area_fraction"]
+
+    @property
+    def converged(self) -> bool:
+        """Whether the certificate is within the tolerance."""
+        return bool(self.columns["converged"])
 
 
 def bem_curve(
@@ -28,7 +71,7 @@ def bem_curve(
     separations: ArrayLike | None = None,
     tolerance: float = 1e-6,
     boundary: Boundary | None = None,
-    progress: Callable[[BemSolution], object] | None = None,
+    progress: Callable[[CurvePoint], object] | None = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
 ) -> ContactCurve:
     """Load, separation and contact area of a rough map at several load points.
@@ -43,7 +86,7 @@ def bem_curve(
         separations [m]. With neither: 10 geometric loads for about 0.1 % to 10 % of contact,
         from the rms slope and the modulus.
     progress
-        Called with the solution of every finished load point.
+        Called with every finished load point, with its contact map.
     checkpoint
         Called with the curve of the points finished so far, after each.
 
@@ -51,57 +94,61 @@ def bem_curve(
     -------
     ContactCurve
         In the order asked for. `residual` is the worst entry of the certificate; `extra` holds
-        the certificate by entry, raw area, elastic energy, mean gap, iterations and transform
-        pairs; a point that missed the tolerance is marked and explained.
+        the certificate by entry, raw area, elastic energy, iterations, transform pairs and
+        seconds; a point that missed the tolerance is marked and explained.
     """
     kind, values = checked_loads(hm, mat, pressures, separations)
-    start = time.perf_counter()
+    begun = time.perf_counter()
     problem = ContactProblem(hm, mat, tolerance=tolerance, boundary=boundary)
+    prepared = time.perf_counter()
+    path = LoadPath(problem)
     order = np.argsort(values if kind == "pressure" else -values, kind="stable")
-    solved: dict[int, tuple[dict[str, float], str]] = {}
-    guess: BemSolution | None = None
+    solved: dict[int, CurvePoint] = {}
 
-    def curve_of(points: Iterable[int]) -> ContactCurve:
-        seconds = {"setup": problem.setup_seconds}
-        seconds["loads"] = time.perf_counter() - start - problem.setup_seconds
-        return _curve(problem, [solved[i] for i in points], seconds)
+    def curve_of(indices: Iterable[int]) -> ContactCurve:
+        seconds = {"setup": prepared - begun, "loads": time.perf_counter() - prepared}
+        return _curve(problem, [solved[i] for i in indices], seconds)
 
     for index in order.tolist():
-        value = float(values[index])
-        solution = problem.solve(
-            pressure=value if kind == "pressure" else None,
-            separation=value if kind == "separation" else None,
-            guess=guess,
-        )
-        solved[index] = (_row(solution), solution.reason)
-        guess = solution if solution.mean_pressure > 0.0 else None
+        solved[index] = _solve_point(path, kind, float(values[index]))
         if progress is not None:
-            progress(solution)
+            progress(solved[index])
+        solved[index] = replace(solved[index], contact=_NO_MAP)
         if checkpoint is not None:
             checkpoint(curve_of(solved))
     return curve_of(range(len(values)))
 
 
-def _row(solution: BemSolution) -> dict[str, float]:
-    return {
-        "separation": solution.separation,
-        "mean_pressure": solution.mean_pressure,
-        "load": solution.load,
-        "area_fraction": solution.area_fraction,
-        "contact_area": solution.contact_area,
-        "contacts": solution.contacts,
-        "converged": solution.converged,
-        "residual": solution.certificate.worst,
-        "load_error": solution.certificate.load,
-        "complementarity": solution.certificate.complementarity,
-        "penetration": solution.certificate.penetration,
-        "contact_area_raw": solution.contact_area_raw,
-        "mean_gap": solution.mean_gap,
-        "elastic_energy": solution.elastic_energy,
-        "iterations": solution.iterations,
-        "fft_pairs": solution.fft_pairs,
-        "seconds": sum(t for stage, t in solution.seconds.items() if stage != "setup"),
+def _solve_point(path: LoadPath, kind: str, value: float) -> CurvePoint:
+    """Solve at one load and read the point off the state."""
+    problem = path.problem
+    hm, exact = problem.hm, problem.level.exact
+    begun, pairs = time.perf_counter(), exact.pairs
+    outcome = path.solve(**{kind: value})
+    certificate = outcome.reading.certificate
+    periodic = problem.boundary == "periodic"
+    contact = problem.level.pressure > 0.0
+    raw, area = contact_area(contact, hm.spacing, periodic=periodic)
+    mean = problem.mean_pressure(outcome)
+    columns = {
+        "separation": problem.separation(outcome),
+        "mean_pressure": mean,
+        "load": mean * hm.area,
+        "area_fraction": area / hm.area,
+        "contact_area": area,
+        "contacts": count_patches(contact, periodic=periodic),
+        "converged": outcome.converged,
+        "residual": certificate.worst,
+        "load_error": certificate.load,
+        "complementarity": certificate.complementarity,
+        "penetration": certificate.penetration,
+        "contact_area_raw": raw,
+        "elastic_energy": problem.elastic_energy(outcome),
+        "iterations": outcome.iterations,
+        "fft_pairs": exact.pairs - pairs,
+        "seconds": time.perf_counter() - begun,
     }
+    return CurvePoint(columns, contact, outcome.reason)
 
 
 def curve_stiffness(
@@ -125,11 +172,10 @@ def curve_stiffness(
 
 def _curve(
     problem: ContactProblem,
-    points: Sequence[tuple[dict[str, float], str]],
+    points: Sequence[CurvePoint],
     seconds: dict[str, float],
 ) -> ContactCurve:
-    rows, reasons = zip(*points, strict=True)
-    columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    columns = {name: np.array([p.columns[name] for p in points]) for name in points[0].columns}
     names = ("separation", "mean_pressure", "load", "area_fraction", "contact_area")
     main = {name: columns.pop(name) for name in names}
     return ContactCurve(
@@ -138,10 +184,10 @@ def _curve(
         stiffness=curve_stiffness(main["separation"], main["mean_pressure"]),
         converged=columns.pop("converged").astype(bool),
         residual=columns.pop("residual"),
-        error_estimate=np.full(len(rows), np.nan),
+        error_estimate=np.full(len(points), np.nan),
         model="bem",
         seconds=seconds,
         settings={**problem.settings(), "input": problem.hm.digest},
         extra=columns,
-        reasons=tuple(reasons),
+        reasons=tuple(point.reason for point in points),
     )

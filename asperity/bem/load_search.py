@@ -23,8 +23,10 @@ class LoadSearch:
 
     Notes
     -----
-    The level of the contact rises with the load, so every solved load bounds the answer from one
-    side; a step never leaves the bounds nor changes the load more than eightfold.
+    Load grows about exponentially with the level, so steps are taken in its logarithm. The level
+    rises with the load, so every solved load bounds the answer from one side; a step never leaves
+    the bounds nor changes the load more than eightfold. A level that is not known better than its
+    distance from the aim changes nothing: the contact is solved further at the same load first.
     """
 
     def __init__(self, offset: float, mean: float, stiffness: float | None = None) -> None:
@@ -45,26 +47,36 @@ class LoadSearch:
             How far the level may be off, because the contact is not solved exactly [m].
         """
         miss = self.offset - level
-        if miss > uncertainty:
+        if abs(miss) < uncertainty:
+            return self.mean
+        if miss > 0.0:
             self._below = max(self._below, self.mean)
-        elif miss < -uncertainty:
+        else:
             self._above = min(self._above, self.mean)
         if self._last is not None:
             rise, step = level - self._last[1], self.mean - self._last[0]
             if abs(rise) > 3.0 * uncertainty and rise * step > 0.0:
                 self.stiffness = step / rise
         self._last = (self.mean, level)
-        if self.stiffness is None:
-            proposal = self.mean * (_LONGEST_STEP if miss > 0 else 1.0 / _LONGEST_STEP)
-        else:
-            proposal = self.mean + self.stiffness * miss
-        proposal = min(max(proposal, self.mean / _LONGEST_STEP), self.mean * _LONGEST_STEP)
-        if not self._below < proposal < self._above:
-            self._widen()
-            upper = self._above if math.isfinite(self._above) else 4.0 * self.mean
-            proposal = 0.5 * (self._below + upper)
-        self.mean = proposal
-        return proposal
+        self.mean = self._bounded(self._proposal(miss))
+        return self.mean
+
+    def _proposal(self, miss: float) -> float:
+        """Step of the secant in the logarithm of the load, at most eightfold."""
+        longest = math.log(_LONGEST_STEP)
+        exponent = math.copysign(longest, miss)
+        if self.stiffness is not None:
+            exponent = min(max(self.stiffness * miss / self.mean, -longest), longest)
+        return self.mean * math.exp(exponent)
+
+    def _bounded(self, proposal: float) -> float:
+        """The proposal, or the middle of the bounds if it leaves them."""
+        if self._above - self._below <= 1e-12 * self._above:
+            self._below, self._above = 0.0, math.inf
+        if self._below < proposal < self._above:
+            return proposal
+        upper = self._above if math.isfinite(self._above) else 4.0 * self.mean
+        return 0.5 * (self._below + upper)
 
     def rescale(self, ratio: float) -> None:
         """Carry the search to a grid with another unit of pressure; its bounds are forgotten."""
@@ -72,8 +84,3 @@ class LoadSearch:
         if self.stiffness is not None:
             self.stiffness *= ratio
         self._below, self._above, self._last = 0.0, math.inf, None
-
-    def _widen(self) -> None:
-        """Give up bounds that closed on each other: they came from unfinished solves."""
-        if self._above - self._below <= 1e-12 * self._above:
-            self._below, self._above = 0.0, math.inf

@@ -15,7 +15,7 @@ from ..errors import InputError
 from .certificate import Certificate
 from .kernel import ElasticHalfSpace
 from .solution import BemSolution
-from .solve import ContactProblem
+from .solve import bem_solve
 
 __all__ = ["BemIndentation", "indent_bem"]
 
@@ -236,6 +236,6 @@ def _solve_in(
     px, py = np.meshgrid(x, y)
     heights = -np.asarray(profile(np.hypot(px, py), np.arctan2(py, px)))
     hm = HeightMap(heights, spacing, name="profile")
-    problem = ContactProblem(hm, mat, tolerance=tolerance, boundary="free")
-    solution = problem.solve(separation=-approach - float(heights.mean()))
+    level = -approach - float(heights.mean())
+    solution = bem_solve(hm, mat, separation=level, tolerance=tolerance, boundary="free")
     return solution, (-x0, -y0)

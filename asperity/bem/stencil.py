@@ -20,8 +20,8 @@ from .kernel import influence, symbol
 
 __all__ = ["fitted_stencil", "precondition_stencil", "stencil_symbol", "vector_table"]
 
-_SAMPLES = 96
-_SWEEPS = 10
+_SAMPLES = 40
+_SWEEPS = 8
 _FLOOR = 2e-3
 
 

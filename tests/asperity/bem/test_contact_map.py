@@ -37,6 +37,7 @@ def test_patches_match_a_flood_fill(periodic, filling):
     labels, count = contact_map.label_patches(contact, periodic=periodic)
     expected, number = labels_by_hand(contact, periodic)
     assert count == number == labels.max()
+    assert contact_map.count_patches(contact, periodic=periodic) == number
     pairs = np.unique(np.stack([labels[contact], expected[contact]]), axis=1)
     assert pairs.shape[1] == number
     assert not labels[~contact].any()

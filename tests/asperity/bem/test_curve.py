@@ -50,3 +50,29 @@ def test_prescribed_separations():
     forward = bem_curve(hm, BODY, pressures=[0.01, 0.05])
     back = bem_curve(hm, BODY, separations=forward.separation)
     np.testing.assert_allclose(back.mean_pressure, forward.mean_pressure, rtol=1e-3)
+
+
+def test_secant_saves_transforms():
+    """Along a curve the extrapolated start needs fewer transform pairs than a cold one."""
+    hm = rough((150, 180), cutoff=8.0, seed=3)
+    loads = np.geomspace(0.005, 0.08, 8)
+    curve = bem_curve(hm, BODY, pressures=loads, tolerance=1e-7)
+    cold = [bem_solve(hm, BODY, pressure=p, tolerance=1e-7).fft_pairs for p in loads]
+    assert curve.converged.all()
+    assert curve.extra["fft_pairs"][2:].sum() < sum(cold[2:])
+
+
+def test_progress_sees_every_point_with_its_map():
+    """The callbacks run point by point; the contact map is of that point."""
+    seen, lengths = [], []
+    curve = bem_curve(
+        rough((30, 40), seed=5),
+        BODY,
+        pressures=[0.2, 0.02],
+        progress=lambda point: seen.append((point.mean_pressure, point.contact.mean())),
+        checkpoint=lambda part: lengths.append(len(part)),
+    )
+    assert lengths == [1, 2]
+    assert [p for p, _ in seen] == pytest.approx([0.02, 0.2])
+    raw = curve.extra["contact_area_raw"] / 1.5
+    assert [a for _, a in seen] == pytest.approx(raw[::-1].tolist())

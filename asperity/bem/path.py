@@ -1,0 +1,97 @@
+"""From load to load along a curve: the secant through the last two solutions starts the next."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._grid_kernels import extrapolate
+from .correction import Level, Outcome
+from .load_search import LoadSearch
+from .problem import ContactProblem
+
+__all__ = ["LoadPath"]
+
+_LONGEST_RATIO = 4.0
+_LONGEST_SECANT = 3.0
+
+
+class LoadPath:
+    """Solves one problem at growing loads.
+
+    Parameters
+    ----------
+    problem
+        Map, material and boundary, planned.
+
+    Notes
+    -----
+    The displacement is linear in the pressure, so that the gap of an extrapolated pressure is
+    known exactly without a transform; negative pressures are repaired by the first correction.
+    The state of no load, p = u = 0, is the first support of the secant. A step to more than four
+    times the load starts from the coarser grids instead.
+    """
+
+    def __init__(self, problem: ContactProblem) -> None:
+        self.problem = problem
+        self._old: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+        self._means = (0.0, 0.0)
+        self._level = 0.0
+        self._stiffness: float | None = None
+
+    def solve(self, *, pressure: float | None = None, separation: float | None = None) -> Outcome:
+        """Solve at the next mean pressure [Pa] or separation [m]."""
+        problem, level = self.problem, self.problem.level
+        load, offset = problem.prescribed(pressure, separation)
+        if not problem.touches(load, offset):
+            self._old, self._means = None, (0.0, 0.0)
+            level.pressure[:] = 0.0
+            return level.solve(0.0, problem.tolerance)
+        last = self._means[1]
+        mean = load if offset is None else self._forecast(offset)
+        if 0.0 < mean <= _LONGEST_RATIO * last:
+            self._predict(level, mean)
+            search = None if offset is None else LoadSearch(offset, mean, self._stiffness)
+            outcome = level.solve(search or load, problem.tolerance, predicted=True)
+        else:
+            self._old = None
+            spent, search = problem.start(load, offset)
+            outcome = level.solve(search or load, problem.tolerance)
+            outcome.iterations += spent
+        self._remember(outcome, search)
+        return outcome
+
+    def _forecast(self, offset: float) -> float:
+        """Load at a level, if it goes on growing exponentially with it; zero if not known."""
+        last = self._means[1]
+        if last <= 0.0 or not self._stiffness:
+            return 0.0
+        exponent = self._stiffness * (offset - self._level) / last
+        if exponent > math.log(_LONGEST_RATIO):
+            return 0.0
+        self._stiffness *= math.exp(exponent)
+        return last * math.exp(exponent)
+
+    def _predict(self, level: Level, mean: float) -> None:
+        """Extrapolate pressure and displacement to a mean pressure."""
+        now = level.exact.pressure, level.exact.transform.grid
+        if self._old is None:
+            self._old = np.zeros_like(now[0]), np.zeros_like(now[1])
+        before, last = self._means
+        step = (mean - last) / (last - before) if last > before else math.inf
+        shares = (1.0 + step, -step) if abs(step) <= _LONGEST_SECANT else (mean / last, 0.0)
+        for field, old in zip(now, self._old, strict=True):
+            extrapolate(field, old, *shares)
+
+    def _remember(self, outcome: Outcome, search: LoadSearch | None) -> None:
+        """Take the solution as the next support of the secant."""
+        mean = outcome.reading.total / self.problem.hm.heights.size
+        rise, growth = outcome.reading.level - self._level, mean - self._means[1]
+        if self._old is not None and rise > 0.0 and growth > 0.0:
+            self._stiffness = growth / rise
+        if search and search.stiffness:
+            self._stiffness = search.stiffness
+        self._means = (self._means[1] if self._old is not None else 0.0, mean)
+        self._level = outcome.reading.level

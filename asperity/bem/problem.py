@@ -1,0 +1,199 @@
+"""One map, material and boundary, planned once, and its start from coarser grids."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surfaces.heightmap import HeightMap
+
+from ..errors import InputError, SurfaceError
+from ..threads import threads as thread_count
+from .correction import Level, Outcome
+from .grids import CoarseMaps, level_shapes, prolong
+from .kernel import ElasticHalfSpace
+from .load_search import LoadSearch
+from .operator import Boundary, HalfSpaceOperator
+
+__all__ = ["ContactProblem"]
+
+_COARSE_TOLERANCE = 1e-2
+_FIRST_LOAD = 1e-3
+
+
+class ContactProblem:
+    """A rough contact before its load: checked, planned, with the finest grid ready.
+
+    Parameters
+    ----------
+    hm, mat, tolerance, boundary
+        As in `bem_solve`.
+
+    Attributes
+    ----------
+    level
+        The finest grid; its pressure is the state.
+    compliance
+        Unit of pressure inside [m/Pa]: p~ = compliance p.
+    """
+
+    def __init__(
+        self,
+        hm: HeightMap,
+        mat: ElasticHalfSpace,
+        *,
+        tolerance: float = 1e-6,
+        boundary: Boundary | None = None,
+    ) -> None:
+        if hm.missing:
+            raise SurfaceError(
+                f"{hm.name or 'the map'} has {hm.missing} missing points of {hm.heights.size}; "
+                'fill them first, for example surfaces.prepare(hm, fill="harmonic")'
+            )
+        if not 1e-12 <= tolerance <= 0.1:
+            raise InputError(f"tolerance is {tolerance!r}; give a number from 1e-12 to 0.1")
+        if boundary is None:
+            boundary = "periodic" if hm.periodic else "free"
+        self.hm, self.mat, self.tolerance = hm, mat, float(tolerance)
+        self._threads = thread_count()
+        exact = HalfSpaceOperator(hm.shape, hm.spacing, mat, boundary, threads=self._threads)
+        self.boundary: Boundary = boundary
+        self.compliance = exact.compliance
+        self.level = Level(hm.heights, exact)
+        self._mean_height = float(hm.heights.mean())
+        self._highest = float(hm.heights.max())
+
+    def prescribed(
+        self, pressure: float | None, separation: float | None
+    ) -> tuple[float, float | None]:
+        """Mean of p~ [m], and the level of u - h in the contact [m] if that is prescribed."""
+        if (pressure is None) == (separation is None):
+            raise InputError("give exactly one of pressure and separation")
+        if pressure is not None:
+            if not (math.isfinite(pressure) and pressure >= 0.0):
+                raise InputError(
+                    f"pressure is {pressure!r} Pa; give a finite mean pressure, not negative"
+                )
+            return pressure * self.compliance, None
+        if separation is None or not math.isfinite(separation):
+            raise InputError(f"separation is {separation!r} m; give a finite distance")
+        if self.boundary == "periodic" and separation <= 0.0:
+            raise InputError(
+                f"separation is {separation:.4g} m; in a periodic cell it is the mean gap, which "
+                "is positive below full contact; prescribe a pressure instead"
+            )
+        return 0.0, -separation - self._mean_height
+
+    def touches(self, load: float, offset: float | None) -> bool:
+        """Whether there is any contact at the prescribed load or level."""
+        return load > 0.0 if offset is None else -offset < self._highest
+
+    def start(
+        self, load: float, offset: float | None, given: NDArray[np.float64] | None = None
+    ) -> tuple[int, LoadSearch | None]:
+        """First pressure of the finest grid, from a given pressure or from the coarser grids.
+
+        Returns
+        -------
+        iterations
+            Spent on the coarser grids.
+        search
+            The search for the load, if a level is prescribed and touched.
+        """
+        pressure = self.level.pressure
+        if not self.touches(load, offset):
+            pressure[:] = 0.0
+            return 0, None
+        search = None
+        if offset is not None:
+            search = LoadSearch(offset, _FIRST_LOAD * self.level.rms_height)
+        if given is None:
+            return self._nested(load, search), search
+        np.maximum(given, 0.0, out=pressure)
+        mean = float(pressure.mean())
+        if search:
+            search.mean = mean * self.compliance if mean > 0.0 else search.mean
+        wanted = search.mean if search else load
+        if mean > 0.0:
+            pressure *= wanted / mean
+        else:
+            pressure[:] = wanted
+        return 0, search
+
+    def _nested(self, load: float, search: LoadSearch | None) -> int:
+        """Start from the coarser grids; returns the iterations spent on them."""
+        shapes = level_shapes(self.hm.shape)[:-1]
+        pair = self.level.exact.transform
+        maps = CoarseMaps(self.hm.heights, pair, self.boundary, shapes)
+        iterations = 0
+        coarse: Level | None = None
+        ly, lx = self.hm.size
+        for index, (ny, nx) in enumerate(shapes):
+            spacing = (ly / ny, lx / nx)
+            exact = HalfSpaceOperator(
+                (ny, nx), spacing, self.mat, self.boundary, threads=self._threads
+            )
+            heights = maps.level(index, (ny, nx), exact.transform)
+            level = Level(heights, exact)
+            ratio = exact.compliance / self.compliance
+            if search and -search.offset >= float(heights.max()):
+                continue
+            if search:
+                search.rescale(ratio)
+            self._start(level, coarse, ratio * load, search)
+            tolerance = max(_COARSE_TOLERANCE, self.tolerance)
+            iterations += level.solve(search or ratio * load, tolerance).iterations
+            if search:
+                search.rescale(1.0 / ratio)
+            coarse = level
+        self._start(self.level, coarse, load, search)
+        return iterations
+
+    def _start(
+        self, level: Level, coarse: Level | None, load: float, search: LoadSearch | None
+    ) -> None:
+        """First pressure of a grid, at its load: from the coarser grid if there is one."""
+        mean = search.mean if search else load
+        if coarse is not None:
+            prolong(
+                coarse.exact.pressure,
+                coarse.heights.shape,
+                level.exact.pressure,
+                level.heights.shape,
+                self.boundary,
+                mean,
+            )
+        elif search:
+            highest = np.unravel_index(level.heights.argmax(), level.heights.shape)
+            level.pressure[highest] = mean * level.heights.size
+        else:
+            level.pressure[:] = mean
+
+    def separation(self, outcome: Outcome) -> float:
+        """Separation reached [m]."""
+        return -outcome.reading.level - self._mean_height
+
+    def mean_pressure(self, outcome: Outcome) -> float:
+        """Mean pressure reached [Pa]."""
+        return outcome.reading.total / self.hm.heights.size / self.compliance
+
+    def elastic_energy(self, outcome: Outcome) -> float:
+        """Elastic energy ``1/2 int p u dA`` [J]."""
+        cell = self.hm.spacing[0] * self.hm.spacing[1]
+        return 0.5 * outcome.reading.moment / self.compliance * cell
+
+    def settings(self) -> dict[str, Any]:
+        """Everything needed to repeat a run."""
+        return {
+            "model": "bem",
+            "boundary": self.boundary,
+            "tolerance": self.tolerance,
+            "modulus": float(self.mat.modulus),
+            "m": float(self.mat.m),
+            "shape": self.hm.shape,
+            "spacing": self.hm.spacing,
+            "threads": self._threads,
+        }
