@@ -36,7 +36,7 @@ MAP_AREA_FRACTION = 0.03
 LOOSE_TOLERANCE = 1e-2
 """Tolerance of the cheap boundary-element runs; looser saves little, tighter changes nothing."""
 
-COMPILATION_SHAPE = (96, 112)
+COMPILATION_SHAPE = (160, 192)
 """Large enough to meet every kernel of both models."""
 
 SMALLEST_GRID = 48

@@ -1,0 +1,112 @@
+"""The command line does its jobs: files in, curves, comparison and report out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import surfaces
+from asperity import ContactCurve
+from asperity.cli.main import COMMANDS, main
+from asperity.comparison import Comparison
+
+STEEL = ["--E", "210e9", "--nu", "0.3"]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with one periodic synthetic map and one raw scan with tilt and missing points."""
+    monkeypatch.chdir(tmp_path)
+    hm = surfaces.self_affine(
+        (64, 80), (6.4e-4, 8e-4), hurst=0.8, rms_slope=0.1, rolloff=2e-4, cutoff=6e-5, seed=1
+    )
+    surfaces.write(hm, tmp_path / "rough.h5")
+    heights = hm.heights + 0.05 * hm.x[None, :]
+    heights[10:12, 20:23] = np.nan
+    surfaces.write(surfaces.HeightMap(heights, hm.spacing), tmp_path / "scan.h5")
+    return tmp_path
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_has_an_example(command, capsys):
+    with pytest.raises(SystemExit) as leaving:
+        main([command, "--help"])
+    assert leaving.value.code == 0
+    assert f"asperity {command}" in capsys.readouterr().out.split("example")[1]
+
+
+@pytest.mark.parametrize("command", ["curve", "bem"])
+def test_curve_commands_write_what_they_print(command, folder, capsys):
+    arguments = [command, "rough.h5", *STEEL, "--pressure", "3e7:3e8:3", "--csv", "c.csv"]
+    assert main(arguments) == 0
+    curve = ContactCurve.from_hdf5("results.h5")
+    assert str(curve) in capsys.readouterr().out
+    np.testing.assert_allclose(curve.mean_pressure, np.geomspace(3e7, 3e8, 3), rtol=2e-3)
+    assert len((folder / "c.csv").read_text().splitlines()) == 4
+
+
+@pytest.mark.parametrize("command", ["curve", "bem"])
+def test_curve_commands_resume(command, folder, capsys):
+    assert main([command, "rough.h5", *STEEL, "--pressure", "1e8,3e8"]) == 0
+    assert main([command, "rough.h5", *STEEL, "--pressure", "3e8,5e7,1e8", "--resume"]) == 0
+    curve = ContactCurve.from_hdf5("results.h5")
+    np.testing.assert_allclose(curve.mean_pressure, [3e8, 5e7, 1e8], rtol=2e-3)
+    capsys.readouterr()
+    changed = [command, "rough.h5", "--E", "70e9", "--pressure", "1e8", "--resume"]
+    assert main(changed) == 2
+    assert "modulus changed" in capsys.readouterr().err
+
+
+def test_negative_separations_are_numbers_not_options(folder):
+    assert main(["curve", "rough.h5", *STEEL, "--separation", "-1e-7,1e-6"]) in (0, 1)
+    assert ContactCurve.from_hdf5("results.h5").separation[0] == pytest.approx(-1e-7)
+
+
+def test_contacts_as_a_table(folder):
+    assert main(["curve", "rough.h5", *STEEL, "--pressure", "1e8", "--contacts", "t.csv"]) == 0
+    table = np.genfromtxt("t.csv", delimiter=",", names=True)
+    curve = ContactCurve.from_hdf5("results.h5")
+    assert table["force"].sum() == pytest.approx(curve.load[-1], rel=5e-3)
+
+
+def test_compare_and_report(folder, capsys):
+    assert main(["compare", "rough.h5", *STEEL, "--pressure", "5e7:5e8:3"]) == 0
+    comparison = Comparison.from_hdf5("results.h5")
+    first = (folder / "report.html").read_text()
+    assert comparison.verdict() in capsys.readouterr().out
+    assert main(["report", "results.h5", "-o", "again.html"]) == 0
+    assert (folder / "again.html").read_text().count("<svg") == first.count("<svg") == 4
+
+
+def test_compare_prepares_a_raw_scan_and_goes_on_past_a_bad_file(folder, capsys):
+    (folder / "bad.h5").write_text("no surface")
+    options = ["--fill", "harmonic", "--periodic", "taper", "--pressure", "1e8,3e8"]
+    assert main(["compare", "scan.h5", "bad.h5", "rough.h5", *STEEL, *options]) == 2
+    shown = capsys.readouterr()
+    assert shown.err.count("\n") == 1
+    assert "bad.h5" in shown.err
+    assert {p.name for p in folder.glob("*.html")} == {"scan-report.html", "rough-report.html"}
+    history = Comparison.from_hdf5("scan-results.h5").about["history"]
+    assert {"level", "fill"} <= {step["step"] for step in history}
+
+
+def test_plan_runs_nothing(folder, capsys):
+    assert main(["plan", "rough.h5", *STEEL]) == 0
+    assert "interaction" in capsys.readouterr().out
+    assert not (folder / "results.h5").exists()
+
+
+def test_demo(folder, capsys):
+    assert main(["demo", "--folder", str(folder)]) == 0
+    assert "The model is" in capsys.readouterr().out
+    assert {"surface.h5", "results.h5", "report.html"} <= {p.name for p in folder.iterdir()}
+
+
+def test_every_measured_map_goes_from_file_to_curve(measured, folder, capsys):
+    for file in sorted(measured.glob("*.h5")):
+        options = ["--fill", "harmonic", "--periodic", "taper", "--no-interaction"]
+        assert main(["curve", str(file), *STEEL, *options]) == 0, file.name
+        curve = ContactCurve.from_hdf5("results.h5")
+        assert (np.diff(curve.area_fraction) > 0).all(), file.name
