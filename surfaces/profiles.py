@@ -138,7 +138,7 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
     Raises
     ------
     SurfaceError
-        If the peaks belong to a map of another shape.
+        If the peaks belong to a map of another shape, or the map is constant.
     InputError
         If there are too few rays or nodes.
 
@@ -162,6 +162,12 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
             "segment this map first"
         )
     n = len(peaks)
+    depth = peaks.prominence
+    if not (depth > 0.0).all():  # the lowest peak of all has none; its basin is filled anyway
+        relief = float(np.ptp(hm.heights))
+        if relief == 0.0:
+            raise SurfaceError("the map is constant; there is no summit to fit")
+        depth = np.maximum(depth, 1e-6 * relief)
     spline = _spline.coefficients(hm.heights, hm.periodic)
     grid = (hm.heights, spline.ravel(), spline.shape[1], peaks.labels)
     places, expansions, kinds = np.empty((n, 2)), np.empty((n, 6)), np.empty(n, np.int64)
@@ -186,7 +192,7 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
     near = np.lexsort((peaks.col, peaks.row // 32))  # neighbors share the cache
     _threads.run(
         lambda a, b: _rays.fit(
-            *grid, owner, hm.periodic, hm.spacing, near, peaks.row, peaks.col, peaks.prominence,
+            *grid, owner, hm.periodic, hm.spacing, near, peaks.row, peaks.col, depth,
             pixels, peaks.min_prominence, places, expansions, kinds, summit, curvature, angle, phi,
             weight, edge, q, a, b,
         ),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 import surfaces
@@ -141,6 +143,31 @@ def test_pruning_to_one_peak_ends_the_rays_at_the_cell(periodic):
     assert fit.edge.max() > 0.4
 
 
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(
+    seed=st.integers(0, 10**6),
+    shape=st.tuples(st.integers(3, 24), st.integers(3, 24)),
+    levels=st.sampled_from([2, 4, 0]),
+    scale=st.sampled_from([1e-12, 1.0, 1e6]),
+    periodic=st.booleans(),
+    top=st.one_of(st.none(), st.floats(0.0, 1.0)),
+    limit=st.sampled_from([0.0, 0.1, 2.0]),
+)
+def test_profiles_of_any_map_are_finite_and_rise(seed, shape, levels, scale, periodic, top, limit):
+    rng = np.random.default_rng(seed)
+    h = scale * (rng.integers(0, levels, shape) if levels else rng.normal(size=shape))
+    h[0, 0] += scale
+    hm = surfaces.HeightMap(h, (1.0, 0.3), periodic=periodic)
+    above = None if top is None else float(np.quantile(h, top))
+    peaks = surfaces.segment(hm, above=above, min_prominence=limit * scale)
+    fit = surfaces.fit_profiles(hm, peaks, rays=8, nodes=6)
+    for values in (fit.q, fit.edge, fit.curvature):
+        assert np.isfinite(values).all() and (values > 0).all()
+    f = fit.f()
+    assert (np.diff(f, axis=2) >= -1e-12 * np.abs(f).max(initial=1e-300)).all()
+    assert (fit.valid[fit.owner] | (fit.owner == np.arange(len(fit)))).all()
+
+
 def test_no_peaks_give_no_profiles():
     hm = rough()
     peaks = surfaces.segment(hm, above=1.0)
@@ -179,5 +206,8 @@ def test_refusals():
     peaks = surfaces.segment(hm)
     with pytest.raises(surfaces.InputError, match="at least 4 of each"):
         surfaces.fit_profiles(hm, peaks, rays=2)
+    flat = surfaces.HeightMap(np.ones((5, 6)), 1.0)
+    with pytest.raises(surfaces.SurfaceError, match="map is constant"):
+        surfaces.fit_profiles(flat, surfaces.segment(flat))
     with pytest.raises(surfaces.SurfaceError, match="segment this map first"):
         surfaces.fit_profiles(rough((64, 80)), peaks)
