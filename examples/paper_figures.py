@@ -119,41 +119,36 @@ class Bench:
     def pressures(
         self, number: int, name: str, k: float, m: float, rays: tuple[float, ...]
     ) -> None:
-        """Pressure along rays for several grids, and maps of the reference and of the law."""
-        figure = Figure(figsize=(13, 4))
-        axes = figure.add_subplot(1, 3, 1)
+        """Pressure along rays for several grids, and maps of the reference and of the laws."""
+        figure = Figure(figsize=(15, 3.8))
+        axes = figure.add_subplot(1, 4, 1)
         grids = [self.settings.grid // 4, self.settings.grid // 2, self.settings.grid]
-        law = self.settings.laws[0]
-        one = self.case(name, k, m, 1.0, grids[-1]).row(law).solution
-        assert one is not None
-        a, mean = float(one.radius), float(one.force / (np.pi * one.radius**2))
+        fine = self.case(name, k, m, 1.0, grids[-1])
+        laws = [fine.row(law).solution for law in self.settings.laws]
+        a = float(laws[0].radius)
+        mean = float(laws[0].force) / (np.pi * a**2)
         r = np.linspace(0.02, 1.6, 80) * a
-        rows = self.rows(name, k, m)
         for color, degrees in enumerate(rays):
             x, y = r * np.cos(np.radians(degrees)), r * np.sin(np.radians(degrees))
-            axes.plot(r / a, one.pressure(x, y) / mean, f"C{color}", label=f"{degrees:g} deg")
+            for one, style in zip(laws, ("--", "-"), strict=True):
+                label = f"{one.law}, {degrees:g} deg"
+                axes.plot(r / a, one.pressure(x, y) / mean, style, color=f"C{color}", label=label)
             for marker, grid in zip(".x+", grids, strict=True):
-                reference = self.case(name, k, m, 1.0, grid).reference
-                assert reference is not None
-                dots = reference.pressure(x, y) / mean
+                dots = self.case(name, k, m, 1.0, grid).reference.pressure(x, y) / mean
                 axes.plot(r[::2] / a, dots[::2], marker, color=f"C{color}", ms=3)
         axes.set(xlabel="r/a", ylabel="p / mean", ylim=(0, 5), title=f"{name}, k={k:g}, m={m:g}")
-        axes.legend(fontsize=7)
-        reference = self.case(name, k, m, 1.0, grids[-1]).reference
-        assert reference is not None
-        field = one.pressure(reference.x, reference.y[:, None])
-        self._maps(figure, 3, 1, reference, [reference.pressure_map / mean, field / mean])
-        figure.tight_layout()
-        self.write(number, rows, figure)
-
-    @staticmethod
-    def _maps(figure: Figure, columns: int, first: int, reference: Any, fields: list) -> None:
-        top = float(np.nanpercentile(fields[0][fields[0] > 0], 99.5))
-        for i, (field, label) in enumerate(zip(fields, ("boundary elements", "law"), strict=True)):
-            axes = figure.add_subplot(1, columns, first + 1 + i, aspect="equal")
+        axes.legend(fontsize=6)
+        reference = fine.reference
+        maps = {"boundary elements": reference.pressure_map}
+        maps |= {one.law: one.pressure(reference.x, reference.y[:, None]) for one in laws}
+        top = float(np.percentile(reference.pressure_map[reference.pressure_map > 0], 99.5))
+        for i, (label, field) in enumerate(maps.items()):
+            axes = figure.add_subplot(1, 4, 2 + i, aspect="equal")
             levels = np.linspace(0.02, 1, 12) * top
             axes.contourf(reference.x, reference.y, np.minimum(field, top), levels)
             axes.set_title(label, fontsize=8)
+        figure.tight_layout()
+        self.write(number, self.rows(name, k, m), figure)
 
 
 def body(name: str, k: float) -> PowerSumProfile:

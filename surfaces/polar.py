@@ -116,7 +116,7 @@ class PowerLawProfile(PowerSumProfile):
 
     def psi(self, phi: ArrayLike) -> Array:
         """The angular factor at `phi` [rad]."""
-        return self.factors(phi)[0]
+        return np.asarray(self.factors(phi)[0])
 
 
 class PolynomialProfile(PowerSumProfile):
@@ -216,7 +216,7 @@ class PolarProfile:
         turned = rising & (np.any(slope < small, axis=0) | np.any(middle < small, axis=0))
         if np.any(turned):
             slope[:, turned] = PchipInterpolator(self.r, self.f[:, turned])(self.r, 1)
-        return slope
+        return np.asarray(slope)
 
     def __call__(self, r: ArrayLike, phi: ArrayLike) -> Array:
         """Gap f [m] at radius `r` [m] and angle `phi` [rad] (broadcast)."""

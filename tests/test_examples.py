@@ -55,3 +55,23 @@ def test_the_readme_shows_the_first_example():
     readme = (EXAMPLES.parent / "README.md").read_text()
     code = (EXAMPLES / "01_ten_lines.py").read_text().split('"""', 2)[2].strip()
     assert code in readme
+
+
+def test_one_contact(tmp_path):
+    text = run("05_one_contact.py", tmp_path)
+    errors = re.findall(r"mN, (\S+) % of force, expected (\S+) %", text)
+    (published, _), (resolved, expected) = ((float(a), float(b)) for a, b in errors)
+    assert published == pytest.approx(-4.15, abs=0.1)
+    assert abs(resolved) < min(expected, abs(published) / 4)
+
+
+def test_figures_of_the_paper(tmp_path):
+    """A coarse run of the script that regenerates them: contours, errors, pressure."""
+    from runpy import run_path
+
+    script = run_path(str(EXAMPLES / "paper_figures.py"))
+    assert script["main"](["--quick", "--only", "1,6", "--out", str(tmp_path)]) == 0
+    rows = (tmp_path / "fig01.csv").read_text().splitlines()
+    assert len(rows) == 9 and rows[0].startswith("shape,k,m,d,law,e_F_percent")
+    for number in ("01", "06"):
+        assert (tmp_path / f"fig{number}.png").stat().st_size > 20_000

@@ -9,7 +9,7 @@ Derivatives are taken with ``a d/da``, under which a power r^j is multiplied by 
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -136,7 +136,7 @@ class TableBasis:
             raise ModelRangeError("the profile has a sharp tip, no curvature; use another law")
         return self._mean[0, 2] / top**2, self.harmonics[0, 2, 1] / top**2
 
-    def _integrate(self, a: Array, cubics: NDArray, n: NDArray[np.int64]) -> NDArray:
+    def _integrate(self, a: Array, cubics: NDArray[Any], n: NDArray[np.int64]) -> NDArray[Any]:
         """Sum over segments and powers of ``c_j a^j int t^(n+1+j) w dt``, shape (k, n.size)."""
         edges = np.minimum(np.append(self.nodes, np.inf), a[:, None]) / a[:, None]
         lowest = int(n.min())

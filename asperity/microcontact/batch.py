@@ -135,8 +135,9 @@ def _assemble(
     flags[odd] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
     spread = expected_error(first, second, modulus * a**m * rows[..., 3] / slope, law)
     ratios = np.stack([force / approach ** (p / 2), area / approach, spread])
-    columns = resample(np.sqrt(approach), ratios, flags, good, basin, nodes, p)
-    return LawTable(*columns, exponent=p, law=law)
+    reach, *columns = resample(np.sqrt(approach), ratios, flags, good, basin, nodes, p)
+    names = ("force", "stiffness", "area", "flags", "spread")
+    return LawTable(reach, **dict(zip(names, columns, strict=True)), exponent=p, law=law)
 
 
 def _area(

@@ -111,13 +111,13 @@ def indent(
 ) -> Indentation:
     """Solution by the laws "paper" and "harmonic"; see `asperity.indent`."""
     basis = basis_of(profile, material.m)
-    shape = approach.shape
     depth = approach.ravel()
     a = RisingBranch(basis).radius(depth)
     known = np.isfinite(a) & (a > 0)
     harmonic = Expansion.at(basis, a[known], material, published=False)
     published = Expansion.at(basis, a[known], material, published=True)
     one = published if law == "paper" else harmonic
+    fields = _Fields(basis, material, law, one, depth, known)
     force, stiffness = one.first, one.first_stiffness()
     area = np.pi * (one.a**2 + one.variance())
     if law == "harmonic":
@@ -126,61 +126,83 @@ def indent(
         area = area + 2 * np.pi * one.a * one.mean_shift()
     spread = expected_error(one.first, harmonic.second, published.second, law)
 
-    def fill(values: Array) -> Array:
-        full = np.where(depth > 0, np.nan, 0.0)
-        full[known] = values
-        return full
-
-    def on_rays(values: Array) -> Array:
-        full = np.repeat(np.where(depth > 0, np.nan, 0.0)[:, None], values.shape[1], axis=1)
-        full[known] = values
-        return full
-
-    def boundary_of(state: Expansion, phi: Array) -> Array:
-        if law == "paper":
-            return state.boundary(basis.published(state.a, phi))
-        return state.boundary(state.edge(phi), state.mean_shift())
-
-    def contour(phi: Array) -> Array:
-        return on_rays(boundary_of(one, phi))
-
-    def pressure(r: Array, phi: Array) -> Array:
-        edge = boundary_of(one, phi)
-        inside = edge > 0
-        stretched = np.where(inside, one.a[:, None] * r / np.where(inside, edge, 1.0), np.inf)
-        field = AxisymmetricPressure(basis, material)
-        values = field(stretched, one.a)
-        if law == "harmonic":
-            for i, ratios in enumerate(one.ratios()):
-                values[i] += field.resolved(stretched[i], phi, one.a[i], ratios)
-        return on_rays(values)
-
-    def history(r: Array, phi: Array) -> Array:
-        def state(radii: Array) -> Expansion:
-            return Expansion.at(basis, radii, material, published=law == "paper")
-
-        field = HistoryPressure(
-            basis,
-            material,
-            lambda radii, angles: boundary_of(state(radii), angles),
-            (lambda radii: state(radii).ratios()) if law == "harmonic" else None,
-        )
-        return on_rays(np.reshape([field(x, r, phi) for x in one.a], (one.a.size, phi.size)))
+    def shaped(values: Array) -> Array:
+        return fields.fill(values[:, None])[:, 0].reshape(approach.shape)
 
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
-    boundary = contour(phi)
+    boundary = fields.contour(phi)
     flags = contour_flags(a, boundary) | profile_flags(profile, depth, phi, boundary)
     flags[~np.isfinite(a)] |= np.uint8(Flag.TURNING)
-    columns = [fill(v).reshape(shape) for v in (force, area, one.a, stiffness)]
-    similar = law == "paper" or (isinstance(basis, PowerBasis) and basis.powers.size == 1)
     return Indentation(
-        law,
-        material,
-        approach,
-        *columns,
-        flags=flags.reshape(shape),
-        error_estimate=fill(spread).reshape(shape),
-        contour_function=contour,
-        pressure_function=pressure if similar else history,
-        history_function=history,
+        law=law,
+        material=material,
+        approach=approach,
+        force=shaped(force),
+        contact_area=shaped(area),
+        radius=shaped(one.a),
+        stiffness=shaped(stiffness),
+        flags=flags.reshape(approach.shape),
+        error_estimate=shaped(spread),
+        contour_function=fields.contour,
+        pressure_function=fields.scaled if fields.similar else fields.history,
+        history_function=fields.history,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Fields:
+    """Contour and pressure of solved contacts; `known` marks the depths that have a solution."""
+
+    basis: Basis
+    material: HalfSpace
+    law: str
+    state: Expansion
+    depth: Array
+    known: NDArray[np.bool_]
+
+    @property
+    def similar(self) -> bool:
+        """Whether the scaled pressure is what the law gives by default."""
+        one_power = isinstance(self.basis, PowerBasis) and self.basis.powers.size == 1
+        return self.law == "paper" or one_power
+
+    def fill(self, values: Array) -> Array:
+        """Rows for all depths: zero without contact, NaN without solution."""
+        rows = np.repeat(np.where(self.depth > 0, np.nan, 0.0)[:, None], values.shape[1], axis=1)
+        rows[self.known] = values
+        return rows
+
+    def contour(self, phi: Array) -> Array:
+        """Boundary [m], shape (depths, phi.size)."""
+        return self.fill(self._boundary(self.state, phi))
+
+    def scaled(self, r: Array, phi: Array) -> Array:
+        """Axisymmetric pressure stretched to the contour [Pa], shape (depths, points)."""
+        one, edge = self.state, self._boundary(self.state, phi)
+        inside = edge > 0
+        stretched = np.where(inside, one.a[:, None] * r / np.where(inside, edge, 1.0), np.inf)
+        field = AxisymmetricPressure(self.basis, self.material)
+        values = field(stretched, one.a)
+        if self.law == "harmonic":
+            for i, ratios in enumerate(one.ratios()):
+                values[i] += field.resolved(stretched[i], phi, float(one.a[i]), ratios)
+        return self.fill(values)
+
+    def history(self, r: Array, phi: Array) -> Array:
+        """Pressure by the history integral [Pa], shape (depths, points)."""
+        field = HistoryPressure(
+            self.basis,
+            self.material,
+            lambda radii, angles: self._boundary(self._earlier(radii), angles),
+            (lambda radii: self._earlier(radii).ratios()) if self.law == "harmonic" else None,
+        )
+        rows = [field(float(a), r, phi) for a in self.state.a]
+        return self.fill(np.reshape(rows, (self.state.a.size, phi.size)))
+
+    def _earlier(self, radii: Array) -> Expansion:
+        return Expansion.at(self.basis, radii, self.material, published=self.law == "paper")
+
+    def _boundary(self, state: Expansion, phi: Array) -> Array:
+        if self.law == "paper":
+            return state.boundary(self.basis.published(state.a, phi))
+        return state.boundary(state.edge(phi), state.mean_shift())

@@ -114,15 +114,14 @@ def indent(
     phi = 2 * np.pi * np.arange(180) / 180
     flags = profile_flags(profile, depth, phi, contour(phi))
     shape = approach.shape
-    columns = [
-        np.asarray(v).reshape(shape)
-        for v in (contact.force, np.pi * major * minor, np.sqrt(major * minor), contact.stiffness)
-    ]
     return Indentation(
-        law,
-        material,
-        approach,
-        *columns,
+        law=law,
+        material=material,
+        approach=approach,
+        force=contact.force.reshape(shape),
+        contact_area=np.asarray(np.pi * major * minor).reshape(shape),
+        radius=np.sqrt(major * minor).reshape(shape),
+        stiffness=contact.stiffness.reshape(shape),
         flags=flags.reshape(shape),
         error_estimate=_difference(profile, material, depth, contact.force).reshape(shape),
         contour_function=contour,

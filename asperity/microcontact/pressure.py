@@ -78,15 +78,16 @@ class AxisymmetricPressure:
         rho = np.sin(np.pi / 2 * np.linspace(0.0, 1.0, _RADII))
         s, w = self._rule
         x = a * np.sqrt(rho[:, None] ** 2 * (1 - s) + s)
-        slope = self._slope_at(x, a) * w / (2 * x)
-        n = np.arange(1, min(ratios.size, _RESOLVED) + 1)
-        table = np.empty((rho.size, n.size))
-        inner = a * rho[:, None] / x
-        for i, order in enumerate(n):
-            table[:, i] = np.sum(slope * punch_factor(inner, order), axis=1)
+        slope = np.asarray(self._slope_at(x, a) * w / (2 * x))
+        count = min(ratios.size, _RESOLVED)
+        table = np.empty((rho.size, count))
+        inner = np.asarray(a * rho[:, None] / x)
+        for i in range(count):
+            table[:, i] = np.sum(slope * punch_factor(inner, i + 1), axis=1)
         inside = np.minimum(r / a, 1.0)
         weight = a ** (1 + m) * ((1 - inside) * (1 + inside)) ** ((1 + m) / 2)
-        wave = (ratios[: n.size] * np.exp(1j * np.multiply.outer(phi, n))).real
+        order = np.arange(1, count + 1)
+        wave = (ratios[:count] * np.exp(1j * np.multiply.outer(phi, order))).real
         total = np.sum(CubicSpline(rho, table)(inside) * wave, axis=1)
         return np.asarray(-(1 - m) * self._material.modulus / np.pi * weight * total)
 

@@ -61,12 +61,12 @@ class LawTable:
             raise InputError(f"reach must have the shape ({n},), got {self.reach.shape}")
 
     def __len__(self) -> int:
-        return self.reach.size
+        return int(self.reach.size)
 
     @property
     def nodes(self) -> int:
         """Number K of intervals."""
-        return self.force.shape[1] - 1
+        return int(self.force.shape[1]) - 1
 
     def approach(self) -> Array:
         """Approaches [m] of the nodes, shape (n, K + 1)."""

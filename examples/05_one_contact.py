@@ -1,0 +1,33 @@
+"""One contact of a square pyramid: every law, boundary elements, friction, a viscous body."""
+
+import numpy as np
+
+from asperity import HalfSpace, indent, indent_bem
+from asperity.microcontact.friction import partial_slip, tangential_modulus
+from asperity.microcontact.viscoelastic import Relaxation, viscoelastic_indent
+from surfaces import shapes
+
+steel = HalfSpace(210e9, 0.3)
+tip = shapes.polygon(4, k=1, scale=0.1)  # a square pyramid of slope 0.1
+depth = 1e-7  # m
+
+reference = indent_bem(tip, steel, depth, grid=128)
+for law in ("paper", "harmonic"):
+    one = indent(tip, steel, depth, law=law)
+    error = 100 * (one.force / reference.force - 1)
+    expected = 100 * one.error_estimate
+    print(f"{law:>9}: {one.force * 1e3:.4f} mN, {error:+.2f} % of force, expected {expected:.2f} %")
+print(f"contact reaches {one.contour(0.0) * 1e6:.3f} um to a face, "
+      f"{one.contour(np.pi / 4) * 1e6:.3f} um to an edge")  # fmt: skip
+
+ratio = steel.modulus / tangential_modulus(steel)
+push = partial_slip(tip, steel, depth, friction=0.3, modulus_ratio=ratio,
+                    tangential_force=0.15 * float(one.force))  # fmt: skip
+print(f"pushed by half its friction it sticks on {100 * push.stick_area / one.contact_area:.1f} %"
+      f" of its area and moves {push.displacement * 1e9:.2f} nm")  # fmt: skip
+
+polymer = Relaxation(equilibrium=1e9, strengths=[3e9], times=[2.0])
+time = np.linspace(0, 20, 41)
+held = viscoelastic_indent(tip, polymer, time, np.full(time.size, depth))
+print(f"held on a polymer its force falls from {held.force[0] * 1e6:.1f} to "
+      f"{held.force[-1] * 1e6:.1f} uN")  # fmt: skip
