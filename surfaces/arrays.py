@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 import re
 import zipfile
+import zlib
 from pathlib import Path
+from tokenize import TokenError
 from typing import IO, Any
 
 import numpy as np
@@ -18,7 +20,22 @@ from .units import metres_per
 
 __all__ = ["is_text_grid", "read_npy", "read_npz", "read_text", "write_npz", "write_text"]
 
-_DAMAGED = (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, NotImplementedError)
+_DAMAGED = (
+    EOFError,
+    KeyError,
+    NotImplementedError,
+    OSError,
+    OverflowError,
+    RuntimeError,
+    SyntaxError,
+    TypeError,
+    ValueError,
+    TokenError,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+"""What NumPy and zipfile raise on a damaged file, by experience with mutated files."""
+
 _MISSING = {"", "nan", "na", "n/a", "bad", "none", "null", "-", "--", "---", "*", "**", "***"}
 _COMMENT = "#%;/!"
 _STATED = re.compile(r"^\W*(spacing|unit|periodic|name)\s*[:=]\s*(.+?)\s*$", re.IGNORECASE)
@@ -86,26 +103,10 @@ def read_text(
     require_memory(
         12 * path.stat().st_size, f"{path}: reading the text", "convert it to HDF5 in pieces"
     )
-    stated: dict[str, Any] = {}
-    rows: list[NDArray[np.float64]] = []
-    layout: tuple[str | None, bool] | None = None
-    with path.open(encoding="utf-8-sig") as file:
-        for number, line in enumerate(file, start=1):
-            if not line.strip():
-                continue
-            if line.lstrip()[0] in _COMMENT:
-                if match := _STATED.match(line):
-                    stated[match[1].lower()] = match[2]
-                continue
-            layout = layout or _separator(line)
-            rows.append(_numbers(_cells(line, *layout), path, number))
-            if len(rows[-1]) != len(rows[0]):
-                raise FileFormatError(
-                    f"{path}: line {number} has {len(rows[-1])} numbers where the first row has "
-                    f"{len(rows[0])}; write missing points as nan"
-                )
-    if not rows:
-        raise FileFormatError(f"{path}: there are no rows of numbers")
+    try:
+        stated, rows = _parsed(path)
+    except UnicodeDecodeError as error:
+        raise FileFormatError(f"{path}: damaged text ({error.reason}, {error.start})") from error
     if "spacing" in stated:
         try:
             stated["spacing"] = [float(word) for word in re.split(r"[,\s]+", stated["spacing"])]
@@ -141,6 +142,31 @@ def write_text(hm: HeightMap, path: Path) -> None:
         raise SurfaceError(f"{path}: cannot be written ({error.strerror})") from error
 
 
+def _parsed(path: Path) -> tuple[dict[str, Any], list[NDArray[np.float64]]]:
+    """What the comments state, and the rows of numbers."""
+    stated: dict[str, Any] = {}
+    rows: list[NDArray[np.float64]] = []
+    layout: tuple[str | None, bool] | None = None
+    with path.open(encoding="utf-8-sig") as file:
+        for number, line in enumerate(file, start=1):
+            if not line.strip():
+                continue
+            if line.lstrip()[0] in _COMMENT:
+                if match := _STATED.match(line):
+                    stated[match[1].lower()] = match[2]
+                continue
+            layout = layout or _separator(line)
+            rows.append(_numbers(_cells(line, *layout), path, number))
+            if len(rows[-1]) != len(rows[0]):
+                raise FileFormatError(
+                    f"{path}: line {number} has {len(rows[-1])} numbers where the first row has "
+                    f"{len(rows[0])}; write missing points as nan"
+                )
+    if not rows:
+        raise FileFormatError(f"{path}: there are no rows of numbers")
+    return stated, rows
+
+
 def _as_map(
     array: NDArray[Any],
     path: Path,
@@ -164,8 +190,10 @@ def _as_map(
         raise FileFormatError(f"{path}: states unit {stated['unit']!r}; leave out --unit {unit}")
     pixel: Any = stated.get("spacing") if spacing is None else spacing
     origin = {"step": "read", "file": path.name, "unit": chosen}
+    with np.errstate(all="ignore"):
+        heights = np.asarray(array, dtype=np.float64) * metres_per(chosen)
     return HeightMap(
-        np.asarray(array, dtype=np.float64) * metres_per(chosen),
+        heights,
         pixel,
         periodic=bool(stated.get("periodic", False)),
         name=str(stated.get("name") or path.stem),

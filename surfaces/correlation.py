@@ -81,12 +81,17 @@ def autocorrelation(hm: HeightMap) -> Autocorrelation:
         raise SurfaceError("the map is constant; it has no autocorrelation")
     shape = hm.shape if hm.periodic else tuple(fft.next_fast_len(2 * n, True) for n in hm.shape)
     products = _correlated(z, shape)
-    pairs = _correlated(present.astype(np.float64), shape)
     half_y, half_x = hm.shape[0] // 2, hm.shape[1] // 2
     rows, columns = np.arange(-half_y, half_y + 1), np.arange(-half_x, half_x + 1)
     lag_y, lag_x = rows.astype(np.float64), columns.astype(np.float64)
     inside = np.ix_(rows % shape[0], columns % shape[1])
-    value = products[inside] / np.maximum(pairs[inside], 1.0) / variance
+    if not present.all():
+        pairs = np.maximum(_correlated(present.astype(np.float64), shape)[inside], 1.0)
+    elif hm.periodic:
+        pairs = np.float64(present.size)
+    else:
+        pairs = np.outer(hm.shape[0] - np.abs(rows), hm.shape[1] - np.abs(columns))
+    value = products[inside] / pairs / variance
     return Autocorrelation(lag_y * hm.spacing[0], lag_x * hm.spacing[1], value)
 
 

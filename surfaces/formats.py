@@ -73,10 +73,11 @@ def read(
         from .filtering import crop
 
         return crop(hm, rows or (0, hm.shape[0]), columns or (0, hm.shape[1]))
-    except (FileFormatError, SurfaceError) as error:
+    except InputError as error:
         if str(error).startswith(str(path)):
             raise
-        raise type(error)(f"{path}: {error}") from error
+        kind = SurfaceError if isinstance(error, SurfaceError) else FileFormatError
+        raise kind(f"{path}: {error}") from error
     except OSError as error:
         raise FileFormatError(f"{path}: cannot be read ({error.strerror or error})") from error
 
@@ -159,10 +160,5 @@ def _read_hdf5(
 ) -> HeightMap:
     from .hdf5 import open as open_hdf5
 
-    try:
-        with open_hdf5(path, dataset=dataset, unit=unit, spacing=spacing) as file:
-            return file.read(rows, columns)
-    except InputError as error:
-        if isinstance(error, FileFormatError | SurfaceError):
-            raise
-        raise SurfaceError(f"{path}: {error}") from error
+    with open_hdf5(path, dataset=dataset, unit=unit, spacing=spacing) as file:
+        return file.read(rows, columns)

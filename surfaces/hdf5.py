@@ -114,7 +114,8 @@ class SurfaceFile:
                     f"{self.path}: rows {start} to {stop} of dataset {self._dataset.name} are "
                     f"damaged ({brief(error)}); copy the file again from its source"
                 ) from error
-        heights *= metres_per(self.unit)
+        with np.errstate(all="ignore"):
+            heights *= metres_per(self.unit)
         return heights
 
     def blocks(self, rows: int | None = None) -> Iterator[tuple[int, NDArray[np.float64]]]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +22,7 @@ __all__ = ["Statistics", "describe", "gradients"]
 
 _RESOLVED = 0.1
 _TILTED = 0.01
+_BLOCK = 200_000  # points
 
 
 @dataclass(frozen=True)
@@ -158,42 +161,60 @@ def gradients(hm: HeightMap) -> tuple[float, float]:
     for a periodic map. Both fall below the spectral values where waves of a few pixels count.
     """
     dy, dx = hm.spacing
-    along_y, along_x = _differences(hm)
-    slope = math.sqrt(_mean_square(along_y / dy) + _mean_square(along_x / dx))
-    z = np.pad(hm.heights, 1, mode="wrap") if hm.periodic else hm.heights
-    middle = z[1:-1, 1:-1]
-    bend_y = (z[2:, 1:-1] + z[:-2, 1:-1] - 2.0 * middle) / dy**2
-    bend_x = (z[1:-1, 2:] + z[1:-1, :-2] - 2.0 * middle) / dx**2
-    return slope, 0.5 * math.sqrt(_mean_square(bend_y + bend_x))
+    slopes_y, slopes_x, bends = _Mean(), _Mean(), _Mean()
+    for z in _blocks(hm):
+        middle = z[1:-1, 1:-1]
+        slopes_y.add(np.square((z[2:, 1:-1] - middle) / dy))
+        slopes_x.add(np.square((z[1:-1, 2:] - middle) / dx))
+        bend = (z[2:, 1:-1] + z[:-2, 1:-1] - 2.0 * middle) / dy**2
+        bend += (z[1:-1, 2:] + z[1:-1, :-2] - 2.0 * middle) / dx**2
+        bends.add(np.square(bend))
+    return math.sqrt(slopes_y.value + slopes_x.value), 0.5 * math.sqrt(bends.value)
 
 
-def _differences(hm: HeightMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Steps between neighbors along y and x."""
-    if hm.periodic:
-        return (
-            np.roll(hm.heights, -1, axis=0) - hm.heights,
-            np.roll(hm.heights, -1, axis=1) - hm.heights,
-        )
-    return np.diff(hm.heights, axis=0), np.diff(hm.heights, axis=1)
+class _Mean:
+    """Mean of the numbers present in arrays that come one after the other."""
+
+    def __init__(self) -> None:
+        self.total, self.count = 0.0, 0
+
+    def add(self, values: NDArray[np.float64]) -> None:
+        self.total += float(np.nansum(values))
+        self.count += values.size - int(np.count_nonzero(np.isnan(values)))
+
+    @property
+    def value(self) -> float:
+        return self.total / self.count if self.count else math.nan
 
 
-def _mean_square(values: NDArray[np.float64]) -> float:
-    present = values[np.isfinite(values)]
-    return float(np.mean(np.square(present))) if present.size else float("nan")
+def _blocks(hm: HeightMap) -> Iterator[NDArray[np.float64]]:
+    """Rows of the map in blocks that fit the cache, each with one more point on every side.
+
+    Beyond the border of a map that is not periodic there are missing points.
+    """
+    border: dict[str, Any] = {"mode": "wrap"} if hm.periodic else {"constant_values": np.nan}
+    above = hm.heights[-1:] if hm.periodic else np.full((1, hm.shape[1]), np.nan)
+    below = hm.heights[:1] if hm.periodic else above
+    rows = max(1, _BLOCK // hm.shape[1])
+    for start in range(0, hm.shape[0], rows):
+        stop = min(start + rows, hm.shape[0])
+        top = hm.heights[start - 1 : start] if start else above
+        bottom = hm.heights[stop : stop + 1] if stop < hm.shape[0] else below
+        block = np.vstack([top, hm.heights[start:stop], bottom])
+        yield np.pad(block, ((0, 0), (1, 1)), **border)
 
 
 def _developed(hm: HeightMap) -> float:
     """Additional area of the triangulated surface over its projection, Sdr [-]."""
     dy, dx = hm.spacing
-    z = np.pad(hm.heights, ((0, 1), (0, 1)), mode="wrap") if hm.periodic else hm.heights
-    step_y, step_x = np.diff(z, axis=0) / dy, np.diff(z, axis=1) / dx
-    total = [
-        np.sqrt(1.0 + np.square(step_y[:, columns]) + np.square(step_x[rows]))
-        for rows in (slice(None, -1), slice(1, None))
-        for columns in (slice(None, -1), slice(1, None))
-    ]
-    mean = np.mean(total, axis=0)
-    return float(np.mean(mean[np.isfinite(mean)])) - 1.0
+    area = _Mean()
+    for z in _blocks(hm):
+        step_y, step_x = np.diff(z[1:, 1:], axis=0) / dy, np.diff(z[1:, 1:]) / dx
+        step_y, step_x = np.square(step_y) + 1.0, np.square(step_x)
+        ends = (slice(None, -1), slice(1, None))
+        corners = [np.sqrt(step_y[:, one] + step_x[other]) for one in ends for other in ends]
+        area.add(np.mean(corners, axis=0))
+    return area.value - 1.0
 
 
 def _tilt_warning(hm: HeightMap, sq: float) -> list[str]:

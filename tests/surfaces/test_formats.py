@@ -15,6 +15,8 @@ import surfaces
 from surfaces.errors import FileFormatError, InputError, SurfaceError
 from surfaces.units import metres_per
 
+from .fuzz_hdf5 import mutate_bytes
+
 SPACING = (2e-6, 3e-6)
 HEIGHTS = np.random.default_rng(4).normal(0.0, 5.0, (12, 17))
 HEIGHTS[2, 3] = np.nan
@@ -165,6 +167,26 @@ def test_arrays_that_promise_more_than_they_hold(tmp_path: Path) -> None:
     for name in ("a.npy", "a.npz"):
         with pytest.raises(FileFormatError, match=r"damaged|promises"):
             surfaces.read(tmp_path / name, unit="um", spacing=1e-6)
+
+
+@pytest.mark.parametrize("suffix", [".npy", ".npz", ".txt", ".csv"])
+def test_mutated_arrays_read_or_raise_one_sentence(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"a{suffix}"
+    if suffix == ".npy":
+        np.save(path, HEIGHTS)
+    else:
+        surfaces.write(sample(), path)
+    content = path.read_bytes()
+    options = {"unit": "um", "spacing": 1e-6} if suffix == ".npy" else {}
+    raised = 0
+    for case in range(80):
+        path.write_bytes(mutate_bytes(content, np.random.default_rng([5, case])))
+        try:
+            surfaces.read(path, **options)
+        except InputError as error:
+            raised += 1
+            assert str(error).startswith(str(path)) and "\n" not in str(error)
+    assert raised > 10
 
 
 def test_objects_are_never_unpickled(tmp_path: Path) -> None:

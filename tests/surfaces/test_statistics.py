@@ -106,6 +106,10 @@ def test_autocorrelation_is_the_transform_of_the_spectrum() -> None:
 
 def test_autocorrelation_with_missing_points_uses_the_pairs_present() -> None:
     hm = surfaces.HeightMap(np.random.default_rng(0).normal(size=(24, 31)), (1e-6, 2e-6))
+    full = surfaces.autocorrelation(hm).value
+    z = hm.heights - hm.heights.mean()
+    expected = np.mean(z[2:, :-3] * z[:-2, 3:]) / np.mean(z * z)
+    assert full[12 + 2, 15 - 3] == pytest.approx(expected)
     heights = hm.heights.copy()
     heights[3:7, 4:11] = np.nan
     found = surfaces.autocorrelation(hm.replace(heights=heights))
