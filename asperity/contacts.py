@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
-from .curve import Asperities
+from surfaces.heightmap import HeightMap
+
 from .population import PopulationState
 from .tables import structured
 
-__all__ = ["contact_map", "microcontacts"]
+if TYPE_CHECKING:
+    from .curve import Asperities
+
+__all__ = ["contact_map", "microcontacts", "patch_count"]
 
 ASPECT_EXPONENT = 0.63
 """Axis ratio of an elliptic contact from the ratio of curvatures, b/a = (k2/k1)^0.63: fits exact
@@ -60,18 +66,61 @@ def contact_map(bodies: Asperities, state: PopulationState) -> NDArray[np.bool_]
     major, minor = _semi_axes(bodies, state)
     labels = bodies.peaks.labels
     rows, cols = np.nonzero(labels >= 0)
-    peak = labels[rows, cols]
+    peak = profiles.owner[labels[rows, cols]]
     loaded = state.force[peak] > 0
     rows, cols, peak = rows[loaded], cols[loaded], peak[loaded]
-    dx, dy = hm.x[cols] - profiles.x[peak], hm.y[rows] - profiles.y[peak]
-    if hm.periodic:
-        dx -= hm.size[1] * np.round(dx / hm.size[1])
-        dy -= hm.size[0] * np.round(dy / hm.size[0])
-    c, s = np.cos(profiles.angle[peak]), np.sin(profiles.angle[peak])
-    inside = ((c * dx + s * dy) / major[peak]) ** 2 + ((c * dy - s * dx) / minor[peak]) ** 2 <= 1.0
+    dy, dx = _offset(hm, hm.y[rows] - profiles.y[peak], hm.x[cols] - profiles.x[peak])
+    inside = _scaled_distance(dy, dx, profiles.angle[peak], major[peak], minor[peak]) <= 1.0
     touching = np.zeros(hm.shape, dtype=bool)
     touching[rows[inside], cols[inside]] = True
     return touching
+
+
+def patch_count(bodies: Asperities, state: PopulationState) -> int:
+    """Number of separate spots: contacts of adjoining basins whose contours meet count as one."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    hm, profiles = bodies.hm, bodies.profiles
+    closed = state.force > 0
+    first, second = profiles.owner[bodies.peaks.neighbors].T
+    kept = closed[first] & closed[second] & (first != second)
+    first, second = first[kept], second[kept]
+    major, minor = _semi_axes(bodies, state)
+    dy, dx = _offset(
+        hm, profiles.y[second] - profiles.y[first], profiles.x[second] - profiles.x[first]
+    )
+    share = sum(
+        1.0 / _scaled_distance(dy, dx, profiles.angle[i], major[i], minor[i])
+        for i in (first, second)
+    )
+    meet = share >= 1.0
+    n = len(closed)
+    graph = coo_array((np.ones(meet.sum()), (first[meet], second[meet])), shape=(n, n))
+    joined, _ = connected_components(graph, directed=False)
+    return int(joined - (n - np.count_nonzero(closed)))
+
+
+def _offset(
+    hm: HeightMap, dy: NDArray[np.float64], dx: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The shortest of the offsets [m] that a periodic map allows."""
+    if not hm.periodic:
+        return dy, dx
+    ly, lx = hm.size
+    return dy - ly * np.round(dy / ly), dx - lx * np.round(dx / lx)
+
+
+def _scaled_distance(
+    dy: NDArray[np.float64],
+    dx: NDArray[np.float64],
+    angle: NDArray[np.float64],
+    major: NDArray[np.float64],
+    minor: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Distance from the centre of an ellipse over the ellipse's radius in that direction."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.hypot((c * dx + s * dy) / major, (c * dy - s * dx) / minor)
 
 
 def _semi_axes(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,7 @@ from surfaces.heightmap import HeightMap
 from surfaces.profiles import fit_profiles
 from surfaces.segmentation import segment
 
+from .contacts import patch_count
 from .loadpoints import checked_loads
 from .microcontact.laws import tabulate
 from .plan import Plan, make_plan
@@ -200,7 +201,14 @@ def solve_contacts(
     bodies = Asperities.of(hm, material, plan)
     start = time.perf_counter()
     states: dict[int, PopulationState] = {}
+    patches: dict[int, int] = {}
     state = None
+
+    def curve_of(points: Iterable[int]) -> ContactCurve:
+        chosen = list(points)
+        solving = time.perf_counter() - start
+        return _curve(bodies, [states[i] for i in chosen], [patches[i] for i in chosen], solving)
+
     for i in np.argsort(values if kind == "pressure" else -values, kind="stable").tolist():
         asked = {"mean_pressure" if kind == "pressure" else "separation": float(values[i])}
         state = bodies.population.solve(**asked, state=state)
@@ -214,16 +222,21 @@ def solve_contacts(
                 progress=progress,
                 checkpoint=checkpoint,
             )
-        states[i] = state
+        states[i], patches[i] = state, patch_count(bodies, state)
         if progress is not None:
             progress(state)
         if checkpoint is not None:
-            checkpoint(_curve(bodies, list(states.values()), time.perf_counter() - start))
-    ordered = tuple(states[i] for i in range(len(values)))
-    return ContactRun(_curve(bodies, ordered, time.perf_counter() - start), bodies, ordered)
+            checkpoint(curve_of(states))
+    points = range(len(values))
+    return ContactRun(curve_of(points), bodies, tuple(states[i] for i in points))
 
 
-def _curve(bodies: Asperities, states: Sequence[PopulationState], solving: float) -> ContactCurve:
+def _curve(
+    bodies: Asperities,
+    states: Sequence[PopulationState],
+    patches: Sequence[int],
+    solving: float,
+) -> ContactCurve:
     hm, plan = bodies.hm, bodies.plan
 
     def column(name: str) -> NDArray[Any]:
@@ -237,7 +250,7 @@ def _curve(bodies: Asperities, states: Sequence[PopulationState], solving: float
         load=pressure * hm.area,
         area_fraction=area / hm.area,
         contact_area=area,
-        contacts=column("active").astype(np.int64),
+        contacts=np.array(patches),
         stiffness=column("normal_stiffness"),
         converged=column("converged"),
         residual=column("residual"),
@@ -254,6 +267,6 @@ def _curve(bodies: Asperities, states: Sequence[PopulationState], solving: float
             "input": hm.digest,
             "peaks": len(bodies.peaks),
         },
-        extra={"filled_share": column("filled_share")},
+        extra={"microcontacts": column("active"), "filled_share": column("filled_share")},
         reasons=tuple(state.reason for state in states),
     )

@@ -147,6 +147,20 @@ def test_map_and_table_hold_the_same_area(rough):
         )
 
 
+def test_touching_contours_are_one_patch(rough):
+    """The patches of the model's own contact map, counted in pixels, are its patch count."""
+    from scipy import ndimage
+
+    plan = make_plan(rough, STEEL, boundary="free")
+    run = solve_contacts(
+        rough.replace(periodic=False), STEEL, plan, pressures=default_pressures(rough, STEEL)[3:]
+    )
+    for state, patches in zip(run.states, run.curve.contacts, strict=True):
+        _, counted = ndimage.label(contact_map(run.bodies, state), np.ones((3, 3)))
+        assert patches == pytest.approx(counted, rel=0.1, abs=2)
+        assert patches <= state.active
+
+
 def test_maps_with_missing_points_are_refused(rough):
     heights = rough.heights.copy()
     heights[0, 0] = np.nan
