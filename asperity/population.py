@@ -14,7 +14,8 @@ from .errors import InputError
 from .interaction.footprint import Footprints
 from .interaction.laws import Laws
 from .interaction.operator import Interaction
-from .interaction.solver import Problem, Solution, conjugate_gradients, descend
+from .interaction.solver import Solution, conjugate_gradients, descend
+from .interaction.state import Problem
 
 if TYPE_CHECKING:
     from .material import HalfSpace
@@ -50,7 +51,7 @@ class PopulationState:
     active
         Number of closed contacts.
     filled_share
-        Share of the load on contacts that have filled their basin [-].
+        Share of the load on contacts that cover more than half of their basin [-].
     residual
         Upper estimate of the relative error of the load by incomplete solution [-].
     converged, reason
@@ -103,6 +104,8 @@ class Population:
         Elastic half-space.
     interaction
         False: the classical sum of independent contacts.
+    deflection
+        Whether coupled contacts move aside under the slope of their neighbors' field.
 
     Raises
     ------
@@ -127,6 +130,7 @@ class Population:
         boundary: str,
         material: HalfSpace,
         interaction: bool = True,
+        deflection: bool = True,
     ) -> None:
         self.x, self.y, self.height = (
             _column(value, name) for value, name in ((x, "x"), (y, "y"), (height, "height"))
@@ -145,6 +149,7 @@ class Population:
         self.table, self.boundary, self.material = table, boundary, material
         self.cell = (float(cell[0]), float(cell[1]))
         self.interaction = interaction and (boundary == "periodic" or len(self.height) > 1)
+        self.deflection = deflection
         self.footprints = Footprints(material.modulus, material.m)
         self.laws = Laws(table, self.footprints)
         usable = np.flatnonzero(self.laws.usable)
@@ -219,7 +224,7 @@ class _Trail:
     index: NDArray[np.int64] | None = None
     listed: float = math.inf
     lowest: float = 0.0
-    points: tuple[tuple[float, NDArray[np.float64]], ...] = ()
+    points: tuple[tuple[float, NDArray[np.float64], NDArray[np.float64]], ...] = ()
 
     def at(self, separation: float, tolerance: float) -> PopulationState:
         """State at a separation."""
@@ -227,15 +232,21 @@ class _Trail:
         if not population.interaction:
             return self._independent(separation)
         trail, steps, products = self, 0, 0
-        guess = self._predict(separation)
+        guess, shift = self._predict(separation)
         while True:
             trail = trail._listing(separation)
             assert trail.problem is not None and trail.index is not None
-            solution = descend(trail.problem, separation, guess[trail.index], tolerance=tolerance)
+            solution = descend(
+                trail.problem,
+                separation,
+                guess[trail.index],
+                shift=shift[trail.index],
+                tolerance=tolerance,
+            )
             lowest = trail.problem.plan.lowest
             steps, products = steps + solution.steps, products + solution.products
-            guess = np.zeros(len(population))
-            guess[trail.index] = solution.approach
+            guess, shift = np.zeros((2, len(population)))
+            guess[trail.index], shift[trail.index] = solution.approach, solution.shift
             trail = replace(trail, lowest=lowest)
             if separation + lowest >= trail.listed or solution.reason:
                 return trail._state(separation, solution, steps, products)
@@ -325,22 +336,25 @@ class _Trail:
             widest=float(widest),
         )
         index = index[plan.order]
-        problem = Problem(population.height[index], population.laws.rows(index), plan)
+        problem = Problem(
+            population.height[index], population.laws.rows(index), plan, population.deflection
+        )
         return replace(self, problem=problem, index=index, listed=listed)
 
-    def _predict(self, separation: float) -> NDArray[np.float64]:
-        """Approaches extrapolated from the last two separations."""
+    def _predict(self, separation: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Approaches and deflections extrapolated from the last two separations."""
         population = self.population
         if not self.points:
-            return np.maximum(0.5 * (population.height - separation), 0.0)
-        here, now = self.points[-1]
-        if len(self.points) == 1 or here == self.points[0][0]:
-            return np.maximum(now, 0.0)
-        there, before = self.points[0]
-        ratio = min(max((separation - here) / (here - there), -1.5), 1.5)
+            start = np.maximum(0.5 * (population.height - separation), 0.0)
+            return start, np.zeros(len(population))
+        here, now, shift = self.points[-1]
+        there, before, old = self.points[0]
+        ratio = 0.0 if here == there else (separation - here) / (here - there)
+        ratio = min(max(ratio, -1.5), 1.5)
         known = np.isfinite(before) & np.isfinite(now)
         rate = np.where(known, now - np.where(known, before, 0.0), 0.0)
-        return np.maximum(np.where(np.isfinite(now), now, 0.0) + ratio * rate, 0.0)
+        guess = np.where(np.isfinite(now), now, 0.0) + ratio * rate
+        return np.maximum(guess, 0.0), shift + ratio * np.where(known, shift - old, 0.0)
 
     def _state(
         self, separation: float, solution: Solution, steps: int, products: int
@@ -357,15 +371,17 @@ class _Trail:
         signed[self.index] = np.where(
             solution.approach > 0, solution.approach, np.minimum(solution.wanted, 0.0)
         )
-        trail = replace(self, points=(*self.points[-1:], (separation, signed)))
+        shift = np.zeros(n)
+        shift[self.index] = solution.shift
+        trail = replace(self, points=(*self.points[-1:], (separation, signed, shift)))
         return trail._pack(separation, approach, force, stiffness, area, solution, steps, products)
 
     def _independent(self, separation: float) -> PopulationState:
         population = self.population
         approach = np.maximum(population.height - separation, 0.0)
         laws = population.laws(approach)
-        done = Solution(approach, approach, laws, 0.0, 0, 0, "")
-        trail = replace(self, listed=-math.inf)
+        done = Solution(approach, approach, laws, np.zeros(len(approach)), 0.0, 0, 0, "")
+        trail = replace(self, listed=-math.inf, problem=None)
         return trail._pack(separation, approach, laws.force, laws.stiffness, laws.area, done, 0, 0)
 
     def _pack(
@@ -380,8 +396,9 @@ class _Trail:
         products: int,
     ) -> PopulationState:
         population = self.population
+        laws = population.laws if self.problem is None else self.problem.laws
         load = float(force.sum())
-        on_filled = float(force[population.laws.filled(approach)].sum())
+        filled = float(solution.laws.force[laws.filled(solution.laws)].sum())
         return PopulationState(
             separation=separation,
             approach=approach,
@@ -391,7 +408,7 @@ class _Trail:
             mean_pressure=load / population.nominal_area,
             contact_area=float(area.sum()),
             active=int(np.count_nonzero(approach)),
-            filled_share=on_filled / load if load > 0 else 0.0,
+            filled_share=filled / load if load > 0 else 0.0,
             residual=solution.residual,
             converged=not solution.reason,
             reason=solution.reason,

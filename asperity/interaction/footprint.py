@@ -99,41 +99,46 @@ class Footprints:
         """
         r2, spread = np.broadcast_arrays(np.square(np.asarray(distance, float)), variance)
         reach = r2 + spread
-        shape, _ = _pair_shape(self.m, spread / reach)
+        shape, _, _ = _pair_shape(self.m, spread / reach)
         return np.asarray(self.point * shape * reach ** (-self.power / 2))
 
 
 def _pair_shape(m: float, w: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-    """H and K of w = S^2 / (r^2 + S^2), where g = C_m H (r^2 + S^2)^(-p/2) and
-    dg/dS^2 = C_m K (r^2 + S^2)^(-p/2 - 1); H = 1 and K = p^2/2 for points."""
+    """H, K, J of w = S^2 / (r^2 + S^2): with R = r^2 + S^2, g = C_m H R^(-p/2),
+    dg/dS^2 = C_m K R^(-p/2-1), dg/dr / r = C_m J R^(-p/2-1); 1, p^2/2 and -p for points."""
     a = (1 + m) / 2
     # s / C_m, from Gamma(p/2) Gamma(1 - p/2) = pi / cos(m pi / 2)
     scale = 2 ** (1 - m) * gamma(1 - a) / 4
     w = np.asarray(w, float)
-    z = (1 - w) / (2 * np.maximum(w, 1e-300))
-    grown = np.where(w > 0, (np.maximum(w, 1e-300) / 2) ** (-a), 1.0)
-    value = scale * grown * _kummer(a, z)
-    slope = -a * scale * grown / np.maximum(w, 1e-300) * _kummer(a + 1, z)
+    wide = np.maximum(w, 1e-300)
+    z = (1 - w) / (2 * wide)
+    grown = np.where(w > 0, scale * (wide / 2) ** (-a), 1.0)
+    value = grown * _kummer(a, 1.0, z)
+    slope = -a * grown / wide * _kummer(a + 1, 1.0, z)
+    pull = -a * grown / wide * _kummer(a + 1, 2.0, z)
     # expansion in w for points: the products above lose their meaning at w = 0
     small = w < 1e-8
-    return np.where(small, 1.0, value), np.where(small, 2 * a * a, slope)
+    limits = (1.0, 2 * a * a, -2 * a)
+    return tuple(
+        np.where(small, limit, v) for limit, v in zip(limits, (value, slope, pull), strict=True)
+    )
 
 
-def _kummer(a: float, z: NDArray[np.float64]) -> NDArray[np.float64]:
-    """1F1(a; 1; -z), z >= 0."""
+def _kummer(a: float, b: float, z: NDArray[np.float64]) -> NDArray[np.float64]:
+    """1F1(a; b; -z), z >= 0, b = 1 or 2."""
     far = z > 40.0
     x = np.where(far, z, 50.0)
     term, total = np.ones_like(x), np.ones_like(x)
     for k in range(16):
-        term = term * (a + k) ** 2 / ((k + 1) * x)
+        term = term * (a + k) * (a - b + 1 + k) / ((k + 1) * x)
         total = total + term
-    asymptotic = x ** (-a) * rgamma(1 - a) * total
-    return np.where(far, asymptotic, hyp1f1(a, 1.0, -np.where(far, 1.0, z)))
+    asymptotic = x ** (-a) * rgamma(b - a) * total
+    return np.where(far, asymptotic, hyp1f1(a, b, -np.where(far, 1.0, z)))
 
 
 @functools.lru_cache(maxsize=16)
 def pair_table(m: float) -> NDArray[np.float64]:
-    """H and K at equispaced w = S^2 / (r^2 + S^2) in [0, 1], shape (nodes + 1, 2)."""
+    """H, K and J at equispaced w = S^2 / (r^2 + S^2) in [0, 1], shape (nodes + 1, 3)."""
     return np.stack(_pair_shape(m, np.linspace(0.0, 1.0, PAIR_NODES + 1)), axis=1)
 
 
@@ -151,7 +156,8 @@ def far_table(m: float, limit: float) -> NDArray[np.float64]:
     Returns
     -------
     table
-        f, eta^2 Laplacian f, eta^4 Laplacian^2 f in units of C_m eta^-p, shape (nodes + 1, 3).
+        f, eta^2 Laplacian f, eta^4 Laplacian^2 f, and eta^2 f'/r, eta^4 (Laplacian f)'/r, in units
+        of C_m eta^-p, shape (nodes + 1, 5).
 
     Notes
     -----
@@ -164,7 +170,7 @@ def far_table(m: float, limit: float) -> NDArray[np.float64]:
 
 
 def smooth_part(m: float, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-    """f and its first two Laplacians of `far_table` at any x = (r/eta)^2."""
+    """The columns of `far_table` at any x = (r/eta)^2."""
     a = (1 + m) / 2
     near = x < 0.5
     safe = np.where(near, 1.0, x)
@@ -180,4 +186,5 @@ def smooth_part(m: float, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], 
                 total += c * math.perm(k, order) * x ** (k - order)
     g0, g1, g2 = (np.where(near, s, g) for s, g in zip(series, (g0, g1, g2), strict=True))
     edge = np.exp(-x) / gamma(a)
-    return g0, -4 * (a * g1 + edge), 16 * (a * (a + 1) * g2 + (1 - a - x) * edge)
+    first, second = -4 * (a * g1 + edge), 16 * (a * (a + 1) * g2 + (1 - a - x) * edge)
+    return g0, first, second, 2 * g1, -8 * (a * g2 - edge)

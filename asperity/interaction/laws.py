@@ -11,7 +11,10 @@ from ..errors import InputError
 from . import _laws
 from .footprint import Footprints
 
-__all__ = ["STIFFEST", "Evaluated", "LawNodes", "Laws"]
+__all__ = ["FILLED", "STIFFEST", "Evaluated", "LawNodes", "Laws"]
+
+FILLED = 0.5
+"""Contact area over that at reach, the whole basin, beyond which a contact counts as filled."""
 
 STIFFEST = 1.5
 """Largest stiffness over that of a round punch of the same area; an ellipse of 6:1 has 1.28."""
@@ -70,6 +73,8 @@ class Laws:
         Contacts that can carry load, bool, shape (n,): reach and the force there are positive.
     repaired
         Contacts whose table broke a law of contact and was mended, bool, shape (n,).
+    largest
+        Contact area [m^2] at reach, shape (n,).
     widest
         Variance [m^2] of the footprint of the filled basin, shape (n,).
     table
@@ -104,7 +109,7 @@ class Laws:
         self.reach = np.where(self.usable, reach, 0.0)
         self.table = np.zeros((len(reach), force.shape[1] - 1, 11))
         self.repaired = np.zeros(len(reach), bool)
-        self.widest = np.zeros(len(reach))
+        self.largest, self.widest = np.zeros((2, len(reach)))
         rows = np.flatnonzero(self.usable)
         cap = STIFFEST * footprints.punch(np.sqrt(area[rows].max(axis=1) / np.pi))
         force, stiffness, self.repaired[rows] = _sound(
@@ -114,6 +119,7 @@ class Laws:
         shape = area[rows, 1:] / np.arange(1.0, force.shape[1]) ** 2
         self.table[rows, :, 9] = np.concatenate((shape[:, :1], shape[:, :-1]), axis=1)
         self.table[rows, :, 10] = shape
+        self.largest[rows] = area[rows, -1]
         self.widest[rows] = footprints.variance(stiffness[:, -1])
 
     def __len__(self) -> int:
@@ -123,7 +129,7 @@ class Laws:
         """The laws of the contacts `index` alone."""
         part = object.__new__(Laws)
         part.exponent, part.footprints = self.exponent, self.footprints
-        for name in ("reach", "usable", "repaired", "widest", "table"):
+        for name in ("reach", "usable", "repaired", "largest", "widest", "table"):
             setattr(part, name, getattr(self, name)[index])
         return part
 
@@ -144,9 +150,9 @@ class Laws:
         )
         return out
 
-    def filled(self, approach: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Which contacts have filled their basin."""
-        return np.asarray(approach >= self.reach)
+    def filled(self, law: Evaluated) -> NDArray[np.bool_]:
+        """Which contacts cover more than `FILLED` of the area that they have at reach."""
+        return np.asarray(law.area > FILLED * self.largest)
 
 
 def _tabulate(

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..threads import threads
-from . import _kernels
+from . import _dipole_kernels, _kernels
 from ._pool import run
 from .footprint import Footprints, far_table, pair_table, smooth_part
 from .mesh import Mesh
@@ -113,15 +113,17 @@ class Interaction:
         self.ptr, self.col, self.pair = _near_pairs(
             self.y, self.x, start, cells, size, periodic, cut, footprints.m
         )
+        self.size, self.wrap, self.cut = size, periodic, cut
         self.mesh = Mesh(footprints, size, periodic=periodic, nodes=nodes)
         self.shape = pair_table(footprints.m)
-        self.own = tuple(float(v[0]) for v in smooth_part(footprints.m, np.zeros(1)))
+        self.own = tuple(float(v[0]) for v in smooth_part(footprints.m, np.zeros(1))[:3])
         self.scale = footprints.point * self.eta**-footprints.power
         self.rows = _chunks(self.ptr, len(self.col))
         self.part = np.zeros((len(self.rows), len(y), 2))
         self.grids = np.zeros((len(self.rows), *self.mesh.shape))
         self.tangent_col = np.empty(len(self.col), np.int32)
         self.tangent_value = np.empty(len(self.col), np.float32)
+        self.smooth = self.grids[0]
         self.lowest = 0.0
 
     def field(
@@ -146,6 +148,7 @@ class Interaction:
         m = variance / self.eta**2
         out = np.empty((len(force), 2))
         smooth = _mesh_field(self, self.rows, self.y, self.x, force, m, self.grids, out)
+        self.smooth = smooth
         self.lowest = self.scale * min(0.0, float(smooth.min()))
         p, pairs = self.footprints.power, (self.ptr, self.col, self.pair)
         run(
@@ -162,6 +165,86 @@ class Interaction:
             value += part[:, 0]
             slope += part[:, 1]
         return self.scale * value, self.scale / self.eta**2 * slope
+
+    def gradient(
+        self,
+        force: NDArray[np.float64],
+        moment: NDArray[np.float64],
+        growth: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """Gradient [-] of the displacement by all others at each loaded point, shape (n, 2).
+
+        For the forces and moments of the last call of `field`; footprints receive with
+        `moment` + `growth`.
+        """
+        m, spread = moment / self.eta**2, (moment + 0.5 * growth) / self.eta**2
+        far = far_table(self.footprints.m, self.cut * self.cut)
+        scale = (len(far) - 1) / self.cut**2
+        self.pull = np.empty(len(self.col), np.float32)
+        out = np.empty((len(force), 2))
+        run(
+            lambda _, rows: _dipole_kernels.mesh_gradient(
+                rows, self.y, self.x, self.mesh.per_step, self.smooth, out
+            ),
+            self.rows,
+        )
+        run(
+            lambda c, rows: _dipole_kernels.near_gradient(
+                rows,
+                self.y,
+                self.x,
+                self.size,
+                self.wrap,
+                force,
+                spread,
+                np.minimum(m, CAP),
+                self.ptr,
+                self.col,
+                self.pair,
+                self.shape,
+                self.footprints.power,
+                far,
+                scale,
+                self.pull,
+                self.part[c],
+            ),
+            self.rows,
+        )
+        for part in self.part:
+            out += part
+        return self.scale / self.eta * out
+
+    def dipoles(self, moment: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Displacement [m] by forces times shifts [N m], shape (n, 2), after `gradient`."""
+        p = moment / self.eta
+        run(
+            lambda c, rows: _dipole_kernels.deposit_dipoles(
+                rows, self.y, self.x, p, self.mesh.per_step, self.grids[c]
+            ),
+            self.rows,
+        )
+        smooth = self.mesh.convolve(self.grids.sum(axis=0))
+        mesh, part = np.empty((len(p), 2)), np.empty((len(self.rows), len(p)))
+        run(
+            lambda _, rows: _kernels.gather(rows, self.y, self.x, self.mesh.per_step, smooth, mesh),
+            self.rows,
+        )
+        run(
+            lambda c, rows: _dipole_kernels.near_dipoles(
+                rows,
+                self.y,
+                self.x,
+                self.size,
+                self.wrap,
+                p,
+                self.ptr,
+                self.col,
+                self.pull,
+                part[c],
+            ),
+            self.rows,
+        )
+        return np.asarray(self.scale * (mesh[:, 0] + part.sum(axis=0)))
 
     def tangent(
         self,

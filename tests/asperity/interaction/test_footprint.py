@@ -66,10 +66,36 @@ def test_smooth_part_and_its_laplacians_are_integrals_over_waves(m):
     f = Footprints(1.0, m)
     for r in (0.0, 0.5, 1.3):
         parts = smooth_part(m, np.array([r * r]))
-        for order, part in enumerate(parts):
+        for order, part in enumerate(parts[:3]):
             integral = quad(wave, 0, 30, args=(m, order, r), limit=400)[0]
             wanted = f.symbol / (2 * np.pi) * integral
             assert f.point * part[0] == pytest.approx(wanted, rel=1e-7)
+
+
+@pytest.mark.parametrize("m", EXPONENTS)
+def test_slopes_of_the_smooth_part(m):
+    """Columns 3 and 4 are f'/r and (Laplacian f)'/r."""
+    x, h = np.array([0.01, 0.4, 0.6, 3.0]), 1e-5
+    up, down = smooth_part(m, x + h), smooth_part(m, x - h)
+    at = smooth_part(m, x)
+    for value, slope in ((0, 3), (1, 4)):
+        np.testing.assert_allclose(at[slope], (up[value] - down[value]) / h, rtol=1e-6)
+
+
+@pytest.mark.parametrize("m", EXPONENTS)
+def test_pair_table_holds_value_and_slopes(m):
+    f, table = Footprints(2.0, m), pair_table(m)
+    p, nodes = 1 + m, len(table) - 1
+    for r, spread in ((0.5, 0.3), (2.0, 0.02), (0.01, 1.0)):
+        reach = r * r + spread
+        h, k, j = (np.interp(spread / reach, np.linspace(0, 1, nodes + 1), c) for c in table.T)
+        e = 1e-5 * spread
+        assert f.point * h * reach ** (-p / 2) == pytest.approx(f.interaction(r, spread), rel=1e-5)
+        by_spread = (f.interaction(r, spread + e) - f.interaction(r, spread - e)) / (2 * e)
+        assert f.point * k * reach ** (-p / 2 - 1) == pytest.approx(by_spread, rel=1e-3)
+        e = 1e-4 * r
+        by_r = (f.interaction(r + e, spread) - f.interaction(r - e, spread)) / (2 * e)
+        assert f.point * j * reach ** (-p / 2 - 1) == pytest.approx(by_r / r, rel=1e-3)
 
 
 @pytest.mark.parametrize("m", EXPONENTS)

@@ -10,7 +10,7 @@ from standin import HertzTable
 
 from asperity.errors import InputError
 from asperity.interaction.footprint import Footprints
-from asperity.interaction.laws import STIFFEST, Laws
+from asperity.interaction.laws import FILLED, STIFFEST, Laws
 
 EXPONENTS = (-0.3, 0.0, 0.5)
 TABLE = HertzTable(np.array([1.0, 3.0]), np.array([0.2, 0.5]))
@@ -26,7 +26,9 @@ def test_hertz_and_filled_basin_are_reproduced(m):
         np.testing.assert_allclose(law.force, force, rtol=1e-7)
         np.testing.assert_allclose(law.stiffness, stiffness, rtol=1e-7)
         np.testing.assert_allclose(law.area, area, rtol=1e-7)
-        assert (laws.filled(np.full(2, d)) == (d >= table.reach)).all()
+        assert (
+            laws.filled(law) == (area > FILLED * np.pi * (1 + m) * table.radius * table.reach)
+        ).all()
 
 
 def test_open_contacts_carry_nothing():

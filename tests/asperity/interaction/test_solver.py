@@ -9,7 +9,8 @@ from standin import HertzTable, random_population
 from asperity.interaction.footprint import Footprints
 from asperity.interaction.laws import Laws
 from asperity.interaction.operator import Interaction
-from asperity.interaction.solver import Problem, State, conjugate_gradients, descend
+from asperity.interaction.solver import conjugate_gradients, descend
+from asperity.interaction.state import Problem, State
 
 CELL = (1.0, 1.4)
 
