@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import os
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 __all__ = ["blocks", "each", "run"]
+
+_NAME = "row-blocks"
+
+
+@functools.cache
+def _pool(workers: int, process: int) -> ThreadPoolExecutor:
+    """Threads kept for the next call: starting them costs more than a short loop."""
+    return ThreadPoolExecutor(workers, thread_name_prefix=_NAME)
 
 
 def _processors() -> int:
@@ -31,9 +41,10 @@ def run(function: Callable[[int, int], Any], parts: list[tuple[int, int]]) -> li
     return each(lambda part: function(*part), parts)
 
 
-def each(function: Callable[[Any], Any], parts: list[Any]) -> list[Any]:
+def each(function: Callable[[Any], Any], parts: Sequence[Any]) -> list[Any]:
     """Call ``function(part)`` for every part, at the same time; results in order."""
-    if len(parts) == 1:
-        return [function(parts[0])]
-    with ThreadPoolExecutor(len(parts)) as pool:
-        return list(pool.map(function, parts))
+    if len(parts) == 1 or threading.current_thread().name.startswith(_NAME):
+        return [function(part) for part in parts]
+    pool = _pool(len(parts) - 1, os.getpid())
+    others = [pool.submit(function, part) for part in parts[1:]]
+    return [function(parts[0]), *(other.result() for other in others)]

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces._threads import each
+
 from ..threads import threads
 from . import _dipole_kernels, _kernels
-from ._pool import run
 from .footprint import Footprints, far_table, pair_table, smooth_part
 from .mesh import Mesh
 
@@ -329,6 +331,11 @@ class Tangent:
             total += part
         total *= self.plan.scale
         return np.asarray(total)
+
+
+def run(loop: Callable[[int, NDArray[np.int64]], None], rows: NDArray[np.int64]) -> None:
+    """Call loop(c, rows[c]) for every chunk of rows, on as many threads."""
+    each(lambda c: loop(c, rows[c]), range(len(rows)))
 
 
 def _mesh_field(

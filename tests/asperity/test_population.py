@@ -78,6 +78,25 @@ def test_contacts_far_apart_are_independent(boundary):
     assert independent.converged and independent.iterations == 0
 
 
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("distance", [None, 1e-9, 1e-3])
+def test_one_summit_or_two_at_one_place(boundary, distance):
+    """No extent of the points, no scale of their own: the footprints give it."""
+    n = 1 if distance is None else 2
+    x = 0.3 + (distance or 0.0) * np.arange(n)
+    population = Population(
+        x=x, y=np.full(n, 0.4), height=np.zeros(n), table=HertzTable(np.ones(n), np.ones(n)),
+        cell=CELL, boundary=boundary, material=HalfSpace.from_modulus(1.0),
+    )  # fmt: skip
+    state = population.solve(separation=-1e-4)
+    assert state.converged
+    hertz = 4 / 3 * 1e-4**1.5
+    if n == 1:
+        assert state.force[0] == pytest.approx(hertz, rel=1e-3 if boundary == "free" else 0.03)
+    else:
+        assert 0.3 * hertz < state.force.sum() < 2 * hertz
+
+
 def test_independent_sum_is_the_sum_of_hertz():
     population = make(interaction=False)
     state = population.solve(separation=0.05)
