@@ -87,6 +87,8 @@ def planform(radius, weight, direction, out):
     out[0] = area
     out[1] = math.sqrt(small / large)
     out[2] = large * small * (4 * math.pi / area) ** 2
+    out[3] = mx
+    out[4] = my
 
 
 @njit(cache=True, fastmath=FAST, nogil=True)
@@ -117,13 +119,13 @@ def fill_basins(
     """
     n, rays, nodes = q.shape
     radii = weights.shape[0]
-    out = np.zeros((n, levels.size, 2))
+    out = np.zeros((n, levels.size, 4))
     for i in prange(n):
         table = np.empty((rays, radii))
         a = np.empty(rays)
         radius = np.empty(rays)
         target = np.empty(rays)
-        form = np.empty(3)
+        form = np.empty(5)
         scale = length[i] ** 2 / height[i]
         first = last[i]
         d0 = levels[first] ** 2
@@ -138,6 +140,9 @@ def fill_basins(
                 r = math.sqrt(d0 * tip / (q[i, p, 0] * scale))
             a[p] = min(r / edge[i, p], 1.0)
             target[p] = _operator(table[p], a[p], order) / d0
+        for level in range(first):
+            out[i, level, 2] = shape[i, level, 2]
+            out[i, level, 3] = shape[i, level, 3]
         for level in range(first, levels.size):
             d = levels[level] ** 2
             if level > first:
@@ -172,4 +177,6 @@ def fill_basins(
             planform(radius, weight[i], direction[i], form)
             out[i, level, 0] = form[0]
             out[i, level, 1] = _stiffness(form, m, punch, start, step)
+            out[i, level, 2] = form[3]
+            out[i, level, 3] = form[4]
     return out

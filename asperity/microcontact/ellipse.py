@@ -225,6 +225,29 @@ def _assemble(
         spread=full(error, np.ones(len(fits))),
         exponent=p,
         law=law,
+        centre=_centre(filling[..., 2:], fits, linear),
+        mobility=_mobility(fits),
+    )
+
+
+def _centre(local: Array, fits: SummitFits, linear: Array) -> Array:
+    """Centres (n, nodes + 1, 2) in the axes of the map, from those at the levels."""
+    at_nodes = np.einsum("jl,nlk->njk", linear, local) * fits.length[:, None, None]
+    c, s = np.cos(fits.angle)[:, None], np.sin(fits.angle)[:, None]
+    out = np.zeros((at_nodes.shape[0], at_nodes.shape[1] + 1, 2))
+    out[:, 1:, 0] = c * at_nodes[..., 0] - s * at_nodes[..., 1]
+    out[:, 1:, 1] = s * at_nodes[..., 0] + c * at_nodes[..., 1]
+    return out
+
+
+def _mobility(fits: SummitFits) -> Array:
+    """Inverse of the curvature tensor of the summits, scaled to unit determinant."""
+    along = np.sqrt(fits.ratio) ** (-1 / 0.63)
+    c, s = np.cos(fits.angle), np.sin(fits.angle)
+    across = 1 / along
+    return np.stack(
+        [c * c * along + s * s * across, c * s * (along - across), s * s * along + c * c * across],
+        axis=1,
     )
 
 
@@ -263,7 +286,7 @@ def _continue(
     grown = np.where(beyond, filling[..., 0], start[:, :1])
     room = np.maximum(basin - start[:, 0], 1e-9 * basin)
     fade = np.clip((basin[:, None] - grown) / room[:, None], 0.0, 1.0)
-    stiff = np.where(beyond, filling[..., 1], start[:, 1:])
+    stiff = np.where(beyond, filling[..., 1], start[:, 1:2])
     stiff = stiff * _ratio(stiffness[rows, last], start[:, 1])[:, None] ** fade
     spot = grown * _ratio(area[rows, last], start[:, 0])[:, None] ** fade
     stiffness = np.maximum.accumulate(np.where(beyond, stiff, stiffness), axis=1)

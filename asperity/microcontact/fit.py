@@ -47,6 +47,8 @@ class SummitFits:
         Ray lengths to the basin edge, (n, rays).
     stretch, offset
         The rays lie at equispaced angles atan2(stretch * y, x), the first at `offset` steps.
+    ratio, angle
+        Axis ratio of the base ellipse and direction of its long axis [rad], (n,).
     basin
         Area inside the edge, (n,).
     length, height
@@ -62,6 +64,8 @@ class SummitFits:
     edge: Array
     stretch: Array
     offset: float
+    ratio: Array
+    angle: Array
     basin: Array
     length: Array
     height: Array
@@ -160,6 +164,8 @@ def fit_summits(profiles: Profiles, degree: int) -> SummitFits:
         edge=profiles.edge / length[:, None],
         stretch=stretch,
         offset=offset,
+        ratio=ratio,
+        angle=profiles.angle,
         basin=0.5 * np.sum(profiles.weight * profiles.edge**2, axis=1) / length**2,
         length=length,
         height=height,

@@ -33,6 +33,13 @@ class LawTable:
         Power p of u = sqrt(d/reach) in F = u^p s(u), p = 3 + m: then a paraboloid has constant s.
     law
         Name of the law.
+    centre
+        Centre (x, y) [m] of the contact relative to the summit at the nodes, shape
+        (n, K + 1, 2); None if the law keeps every contact about its summit.
+    mobility
+        Tensor (xx, xy, yy) of unit determinant, shape (n, 3): in a field of gradient g the
+        contact moves along ``-mobility g``, the inverse of the summit's curvatures up to a
+        factor; None for the identity.
 
     Notes
     -----
@@ -49,6 +56,8 @@ class LawTable:
     spread: Array
     exponent: float = 3.0
     law: str = ""
+    centre: Array | None = None
+    mobility: Array | None = None
 
     def __post_init__(self) -> None:
         n, nodes = self.force.shape
@@ -59,6 +68,10 @@ class LawTable:
                 raise InputError(f"{name} must have the shape of force, {(n, nodes)}")
         if self.reach.shape != (n,):
             raise InputError(f"reach must have the shape ({n},), got {self.reach.shape}")
+        for name, shape in (("centre", (n, nodes, 2)), ("mobility", (n, 3))):
+            given = getattr(self, name)
+            if given is not None and given.shape != shape:
+                raise InputError(f"{name} must have the shape {shape}, got {given.shape}")
 
     def __len__(self) -> int:
         return int(self.reach.size)

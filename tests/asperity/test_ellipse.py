@@ -118,3 +118,17 @@ def test_table_is_monotone_and_fills_the_basin():
     for values in (table.force, table.stiffness, table.area):
         assert np.all(np.diff(values, axis=1) >= -1e-12 * values[:, -1:])
     assert np.all(table.area[:, -1] <= np.pi * (1 + 1e-3))
+
+
+def test_centre_leaves_a_low_saddle():
+    """A basin that ends near the summit on one side pushes the contact to the other side."""
+    one = paraboloids([1.0], angle=0.7)
+    edge = one.edge.copy()
+    edge[0, :3] *= 0.3
+    edge[0, -2:] *= 0.3
+    table = tabulate(replace(one, edge=edge), HalfSpace.from_modulus(1.0))
+    assert table.centre is not None and table.mobility is not None
+    along = table.centre[0] @ np.array([np.cos(0.7), np.sin(0.7)])
+    across = table.centre[0] @ np.array([-np.sin(0.7), np.cos(0.7)])
+    assert along[-1] < -0.1 and np.abs(across).max() < 0.02
+    np.testing.assert_allclose(table.mobility[0], [1, 0, 1], atol=1e-9)
