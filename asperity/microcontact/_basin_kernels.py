@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 
@@ -107,25 +107,21 @@ def _stiffness(form, m, punch, start, step):
     return k * (1 + (1 - m * m) / 8 * min(max(form[2] - 1, 0.0), 1.0))
 
 
-@njit(cache=True, parallel=True, fastmath=FAST, nogil=True)
+@njit(cache=True, fastmath=FAST, nogil=True)
 def fill_basins(
-    q, weights, weight, direction, edge, length, height, shape, last, levels, nq, m, order,
-    punch, start, step, tip,
+    begin, end, q, weights, weight, direction, edge, length, height, shape, last, levels, nq, m,
+    order, punch, start, step, tip, out,
 ):  # fmt: skip
     """Area and stiffness of the planforms of all profiles from node `last` on.
 
     On every ray the edge operator grows with the approach from its value at the last trusted
     contour; the ray stops at the edge. Returns (n, levels, 2).
     """
-    n, rays, nodes = q.shape
+    rays, nodes = q.shape[1:]
     radii = weights.shape[0]
-    out = np.zeros((n, levels.size, 4))
-    for i in prange(n):
-        table = np.empty((rays, radii))
-        a = np.empty(rays)
-        radius = np.empty(rays)
-        target = np.empty(rays)
-        form = np.empty(5)
+    table = np.empty((rays, radii))
+    a, radius, target, form = np.empty(rays), np.empty(rays), np.empty(rays), np.empty(5)
+    for i in range(begin, end):
         scale = length[i] ** 2 / height[i]
         first = last[i]
         d0 = levels[first] ** 2
@@ -179,4 +175,3 @@ def fill_basins(
             out[i, level, 1] = _stiffness(form, m, punch, start, step)
             out[i, level, 2] = form[3]
             out[i, level, 3] = form[4]
-    return out

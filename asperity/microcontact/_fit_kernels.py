@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 
@@ -67,40 +67,41 @@ def _substitute(a, n, v):
         v[i] = s / a[i, i]
 
 
-@njit(cache=True, parallel=True, fastmath=FAST, nogil=True)
+@njit(cache=True, fastmath=FAST, nogil=True)
 def fit_rays(
-    direction, edge, q, ratio, length, height, fractions, radii, weights, base, image,
+    begin, end, direction, edge, q, ratio, length, height, fractions, radii, weights, base, image,
     share, members, count, power_x, power_y,
+    coefs, rest,
 ):  # fmt: skip
     """Least-squares polynomials of all summits on nested ellipses.
 
     The rays are mirror images of the `base` rays: `image[b]` are the rays at (+,+), (-,+),
     (-,-), (+,-) of base ray b. The normal equations then fall apart into four parity classes.
-    `members[c, :count[c]]` are the monomials of class c. Returns coefficients of
-    (x/length)**i (y/length)**j in units of `height`, and rms residuals relative to the largest
-    value on each ellipse.
+    `members[c, :count[c]]` are the monomials of class c. Fills, for the summits [begin, end),
+    the coefficients of (x/length)**i (y/length)**j in units of `height`, and the rms residuals
+    relative to the largest value on each ellipse.
     """
-    n, fits = edge.shape[0], fractions.size
+    fits = fractions.size
     terms, rings = power_x.size, radii.size
     quarter = base.size
-    coefs = np.zeros((n, fits, terms))
-    rest = np.zeros((n, fits))
     widest = 0
     for c in range(4):
         widest = max(widest, count[c])
     degree = 0
     for r in range(terms):
         degree = max(degree, power_x[r])
-    for i in prange(n):
-        normal = np.zeros((4, widest, widest))
-        values = np.zeros((4, quarter, rings, widest))
+    normal = np.zeros((4, widest, widest))
+    values = np.zeros((4, quarter, rings, widest))
+    unit = np.empty(direction.shape[1])
+    px, py = np.empty(degree + 1), np.empty(degree + 1)
+    right, copy = np.empty((4, widest)), np.empty(widest)
+    for i in range(begin, end):
+        normal[:] = 0.0
         b0 = math.sqrt(ratio[i])
         a0 = 1.0 / b0
-        unit = np.empty(direction.shape[1])
         for p in range(unit.size):
             cx, cy = direction[i, p, 0], direction[i, p, 1]
             unit[p] = 1.0 / math.sqrt(cx * cx / (a0 * a0) + cy * cy / (b0 * b0))
-        px, py = np.empty(degree + 1), np.empty(degree + 1)
         for b in range(quarter):
             p = base[b]
             cx = abs(direction[i, p, 0]) * unit[p] / a0
@@ -122,7 +123,6 @@ def fit_rays(
                             normal[c, k, h] += w * v[k] * v[h]
         for c in range(4):
             _factor(normal[c], count[c])
-        right = np.empty((4, widest))
         for s in range(fits):
             size = fractions[s] * length[i]
             for c in range(4):
@@ -153,9 +153,14 @@ def fit_rays(
                     for k in range(count[3]):
                         right[3, k] += oy * values[3, b, j, k]
             explained = 0.0
+            px[0], py[0] = 1.0 / height[i], 1.0
+            for k in range(degree):
+                px[k + 1] = px[k] / (fractions[s] * a0)
+                py[k + 1] = py[k] / (fractions[s] * b0)
             for c in range(4):
                 m = count[c]
-                copy = right[c, :m].copy()
+                for k in range(m):
+                    copy[k] = right[c, k]
                 _substitute(normal[c], m, right[c])
                 for k in range(m):
                     explained += 4 * copy[k] * right[c, k]
@@ -166,4 +171,3 @@ def fit_rays(
                         * height[i]
                     )
             rest[i, s] = math.sqrt(max(square - explained, 0.0) / total) / max(top, 1e-300)
-    return coefs, rest

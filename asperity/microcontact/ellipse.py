@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from asperity.material import HalfSpace
 from asperity.transforms import gauss_jacobi
+from surfaces import _threads
 
 from .ellipse_tables import LOG_RATIO, EllipseTables, ellipse_tables
 from .fit import SummitFits, fit_summits
@@ -32,7 +33,7 @@ Array = NDArray[np.float64]
 _ORDER = 0
 """Harmonic whose edge operator carries a contour on along its ray."""
 
-LEVELS = np.exp(np.linspace(np.log(1 / 80), 0.0, 25))
+LEVELS = np.exp(np.linspace(np.log(1 / 80), 0.0, 20))
 """Square roots of the approaches, relative to the reach, at which the law is computed."""
 
 _FIRST = 8
@@ -41,16 +42,17 @@ _FIRST = 8
 
 def solve_states(fits: SummitFits, tables: EllipseTables, levels: Array) -> tuple[Array, Array]:
     """States and contours of all profiles at the approaches ``depth * levels**2``."""
-    from ._ellipse_kernels import march
+    from ._ellipse_kernels import STATES, march
 
     first, last, count = LOG_RATIO
-    return march(
+    state = np.zeros((len(fits), levels.size, STATES))
+    shape = np.zeros((len(fits), levels.size, 5 + 4 * tables.nodes.size))
+    inputs = (
         fits.coefs,
         fits.sizes,
         fits.edge,
         fits.stretch,
         fits.offset,
-        np.ones(len(fits)),
         levels,
         _FIRST,
         tables.m,
@@ -62,7 +64,11 @@ def solve_states(fits: SummitFits, tables: EllipseTables, levels: Array) -> tupl
         tables.parity,
         tables.order,
         tables.nodes,
+        state,
+        shape,
     )
+    _threads.run(lambda a, b: march(a, b, *inputs), _threads.blocks(len(fits), 64))
+    return state, shape
 
 
 @lru_cache(maxsize=8)
@@ -138,7 +144,8 @@ def follow_basins(
     nq = tables.nodes.size
     column = tables.order.size * nq + nq
     turned = profiles.phi - profiles.angle[:, None]
-    return fill_basins(
+    out = np.zeros((len(fits), levels.size, 4))
+    inputs = (
         np.ascontiguousarray(profiles.q),
         moment_weights(tables.m, profiles.t.size, _ORDER),
         np.ascontiguousarray(profiles.weight),
@@ -156,7 +163,10 @@ def follow_basins(
         first,
         (last - first) / (count - 1),
         0.5 * (1 + tables.m),
+        out,
     )
+    _threads.run(lambda a, b: fill_basins(a, b, *inputs), _threads.blocks(len(fits), 64))
+    return out
 
 
 @lru_cache(maxsize=8)
@@ -232,11 +242,11 @@ def _assemble(
 
 def _centre(local: Array, fits: SummitFits, linear: Array) -> Array:
     """Centres (n, nodes + 1, 2) in the axes of the map, from those at the levels."""
-    at_nodes = np.einsum("jl,nlk->njk", linear, local) * fits.length[:, None, None]
+    along, across = (local[..., k] @ linear.T * fits.length[:, None] for k in range(2))
     c, s = np.cos(fits.angle)[:, None], np.sin(fits.angle)[:, None]
-    out = np.zeros((at_nodes.shape[0], at_nodes.shape[1] + 1, 2))
-    out[:, 1:, 0] = c * at_nodes[..., 0] - s * at_nodes[..., 1]
-    out[:, 1:, 1] = s * at_nodes[..., 0] + c * at_nodes[..., 1]
+    out = np.zeros((len(fits), along.shape[1] + 1, 2))
+    out[:, 1:, 0] = c * along - s * across
+    out[:, 1:, 1] = s * along + c * across
     return out
 
 

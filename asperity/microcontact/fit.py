@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces import _threads
 from surfaces.errors import InputError
 
 from .ellipse_tables import monomials
@@ -24,10 +25,10 @@ __all__ = ["SummitFits", "fit_summits"]
 
 Array = NDArray[np.float64]
 
-_FRACTIONS = 0.72 ** np.arange(6)
+_FRACTIONS = 0.66 ** np.arange(5)
 """Sizes of the nested fits relative to the largest."""
 
-_RINGS = np.array([0.25, 0.45, 0.62, 0.77, 0.9, 1.0])
+_RINGS = np.array([0.3, 0.53, 0.73, 0.88, 1.0])
 """Radii of the samples on one ellipse; with the rays they make the points of a fit."""
 
 _SMALLEST_RATIO = 1 / 40
@@ -138,7 +139,9 @@ def fit_summits(profiles: Profiles, degree: int) -> SummitFits:
     base, image, share = _mirrors(rays, offset)
     members, count = _classes(degree)
     i, j = monomials(degree)
-    coefs, residual = fit_rays(
+    coefs = np.zeros((len(length), _FRACTIONS.size, i.size))
+    residual = np.zeros(coefs.shape[:2])
+    inputs = (
         direction,
         np.ascontiguousarray(profiles.edge),
         np.ascontiguousarray(profiles.q),
@@ -155,7 +158,10 @@ def fit_summits(profiles: Profiles, degree: int) -> SummitFits:
         count,
         i,
         j,
+        coefs,
+        residual,
     )
+    _threads.run(lambda a, b: fit_rays(a, b, *inputs), _threads.blocks(len(length), 64))
     sizes = np.broadcast_to(_FRACTIONS, residual.shape).copy()
     valid = valid & np.isfinite(coefs).all(axis=(1, 2)) & (coefs[:, -1, 5] > 0)
     return SummitFits(
