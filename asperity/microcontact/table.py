@@ -121,6 +121,17 @@ class LawTable:
             values[2].reshape(rows.shape),
         )
 
+    def centre_at(self, index: NDArray[np.int64], approach: Array) -> tuple[Array, Array]:
+        """Centres x, y [m] of the contacts `index` relative to their summits, shape (n,)."""
+        if self.centre is None:
+            return np.zeros(approach.size), np.zeros(approach.size)
+        reach = np.where(self.reach[index] > 0, self.reach[index], np.inf)
+        u = np.sqrt(np.clip(approach / reach, 0.0, 1.0)) * self.nodes
+        low = np.minimum(u.astype(np.int64), self.nodes - 1)
+        share = (u - low)[:, None]
+        x, y = ((1 - share) * self.centre[index, low] + share * self.centre[index, low + 1]).T
+        return x, y
+
     def flags_at(self, index: ArrayLike, approach: ArrayLike) -> NDArray[np.uint8]:
         """Flags of the node at or above `approach`; the last node's beyond the reach."""
         return np.asarray(self.flags[self._node(index, approach)])
