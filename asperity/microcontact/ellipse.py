@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 _ORDER = 0
 """Harmonic whose edge operator carries a contour on along its ray."""
 
-LEVELS = np.exp(np.linspace(np.log(1 / 80), 0.0, 20))
+LEVELS = np.exp(np.linspace(np.log(1 / 80), 0.0, 25))
 """Square roots of the approaches, relative to the reach, at which the law is computed."""
 
 _FIRST = 8
