@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .hdf5 import SurfaceFile as SurfaceFile
     from .hdf5 import open as open
     from .hdf5 import validate as validate
-    from .hdf5 import write_blocks as write_blocks
+    from .hdf5_write import write_blocks as write_blocks
     from .heightmap import HeightMap as HeightMap
     from .levelling import level as level
     from .outliers import mark_outliers as mark_outliers
@@ -109,7 +109,7 @@ _HOME = {
     "two_scale": "textures",
     "validate": "hdf5",
     "write": "formats",
-    "write_blocks": "hdf5",
+    "write_blocks": "hdf5_write",
 }
 
 __all__ = sorted(_HOME)

@@ -14,7 +14,7 @@ import numpy as np
 from .errors import InputError
 from .units import metres_per
 
-__all__ = ["DAMAGED", "SCHEMA", "Fault", "Header", "brief", "read_header"]
+__all__ = ["DAMAGED", "SCHEMA", "Fault", "Header", "brief", "plain", "read_header"]
 
 SCHEMA = "surface/1"
 DAMAGED = (
@@ -249,3 +249,10 @@ def _shown(value: Any) -> str:
     """A value from a file, on one line and short."""
     text = " ".join(repr(value).split())
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def plain(value: Any) -> Any:
+    """A NumPy value as plain Python, for JSON."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return value.item() if isinstance(value, np.generic) else str(value)

@@ -88,7 +88,7 @@ def autocorrelation(hm: HeightMap) -> Autocorrelation:
     if not present.all():
         pairs = np.maximum(_correlated(present.astype(np.float64), shape)[inside], 1.0)
     elif hm.periodic:
-        pairs = np.float64(present.size)
+        pairs = np.array(float(present.size))
     else:
         pairs = np.outer(hm.shape[0] - np.abs(rows), hm.shape[1] - np.abs(columns))
     value = products[inside] / pairs / variance

@@ -102,7 +102,7 @@ def write(hm: HeightMap, path: str | os.PathLike[str], *, dtype: str = "float64"
     """
     path = Path(path)
     if path.suffix.lower() in _HDF5:
-        from .hdf5 import write_blocks
+        from .hdf5_write import write_blocks
 
         write_blocks(
             path,

@@ -1,14 +1,12 @@
-"""Height maps in HDF5, schema 1: open, read in parts, write without half-written files, validate.
+"""Height maps in HDF5, schema 1: open, read in parts, validate.
 
 The layout is described in ``docs/hdf5.md``.
 """
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -17,18 +15,16 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._container import find, naming_damage, opened, require_sound
 from ._memory import require_memory
-from ._probe import survives
-from ._schema import DAMAGED, SCHEMA, Fault, Header, brief, read_header
+from ._schema import DAMAGED, Fault, Header, brief, plain, read_header
 from .errors import AsperityError, FileFormatError, InputError, SurfaceError
 from .heightmap import HeightMap
 from .units import metres_per
 
-__all__ = ["Fault", "SurfaceFile", "open", "validate", "write_blocks"]
+__all__ = ["Fault", "SurfaceFile", "open", "validate"]
 
 _BLOCK_BYTES = 32 << 20
-_CHUNK = 256
-_DATASET = "heights"
 
 
 class SurfaceFile:
@@ -170,7 +166,7 @@ class SurfaceFile:
         """First step of the history of a map that carries none."""
         step = {"step": "read", "file": self.path.name, "dataset": self._dataset.name}
         step["unit"] = self.unit
-        return step | {key: _plain(value) for key, value in self._notes.items()}
+        return step | {key: plain(value) for key, value in self._notes.items()}
 
     def _rows_per_block(self, columns: int) -> int:
         """Rows of about `_BLOCK_BYTES`, in whole chunks where that is possible."""
@@ -205,11 +201,11 @@ def open(
         If the file is missing or damaged, or does not hold a height map with its units.
     """
     path, pixel = Path(path), _pair(spacing)
-    _require_sound(path, dataset)
-    file = _opened(path)
+    require_sound(path, dataset)
+    file = opened(path)
     try:
-        with _naming_damage(path):
-            found = _find(file, path, dataset)
+        with naming_damage(path):
+            found = find(file, path, dataset)
             header, faults = read_header(found, unit=unit, spacing=pixel)
         if header is None:
             raise FileFormatError(f"{path}: {next(f.text for f in faults if f.fatal)}")
@@ -235,177 +231,20 @@ def validate(path: str | os.PathLike[str], *, dataset: str | None = None) -> lis
     """
     path = Path(path)
     try:
-        _require_sound(path, dataset)
-        file = _opened(path)
+        require_sound(path, dataset)
+        file = opened(path)
     except FileFormatError as error:
         return [Fault(str(error).removeprefix(f"{path}: "))]
     with file:
         try:
-            with _naming_damage(path):
-                found = _find(file, path, dataset)
+            with naming_damage(path):
+                found = find(file, path, dataset)
                 header, faults = read_header(found)
             if header is not None:
                 faults += _height_faults(SurfaceFile(path, file, found, header))
         except AsperityError as error:
             return [Fault(str(error).removeprefix(f"{path}: "))]
     return faults
-
-
-def write_blocks(
-    path: str | os.PathLike[str],
-    shape: tuple[int, int],
-    spacing: tuple[float, float],
-    blocks: Iterable[ArrayLike],
-    *,
-    periodic: bool = False,
-    name: str = "",
-    history: Iterable[Mapping[str, Any]] = (),
-    dtype: str = "float64",
-) -> None:
-    """Write a map of any size from blocks of rows; the file appears only when it is complete.
-
-    Parameters
-    ----------
-    path
-        The file; an existing one is replaced.
-    shape
-        Number of points (ny, nx).
-    spacing
-        Pixel size (dy, dx) [m].
-    blocks
-        Heights [m] in blocks of whole rows, in order.
-    periodic, name, history
-        As in `HeightMap`.
-    dtype
-        float64, or float32 for half the size.
-
-    Raises
-    ------
-    SurfaceError
-        If the blocks do not fill the shape, or the file cannot be written.
-    """
-    path = Path(path)
-    steps = [dict(step) for step in history]
-    with _replacing(path) as part, h5py.File(part, "w", libver=("v110", "v110")) as file:
-        heights = file.create_dataset(
-            _DATASET,
-            shape,
-            dtype,
-            chunks=(min(shape[0], _CHUNK), min(shape[1], _CHUNK)),
-            compression="gzip",
-            compression_opts=2,
-            shuffle=True,
-            fletcher32=True,
-            fillvalue=np.nan,
-        )
-        heights.attrs["schema"] = SCHEMA
-        heights.attrs["spacing"] = np.asarray(spacing, dtype=np.float64)
-        heights.attrs["unit"] = "m"
-        heights.attrs["periodic"] = bool(periodic)
-        heights.attrs["name"] = name
-        heights.attrs["history"] = json.dumps(steps, default=_plain)
-        for key in ("source", "instrument"):
-            values = [str(step[key]) for step in steps if key in step]
-            if values:
-                heights.attrs[key] = values[0]
-        for row, rows in _whole_chunks(blocks, shape):
-            heights[row : row + len(rows)] = rows
-
-
-def list_arrays(file: h5py.File, limit: int = 12) -> str:
-    """Names, shapes and types of the datasets of a file, for a message."""
-    found: list[str] = []
-
-    def visit(name: str, item: Any) -> bool | None:
-        if isinstance(item, h5py.Dataset):
-            found.append(f"{name} {item.shape} {item.dtype}")
-        return True if len(found) > limit else None
-
-    file.visititems(visit)
-    if len(found) > limit:
-        found[limit:] = ["..."]
-    return ", ".join(found) or "no dataset"
-
-
-def _whole_chunks(
-    blocks: Iterable[ArrayLike], shape: tuple[int, int]
-) -> Iterator[tuple[int, NDArray[np.float64]]]:
-    """Blocks cut anew so that each chunk is compressed once, with their first rows; all checked."""
-    held, written = np.empty((0, shape[1])), 0
-    for block in blocks:
-        rows = np.asarray(block, dtype=np.float64)
-        row = written + len(held)
-        if rows.ndim != 2 or rows.shape[1] != shape[1] or row + len(rows) > shape[0]:
-            raise SurfaceError(f"block at row {row} has shape {rows.shape} in a map of {shape}")
-        held = np.concatenate([held, rows]) if len(held) else rows
-        whole = len(held) - len(held) % _CHUNK
-        if whole:
-            yield written, held[:whole]
-            held, written = held[whole:], written + whole
-    if written + len(held) != shape[0]:
-        raise SurfaceError(
-            f"the blocks hold {written + len(held)} of {shape[0]} rows; give all of them"
-        )
-    if len(held):
-        yield written, held
-
-
-def _opened(path: Path) -> h5py.File:
-    if not path.exists():
-        raise FileFormatError(f"{path}: no such file")
-    if not path.is_file():
-        raise FileFormatError(f"{path}: this is not a file")
-    try:
-        if not h5py.is_hdf5(path):
-            raise FileFormatError(f"{path}: this is not an HDF5 file; its signature is missing")
-        return h5py.File(path, "r", locking="best-effort")
-    except DAMAGED as error:
-        if isinstance(error, FileFormatError):
-            raise
-        raise FileFormatError(
-            f"{path}: cannot be opened, truncated or damaged HDF5 ({brief(error)}); "
-            "copy the file again from its source"
-        ) from error
-
-
-def _require_sound(path: Path, dataset: str | None) -> None:
-    """Refuse a file whose metadata hang or crash the HDF5 library."""
-
-    def attempt() -> None:
-        with _opened(path) as file, _naming_damage(path):
-            read_header(_find(file, path, dataset))
-
-    if path.is_file() and not survives(attempt):
-        raise FileFormatError(
-            f"{path}: damaged HDF5, its metadata hang or crash the HDF5 library; "
-            "copy the file again from its source"
-        )
-
-
-@contextmanager
-def _naming_damage(path: Path) -> Iterator[None]:
-    """Turn what h5py raises on damaged metadata into one sentence."""
-    try:
-        yield
-    except AsperityError:
-        raise
-    except DAMAGED as error:
-        raise FileFormatError(
-            f"{path}: damaged HDF5 ({brief(error)}); copy the file again from its source"
-        ) from error
-
-
-def _find(file: h5py.File, path: Path, name: str | None) -> h5py.Dataset:
-    wanted = _DATASET if name is None else name
-    if wanted not in file or not isinstance(file[wanted], h5py.Dataset):
-        raise FileFormatError(
-            f"{path}: no dataset {wanted!r}; the file holds {list_arrays(file)}; "
-            "name the heights with --dataset (dataset=...)"
-        )
-    found = file[wanted]
-    if Path(found.file.filename) != Path(file.filename):
-        raise FileFormatError(f"{path}: dataset {wanted!r} is a link into another file; open that")
-    return found
 
 
 def _height_faults(file: SurfaceFile) -> Iterator[Fault]:
@@ -436,23 +275,3 @@ def _pair(spacing: ArrayLike | None) -> tuple[float, float] | None:
     except (TypeError, ValueError):
         raise InputError(f"spacing is {spacing!r}; give the pixel size (dy, dx) in m") from None
     return dy, dx
-
-
-@contextmanager
-def _replacing(path: Path) -> Iterator[Path]:
-    """A temporary file beside `path` that takes its place if nothing goes wrong."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        yield part
-        os.replace(part, path)
-    except OSError as error:
-        raise SurfaceError(f"{path}: cannot be written ({brief(error)})") from error
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def _plain(value: Any) -> Any:
-    """A NumPy value as plain Python, for JSON."""
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    return value.item() if isinstance(value, np.generic) else str(value)
