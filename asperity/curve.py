@@ -16,6 +16,7 @@ from surfaces.profiles import fit_profiles
 from surfaces.segmentation import segment
 
 from .contacts import patch_count
+from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, terms
 from .loadpoints import checked_loads
 from .microcontact.laws import tabulate
 from .plan import Plan, make_plan
@@ -242,6 +243,7 @@ def _curve(
     def column(name: str) -> NDArray[Any]:
         return np.array([getattr(state, name) for state in states])
 
+    weaknesses = [terms(bodies, state) for state in states]
     pressure = column("mean_pressure")
     area = column("contact_area")
     return ContactCurve(
@@ -254,7 +256,7 @@ def _curve(
         stiffness=column("normal_stiffness"),
         converged=column("converged"),
         residual=column("residual"),
-        error_estimate=np.full(len(states), np.nan),
+        error_estimate=np.array([estimate(weak, LOAD_WEIGHTS) for weak in weaknesses]),
         model="asperity",
         seconds={**bodies.seconds, "contact": solving},
         settings={
@@ -267,6 +269,10 @@ def _curve(
             "input": hm.digest,
             "peaks": len(bodies.peaks),
         },
-        extra={"microcontacts": column("active"), "filled_share": column("filled_share")},
+        extra={
+            "microcontacts": column("active"),
+            "area_error_estimate": np.array([estimate(w, AREA_WEIGHTS) for w in weaknesses]),
+            **{name: np.array([weak[name] for weak in weaknesses]) for name in TERMS[1:]},
+        },
         reasons=tuple(state.reason for state in states),
     )
