@@ -24,6 +24,7 @@ Profile = Callable[[Any, Any], Any]
 _SCOUT = 64
 _MARGIN = 1.1
 _RAYS = 256
+_TRIALS = 30
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,8 +127,9 @@ class BemIndentation:
 def indent_bem(
     profile: Profile,
     mat: ElasticHalfSpace,
-    approach: ArrayLike,
+    approach: ArrayLike | None = None,
     *,
+    load: ArrayLike | None = None,
     grid: int = 256,
     tolerance: float = 1e-6,
 ) -> BemIndentation:
@@ -141,6 +143,8 @@ def indent_bem(
         Elastic half-space, homogeneous or graded.
     approach
         Rigid-body approach d [m], positive, a number or shape (n,).
+    load
+        Normal force [N] in place of the approach; the approach is then part of the solution.
     grid
         Points per axis, 16 or more; the grid is fitted to the contact.
     tolerance
@@ -149,19 +153,23 @@ def indent_bem(
     Raises
     ------
     InputError
-        If an approach is not positive, the grid too small, or the profile never rises to the
-        approach.
+        If neither or both of approach and load are given, one is not positive, the grid is too
+        small, or the profile never rises to the approach.
     """
     if grid < 16:
         raise InputError(f"grid is {grid}; give at least 16 points per axis")
-    depths = np.asarray(approach, dtype=float)
+    if (approach is None) == (load is None):
+        raise InputError("give either approach or load")
+    name = "approach" if load is None else "load"
+    depths = np.asarray(approach if load is None else load, dtype=float)
     if depths.size == 0 or not (np.isfinite(depths).all() and (depths > 0.0).all()):
-        raise InputError("approach must be positive and finite [m]")
-    found = [_one(profile, mat, float(d), grid, tolerance) for d in depths.ravel()]
-    solutions, summits, inside = zip(*found, strict=True)
+        unit = "[m]" if load is None else "[N]"
+        raise InputError(f"{name} must be positive and finite {unit}")
+    found = [_one(profile, mat, name, float(d), grid, tolerance) for d in depths.ravel()]
+    solutions, summits, inside, reached = zip(*found, strict=True)
     converged = _shaped([s.converged for s in solutions], depths)
     return BemIndentation(
-        approach=depths[()],
+        approach=_shaped(list(reached), depths),
         force=_shaped([s.load for s in solutions], depths),
         contact_area=_shaped([s.contact_area for s in solutions], depths),
         converged=converged,
@@ -176,11 +184,11 @@ def _shaped(values: list[Any], like: NDArray[np.float64]) -> Any:
 
 
 def _one(
-    profile: Profile, mat: ElasticHalfSpace, approach: float, grid: int, tolerance: float
-) -> tuple[BemSolution, tuple[float, float], bool]:
+    profile: Profile, mat: ElasticHalfSpace, name: str, value: float, grid: int, tolerance: float
+) -> tuple[BemSolution, tuple[float, float], bool, float]:
     """Solve on a coarse grid around {f < d}, then on a fine one around the contact found."""
-    box = _section_box(profile, approach)
-    scout, summit = _solve_in(profile, mat, approach, box, _SCOUT, 1e-2)
+    approach = value if name == "approach" else _scout_approach(profile, mat, value)
+    scout, summit = _scout(profile, mat, approach)
     rows, cols = (np.flatnonzero(scout.contact.any(axis=axis)) for axis in (1, 0))
     (dy, dx), (x0, y0) = scout.spacing, summit
     edges = []
@@ -188,12 +196,46 @@ def _one(
         low, high = found[0] * d - d, (found[-1] + 2) * d
         half, middle = 0.5 * _MARGIN * (high - low), 0.5 * (high + low)
         edges += [middle - half - start, middle + half - start]
-    solution, summit = _solve_in(profile, mat, approach, tuple(edges), grid, tolerance)
+    hm, summit = _map_of(profile, tuple(edges), grid)
+    mean = float(hm.heights.mean())
+    if name == "approach":
+        prescribed = {"separation": -value - mean}
+    else:
+        prescribed = {"pressure": value / hm.area}
+    solution = bem_solve(hm, mat, **prescribed, tolerance=tolerance, boundary="free")
     radius = getattr(profile, "radius", np.inf)
     x = (np.arange(grid) + 0.5) * solution.spacing[1] - summit[0]
     y = (np.arange(grid) + 0.5) * solution.spacing[0] - summit[1]
     farthest = np.hypot(*np.meshgrid(x, y))[solution.contact].max(initial=0.0)
-    return solution, summit, bool(farthest <= radius)
+    reached = value if name == "approach" else -float(solution.separation) - mean
+    return solution, summit, bool(farthest <= radius), reached
+
+
+def _scout(
+    profile: Profile, mat: ElasticHalfSpace, approach: float
+) -> tuple[BemSolution, tuple[float, float]]:
+    """Coarse solution in the box of {f < d}."""
+    hm, summit = _map_of(profile, _section_box(profile, approach), _SCOUT)
+    level = -approach - float(hm.heights.mean())
+    return bem_solve(hm, mat, separation=level, tolerance=1e-2, boundary="free"), summit
+
+
+def _scout_approach(profile: Profile, mat: ElasticHalfSpace, load: float) -> float:
+    """Approach at which the coarse solution carries the load to 2 %, by secants in logarithms."""
+    radius = getattr(profile, "radius", np.inf)
+    phi = np.linspace(0.0, 2.0 * np.pi, _RAYS, endpoint=False)
+    start = radius / 8 if np.isfinite(radius) else 1.0
+    depth, power, last = float(np.mean(profile(start, phi))), 1.5, None
+    for _ in range(_TRIALS):
+        force = _scout(profile, mat, depth)[0].load
+        if abs(force / load - 1) < 0.02:
+            return depth
+        point = (np.log(depth), np.log(force))
+        if last is not None and abs(point[0] - last[0]) > 1e-6:
+            power = float(np.clip((point[1] - last[1]) / (point[0] - last[0]), 0.5, 6.0))
+        last = point
+        depth *= float((load / force) ** (1 / power))
+    raise InputError(f"no approach was found that carries {load:g} N; check its unit")
 
 
 def _section_box(profile: Profile, approach: float) -> tuple[float, float, float, float]:
@@ -221,21 +263,14 @@ def _section_box(profile: Profile, approach: float) -> tuple[float, float, float
     return float(x.min()), float(x.max()), float(y.min()), float(y.max())
 
 
-def _solve_in(
-    profile: Profile,
-    mat: ElasticHalfSpace,
-    approach: float,
-    box: tuple[float, ...],
-    grid: int,
-    tolerance: float,
-) -> tuple[BemSolution, tuple[float, float]]:
+def _map_of(
+    profile: Profile, box: tuple[float, ...], grid: int
+) -> tuple[HeightMap, tuple[float, float]]:
+    """Height map of the profile in a box, and where its summit lies on it."""
     x0, x1, y0, y1 = box
     spacing = ((y1 - y0) / grid, (x1 - x0) / grid)
     x = x0 + (np.arange(grid) + 0.5) * spacing[1]
     y = y0 + (np.arange(grid) + 0.5) * spacing[0]
     px, py = np.meshgrid(x, y)
     heights = -np.asarray(profile(np.hypot(px, py), np.arctan2(py, px)))
-    hm = HeightMap(heights, spacing, name="profile")
-    level = -approach - float(heights.mean())
-    solution = bem_solve(hm, mat, separation=level, tolerance=tolerance, boundary="free")
-    return solution, (-x0, -y0)
+    return HeightMap(heights, spacing, name="profile"), (-x0, -y0)

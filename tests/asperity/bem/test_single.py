@@ -70,3 +70,19 @@ def test_refusals(approach, grid, words):
     body = HalfSpace.from_modulus(1.0)
     with pytest.raises(errors.InputError, match=words):
         indent_bem(PowerLawProfile(2.0, 1.0), body, approach, grid=grid)
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.4])
+def test_load_control_finds_the_approach(m):
+    from surfaces.shapes import bent_body
+
+    body, mat = bent_body(curvature=1e5, size=1e-5), HalfSpace.from_modulus(2e9, m)
+    pressed = indent_bem(body, mat, 3e-7, grid=64)
+    loaded = indent_bem(body, mat, load=pressed.force, grid=64)
+    assert loaded.converged
+    assert loaded.force == pytest.approx(pressed.force, rel=1e-6)
+    assert loaded.approach == pytest.approx(3e-7, rel=1e-4)
+    with pytest.raises(errors.InputError, match="either approach or load"):
+        indent_bem(body, mat)
+    with pytest.raises(errors.InputError, match="load must be positive"):
+        indent_bem(body, mat, load=-1.0)
