@@ -1,3 +1,4 @@
+# mypy: disallow-untyped-defs=False
 """Kernel of the profiles: sub-pixel summits, principal curvatures, and rays to the basin edge."""
 
 from __future__ import annotations
@@ -149,6 +150,12 @@ def summits(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def aspect_of(k1, k2):
+    """Aspect of the ellipse on which the rays are spread: the root of that of the contact."""
+    return max((k2 / k1) ** (1.0 / 3.0), _NARROWEST)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _wrapped(at, n):
     while at < 0.0:
         at += n
@@ -200,7 +207,7 @@ def fit(
         curvature[n, 1] = k2
         angle[n] = long_axis
 
-        aspect = max((k2 / k1) ** (1.0 / 3.0), _NARROWEST)
+        aspect = aspect_of(k1, k2)
         total = 0.0
         for p in range(rays):
             turn = 2.0 * math.pi * p / rays

@@ -134,7 +134,7 @@ def pyramid(slope: float, sides: int = 4) -> Gap:
 
     def gap(r: ArrayLike, phi: ArrayLike) -> Array:
         turn = np.mod(np.asarray(phi, float) + 0.5 * width, width) - 0.5 * width
-        return slope * np.asarray(r, float) * np.cos(turn)
+        return np.asarray(slope * np.asarray(r, float) * np.cos(turn))
 
     return gap
 
@@ -146,7 +146,7 @@ def star(k: float, amplitude: float, *, points: int = 5, wave: float = 0.2) -> G
 
     def gap(r: ArrayLike, phi: ArrayLike) -> Array:
         ripple = 1.0 + wave * np.cos(points * np.asarray(phi, float))
-        return amplitude * np.asarray(r, float) ** k * ripple
+        return np.asarray(amplitude * np.asarray(r, float) ** k * ripple)
 
     return gap
 

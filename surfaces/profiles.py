@@ -90,26 +90,30 @@ class Profiles:
     def profile(self, i: int, *, angles: int = 64) -> PolarProfile:
         """Profile of one peak on `angles` equispaced directions, up to its longest ray.
 
-        Between the rays q and the edge are interpolated by a periodic monotone cubic; beyond the
-        edge of a ray f goes on with its last q.
+        Between the rays f is a periodic cubic spline in the parameter of the ellipse on which
+        they are spread, at equal fractions of that ellipse, where a paraboloid has two harmonics
+        only; the edge is a monotone cubic. Beyond the edge of a ray f goes on with its last q.
         """
-        from scipy.interpolate import PchipInterpolator
+        from scipy.interpolate import CubicSpline, PchipInterpolator
 
-        turn = np.unwrap(self.phi[i])
-        turn = np.concatenate([turn[-3:] - 2 * np.pi, turn, turn[:3] + 2 * np.pi])
-        table = np.column_stack([self.q[i], self.edge[i]])
-        table = np.concatenate([table[-3:], table, table[:3]])
+        rays = self.phi.shape[1]
+        aspect = _rays.aspect_of(*self.curvature[i])
         phi = 2 * np.pi * np.arange(angles) / angles
-        inside = turn[3] + np.mod(phi - turn[3], 2 * np.pi)
-        at_phi = PchipInterpolator(turn, table)(inside)
-        edge = at_phi[:, -1]
+        turn = phi - self.angle[i]
+        at = np.arctan2(np.sin(turn), aspect * np.cos(turn)) % (2 * np.pi)
+        node = 2 * np.pi * np.arange(-3, rays + 4) / rays
+        wrapped = np.arange(-3, rays + 4) % rays
+        edge = PchipInterpolator(node, self.edge[i, wrapped])(at)
+        section = CubicSpline(
+            node[3:-3], self.q[i, wrapped[3:-3]] * _square(node[3:-3], aspect), bc_type="periodic"
+        )
+        q = np.maximum(section(at) / _square(at, aspect), self.q[i].min(axis=0))
         r = edge.max() * self.t
         t = np.minimum(r[:, None] / edge, 1.0)
         f = np.empty((r.size, angles))
         for k in range(angles):
-            q = PchipInterpolator(self.t, at_phi[k, :-1])(t[:, k])
-            f[:, k] = np.maximum.accumulate(q * r**2)
-        return PolarProfile(r, phi, f)
+            f[:, k] = PchipInterpolator(self.t, q[k])(t[:, k]) * r**2
+        return PolarProfile(r, phi, np.maximum.accumulate(f, axis=0))
 
 
 def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17) -> Profiles:
@@ -210,6 +214,11 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
         valid=own & (kinds != _rays.RIM),
         owner=owner,
     )
+
+
+def _square(parameter: Array, aspect: float) -> Array:
+    """Squared radius of the ellipse of semi-axes 1 and `aspect`, as a column."""
+    return np.asarray(np.cos(parameter) ** 2 + (aspect * np.sin(parameter)) ** 2)[:, None]
 
 
 def _owners(

@@ -109,7 +109,7 @@ def segment(
         prominence=height - saddle,
         saddle=saddle,
         parent=parent,
-        basin_area=counts * (hm.spacing[0] * hm.spacing[1]),
+        basin_area=np.asarray(counts * (hm.spacing[0] * hm.spacing[1]), np.float64),
         border=_at_border(labels, kept.size, hm.periodic),
         labels=labels,
         neighbors=pairs,

@@ -86,8 +86,8 @@ def self_affine(
     target = rms_slope if rms_height is None else rms_height
     _check(target is not None and target > 0.0, f"the rms value is {target}; it must be positive")
 
-    fy = np.fft.fftfreq(ny, 1.0 / ny)[:, None] / ly
-    fx = np.arange(nx // 2 + 1)[None, :] / lx
+    fy = np.asarray(np.fft.fftfreq(ny, 1.0 / ny)[:, None] / ly, np.float64)
+    fx = np.asarray(np.arange(nx // 2 + 1)[None, :] / lx, np.float64)
     amplitude = _amplitude(fy, fx, hurst, rolloff, cutoff, anisotropy, angle)
     if ny % 2 == 0:
         amplitude[ny // 2, :] = 0.0

@@ -195,7 +195,7 @@ def two_scale(
     heights = np.zeros(shape)
     for k, (short, rms) in enumerate(((coarse, coarse_height), (fine, fine_height))):
         whole = self_affine(shape, size, hurst=hurst, rms_height=1.0, cutoff=short, seed=seed + k)
-        band = _filtered(whole.heights, size, lambda f, s=short: f > 1.0 / (width * s))
+        band = _filtered(whole.heights, size, _longest(width * short))
         if not band.any():
             raise InputError(f"no wave fits between {width * short:g} and {short:g} m")
         heights += band * (rms / band.std())
@@ -258,6 +258,14 @@ def _settings(arguments: dict[str, Any]) -> dict[str, Any]:
     return {k: v for k, v in arguments.items() if k not in ("shape", "size")}
 
 
+def _longest(wavelength: float) -> Callable[[Array], NDArray[np.bool_]]:
+    return lambda f: f > 1.0 / wavelength
+
+
+def _shortest(wavelength: float) -> Callable[[Array], NDArray[np.bool_]]:
+    return lambda f: (f > 0.0) & (f <= (1.0 + 1e-9) / wavelength)
+
+
 def _filtered(
     heights: Array, size: tuple[float, float], keep: Callable[[Array], NDArray[np.bool_]]
 ) -> Array:
@@ -281,7 +289,7 @@ def _finished(
     if not rms_slope > 0.0:
         raise InputError(f"rms_slope is {rms_slope}; it must be positive")
     ny, nx = heights.shape
-    smooth = _filtered(heights, size, lambda f: (f > 0.0) & (f <= (1.0 + 1e-9) / cutoff))
+    smooth = _filtered(heights, size, _shortest(cutoff))
     fy = np.fft.fftfreq(ny, size[0] / ny)[:, None]
     fx = np.fft.fftfreq(nx, size[1] / nx)[None, :]
     power = np.abs(np.fft.fft2(smooth) / smooth.size) ** 2
