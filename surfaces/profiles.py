@@ -52,8 +52,8 @@ class Profiles:
     valid
         Whether there is a summit, shape (n,). False where the interpolated surface rises from
         the summit pixel into the basin of another peak (the grid cuts a ridge into several
-        peaks), or out of a map that is not periodic. Such a profile is a paraboloid that fills
-        the basin down to its saddle; it stands for no contact of its own.
+        peaks). Such a profile is a paraboloid that fills the basin down to its saddle; it stands
+        for no contact of its own.
     owner
         Peak into whose basin the surface rises, shape (n,), the peak itself where `valid`. The
         rays of the owner run through the basins that it owns.
@@ -151,7 +151,9 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
     local maximum of f, or a tenth beyond the point where it leaves the basin of its peak for
     another: basins are not star-shaped, and rays cut at their edge cover only nine tenths of the
     map. A plateau, which has no curvature of its own, starts with the paraboloid that fills its
-    basin. Unflooded pixels count to no basin, so that `segment(above=...)` changes hardly a ray
+    basin. A peak that is highest at the border of a map that is not periodic is mirrored there
+    and compressed by 1.7 across it: a whole contact that carries as much as the half there is.
+    Unflooded pixels count to no basin, so that `segment(above=...)` changes hardly a ray
     above that height.
     """
     if rays < 4 or nodes < 4:
@@ -211,7 +213,7 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
         q=q,
         pixels=pixels,
         border=border,
-        valid=own & (kinds != _rays.RIM),
+        valid=own,
         owner=owner,
     )
 

@@ -112,15 +112,31 @@ def test_ridge_cut_into_pieces_by_the_grid_is_one_peak():
 
 
 def test_peaks_without_a_summit_get_a_paraboloid_and_are_marked():
-    hm = surfaces.HeightMap(np.random.default_rng(0).normal(size=(20, 24)), (1.0, 2.0))
+    hm = rough((96, 96), (1.0, 1.0), cutoff=0.04, anisotropy=4.0, angle=0.5)
     _, fit = fitted(hm)
-    assert not fit.valid.all()
     weak = ~fit.valid
+    assert 0.2 < weak.mean() < 0.7
     turn = fit.phi[weak] - fit.angle[weak, None]
     k1, k2 = fit.curvature[weak].T[..., None]
     q = 0.5 * (k2 * np.cos(turn) ** 2 + k1 * np.sin(turn) ** 2)
     assert_allclose(fit.q[weak], np.repeat(q[:, :, None], 17, axis=2))
-    assert np.isfinite(fit.q).all() and (fit.curvature > 0).all()
+    assert fit.valid[fit.owner[weak]].all()
+    assert fit.pixels[fit.valid].sum() == hm.heights.size
+
+
+@pytest.mark.parametrize("turns", [0, 1, 2, 3])
+def test_peak_cut_by_the_border_is_mirrored_and_compressed(turns):
+    """Half a paraboloid whose highest point is its border."""
+    y, x = np.mgrid[:40, :60] - np.array([-0.5, 30.2])[:, None, None]
+    hm = surfaces.HeightMap(np.rot90(-0.01 * (x**2 + y**2), turns), 1.0)
+    _, fit = fitted(hm)
+    assert len(fit) == 1 and fit.valid[0] and fit.border[0]
+    r = 10.0
+    f = np.array([np.interp(r, fit.t * e, v) for e, v in zip(fit.edge[0], fit.f()[0], strict=True)])
+    phi = fit.phi[0] - turns * np.pi / 2 * -1.0
+    across = 1.7 * r * np.abs(np.sin(phi))
+    along = r * np.cos(phi)
+    assert_allclose(f, 0.01 * (along**2 + across**2), rtol=0.15)
 
 
 def test_plateau_is_a_blunt_summit():
