@@ -14,10 +14,13 @@ if TYPE_CHECKING:
     from .bem.solve import bem_solve as bem_solve
     from .comparison import Comparison as Comparison
     from .comparison import compare as compare
+    from .conductance import constriction_conductance as constriction_conductance
     from .curve import contact_curve as contact_curve
     from .errors import ConvergenceError as ConvergenceError
     from .errors import InputError as InputError
     from .errors import ModelRangeError as ModelRangeError
+    from .friction import FrictionCurve as FrictionCurve
+    from .friction import friction_curve as friction_curve
     from .indentation import Indentation as Indentation
     from .indentation import indent as indent
     from .material import HalfSpace as HalfSpace
@@ -40,6 +43,8 @@ _HOME = {
     "Comparison": "comparison",
     "ContactCurve": "results",
     "ConvergenceError": "errors",
+    "friction_curve": "friction",
+    "FrictionCurve": "friction",
     "HalfSpace": "material",
     "Indentation": "indentation",
     "InputError": "errors",
@@ -50,6 +55,7 @@ _HOME = {
     "bem_curve": "bem.curve",
     "bem_solve": "bem.solve",
     "compare": "comparison",
+    "constriction_conductance": "conductance",
     "contact_curve": "curve",
     "indent": "indentation",
     "indent_bem": "bem.single",

@@ -15,7 +15,7 @@ from .tables import structured
 if TYPE_CHECKING:
     from .curve import Asperities
 
-__all__ = ["contact_map", "microcontacts", "patch_count"]
+__all__ = ["contact_map", "microcontacts", "patch_count", "pressure_map"]
 
 ASPECT_EXPONENT = 0.63
 """Axis ratio of an elliptic contact from the ratio of curvatures, b/a = (k2/k1)^0.63: fits exact
@@ -36,7 +36,8 @@ def microcontacts(bodies: Asperities, state: PopulationState) -> NDArray[np.void
     -------
     Structured array with x, y, height [m], approach [m], force [N], area [m^2], radius [m] (of the
     circle of equal area), semi_major, semi_minor [m], angle [rad] (of the long axis, from x
-    towards y), mean_pressure [Pa], peak (row in the segmentation).
+    towards y), mean_pressure [Pa], peak_pressure [Pa] (of the elliptic contact, (3 + m)/2 times
+    the mean), peak (row in the segmentation).
     """
     active = np.flatnonzero(state.force > 0)
     profiles = bodies.profiles
@@ -55,6 +56,7 @@ def microcontacts(bodies: Asperities, state: PopulationState) -> NDArray[np.void
             "semi_minor": minor[active],
             "angle": profiles.angle[active],
             "mean_pressure": state.force[active] / area,
+            "peak_pressure": 0.5 * (3.0 + bodies.material.m) * state.force[active] / area,
             "peak": active,
         }
     )
@@ -62,18 +64,43 @@ def microcontacts(bodies: Asperities, state: PopulationState) -> NDArray[np.void
 
 def contact_map(bodies: Asperities, state: PopulationState) -> NDArray[np.bool_]:
     """Pixels in contact, shape (ny, nx): an ellipse for each contact, clipped to its basin."""
+    return _scaled_map(bodies, state)[0] <= 1.0
+
+
+def pressure_map(bodies: Asperities, state: PopulationState) -> NDArray[np.float64]:
+    """Pressure [Pa] of every pixel, shape (ny, nx), zero outside the contacts.
+
+    Each contact has the pressure of the elliptic contact of its force and area,
+    ``p_0 (1 - rho^2)^((1+m)/2)`` (theory 7.4), rescaled so that the pixels carry its force.
+    """
+    distance, peak = _scaled_map(bodies, state)
+    inside = distance < 1.0
+    shape = (1.0 - distance[inside] ** 2) ** (0.5 * (1.0 + bodies.material.m))
+    own = peak[inside]
+    carried = np.bincount(own, weights=shape, minlength=len(state.force))
+    pixel = bodies.hm.spacing[0] * bodies.hm.spacing[1]
+    pressure = np.zeros(bodies.hm.shape)
+    pressure[inside] = state.force[own] * shape / (carried[own] * pixel)
+    return pressure
+
+
+def _scaled_map(
+    bodies: Asperities, state: PopulationState
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Of every pixel: distance from its contact's centre over the contour's radius, and the peak.
+
+    The distance is infinite where the pixel's peak carries no load.
+    """
     hm, profiles = bodies.hm, bodies.profiles
     major, minor = _semi_axes(bodies, state)
     labels = bodies.peaks.labels
-    rows, cols = np.nonzero(labels >= 0)
-    peak = profiles.owner[labels[rows, cols]]
-    loaded = state.force[peak] > 0
-    rows, cols, peak = rows[loaded], cols[loaded], peak[loaded]
-    dy, dx = _offset(hm, hm.y[rows] - profiles.y[peak], hm.x[cols] - profiles.x[peak])
-    inside = _scaled_distance(dy, dx, profiles.angle[peak], major[peak], minor[peak]) <= 1.0
-    touching = np.zeros(hm.shape, dtype=bool)
-    touching[rows[inside], cols[inside]] = True
-    return touching
+    peak = np.where(labels >= 0, profiles.owner[labels], 0)
+    rows, cols = np.nonzero((labels >= 0) & (state.force[peak] > 0))
+    own = peak[rows, cols]
+    dy, dx = _offset(hm, hm.y[rows] - profiles.y[own], hm.x[cols] - profiles.x[own])
+    distance = np.full(hm.shape, np.inf)
+    distance[rows, cols] = _scaled_distance(dy, dx, profiles.angle[own], major[own], minor[own])
+    return distance, peak
 
 
 def patch_count(bodies: Asperities, state: PopulationState) -> int:

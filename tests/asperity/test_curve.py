@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.contacts import contact_map, microcontacts
+from asperity.contacts import contact_map, microcontacts, pressure_map
 from asperity.curve import solve_contacts
 from asperity.errors import SurfaceError
 from asperity.loadpoints import default_pressures
@@ -145,6 +145,21 @@ def test_map_and_table_hold_the_same_area(rough):
         assert pixels * rough.area / rough.heights.size == pytest.approx(
             state.contact_area, rel=0.15
         )
+
+
+def test_pressure_map_carries_the_load_of_the_contacts_it_resolves():
+    hm = paraboloid(1e-3)
+    separation = [-hm.heights.mean() - 2e-7]
+    run = solve_contacts(
+        hm, STEEL, make_plan(hm, STEEL, separations=separation), separations=separation
+    )
+    pressure = pressure_map(run.bodies, run.states[0])
+    pixel = hm.spacing[0] * hm.spacing[1]
+    assert pressure.sum() * pixel == pytest.approx(run.curve.load[0], rel=1e-9)
+    peak = 2 * STEEL.modulus / np.pi * np.sqrt(2e-7 / 1e-3)
+    assert pressure.max() == pytest.approx(peak, rel=0.02)
+    table = microcontacts(run.bodies, run.states[0])
+    assert table["peak_pressure"][0] == pytest.approx(peak, rel=2e-3)
 
 
 def test_touching_contours_are_one_patch(rough):
