@@ -40,19 +40,15 @@ def rows(hm: surfaces.HeightMap) -> Iterator[tuple[str, float, float]]:
     ours = np.exp(np.interp(np.log(q[used]), np.log(spectrum.q), np.log(spectrum.density)))
     yield "ring spectrum, mean ln", *_means(ours, np.asarray(density[used]))
     if hm.periodic:
-        lag, correlation = theirs.autocorrelation_from_area(reliable=False)
+        structure = theirs.autocorrelation_from_profile(reliable=False, resampling_method=None)[1]
         found = surfaces.autocorrelation(hm)
-        middle = len(found.lag_y) // 2
-        middle_x = len(found.lag_x) // 2
-        ring = np.hypot(found.lag_y[:, None], found.lag_x[None, :])
-        close = (lag > 4 * max(hm.spacing)) & (lag < 0.2 * min(hm.size))
-        ours_at = [
-            found.value[np.abs(ring - r) < max(hm.spacing)].mean() * hm.rms_height**2
-            for r in np.asarray(lag)[close]
-        ]
-        assert found.value[middle, middle_x] > 0.999
-        structure = hm.rms_height**2 - np.asarray(correlation)[close]
-        yield "autocorrelation, mean", float(np.mean(ours_at)), float(np.mean(structure))
+        middle = found.value.shape[1] // 2
+        along_x = found.value[found.value.shape[0] // 2, middle : middle + nx // 4]
+        yield (
+            "structure function, mean",
+            float(np.mean(hm.rms_height**2 * (1.0 - along_x))),
+            float(np.mean(np.asarray(structure)[: nx // 4])),
+        )
     curve = bearing_curve(hm)
     level = curve.height_at(0.3)
     mean = float(hm.heights.mean())
