@@ -20,21 +20,30 @@ Flags = NDArray[np.bool_]
 
 @njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)  # type: ignore[misc]
 def measure(
-    p: Double, start_gap: Double, change: Single, gap: Double, active: Flags, residual: Single
+    p: Double,
+    moved: Single,
+    start_gap: Double,
+    change: Single,
+    gap: Double,
+    active: Flags,
+    residual: Single,
 ) -> Any:
     """Gap, active points {p > 0} U {gap < level} and their residual gap - level.
 
-    Returns the level (mean gap of the contact), the lowest gap, the load-weighted mean gap and
-    the number of active points.
+    Returns the level (mean gap of the contact), the lowest gap, the load-weighted mean gap, the
+    number of active points, the energy of the move, sum moved (start_gap + change / 2), and the
+    sum of the move.
     """
     n = p.size
     count = 0
-    gap_sum = total = work = 0.0
+    gap_sum = total = work = energy = shift = 0.0
     lowest = np.inf
     for i in prange(n):
         g = start_gap[i] + change[i]
         gap[i] = g
         lowest = min(lowest, g)
+        energy += moved[i] * (start_gap[i] + 0.5 * change[i])
+        shift += moved[i]
         if p[i] > 0.0:
             count += 1
             gap_sum += g
@@ -50,7 +59,7 @@ def measure(
         else:
             active[i] = False
             residual[i] = np.float32(0.0)
-    return level, lowest, work / total, inside
+    return level, lowest, work / total, inside, energy, shift
 
 
 @njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)  # type: ignore[misc]

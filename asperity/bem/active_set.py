@@ -14,6 +14,8 @@ __all__ = ["ListOperator", "solve_on_list"]
 DROP = 0.3
 NEGATIVE_SHARE = 0.02
 LONGEST_RUN = 12
+_SHORTEST = 1e-3
+_ENERGY_NOISE = 0.1
 
 
 class ListOperator(Protocol):
@@ -62,39 +64,117 @@ def solve_on_list(
     Active points are those under pressure or penetrating, A = {p > 0} U {g < 0}. On A the
     linear problem is solved loosely by preconditioned conjugate gradients (p may go negative),
     until the preconditioned residual fell by 0.3, 2 % of A turned negative, or 12 steps are done;
-    then negative pressures are cut, the load is restored, and A is formed anew. Only changes of
+    then negative pressures are cut, the load is restored, and A is formed anew. A step that raises
+    the energy is shortened until it does not, so that the iteration cannot cycle. Only changes of
     the pressure and of the gap are held in single precision.
     """
-    n = pressure.size
-    base = pressure.copy()
-    change, residual, before, direction, moved = (np.zeros(n, np.float32) for _ in range(5))
-    now = np.empty(n)
-    active = np.empty(n, np.bool_)
+    state = _State(operator, pressure, gap, total)
+    accepted, wanted = pressure.copy(), pressure
+    lowest_energy, share = np.inf, 1.0
+    margin = _ENERGY_NOISE * tolerance * scale * total
+    plain = False
     iterations = 0
     while True:
-        if _list_kernels.cut(pressure, base, moved, total) > 0.0:
-            change = operator.apply(moved)
-        level, lowest, work, count = _list_kernels.measure(
-            pressure, gap, change, now, active, residual
-        )
-        if max(work, level) - lowest <= tolerance * scale or iterations >= longest:
+        error = state.renew() / scale
+        iterations += 1
+        if error <= tolerance or iterations >= longest:
             return iterations
+        if state.energy > lowest_energy + margin:
+            share *= 0.5
+            if share < _SHORTEST:
+                if plain:
+                    pressure[:] = accepted
+                    return iterations
+                plain, share = True, 0.0
+            pressure[:] = accepted + share * (wanted - accepted)
+            if share == 0.0:
+                lowest_energy, share = np.inf, 1.0
+            continue
+        lowest_energy, share = state.energy, 1.0
+        accepted = pressure.copy()
+        spent = state.descend(plain)
+        if spent == 0 and not plain:
+            plain = True
+            spent = state.descend(plain)
+        if spent == 0:
+            return iterations
+        iterations += spent - 1
+        wanted = pressure.copy()
+        if share < 1.0:
+            pressure[:] = accepted + share * (wanted - accepted)
+
+
+class _State:
+    """Vectors of one contact list."""
+
+    def __init__(
+        self,
+        operator: ListOperator,
+        pressure: NDArray[np.float64],
+        gap: NDArray[np.float64],
+        total: float,
+    ) -> None:
+        n = pressure.size
+        self.operator, self.pressure, self.total = operator, pressure, total
+        self.base, self.start_gap = pressure.copy(), gap
+        self.moved, self.change, self.residual, self.before, self.direction = (
+            np.zeros(n, np.float32) for _ in range(5)
+        )
+        self.gap = np.empty(n)
+        self.active = np.empty(n, np.bool_)
+        self.count = 0
+        self.energy = 0.0
+        self._reference: float | None = None
+
+    def renew(self) -> float:
+        """Make the pressure feasible and measure it; returns its error [m]."""
+        if _list_kernels.cut(self.pressure, self.base, self.moved, self.total) > 0.0:
+            self.change = self.operator.apply(self.moved)
+        else:
+            self.change[:] = 0.0
+        level, lowest, work, self.count, energy, shift = _list_kernels.measure(
+            self.pressure,
+            self.moved,
+            self.start_gap,
+            self.change,
+            self.gap,
+            self.active,
+            self.residual,
+        )
+        if self._reference is None:
+            self._reference = level
+        self.energy = energy - self._reference * shift
+        return float(max(work, level) - lowest)
+
+    def descend(self, plain: bool) -> int:
+        """Loose conjugate gradients on the active points; returns the steps taken.
+
+        `plain` takes the residual itself instead of its preconditioned form, and one step: the
+        direction that must lower the energy if any does.
+        """
         norm = start = 0.0
-        for step in range(LONGEST_RUN):
-            z = operator.precondition(residual)
-            norm = _list_kernels.turn(active, count, z, residual, before, direction, norm)
+        for step in range(1 if plain else LONGEST_RUN):
+            z = self.residual if plain else self.operator.precondition(self.residual)
+            norm = _list_kernels.turn(
+                self.active, self.count, z, self.residual, self.before, self.direction, norm
+            )
             if step == 0:
                 start = norm
             elif norm < DROP**2 * start:
-                break
-            response = operator.apply(direction)
+                return step
             negative = _list_kernels.advance(
-                active, count, pressure, now, change, residual, before, direction, response
+                self.active,
+                self.count,
+                self.pressure,
+                self.gap,
+                self.change,
+                self.residual,
+                self.before,
+                self.direction,
+                self.operator.apply(self.direction),
             )
             if negative < 0:
-                if step == 0:
-                    return iterations
-                break
-            iterations += 1
-            if negative > NEGATIVE_SHARE * count:
-                break
+                return step
+            if negative > NEGATIVE_SHARE * self.count:
+                return step + 1
+        return step + 1

@@ -23,8 +23,8 @@ __all__ = ["Level", "Outcome"]
 _BAND = 0.05
 _MARGIN = 2.0
 _MOST_OUTER = 60
-_PATIENCE = 8
-_MOST_INNER = 400
+_PATIENCE = 6
+_MOST_INNER = 200
 _SMALL_GRID = 128 * 128
 _ROWS = 64
 _ONE_THREAD = 256 * 256
@@ -56,6 +56,7 @@ class Level:
         self.heights = heights
         self.exact = exact
         self.rms_height = _rms_height(heights)
+        self._careful = False
         self._split: SplitOperator | None = None
         self._full: FullGridOperator | None = None
 
@@ -83,6 +84,7 @@ class Level:
         search = load if isinstance(load, LoadSearch) else None
         iterations = 0
         best, idle = math.inf, 0
+        self._careful = False
         for outer in range(_MOST_OUTER):
             mean = search.mean if isinstance(load, LoadSearch) else load
             use_numba(1 if self.heights.size <= _ONE_THREAD else idle_threads(self.exact.threads))
@@ -100,6 +102,7 @@ class Level:
             if worst <= tolerance and not known:
                 return Outcome(reading, iterations, True, "")
             idle = 0 if worst < 0.7 * best else idle + 1
+            self._careful = self._careful or idle >= 2
             best = min(best, worst)
             if idle >= _PATIENCE:
                 break
@@ -145,9 +148,9 @@ class Level:
         return spent
 
     def _operator(self, points: int) -> SplitOperator | FullGridOperator:
-        """The cheaper operator for a list of so many points."""
+        """The cheaper operator for so many points; the sharper one after idle corrections."""
         size = self.heights.size
-        if size <= _SMALL_GRID or points > _FULL_SHARE * size:
+        if self._careful or size <= _SMALL_GRID or points > _FULL_SHARE * size:
             if self._full is None:
                 self._full = FullGridOperator(self.exact)
             return self._full

@@ -65,7 +65,12 @@ def test_passes_match_numpy():
     change, z, direction, response = rng.standard_normal((4, n)).astype(np.float32)
     gap, active = np.empty(n), np.empty(n, np.bool_)
     residual, before = np.zeros((2, n), np.float32)
-    level, lowest, work, count = _list_kernels.measure(p, start_gap, change, gap, active, residual)
+    moved = rng.standard_normal(n).astype(np.float32)
+    level, lowest, work, count, energy, shift = _list_kernels.measure(
+        p, moved, start_gap, change, gap, active, residual
+    )
+    assert energy == pytest.approx((moved * (start_gap + 0.5 * change)).sum(), rel=1e-5)
+    assert shift == pytest.approx(moved.sum(dtype=float), rel=1e-5)
     expected = start_gap + change
     np.testing.assert_allclose(gap, expected, rtol=1e-12)
     assert level == pytest.approx(expected[p > 0].mean())
