@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import glob
+import inspect
 import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING
 from tqdm import tqdm
 
 import surfaces
-from asperity.cli.surface_options import add_arguments, add_preparation
+from asperity.cli.surface_options import PARAMETERS, add_arguments, add_preparation
 from surfaces.errors import AsperityError, InputError
 
 if TYPE_CHECKING:
@@ -178,19 +179,18 @@ def _save(hm: surfaces.HeightMap, path: Path, args: argparse.Namespace) -> None:
 def _generate(args: argparse.Namespace) -> int:
     if len(args.shape) > 2 or len(args.size) > 2:
         raise InputError("--shape and --size take one number or two (y and x)")
-    shape = (args.shape[0], args.shape[-1])
-    hm = surfaces.self_affine(
-        shape,
-        (args.size[0], args.size[-1]),
-        hurst=args.hurst,
-        rms_slope=args.rms_slope,
-        rms_height=args.rms_height,
-        rolloff=args.rolloff,
-        cutoff=args.cutoff,
-        anisotropy=args.anisotropy,
-        angle=math.radians(args.angle),
-        seed=args.seed,
-    )
+    make = getattr(surfaces, args.texture.replace("-", "_"))
+    takes = inspect.signature(make).parameters
+    given = {name: getattr(args, name) for name in PARAMETERS if getattr(args, name) is not None}
+    for name in sorted(given.keys() - takes.keys()):
+        raise InputError(f"--{name.replace('_', '-')} does not belong to {args.texture}")
+    if "angle" in given:
+        given["angle"] = math.radians(given["angle"])
+    given.setdefault("hurst", 0.8)
+    for name, parameter in takes.items():
+        if parameter.default is parameter.empty and name not in (*given, "shape", "size"):
+            raise InputError(f"{args.texture} needs --{name.replace('_', '-')}")
+    hm = make((args.shape[0], args.shape[-1]), (args.size[0], args.size[-1]), **given)
     if args.name:
         hm = hm.replace(name=args.name)
     surfaces.write(hm, args.output, dtype="float32" if args.float32 else "float64")

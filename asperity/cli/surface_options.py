@@ -14,6 +14,27 @@ _EPILOG = """examples:
 """
 
 
+TEXTURES = ("self-affine", "plateau-honed", "ground", "turned", "two-scale")
+PARAMETERS = {
+    "hurst": "Hurst exponent (0.8)",
+    "rms_slope": "rms slope [-]; self-affine, plateau-honed, ground",
+    "rms_height": "rms height [m]; self-affine",
+    "rolloff": "longest self-affine wavelength [m]",
+    "cutoff": "shortest wavelength [m]",
+    "anisotropy": "ratio of the wavelengths along and across the lay; self-affine",
+    "angle": "direction of the lay from +x [degrees]; self-affine, ground",
+    "feed": "distance of the grooves [m]; turned",
+    "nose_radius": "radius of the tool [m]; turned",
+    "roughness": "rms height of the roughness on the grooves [m]; turned",
+    "coarse": "shortest wavelength of the coarse scale [m]; two-scale",
+    "fine": "shortest wavelength of the fine scale [m]; two-scale. Share of fine roughness; others",
+    "coarse_height": "rms height of the coarse scale [m]; two-scale",
+    "fine_height": "rms height of the fine scale [m]; two-scale",
+    "seed": "names one of all such surfaces (0)",
+}
+"""Options of the textures; each texture takes some of them."""
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add all sub-commands with their options."""
     parser.epilog = _EPILOG
@@ -36,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     _outputs(prepare)
     add_preparation(prepare)
 
-    generate = _command(commands, "generate", "make a self-affine rough surface")
+    generate = _command(commands, "generate", "make a rough surface")
     _generation(generate)
 
     peaks = _command(commands, "peaks", "prepare a map and list its peaks")
@@ -125,18 +146,14 @@ def _outputs(parser: argparse.ArgumentParser) -> None:
 
 
 def _generation(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--texture", choices=TEXTURES, default="self-affine")
     parser.add_argument("--shape", type=int, nargs="+", default=[512, 512], metavar="N")
-    parser.add_argument("--size", type=float, nargs="+", default=[1e-3], metavar="L", help="[m]")
-    parser.add_argument("--hurst", type=float, default=0.8, help="Hurst exponent (0.8)")
-    parser.add_argument("--rms-slope", type=float, help="rms slope [-]")
-    parser.add_argument("--rms-height", type=float, help="rms height [m]")
-    parser.add_argument("--rolloff", type=float, help="longest self-affine wavelength [m]")
-    parser.add_argument("--cutoff", type=float, help="shortest wavelength [m]")
     parser.add_argument(
-        "--anisotropy", type=float, default=1.0, help="ratio of correlation lengths"
+        "--size", type=float, nargs="+", default=[1e-3], metavar="L", help="lengths LY LX [m]"
     )
-    parser.add_argument("--angle", type=float, default=0.0, help="direction of the lay [degrees]")
-    parser.add_argument("--seed", type=int, default=0)
+    for name, text in PARAMETERS.items():
+        kind = int if name == "seed" else float
+        parser.add_argument(f"--{name.replace('_', '-')}", type=kind, metavar="X", help=text)
     parser.add_argument("--name", help="name kept in the file")
     parser.add_argument("-o", "--output", metavar="FILE", required=True)
     parser.add_argument("--float32", action="store_true", help="half the size, 7 digits")

@@ -78,8 +78,28 @@ def test_generate(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    "words",
+    [
+        "--texture plateau-honed --rms-slope 0.1 --cutoff 6e-5",
+        "--texture ground --rms-slope 0.1 --cutoff 6e-5 --angle 30",
+        "--texture turned --feed 1e-4 --nose-radius 4e-4 --roughness 1e-7",
+        "--texture two-scale --coarse 2e-4 --fine 5e-5 --coarse-height 1e-6 --fine-height 1e-7",
+    ],
+)
+def test_generate_textures(tmp_path: Path, words: str) -> None:
+    target = tmp_path / "g.h5"
+    size = ("--shape", 64, 96, "--size", 1e-3, 2e-3)
+    assert run("generate", *words.split(), *size, "-o", target) == 0
+    hm = surfaces.read(target)
+    assert hm.shape == (64, 96) and hm.size == (1e-3, 2e-3) and hm.rms_height > 0.0
+
+
+@pytest.mark.parametrize(
     ("words", "message"),
     [
+        (["generate", "-o", "a.h5"], "give either rms_slope or rms_height"),
+        (["generate", "--feed", "1", "-o", "a.h5"], "--feed does not belong to self-affine"),
+        (["generate", "--texture", "turned", "-o", "a.h5"], "turned needs --feed"),
         (["info", "none.h5"], "none.h5: no such file"),
         (["info", "none*.h5"], "none*.h5: no such file"),
         (["convert", "{0}/map0.h5"], "say where to write"),
