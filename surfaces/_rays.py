@@ -22,14 +22,16 @@ _LOCAL = 1e-4  # largest misfit of the local quartic, relative to the range of i
 SUMMIT, PLATEAU, RIM = 0, -1, -2
 
 
-def _quartic_rows() -> NDArray[np.float64]:
-    """Least-squares coefficients of a quartic on 5 x 5 points, shape (15, 25)."""
+def _quartic_rows() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Least-squares quartic on 5 x 5 points: coefficients (15, 25) and residuals (25, 25)."""
     y, x = (a.ravel() for a in np.mgrid[-2:3, -2:3].astype(float))
     terms = [y**i * x ** (degree - i) for degree in range(5) for i in range(degree + 1)]
-    return np.ascontiguousarray(np.linalg.pinv(np.stack(terms, axis=1)))
+    columns = np.stack(terms, axis=1)
+    rows = np.ascontiguousarray(np.linalg.pinv(columns))
+    return rows, np.eye(25) - columns @ rows
 
 
-_QUARTIC = _quartic_rows()
+_QUARTIC, _RESIDUAL = _quartic_rows()
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -48,16 +50,19 @@ def local_fit(heights, periodic, row, col, c):
             i, j = i % ny, j % nx
         elif not (0 <= i < ny and 0 <= j < nx):
             return False
-        points[k] = heights[i, j]
+        points[k] = heights[i, j] - heights[row, col]
         low, high = min(low, points[k]), max(high, points[k])
+    for m in range(25):
+        off = 0.0
+        for k in range(25):
+            off += _RESIDUAL[m, k] * points[k]
+        if abs(off) > _LOCAL * (high - low):
+            return False
     for m in range(15):
         c[m] = 0.0
         for k in range(25):
             c[m] += _QUARTIC[m, k] * points[k]
-    for k in range(25):
-        h = _quartic(c, k // 5 - 2.0, k % 5 - 2.0)[0]
-        if abs(h - points[k]) > _LOCAL * (high - low):
-            return False
+    c[0] += heights[row, col]
     return True
 
 
@@ -65,21 +70,19 @@ def local_fit(heights, periodic, row, col, c):
 def _quartic(c, y, x):
     """Height, gradient and second derivatives (h, h_y, h_x, h_yy, h_xy, h_xx) of the quartic."""
     h, h_y, h_x, h_yy, h_xy, h_xx = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    m = 0
-    for degree in range(5):
-        for i in range(degree + 1):
-            j = degree - i
-            yi, xj = y**i, x**j
-            yi1, xj1 = (i * y ** (i - 1) if i > 0 else 0.0), (j * x ** (j - 1) if j > 0 else 0.0)
-            h += c[m] * yi * xj
-            h_y += c[m] * yi1 * xj
-            h_x += c[m] * yi * xj1
-            h_xy += c[m] * yi1 * xj1
-            if i > 1:
-                h_yy += c[m] * i * (i - 1) * y ** (i - 2) * xj
-            if j > 1:
-                h_xx += c[m] * j * (j - 1) * x ** (j - 2) * yi
-            m += 1
+    for j in range(4, -1, -1):  # Horner in x; each coefficient is a polynomial in y
+        a, a_y, a_yy = 0.0, 0.0, 0.0
+        for i in range(4 - j, -1, -1):
+            degree = i + j
+            a_yy = a_yy * y + 2.0 * a_y
+            a_y = a_y * y + a
+            a = a * y + c[degree * (degree + 1) // 2 + i]
+        h_xx = h_xx * x + 2.0 * h_x
+        h_x = h_x * x + h
+        h_xy = h_xy * x + h_y
+        h = h * x + a
+        h_y = h_y * x + a_y
+        h_yy = h_yy * x + a_yy
     return h, h_y, h_x, h_yy, h_xy, h_xx
 
 
@@ -95,12 +98,8 @@ def climb(heights, flat, width, labels, periodic, row, col, n, c):
     ny, nx = heights.shape
     local = local_fit(heights, periodic, row, col, c)
     y, x = float(row), float(col)
-    e = expand(flat, width, y, x)
     for _ in range(30):
-        if local:
-            e = _quartic(c, y - row, x - col)
-        else:
-            e = expand(flat, width, y, x)
+        e = _quartic(c, y - row, x - col) if local else expand(flat, width, y, x)
         half = math.hypot(0.5 * (e[3] - e[5]), e[4])
         mean = 0.5 * (e[3] + e[5])
         size = abs(mean) + half
