@@ -29,6 +29,9 @@ SPARE = 1.35
 MAX_SEARCH = 40
 """Separations tried to reach a mean pressure."""
 
+SEARCH_TOLERANCE = 5e-3
+"""Tolerance of a solve on the way to a mean pressure."""
+
 LARGEST_AREA = 0.5
 """Contact area over nominal area beyond which separate contacts have lost their meaning."""
 
@@ -262,23 +265,36 @@ class _Trail:
         low, high, step = -math.inf, top, 0.1 * float(np.ptp(population.height)) or 0.1 * abs(top)
         if state is None or not state.mean_pressure > 0:
             state = self.at(self._independent_separation(pressure), tolerance)
+        anchor = state._trail.points[-1:]
         for _ in range(MAX_SEARCH):
             if not state.converged:
                 return state
             error = math.log(state.mean_pressure / pressure) if state.mean_pressure > 0 else -1e3
-            if abs(error) <= tolerance:
-                return state
+            if abs(error) <= tolerance and state.residual <= tolerance:
+                return replace(state, _trail=state._trail._anchored(anchor))
             here = state.separation
-            low, high = (here, high) if error > 0 else (low, min(high, here))
+            # a rough pressure near the wanted one does not tell on which side it lies
+            if abs(error) > 5 * state.residual:
+                low, high = (here, high) if error > 0 else (low, min(high, here))
             guess = high - step
             if state.mean_pressure > 0:
                 guess = here + error * state.mean_pressure / state.normal_stiffness
             if not low < guess < high:
                 guess = 0.5 * (low + high) if math.isfinite(low) else high - step
             step *= 2
-            state = state._trail.at(guess, tolerance)
+            # far from the pressure a rough solve shows the way
+            rough = max(tolerance, SEARCH_TOLERANCE if abs(error) > 10 * SEARCH_TOLERANCE else 0.0)
+            state = state._trail.at(guess, rough)
         reason = f"{MAX_SEARCH} separations did not bring the mean pressure to {pressure:g} Pa"
         return replace(state, converged=False, reason=reason)
+
+    def _anchored(
+        self, anchor: tuple[tuple[float, NDArray[np.float64], NDArray[np.float64]], ...]
+    ) -> _Trail:
+        """The same trail with the start of the search as the point before the last."""
+        if not anchor or not self.points or anchor[0][0] == self.points[-1][0]:
+            return self
+        return replace(self, points=(anchor[0], self.points[-1]))
 
     def stiffness(self, approach: NDArray[np.float64]) -> float:
         """Minus the slope of mean pressure over separation [Pa/m] at the state just reached."""

@@ -7,9 +7,21 @@ import math
 import numpy as np
 from numba import njit
 
+GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
+
+
+@njit(inline="always")
+def _raise(base, power):
+    """base^power, the powers of the homogeneous body by products."""
+    if power == 3.0:
+        return base * base * base
+    if power == 2.0:
+        return base * base
+    return base**power
+
 
 @njit(cache=True, nogil=True)
-def evaluate(approach, reach, power, table, force, stiffness, area, energy, moment, growth):
+def evaluate(index, approach, reach, power, table, force, stiffness, area, energy, moment, growth):
     """Laws at the given approaches; `Laws` says what the rows of `table` hold."""
     steps = table.shape[1]
     for i in range(approach.size):
@@ -18,8 +30,8 @@ def evaluate(approach, reach, power, table, force, stiffness, area, energy, mome
             continue
         v = math.sqrt(min(d, reach[i]) / reach[i]) * steps
         j = min(int(v), steps - 1)
-        row = table[i, j]
-        factor = v * v * v if power == 3.0 else v**power
+        row = table[index[i], j]
+        factor = _raise(v, power)
         s = row[0] + v * (row[1] + v * (row[2] + v * row[3]))
         ds = row[1] + v * (2.0 * row[2] + 3.0 * v * row[3])
         f = factor * s
@@ -72,3 +84,97 @@ def convex(place, force):
             for j in range(a + 1, b):
                 t = (place[j] - place[a]) / (place[b] - place[a])
                 row[j] = (1.0 - t) * row[a] + t * row[b]
+
+
+@njit(inline="always")
+def _cubic(left, right, left_slope, right_slope):
+    rise = right - left
+    return (
+        left,
+        left_slope,
+        3.0 * rise - 2.0 * left_slope - right_slope,
+        left_slope + right_slope - 2.0 * rise,
+    )
+
+
+@njit(inline="always")
+def _slope(e0, e1, e2, e3, power, v):
+    """dF/dv of F = v^p (e0 + e1 v + e2 v^2 + e3 v^3)."""
+    s = e0 + v * (e1 + v * (e2 + v * e3))
+    ds = e1 + v * (2.0 * e2 + 3.0 * v * e3)
+    return max(_raise(v, power - 1.0) * (power * s + v * ds), 0.0)
+
+
+@njit(inline="always")
+def _primitive(e0, e1, e2, e3, power, v):
+    """Integral of F v dv from 0."""
+    q = power + 2.0
+    series = e0 / q + v * (e1 / (q + 1.0) + v * (e2 / (q + 2.0) + v * e3 / (q + 3.0)))
+    return v * v * _raise(v, power) * series
+
+
+@njit(cache=True, nogil=True)
+def tabulate(rows, reach, force, stiffness, area, power, factor, exponent, table):
+    """Fill the rows of `table` (see `Laws`) from sound nodal values.
+
+    `force` and `stiffness` run over `rows`, `reach`, `area` and `table` over all contacts; a
+    footprint has the variance (factor k)^exponent. The moment (1/F) int v dF is integrated by
+    Gauss quadrature on each interval, and its slopes are limited so that it grows between the nodes
+    too (Fritsch and Carlson 1980).
+    """
+    steps = force.shape[1] - 1
+    x, g = GAUSS_NODES, GAUSS_WEIGHTS
+    moment = np.zeros(steps + 1)
+    bend = np.zeros(steps + 1)
+    for r in range(rows.size):
+        i = rows[r]
+        width = 2.0 * reach[i] / (steps * steps)
+        s0 = 0.0
+        d0 = 0.0
+        work = 0.0
+        load = 0.0
+        spread = 0.0
+        for j in range(steps):
+            v = j + 1.0
+            s1 = force[r, j + 1] * v**-power
+            d1 = stiffness[r, j + 1] * width * v * v**-power - power * s1 / v
+            if j == 0:
+                # straight, through the first node, not below a fifth of its value
+                d1 = min(d1, 0.8 * s1)
+                s0 = s1 - d1
+                d0 = d1
+            c0, c1, c2, c3 = _cubic(s0, s1, d0, d1)
+            e3 = c3
+            e2 = c2 - 3.0 * c3 * j
+            e1 = c1 - 2.0 * c2 * j + 3.0 * c3 * j * j
+            e0 = c0 - c1 * j + c2 * j * j - c3 * j * j * j
+            start = width * _primitive(e0, e1, e2, e3, power, float(j))
+            table[i, j, 0] = e0
+            table[i, j, 1] = e1
+            table[i, j, 2] = e2
+            table[i, j, 3] = e3
+            table[i, j, 4] = work - start
+            work += width * _primitive(e0, e1, e2, e3, power, v) - start
+            for q in range(5):
+                t = j + 0.5 * (1.0 + x[q])
+                slope = _slope(e0, e1, e2, e3, power, t)
+                load += 0.5 * g[q] * slope
+                spread += 0.5 * g[q] * slope * _raise(factor * slope / (width * t), exponent)
+            moment[j + 1] = spread / load
+            slope = _slope(e0, e1, e2, e3, power, v)
+            variance = _raise(factor * slope / (width * v), exponent)
+            bend[j + 1] = (variance - moment[j + 1]) * slope / load
+            table[i, j, 9] = area[i, j] / (j * j) if j > 0 else area[i, 1]
+            table[i, j, 10] = area[i, j + 1] / (v * v)
+            s0 = s1
+            d0 = d1
+        for j in range(1, steps + 1):
+            before = moment[j] - moment[j - 1]
+            after = moment[j + 1] - moment[j] if j < steps else before
+            bend[j] = min(max(bend[j], 0.0), 3.0 * max(min(before, after), 0.0))
+        for j in range(steps):
+            c0, c1, c2, c3 = _cubic(moment[j], moment[j + 1], bend[j], bend[j + 1])
+            table[i, j, 5] = c0
+            table[i, j, 6] = c1
+            table[i, j, 7] = c2
+            table[i, j, 8] = c3

@@ -7,9 +7,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces._threads import blocks, run
+
 from ..errors import InputError
 from . import _laws
-from .footprint import Footprints
+from .footprint import FLOOR, Footprints
 
 __all__ = ["FILLED", "STIFFEST", "Evaluated", "LawNodes", "Laws"]
 
@@ -75,10 +77,10 @@ class Laws:
         Contacts whose table broke a law of contact and was mended, bool, shape (n,).
     largest
         Contact area [m^2] at reach, shape (n,).
-    widest
-        Variance [m^2] of the footprint of the filled basin, shape (n,).
+    index
+        Rows of the table that belong to these contacts, shape (n,).
     table
-        Shape (n, K, 11), for v in [j, j+1]: coefficients of s = e0 + e1 v + e2 v^2 + e3 v^3; the
+        Shape (rows, K, 11), for v in [j, j+1]: coefficients of s = e0 + e1 v + e2 v^2 + e3 v^3; the
         constant of the energy; coefficients of the moment in v - j; area/v^2 at both ends.
 
     Notes
@@ -107,29 +109,40 @@ class Laws:
         self.exponent, self.footprints = float(nodes.exponent), footprints
         self.usable = (reach > 0) & (force[:, -1] > 0)
         self.reach = np.where(self.usable, reach, 0.0)
+        self.index = np.arange(len(reach))
         self.table = np.zeros((len(reach), force.shape[1] - 1, 11))
         self.repaired = np.zeros(len(reach), bool)
-        self.largest, self.widest = np.zeros((2, len(reach)))
+        self.largest = np.zeros(len(reach))
         rows = np.flatnonzero(self.usable)
         cap = STIFFEST * footprints.punch(np.sqrt(area[rows].max(axis=1) / np.pi))
         force, stiffness, self.repaired[rows] = _sound(
             reach[rows], force[rows], stiffness[rows], cap
         )
-        self.table[rows] = _tabulate(reach[rows], force, stiffness, self.exponent, footprints)
-        shape = area[rows, 1:] / np.arange(1.0, force.shape[1]) ** 2
-        self.table[rows, :, 9] = np.concatenate((shape[:, :1], shape[:, :-1]), axis=1)
-        self.table[rows, :, 10] = shape
+        settings = (1 + FLOOR) * footprints.self_factor, 2 / footprints.power
+        run(
+            lambda a, b: _laws.tabulate(
+                rows[a:b],
+                reach,
+                force[a:b],
+                stiffness[a:b],
+                area,
+                self.exponent,
+                *settings,
+                self.table,
+            ),
+            blocks(len(rows), 1000),
+        )
         self.largest[rows] = area[rows, -1]
-        self.widest[rows] = footprints.variance(stiffness[:, -1])
 
     def __len__(self) -> int:
-        return len(self.reach)
+        return len(self.index)
 
     def rows(self, index: NDArray[np.int64]) -> Laws:
-        """The laws of the contacts `index` alone."""
+        """The laws of the contacts `index` alone; the table is shared."""
         part = object.__new__(Laws)
-        part.exponent, part.footprints = self.exponent, self.footprints
-        for name in ("reach", "usable", "repaired", "largest", "widest", "table"):
+        vars(part).update(vars(self))
+        part.index = self.index[index]
+        for name in ("reach", "usable", "repaired", "largest"):
             setattr(part, name, getattr(self, name)[index])
         return part
 
@@ -137,6 +150,7 @@ class Laws:
         """Laws at the approaches [m], shape (n,); zero force where they are not positive."""
         out = Evaluated(len(approach))
         _laws.evaluate(
+            self.index,
             approach,
             self.reach,
             self.exponent,
@@ -153,37 +167,6 @@ class Laws:
     def filled(self, law: Evaluated) -> NDArray[np.bool_]:
         """Which contacts cover more than `FILLED` of the area that they have at reach."""
         return np.asarray(law.area > FILLED * self.largest)
-
-
-def _tabulate(
-    reach: NDArray[np.float64],
-    force: NDArray[np.float64],
-    stiffness: NDArray[np.float64],
-    power: float,
-    footprints: Footprints,
-) -> NDArray[np.float64]:
-    """The table of `Laws` for usable contacts."""
-    steps = force.shape[1] - 1
-    v = np.arange(1.0, steps + 1)
-    slope = stiffness * 2 * reach[:, None] * np.arange(steps + 1) / steps**2
-    s = force[:, 1:] * v**-power
-    ds = slope[:, 1:] * v**-power - power * s / v
-    # first interval: straight, through the first node, not below a fifth of its value
-    ds[:, 0] = np.minimum(ds[:, 0], 0.8 * s[:, 0])
-    first = s[:, :1] - ds[:, :1]
-    table = np.zeros((*s.shape, 11))
-    local = _hermite(
-        np.concatenate((first, s[:, :-1]), 1), s, np.concatenate((ds[:, :1], ds[:, :-1]), 1), ds
-    )
-    e = table[..., :4]
-    j = v - 1
-    e[..., 3] = local[3]
-    e[..., 2] = local[2] - 3 * local[3] * j
-    e[..., 1] = local[1] - 2 * local[2] * j + 3 * local[3] * j**2
-    e[..., 0] = local[0] - local[1] * j + local[2] * j**2 - local[3] * j**3
-    _energy(table, reach, power)
-    _moment(table, reach, power, footprints)
-    return table
 
 
 def _sound(
@@ -213,75 +196,3 @@ def _sound(
     above[:, -1] = np.maximum(cap[broken], secant[:, -1])
     stiffness[broken] = np.clip(stiffness[broken], below, above)
     return force, stiffness, broken
-
-
-def _hermite(
-    left: NDArray[np.float64],
-    right: NDArray[np.float64],
-    left_slope: NDArray[np.float64],
-    right_slope: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], ...]:
-    """Coefficients of the cubic on the unit interval."""
-    rise = right - left
-    return (
-        left,
-        left_slope,
-        3 * rise - 2 * left_slope - right_slope,
-        left_slope + right_slope - 2 * rise,
-    )
-
-
-def _energy(table: NDArray[np.float64], reach: NDArray[np.float64], power: float) -> None:
-    """Constant of the energy on each interval: U = constant + primitive of F dd/dv."""
-    steps = table.shape[1]
-    width = (2 * reach / steps**2)[:, None]
-    j = np.arange(steps)
-
-    def primitive(v: NDArray[np.float64]) -> NDArray[np.float64]:
-        q = power + 2
-        series = sum(table[..., k] * v**k / (q + k) for k in range(4))
-        return np.asarray(width * v**q * series)
-
-    start, end = primitive(j), primitive(j + 1.0)
-    done = np.cumsum(end - start, axis=1)
-    table[..., 4] = np.concatenate((np.zeros((len(table), 1)), done[:, :-1]), 1) - start
-
-
-def _moment(
-    table: NDArray[np.float64], reach: NDArray[np.float64], power: float, kernel: Footprints
-) -> None:
-    """Moment m = (1/F) int v(k) dF by Gauss quadrature on each interval, Hermite between."""
-    steps = table.shape[1]
-    j = np.arange(steps)
-
-    def slope(v: NDArray[np.float64]) -> NDArray[np.float64]:
-        s = sum(table[..., k] * v**k for k in range(4))
-        ds = sum(k * table[..., k] * v ** (k - 1) for k in range(1, 4))
-        return np.asarray(np.maximum(v ** (power - 1) * (power * s + v * ds), 0.0))
-
-    def variance(v: NDArray[np.float64]) -> NDArray[np.float64]:
-        return kernel.variance(slope(v) * steps**2 / (2 * reach[:, None] * v))
-
-    part = np.zeros(table.shape[:2])
-    force = np.zeros_like(part)
-    for t, weight in zip(*np.polynomial.legendre.leggauss(5), strict=True):
-        v = j + (1 + t) / 2
-        force += weight / 2 * slope(v)
-        part += weight / 2 * slope(v) * variance(v)
-    force = np.cumsum(force, axis=1)
-    moment = np.cumsum(part, axis=1) / force
-    bend = (variance(j + 1.0) - moment) * slope(j + 1.0) / force
-    zero = np.zeros((len(table), 1))
-    # slopes limited so that the moment grows between the nodes too (Fritsch and Carlson 1980)
-    secant = np.diff(moment, axis=1, prepend=0.0)
-    after = np.concatenate((secant[:, 1:], secant[:, -1:]), axis=1)
-    bend = np.clip(bend, 0.0, 3 * np.maximum(np.minimum(secant, after), 0.0))
-    table[..., 5:9] = np.stack(
-        _hermite(
-            np.concatenate((zero, moment[:, :-1]), 1),
-            moment,
-            np.concatenate((zero, bend[:, :-1]), 1),
-            bend,
-        ),
-        axis=-1,
-    )
