@@ -119,13 +119,14 @@ def _edge_radius(edge, stretch, offset, x, y):
 
 @njit(cache=True, fastmath=FAST, nogil=True)
 def march(
-    begin, end, all_coefs, all_sizes, all_edges, all_stretches, offset, levels, most, m, degree,
-    rows, start, step, moments, parity, order, nodes, all_states, all_shapes,
+    begin, end, all_coefs, all_sizes, all_edges, all_stretches, offset, levels, most, stop, m,
+    degree, rows, start, step, moments, parity, order, nodes, all_states, all_shapes,
 ):  # fmt: skip
     """Follow the profiles [begin, end) through the approaches levels**2.
 
     Fills states (n, levels, STATES) and shapes (n, levels, 5 + 4 nodes): semi-axes, centre, turn
-    and displacements of the contour. `most` Newton steps at most before the first trusted level.
+    and displacements of the contour. `most` Newton steps at most before the first trusted level;
+    `stop` ends a profile after the last.
     """
     n, nq = order.size, nodes.size
     around = 4.0 * (nq - 1)
@@ -307,7 +308,7 @@ def march(
                 x0 += tc * g[3] * a - ts * g[4] * b
                 y0 += ts * g[3] * a + tc * g[4] * b
                 turn += twist
-                if abs(g[0]) + abs(g[1]) + abs(g[3]) + abs(g[4]) < 1e-3:
+                if abs(g[0]) + abs(g[1]) + abs(twist) + abs(g[3]) + abs(g[4]) < 1e-3:
                     break
                 if abs(g[0]) + abs(g[1]) + abs(g[3]) + abs(g[4]) < 1e-4:
                     break
@@ -383,7 +384,7 @@ def march(
             untrusted = untrusted or state[level, 8] > CONFINED
             if untrusted or not (force > 0.0):
                 state[level, 9] = 0.0
-                if begun or level > levels.size // 2:
+                if stop and (begun or level > levels.size // 2):
                     break
             else:
                 begun = True

@@ -1,331 +1,323 @@
-"""Law "ellipse": expansion about the optimal ellipse, confined to the basin.
-
-The elliptic flat punch is exact for every grading, so the Barber functional on ellipses is a
-rigorous lower bound of the force. About its best ellipse the boundary moves locally where the
-edge amplitude of the pressure is small, which gives the force to third order and the contour to
-first; the contour is stopped at the basin edge.
-"""
+"""Law "ellipse": expansion about the optimal ellipse, of one profile or of a batch."""
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.indentation import Indentation
 from asperity.material import HalfSpace
-from asperity.transforms import gauss_jacobi
-from surfaces import _threads
+from surfaces.polar import PolarProfile, PowerSumProfile
 
-from .ellipse_tables import LOG_RATIO, EllipseTables, ellipse_tables
-from .fit import SummitFits, fit_summits
+from .basis import basis_of
+from .branch import RisingBranch
+from .ellipse_batch import second_order_area, tabulate
+from .ellipse_tables import (
+    DEGREE,
+    LOG_RATIO,
+    EllipseTables,
+    ellipse_tables,
+    monomials,
+    pressure_operator,
+)
 from .flags import Flag
-from .table import LawTable
+from .validity import profile_flags
 
-if TYPE_CHECKING:
-    from surfaces import Profiles
-
-__all__ = ["tabulate"]
+__all__ = ["EllipseState", "indent", "solve_ellipse", "tabulate"]
 
 Array = NDArray[np.float64]
 
-_ORDER = 0
-"""Harmonic whose edge operator carries a contour on along its ray."""
+_ANGLES = 720
+_REGION = 1.08
+"""Size of the ellipse on which f is fitted over that of the contact."""
 
-LEVELS = np.exp(np.linspace(np.log(1 / 80), 0.0, 25))
-"""Square roots of the approaches, relative to the reach, at which the law is computed."""
+_NEWTON = 40
+_ROUNDS = 12
+_STEP = 0.01
+"""Logarithmic step of the approach for the stiffness."""
 
-_FIRST = 8
-"""Newton steps at the smallest approach; every other one needs a single evaluation."""
+_DOUBTFUL = 0.5
+"""Displacement of the contour beyond which the expansion is flagged."""
 
+_BRACKET = 0.15
+"""Error of the force over its second-order part, from the profiles of `ellipse_law`."""
 
-def solve_states(fits: SummitFits, tables: EllipseTables, levels: Array) -> tuple[Array, Array]:
-    """States and contours of all profiles at the approaches ``depth * levels**2``."""
-    from ._ellipse_kernels import STATES, march
-
-    first, last, count = LOG_RATIO
-    state = np.zeros((len(fits), levels.size, STATES))
-    shape = np.zeros((len(fits), levels.size, 5 + 4 * tables.nodes.size))
-    inputs = (
-        fits.coefs,
-        fits.sizes,
-        fits.edge,
-        fits.stretch,
-        fits.offset,
-        levels,
-        _FIRST,
-        tables.m,
-        tables.degree,
-        tables.rows,
-        first,
-        (last - first) / (count - 1),
-        tables.moments,
-        tables.parity,
-        tables.order,
-        tables.nodes,
-        state,
-        shape,
-    )
-    _threads.run(lambda a, b: march(a, b, *inputs), _threads.blocks(len(fits), 64))
-    return state, shape
+_MISFIT = 0.005
+"""rms residual of the polynomial over the approach beyond which it is flagged."""
 
 
-@lru_cache(maxsize=8)
-def _slope_matrix(count: int) -> Array:
-    """Matrix of the derivative per step from the nearest five of `count` equispaced values."""
-    out = np.zeros((count, count))
-    width = min(5, count)
-    for row in range(count):
-        first = min(max(row - width // 2, 0), count - width)
-        x = np.arange(first, first + width) - row
-        powers = np.vander(x.astype(float), width, increasing=True)
-        out[row, first : first + width] = np.linalg.inv(powers)[1]
-    return out
+@dataclass(frozen=True, eq=False)
+class EllipseState:
+    """One contact about its optimal ellipse.
 
-
-@lru_cache(maxsize=8)
-def _resampling(nodes: int) -> tuple[Array, Array, Array, Array, Array]:
-    """Matrices from the levels to u = j/nodes, j = 1 ... nodes.
-
-    Value and derivative over u of the cubic Hermite through values and derivatives, and linear
-    interpolation.
+    Attributes
+    ----------
+    force, stiffness, area
+        F [N], dF/dd [N/m], contact area [m^2].
+    lower
+        Force of the elliptic punch alone [N], a lower bound for the fitted profile.
+    axes
+        Semi-axes a, b [m] and the turn of a from the x axis [rad].
+    centre
+        Centre of the ellipse [m].
+    displacement
+        Contour over the ellipse minus 1 at equispaced parameters of the ellipse from 0, (n,).
+    widest
+        Largest displacement of the first-order contour.
+    coefs
+        Displacement of the surface over the monomials of the scaled coordinates [m].
+    misfit
+        rms residual of the fit over the approach.
     """
-    u = np.arange(1, nodes + 1) / nodes
-    i = np.clip(np.searchsorted(LEVELS, u) - 1, 0, LEVELS.size - 2)
-    h = LEVELS[i + 1] - LEVELS[i]
-    x = (u - LEVELS[i]) / h
-    row = np.arange(nodes)
-    out = [np.zeros((nodes, LEVELS.size)) for _ in range(5)]
-    for m, low, high in (
-        (out[0], (1 + 2 * x) * (1 - x) ** 2, x * x * (3 - 2 * x)),
-        (out[1], h * x * (1 - x) ** 2, h * x * x * (x - 1)),
-        (out[2], 6 * x * (x - 1) / h, 6 * x * (1 - x) / h),
-        (out[3], (1 - x) * (1 - 3 * x), x * (3 * x - 2)),
-        (out[4], 1 - x, x),
-    ):
-        m[row, i] = low
-        m[row, i + 1] = high
-    return out[0], out[1], out[2], out[3], out[4]
+
+    force: float
+    stiffness: float
+    area: float
+    lower: float
+    axes: tuple[float, float, float]
+    centre: tuple[float, float]
+    displacement: Array
+    widest: float
+    coefs: Array
+    misfit: float
+
+    def boundary(self, phi: Array) -> Array:
+        """Boundary a(phi) [m] about the summit."""
+        a, b, turn = self.axes
+        t = 2 * np.pi * np.arange(4 * _ANGLES) / (4 * _ANGLES)
+        grown = 1 + self._displacement(t)
+        x, y = a * np.cos(t) * grown, b * np.sin(t) * grown
+        c, s = np.cos(turn), np.sin(turn)
+        x, y = self.centre[0] + c * x - s * y, self.centre[1] + s * x + c * y
+        angle, r = np.unwrap(np.arctan2(y, x)), np.hypot(x, y)
+        where = angle[0] + np.mod(phi - angle[0], 2 * np.pi)
+        return np.interp(where, angle, r, period=2 * np.pi)
+
+    def pressure(self, r: Array, phi: Array, material: HalfSpace) -> Array:
+        """Pressure [Pa] at the points: that of the ellipse less its edge singularity, stretched.
+
+        Along each ray of the ellipse ``(1 - rho^2)^((m-1)/2)`` times the pressure polynomial
+        minus its value at the edge, with rho measured to the displaced contour.
+        """
+        m = material.m
+        a, b, turn = self.axes
+        x, y = r * np.cos(phi) - self.centre[0], r * np.sin(phi) - self.centre[1]
+        c, s = np.cos(turn), np.sin(turn)
+        xi, eta = (c * x + s * y) / a, (c * y - s * x) / b
+        t = np.arctan2(eta, xi)
+        rho = np.hypot(xi, eta) / (1 + self._displacement(t))
+        inside = rho < 1
+        rho = np.where(inside, rho, 0.0)
+        i, j = monomials(DEGREE)
+        # the table is for semi-axes of unit product: lengths in units of sqrt(ab)
+        size = np.sqrt(a * b)
+        operator = pressure_operator(m, b / a)
+        weights = material.modulus * size ** (m - 1) * (self.coefs @ operator)
+        edge = np.cos(t) ** i[:, None] * np.sin(t) ** j[:, None]
+        inner = edge * rho ** (i + j)[:, None]
+        body = weights @ (inner - edge)
+        return np.where(inside, body * (1 - rho**2) ** ((m - 1) / 2), 0.0)
+
+    def _displacement(self, t: Array) -> Array:
+        amplitudes = np.fft.rfft(self.displacement) / self.displacement.size
+        order = np.arange(amplitudes.size)
+        twice = np.where((order == 0) | (2 * order == self.displacement.size), 1.0, 2.0)
+        waves = np.exp(1j * np.multiply.outer(t, order))
+        return np.asarray((waves @ (twice * amplitudes)).real)
 
 
-def tabulate(
-    profiles: Profiles, material: HalfSpace, *, law: str = "ellipse", nodes: int = 32
-) -> LawTable:
-    """Law table of a batch of profiles about their optimal ellipses.
+def solve_ellipse(
+    profile: PowerSumProfile | PolarProfile, material: HalfSpace, approach: float, start: float
+) -> EllipseState | None:
+    """Contact of a profile at one approach; None if no ellipse was found.
 
     Parameters
     ----------
-    profiles
-        Batch of sampled profiles (`surfaces.fit_profiles`).
+    profile
+        The profile.
     material
-        Half-space, any m.
-    law
-        "ellipse".
-    nodes
-        Intervals of the table.
+        Half-space.
+    approach
+        Approach [m], positive.
+    start
+        Radius [m] near that of the contact.
+
+    Notes
+    -----
+    f is fitted by a polynomial on an ellipse a little larger than the contact, and fitted again
+    until the ellipse no longer changes. The stiffness is a difference of the force at one fit.
     """
     tables = ellipse_tables(material.m)
-    fits = fit_summits(profiles, tables.degree)
-    state, shape = solve_states(fits, tables, LEVELS)
-    good = state[..., 9] > 0
-    filling = follow_basins(profiles, fits, shape, good, LEVELS, tables)
-    return _assemble(state, filling, good, fits, material, nodes, law)
-
-
-def follow_basins(
-    profiles: Profiles, fits: SummitFits, shape: Array, good: NDArray[np.bool_], levels: Array,
-    tables: EllipseTables,
-) -> Array:  # fmt: skip
-    """Area and punch stiffness (n, levels, 2) of the contours on rays from the last good node."""
-    from ._basin_kernels import fill_basins
-
-    first, last, count = LOG_RATIO
-    nq = tables.nodes.size
-    column = tables.order.size * nq + nq
-    turned = profiles.phi - profiles.angle[:, None]
-    out = np.zeros((len(fits), levels.size, 4))
-    inputs = (
-        np.ascontiguousarray(profiles.q),
-        moment_weights(tables.m, profiles.t.size, _ORDER),
-        np.ascontiguousarray(profiles.weight),
-        np.stack([np.cos(turned), np.sin(turned)], axis=-1),
-        fits.edge,
-        fits.length,
-        fits.height,
-        shape,
-        _ends(good)[1],
-        levels,
-        nq,
-        tables.m,
-        _ORDER + 3 + tables.m,
-        np.ascontiguousarray(tables.rows[:, column]),
-        first,
-        (last - first) / (count - 1),
-        0.5 * (1 + tables.m),
-        out,
+    a, b, turn, x0, y0 = _first_ellipse(profile, start)
+    levels = np.exp(0.5 * _STEP * np.arange(-2.0, 3.0))
+    for _ in range(_ROUNDS):
+        region = (_REGION * a, _REGION * b, turn, x0, y0)
+        coefs, misfit = _fit(profile, region, approach)
+        size = np.sqrt(region[0] * region[1])
+        state, shape = _march(coefs, region, float(size), levels, tables)
+        if not state[2, 0] > 0:
+            return None
+        found = shape[2]
+        new = _in_plane(found, region, size)
+        change = max(abs(np.log(new[0] / a)), abs(np.log(new[1] / b)))
+        change = max(change, np.hypot(new[3] - x0, new[4] - y0) / b)
+        a, b, turn, x0, y0 = new
+        if change < 1e-3:
+            break
+    force = state[:, 0]
+    slope = force @ np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / (12 * _STEP)
+    middle = state[2:3]
+    area = second_order_area(middle[None], np.array([[slope]]))[0, 0]
+    grown = (area - middle[0, 4]) / middle[0, 5] if middle[0, 5] > 0 else 0.0
+    unit = material.modulus * size ** (1 + material.m)
+    scaled, _ = _fit(profile, (a, b, turn, x0, y0), 1.0)
+    scaled = -scaled
+    scaled[0] += approach
+    return EllipseState(
+        force=float(middle[0, 0] * unit * approach),
+        stiffness=float(slope * unit),
+        area=float(area * size**2),
+        lower=float(middle[0, 0] * (1 - middle[0, 7]) * unit * approach),
+        axes=(a, b, turn),
+        centre=(x0, y0),
+        displacement=_around(found[5:], tables) + grown,
+        widest=float(middle[0, 6]),
+        coefs=scaled,
+        misfit=misfit,
     )
-    _threads.run(lambda a, b: fill_basins(a, b, *inputs), _threads.blocks(len(fits), 64))
-    return out
 
 
-@lru_cache(maxsize=8)
-def moment_weights(m: float, nodes: int, order: int, radii: int = 13) -> Array:
-    """Weights (radii, nodes) of ``h(a) = int t**(order+3) q(a t) (1-t*t)**((m-1)/2) dt``.
-
-    ``a`` runs over equispaced fractions of the ray from 0 to 1, ``q`` over equispaced nodes with
-    local cubics between them. The edge operator of harmonic `order` of one ray is
-    ``a*a * ((order + 3 + m) h + a h')`` (theory 5).
-    """
-    t, w = gauss_jacobi(m, 24)
-    out = np.zeros((radii, nodes))
-    last = nodes - 1
-    for row, a in zip(out, np.linspace(0, 1, radii), strict=True):
-        position = a * t * last
-        i = np.clip(position.astype(int), 1, last - 2)
-        u = position - i
-        cubic = (
-            -u * (u - 1) * (u - 2) / 6,
-            (u + 1) * (u - 1) * (u - 2) / 2,
-            -(u + 1) * u * (u - 2) / 2,
-            (u + 1) * u * (u - 1) / 6,
-        )
-        for k, share in enumerate(cubic):
-            np.add.at(row, i + k - 1, share * w * t ** (order + 3))
-    return out
+def _first_ellipse(
+    profile: PowerSumProfile | PolarProfile, radius: float
+) -> tuple[float, float, float, float, float]:
+    """Ellipse of the Hertzian aspect about the summit, long axis along the smaller curvature."""
+    coefs, _ = _fit(profile, (radius, radius, 0.0, 0.0, 0.0), 1.0)
+    values, axes = np.linalg.eigh([[coefs[3], 0.5 * coefs[4]], [0.5 * coefs[4], coefs[5]]])
+    ratio = float(np.clip(values[0] / values[1], 1e-3, 1.0)) ** 0.63 if values[1] > 0 else 1.0
+    root = np.sqrt(ratio)
+    turn = float(np.arctan2(axes[1, 0], axes[0, 0]))
+    return float(radius / root), float(radius * root), turn, 0.0, 0.0
 
 
-def _assemble(
-    state: Array, filling: Array, good: NDArray[np.bool_], fits: SummitFits,
-    material: HalfSpace, nodes: int, law: str,
-) -> LawTable:  # fmt: skip
-    """Law table in SI from the states in units of each profile."""
-    p = 3 + material.m
-    step = np.log(LEVELS[1] / LEVELS[0])
-    scaled = _extend(state[..., 0] / LEVELS**p, good)
-    slope = scaled @ _slope_matrix(LEVELS.size).T / step
-    raw = LEVELS ** (p - 2) * (p * scaled + slope) / 2
-    spot = _extend(second_order_area(state, raw) / LEVELS**2, good) * LEVELS**2
-    force, stiffness, area = _continue(scaled * LEVELS**p, raw, spot, filling, good, fits.basin)
-    scaled = force / LEVELS**p
-    slope = 2 * stiffness * LEVELS ** (1 - p) - p * scaled / LEVELS
-    value, value_slope, change, change_slope, linear = _resampling(nodes)
-    u = np.arange(1, nodes + 1) / nodes
-    s = scaled @ value.T + slope @ value_slope.T
-    g = scaled @ change.T + slope @ change_slope.T
-    area = (area / LEVELS**2) @ linear.T * u**2
-    unit = material.modulus * fits.length ** (1 + material.m)
-    trusted = good.astype(float) @ linear.T > 0.999
-    error = np.where(good, np.abs(state[..., 7]), 0.05) @ linear.T
-    flags = np.zeros((len(fits), nodes + 1), dtype=np.uint8)
-    flags[:, 1:][~trusted] |= np.uint8(Flag.BEYOND_RADIUS)
-    flags[:, 1:][area > 0.999 * fits.basin[:, None]] |= np.uint8(Flag.FILLED)
+def _fit(
+    profile: PowerSumProfile | PolarProfile,
+    region: tuple[float, float, float, float, float],
+    unit: float,
+) -> tuple[Array, float]:
+    """Polynomial of f/unit in the scaled coordinates of an ellipse, and its rms residual."""
+    a, b, turn, x0, y0 = region
+    rho = np.sqrt((np.arange(10) + 0.5) / 10)
+    t = 2 * np.pi * np.arange(32) / 32
+    xi, eta = (rho[:, None] * np.cos(t)).ravel(), (rho[:, None] * np.sin(t)).ravel()
+    c, s = np.cos(turn), np.sin(turn)
+    x, y = x0 + c * a * xi - s * b * eta, y0 + s * a * xi + c * b * eta
+    f = np.asarray(profile(np.hypot(x, y), np.arctan2(y, x))) / unit
+    i, j = monomials(DEGREE)
+    matrix = xi[:, None] ** i * eta[:, None] ** j
+    coefs = np.linalg.lstsq(matrix, f, rcond=1e-12)[0]
+    return coefs, float(np.sqrt(np.mean((matrix @ coefs - f) ** 2)))
 
-    def full(values: Array, scale: Array) -> Array:
-        out = np.zeros((len(fits), nodes + 1))
-        out[:, 1:] = values * scale[:, None]
+
+def _march(
+    scaled: Array,
+    region: tuple[float, float, float, float, float],
+    size: float,
+    levels: Array,
+    tables: EllipseTables,
+) -> tuple[Array, Array]:
+    """States and shapes at the levels, in units of `size` and in the axes of the region."""
+    from ._ellipse_kernels import STATES, march
+
+    i, j = monomials(tables.degree)
+    coefs = scaled / ((region[0] / size) ** i * (region[1] / size) ** j)
+    state = np.zeros((1, levels.size, STATES))
+    shape = np.zeros((1, levels.size, 5 + 4 * tables.nodes.size))
+    first, last, count = LOG_RATIO
+    march(
+        0, 1, coefs[None, None], np.full((1, 1), np.inf), np.full((1, 4), np.inf), np.ones(1), 0.0,
+        levels, _NEWTON, False, tables.m, tables.degree, tables.rows, first,
+        (last - first) / (count - 1), tables.moments, tables.parity, tables.order, tables.nodes,
+        state, shape,
+    )  # fmt: skip
+    return state[0], shape[0]
+
+
+def _in_plane(
+    found: Array, region: tuple[float, float, float, float, float], size: float
+) -> tuple[float, float, float, float, float]:
+    """Ellipse found in the axes of a region and units of `size`, in the plane [m]."""
+    a, b, x, y, turn = (float(v) for v in found[:5])
+    c, s = np.cos(region[2]), np.sin(region[2])
+    x0 = region[3] + size * (c * x - s * y)
+    y0 = region[4] + size * (s * x + c * y)
+    turn += region[2]
+    if b > a:
+        a, b, turn = b, a, turn + 0.5 * np.pi
+    return size * a, size * b, turn, float(x0), float(y0)
+
+
+def _around(quarters: Array, tables: EllipseTables) -> Array:
+    """Values at the four mirror images of the quarter nodes, in order around the ellipse."""
+    first, second, third, fourth = quarters.reshape(4, tables.nodes.size)
+    return np.concatenate([first, second[-2::-1], third[1:], fourth[-2:0:-1]])
+
+
+def indent(
+    profile: PowerSumProfile | PolarProfile,
+    material: HalfSpace,
+    approach: Array,
+    *,
+    law: str = "ellipse",
+) -> Indentation:
+    """Solution by the law "ellipse"; see `asperity.indent`."""
+    depth = approach.ravel()
+    start = RisingBranch(basis_of(profile, material.m)).radius(depth)
+    states = [
+        solve_ellipse(profile, material, float(d), float(a)) if np.isfinite(a) and a > 0 else None
+        for d, a in zip(depth, start, strict=True)
+    ]
+    phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
+
+    def rows(values: list[Array | float | None], empty: Array) -> Array:
+        out = np.where(depth > 0, np.nan, 0.0)
+        out = np.repeat(out[:, None], empty.size, axis=1)
+        for row, value in zip(out, values, strict=True):
+            if value is not None:
+                row[:] = value
         return out
 
-    return LawTable(
-        reach=np.where(fits.valid, fits.height, 0.0),
-        force=full(s * u**p, unit * fits.height),
-        stiffness=full(u ** (p - 2) * (p * s + u * g) / 2, unit),
-        area=full(area, fits.length**2),
-        flags=flags,
-        spread=full(error, np.ones(len(fits))),
-        exponent=p,
+    def shaped(name: str) -> Array:
+        values = [None if one is None else getattr(one, name) for one in states]
+        return rows(values, np.zeros(1))[:, 0].reshape(approach.shape)
+
+    def contour(angle: Array) -> Array:
+        return rows([None if one is None else one.boundary(angle) for one in states], angle)
+
+    def pressure(r: Array, angle: Array) -> Array:
+        return rows(
+            [None if one is None else one.pressure(r, angle, material) for one in states], angle
+        )
+
+    force, stiffness, lower = shaped("force"), shaped("stiffness"), shaped("lower")
+    misfit = np.where(depth > 0, shaped("misfit").ravel(), 0.0).reshape(approach.shape)
+    flags = profile_flags(profile, depth, phi, contour(phi)).reshape(approach.shape)
+    flags[(shaped("widest") > _DOUBTFUL) | (misfit > _MISFIT)] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
+    flags[~np.isfinite(force)] |= np.uint8(Flag.TURNING)
+    touching = force > 0
+    share = np.where(touching, (force - lower) / np.where(touching, force, 1.0), 0.0)
+    p = 1 + material.m
+    return Indentation(
         law=law,
-        centre=_centre(filling[..., 2:], fits, linear),
-        mobility=_mobility(fits),
+        material=material,
+        approach=approach,
+        force=force,
+        contact_area=shaped("area"),
+        radius=(p * stiffness / (2 * material.modulus)) ** (1 / p),
+        stiffness=stiffness,
+        flags=flags,
+        error_estimate=_BRACKET * np.abs(share) + misfit,
+        contour_function=contour,
+        pressure_function=pressure,
     )
-
-
-def _centre(local: Array, fits: SummitFits, linear: Array) -> Array:
-    """Centres (n, nodes + 1, 2) in the axes of the map, from those at the levels."""
-    along, across = (local[..., k] @ linear.T * fits.length[:, None] for k in range(2))
-    c, s = np.cos(fits.angle)[:, None], np.sin(fits.angle)[:, None]
-    out = np.zeros((len(fits), along.shape[1] + 1, 2))
-    out[:, 1:, 0] = c * along - s * across
-    out[:, 1:, 1] = s * along + c * across
-    return out
-
-
-def _mobility(fits: SummitFits) -> Array:
-    """Inverse of the curvature tensor of the summits, scaled to unit determinant."""
-    along = np.sqrt(fits.ratio) ** (-1 / 0.63)
-    c, s = np.cos(fits.angle), np.sin(fits.angle)
-    across = 1 / along
-    return np.stack(
-        [c * c * along + s * s * across, c * s * (along - across), s * s * along + c * c * across],
-        axis=1,
-    )
-
-
-def _ends(good: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """First and last trusted level of each profile; both 0 where there is none."""
-    first = np.argmax(good, axis=1)
-    last = good.shape[1] - 1 - np.argmax(good[:, ::-1], axis=1)
-    return first, np.where(good.any(axis=1), last, 0)
-
-
-def _extend(values: Array, good: NDArray[np.bool_]) -> Array:
-    """Values continued from the trusted levels: constant below, by the last difference above."""
-    first, last = _ends(good)
-    rows = np.arange(len(values))
-    end = values[rows, last]
-    step = end - values[rows, np.maximum(last - 1, first)]
-    place = np.arange(values.shape[1])
-    beyond = place - last[:, None]
-    above = np.where(beyond > 0, end[:, None] + step[:, None] * beyond, values)
-    return np.where(place < first[:, None], values[rows, first][:, None], above)
-
-
-def _continue(
-    force: Array, stiffness: Array, area: Array, filling: Array, good: NDArray[np.bool_],
-    basin: Array,
-) -> tuple[Array, Array, Array]:  # fmt: skip
-    """Beyond the last trusted node: planforms on rays, their stiffness, and its integral.
-
-    The ratios of stiffness and area of the two descriptions at the last trusted node fade as the
-    basin fills.
-    """
-    last = _ends(good)[1]
-    rows = np.arange(len(force))
-    beyond = np.arange(LEVELS.size) > last[:, None]
-    start = filling[rows, last]
-    grown = np.where(beyond, filling[..., 0], start[:, :1])
-    room = np.maximum(basin - start[:, 0], 1e-9 * basin)
-    fade = np.clip((basin[:, None] - grown) / room[:, None], 0.0, 1.0)
-    stiff = np.where(beyond, filling[..., 1], start[:, 1:2])
-    stiff = stiff * _ratio(stiffness[rows, last], start[:, 1])[:, None] ** fade
-    spot = grown * _ratio(area[rows, last], start[:, 0])[:, None] ** fade
-    stiffness = np.maximum.accumulate(np.where(beyond, stiff, stiffness), axis=1)
-    area = np.maximum.accumulate(np.where(beyond, spot, area), axis=1)
-    steps = np.zeros_like(force)
-    width = np.diff(LEVELS)
-    low, high = LEVELS[:-1], LEVELS[1:]
-    # stiffness linear in the level u over d = u*u
-    steps[:, 1:] = (
-        width * (stiffness[:, :-1] * (2 * low + high) + stiffness[:, 1:] * (low + 2 * high)) / 3
-    )
-    base = np.where(beyond, force[rows, last][:, None], force)
-    return base + np.cumsum(np.where(beyond, steps, 0.0), axis=1), stiffness, area
-
-
-def _ratio(inner: Array, outer: Array) -> Array:
-    """Ratio of the two descriptions where they meet, kept to what a mended summit can need."""
-    usable = (inner > 0) & (outer > 0)
-    return np.clip(np.divide(inner, outer, out=np.ones(len(inner)), where=usable), 0.5, 2.0)
-
-
-def second_order_area(state: Array, stiffness: Array) -> Array:
-    """Contact area whose contour has the stiffness dF/dd to second order.
-
-    The unknown second-order displacement is taken uniform along the contour; the result stays
-    between the ellipse and the first-order contour.
-    """
-    weight = np.maximum(state[..., 2], 1e-12)
-    uniform = np.clip((stiffness - state[..., 1]) / weight, -0.3, 0.3)
-    area = state[..., 4] + uniform * state[..., 5]
-    low = np.minimum(state[..., 3], state[..., 4])
-    return np.clip(area, low, np.maximum(state[..., 3], state[..., 4]))

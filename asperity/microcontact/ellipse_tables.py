@@ -18,7 +18,14 @@ from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 from scipy.special import eval_jacobi, gamma, roots_jacobi
 
-__all__ = ["DEGREE", "EllipseTables", "edge_operator", "ellipse_tables", "monomials"]
+__all__ = [
+    "DEGREE",
+    "EllipseTables",
+    "edge_operator",
+    "ellipse_tables",
+    "monomials",
+    "pressure_operator",
+]
 
 Array = NDArray[np.float64]
 
@@ -263,6 +270,16 @@ def edge_operator(m: float, ratio: Array, degree: int = DEGREE) -> Array:
     nodes = np.linspace(0, np.pi / 2, degree + 1)
     operator = _operator(degree, m, _chord_transform(degree, m), 0, ratio)
     return _edge_amplitudes(degree, operator, nodes)
+
+
+def pressure_operator(m: float, ratio: float, degree: int = DEGREE) -> Array:
+    """Pressure polynomial of each displacement monomial on the ellipse of ``a b = 1``.
+
+    Row r holds the coefficients of the polynomial that ``(1 - rho**2)**((m-1)/2)`` multiplies,
+    for unit modulus, shape (monomials, monomials).
+    """
+    operator = _operator(degree, m, _chord_transform(degree, m), 0, np.array([ratio]))[0]
+    return np.asarray(np.linalg.inv(operator))
 
 
 @lru_cache(maxsize=8)
