@@ -126,7 +126,8 @@ def march(
 
     Fills states (n, levels, STATES) and shapes (n, levels, 5 + 4 nodes): semi-axes, centre, turn
     and displacements of the contour. `most` Newton steps at most before the first trusted level;
-    `stop` ends a profile after the last.
+    `stop` ends a profile after the last;
+    without it every level is iterated to rest.
     """
     n, nq = order.size, nodes.size
     around = 4.0 * (nq - 1)
@@ -153,6 +154,7 @@ def march(
     for profile in range(begin, end):
         fit, sizes, edge = all_coefs[profile], all_sizes[profile], all_edges[profile]
         state, shape, stretch = all_states[profile], all_shapes[profile], all_stretches[profile]
+        still = 1e-3 if stop else 1e-10
         smallest = 1e300
         for p in range(edge.size):
             smallest = min(smallest, edge[p])
@@ -308,7 +310,7 @@ def march(
                 x0 += tc * g[3] * a - ts * g[4] * b
                 y0 += ts * g[3] * a + tc * g[4] * b
                 turn += twist
-                if abs(g[0]) + abs(g[1]) + abs(twist) + abs(g[3]) + abs(g[4]) < 1e-3:
+                if abs(g[0]) + abs(g[1]) + abs(twist) + abs(g[3]) + abs(g[4]) < still:
                     break
                 if abs(g[0]) + abs(g[1]) + abs(g[3]) + abs(g[4]) < 1e-4:
                     break
@@ -386,5 +388,5 @@ def march(
                 state[level, 9] = 0.0
                 if stop and (begun or level > levels.size // 2):
                     break
-            else:
+            elif stop:
                 begun = True

@@ -1,0 +1,83 @@
+"""`asperity.indent` by the law about the optimal ellipse."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asperity
+from asperity import HalfSpace
+from asperity.microcontact import Flag
+from asperity.microcontact.hertz import elliptic_contact
+from surfaces import PolynomialProfile, PowerLawProfile
+
+
+@pytest.mark.parametrize("m", [-0.5, -0.3, 0.0, 0.5, 0.8])
+def test_graded_ellipses_are_exact(m):
+    """Force, stiffness, area, contour and pressure of elliptic paraboloids, turned by 0.4."""
+    ratio, turn = 12.0, 0.4
+    k1, k2 = np.sqrt(ratio), 1 / np.sqrt(ratio)
+    c, s = np.cos(turn), np.sin(turn)
+    profile = PolynomialProfile(
+        {
+            (2, 0): 0.5 * (k2 * c * c + k1 * s * s),
+            (1, 1): (k2 - k1) * s * c,
+            (0, 2): 0.5 * (k2 * s * s + k1 * c * c),
+        }
+    )
+    material = HalfSpace.from_modulus(2.0, m)
+    approach = np.array([0.0, 0.01, 0.03])
+    one = asperity.indent(profile, material, approach, law="ellipse")
+    exact = elliptic_contact(k1, k2, approach, material)
+    np.testing.assert_allclose(one.force, exact.force, rtol=1e-6)
+    np.testing.assert_allclose(one.stiffness, exact.stiffness, rtol=1e-6)
+    np.testing.assert_allclose(
+        one.contact_area, np.pi * exact.semi_major * exact.semi_minor, rtol=1e-6
+    )
+    edge = one.contour(np.array([turn, turn + np.pi / 2]))[1:]
+    np.testing.assert_allclose(edge[:, 0], exact.semi_major[1:], rtol=1e-5)
+    np.testing.assert_allclose(edge[:, 1], exact.semi_minor[1:], rtol=1e-5)
+    x, y = 0.5 * exact.semi_major[1] * c, 0.5 * exact.semi_major[1] * s
+    pressure = one.pressure(np.array([0.0, x]), np.array([0.0, y]))[1]
+    expected = exact.peak_pressure[1] * np.array([1.0, 0.75 ** ((1 + m) / 2)])
+    np.testing.assert_allclose(pressure, expected, rtol=1e-5)
+    assert one.force[0] == 0 and np.all(one.flags == 0)
+
+
+def harmonics(ratio, share=0.1, m=0.0):
+    """Paraboloid plus third and fourth harmonics in the coordinates of its contact at d = 1."""
+    material = HalfSpace.from_modulus(1.0, m)
+    k1, k2 = np.sqrt(ratio), 1 / np.sqrt(ratio)
+    contact = elliptic_contact(k1, k2, 1.0, material)
+    a, b = float(contact.semi_major), float(contact.semi_minor)
+    e = share * 0.25 * (k2 * a * a + k1 * b * b)
+    terms = {(2, 0): 0.5 * k2, (0, 2): 0.5 * k1}
+    third = {(3, 0): e / a**3, (1, 2): -3 * e / (a * b * b)}
+    fourth = {(4, 0): 2 * e / a**4, (2, 2): -4 * e / (a * a * b * b), (0, 4): 2 * e / b**4}
+    return PolynomialProfile({**terms, **third, **fourth}), material
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0])
+def test_harmonics_against_boundary_elements(m):
+    """Third and fourth harmonics of 10 % each: force to 0.3 %, area to 1.5 % (grid included)."""
+    profile, material = harmonics(2.0, m=m)
+    one = asperity.indent(profile, material, 1.0, law="ellipse")
+    reference = asperity.indent_bem(profile, material, 1.0, grid=128, tolerance=1e-4)
+    assert abs(float(one.force) / float(reference.force) - 1) < 3e-3
+    assert abs(float(one.contact_area) / float(reference.contact_area) - 1) < 1.5e-2
+
+
+def test_stiffness_is_the_slope_of_the_force():
+    profile, material = harmonics(5.0)
+    d = 0.7 * np.exp([-2e-3, 0.0, 2e-3])
+    one = asperity.indent(profile, material, d, law="ellipse")
+    slope = (one.force[2] - one.force[0]) / (d[2] - d[0])
+    np.testing.assert_allclose(slope, one.stiffness[1], rtol=1e-5)
+
+
+def test_sharp_tips_are_flagged():
+    """A pyramid is no polynomial: the fit says so."""
+    pyramid = PowerLawProfile(1, lambda phi: 1 + 0.2 * np.cos(3 * phi))
+    one = asperity.indent(pyramid, HalfSpace.from_modulus(1.0), 0.01, law="ellipse")
+    assert one.flags & Flag.CONTOUR_DOUBTFUL
+    assert one.error_estimate > 0.005
