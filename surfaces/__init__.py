@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from .levelling import level as level
     from .outliers import mark_outliers as mark_outliers
     from .peaks import Peaks as Peaks
+    from .plot import plot_autocorrelation as plot_autocorrelation
     from .plot import plot_bearing as plot_bearing
     from .plot import plot_map as plot_map
     from .plot import plot_profiles as plot_profiles
@@ -92,6 +93,7 @@ _HOME = {
     "mark_outliers": "outliers",
     "open": "hdf5",
     "plateau_honed": "textures",
+    "plot_autocorrelation": "plot",
     "plot_bearing": "plot",
     "plot_map": "plot",
     "plot_profiles": "plot",

@@ -12,9 +12,10 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from .bearing import bearing_curve
+from .correlation import autocorrelation
 from .errors import SurfaceError
 from .heightmap import HeightMap
-from .plot import plot_bearing, plot_map, plot_spectrum
+from .plot import plot_autocorrelation, plot_bearing, plot_map, plot_spectrum
 from .spectrum import power_spectrum
 from .statistics import Statistics, describe
 
@@ -59,7 +60,11 @@ _MEANING = {
 def section(hm: HeightMap) -> str:
     """One map as an HTML section with embedded pictures."""
     found = describe(hm)
-    figures = [plot_map(hm), plot_bearing(bearing_curve(hm))]
+    figures = [
+        plot_map(hm),
+        plot_autocorrelation(autocorrelation(hm)),
+        plot_bearing(bearing_curve(hm)),
+    ]
     if found.moments is not None:
         figures.append(plot_spectrum(power_spectrum(hm), found.fit))
     (ny, nx), (dy, dx) = hm.shape, hm.spacing

@@ -15,13 +15,14 @@ from matplotlib.ticker import EngFormatter
 from numpy.typing import NDArray
 
 from .bearing import BearingCurve
+from .correlation import Autocorrelation
 from .heightmap import HeightMap
 from .peaks import Peaks
 from .profiles import Profiles
 from .spectrum import Spectrum
 from .spectrum_fit import SpectrumFit
 
-__all__ = ["plot_bearing", "plot_map", "plot_profiles", "plot_spectrum"]
+__all__ = ["plot_autocorrelation", "plot_bearing", "plot_map", "plot_profiles", "plot_spectrum"]
 
 _PIXELS = 1200
 _NAMED = 400
@@ -141,6 +142,29 @@ def plot_bearing(curve: BearingCurve) -> Figure:
     axes.set_ylabel(f"height [{unit}]")
     axes.set_xlim(0.0, 100.0)
     axes.grid(alpha=0.25)
+    return figure
+
+
+def plot_autocorrelation(correlation: Autocorrelation, *, threshold: float = 0.2) -> Figure:
+    """Correlation over shifts along x and y, with the contour at which Sal and Str are read."""
+    lag_y, lag_x = correlation.lag_y, correlation.lag_x
+    stride = max(1, len(lag_y) // _PIXELS, len(lag_x) // _PIXELS)
+    value = correlation.value[::stride, ::stride]
+    figure = Figure(figsize=(6.4, 4.6), layout="constrained")
+    axes = figure.add_subplot()
+    extent = (lag_x[0], lag_x[-1], lag_y[0], lag_y[-1])
+    image = axes.imshow(
+        value, origin="lower", extent=extent, cmap="RdGy_r", vmin=-1.0, vmax=1.0, aspect="equal"
+    )
+    axes.contour(
+        lag_x[::stride], lag_y[::stride], value, levels=[threshold], colors=[_INK], linewidths=1.0
+    )
+    bar = axes.inset_axes((1.03, 0.0, 0.035, 1.0))
+    figure.colorbar(image, cax=bar, label=f"correlation; line at {threshold:g}")
+    for axis, label in ((axes.xaxis, "shift along x"), (axes.yaxis, "shift along y")):
+        axis.set_major_locator(MaxNLocator(5))
+        axis.set_major_formatter(EngFormatter(unit="m"))
+        axis.set_label_text(label)
     return figure
 
 

@@ -75,6 +75,12 @@ def test_fans_of_chosen_peaks() -> None:
     assert "<svg" in drawn(figure)
 
 
+def test_autocorrelation() -> None:
+    figure = surfaces.plot_autocorrelation(surfaces.autocorrelation(rough(anisotropy=4.0)))
+    assert figure.axes[0].get_xlim() == pytest.approx((-1e-4, 1e-4), rel=0.03)
+    assert "<svg" in drawn(figure)
+
+
 def test_bearing_curve() -> None:
     figure = surfaces.plot_bearing(surfaces.bearing_curve(rough()))
     assert "<svg" in drawn(figure)
