@@ -11,7 +11,7 @@ from collections.abc import Iterable
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import EngFormatter
+from matplotlib.ticker import EngFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from .bearing import BearingCurve
@@ -116,6 +116,7 @@ def plot_profiles(profiles: Profiles, chosen: Iterable[int]) -> Figure:
             color = _ray_color(float(angle))
             axes.plot(lengths[ray], gap[index, ray] / scale, color=color, lw=1.0)
         axes.invert_yaxis()
+        axes.xaxis.set_major_locator(MaxNLocator(4))
         axes.xaxis.set_major_formatter(EngFormatter(unit="m"))
         axes.tick_params(labelsize=7)
         axes.set_ylabel(f"f [{unit}]", fontsize=8)
