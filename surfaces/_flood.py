@@ -219,8 +219,8 @@ def follow(link, runs):
 def touching(heights, labels, periodic, n, runs):
     """Pixels of each basin and highest pass between touching basins, over the pixels of all runs.
 
-    Returns the counts (n,), the pairs as ``low * n + high`` (0: none) and the heights of their
-    passes. The pairs are kept in a hash table that doubles when half full.
+    Returns the counts (n,), the pairs as ``low * n + high`` and the heights of their passes. The
+    pairs are kept in a hash table that doubles when half full.
     """
     ny, nx = heights.shape
     counts = np.zeros(n, np.int64)
@@ -273,7 +273,13 @@ def touching(heights, labels, periodic, n, runs):
                                 slot = (slot + 1) & (size - 1)
                             keys[slot] = old_keys[old]
                             passes[slot] = old_passes[old]
-    return counts, keys, passes
+    found = 0
+    for slot in range(size):
+        if keys[slot] != 0:
+            keys[found] = keys[slot]
+            passes[found] = passes[slot]
+            found += 1
+    return counts, keys[:found], passes[:found]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

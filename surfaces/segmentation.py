@@ -96,7 +96,10 @@ def segment(
         renamed = np.append(place[keeper], np.int32(-1))
         labels = np.take(renamed, labels)
         counts = np.bincount(renamed[:-1], weights=counts, minlength=kept.size)
-        pairs, passes = _unique_pairs(np.sort(renamed[pairs], axis=1), passes, kept.size)
+        ends = np.sort(renamed[pairs].astype(np.int64), axis=1)
+        apart = ends[:, 0] != ends[:, 1]
+        keys = ends[apart, 0] * kept.size + ends[apart, 1]
+        pairs, passes = _unique_pairs(keys, passes[apart], kept.size)
         parent = np.where(parent[kept] >= 0, renamed[parent[kept]], -1)
         saddle, summit, height = saddle[kept], summit[kept], height[kept]
     row, col = np.divmod(summit, hm.shape[1])
@@ -166,24 +169,21 @@ def _passes(
     found = _threads.each(lambda some: _flood.touching(heights, labels, periodic, n, some), runs)
     counts = np.sum([part[0] for part in found], axis=0)
     keys = np.concatenate([part[1] for part in found])
-    used = keys > 0
-    pairs = np.stack(np.divmod(keys[used], max(n, 1)), axis=1)
-    return counts, *_unique_pairs(pairs, np.concatenate([part[2] for part in found])[used], n)
+    return counts, *_unique_pairs(keys, np.concatenate([part[2] for part in found]), n)
 
 
 def _unique_pairs(
-    pairs: NDArray[np.integer], passes: NDArray[np.float64], n: int
+    keys: NDArray[np.int64], passes: NDArray[np.float64], n: int
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Each pair of two different peaks once, in order, with its highest pass."""
-    keys = pairs[:, 0].astype(np.int64) * n + pairs[:, 1]
-    differ = pairs[:, 0] != pairs[:, 1]
-    keys, passes = keys[differ], passes[differ]
-    order = np.argsort(keys)
-    first = np.flatnonzero(np.diff(keys[order], prepend=-1))
-    if not first.size:
+    """Pairs (k, 2) of the keys ``first * n + second``, each once and in order; highest passes."""
+    if not keys.size:
         return np.empty((0, 2), np.int64), np.empty(0)
-    highest = np.maximum.reduceat(passes[order], first)
-    return np.stack(np.divmod(keys[order][first], n), axis=1), highest
+    order = np.argsort(keys)
+    keys = keys[order]
+    first = np.flatnonzero(np.diff(keys, prepend=-1))
+    keys = keys[first]
+    low = keys // n
+    return np.column_stack([low, keys - low * n]), np.maximum.reduceat(passes[order], first)
 
 
 def _at_border(labels: NDArray[np.int32], n: int, periodic: bool) -> NDArray[np.bool_]:
