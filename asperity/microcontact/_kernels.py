@@ -167,7 +167,7 @@ def expand_profiles(phi, weight, edge, q, valid, top, fractions, nodes, rules, h
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def _reduce(applied, share, cosine, sine, harmonics, row):  # type: ignore[no-untyped-def]
     """Angular part of `expand_profiles` for one radius."""
     count, rays = cosine.shape

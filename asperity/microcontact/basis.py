@@ -19,7 +19,7 @@ from asperity.errors import ModelRangeError
 from asperity.transforms import kappa, moments
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-__all__ = ["Basis", "PowerBasis", "TableBasis", "basis_of", "synthesis"]
+__all__ = ["Basis", "PowerBasis", "TableBasis", "basis_of", "samples", "synthesis"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -176,13 +176,18 @@ def synthesis(amplitudes: Complex, phi: Array) -> Array:
 
     Evaluated on a fine equispaced grid by the fast transform and splined from there.
     """
-    spectrum = np.zeros((amplitudes.shape[0], _SAMPLES // 2 + 1), dtype=complex)
-    spectrum[:, 1 : amplitudes.shape[1] + 1] = amplitudes * (_SAMPLES / 2)
-    values = np.fft.irfft(spectrum, _SAMPLES, axis=1)
+    values = samples(amplitudes, _SAMPLES)
     turn = 2 * np.pi * np.arange(_SAMPLES + 1) / _SAMPLES
     closed = np.concatenate([values, values[:, :1]], axis=1)
     curve = CubicSpline(turn, closed, axis=1, bc_type="periodic")
     return np.asarray(curve(np.mod(phi, 2 * np.pi)))
+
+
+def samples(amplitudes: Complex, count: int) -> Array:
+    """`synthesis` at `count` equispaced angles, more than twice the highest harmonic."""
+    spectrum = np.zeros((amplitudes.shape[0], count // 2 + 1), dtype=complex)
+    spectrum[:, 1 : amplitudes.shape[1] + 1] = amplitudes * (count / 2)
+    return np.asarray(np.fft.irfft(spectrum, count, axis=1))
 
 
 def _means(profile: PowerSumProfile) -> Array:

@@ -34,7 +34,7 @@ def tabulate(
     law: str = "harmonic",
     nodes: int = 16,
     radii: int = 14,
-    points: int = 6,
+    points: int = 5,
 ) -> LawTable:
     """Law table of the profiles by the first-order (`paper`) or `harmonic` expansion.
 

@@ -11,7 +11,7 @@ from asperity.indentation import Indentation
 from asperity.material import HalfSpace
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from .basis import Basis, PowerBasis, basis_of, synthesis
+from .basis import Basis, PowerBasis, basis_of, samples, synthesis
 from .batch import tabulate
 from .branch import RisingBranch
 from .estimate import expected_error
@@ -25,6 +25,7 @@ __all__ = ["Expansion", "indent", "tabulate"]
 Array = NDArray[np.float64]
 
 _ANGLES = 720
+_CLOSED = 2048
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,10 +70,27 @@ class Expansion:
         second_slope = scale / slope * ((1 + m) * square + change - square * curve / slope)
         return cls(a, material, basis.orders, approach, slope, first, second, second_slope, e)
 
-    def boundary(self, edge: Array, shift: Array | float = 0.0) -> Array:
-        """Contour [m] for the edge amplitude `edge` [m], shape (k, phi.size)."""
-        mean = np.broadcast_to(self.a + shift, self.a.shape)
-        return np.asarray(mean[:, None] - (self.a / self.slope)[:, None] * edge)
+    def boundary(self, edge: Array) -> Array:
+        """First-order contour [m] for the edge amplitude `edge` [m], shape (k, phi.size)."""
+        return np.asarray(self.a[:, None] - (self.a / self.slope)[:, None] * edge)
+
+    def resolved_area(self) -> Array:
+        """Area [m^2] to second order."""
+        return np.asarray(np.pi * (self.a**2 + 2 * self.a * self.mean_shift() + self.variance()))
+
+    def resolved_boundary(self, phi: Array) -> Array:
+        """Contour [m] of the resolved law, shape (k, phi.size): it encloses `resolved_area`.
+
+        Written as ``exp(da/a)``, which is the first-order contour to first order, stays positive
+        and is closer to the true one (the contour of an ellipse bends the same way).
+        """
+        circle = np.pi * self.a**2
+        area = self.resolved_area()
+        area = np.where(area > circle / 4, area, circle)
+        grown = np.exp(np.minimum(2 * samples(self.ratios(), _CLOSED), 20.0)).mean(axis=1)
+        scale = np.sqrt(area / (np.pi * grown))
+        deviation = np.minimum(-self.edge(phi) / self.slope[:, None], 10.0)
+        return np.asarray(scale[:, None] * np.exp(deviation))
 
     def ratios(self) -> NDArray[np.complex128]:
         """First-order amplitudes of the contour over a, shape (k, harmonics)."""
@@ -123,15 +141,15 @@ def indent(
     if law == "harmonic":
         force = force + one.second
         stiffness = stiffness + one.second_slope / one.slope
-        area = area + 2 * np.pi * one.a * one.mean_shift()
+        area = one.resolved_area()
     spread = expected_error(one.first, harmonic.second, published.second, law)
 
     def shaped(values: Array) -> Array:
         return fields.fill(values[:, None])[:, 0].reshape(approach.shape)
 
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
-    boundary = fields.contour(phi)
-    flags = contour_flags(a, boundary) | profile_flags(profile, depth, phi, boundary)
+    flags = contour_flags(a, fields.fill(fields.first_order(phi)))
+    flags |= profile_flags(profile, depth, phi, fields.contour(phi))
     flags[~np.isfinite(a)] |= np.uint8(Flag.TURNING)
     return Indentation(
         law=law,
@@ -199,10 +217,16 @@ class _Fields:
         rows = [field(float(a), r, phi) for a in self.state.a]
         return self.fill(np.reshape(rows, (self.state.a.size, phi.size)))
 
+    def first_order(self, phi: Array) -> Array:
+        """First-order contour [m] of the solved contacts: what the flags judge."""
+        if self.law == "paper":
+            return self.state.boundary(self.basis.published(self.state.a, phi))
+        return self.state.boundary(self.state.edge(phi))
+
     def _earlier(self, radii: Array) -> Expansion:
         return Expansion.at(self.basis, radii, self.material, published=self.law == "paper")
 
     def _boundary(self, state: Expansion, phi: Array) -> Array:
         if self.law == "paper":
             return state.boundary(self.basis.published(state.a, phi))
-        return state.boundary(state.edge(phi), state.mean_shift())
+        return state.resolved_boundary(phi)

@@ -81,7 +81,7 @@ def test_cone_is_sneddon():
 @pytest.mark.parametrize("m", EXPONENTS)
 def test_pressure_of_the_round_paraboloid_is_graded_hertz(law, m):
     one = indent(PowerLawProfile(2, 0.5), HalfSpace.from_modulus(1.0, m), 0.02, law=law)
-    r = np.linspace(0, 1.2, 13) * one.radius
+    r = np.linspace(0, 1.2, 14) * one.radius
     mean = one.force / (np.pi * one.radius**2)
     inside = np.maximum(1 - (r / one.radius) ** 2, 0)
     expected = mean * (3 + m) / 2 * inside ** ((1 + m) / 2)
@@ -258,3 +258,12 @@ def test_a_contact_beyond_the_sampled_radius_is_flagged():
 def test_unusable_requests_are_refused_in_one_sentence(call, error, message):
     with pytest.raises(error, match=message):
         call(body(), HalfSpace.from_modulus(1.0))
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+def test_resolved_contour_encloses_the_contact_area(m):
+    one = indent(body(), HalfSpace.from_modulus(1.0, m), np.array([0.05, 0.3]))
+    fine = 2 * np.pi * np.arange(720) / 720
+    np.testing.assert_allclose(
+        np.pi * np.mean(one.contour(fine) ** 2, axis=1), one.contact_area, rtol=1e-8
+    )
