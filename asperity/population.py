@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import InputError
 from .interaction.footprint import Footprints
-from .interaction.laws import Laws
+from .interaction.laws import Evaluated, Laws
 from .interaction.operator import Interaction
 from .interaction.solver import Solution, conjugate_gradients, descend
 from .interaction.state import Problem
@@ -25,6 +25,12 @@ __all__ = ["Population", "PopulationState"]
 
 SPARE = 1.35
 """Listed summits over those that can touch now, so that lists last for several separations."""
+
+MAX_PLACED = 4
+"""Times that the lists are made anew at one separation: deeper, or about moved contacts."""
+
+STRAY = 0.03
+"""Mean distance of contacts from their centres, over their radius, at which they may stay."""
 
 MAX_SEARCH = 40
 """Separations tried to reach a mean pressure."""
@@ -108,7 +114,8 @@ class Population:
     interaction
         False: the classical sum of independent contacts.
     deflection
-        Whether coupled contacts move aside under the slope of their neighbors' field.
+        Whether coupled contacts stand at the centres that their laws give, and move aside under
+        the slope of their neighbors' field; otherwise they stay at their summits.
 
     Raises
     ------
@@ -153,6 +160,7 @@ class Population:
         self.cell = (float(cell[0]), float(cell[1]))
         self.interaction = interaction and (boundary == "periodic" or len(self.height) > 1)
         self.deflection = deflection
+        self.centred = deflection and getattr(table, "centre", None) is not None
         self.footprints = Footprints(material.modulus, material.m)
         self.laws = Laws(table, self.footprints)
         usable = np.flatnonzero(self.laws.usable)
@@ -228,6 +236,7 @@ class _Trail:
     listed: float = math.inf
     lowest: float = 0.0
     points: tuple[tuple[float, NDArray[np.float64], NDArray[np.float64]], ...] = ()
+    offset: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
 
     def at(self, separation: float, tolerance: float) -> PopulationState:
         """State at a separation."""
@@ -236,7 +245,8 @@ class _Trail:
             return self._independent(separation)
         trail, steps, products = self, 0, 0
         guess, shift = self._predict(separation)
-        while True:
+        for placed in range(MAX_PLACED + 1):
+            trail = trail._placed(guess)
             trail = trail._listing(separation)
             assert trail.problem is not None and trail.index is not None
             solution = descend(
@@ -251,8 +261,36 @@ class _Trail:
             guess, shift = np.zeros((2, len(population)))
             guess[trail.index], shift[trail.index] = solution.approach, solution.shift
             trail = replace(trail, lowest=lowest)
-            if separation + lowest >= trail.listed or solution.reason:
-                return trail._state(separation, solution, steps, products)
+            if solution.reason or placed == MAX_PLACED:
+                break
+            away = trail._away(trail.index, solution.approach, solution.laws)
+            if separation + lowest >= trail.listed and away <= STRAY:
+                break
+        return trail._state(separation, solution, steps, products)
+
+    def _placed(self, approach: NDArray[np.float64]) -> _Trail:
+        """The contacts at the centres that their laws give at these approaches."""
+        population = self.population
+        if not population.centred:
+            return self
+        rows = np.flatnonzero(approach > 0)
+        laws = population.laws.rows(rows)(approach[rows])
+        if self.problem is not None and self._away(rows, approach[rows], laws) <= STRAY:
+            return self
+        x, y = np.zeros((2, len(population)))
+        x[rows], y[rows] = population.table.centre_at(rows, approach[rows])
+        return replace(self, offset=(x, y), problem=None)
+
+    def _away(
+        self, rows: NDArray[np.int64], approach: NDArray[np.float64], laws: Evaluated
+    ) -> float:
+        """Mean distance of contacts from the centres of their laws over their radius."""
+        if self.offset is None:
+            return 0.0
+        x, y = self.population.table.centre_at(rows, approach)
+        away = np.hypot(x - self.offset[0][rows], y - self.offset[1][rows])
+        radius = np.sqrt(laws.area / np.pi)
+        return float(laws.force @ away) / max(float(laws.force @ radius), 1e-300)
 
     def under(
         self, pressure: float, tolerance: float, state: PopulationState | None
@@ -343,9 +381,12 @@ class _Trail:
         deepest = population.height[index] - listed
         bound = population.laws.rows(index)(deepest)
         widest = np.quantile(population.footprints.variance(bound.stiffness), 0.98)
+        x, y = population.x[index], population.y[index]
+        if self.offset is not None:
+            x, y = x + self.offset[0][index], y + self.offset[1][index]
         plan = Interaction(
-            population.y[index],
-            population.x[index],
+            y,
+            x,
             population.cell,
             population.boundary,
             population.footprints,

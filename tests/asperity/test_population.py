@@ -230,3 +230,36 @@ def test_unusable_input_is_refused(change, message):
 def test_unusable_points_are_refused(given, message):
     with pytest.raises(InputError, match=message):
         make(20).solve(**given)
+
+
+def test_contacts_stand_at_the_centres_of_their_laws():
+    """Two contacts whose laws lean towards each other interact as if their summits were nearer."""
+    from dataclasses import replace
+
+    from asperity import HalfSpace
+    from asperity.microcontact.table import LawTable
+
+    u = np.linspace(0, 1, 17)[None]
+    one = np.ones((2, 1))
+    table = LawTable(
+        reach=np.ones(2),
+        force=4 / 3 * one * u**3,
+        stiffness=2 * one * u,
+        area=np.pi * one * u**2,
+        flags=np.zeros((2, 17), np.uint8),
+        spread=np.zeros((2, 17)),
+    )
+    centre = np.zeros((2, 17, 2))
+    centre[0, :, 0], centre[1, :, 0] = 0.5, -0.5
+    material = HalfSpace.from_modulus(1.0)
+
+    def load(x, law):
+        population = Population(
+            x=x, y=[5.0, 5.0], height=[0.0, 0.0], table=law, cell=(30.0, 20.0),
+            boundary="periodic", material=material,
+        )  # fmt: skip
+        return population.solve(separation=-0.5, tolerance=1e-6).mean_pressure
+
+    leaning = load([8.0, 12.0], replace(table, centre=centre))
+    np.testing.assert_allclose(leaning, load([8.5, 11.5], table), rtol=1e-4)
+    assert leaning < load([8.0, 12.0], table) * 0.999
