@@ -120,82 +120,83 @@ def ascend(heights, periodic, above, inverse, link, peaks, flats, runs, start, s
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _beside(p, k, shape, periodic):
+    """Neighbor k of pixel p; -1 beyond the border."""
+    ny, nx = shape
+    row, col = p // nx + _ROWS[k], p % nx + _COLS[k]
+    if periodic:
+        row, col = row % ny, col % nx
+    elif not (0 <= row < ny and 0 <= col < nx):
+        return -1
+    return row * nx + col
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _spread(flat, shape, periodic, link, queue, at, tail):
+    """Link the plateau around the `tail` pixels in the queue towards them, nearest first.
+
+    `at` holds their row and column without wrapping. Returns the pixels in the queue.
+    """
+    head = 0
+    while head < tail:
+        p = queue[head]
+        for k in range(8):
+            q = _beside(p, k, shape, periodic)
+            if q >= 0 and flat[q] == flat[p] and link[q] == FLAT:
+                link[q] = -2 - p
+                at[tail, 0] = at[head, 0] + _ROWS[k]
+                at[tail, 1] = at[head, 1] + _COLS[k]
+                queue[tail] = q
+                tail += 1
+        head += 1
+    return tail
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def drain_plateaus(flat, shape, periodic, link, flats):
     """Link the pixels of plateaus; return the pixels that stand for plateaus that are peaks.
 
     A plateau with a way out drains through it, nearest exit first. A plateau without one is one
     peak, at its member nearest to its centroid.
     """
-    ny, nx = shape
     queue = np.empty(flats.size, np.int64)
-    at_row = np.empty(flats.size, np.int64)
-    at_col = np.empty(flats.size, np.int64)
+    at = np.zeros((flats.size, 2), np.int64)
     found = np.empty(flats.size, np.int64)
     tail = 0
     for p in flats:
-        i, j = p // nx, p % nx
         for k in range(8):
-            row, col = i + _ROWS[k], j + _COLS[k]
-            if periodic:
-                row, col = row % ny, col % nx
-            elif not (0 <= row < ny and 0 <= col < nx):
-                continue
-            q = row * nx + col
-            if flat[q] == flat[p] and link[q] != FLAT:
+            q = _beside(p, k, shape, periodic)
+            if q >= 0 and flat[q] == flat[p] and link[q] != FLAT:
                 queue[tail] = p
                 found[tail] = q
                 tail += 1
                 break
-    for head in range(tail):
-        link[queue[head]] = -2 - found[head]
+    for exit_ in range(tail):
+        link[queue[exit_]] = -2 - found[exit_]
+    _spread(flat, shape, periodic, link, queue, at, tail)
     n_peaks = 0
-    head = 0
-    for seed in range(-1, flats.size):
-        if seed >= 0:
-            if link[flats[seed]] != FLAT:
-                continue
-            tail = 1
-            queue[0] = flats[seed]
-            at_row[0] = flats[seed] // nx
-            at_col[0] = flats[seed] % nx
-            link[queue[0]] = -2 - queue[0]
-        for attempt in range(1 if seed < 0 else 2):
-            head = 0
-            while head < tail:
-                p = queue[head]
-                i, j = p // nx, p % nx
-                for k in range(8):
-                    row, col = i + _ROWS[k], j + _COLS[k]
-                    if periodic:
-                        row, col = row % ny, col % nx
-                    elif not (0 <= row < ny and 0 <= col < nx):
-                        continue
-                    q = row * nx + col
-                    if flat[q] == flat[p] and link[q] == FLAT:
-                        link[q] = -2 - p
-                        at_row[tail] = at_row[head] + _ROWS[k]
-                        at_col[tail] = at_col[head] + _COLS[k]
-                        queue[tail] = q
-                        tail += 1
-                head += 1
-            if seed >= 0 and attempt == 0:
-                center_row = 0.0
-                center_col = 0.0
-                for member in range(tail):
-                    center_row += at_row[member] / tail
-                    center_col += at_col[member] / tail
-                best = 0
-                least = np.inf
-                for member in range(tail):
-                    link[queue[member]] = FLAT
-                    away = (at_row[member] - center_row) ** 2 + (at_col[member] - center_col) ** 2
-                    if away < least:
-                        best, least = member, away
-                tail = 1
-                queue[0] = queue[best]
-                link[queue[0]] = -2 - queue[0]
-                found[n_peaks] = queue[0]
-                n_peaks += 1
+    for p in flats:
+        if link[p] != FLAT:
+            continue
+        queue[0] = p
+        at[0, 0], at[0, 1] = 0, 0
+        link[p] = -2 - p
+        size = _spread(flat, shape, periodic, link, queue, at, 1)
+        row, col = 0.0, 0.0
+        for member in range(size):
+            row += at[member, 0] / size
+            col += at[member, 1] / size
+        best, least = 0, np.inf
+        for member in range(size):
+            link[queue[member]] = FLAT
+            away = (at[member, 0] - row) ** 2 + (at[member, 1] - col) ** 2
+            if away < least:
+                best, least = member, away
+        queue[0] = queue[best]
+        link[queue[0]] = -2 - queue[0]
+        found[n_peaks] = queue[0]
+        n_peaks += 1
+        _spread(flat, shape, periodic, link, queue, at, 1)
     return found[:n_peaks]
 
 
@@ -224,10 +225,9 @@ def touching(heights, labels, periodic, n, runs):
     """
     ny, nx = heights.shape
     counts = np.zeros(n, np.int64)
-    size = 1024
     used = 0
-    keys = np.zeros(size, np.int64)  # 0 marks a free slot: no pair (0, 0) occurs
-    passes = np.empty(size)
+    keys = np.zeros(1024, np.int64)  # 0 marks a free slot: no pair (0, 0) occurs
+    passes = np.empty(1024)
     cols = np.empty(4, np.int64)
     for run in range(runs.shape[0]):
         i = runs[run, 0] // nx
@@ -252,29 +252,17 @@ def touching(heights, labels, periodic, n, runs):
                     continue
                 key = a * n + b if a < b else b * n + a
                 z = min(heights[i, j], heights[row, cols[k]])
-                slot = _slot(key, size)
-                while keys[slot] != key and keys[slot] != 0:
-                    slot = (slot + 1) & (size - 1)
+                slot = _slot(keys, key)
                 if keys[slot] == key:
                     passes[slot] = max(passes[slot], z)
                     continue
                 keys[slot] = key
                 passes[slot] = z
                 used += 1
-                if 2 * used > size:
-                    old_keys, old_passes = keys, passes
-                    size *= 2
-                    keys = np.zeros(size, np.int64)
-                    passes = np.empty(size)
-                    for old in range(old_keys.size):
-                        if old_keys[old] != 0:
-                            slot = _slot(old_keys[old], size)
-                            while keys[slot] != 0:
-                                slot = (slot + 1) & (size - 1)
-                            keys[slot] = old_keys[old]
-                            passes[slot] = old_passes[old]
+                if 2 * used > keys.size:
+                    keys, passes = _doubled(keys, passes)
     found = 0
-    for slot in range(size):
+    for slot in range(keys.size):
         if keys[slot] != 0:
             keys[found] = keys[slot]
             passes[found] = passes[slot]
@@ -283,10 +271,26 @@ def touching(heights, labels, periodic, n, runs):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _slot(key, size):
-    """First place to look for a key in a table of `size` slots, a power of two."""
+def _slot(keys, key):
+    """Where a key stands in a table (its size is a power of two), or the free slot for it."""
     mixed = np.uint64(key) * np.uint64(0x9E3779B97F4A7C15)
-    return np.int64(mixed >> np.uint64(24)) & (size - 1)
+    slot = np.int64(mixed >> np.uint64(24)) & (keys.size - 1)
+    while keys[slot] != key and keys[slot] != 0:
+        slot = (slot + 1) & (keys.size - 1)
+    return slot
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _doubled(keys, passes):
+    """The same table with twice the room."""
+    new_keys = np.zeros(2 * keys.size, np.int64)
+    new_passes = np.empty(2 * keys.size)
+    for old in range(keys.size):
+        if keys[old] != 0:
+            slot = _slot(new_keys, keys[old])
+            new_keys[slot] = keys[old]
+            new_passes[slot] = passes[old]
+    return new_keys, new_passes
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

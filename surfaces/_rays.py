@@ -181,6 +181,62 @@ def _pixel(at, n):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _frame(a, b, c):
+    """Principal curvatures k1 >= k2 > 0 of (a x^2 + 2 b x y + c y^2)/2 and the axis of k2."""
+    half = math.hypot(0.5 * (a - c), b)
+    k1 = 0.5 * (a + c) + half
+    k2 = max(0.5 * (a + c) - half, _FLATTEST * k1)
+    axis = 0.5 * math.atan2(2.0 * b, a - c) + 0.5 * math.pi
+    return k1, k2, axis - math.pi if axis > 0.5 * math.pi else axis
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def edge_of(flat, width, labels, owner, periodic, dip, n, place, top_height, way, rs, fs):
+    """Length of a ray of peak n from `place` along `way` (pixels per metre), in steps of half a
+    pixel that grow with the radius; `rs` and `fs` are room for its samples.
+    """
+    ny, nx = labels.shape
+    way_y, way_x = way
+    pixel = 1.0 / max(abs(way_y), abs(way_x))
+    limit = np.inf
+    if periodic:  # half-way to the image of the summit
+        limit = min(0.5 * ny / max(abs(way_y), _TINY), 0.5 * nx / max(abs(way_x), _TINY))
+    top = 0
+    outside = 0
+    m = 0
+    r = 0.0
+    rs[0], fs[0] = 0.0, 0.0
+    while m + 1 < rs.size:
+        r += pixel if m == 0 else max(0.5 * pixel, 0.1 * r)
+        y, x = place[0] + r * way_y, place[1] + r * way_x
+        if periodic:
+            y, x = _wrapped(y, ny), _wrapped(x, nx)
+        elif not (-0.5 <= y <= ny - 0.5 and -0.5 <= x <= nx - 0.5):
+            break
+        m += 1
+        rs[m] = r
+        fs[m] = top_height - evaluate(flat, width, y, x)
+        label = labels[_pixel(y, ny), _pixel(x, nx)]
+        outside = outside + 1 if label >= 0 and owner[label] != n else 0
+        if fs[m] > fs[top] or m == 1:
+            top = m
+        elif fs[m] <= fs[top] - dip:
+            break
+        if outside == 2:
+            limit = min(limit, _BEYOND * 0.5 * (rs[m - 2] + rs[m - 1]))
+        if r > limit:
+            break
+    edge = rs[top]
+    if 0 < top < m:  # the vertex of the parabola through the highest sample
+        left, right = rs[top] - rs[top - 1], rs[top + 1] - rs[top]
+        up = (fs[top] - fs[top - 1]) / left
+        down = (fs[top] - fs[top + 1]) / right
+        if up + down > 0.0:
+            edge += 0.5 * (up * right - down * left) / (up + down)
+    return max(min(edge, limit), 0.5 * pixel)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def fit(
     heights, flat, width, labels, owner, periodic, spacing, order, row, col, prominence, pixels,
     dip, places, expansions, kinds, summit, curvature, angle, phi, weight, edge, q, start, stop,
@@ -191,98 +247,49 @@ def fit(
     rays, nodes = q.shape[1:]
     rs = np.empty(_MOST_SAMPLES)
     fs = np.empty(_MOST_SAMPLES)
-    for place in range(start, stop):
-        n = order[place]
+    for rank in range(start, stop):
+        n = order[rank]
         found = kinds[n] == SUMMIT
-        sampled = kinds[n] <= 0
         y0, x0 = places[n]
         z0 = expansions[n, 0] if found else heights[row[n], col[n]]
+        # without a summit: the round paraboloid that fills the basin down to the saddle
+        a = 2.0 * math.pi * prominence[n] / (pixels[n] * dy * dx)
+        b, c = 0.0, a
         if found:
             a = -expansions[n, 5] / (dx * dx)
             b = -expansions[n, 4] / (dx * dy)
             c = -expansions[n, 3] / (dy * dy)
-        else:  # the round paraboloid that fills the basin down to the saddle
-            a = 2.0 * math.pi * prominence[n] / (pixels[n] * dy * dx)
-            b, c = 0.0, a
-        half = math.hypot(0.5 * (a - c), b)
-        k1 = 0.5 * (a + c) + half
-        k2 = max(0.5 * (a + c) - half, _FLATTEST * k1)
-        long_axis = 0.5 * math.atan2(2.0 * b, a - c) + 0.5 * math.pi
-        if long_axis > 0.5 * math.pi:
-            long_axis -= math.pi
-        summit[n, 0] = (x0 + 0.5) * dx
-        summit[n, 1] = (y0 + 0.5) * dy
-        summit[n, 2] = z0
-        curvature[n, 0] = k1
-        curvature[n, 1] = k2
-        angle[n] = long_axis
-
+        k1, k2, angle[n] = _frame(a, b, c)
+        curvature[n, 0], curvature[n, 1] = k1, k2
+        summit[n, 0], summit[n, 1], summit[n, 2] = (x0 + 0.5) * dx, (y0 + 0.5) * dy, z0
         fold_y, fold_x = 0.0, 0.0
         if kinds[n] == RIM:
             fold_y = _FOLD if row[n] == 0 else (-_FOLD if row[n] == ny - 1 else 0.0)
             fold_x = _FOLD if col[n] == 0 else (-_FOLD if col[n] == nx - 1 else 0.0)
+
         aspect = aspect_of(k1, k2)
         total = 0.0
         for p in range(rays):
             turn = 2.0 * math.pi * p / rays
             u, v = math.cos(turn), aspect * math.sin(turn)
-            phi[n, p] = long_axis + math.atan2(v, u)
+            phi[n, p] = angle[n] + math.atan2(v, u)
             weight[n, p] = aspect / (u * u + v * v)
             total += weight[n, p]
         for p in range(rays):
             weight[n, p] *= 2.0 * math.pi / total
-            way_y = _folded(math.sin(phi[n, p]) / dy, fold_y)
-            way_x = _folded(math.cos(phi[n, p]) / dx, fold_x)
-            pixel = 1.0 / max(abs(way_y), abs(way_x))
-            limit = np.inf
-            if periodic:  # half-way to the image of the summit
-                limit = min(0.5 * ny / max(abs(way_y), _TINY), 0.5 * nx / max(abs(way_x), _TINY))
-            top = 0
-            outside = 0
-            m = 0
-            r = 0.0
-            rs[0], fs[0] = 0.0, 0.0
-            while sampled and m + 1 < _MOST_SAMPLES:
-                r += pixel if m == 0 else max(0.5 * pixel, 0.1 * r)
-                y, x = y0 + r * way_y, x0 + r * way_x
-                if periodic:
-                    y, x = _wrapped(y, ny), _wrapped(x, nx)
-                elif not (-0.5 <= y <= ny - 0.5 and -0.5 <= x <= nx - 0.5):
-                    break
-                m += 1
-                rs[m] = r
-                fs[m] = z0 - evaluate(flat, width, y, x)
-                label = labels[_pixel(y, ny), _pixel(x, nx)]
-                outside = outside + 1 if label >= 0 and owner[label] != n else 0
-                if fs[m] > fs[top] or m == 1:
-                    top = m
-                elif fs[m] <= fs[top] - dip:
-                    break
-                if outside == 2:
-                    limit = min(limit, _BEYOND * 0.5 * (rs[m - 2] + rs[m - 1]))
-                if r > limit:
-                    break
-            edge[n, p] = rs[top]
-            if 0 < top < m:
-                left, right = rs[top] - rs[top - 1], rs[top + 1] - rs[top]
-                up = (fs[top] - fs[top - 1]) / left
-                down = (fs[top] - fs[top + 1]) / right
-                if up + down > 0.0:
-                    edge[n, p] += 0.5 * (up * right - down * left) / (up + down)
-            edge[n, p] = max(min(edge[n, p], limit), 0.5 * pixel)
-
-        for p in range(rays):
-            t = phi[n, p] - long_axis
-            tip = 0.5 * (k2 * math.cos(t) ** 2 + k1 * math.sin(t) ** 2)
-            if not sampled:
-                around = math.sqrt(pixels[n] * dy * dx / math.pi)
-                edge[n, p] = max(edge[n, p], around)
-                for j in range(nodes):
+            turn = phi[n, p] - angle[n]
+            tip = 0.5 * (k2 * math.cos(turn) ** 2 + k1 * math.sin(turn) ** 2)
+            q[n, p, 0] = tip
+            if kinds[n] > 0:  # the basin of another peak
+                edge[n, p] = math.sqrt(pixels[n] * dy * dx / math.pi)
+                for j in range(1, nodes):
                     q[n, p, j] = tip
                 continue
             way_y = _folded(math.sin(phi[n, p]) / dy, fold_y)
             way_x = _folded(math.cos(phi[n, p]) / dx, fold_x)
-            q[n, p, 0] = tip
+            edge[n, p] = edge_of(
+                flat, width, labels, owner, periodic, dip, n, (y0, x0), z0, (way_y, way_x), rs, fs
+            )
             last = 0.0
             for j in range(1, nodes):
                 r = edge[n, p] * j / (nodes - 1)
