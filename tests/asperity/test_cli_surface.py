@@ -176,9 +176,9 @@ def test_peaks_as_csv(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Non
 
 def test_info_as_a_page_that_needs_nothing_else(folder: Path) -> None:
     page = folder / "maps.html"
-    assert run("info", folder / "*.h5", "--html", page) == 0
+    assert run("info", folder / "map[01].h5", "--html", page) == 0
     text = page.read_text()
-    assert text.count("<section>") == 3 and text.count("data:image/png;base64,") == 9
+    assert text.count("<section>") == 2 and text.count("data:image/png;base64,") == 6
     assert "missing: no spectrum" in text and "<script" not in text
     assert "src=" in text and "http" not in text.replace("http-equiv", "")
 

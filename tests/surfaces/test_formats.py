@@ -179,14 +179,14 @@ def test_mutated_arrays_read_or_raise_one_sentence(tmp_path: Path, suffix: str) 
     content = path.read_bytes()
     options = {"unit": "um", "spacing": 1e-6} if suffix == ".npy" else {}
     raised = 0
-    for case in range(80):
+    for case in range(40):
         path.write_bytes(mutate_bytes(content, np.random.default_rng([5, case])))
         try:
             surfaces.read(path, **options)
         except InputError as error:
             raised += 1
             assert str(error).startswith(str(path)) and "\n" not in str(error)
-    assert raised > 10
+    assert raised > 5
 
 
 def test_objects_are_never_unpickled(tmp_path: Path) -> None:
