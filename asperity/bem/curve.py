@@ -5,14 +5,16 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from surfaces.heightmap import HeightMap
 
-from ..loadpoints import checked_loads
+from ..loadpoints import checked_loads, expected_area_fraction
 from ..results import ContactCurve
+from .accuracy import choose_grid, coarse_map
 from .contact_map import contact_area, count_patches
 from .kernel import ElasticHalfSpace
 from .operator import Boundary
@@ -71,6 +73,8 @@ def bem_curve(
     separations: ArrayLike | None = None,
     tolerance: float = 1e-6,
     boundary: Boundary | None = None,
+    accuracy: float | None = None,
+    check: bool = False,
     progress: Callable[[CurvePoint], object] | None = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
 ) -> ContactCurve:
@@ -85,6 +89,13 @@ def bem_curve(
     separations
         separations [m]. With neither: 10 geometric loads for about 0.1 % to 10 % of contact,
         from the rms slope and the modulus.
+    accuracy
+        Relative error allowed in load and corrected area [-], 0.002 to 0.2: the coarsest grid and
+        the loosest tolerance that hold it are chosen from the spectrum of the map and the
+        lightest load (`accuracy.choose_grid`), and `tolerance` is not used.
+    check
+        With `accuracy`: solve the middle load once more on a grid twice as fine (at most the full
+        one); the larger difference in separation over rms height and in area is `error_estimate`.
     progress
         Called with every finished load point, with its contact map.
     checkpoint
@@ -99,7 +110,17 @@ def bem_curve(
     """
     kind, values = checked_loads(hm, mat, pressures, separations)
     begun = time.perf_counter()
-    problem = ContactProblem(hm, mat, tolerance=tolerance, boundary=boundary)
+    if boundary is None:
+        boundary = "periodic" if hm.periodic else "free"
+    asked: dict[str, Any] = {"input": hm.digest}
+    grid = hm
+    if accuracy is not None:
+        lightest = _lightest_area(hm, mat, kind, values)
+        choice = choose_grid(hm, accuracy, lightest, boundary)
+        tolerance = choice.tolerance
+        grid = hm if choice.shape == hm.shape else coarse_map(hm, choice.shape, boundary)
+        asked |= {"accuracy": accuracy, "accuracy_reason": choice.reason}
+    problem = ContactProblem(grid, mat, tolerance=tolerance, boundary=boundary)
     prepared = time.perf_counter()
     path = LoadPath(problem)
     order = np.argsort(values if kind == "pressure" else -values, kind="stable")
@@ -107,7 +128,7 @@ def bem_curve(
 
     def curve_of(indices: Iterable[int]) -> ContactCurve:
         seconds = {"setup": prepared - begun, "loads": time.perf_counter() - prepared}
-        return _curve(problem, [solved[i] for i in indices], seconds)
+        return _curve(problem, [solved[i] for i in indices], seconds, asked)
 
     for index in order.tolist():
         solved[index] = _solve_point(path, kind, float(values[index]))
@@ -116,7 +137,8 @@ def bem_curve(
         solved[index] = replace(solved[index], contact=_NO_MAP)
         if checkpoint is not None:
             checkpoint(curve_of(solved))
-    return curve_of(range(len(values)))
+    curve = curve_of(range(len(values)))
+    return _checked(curve, hm, mat, problem) if check and grid is not hm else curve
 
 
 def _solve_point(path: LoadPath, kind: str, value: float) -> CurvePoint:
@@ -174,6 +196,7 @@ def _curve(
     problem: ContactProblem,
     points: Sequence[CurvePoint],
     seconds: dict[str, float],
+    asked: dict[str, Any],
 ) -> ContactCurve:
     columns = {name: np.array([p.columns[name] for p in points]) for name in points[0].columns}
     names = ("separation", "mean_pressure", "load", "area_fraction", "contact_area")
@@ -187,7 +210,39 @@ def _curve(
         error_estimate=np.full(len(points), np.nan),
         model="bem",
         seconds=seconds,
-        settings={**problem.settings(), "input": problem.hm.digest},
+        settings={**problem.settings(), **asked},
         extra=columns,
         reasons=tuple(point.reason for point in points),
     )
+
+
+def _lightest_area(
+    hm: HeightMap, mat: ElasticHalfSpace, kind: str, values: NDArray[np.float64]
+) -> float:
+    """Area fraction expected at the lightest load point: from the load, or by the heights."""
+    if kind == "pressure":
+        loads = values[values > 0.0]
+        return expected_area_fraction(hm, mat, float(loads.min())) if loads.size else 1.0
+    above = np.count_nonzero(hm.heights - hm.heights.mean() > values.max())
+    return 0.3 * above / hm.heights.size
+
+
+def _checked(
+    curve: ContactCurve, hm: HeightMap, mat: ElasticHalfSpace, problem: ContactProblem
+) -> ContactCurve:
+    """The curve with the error estimate from one solve on a grid twice as fine."""
+    middle = int(np.argsort(curve.mean_pressure)[len(curve) // 2])
+    rows, columns = (min(2 * n, full) for n, full in zip(problem.hm.shape, hm.shape, strict=True))
+    finer = hm
+    if (rows, columns) != hm.shape:
+        finer = coarse_map(hm, (rows, columns), problem.boundary)
+    finest = bem_curve(
+        finer,
+        mat,
+        pressures=[curve.mean_pressure[middle]],
+        tolerance=problem.tolerance,
+        boundary=problem.boundary,
+    )
+    shift = abs(finest.separation[0] - curve.separation[middle]) / hm.rms_height
+    area = abs(curve.contact_area[middle] / max(finest.contact_area[0], 1e-300) - 1.0)
+    return replace(curve, error_estimate=np.full(len(curve), max(shift, area)))

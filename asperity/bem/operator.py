@@ -49,8 +49,6 @@ class HalfSpaceOperator:
         *,
         threads: int = 1,
     ) -> None:
-        if boundary not in ("periodic", "free"):
-            raise InputError(f'boundary is {boundary!r}; choose "periodic" or "free"')
         self.shape = shape
         self.spacing = spacing
         self.m = float(material.m)

@@ -16,6 +16,7 @@ from .correction import Level, Outcome
 from .grids import CoarseMaps, level_shapes, prolong
 from .kernel import ElasticHalfSpace
 from .load_search import LoadSearch
+from .memory import require_memory
 from .operator import Boundary, HalfSpaceOperator
 
 __all__ = ["ContactProblem"]
@@ -57,6 +58,9 @@ class ContactProblem:
             raise InputError(f"tolerance is {tolerance!r}; give a number from 1e-12 to 0.1")
         if boundary is None:
             boundary = "periodic" if hm.periodic else "free"
+        if boundary not in ("periodic", "free"):
+            raise InputError(f'boundary is {boundary!r}; choose "periodic" or "free"')
+        require_memory(hm.shape, boundary)
         self.hm, self.mat, self.tolerance = hm, mat, float(tolerance)
         self._threads = thread_count()
         exact = HalfSpaceOperator(hm.shape, hm.spacing, mat, boundary, threads=self._threads)

@@ -1,0 +1,69 @@
+"""Curves on the coarsest sufficient grid, and the memory estimate."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from bem_support import rough
+
+from asperity import HalfSpace, bem_curve, errors
+from asperity.bem import accuracy, memory
+
+BODY = HalfSpace.from_modulus(1.0)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_coarse_curve_holds_its_accuracy(boundary):
+    """A smooth map is solved on a coarser grid, within the accuracy asked for."""
+    hm = rough((300, 360), size=(1.0, 1.2), cutoff=24.0, seed=6)
+    loads = [0.01, 0.03, 0.09]
+    exact = bem_curve(hm, BODY, pressures=loads, boundary=boundary)
+    loose = bem_curve(hm, BODY, pressures=loads, boundary=boundary, accuracy=0.06, check=True)
+    assert loose.settings["shape"][0] < 200
+    assert loose.settings["accuracy"] == 0.06
+    assert "points" in loose.settings["accuracy_reason"]
+    np.testing.assert_allclose(loose.area_fraction, exact.area_fraction, rtol=0.06)
+    stiffness = np.gradient(np.log(exact.mean_pressure), exact.separation)
+    assert np.abs(stiffness * (loose.separation - exact.separation)).max() < 0.06
+    assert (loose.error_estimate < 0.1).all()
+
+
+def test_choice_follows_the_spectrum_and_the_load():
+    """Rougher maps, lighter loads and higher accuracy ask for more points."""
+    smooth, sharp = (rough((256, 320), cutoff=c, seed=7) for c in (32.0, 2.0))
+    sizes = [
+        accuracy.choose_grid(hm, wanted, light, "periodic").shape[0]
+        for hm, wanted, light in (
+            (smooth, 0.1, 0.05),
+            (smooth, 0.05, 0.05),
+            (smooth, 0.1, 0.003),
+            (sharp, 0.1, 0.05),
+        )
+    ]
+    assert sizes[0] < min(sizes[1:])
+    assert sizes[3] > 160
+    with pytest.raises(errors.InputError, match=r"accuracy is 2\.0"):
+        accuracy.choose_grid(smooth, 2.0, 0.01, "periodic")
+
+
+def test_coarse_map_keeps_mean_size_and_waves():
+    """Truncation keeps every wave that the coarse grid holds, and the mean."""
+    hm = rough((90, 120), cutoff=12.0, seed=8)
+    hm = hm.replace(heights=hm.heights + 3.0)
+    half = accuracy.coarse_map(hm, (45, 60), "periodic")
+    assert half.size == pytest.approx(hm.size)
+    np.testing.assert_allclose(half.heights, hm.heights[::2, ::2], atol=1e-9)
+    averaged = accuracy.coarse_map(hm, (45, 60), "free")
+    expected = hm.heights.reshape(45, 2, 60, 2).mean(axis=(1, 3))
+    np.testing.assert_allclose(averaged.heights, expected, rtol=1e-13)
+
+
+def test_memory_is_estimated_and_refused(monkeypatch):
+    """A grid that will not fit is refused with its size; one that fits is not."""
+    memory.require_memory((100, 100), "periodic")
+    monkeypatch.setattr(memory, "available_bytes", lambda: 10_000)
+    with pytest.raises(errors.InputError, match=r"needs about .* GiB are available"):
+        bem_curve(rough((20, 24)), BODY, pressures=[0.1])
+    assert memory.estimated_bytes((10, 10), "free") > memory.estimated_bytes((10, 10), "periodic")
+    monkeypatch.setattr(memory, "available_bytes", lambda: None)
+    memory.require_memory((10**6, 10**6), "free")
