@@ -18,6 +18,7 @@ from surfaces.segmentation import segment
 from .contacts import patch_count
 from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, terms
 from .loadpoints import checked_loads
+from .microcontact.growing import GrowingTable
 from .microcontact.laws import tabulate
 from .plan import Plan, make_plan
 from .population import Population, PopulationState
@@ -25,6 +26,7 @@ from .results import ContactCurve
 
 if TYPE_CHECKING:
     from .material import HalfSpace
+    from .microcontact.table import LawTable
 
 __all__ = ["Asperities", "ContactRun", "contact_curve", "solve_contacts"]
 
@@ -64,21 +66,25 @@ class Asperities:
         start = clock()
         profiles = fit_profiles(hm, peaks)
         seconds["profiles"] = clock() - start
-        start = clock()
-        table = tabulate(profiles, material, law=plan.law)
-        seconds["laws"] = clock() - start
+        seconds["laws"] = 0.0
+
+        def laws(rows: NDArray[np.int64]) -> LawTable:
+            begun = clock()
+            table = tabulate(profiles.rows(rows), material, law=plan.law)
+            seconds["laws"] += clock() - begun
+            return table
+
         start = clock()
         population = Population(
             x=profiles.x,
             y=profiles.y,
             height=profiles.height - mean,
-            table=table,
+            table=GrowingTable(len(profiles), laws),
             cell=hm.size,
             boundary=plan.boundary,
             material=material,
             interaction=plan.interaction,
         )
-        seconds["interaction set-up"] = clock() - start
         return cls(hm, material, plan, peaks, profiles, population, seconds)
 
     def deep_enough(self, state: PopulationState) -> bool:
@@ -207,7 +213,7 @@ def solve_contacts(
 
     def curve_of(points: Iterable[int]) -> ContactCurve:
         chosen = list(points)
-        solving = time.perf_counter() - start
+        solving = time.perf_counter() - start - bodies.seconds["laws"]
         return _curve(bodies, [states[i] for i in chosen], [patches[i] for i in chosen], solving)
 
     for i in np.argsort(values if kind == "pressure" else -values, kind="stable").tolist():

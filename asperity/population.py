@@ -16,6 +16,8 @@ from .interaction.laws import Evaluated, Laws
 from .interaction.operator import Interaction
 from .interaction.solver import Solution, conjugate_gradients, descend
 from .interaction.state import Problem
+from .interaction.tangent import Tangent
+from .microcontact.growing import GrowingTable
 
 if TYPE_CHECKING:
     from .material import HalfSpace
@@ -37,6 +39,9 @@ MAX_SEARCH = 40
 
 SEARCH_TOLERANCE = 5e-3
 """Tolerance of a solve on the way to a mean pressure."""
+
+FEW = 64
+"""Laws that suffice to know the size of the footprints."""
 
 LARGEST_AREA = 0.5
 """Contact area over nominal area beyond which separate contacts have lost their meaning."""
@@ -104,7 +109,7 @@ class Population:
     height
         Heights [m] above the mean plane of the map, shape (n,).
     table
-        Contact laws of the summits.
+        Contact laws of the summits, or a growing table that makes those that are needed.
     cell
         Nominal area (Ly, Lx) [m].
     boundary
@@ -135,7 +140,7 @@ class Population:
         x: ArrayLike,
         y: ArrayLike,
         height: ArrayLike,
-        table: LawTable,
+        table: LawTable | GrowingTable,
         cell: tuple[float, float],
         boundary: str,
         material: HalfSpace,
@@ -145,10 +150,11 @@ class Population:
         self.x, self.y, self.height = (
             _column(value, name) for value, name in ((x, "x"), (y, "y"), (height, "height"))
         )
-        if not len(self.x) == len(self.y) == len(self.height) == len(table.reach):
+        rows = len(table) if isinstance(table, GrowingTable) else len(table.reach)
+        if not len(self.x) == len(self.y) == len(self.height) == rows:
             raise InputError(
                 f"x, y, height and table have {len(self.x)}, {len(self.y)}, {len(self.height)} "
-                f"and {len(table.reach)} rows; they must agree"
+                f"and {rows} rows; they must agree"
             )
         if len(self.x) == 0:
             raise InputError("the population has no summit; lower the height to segment above")
@@ -156,11 +162,11 @@ class Population:
             raise InputError(f'boundary must be "periodic" or "free", got {boundary!r}')
         if not (len(cell) == 2 and min(cell) > 0 and math.isfinite(max(cell))):
             raise InputError(f"cell must be two positive lengths, got {cell!r}")
-        self.table, self.boundary, self.material = table, boundary, material
+        self.boundary, self.material = boundary, material
+        self._table = table
         self.cell = (float(cell[0]), float(cell[1]))
         self.interaction = interaction and (boundary == "periodic" or len(self.height) > 1)
         self.deflection = deflection
-        self.centred = deflection and getattr(table, "centre", None) is not None
         self.footprints = Footprints(material.modulus, material.m)
         self.laws = Laws(table, self.footprints)
         usable = np.flatnonzero(self.laws.usable)
@@ -170,6 +176,16 @@ class Population:
 
     def __len__(self) -> int:
         return len(self.height)
+
+    @property
+    def table(self) -> LawTable:
+        """Contact laws of the summits; of a growing table, those made so far."""
+        return self._table.table if isinstance(self._table, GrowingTable) else self._table
+
+    @property
+    def centred(self) -> bool:
+        """Whether contacts stand at the centres that their laws give."""
+        return self.deflection and getattr(self.table, "centre", None) is not None
 
     @property
     def nominal_area(self) -> float:
@@ -343,7 +359,7 @@ class _Trail:
         own = approach[self.index]
         if not own.any():
             return 0.0
-        tangent = self.problem.plan.tangent(own > 0, self.problem.laws(own).stiffness)
+        tangent = Tangent(self.problem.plan, own > 0, self.problem.laws(own).stiffness)
         change, _ = conjugate_gradients(tangent, np.ones(len(tangent)), tolerance=0.01)
         return float(change.sum()) / population.nominal_area
 
@@ -378,9 +394,6 @@ class _Trail:
         end = min(needed, float(height[-1]))
         listed = float(height[count]) if count < len(height) else end - (float(height[0]) - end)
         index = population.falling[:count]
-        deepest = population.height[index] - listed
-        bound = population.laws.rows(index)(deepest)
-        widest = np.quantile(population.footprints.variance(bound.stiffness), 0.98)
         x, y = population.x[index], population.y[index]
         if self.offset is not None:
             x, y = x + self.offset[0][index], y + self.offset[1][index]
@@ -390,13 +403,21 @@ class _Trail:
             population.cell,
             population.boundary,
             population.footprints,
-            widest=float(widest),
+            widest=self._widest(index, listed),
         )
         index = index[plan.order]
         problem = Problem(
             population.height[index], population.laws.rows(index), plan, population.deflection
         )
         return replace(self, problem=problem, index=index, listed=listed)
+
+    def _widest(self, index: NDArray[np.int64], listed: float) -> float:
+        """Variance [m^2] that few footprints will exceed before the summits are listed again."""
+        population = self.population
+        ready = index[population.laws.ready[index]]
+        ready = ready if len(ready) >= FEW else index[:FEW]
+        bound = population.laws.rows(ready)(population.height[ready] - listed)
+        return float(np.quantile(population.footprints.variance(bound.stiffness), 0.98))
 
     def _predict(self, separation: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Approaches and deflections extrapolated from the last two separations."""

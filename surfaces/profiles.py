@@ -77,6 +77,11 @@ class Profiles:
     def __len__(self) -> int:
         return int(self.x.size)
 
+    def rows(self, index: NDArray[np.int64]) -> Profiles:
+        """The profiles of the peaks `index`; `owner` keeps the numbers of all peaks."""
+        every = vars(self)
+        return Profiles(**{k: v if k == "t" else v[index] for k, v in every.items()})
+
     def __repr__(self) -> str:
         return (
             f"<Profiles: {len(self)} peaks, {self.phi.shape[1]} rays, {self.t.size} nodes, "

@@ -26,17 +26,18 @@ def evaluate(index, approach, reach, power, table, force, stiffness, area, energ
     steps = table.shape[1]
     for i in range(approach.size):
         d = approach[i]
-        if d <= 0.0 or reach[i] <= 0.0:
+        top = reach[index[i]]
+        if d <= 0.0 or top <= 0.0:
             continue
-        v = math.sqrt(min(d, reach[i]) / reach[i]) * steps
+        v = math.sqrt(min(d, top) / top) * steps
         j = min(int(v), steps - 1)
         row = table[index[i], j]
         factor = _raise(v, power)
         s = row[0] + v * (row[1] + v * (row[2] + v * row[3]))
         ds = row[1] + v * (2.0 * row[2] + 3.0 * v * row[3])
         f = factor * s
-        # dd/dv = 2 reach v / steps^2
-        width = 2.0 * reach[i] / (steps * steps)
+        # dd/dv = 2 top v / steps^2
+        width = 2.0 * top / (steps * steps)
         slope = factor * (power * s + v * ds)
         k = slope / (width * max(v * v, 1e-200))
         q = power + 2.0
@@ -48,8 +49,8 @@ def evaluate(index, approach, reach, power, table, force, stiffness, area, energ
         m = row[5] + t * (row[6] + t * (row[7] + t * row[8]))
         bend = row[6] + t * (2.0 * row[7] + 3.0 * t * row[8])
         grown = bend * f * v / slope if slope > 0.0 else 0.0
-        if d > reach[i]:
-            over = d - reach[i]
+        if d > top:
+            over = d - top
             full = m + grown
             work += over * (f + 0.5 * k * over)
             m = (m * f + full * k * over) / (f + k * over)
@@ -117,10 +118,10 @@ def _primitive(e0, e1, e2, e3, power, v):
 def tabulate(rows, reach, force, stiffness, area, power, factor, exponent, table):
     """Fill the rows of `table` (see `Laws`) from sound nodal values.
 
-    `force` and `stiffness` run over `rows`, `reach`, `area` and `table` over all contacts; a
-    footprint has the variance (factor k)^exponent. The moment (1/F) int v dF is integrated by
-    Gauss quadrature on each interval, and its slopes are limited so that it grows between the nodes
-    too (Fritsch and Carlson 1980).
+    The nodal values run over `rows`, `table` over all contacts; a footprint has the variance
+    (factor k)^exponent. The moment (1/F) int v dF is integrated by Gauss quadrature on each
+    interval, and its slopes are limited so that it grows between the nodes too (Fritsch and
+    Carlson 1980).
     """
     steps = force.shape[1] - 1
     x, g = GAUSS_NODES, GAUSS_WEIGHTS
@@ -128,7 +129,7 @@ def tabulate(rows, reach, force, stiffness, area, power, factor, exponent, table
     bend = np.zeros(steps + 1)
     for r in range(rows.size):
         i = rows[r]
-        width = 2.0 * reach[i] / (steps * steps)
+        width = 2.0 * reach[r] / (steps * steps)
         s0 = 0.0
         d0 = 0.0
         work = 0.0
@@ -164,8 +165,8 @@ def tabulate(rows, reach, force, stiffness, area, power, factor, exponent, table
             slope = _slope(e0, e1, e2, e3, power, v)
             variance = _raise(factor * slope / (width * v), exponent)
             bend[j + 1] = (variance - moment[j + 1]) * slope / load
-            table[i, j, 9] = area[i, j] / (j * j) if j > 0 else area[i, 1]
-            table[i, j, 10] = area[i, j + 1] / (v * v)
+            table[i, j, 9] = area[r, j] / (j * j) if j > 0 else area[r, 1]
+            table[i, j, 10] = area[r, j + 1] / (v * v)
             s0 = s1
             d0 = d1
         for j in range(1, steps + 1):

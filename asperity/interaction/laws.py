@@ -13,7 +13,10 @@ from ..errors import InputError
 from . import _laws
 from .footprint import FLOOR, Footprints
 
-__all__ = ["FILLED", "STIFFEST", "Evaluated", "LawNodes", "Laws"]
+__all__ = ["BLOCK", "FILLED", "STIFFEST", "Evaluated", "Growing", "LawNodes", "Laws"]
+
+BLOCK = 256
+"""Laws made at least at a time, on demand."""
 
 FILLED = 0.5
 """Contact area over that at reach, the whole basin, beyond which a contact counts as filled."""
@@ -32,6 +35,19 @@ class LawNodes(Protocol):
 
     @property
     def exponent(self) -> float: ...
+
+
+class Growing(Protocol):
+    """A table whose rows are made on demand (`asperity.microcontact.growing`)."""
+
+    ready: NDArray[np.bool_]
+
+    @property
+    def table(self) -> LawNodes: ...
+
+    def __len__(self) -> int: ...
+
+    def ensure(self, rows: NDArray[np.int64]) -> NDArray[np.int64]: ...
 
 
 class Evaluated:
@@ -65,26 +81,21 @@ class Laws:
     ----------
     nodes
         Tables with `reach` (n,) [m], `force` [N], `stiffness` [N/m] and `area` [m^2] (n, K+1) at
-        the approaches reach (j/K)^2, and the `exponent` p of F = v^p s(v), v = K sqrt(d/reach).
+        the approaches reach (j/K)^2, and the `exponent` p of F = v^p s(v), v = K sqrt(d/reach); or
+        a growing table, whose rows are made when they are needed.
     footprints
         Kernel that turns a stiffness into a footprint.
 
     Attributes
     ----------
-    usable
-        Contacts that can carry load, bool, shape (n,): reach and the force there are positive.
-    repaired
-        Contacts whose table broke a law of contact and was mended, bool, shape (n,).
-    largest
-        Contact area [m^2] at reach, shape (n,).
     index
         Rows of the table that belong to these contacts, shape (n,).
-    table
-        Shape (rows, K, 11), for v in [j, j+1]: coefficients of s = e0 + e1 v + e2 v^2 + e3 v^3; the
-        constant of the energy; coefficients of the moment in v - j; area/v^2 at both ends.
 
     Notes
     -----
+    The table holds 11 numbers for v in [j, j+1]: coefficients of s = e0 + e1 v + e2 v^2 + e3 v^3;
+    the constant of the energy; coefficients of the moment in v - j; area/v^2 at both ends.
+
     s is a cubic Hermite polynomial, linear in the first interval, so that Hertz contacts are exact
     at any grading. The energy is integrated in closed form; the moment is a growing cubic
     Hermite polynomial with the slope dm/dF = (v - m)/F at the nodes. Beyond `reach` the basin is
@@ -97,42 +108,10 @@ class Laws:
     intervals.
     """
 
-    def __init__(self, nodes: LawNodes, footprints: Footprints) -> None:
-        reach = np.ascontiguousarray(nodes.reach, float)
-        force, stiffness, area = (
-            np.asarray(a, float) for a in (nodes.force, nodes.stiffness, nodes.area)
-        )
-        names = {"reach": reach, "force": force, "stiffness": stiffness, "area": area}
-        for name, array in names.items():
-            if not np.isfinite(array).all():
-                raise InputError(f"law table: {name} holds values that are not finite")
-        self.exponent, self.footprints = float(nodes.exponent), footprints
-        self.usable = (reach > 0) & (force[:, -1] > 0)
-        self.reach = np.where(self.usable, reach, 0.0)
-        self.index = np.arange(len(reach))
-        self.table = np.zeros((len(reach), force.shape[1] - 1, 11))
-        self.repaired = np.zeros(len(reach), bool)
-        self.largest = np.zeros(len(reach))
-        rows = np.flatnonzero(self.usable)
-        cap = STIFFEST * footprints.punch(np.sqrt(area[rows].max(axis=1) / np.pi))
-        force, stiffness, self.repaired[rows] = _sound(
-            reach[rows], force[rows], stiffness[rows], cap
-        )
-        settings = (1 + FLOOR) * footprints.self_factor, 2 / footprints.power
-        run(
-            lambda a, b: _laws.tabulate(
-                rows[a:b],
-                reach,
-                force[a:b],
-                stiffness[a:b],
-                area,
-                self.exponent,
-                *settings,
-                self.table,
-            ),
-            blocks(len(rows), 1000),
-        )
-        self.largest[rows] = area[rows, -1]
+    def __init__(self, nodes: LawNodes | Growing, footprints: Footprints) -> None:
+        self.footprints = footprints
+        self.store = _Store(nodes, footprints)
+        self.index = np.arange(len(self.store.reach))
 
     def __len__(self) -> int:
         return len(self.index)
@@ -140,21 +119,40 @@ class Laws:
     def rows(self, index: NDArray[np.int64]) -> Laws:
         """The laws of the contacts `index` alone; the table is shared."""
         part = object.__new__(Laws)
-        vars(part).update(vars(self))
-        part.index = self.index[index]
-        for name in ("reach", "usable", "repaired", "largest"):
-            setattr(part, name, getattr(self, name)[index])
+        part.footprints, part.store, part.index = self.footprints, self.store, self.index[index]
         return part
+
+    @property
+    def reach(self) -> NDArray[np.float64]:
+        """Approach [m] of the last node, shape (n,)."""
+        return self.store.reach[self.index]
+
+    @property
+    def usable(self) -> NDArray[np.bool_]:
+        """Contacts that can carry load, or whose law is not made yet, shape (n,)."""
+        return self.store.usable[self.index]
+
+    @property
+    def repaired(self) -> NDArray[np.bool_]:
+        """Contacts whose table broke a law of contact and was mended, shape (n,)."""
+        return self.store.repaired[self.index]
+
+    @property
+    def ready(self) -> NDArray[np.bool_]:
+        """Contacts whose law has been made, shape (n,)."""
+        return self.store.ready[self.index]
 
     def __call__(self, approach: NDArray[np.float64]) -> Evaluated:
         """Laws at the approaches [m], shape (n,); zero force where they are not positive."""
-        out = Evaluated(len(approach))
+        out, store = Evaluated(len(approach)), self.store
+        if not store.complete:
+            store.need(self.index[approach > 0])
         _laws.evaluate(
             self.index,
             approach,
-            self.reach,
-            self.exponent,
-            self.table,
+            store.reach,
+            store.exponent,
+            store.table,
             out.force,
             out.stiffness,
             out.area,
@@ -164,9 +162,77 @@ class Laws:
         )
         return out
 
+    def expect(self, wanted: NDArray[np.float64]) -> None:
+        """Make the laws of contacts that want to close, and with them those that come next.
+
+        `wanted` is the approach [m] where positive, minus the gap elsewhere, shape (n,).
+        """
+        if self.store.complete:
+            return
+        missing = np.flatnonzero(~self.ready)
+        lacking = int(np.count_nonzero(wanted[missing] > 0))
+        if lacking:
+            block = max(lacking, BLOCK, int(self.store.ready.sum()) // 4)
+            nearest = missing[np.argsort(-wanted[missing], kind="stable")[:block]]
+            self.store.need(self.index[nearest])
+
     def filled(self, law: Evaluated) -> NDArray[np.bool_]:
         """Which contacts cover more than `FILLED` of the area that they have at reach."""
-        return np.asarray(law.area > FILLED * self.largest)
+        return np.asarray(law.area > FILLED * self.store.largest[self.index])
+
+
+class _Store:
+    """The rows of `Laws`, made all at once or as they are needed."""
+
+    def __init__(self, nodes: LawNodes | Growing, footprints: Footprints) -> None:
+        self.footprints = footprints
+        self.growing = nodes if hasattr(nodes, "ensure") else None
+        n = len(nodes) if self.growing else len(nodes.reach)
+        self.reach, self.largest = np.zeros((2, n))
+        self.usable, self.repaired, self.ready = np.ones(n, bool), *np.zeros((2, n), bool)
+        self.exponent, self.table = 3.0 + footprints.m, np.zeros((n, 0, 11))
+        self.complete = False
+        if self.growing is None:
+            self._add(np.arange(n), nodes)
+
+    def need(self, rows: NDArray[np.int64]) -> None:
+        """Make the rows that are missing."""
+        rows = rows[~self.ready[rows]]
+        if rows.size and self.growing is not None:
+            self.growing.ensure(rows)
+            self._add(np.unique(rows), self.growing.table)
+
+    def _add(self, rows: NDArray[np.int64], nodes: LawNodes) -> None:
+        names = ("reach", "force", "stiffness", "area")
+        reach, force, stiffness, area = (np.asarray(getattr(nodes, a), float)[rows] for a in names)
+        for name, array in zip(names, (reach, force, stiffness, area), strict=True):
+            if not np.isfinite(array).all():
+                raise InputError(f"law table: {name} holds values that are not finite")
+        if not self.table.shape[1]:
+            self.exponent = float(nodes.exponent)
+            self.table = np.zeros((len(self.reach), force.shape[1] - 1, 11))
+        self.ready[rows] = True
+        self.complete = bool(self.ready.all())
+        good = (reach > 0) & (force[:, -1] > 0)
+        self.usable[rows] = good
+        rows, reach, area = rows[good], reach[good], area[good]
+        cap = STIFFEST * self.footprints.punch(np.sqrt(area.max(axis=1) / np.pi))
+        force, stiffness, self.repaired[rows] = _sound(reach, force[good], stiffness[good], cap)
+        self.reach[rows], self.largest[rows] = reach, area[:, -1]
+        settings = (1 + FLOOR) * self.footprints.self_factor, 2 / self.footprints.power
+        run(
+            lambda a, b: _laws.tabulate(
+                rows[a:b],
+                reach[a:b],
+                force[a:b],
+                stiffness[a:b],
+                area[a:b],
+                self.exponent,
+                *settings,
+                self.table,
+            ),
+            blocks(len(rows), 1000),
+        )
 
 
 def _sound(

@@ -15,7 +15,7 @@ from . import _dipole_kernels, _kernels
 from .footprint import Footprints, far_table, pair_table, smooth_part
 from .mesh import Mesh
 
-__all__ = ["Interaction", "Tangent"]
+__all__ = ["CAP", "Interaction", "mesh_field", "run"]
 
 NEIGHBOURS = 30
 """Neighbours within the cut-off, on average."""
@@ -30,7 +30,7 @@ CAP = 0.35
 """Largest variance over the squared split length that the expansion takes; wider footprints keep
 this second moment beyond the cut-off."""
 
-PAIRS_PER_THREAD = 15_000
+PAIRS_PER_THREAD = 60_000
 """Pairs that repay a thread."""
 
 NODES = 2.2
@@ -149,16 +149,13 @@ class Interaction:
         """
         m = variance / self.eta**2
         out = np.empty((len(force), 2))
-        smooth = _mesh_field(self, self.rows, self.y, self.x, force, m, self.grids, out)
-        self.smooth = smooth
-        self.lowest = self.scale * min(0.0, float(smooth.min()))
         p, pairs = self.footprints.power, (self.ptr, self.col, self.pair)
-        run(
-            lambda c, rows: _kernels.near_field(
-                rows, force, m, CAP, *pairs, self.shape, p, self.part[c]
-            ),
-            self.rows,
-        )
+
+        def near(c: int, rows: NDArray[np.int64]) -> None:
+            _kernels.near_field(rows, force, m, CAP, *pairs, self.shape, p, self.part[c])
+
+        self.smooth = mesh_field(self, self.rows, self.y, self.x, force, m, self.grids, near, out)
+        self.lowest = self.scale * min(0.0, float(self.smooth.min()))
         f0, f1, f2 = self.own
         held = np.minimum(m, CAP)
         value = out[:, 0] + held * out[:, 1] - force * (f0 + held * (f1 + 0.25 * held * f2))
@@ -248,97 +245,13 @@ class Interaction:
         )
         return np.asarray(self.scale * (mesh[:, 0] + part.sum(axis=0)))
 
-    def tangent(
-        self,
-        active: NDArray[np.bool_],
-        stiffness: NDArray[np.float64],
-        extra: NDArray[np.float64] | float = 0.0,
-    ) -> Tangent:
-        """Tangent matrix of the active points, `stiffness` (n,) [N/m] positive there.
-
-        `extra` (n,) [m/N], not negative, is added to the compliance of the points.
-        """
-        return Tangent(self, active, stiffness, np.broadcast_to(extra, stiffness.shape))
-
-
-class Tangent:
-    """The matrix diag(1/k + extra) + g_ij(v_i + v_j), i != j, plus self-images.
-
-    Positive definite for any set of contacts: `Footprints` has the proof. All vectors run over the
-    active points in the order of the plan.
-    """
-
-    def __init__(
-        self,
-        plan: Interaction,
-        active: NDArray[np.bool_],
-        stiffness: NDArray[np.float64],
-        extra: NDArray[np.float64],
-    ) -> None:
-        self.plan = plan
-        self.index = np.flatnonzero(active)
-        n = len(self.index)
-        rank = np.full(len(active), -1, np.int32)
-        rank[self.index] = np.arange(n, dtype=np.int32)
-        variance = plan.footprints.variance(np.where(active, stiffness, 0.0)) / plan.eta**2
-        self.ptr = np.zeros((n, 2), np.int64)
-        self.col, self.value = plan.tangent_col, plan.tangent_value
-        run(
-            lambda c, rows: _kernels.tangent_list(
-                rows,
-                plan.ptr,
-                plan.col,
-                plan.pair,
-                rank,
-                variance,
-                CAP,
-                plan.shape,
-                plan.footprints.power,
-                plan.ptr[rows[0]],
-                self.ptr,
-                self.col,
-                self.value,
-            ),
-            plan.rows,
-        )
-        self.y, self.x = plan.y[self.index], plan.x[self.index]
-        self.variance = variance[self.index]
-        self.compliance = 1 / stiffness[self.index] + extra[self.index]
-        f0, f1, f2 = plan.own
-        held = np.minimum(self.variance, CAP)
-        self.held = held
-        self.diagonal = self.compliance / plan.scale - f0 - held * (f1 + 0.25 * held * f2)
-        self.rows = np.searchsorted(self.index, plan.rows)
-        self.grids = np.zeros((len(self.rows), *plan.mesh.shape), np.float32)
-        self.part = np.zeros((len(self.rows), n))
-        self.out = np.empty((n, 2))
-
-    def __len__(self) -> int:
-        return len(self.index)
-
-    def __call__(self, vector: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Matrix times vector [m] for forces `vector` [N], shape (len(self),)."""
-        out = self.out
-        _mesh_field(self.plan, self.rows, self.y, self.x, vector, self.variance, self.grids, out)
-        run(
-            lambda c, rows: _kernels.near_tangent(
-                rows, self.ptr, self.col, self.value, vector, self.part[c]
-            ),
-            self.rows,
-        )
-        total = self.diagonal * vector + out[:, 0] + self.held * out[:, 1]
-        for part in self.part:
-            total += part
-        total *= self.plan.scale
-        return np.asarray(total)
-
 
 def run(loop: Callable[[int, NDArray[np.int64]], None], rows: NDArray[np.int64]) -> None:
     """Call loop(c, rows[c]) for every chunk of rows, on as many threads."""
     each(lambda c: loop(c, rows[c]), range(len(rows)))
 
 
-def _mesh_field(
+def mesh_field(
     plan: Interaction,
     rows: NDArray[np.int64],
     y: NDArray[np.float64],
@@ -346,14 +259,18 @@ def _mesh_field(
     force: NDArray[np.float64],
     variance: NDArray[np.float64],
     grids: NDArray[np.floating],
+    near: Callable[[int, NDArray[np.int64]], None],
     out: NDArray[np.float64],
 ) -> NDArray[np.floating]:
-    """Potential of the mesh part, and into `out` (n, 2) its value and half its Laplacian."""
+    """Potential of the mesh part, and into `out` (n, 2) its value and half its Laplacian; the
+    independent loop `near` runs in the same chunks as the deposit."""
     per_step = plan.mesh.per_step
-    run(
-        lambda c, part: _kernels.deposit(part, y, x, force, variance, CAP, per_step, grids[c]),
-        rows,
-    )
+
+    def first(c: int, part: NDArray[np.int64]) -> None:
+        _kernels.deposit(part, y, x, force, variance, CAP, per_step, grids[c])
+        near(c, part)
+
+    run(first, rows)
     smooth = plan.mesh.convolve(grids[0] if len(grids) == 1 else grids.sum(axis=0))
     run(lambda _, part: _kernels.gather(part, y, x, per_step, smooth, out), rows)
     return smooth

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from . import _kernels
 from .deflection import deflection
 from .laws import Evaluated
-from .operator import Tangent
 from .state import Problem, State
+from .tangent import Tangent
 
 __all__ = ["Solution", "conjugate_gradients", "descend"]
 
@@ -108,7 +108,7 @@ def descend(
         if step == MAX_STEPS:
             reason = f"{MAX_STEPS} Newton steps left a residual of {residual.relative:.1e}"
             break
-        tangent = problem.plan.tangent(residual.active, residual.stiffness, residual.extra)
+        tangent = Tangent(problem.plan, residual.active, residual.stiffness, residual.extra)
         force, count = conjugate_gradients(
             tangent,
             residual.error[residual.active],
@@ -154,7 +154,8 @@ class _Residual:
         self.wanted = gap - state.displacement
         self.error = self.wanted - state.approach
         closed = state.approach > 0
-        self.active = closed | (self.wanted > 0)
+        problem.laws.expect(self.wanted)
+        self.active = closed | ((self.wanted > 0) & problem.laws.usable)
         stiffness, growth, force = state.laws.stiffness, state.laws.growth, state.laws.force
         load = float(force.sum())
         error = float(np.abs(self.error * stiffness).sum())

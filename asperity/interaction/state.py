@@ -58,6 +58,7 @@ class State:
     @classmethod
     def at(cls, problem: Problem, approach: NDArray[np.float64]) -> State:
         laws = problem.laws(approach)
+        approach = np.where(laws.force > 0, approach, 0.0)
         return cls(approach, laws, *problem.plan.field(laws.force, laws.moment))
 
     def energy(self, gap: NDArray[np.float64]) -> NDArray[np.float64]:

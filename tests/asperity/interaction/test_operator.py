@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from asperity.interaction.exact import dense_matrix, periodic_interaction, self_image
 from asperity.interaction.footprint import FLOOR, Footprints
 from asperity.interaction.operator import Interaction
+from asperity.interaction.tangent import Tangent
 
 CELL = (1.0, 1.7)
 
@@ -28,7 +29,7 @@ def tangent_matrices(y, x, k, m, boundary):
     f = Footprints(1.0, m)
     plan = Interaction(y, x, CELL, boundary, f, widest=f.variance(k).max())
     k, n = k[plan.order], len(k)
-    tangent = plan.tangent(np.ones(n, bool), k)
+    tangent = Tangent(plan, np.ones(n, bool), k)
     fast = np.array([tangent(e) for e in np.eye(n)])
     v = f.variance(k)
     exact = dense_matrix(y[plan.order], x[plan.order], v, CELL, boundary, f)

@@ -11,6 +11,7 @@ from asperity.interaction.laws import Laws
 from asperity.interaction.operator import Interaction
 from asperity.interaction.solver import conjugate_gradients, descend
 from asperity.interaction.state import Problem, State
+from asperity.interaction.tangent import Tangent
 
 CELL = (1.0, 1.4)
 
@@ -110,7 +111,7 @@ def test_two_spheres_follow_the_interacting_hertz_expansion(distance):
 def test_conjugate_gradients_solve_the_tangent_system():
     problem = make(200)
     stiffness = problem.laws(1.5 * problem.laws.reach).stiffness
-    tangent = problem.plan.tangent(np.ones(200, bool), stiffness)
+    tangent = Tangent(problem.plan, np.ones(200, bool), stiffness)
     right = np.random.default_rng(0).normal(size=200)
     solution, count = conjugate_gradients(tangent, right, tolerance=1e-9, limit=400)
     assert count < 400
