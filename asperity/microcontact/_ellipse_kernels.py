@@ -11,6 +11,12 @@ import math
 import numpy as np
 from numba import njit
 
+from .ellipse_tables import DEGREE
+
+TERMS = (DEGREE + 1) * (DEGREE + 2) // 2
+NODES = DEGREE + 1
+"""Monomials, and nodes on a quarter of the ellipse: constants, so that the loops unroll."""
+
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 
 WIDEST, SHARE, CONFINED = 0.5, 0.05, 0.5
@@ -23,10 +29,10 @@ largest displacement, share of F2, confined share, trust (1 or 0)."""
 
 
 @njit(cache=True, fastmath=FAST, nogil=True)
-def move(source, degree, x0, y0, turn, out):
+def move(source, x0, y0, turn, out):
     """Coefficients about (x0, y0) in axes turned by `turn`, by Taylor shifts and three shears."""
-    n = source.size
-    for r in range(n):
+    degree = DEGREE
+    for r in range(TERMS):
         out[r] = source[r]
     if x0 != 0.0:
         for j in range(degree + 1):
@@ -76,7 +82,7 @@ def _row(rows, start, step, position, out):
 @njit(cache=True, fastmath=FAST, nogil=True)
 def _solve(matrix, vector):
     """Gaussian elimination in place of a small positive system."""
-    n = vector.size
+    n = 5
     for i in range(n):
         pivot = 1.0 / matrix[i, i]
         for r in range(i + 1, n):
@@ -117,10 +123,16 @@ def _edge_radius(edge, stretch, offset, x, y):
     return edge[i] + u * (edge[(i + 1) % n] - edge[i])
 
 
+@njit(cache=True, fastmath=FAST, nogil=True, inline="always")
+def _mirrored(a, b, c, d):
+    """Sums over the mirror images: even, odd in both, odd in x, odd in y."""
+    return a + b + c + d, a - b + c - d, a - b - c + d, a + b - c - d
+
+
 @njit(cache=True, fastmath=FAST, nogil=True)
 def march(
     begin, end, all_coefs, all_sizes, all_edges, all_stretches, offset, levels, most, stop, m,
-    degree, rows, start, step, moments, parity, order, nodes, all_states, all_shapes,
+    rows, start, step, moments, parity, nodes, all_states, all_shapes,
 ):  # fmt: skip
     """Follow the profiles [begin, end) through the approaches levels**2.
 
@@ -129,7 +141,7 @@ def march(
     `stop` ends a profile after the last;
     without it every level is iterated to rest.
     """
-    n, nq = order.size, nodes.size
+    n, nq, degree = TERMS, NODES, DEGREE
     around = 4.0 * (nq - 1)
     ct, st, s2 = np.cos(nodes), np.sin(nodes), np.sin(2 * nodes)
     modes = degree // 2 + 1
@@ -146,7 +158,7 @@ def march(
     P, Q, X = np.empty((4, nq)), np.empty((4, nq)), np.empty((4, nq))
     free = np.empty((4, nq))
     fourier = np.zeros((4, modes))
-    H, g, h = np.empty((5, 5)), np.empty(5), np.empty(5)
+    H, g = np.empty((5, 5)), np.empty(5)
     pa, pb = np.empty(degree + 1), np.empty(degree + 1)
     before, slope = np.zeros(5), np.zeros(5)
     sx = np.array([1.0, -1.0, -1.0, 1.0])
@@ -192,14 +204,14 @@ def march(
                 while f < fits - 1 and sizes[f + 1] >= s:
                     f += 1
                 if f == 0 or fits == 1:
-                    move(fit[f], degree, x0, y0, turn, local)
+                    move(fit[f], x0, y0, turn, local)
                 else:
                     # between two fits that both reach beyond the contact
                     lower = sizes[f + 1] if f < fits - 1 else sizes[f] * sizes[f] / sizes[f - 1]
                     u = min(math.log(sizes[f] / s) / math.log(sizes[f] / lower), 1.0)
                     for r in range(n):
                         mixed[r] = (1 - u) * fit[f - 1, r] + u * fit[f, r]
-                    move(mixed, degree, x0, y0, turn, local)
+                    move(mixed, x0, y0, turn, local)
                 pa[0] = 1.0
                 pb[0] = 1.0
                 for k in range(degree):
@@ -246,15 +258,8 @@ def march(
                     g[i] = 0.0
                     for j in range(5):
                         H[i, j] = 0.0
-                gain, shift, total, push, widest, open_weight, filled = (
-                    0.0,
-                    0.0,
-                    0.0,
-                    0.0,
-                    0.0,
-                    0.0,
-                    0.0,
-                )
+                gain, shift, total, push = 0.0, 0.0, 0.0, 0.0
+                widest, open_weight, filled = 0.0, 0.0, 0.0
                 tc, ts = math.cos(turn), math.sin(turn)
                 for c in range(4):
                     for q in range(nq):
@@ -284,15 +289,37 @@ def march(
                         total += w
                         push += w * Pv
                         open_weight += w * free[c, q]
-                        h[0] = ct[q] * ct[q]
-                        h[1] = st[q] * st[q]
-                        h[2] = s2[q] * sx[c] * sy[c]
-                        h[3] = ct[q] * sx[c]
-                        h[4] = st[q] * sy[c]
-                        for i in range(5):
-                            g[i] += w * Qv * x * h[i]
-                            for j in range(i, 5):
-                                H[i, j] += w * Qv * h[i] * h[j]
+                for q in range(nq):
+                    w = row[o_w + q] * 0.25
+                    cq, sq, dq = ct[q], st[q], s2[q]
+                    cc, ss = cq * cq, sq * sq
+                    e, o, ox, oy = _mirrored(w * Q[0, q], w * Q[1, q], w * Q[2, q], w * Q[3, q])
+                    H[0, 0] += cc * cc * e
+                    H[0, 1] += cc * ss * e
+                    H[1, 1] += ss * ss * e
+                    H[2, 2] += dq * dq * e
+                    H[3, 3] += cc * e
+                    H[4, 4] += ss * e
+                    H[0, 2] += cc * dq * o
+                    H[1, 2] += ss * dq * o
+                    H[3, 4] += cq * sq * o
+                    H[0, 3] += cc * cq * ox
+                    H[1, 3] += ss * cq * ox
+                    H[2, 4] += dq * sq * ox
+                    H[0, 4] += cc * sq * oy
+                    H[1, 4] += ss * sq * oy
+                    H[2, 3] += dq * cq * oy
+                    e, o, ox, oy = _mirrored(
+                        w * Q[0, q] * X[0, q],
+                        w * Q[1, q] * X[1, q],
+                        w * Q[2, q] * X[2, q],
+                        w * Q[3, q] * X[3, q],
+                    )
+                    g[0] += cc * e
+                    g[1] += ss * e
+                    g[2] += dq * o
+                    g[3] += cq * ox
+                    g[4] += sq * oy
                 for i in range(5):
                     for j in range(i):
                         H[i, j] = H[j, i]
@@ -311,8 +338,6 @@ def march(
                 y0 += ts * g[3] * a + tc * g[4] * b
                 turn += twist
                 if abs(g[0]) + abs(g[1]) + abs(twist) + abs(g[3]) + abs(g[4]) < still:
-                    break
-                if abs(g[0]) + abs(g[1]) + abs(g[3]) + abs(g[4]) < 1e-4:
                     break
             # second-order stiffness of the displaced contour, from the Fourier coefficients of X
             for c in range(4):

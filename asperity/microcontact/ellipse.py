@@ -237,8 +237,8 @@ def _march(
     first, last, count = LOG_RATIO
     march(
         0, 1, coefs[None, None], np.full((1, 1), np.inf), np.full((1, 4), np.inf), np.ones(1), 0.0,
-        levels, _NEWTON, False, tables.m, tables.degree, tables.rows, first,
-        (last - first) / (count - 1), tables.moments, tables.parity, tables.order, tables.nodes,
+        levels, _NEWTON, False, tables.m, tables.rows, first,
+        (last - first) / (count - 1), tables.moments, tables.parity, tables.nodes,
         state, shape,
     )  # fmt: skip
     return state[0], shape[0]

@@ -8,6 +8,8 @@ first; the contour is stopped at the basin edge.
 
 from __future__ import annotations
 
+import dataclasses
+import itertools
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -33,8 +35,11 @@ Array = NDArray[np.float64]
 _ORDER = 0
 """Harmonic whose edge operator carries a contour on along its ray."""
 
-LEVELS = np.exp(np.linspace(np.log(1 / 80), 0.0, 25))
+LEVELS = np.exp(np.linspace(np.log(1 / 60), 0.0, 23))
 """Square roots of the approaches, relative to the reach, at which the law is computed."""
+
+_BLOCK = 512
+"""Profiles tabulated at a time: their arrays stay in the cache."""
 
 _FIRST = 8
 """Newton steps at the smallest approach; every other one needs a single evaluation."""
@@ -57,18 +62,16 @@ def solve_states(fits: SummitFits, tables: EllipseTables, levels: Array) -> tupl
         _FIRST,
         True,
         tables.m,
-        tables.degree,
         tables.rows,
         first,
         (last - first) / (count - 1),
         tables.moments,
         tables.parity,
-        tables.order,
         tables.nodes,
         state,
         shape,
     )
-    _threads.run(lambda a, b: march(a, b, *inputs), _threads.blocks(len(fits), 64))
+    march(0, len(fits), *inputs)
     return state, shape
 
 
@@ -127,6 +130,42 @@ def tabulate(
         Intervals of the table.
     """
     tables = ellipse_tables(material.m)
+
+    def part(start: int, stop: int) -> list[LawTable]:
+        bounds = [*range(start, stop, _BLOCK), stop]
+        return [
+            _tabulate_rows(_rows(profiles, a, b), material, tables, nodes, law)
+            for a, b in itertools.pairwise(bounds)
+        ]
+
+    if len(profiles.height) == 0:
+        return _tabulate_rows(profiles, material, tables, nodes, law)
+    parts = _threads.run(part, _threads.blocks(len(profiles.height), 64))
+    return _joined([table for tables in parts for table in tables])
+
+
+def _rows(profiles: Profiles, start: int, stop: int) -> Profiles:
+    """The profiles [start, stop)."""
+    cut = {
+        field.name: getattr(profiles, field.name)[start:stop]
+        for field in dataclasses.fields(profiles)
+        if field.name != "t"
+    }
+    return dataclasses.replace(profiles, **cut)
+
+
+def _joined(tables: list[LawTable]) -> LawTable:
+    """One table of the rows of several."""
+    if len(tables) == 1:
+        return tables[0]
+    names = ("reach", "force", "stiffness", "area", "flags", "spread", "centre", "mobility")
+    columns = {name: np.concatenate([getattr(one, name) for one in tables]) for name in names}
+    return dataclasses.replace(tables[0], **columns)
+
+
+def _tabulate_rows(
+    profiles: Profiles, material: HalfSpace, tables: EllipseTables, nodes: int, law: str
+) -> LawTable:
     fits = fit_summits(profiles, tables.degree)
     state, shape = solve_states(fits, tables, LEVELS)
     good = state[..., 9] > 0
@@ -166,7 +205,7 @@ def follow_basins(
         0.5 * (1 + tables.m),
         out,
     )
-    _threads.run(lambda a, b: fill_basins(a, b, *inputs), _threads.blocks(len(fits), 64))
+    fill_basins(0, len(fits), *inputs)
     return out
 
 

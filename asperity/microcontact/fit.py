@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces import _threads
 from surfaces.errors import InputError
 
 from .ellipse_tables import monomials
@@ -161,7 +160,7 @@ def fit_summits(profiles: Profiles, degree: int) -> SummitFits:
         coefs,
         residual,
     )
-    _threads.run(lambda a, b: fit_rays(a, b, *inputs), _threads.blocks(len(length), 64))
+    fit_rays(0, len(length), *inputs)
     sizes = np.broadcast_to(_FRACTIONS, residual.shape).copy()
     valid = valid & np.isfinite(coefs).all(axis=(1, 2)) & (coefs[:, -1, 5] > 0)
     return SummitFits(
