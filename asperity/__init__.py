@@ -24,6 +24,13 @@ if TYPE_CHECKING:
     from .indentation import Indentation as Indentation
     from .indentation import indent as indent
     from .material import HalfSpace as HalfSpace
+    from .microcontact.friction import PartialSlip as PartialSlip
+    from .microcontact.friction import partial_slip as partial_slip
+    from .microcontact.friction import tangential_modulus as tangential_modulus
+    from .microcontact.punch import FlatPunch as FlatPunch
+    from .microcontact.punch import flat_punch as flat_punch
+    from .microcontact.viscoelastic import Relaxation as Relaxation
+    from .microcontact.viscoelastic import viscoelastic_indent as viscoelastic_indent
     from .plan import Plan as Plan
     from .plan import make_plan as make_plan
     from .population import Population as Population
@@ -45,22 +52,29 @@ _HOME = {
     "ConvergenceError": "errors",
     "friction_curve": "friction",
     "FrictionCurve": "friction",
+    "FlatPunch": "microcontact.punch",
     "HalfSpace": "material",
     "Indentation": "indentation",
     "InputError": "errors",
     "ModelRangeError": "errors",
+    "PartialSlip": "microcontact.friction",
     "Plan": "plan",
     "Population": "population",
     "PopulationState": "population",
+    "Relaxation": "microcontact.viscoelastic",
     "bem_curve": "bem.curve",
     "bem_solve": "bem.solve",
     "compare": "comparison",
     "constriction_conductance": "conductance",
     "contact_curve": "curve",
+    "flat_punch": "microcontact.punch",
     "indent": "indentation",
     "indent_bem": "bem.single",
     "make_plan": "plan",
+    "partial_slip": "microcontact.friction",
     "set_threads": "threads",
+    "tangential_modulus": "microcontact.friction",
+    "viscoelastic_indent": "microcontact.viscoelastic",
 }
 
 __all__ = sorted(_HOME)

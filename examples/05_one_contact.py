@@ -2,9 +2,15 @@
 
 import numpy as np
 
-from asperity import HalfSpace, indent, indent_bem
-from asperity.microcontact.friction import partial_slip, tangential_modulus
-from asperity.microcontact.viscoelastic import Relaxation, viscoelastic_indent
+from asperity import (
+    HalfSpace,
+    Relaxation,
+    indent,
+    indent_bem,
+    partial_slip,
+    tangential_modulus,
+    viscoelastic_indent,
+)
 from surfaces import shapes
 
 steel = HalfSpace(210e9, 0.3)

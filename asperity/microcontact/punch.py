@@ -39,7 +39,7 @@ class FlatPunch:
     Notes
     -----
     Fabrikant's field about the chosen origin: exact for ellipses about their center and for every
-    m, an estimate for any other planform (for m = 0 1 % high for a square), and it depends on the
+    m, an estimate for any other planform (1.5 % low for a square, m = 0), and it depends on the
     origin. Put the origin at the centroid.
     """
 

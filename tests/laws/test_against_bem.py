@@ -7,8 +7,8 @@ import functools
 import numpy as np
 import pytest
 
-from asperity import HalfSpace, indent, indent_bem
-from surfaces import PowerLawProfile, shapes
+from asperity import HalfSpace, bem_solve, flat_punch, indent, indent_bem
+from surfaces import HeightMap, PowerLawProfile, shapes
 
 PUBLISHED = {3: -12.8, 4: -4.15, 5: -1.85, 6: -0.98}
 ANGLES = 2 * np.pi * np.arange(120) / 120
@@ -92,3 +92,20 @@ def test_resolved_pressure_has_the_exact_first_order_contrast(m, k, n):
     trough = scaled.pressure(r * np.cos(np.pi / n), r * np.sin(np.pi / n))
     published = (crest - trough) / (crest + trough)
     assert np.all(np.abs(published - contrast[0]) > 2 * np.abs(contrast[1] - contrast[0]))
+
+
+def test_square_punch_is_known_to_a_few_percent():
+    """Fabrikant's stiffness of the square is 1.5 % low (boundary elements, extrapolated)."""
+    body = HalfSpace.from_modulus(1.0)
+    stiffness = []
+    for n in (32, 64):
+        heights = np.full((n + 8, n + 8), -1.0)
+        heights[4:-4, 4:-4] = 0.0
+        hm = HeightMap(heights, (1 / n, 1 / n))
+        level = -1e-3 - float(heights.mean())
+        stiffness.append(bem_solve(hm, body, separation=level, boundary="free").load / 1e-3)
+    exact = 2 * stiffness[1] - stiffness[0]
+    square = shapes.polygon(4)
+    punch = flat_punch(lambda phi: 0.5 / square.psi(phi), body, corners=square.corners)
+    assert punch.contact_area == pytest.approx(1.0, rel=1e-12)
+    assert punch.stiffness / exact - 1 == pytest.approx(-0.015, abs=0.002)

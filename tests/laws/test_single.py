@@ -267,3 +267,29 @@ def test_resolved_contour_encloses_the_contact_area(m):
     np.testing.assert_allclose(
         np.pi * np.mean(one.contour(fine) ** 2, axis=1), one.contact_area, rtol=1e-8
     )
+
+
+@settings(max_examples=15, deadline=None, derandomize=True)
+@given(m=exponent, wave=st.floats(-0.15, 0.15), n=st.integers(2, 6), raised=st.floats(0.01, 0.5))
+def test_load_and_area_rise_with_approach_and_load_falls_when_the_gap_is_raised(m, wave, n, raised):
+    def body(extra):
+        return PowerSumProfile(
+            [2.0, 3.0], [lambda p: 1 + wave * np.cos(n * p), lambda p: extra * (1 + np.cos(p))]
+        )
+
+    material, depth = HalfSpace.from_modulus(1.0, m), np.array([0.05, 0.1, 0.4])
+    for law in ("paper", "harmonic"):
+        low, high = (indent(body(extra), material, depth, law=law) for extra in (0.0, raised))
+        assert np.all(np.diff(low.force) > 0) and np.all(np.diff(low.contact_area) > 0)
+        assert np.all(low.stiffness > 0)
+        assert np.all(high.force < low.force)
+
+
+@pytest.mark.parametrize("law", ["hertz", "paper", "harmonic"])
+def test_the_homogeneous_body_is_the_limit_of_graded_ones(law):
+    forces = [
+        float(indent(body(), HalfSpace.from_modulus(1.0, m), 0.2, law=law).force)
+        for m in (-1e-6, 0.0, 1e-6)
+    ]
+    assert forces[0] == pytest.approx(forces[1], rel=1e-5)
+    assert forces[0] + forces[2] == pytest.approx(2 * forces[1], rel=1e-11)
