@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -15,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 import surfaces
 from surfaces.heightmap import HeightMap
 
+from .baseline import LOOSE_TOLERANCE, cheap_run, coarse_grids, rms
 from .bem.curve import bem_curve
 from .contacts import contact_map, microcontacts
 from .curve import solve_contacts
@@ -33,14 +33,8 @@ __all__ = ["Comparison", "compare"]
 MAP_AREA_FRACTION = 0.03
 """Contact area fraction near which the contact maps are taken."""
 
-LOOSE_TOLERANCE = 1e-2
-"""Tolerance of the cheap boundary-element runs; looser saves little, tighter changes nothing."""
-
 COMPILATION_SHAPE = (160, 192)
 """Large enough to meet every kernel of both models."""
-
-SMALLEST_GRID = 48
-"""Coarse boundary-element grids stop here."""
 
 ERRORS = ("load_error", "area_error", "separation_error")
 
@@ -261,12 +255,12 @@ def compare(
     table = _table(run.curve, same, reference, hm.rms_height)
     seconds = sum(run.curve.seconds.values())
     rows = [
-        ("asperity", *hm.shape, np.nan, seconds, *(_rms(table[name]) for name in ERRORS)),
+        ("asperity", *hm.shape, np.nan, seconds, *(rms(table[name]) for name in ERRORS)),
         ("bem", *hm.shape, tolerance, sum(reference.seconds.values()), 0.0, 0.0, 0.0),
     ]
     for grid in coarse_grids(hm.shape):
         say(f"boundary elements {grid[0]} x {grid[1]}, tolerance {LOOSE_TOLERANCE:.0e}")
-        rows.append(_cheap_run(hm, material, grid, plan.boundary, reference))
+        rows.append(cheap_run(hm, material, grid, plan.boundary, reference))
     point = int(np.argmin(np.abs(reference.mean_pressure - snapshot.mean_pressure)))
     maps = {"bem": snapshot.touching, "asperity": contact_map(run.bodies, run.states[point])}
     union = np.count_nonzero(maps["bem"] | maps["asperity"])
@@ -283,30 +277,6 @@ def compare(
         plan=plan.reasons,
         about=_about(hm, material),
     )
-
-
-def coarse_grids(shape: tuple[int, int]) -> list[tuple[int, int]]:
-    """The full grid and its halves, quarters, ... down to the smallest useful one."""
-    grids = [shape]
-    while min(grids[-1]) >= 2 * SMALLEST_GRID:
-        grids.append((grids[-1][0] // 2, grids[-1][1] // 2))
-    return grids
-
-
-def load_at_separation(curve: ContactCurve, separation: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Mean pressure [Pa] of a curve at given separations [m], log-linear beyond its ends."""
-    from scipy.interpolate import PchipInterpolator
-
-    usable = curve.converged & (curve.mean_pressure > 0)
-    order = np.flatnonzero(usable)[np.argsort(curve.separation[usable])]
-    order = order[np.diff(curve.separation[order], prepend=-np.inf) > 0]
-    if len(order) < 2:
-        return np.full(np.shape(separation), np.nan)
-    knots, log_p = curve.separation[order], np.log(curve.mean_pressure[order])
-    spline = PchipInterpolator(knots, log_p)
-    inside = np.clip(separation, knots[0], knots[-1])
-    slope = spline.derivative()(inside)
-    return np.exp(spline(inside) + slope * (separation - inside))
 
 
 def _compile(material: HalfSpace, plan: Plan) -> None:
@@ -362,40 +332,6 @@ def _table(
             "contacts_model": model.contacts,
         }
     )
-
-
-def _cheap_run(
-    hm: HeightMap,
-    material: HalfSpace,
-    grid: tuple[int, int],
-    boundary: str,
-    reference: ContactCurve,
-) -> tuple[Any, ...]:
-    """Row of the table of run times: boundary elements on a coarse grid at a loose tolerance."""
-    start = time.perf_counter()
-    pixel = (hm.size[0] / grid[0], hm.size[1] / grid[1])
-    coarse = hm if grid == hm.shape else surfaces.resample(hm, pixel)
-    curve = bem_curve(
-        coarse,
-        material,
-        pressures=reference.mean_pressure,
-        tolerance=LOOSE_TOLERANCE,
-        boundary=boundary,
-    )
-    seconds = time.perf_counter() - start
-    loaded = reference.mean_pressure > 0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        area = (curve.contact_area / reference.contact_area - 1.0)[loaded]
-        shifted = load_at_separation(curve, reference.separation)[loaded]
-    load = shifted / reference.mean_pressure[loaded] - 1.0
-    separation = (curve.separation - reference.separation)[loaded] / hm.rms_height
-    errors = (_rms(load), _rms(area), _rms(separation))
-    return ("bem", *grid, LOOSE_TOLERANCE, seconds, *errors)
-
-
-def _rms(values: NDArray[np.float64]) -> float:
-    finite = values[np.isfinite(values)]
-    return float(np.sqrt(np.mean(finite**2))) if finite.size else float("nan")
 
 
 def _about(hm: HeightMap, material: HalfSpace) -> dict[str, Any]:

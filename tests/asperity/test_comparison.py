@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.comparison import Comparison, coarse_grids, load_at_separation
+from asperity.baseline import coarse_grids, load_at_separation
+from asperity.comparison import Comparison
 from asperity.errors import InputError
 from surfaces import self_affine
 
