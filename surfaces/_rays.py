@@ -211,7 +211,7 @@ def edge_of(flat, width, labels, owner, periodic, dip, n, place, top_height, way
         y, x = place[0] + r * way_y, place[1] + r * way_x
         if periodic:
             y, x = _wrapped(y, ny), _wrapped(x, nx)
-        elif not (-0.5 <= y <= ny - 0.5 and -0.5 <= x <= nx - 0.5):
+        elif not (-0.5 <= y < ny - 0.5 and -0.5 <= x < nx - 0.5):
             break
         m += 1
         rs[m] = r
