@@ -17,11 +17,12 @@ if TYPE_CHECKING:
 __all__ = ["LAWS", "law_module", "tabulate"]
 
 LAWS = {
-    "auto": "asperity.microcontact.ellipse",
+    "auto": "asperity.microcontact.auto",
     "hertz": "asperity.microcontact.hertz",
     "paper": "asperity.microcontact.expansion",
     "harmonic": "asperity.microcontact.expansion",
     "ellipse": "asperity.microcontact.ellipse",
+    "ritz": "asperity.microcontact.ritz",
 }
 """Name of each law -> module that holds ``indent(profile, material, approach, *, law)`` and
 ``tabulate(profiles, material, *, law, nodes)``."""

@@ -81,3 +81,34 @@ def test_sharp_tips_are_flagged():
     one = asperity.indent(pyramid, HalfSpace.from_modulus(1.0), 0.01, law="ellipse")
     assert one.flags & Flag.CONTOUR_DOUBTFUL
     assert one.error_estimate > 0.005
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+def test_ritz_is_exact_for_round_contacts(m):
+    """Free rays and ellipses find the paraboloid of revolution."""
+    material = HalfSpace.from_modulus(2.0, m)
+    one = asperity.indent(PolynomialProfile({(2, 0): 0.5, (0, 2): 0.5}), material, 0.01, law="ritz")
+    exact = elliptic_contact(1.0, 1.0, 0.01, material)
+    np.testing.assert_allclose(one.force, exact.force, rtol=1e-6)
+    np.testing.assert_allclose(one.stiffness, exact.stiffness, rtol=1e-3)
+    assert one.error_estimate < 1e-6
+
+
+def test_ritz_over_ellipses_is_exact_and_over_rays_too_high():
+    """Curvature ratio 4: the ellipse reproduces Hertz, free rays exceed it a little."""
+    profile = PolynomialProfile({(2, 0): 0.25, (0, 2): 1.0})
+    material = HalfSpace.from_modulus(1.0)
+    one = asperity.indent(profile, material, 0.01, law="ritz")
+    exact = float(elliptic_contact(2.0, 0.5, 0.01, material).force)
+    assert exact * 0.9999 < float(one.force) < exact * 1.01
+    np.testing.assert_allclose(float(one.force * (1 - one.error_estimate)), exact, rtol=1e-4)
+
+
+def test_auto_chooses_by_the_expected_error():
+    material = HalfSpace.from_modulus(1.0)
+    smooth, _ = harmonics(5.0)
+    pyramid = PowerLawProfile(1, lambda phi: 1 + 0.1 * np.cos(4 * phi))
+    for profile, law in ((smooth, "ellipse"), (pyramid, "harmonic")):
+        one = asperity.indent(profile, material, 0.3, law="auto")
+        other = asperity.indent(profile, material, 0.3, law=law)
+        assert float(one.force) == float(other.force)

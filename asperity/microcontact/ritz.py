@@ -1,0 +1,223 @@
+"""Law "ritz": direct maximisation of the Barber-Fabrikant functional.
+
+F[a] = 2 E / J int [d a^2 / (1+m) - a^2 G~(a, phi)] dphi, J = int a^(1-m) dphi (equations 10, 15),
+first over ellipses with a shift, then over every ray. The functional is exact for ellipses about
+their centre only: over free rays it is maximised too far where contacts are elongated (+2.6 % in
+force at a curvature ratio of 10, +8.5 % at 30), and its value depends on the origin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.optimize import minimize
+
+from asperity.indentation import Indentation
+from asperity.material import HalfSpace
+from asperity.transforms import gauss_jacobi
+from surfaces import _threads
+from surfaces.polar import PolarProfile, PowerSumProfile
+
+from .basis import basis_of
+from .branch import RisingBranch
+from .ellipse_batch import moment_weights
+from .flags import Flag
+from .table import LawTable
+from .validity import contour_flags, profile_flags
+
+if TYPE_CHECKING:
+    from surfaces import Profiles
+
+__all__ = ["indent", "tabulate"]
+
+Array = NDArray[np.float64]
+
+_RAYS = 180
+_ANGLES = 720
+_RADII = 90
+_STEPS = 200
+_REACH = 7.0
+"""Radius of the tables of a profile over that of the first-order contact."""
+
+_ROUNDS = 8
+"""Times that a level is iterated in the batch, at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Functional:
+    """The functional of one profile on equispaced rays, divided by the modulus."""
+
+    m: float
+    depth: float
+    phi: Array
+    gap: CubicSpline
+    limit: float
+
+    @classmethod
+    def of(
+        cls, profile: PowerSumProfile | PolarProfile, m: float, depth: float, radius: float
+    ) -> _Functional:
+        phi = 2 * np.pi * np.arange(_RAYS) / _RAYS
+        limit = min(_REACH * radius, profile.radius)
+        a = limit * np.linspace(0, 1, _RADII + 1)
+        t, weights = gauss_jacobi(m, 32)
+        f = profile(a[1:, None, None] * t[:, None], phi)
+        gap = np.einsum("t,atp->ap", weights * t, f) * a[1:, None] ** 2
+        return cls(m, depth, phi, CubicSpline(a, np.vstack([np.zeros(_RAYS), gap])), limit)
+
+    def __call__(self, a: Array) -> tuple[float, Array]:
+        """Value and gradient at the rays `a`, shape (rays,)."""
+        m, weight = self.m, 2 * np.pi / _RAYS
+        rows = np.arange(a.size)
+        gap, slope = self.gap(a)[rows, rows], self.gap(a, 1)[rows, rows]
+        work = weight * (self.depth * a**2 / (1 + m) - gap)
+        around = weight * np.sum(a ** (1 - m))
+        value = 2 * np.sum(work) / around
+        rate = weight * (2 * self.depth * a / (1 + m) - slope)
+        return float(value), (2 * rate - value * weight * (1 - m) * a ** (-m)) / around
+
+    def ellipse(self, p: Array) -> Array:
+        """Rays of an ellipse: log size, log root of the aspect by its two parts, and shift."""
+        swell = p[1] * np.cos(2 * self.phi) + p[2] * np.sin(2 * self.phi)
+        aspect = np.hypot(p[1], p[2])
+        shape = np.cosh(2 * aspect) - np.sinh(2 * aspect) * swell / max(aspect, 1e-300)
+        shift = p[3] * np.cos(self.phi) + p[4] * np.sin(self.phi)
+        return np.minimum(np.exp(p[0] + shift) / np.sqrt(shape), self.limit)
+
+    def best_ellipse(self, radius: float) -> tuple[float, Array]:
+        """Largest value over {size, aspect, turn, shift} and its rays."""
+        start = np.array([np.log(radius), 0.0, 0.0, 0.0, 0.0])
+        found = minimize(
+            lambda p: -self(self.ellipse(p))[0], start, method="Nelder-Mead",
+            options={"xatol": 1e-5, "fatol": 1e-10 * self(self.ellipse(start))[0], "maxiter": 2000},
+        )  # fmt: skip
+        return -float(found.fun), self.ellipse(found.x)
+
+    def best_rays(self, start: Array) -> tuple[float, Array]:
+        """Stationary value over free rays near a start, every ray on its outer branch."""
+        m, a, rows = self.m, start.copy(), np.arange(start.size)
+        value = self(a)[0]
+        for _ in range(_STEPS):
+            tail = value * (1 - m) * a ** (-m)
+            rate = 2 * self.depth / (1 + m) * a - self.gap(a, 1)[rows, rows]
+            slope = 2 * self.depth / (1 + m) - self.gap(a, 2)[rows, rows]
+            slope = 2 * slope + m * tail / a
+            rising = slope > -0.1 * self.depth
+            step = np.where(rising, 0.1 * a, -(2 * rate - tail) / np.where(rising, -1.0, slope))
+            step = np.clip(step, -0.2 * a, 0.2 * a)
+            a = np.minimum(a + step, self.limit)
+            change = self(a)[0] - value
+            value += 0.7 * change
+            if abs(change) < 1e-12 * value and np.abs(step).max() < 1e-7 * a.max():
+                break
+        return self(a)[0], a
+
+
+def indent(
+    profile: PowerSumProfile | PolarProfile,
+    material: HalfSpace,
+    approach: Array,
+    *,
+    law: str = "ritz",
+) -> Indentation:
+    """Solution by the law "ritz"; see `asperity.indent`. It has no pressure field."""
+    m, depth = material.m, approach.ravel()
+    start = RisingBranch(basis_of(profile, m)).radius(depth)
+    rays = np.full((depth.size, _RAYS), np.nan)
+    rays[depth <= 0] = 0.0
+    force, lower = np.where(depth > 0, np.nan, 0.0), np.where(depth > 0, np.nan, 0.0)
+    for i in np.flatnonzero(np.isfinite(start) & (start > 0)):
+        functional = _Functional.of(profile, m, float(depth[i]), float(start[i]))
+        lower[i], first = functional.best_ellipse(float(start[i]))
+        force[i], rays[i] = functional.best_rays(first)
+    phi = 2 * np.pi * np.arange(_RAYS) / _RAYS
+    area = np.pi * np.mean(rays**2, axis=1)
+    around = 2 * np.pi * np.mean(np.abs(rays) ** (1 - m), axis=1)
+    stiffness = np.divide(
+        4 * material.modulus * area, (1 + m) * around, out=np.zeros_like(area), where=around > 0
+    )
+    flags = contour_flags(np.sqrt(area / np.pi), rays) | profile_flags(profile, depth, phi, rays)
+    flags[~np.isfinite(force)] |= np.uint8(Flag.TURNING)
+    touching = force > 0
+    spread = np.where(touching, (force - lower) / np.where(touching, force, 1.0), 0.0)
+
+    def contour(angle: Array) -> Array:
+        return np.stack([np.interp(angle, phi, row, period=2 * np.pi) for row in rays])
+
+    def pressure(r: Array, angle: Array) -> Array:
+        return np.full((depth.size, r.size), np.nan)
+
+    return Indentation(
+        law=law,
+        material=material,
+        approach=approach,
+        force=(material.modulus * force).reshape(approach.shape),
+        contact_area=area.reshape(approach.shape),
+        radius=np.sqrt(area / np.pi).reshape(approach.shape),
+        stiffness=stiffness.reshape(approach.shape),
+        flags=flags.reshape(approach.shape),
+        error_estimate=np.abs(spread).reshape(approach.shape),
+        contour_function=contour,
+        pressure_function=pressure,
+    )
+
+
+def tabulate(
+    profiles: Profiles, material: HalfSpace, *, law: str = "ritz", nodes: int = 24
+) -> LawTable:
+    """Law table of a batch of profiles by free rays inside the basin.
+
+    Parameters
+    ----------
+    profiles
+        Batch of sampled profiles (`surfaces.fit_profiles`).
+    material
+        Half-space, any m.
+    law
+        "ritz".
+    nodes
+        Intervals of the table.
+    """
+    from ._ritz_kernels import march_rays
+
+    m = material.m
+    length = profiles.edge.max(axis=1, initial=0.0)
+    height = 2.0 * (profiles.q[:, :, -1] * profiles.edge**2).max(axis=1, initial=0.0)
+    valid = profiles.valid & (length > 0) & (height > 0)
+    length, height = np.where(valid, length, 1.0), np.where(valid, height, 1.0)
+    out = np.zeros((length.size, nodes, 4))
+    inputs = (
+        np.ascontiguousarray(profiles.q),
+        moment_weights(m, profiles.t.size, 0),
+        np.ascontiguousarray(profiles.weight),
+        profiles.edge / length[:, None],
+        length,
+        height,
+        np.arange(1, nodes + 1) / nodes,
+        m,
+        _ROUNDS,
+        out,
+    )
+    _threads.run(lambda a, b: march_rays(a, b, *inputs), _threads.blocks(length.size, 64))
+    unit = material.modulus * length ** (1 + m)
+    force, stiffness, area = np.zeros((3, length.size, nodes + 1))
+    force[:, 1:] = np.maximum.accumulate(out[..., 0], axis=1) * (unit * height)[:, None]
+    stiffness[:, 1:] = np.maximum.accumulate(out[..., 1], axis=1) * unit[:, None]
+    area[:, 1:] = np.maximum.accumulate(out[..., 2], axis=1) * (length**2)[:, None]
+    flags = np.zeros(force.shape, dtype=np.uint8)
+    flags[:, 1:][out[..., 3] > 0] |= np.uint8(Flag.BEYOND_RADIUS)
+    flags[:, 1:][out[..., 3] > 0.999] |= np.uint8(Flag.FILLED)
+    return LawTable(
+        reach=np.where(valid, height, 0.0),
+        force=force,
+        stiffness=stiffness,
+        area=area,
+        flags=flags,
+        spread=np.zeros(force.shape),
+        exponent=3 + m,
+        law=law,
+    )
