@@ -20,7 +20,7 @@ BLOCK = 64
 Grid = NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)  # type: ignore[misc]
+@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
 def contact_sums(pressure: Grid, displacement: Grid, heights: Grid, block_low: Grid) -> Any:
     """Count, sum of gap, lowest gap, load, load times gap, load times u, largest |u|; gap = u - h.
 
@@ -60,7 +60,7 @@ def contact_sums(pressure: Grid, displacement: Grid, heights: Grid, block_low: G
     return count, gap_sum, lowest, total, work, moment, largest
 
 
-@njit(cache=True, nogil=True, parallel=True)  # type: ignore[misc]
+@njit(cache=True, nogil=True, parallel=True)
 def select(
     pressure: Grid, displacement: Grid, heights: Grid, block_low: Grid, threshold: float
 ) -> Any:
@@ -99,7 +99,7 @@ def select(
     return start, columns, p, g
 
 
-@njit(cache=True, nogil=True, parallel=True)  # type: ignore[misc]
+@njit(cache=True, nogil=True, parallel=True)
 def finish(pressure: Grid, displacement: Grid, heights: Grid, unit: float, level: float) -> None:
     """Turn p~ into pressure and u into the gap above a level, in place."""
     ny, nx = heights.shape
@@ -109,7 +109,7 @@ def finish(pressure: Grid, displacement: Grid, heights: Grid, unit: float, level
             displacement[y, x] -= heights[y, x] + level
 
 
-@njit(cache=True, nogil=True, parallel=True)  # type: ignore[misc]
+@njit(cache=True, nogil=True, parallel=True)
 def extrapolate(now: Grid, old: Grid, share_now: float, share_old: float) -> None:
     """Replace (now, old) by (share_now now + share_old old, now)."""
     for y in prange(now.shape[0]):
@@ -119,7 +119,7 @@ def extrapolate(now: Grid, old: Grid, share_now: float, share_old: float) -> Non
             old[y, x] = value
 
 
-@njit(cache=True, nogil=True, parallel=True)  # type: ignore[misc]
+@njit(cache=True, nogil=True, parallel=True)
 def put(grid: Grid, start: NDArray[np.int64], columns: NDArray[np.int32], values: Grid) -> None:
     """Write the values of a list into the grid."""
     for y in prange(start.size - 1):
@@ -127,7 +127,7 @@ def put(grid: Grid, start: NDArray[np.int64], columns: NDArray[np.int32], values
             grid[y, columns[k]] = values[k]
 
 
-@njit(cache=True, nogil=True, parallel=True)  # type: ignore[misc]
+@njit(cache=True, nogil=True, parallel=True)
 def multiply(spectrum: NDArray[np.complex128], factor: Grid) -> None:
     """Scale a half spectrum by a real symbol, in place."""
     for y in prange(spectrum.shape[0]):
@@ -135,7 +135,7 @@ def multiply(spectrum: NDArray[np.complex128], factor: Grid) -> None:
             spectrum[y, x] *= factor[y, x]
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)  # type: ignore[misc]
+@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
 def interpolate(
     coarse: Grid,
     fine: Grid,

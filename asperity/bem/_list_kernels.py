@@ -18,7 +18,7 @@ Double = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)  # type: ignore[misc]
+@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
 def measure(
     p: Double,
     moved: Single,
@@ -62,7 +62,7 @@ def measure(
     return level, lowest, work / total, inside, energy, shift
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)  # type: ignore[misc]
+@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
 def turn(
     active: Flags,
     count: int,
@@ -99,7 +99,7 @@ def turn(
     return norm
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)  # type: ignore[misc]
+@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
 def advance(
     active: Flags,
     count: int,
@@ -147,7 +147,7 @@ def advance(
     return negative
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)  # type: ignore[misc]
+@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
 def cut(p: Double, base: Double, moved: Single, total: float) -> float:
     """Cut negative pressures, scale to the load, and form p - base; returns the largest |p - base|.
 

@@ -20,7 +20,7 @@ LANES = 16
 _POINTS = 4
 
 
-@intrinsic  # type: ignore[misc]
+@intrinsic
 def stencil_dot4(
     typing_context: Any, grid: Any, a: Any, b: Any, c: Any, d: Any, stride: Any, weights: Any
 ) -> Any:
@@ -29,7 +29,7 @@ def stencil_dot4(
     grid and weights are flat float32 arrays; weights hold 15 rows of 16 lanes.
     """
     place = types.intp
-    signature = types.UniTuple(types.float32, _POINTS)(
+    signature = types.UniTuple(types.float32, _POINTS)(  # type: ignore[no-untyped-call]
         grid, place, place, place, place, place, weights
     )
 
@@ -39,7 +39,7 @@ def stencil_dot4(
         table = context.make_array(signature.args[-1])(context, builder, table).data
         scalar = ir.FloatType()
         vector = ir.VectorType(scalar, LANES)
-        fma = cgutils.get_or_insert_function(
+        fma = cgutils.get_or_insert_function(  # type: ignore[no-untyped-call]
             builder.module,
             ir.FunctionType(vector, [vector, vector, vector]),
             f"llvm.fma.v{LANES}f32",
@@ -57,7 +57,7 @@ def stencil_dot4(
                 values = load(data, builder.add(offset, shift))
                 sums[i] = builder.call(fma, [values, tap, sums[i]])
         result = [_sum_lanes(builder, total) for total in sums]
-        return cgutils.pack_array(builder, result)
+        return cgutils.pack_array(builder, result)  # type: ignore[no-untyped-call]
 
     return signature, codegen
 

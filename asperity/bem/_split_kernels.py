@@ -16,7 +16,7 @@ Single = NDArray[np.float32]
 Index = NDArray[np.int64]
 
 
-@njit(cache=True, nogil=True, parallel=True)  # type: ignore[misc]
+@njit(cache=True, nogil=True, parallel=True)
 def near(
     grid: Single,
     shape: tuple[int, int],
@@ -50,7 +50,7 @@ def near(
     for k in prange((n + 3) // 4):
         i = 4 * k
         j, k2, m = min(i + 1, last), min(i + 2, last), min(i + 3, last)
-        a, b, c, d = stencil_dot4(
+        a, b, c, d = stencil_dot4(  # type: ignore[call-arg, var-annotated]
             flat,
             places[i] - corner,
             places[j] - corner,
@@ -65,7 +65,7 @@ def near(
         result[i] = a
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)  # type: ignore[misc]
+@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
 def spread(
     start: Index,
     columns: NDArray[np.int32],
@@ -108,7 +108,7 @@ def spread(
                     target[x] += weight * row[x]
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)  # type: ignore[misc]
+@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
 def gather(
     start: Index,
     columns: NDArray[np.int32],

@@ -16,6 +16,7 @@ __all__ = [
     "label_patches",
 ]
 
+_NO_PAIRS = np.zeros((0, 2), np.int32)
 AREA_FACTOR = (math.pi - 1.0 + math.log(2.0)) / 24.0
 
 
@@ -59,7 +60,7 @@ def label_patches(contact: NDArray[np.bool_], *, periodic: bool) -> tuple[NDArra
         Number of patches n.
     """
     labels, count = _components(contact)
-    pairs = _seam_pairs(labels) if periodic and count > 1 else ()
+    pairs = _seam_pairs(labels) if periodic and count > 1 else _NO_PAIRS
     if not len(pairs):
         return labels, count - 1
     target = _merged(pairs, count)
@@ -69,7 +70,7 @@ def label_patches(contact: NDArray[np.bool_], *, periodic: bool) -> tuple[NDArra
 def count_patches(contact: NDArray[np.bool_], *, periodic: bool) -> int:
     """Number of the patches of `label_patches`, without their labels."""
     labels, count = _components(contact)
-    pairs = _seam_pairs(labels) if periodic and count > 1 else ()
+    pairs = _seam_pairs(labels) if periodic and count > 1 else _NO_PAIRS
     return int(_merged(pairs, count).max()) if len(pairs) else count - 1
 
 
@@ -80,7 +81,7 @@ def _components(contact: NDArray[np.bool_]) -> tuple[NDArray[np.int32], int]:
     count, labels = cv2.connectedComponents(
         np.ascontiguousarray(contact).view(np.uint8), connectivity=4, ltype=cv2.CV_32S
     )
-    return labels, count
+    return np.asarray(labels, np.int32), count
 
 
 def _seam_pairs(labels: NDArray[np.int32]) -> NDArray[np.int32]:
@@ -102,7 +103,7 @@ def _merged(pairs: NDArray[np.int32], count: int) -> NDArray[np.int32]:
     first = np.full(group.max() + 1, -1)
     first[group[::-1]] = np.arange(count)[::-1]
     order = np.argsort(np.argsort(first))
-    return order[group].astype(np.int32)
+    return np.asarray(order[group], np.int32)
 
 
 def contours(contact: NDArray[np.bool_], spacing: tuple[float, float]) -> list[NDArray[np.float64]]:

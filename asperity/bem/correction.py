@@ -81,12 +81,11 @@ class Level:
             The operator's buffers hold a pressure, possibly negative in places, and its
             displacement: the first correction needs no transform.
         """
-        search = load if isinstance(load, LoadSearch) else None
+        search, fixed = (load, None) if isinstance(load, LoadSearch) else (None, load)
         iterations = 0
         best, idle = math.inf, 0
         self._careful = False
         for outer in range(_MOST_OUTER):
-            mean = search.mean if isinstance(load, LoadSearch) else load
             use_numba(1 if self.heights.size <= _ONE_THREAD else idle_threads(self.exact.threads))
             known = predicted and outer == 0
             displacement = self.exact.transform.grid if known else self.exact.apply()
@@ -95,7 +94,7 @@ class Level:
                 displacement,
                 self.heights,
                 self.rms_height,
-                mean_pressure=None if search else mean,
+                mean_pressure=fixed,
                 offset=search.offset if search else None,
             )
             worst = reading.certificate.worst
@@ -107,6 +106,7 @@ class Level:
             if idle >= _PATIENCE:
                 break
             error = max(reading.certificate.complementarity, reading.certificate.penetration)
+            mean = fixed or 0.0
             if search:
                 mean = search.update(reading.level, error * reading.scale)
                 error = max(error, reading.certificate.load)

@@ -13,10 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 from surfaces.heightmap import HeightMap
 
 from ..loadpoints import checked_loads, expected_area_fraction
+from ..material import HalfSpace
 from ..results import ContactCurve
 from .accuracy import choose_grid, coarse_map
 from .contact_map import contact_area, count_patches
-from .kernel import ElasticHalfSpace
 from .operator import Boundary
 from .path import LoadPath
 from .problem import ContactProblem
@@ -67,7 +67,7 @@ class CurvePoint:
 
 def bem_curve(
     hm: HeightMap,
-    mat: ElasticHalfSpace,
+    mat: HalfSpace,
     *,
     pressures: ArrayLike | None = None,
     separations: ArrayLike | None = None,
@@ -199,12 +199,15 @@ def _curve(
     asked: dict[str, Any],
 ) -> ContactCurve:
     columns = {name: np.array([p.columns[name] for p in points]) for name in points[0].columns}
-    names = ("separation", "mean_pressure", "load", "area_fraction", "contact_area")
-    main = {name: columns.pop(name) for name in names}
+    separation, mean = columns.pop("separation"), columns.pop("mean_pressure")
     return ContactCurve(
-        **main,
+        separation=separation,
+        mean_pressure=mean,
+        load=columns.pop("load"),
+        area_fraction=columns.pop("area_fraction"),
+        contact_area=columns.pop("contact_area"),
         contacts=columns.pop("contacts").astype(np.int64),
-        stiffness=curve_stiffness(main["separation"], main["mean_pressure"]),
+        stiffness=curve_stiffness(separation, mean),
         converged=columns.pop("converged").astype(bool),
         residual=columns.pop("residual"),
         error_estimate=np.full(len(points), np.nan),
@@ -216,9 +219,7 @@ def _curve(
     )
 
 
-def _lightest_area(
-    hm: HeightMap, mat: ElasticHalfSpace, kind: str, values: NDArray[np.float64]
-) -> float:
+def _lightest_area(hm: HeightMap, mat: HalfSpace, kind: str, values: NDArray[np.float64]) -> float:
     """Area fraction expected at the lightest load point: from the load, or by the heights."""
     if kind == "pressure":
         loads = values[values > 0.0]
@@ -228,7 +229,7 @@ def _lightest_area(
 
 
 def _checked(
-    curve: ContactCurve, hm: HeightMap, mat: ElasticHalfSpace, problem: ContactProblem
+    curve: ContactCurve, hm: HeightMap, mat: HalfSpace, problem: ContactProblem
 ) -> ContactCurve:
     """The curve with the error estimate from one solve on a grid twice as fine."""
     middle = int(np.argsort(curve.mean_pressure)[len(curve) // 2])

@@ -30,10 +30,12 @@ class FullGridOperator:
 
     def __init__(self, exact: HalfSpaceOperator) -> None:
         ny, nx = self._shape = exact.shape
-        plan = {"dtype": np.float32, "threads": exact.threads}
-        self._forward = transform.plan(exact.padded, rows=ny, **plan)
+        threads = exact.threads
+        self._forward = transform.plan(exact.padded, rows=ny, dtype=np.float32, threads=threads)
         same = exact.padded == exact.shape
-        self._backward = self._forward if same else transform.plan(exact.shape, **plan)
+        self._backward = self._forward
+        if not same:
+            self._backward = transform.plan(exact.shape, dtype=np.float32, threads=threads)
         self._symbol = exact.symbol.astype(np.float32)
         inverse = symbol(exact.shape, exact.spacing, 1.0 - exact.m)
         inverse[0, 0] = 0.5 * min(inverse[0, 1], inverse[1, 0])

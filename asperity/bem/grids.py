@@ -93,7 +93,7 @@ def _averaged(values: NDArray[np.float64], count: int) -> NDArray[np.float64]:
     below = np.minimum(edges.astype(int), n - 1)
     share = (edges - below)[:, None]
     at_edges = (1.0 - share) * integral[below] + share * integral[below + 1]
-    return np.diff(at_edges, axis=0) * (count / n)
+    return np.asarray(np.diff(at_edges, axis=0) * (count / n))
 
 
 def prolong(
@@ -130,9 +130,9 @@ def _places(
     Fourier truncation keeps the first points of both grids together, averaging their borders.
     """
     if boundary == "periodic":
-        place = np.arange(count) * (n / count)
+        place = np.arange(count, dtype=np.float64) * np.float64(n / count)
     else:
         place = np.clip((np.arange(count) + 0.5) * (n / count) - 0.5, 0.0, n - 1.0)
     below = place.astype(np.int64)
-    above = (below + 1) % n if boundary == "periodic" else np.minimum(below + 1, n - 1)
-    return below, above, place - below
+    above = np.asarray((below + 1) % n if boundary == "periodic" else np.minimum(below + 1, n - 1))
+    return below, above, np.asarray(place - below, np.float64)

@@ -41,7 +41,7 @@ def compliance(spacing: tuple[float, float], material: ElasticHalfSpace) -> floa
     m = material.m
     pixel = math.sqrt(spacing[0] * spacing[1])
     factor = 2.0 ** (1.0 - m) * math.pi / math.gamma(0.5 * (1.0 + m)) ** 2
-    return factor * pixel ** (1.0 - m) / material.modulus
+    return float(factor * pixel ** (1.0 - m) / material.modulus)
 
 
 def wave_numbers(
@@ -49,9 +49,9 @@ def wave_numbers(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Wave numbers times the pixel length (dy dx)**1/2 of a half spectrum: columns ky, rows kx."""
     pixel = math.sqrt(spacing[0] * spacing[1])
-    ky = 2.0 * np.pi * np.fft.fftfreq(shape[0]) * (pixel / spacing[0])
-    kx = 2.0 * np.pi * np.fft.rfftfreq(shape[1]) * (pixel / spacing[1])
-    return ky, kx
+    ky = np.float64(2.0 * np.pi * pixel / spacing[0]) * np.fft.fftfreq(shape[0])
+    kx = np.float64(2.0 * np.pi * pixel / spacing[1]) * np.fft.rfftfreq(shape[1])
+    return ky.astype(np.float64), kx.astype(np.float64)
 
 
 def symbol(
@@ -85,8 +85,8 @@ def influence(
     pixel = math.sqrt(spacing[0] * spacing[1])
     hy, hx = spacing[0] / pixel, spacing[1] / pixel
     longest = max(hx, hy)
-    y = np.arange(shape[0]) * hy
-    x = np.arange(shape[1]) * hx
+    y = np.arange(shape[0], dtype=np.float64) * np.float64(hy)
+    x = np.arange(shape[1], dtype=np.float64) * np.float64(hx)
     kernel = _taylor_mean(y, x, hy, hx, m)
     for reach, rule in ((_MIDDLE_CELLS, _gauss_mean), (_NEAR_CELLS, _corner_mean)):
         rows = min(shape[0], int(reach * longest / hy) + 1)
@@ -149,4 +149,4 @@ def _corner(x: NDArray[np.float64], y: NDArray[np.float64], m: float) -> NDArray
     a = 0.5 * (1.0 + m)
     along_x = x ** (-2 * a) * hyp2f1(0.5, a, 1.5, -((y / x) ** 2))
     along_y = y ** (-2 * a) * hyp2f1(0.5, a, 1.5, -((x / y) ** 2))
-    return x * y / (1.0 - m) * (along_x + along_y)
+    return np.asarray(x * y / (1.0 - m) * (along_x + along_y))

@@ -76,13 +76,13 @@ class BemIndentation:
     def x(self) -> NDArray[np.float64]:
         """Columns of `pressure_map` from the summit [m]."""
         dx, x0 = self.solutions[-1].spacing[1], self.summit[-1][0]
-        return (np.arange(self.pressure_map.shape[1]) + 0.5) * dx - x0
+        return np.asarray((np.arange(self.pressure_map.shape[1]) + 0.5) * dx - x0, np.float64)
 
     @property
     def y(self) -> NDArray[np.float64]:
         """Rows of `pressure_map` from the summit [m]."""
         dy, y0 = self.solutions[-1].spacing[0], self.summit[-1][1]
-        return (np.arange(self.pressure_map.shape[0]) + 0.5) * dy - y0
+        return np.asarray((np.arange(self.pressure_map.shape[0]) + 0.5) * dy - y0, np.float64)
 
     def pressure(self, x: ArrayLike, y: ArrayLike, index: int = -1) -> NDArray[np.float64]:
         """Pressure [Pa] at places from the summit [m] (broadcast), bilinear between the pixels."""

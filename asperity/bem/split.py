@@ -155,4 +155,4 @@ def _remainder(
     left /= (np.sinc(ky / coarse[0])[:, None] * np.sinc(kx / coarse[1])[None, :]) ** (2 * _ORDER)
     left[2 * np.abs(ky) == coarse[0], :] = 0.0
     left[:, 2 * kx == coarse[1]] = 0.0
-    return left.astype(np.float32)
+    return np.asarray(left, np.float32)

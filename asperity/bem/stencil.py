@@ -25,13 +25,15 @@ _SWEEPS = 8
 _FLOOR = 2e-3
 
 
-def _fitting_weights(fy: NDArray, fx: NDArray, coarsening: float, order: int) -> NDArray:  # type: ignore[type-arg]
+def _fitting_weights(
+    fy: NDArray[np.float64], fx: NDArray[np.float64], coarsening: float, order: int
+) -> NDArray[np.float64]:
     """One outside the coarse band; inside it what spreading by B-splines aliases there."""
     largest = np.maximum(fy, fx)
     band = 0.5 / coarsening
     inside = largest < band
     ratio = np.where(inside, largest / np.maximum(2.0 * band - largest, 1e-9), 1.0)
-    return np.maximum(np.minimum(ratio**order, 1.0), _FLOOR)
+    return np.asarray(np.maximum(np.minimum(ratio**order, 1.0), _FLOOR))
 
 
 def _target(
@@ -106,7 +108,7 @@ def fitted_stencil(
 def _unfolded(quadrant: NDArray[np.float64]) -> NDArray[np.float64]:
     """Symmetric stencil of which the quadrant is given, centre first."""
     fold = np.abs(np.arange(-RADIUS, RADIUS + 1))
-    return quadrant[np.ix_(fold, fold)]
+    return np.asarray(quadrant[np.ix_(fold, fold)])
 
 
 @lru_cache(maxsize=64)
