@@ -124,7 +124,7 @@ class Population:
         separation: float | None = None,
         mean_pressure: float | None = None,
         state: PopulationState | None = None,
-        tolerance: float = 1e-3,
+        tolerance: float = 2e-3,
     ) -> PopulationState:
         """Contacts at a separation or at a mean pressure.
 

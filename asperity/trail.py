@@ -174,7 +174,7 @@ class Trail:
             if not state.converged:
                 return state
             error = math.log(state.mean_pressure / pressure) if state.mean_pressure > 0 else -1e3
-            if abs(error) <= tolerance and state.residual <= tolerance:
+            if abs(error) <= 0.5 * tolerance and state.residual <= tolerance:
                 return replace(state, _trail=state._trail._anchored(anchor))
             here = state.separation
             # a rough pressure near the wanted one does not tell on which side it lies

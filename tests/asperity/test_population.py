@@ -31,7 +31,7 @@ def test_curve_converges_and_is_monotone(m, boundary):
     state, states = None, []
     for s in np.linspace(population.height.max(), -3 * population.height.std(), 20):
         state = population.solve(separation=s, state=state)
-        assert state.converged and state.residual <= 1e-3 and not state.reason
+        assert state.converged and state.residual <= 2e-3 and not state.reason
         states.append(state)
     pressure = np.array([s.mean_pressure for s in states])
     assert pressure[0] == 0 and states[0].active == 0
@@ -193,7 +193,7 @@ def test_a_filled_plane_is_refused_with_its_reason():
                             boundary="periodic", material=HalfSpace.from_modulus(1.0))  # fmt: skip
     state = population.solve(separation=-0.03)
     assert not state.converged
-    assert state.residual <= 1e-3
+    assert state.residual <= 2e-3
     assert "nominal area" in state.reason
 
 

@@ -53,7 +53,7 @@ def test_every_separation_to_half_contact_converges():
         state = bodies.population.solve(separation=float(separation), state=state)
         if state.contact_area > 0.45 * hm.area:
             break
-        assert state.converged and state.residual <= 1e-3, state.reason
+        assert state.converged and state.residual <= 2e-3, state.reason
         area.append(state.contact_area / hm.area)
     assert area[-1] > 0.3
     assert (np.diff(area) >= 0).all()

@@ -1,0 +1,181 @@
+"""Error, convergence and cost of the coupled solve.
+
+    python benchmarks/interaction.py               # all parts, about three minutes
+    python benchmarks/interaction.py sum cost      # some of them
+
+sum    the fast field against the dense sum over all pairs and images, random footprints
+many   one field and one tangent product for up to 100 000 contacts, and the memory they take
+walk   every separation from first touch to half contact: converged, refused with its reason, failed
+cost   milliseconds per separation at about 2000 and 14 000 closed contacts, 50 separations to a
+       curve, without compilation and law tables; wall clock and processor time of all threads
+"""
+
+from __future__ import annotations
+
+import resource
+import sys
+import time
+from collections import Counter
+
+import numpy as np
+
+import surfaces
+from asperity import HalfSpace, Population
+from asperity.interaction.exact import dense_matrix
+from asperity.interaction.footprint import Footprints
+from asperity.interaction.operator import Interaction
+from asperity.interaction.tangent import Tangent
+from asperity.microcontact import tabulate
+from asperity.threads import threads
+
+MATERIAL = HalfSpace.from_modulus(1.0)
+FAMILIES = {
+    "cut-off 4 px": {"cutoff": 4.0},
+    "cut-off 8 px": {"cutoff": 8.0},
+    "cut-off 16 px": {"cutoff": 16.0},
+    "cut-off 32 px": {"cutoff": 32.0},
+    "H = 0.5": {"cutoff": 8.0, "hurst": 0.5},
+    "anisotropic 4:1": {"cutoff": 8.0, "anisotropy": 4.0},
+}
+
+
+def population(n: int, law: str, seed: int = 1, **spectrum: float) -> tuple[Population, float]:
+    """Population of a square map of unit pixels, and its rms height."""
+    spectrum = {"hurst": 0.8, "rms_slope": 0.1, "rolloff": n / 8, "cutoff": 4.0} | spectrum
+    hm = surfaces.self_affine((n, n), (float(n), float(n)), seed=seed, **spectrum)
+    profiles = surfaces.fit_profiles(hm, surfaces.segment(hm))
+    made = Population(
+        x=profiles.x,
+        y=profiles.y,
+        height=profiles.height - hm.heights.mean(),
+        table=tabulate(profiles, MATERIAL, law=law),
+        cell=hm.size,
+        boundary="periodic",
+        material=MATERIAL,
+    )
+    return made, hm.rms_height
+
+
+def accuracy() -> None:
+    """Error of the fast sum."""
+    print("fast sum against the dense sum, 400 footprints, cell 1 x 1.7")
+    print("boundary      m   filling   rms error / rms field   largest / sum of all |g|")
+    rng = np.random.default_rng(0)
+    cell, n = (1.0, 1.7), 400
+    for boundary in ("periodic", "free"):
+        for m in (-0.3, 0.0, 0.5):
+            for filling in (0.2, 0.5):
+                y, x = rng.uniform(0, cell[0], n), rng.uniform(0, cell[1], n)
+                radius = rng.uniform(0.3, 1, n)
+                radius *= np.sqrt(filling * cell[0] * cell[1] / (np.pi * np.sum(radius**2)))
+                f = Footprints(1.0, m)
+                v = f.variance(f.punch(radius))
+                dense = dense_matrix(y, x, v, cell, boundary, f)
+                np.fill_diagonal(dense, dense.diagonal() - f.self_factor * v ** (-(1 + m) / 2))
+                force = rng.uniform(0, 1, n)
+                plan = Interaction(y, x, cell, boundary, f, widest=float(v.max()))
+                error = plan.field(force[plan.order], v[plan.order])[0]
+                wanted = (dense @ force)[plan.order]
+                error -= wanted
+                rms = np.sqrt(np.mean(error**2) / np.mean(wanted**2))
+                largest = np.abs(error).max() / np.abs(dense).sum(1).mean()
+                print(f"{boundary:9s} {m:5.1f} {filling:9.1f} {rms:18.1e} {largest:24.1e}")
+
+
+def least(call: object, repeats: int = 5) -> float:
+    """Least seconds of several calls, after one that compiles."""
+    call()
+    seconds = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        call()
+        seconds.append(time.perf_counter() - start)
+    return min(seconds)
+
+
+def many() -> None:
+    """Growth of the cost with the number of contacts."""
+    print(f"cost of one application, {threads()} threads, least of 5")
+    print("contacts     pairs   plan [ms]   field [ms]   tangent product [ms]   memory [MB]")
+    rng = np.random.default_rng(0)
+    f = Footprints(1.0)
+    for n in (2_000, 14_000, 100_000):
+        y, x = rng.uniform(0, 1, (2, n))
+        radius = np.full(n, 0.3 / np.sqrt(n))
+        k, v = f.punch(radius), f.variance(f.punch(radius))
+        before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        plan = Interaction(y, x, (1.0, 1.0), "periodic", f, widest=float(v.max()))
+        planned = least(
+            lambda: Interaction(y, x, (1.0, 1.0), "periodic", f, widest=float(v.max())),  # noqa: B023
+            2,
+        )
+        field = least(lambda: plan.field(k, v))  # noqa: B023
+        tangent = Tangent(plan, np.ones(n, bool), k)
+        product = least(lambda: tangent(k))  # noqa: B023
+        memory = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1e3
+        print(
+            f"{n:8d} {len(plan.col):9d} {1e3 * planned:11.1f} {1e3 * field:12.2f} "
+            f"{1e3 * product:22.2f} {memory:13.0f}"
+        )
+
+
+def walk() -> None:
+    """Convergence at every separation of every family."""
+    print("separations from first touch to half contact, 512^2, seeds 1-3, law ellipse, 40 each")
+    print("family            converged   refused   failed   Newton steps, mean   largest")
+    for family, spectrum in FAMILIES.items():
+        ends: Counter[str] = Counter()
+        steps = []
+        for seed in (1, 2, 3):
+            bodies, rms = population(512, "ellipse", seed, **spectrum)
+            state, top = None, float(bodies.height.max())
+            for separation in np.linspace(top, -0.2 * rms, 40):
+                state = bodies.solve(separation=float(separation), state=state)
+                steps.append(state.iterations)
+                end = "converged" if state.converged else "failed"
+                ends["refused" if "nominal area" in state.reason else end] += 1
+        print(
+            f"{family:17s} {ends['converged']:9d} {ends['refused']:9d} {ends['failed']:8d} "
+            f"{np.mean(steps):20.1f} {max(steps):9d}"
+        )
+
+
+def cost() -> None:
+    """Milliseconds per separation."""
+    print(f"cost per separation, {threads()} threads, 50 to a curve, least of 3 runs, law hertz")
+    print("map              deflection   closed    area   ms wall   ms processor   products")
+    for n, cutoff, closed in ((1024, 8.0, 2000), (2048, 4.0, 14_000)):
+        bodies, rms = population(n, "hertz", cutoff=cutoff)
+        for deflection in (False, True):
+            bodies.deflection = deflection
+            top, state = float(np.sort(bodies.height)[-3]), None
+            low = top
+            while state is None or state.active < closed:
+                low -= 0.1 * rms
+                state = bodies.solve(separation=low, state=state)
+            runs = []
+            for _ in range(3):
+                state, rows = None, []
+                for separation in np.linspace(top, low, 50):
+                    wall, busy = time.perf_counter(), time.process_time()
+                    state = bodies.solve(separation=float(separation), state=state)
+                    rows.append(
+                        (time.perf_counter() - wall, time.process_time() - busy, state.products)
+                    )
+                runs.append(rows[-6:])
+            # the mean of the last separations, lists rebuilt among them
+            wall, busy, products = np.array(runs).mean(axis=1).min(axis=0)
+            share = state.contact_area / bodies.nominal_area
+            print(
+                f"{n:5d}^2, {cutoff:.0f} px {deflection!s:>14} {state.active:8d} {share:7.3f} "
+                f"{1e3 * wall:9.1f} {1e3 * busy:14.1f} {products:10.1f}"
+            )
+
+
+PARTS = {"sum": accuracy, "many": many, "walk": walk, "cost": cost}
+
+
+if __name__ == "__main__":
+    for part in sys.argv[1:] or PARTS:
+        PARTS[part]()
+        print()
