@@ -14,7 +14,7 @@ FAST = {"contract", "reassoc", "nsz", "arcp"}
 
 
 @njit(cache=True, fastmath=FAST, nogil=True)
-def _moment(table, x):
+def moment(table, x):
     """Moment h and x dh/dx at x = a/edge; equispaced table from 0, local cubics."""
     last = table.size - 1
     y = x * last
@@ -30,7 +30,7 @@ def _moment(table, x):
 @njit(cache=True, fastmath=FAST, nogil=True)
 def _operator(table, x, order):
     """Edge operator e / edge**2 of one ray and its slope, at x = a/edge."""
-    h, dh = _moment(table, x)
+    h, dh = moment(table, x)
     return x * x * (order * h + dh)
 
 

@@ -10,21 +10,7 @@ import math
 import numpy as np
 from numba import njit
 
-FAST = {"contract", "reassoc", "nsz", "arcp"}
-
-
-@njit(cache=True, fastmath=FAST, nogil=True)
-def _moment(table, x):
-    """Moment g and x dg/dx of a ray at x = a/edge; equispaced table from 0, local cubics."""
-    last = table.size - 1
-    y = x * last
-    i = min(max(int(y), 1), last - 2)
-    u = y - i
-    v0, v1, v2, v3 = table[i - 1], table[i], table[i + 1], table[i + 2]
-    c1 = -v0 / 3 - 0.5 * v1 + v2 - v3 / 6
-    c2 = 0.5 * (v0 + v2) - v1
-    c3 = (v3 - v0) / 6 + 0.5 * (v1 - v2)
-    return v1 + u * (c1 + u * (c2 + u * c3)), (c1 + u * (2 * c2 + 3 * u * c3)) * y
+from ._basin_kernels import FAST, moment
 
 
 @njit(cache=True, fastmath=FAST, nogil=True)
@@ -52,7 +38,7 @@ def _march(moments, weight, edge, levels, m, rounds, out):
                 for p in range(rays):
                     x = a[p]
                     for _try in range(6):
-                        g, dg = _moment(moments[p], x / edge[p])
+                        g, dg = moment(moments[p], x / edge[p])
                         tail = (1 - m) * multiplier * x ** (-m) if m != 0.0 else multiplier
                         h = 2 * d * x / (1 + m) - x**3 * (4 * g + dg) - tail
                         slope = 2 * d / (1 + m) - x * x * (12 * g + 7 * dg) + m * tail / x
@@ -66,7 +52,7 @@ def _march(moments, weight, edge, levels, m, rounds, out):
             load, around, area, filled = 0.0, 0.0, 0.0, 0.0
             for p in range(rays):
                 x = a[p]
-                g, dg = _moment(moments[p], x / edge[p])
+                g, dg = moment(moments[p], x / edge[p])
                 square = weight[p] * x * x
                 load += square * (d / (1 + m) - x * x * g)
                 around += weight[p] * x ** (1 - m)

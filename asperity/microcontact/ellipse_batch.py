@@ -253,7 +253,8 @@ def _assemble(
     u = np.arange(1, nodes + 1) / nodes
     s = scaled @ value.T + slope @ value_slope.T
     g = scaled @ change.T + slope @ change_slope.T
-    area = (area / LEVELS**2) @ linear.T * u**2
+    force, stiffness = _convex(s * u**p, u ** (p - 2) * (p * s + u * g) / 2, u * u)
+    area = np.maximum.accumulate((area / LEVELS**2) @ linear.T * u**2, axis=1)
     unit = material.modulus * fits.length ** (1 + material.m)
     trusted = good.astype(float) @ linear.T > 0.999
     error = np.where(good, np.abs(state[..., 7]), 0.05) @ linear.T
@@ -268,8 +269,8 @@ def _assemble(
 
     return LawTable(
         reach=np.where(fits.valid, fits.height, 0.0),
-        force=full(s * u**p, unit * fits.height),
-        stiffness=full(u ** (p - 2) * (p * s + u * g) / 2, unit),
+        force=full(force, unit * fits.height),
+        stiffness=full(stiffness, unit),
         area=full(area, fits.length**2),
         flags=flags,
         spread=full(error, np.ones(len(fits))),
@@ -278,6 +279,21 @@ def _assemble(
         centre=_centre(filling[..., 2:], fits, linear),
         mobility=_mobility(fits),
     )
+
+
+def _convex(force: Array, stiffness: Array, d: Array) -> tuple[Array, Array]:
+    """Force with rising secants over the approach d, and stiffness between them.
+
+    Where the secants fall they are replaced by the mean of their rising envelopes.
+    """
+    steps = np.diff(d, prepend=0.0)
+    secant = np.diff(force, axis=1, prepend=0.0) / steps
+    upper = np.maximum.accumulate(secant, axis=1)
+    lower = np.minimum.accumulate(secant[:, ::-1], axis=1)[:, ::-1]
+    secant = 0.5 * (upper + lower)
+    stiffness = np.maximum(stiffness, secant)
+    stiffness[:, :-1] = np.minimum(stiffness[:, :-1], secant[:, 1:])
+    return np.cumsum(secant * steps, axis=1), stiffness
 
 
 def _centre(local: Array, fits: SummitFits, linear: Array) -> Array:

@@ -120,6 +120,18 @@ def test_table_is_monotone_and_fills_the_basin():
     assert np.all(table.area[:, -1] <= np.pi * (1 + 1e-3))
 
 
+def test_irregular_basins_keep_the_stiffness_rising():
+    """Rays of random lengths: force convex, stiffness and area rising, at any filling."""
+    rng = np.random.default_rng(4)
+    one = paraboloids(rng.uniform(1, 8, 40))
+    edge = one.edge * rng.uniform(0.3, 1.5, one.edge.shape)
+    table = tabulate(replace(one, edge=edge), HalfSpace.from_modulus(1.0))
+    for values in (table.force, table.stiffness, table.area):
+        assert np.all(np.diff(values, axis=1) >= -1e-12 * values[:, -1:])
+    secant = np.diff(table.force, axis=1) / np.diff(table.approach(), axis=1)
+    assert np.all(table.stiffness[:, 1:] >= secant * (1 - 1e-12))
+
+
 def test_centre_leaves_a_low_saddle():
     """A basin that ends near the summit on one side pushes the contact to the other side."""
     one = paraboloids([1.0], angle=0.7)
