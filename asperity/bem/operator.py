@@ -59,14 +59,17 @@ class HalfSpaceOperator:
         if boundary == "periodic":
             self.padded = shape
         else:
-            ny, nx = (scipy.fft.next_fast_len(2 * n - 1, real=True) for n in shape)
-            self.padded = (ny, nx)
+            self.padded = (_padded_length(shape[0]), _padded_length(shape[1]))
         self.transform = transform.plan(self.padded, rows=shape[0], threads=threads)
         self.pressure = self.transform.values
         self.symbol = self._scaled_symbol()
 
     def _scaled_symbol(self) -> NDArray[np.float64]:
-        """Dimensionless symbol, divided by the number of points of the transform."""
+        """Dimensionless symbol, divided by the number of points of the transform.
+
+        The influence is even along both axes, so that its transform is a cosine transform of one
+        quadrant.
+        """
         points = self.padded[0] * self.padded[1]
         if self.boundary == "periodic":
             values = symbol(self.shape, self.spacing, self.m - 1.0)
@@ -74,9 +77,10 @@ class HalfSpaceOperator:
             return values
         ny, nx = self.padded
         quadrant = influence((ny // 2 + 1, nx // 2 + 1), self.spacing, self.m)
-        rows, cols = (np.minimum(np.arange(n), n - np.arange(n)) for n in self.padded)
-        spectrum = scipy.fft.rfft2(quadrant[np.ix_(rows, cols)], workers=self.threads)
-        return np.ascontiguousarray(spectrum.real) / points
+        values = scipy.fft.dctn(quadrant, type=1, workers=self.threads, overwrite_x=True)
+        values /= points
+        rows = np.minimum(np.arange(ny), ny - np.arange(ny))
+        return np.ascontiguousarray(values[rows])
 
     def apply(self) -> NDArray[np.float64]:
         """Displacement [m] of the pressure p~ in `pressure`: a buffer of ny rows, nx or more wide.
@@ -97,3 +101,11 @@ class HalfSpaceOperator:
         self.pressure[:, :nx] = pressure
         self.pressure *= self.compliance
         return np.array(self.apply()[:, :nx])
+
+
+def _padded_length(n: int) -> int:
+    """Even length of fast transforms that keeps n points clear of their images."""
+    length = scipy.fft.next_fast_len(2 * n - 1, real=True)
+    while length % 2:
+        length = scipy.fft.next_fast_len(length + 1, real=True)
+    return int(length)
