@@ -197,7 +197,8 @@ def _draw_reference(reference: BemIndentation, axes) -> None:  # type: ignore[no
 
 def _draw_rays(case: Case, axes) -> None:  # type: ignore[no-untyped-def]
     """Pressure along 0, 30 and 45 degrees: laws as lines, boundary elements as dots."""
-    shown = [row for row in case.rows if row.law in ("paper", "harmonic") and row.solution]
+    solved = [row for row in case.rows if row.solution and np.isfinite(row.solution.radius)]
+    shown = [row for row in solved if row.law in ("paper", "harmonic")]
     longest = max((float(row.solution.contour(0.0)) for row in shown if row.solution), default=0.0)
     if longest == 0.0:
         axes.set_axis_off()

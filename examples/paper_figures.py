@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import csv
 import functools
+import itertools
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,7 +36,7 @@ class Settings:
     out: Path
     grid: int
     sections: int
-    laws: tuple[str, ...] = ("paper", "harmonic")
+    laws: tuple[str, ...]
 
 
 class Bench:
@@ -105,7 +106,7 @@ class Bench:
         reference = case.reference
         assert reference is not None
         mask = reference.solutions[-1].contact.astype(np.uint8)
-        scale = float(case.row(self.settings.laws[0]).solution.radius)
+        scale = float(next(row.solution for row in case.rows if row.solution).radius)
         outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
         for line in outlines:
             x, y = reference.x[line[:, 0, 0]], reference.y[line[:, 0, 1]]
@@ -120,17 +121,18 @@ class Bench:
         self, number: int, name: str, k: float, m: float, rays: tuple[float, ...]
     ) -> None:
         """Pressure along rays for several grids, and maps of the reference and of the laws."""
-        figure = Figure(figsize=(15, 3.8))
-        axes = figure.add_subplot(1, 4, 1)
+        columns = 2 + len(self.settings.laws)
+        figure = Figure(figsize=(3.8 * columns, 3.8))
+        axes = figure.add_subplot(1, columns, 1)
         grids = [self.settings.grid // 4, self.settings.grid // 2, self.settings.grid]
         fine = self.case(name, k, m, 1.0, grids[-1])
-        laws = [fine.row(law).solution for law in self.settings.laws]
+        laws = [row.solution for row in fine.rows if row.solution is not None]
         a = float(laws[0].radius)
         mean = float(laws[0].force) / (np.pi * a**2)
         r = np.linspace(0.02, 1.6, 80) * a
         for color, degrees in enumerate(rays):
             x, y = r * np.cos(np.radians(degrees)), r * np.sin(np.radians(degrees))
-            for one, style in zip(laws, ("--", "-"), strict=True):
+            for one, style in zip(laws, itertools.cycle(("--", "-", ":"))):
                 label = f"{one.law}, {degrees:g} deg"
                 axes.plot(r / a, one.pressure(x, y) / mean, style, color=f"C{color}", label=label)
             for marker, grid in zip(".x+", grids, strict=True):
@@ -143,7 +145,7 @@ class Bench:
         maps |= {one.law: one.pressure(reference.x, reference.y[:, None]) for one in laws}
         top = float(np.percentile(reference.pressure_map[reference.pressure_map > 0], 99.5))
         for i, (label, field) in enumerate(maps.items()):
-            axes = figure.add_subplot(1, 4, 2 + i, aspect="equal")
+            axes = figure.add_subplot(1, columns, 2 + i, aspect="equal")
             levels = np.linspace(0.02, 1, 12) * top
             axes.contourf(reference.x, reference.y, np.minimum(field, top), levels)
             axes.set_title(label, fontsize=8)
@@ -278,11 +280,12 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--only", help="numbers of figures, comma-separated")
     parser.add_argument("--grid", type=int, default=192, help="points per axis (default 192)")
     parser.add_argument("--sections", type=int, default=160, help="sections of figure 8")
+    parser.add_argument("--laws", default="paper,harmonic", help="default paper,harmonic")
     parser.add_argument("--quick", action="store_true", help="grid 64 and 4 sections")
     args = parser.parse_args(argv)
     args.out.mkdir(parents=True, exist_ok=True)
     grid, sections = (64, 4) if args.quick else (args.grid, args.sections)
-    all_figures = figures(Bench(Settings(args.out, grid, sections)))
+    all_figures = figures(Bench(Settings(args.out, grid, sections, tuple(args.laws.split(",")))))
     wanted = [int(n) for n in args.only.split(",")] if args.only else list(all_figures)
     for number in wanted:
         all_figures[number]()

@@ -197,6 +197,8 @@ class _Fields:
     def scaled(self, r: Array, phi: Array) -> Array:
         """Axisymmetric pressure stretched to the contour [Pa], shape (depths, points)."""
         one, edge = self.state, self._boundary(self.state, phi)
+        if one.a.size == 0:
+            return self.fill(np.empty((0, phi.size)))
         inside = edge > 0
         stretched = np.where(inside, one.a[:, None] * r / np.where(inside, edge, 1.0), np.inf)
         field = AxisymmetricPressure(self.basis, self.material)

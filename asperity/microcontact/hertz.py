@@ -132,13 +132,16 @@ def indent(
 def _difference(
     profile: PowerSumProfile | PolarProfile, material: HalfSpace, depth: Array, force: Array
 ) -> Array:
-    """Relative difference of the force to the harmonic-resolved law, plus what that errs by."""
+    """Relative difference of the force to the harmonic-resolved law, plus what that errs by.
+
+    NaN where that law has no solution.
+    """
     from .expansion import indent as indent_expansion
 
     one = indent_expansion(profile, material, depth, law="harmonic")
-    known = one.force > 0
-    change = np.abs(force - one.force) / np.where(known, one.force, 1.0)
-    return np.asarray(np.where(known, change + one.error_estimate, 0.0))
+    touching = depth > 0
+    change = np.abs(force - one.force) / np.where(touching, one.force, 1.0)
+    return np.asarray(np.where(touching, change + one.error_estimate, 0.0))
 
 
 def _summit(profile: PowerSumProfile | PolarProfile, m: float) -> tuple[float, float, float]:

@@ -51,6 +51,16 @@ def test_profile_file_comes_back_and_is_solved(tmp_path, table, capsys):
     assert capsys.readouterr().out.count("harmonic") == 3
 
 
+def test_a_contact_without_solution_is_marked_and_drawn(tmp_path, capsys):
+    r = np.linspace(0, 2e-6, 24)
+    turning = np.sin(1.4 * (r / r[-1]) ** 2)[:, None] * 1e-7 * np.ones(TURN.size)
+    path, picture = tmp_path / "turning.h5", tmp_path / "turning.png"
+    write_profile(PolarProfile(r, TURN, turning), path)
+    call = ["indent", str(path), "--E", "1e9", "--approach", "1e-4", "--law", "paper,harmonic"]
+    assert main([*call, "--picture", str(picture)]) == 1
+    assert "TURNING" in capsys.readouterr().out and picture.is_file()
+
+
 def test_load_control_reaches_the_load(tmp_path, table, capsys):
     path = tmp_path / "profile.h5"
     write_profile(table, path)

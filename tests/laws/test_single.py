@@ -204,6 +204,10 @@ def test_a_body_that_turns_over_has_no_solution_beyond():
     one = indent(body, HalfSpace.from_modulus(1.0), np.array([0.1, 10.0]))
     assert np.isfinite(one.force[0]) and np.isnan(one.force[1])
     assert one.flags[1] & Flag.TURNING and not one.valid[1]
+    lost = indent(body, HalfSpace.from_modulus(1.0), 10.0)
+    assert np.all(np.isnan(lost.contour(TURN))) and np.isnan(lost.pressure(0.1, 0.0))
+    assert np.isnan(lost.pressure(0.1, 0.0, history=True))
+    assert np.isnan(indent(body, HalfSpace.from_modulus(1.0), 10.0, law="hertz").error_estimate)
 
 
 def test_a_triangular_cone_is_out_of_the_published_range_in_its_corners():
