@@ -180,10 +180,11 @@ def _reduce(applied, share, cosine, sine, harmonics, row):  # type: ignore[no-un
     for n in range(count):
         re, im, tail_re, tail_im = 0.0, 0.0, 0.0, 0.0
         for k in range(rays):
-            re += share[k] * applied[n, k] * cosine[n, k]
-            im += share[k] * applied[n, k] * sine[n, k]
-            tail_re += share[k] * applied[count, k] * cosine[n, k]
-            tail_im += share[k] * applied[count, k] * sine[n, k]
+            c, s = share[k] * cosine[n, k], share[k] * sine[n, k]
+            re += c * applied[n, k]
+            im += s * applied[n, k]
+            tail_re += c * applied[count, k]
+            tail_im += s * applied[count, k]
         if n == 0:
             for k in range(rays):
                 edge[k] -= tail_re
