@@ -1,6 +1,6 @@
 """Error, convergence and cost of the coupled solve.
 
-    python benchmarks/interaction.py               # all parts, about three minutes
+    python benchmarks/interaction.py               # all parts
     python benchmarks/interaction.py sum cost      # some of them
 
 sum    the fast field against the dense sum over all pairs and images, random footprints

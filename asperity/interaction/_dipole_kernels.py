@@ -9,7 +9,7 @@ from numba import njit
 
 
 @njit(inline="always")
-def _weights(t, w, d):
+def _weights(t, w, d):  # type: ignore[no-untyped-def]
     """Cubic B-spline weights w of the four nodes about a point, and their first derivatives d."""
     s = 1.0 - t
     w[0] = s * s * s / 6.0
@@ -23,7 +23,7 @@ def _weights(t, w, d):
 
 
 @njit(cache=True, nogil=True)
-def mesh_gradient(rows, y, x, per_step, grid, out):
+def mesh_gradient(rows, y, x, per_step, grid, out):  # type: ignore[no-untyped-def]
     """Gradient (n, 2) of the mesh potential at the points."""
     my, mx = grid.shape
     wy, dy, wx, dx = np.empty(4), np.empty(4), np.empty(4), np.empty(4)
@@ -45,7 +45,7 @@ def mesh_gradient(rows, y, x, per_step, grid, out):
 
 
 @njit(cache=True, nogil=True)
-def deposit_dipoles(rows, y, x, dipole, per_step, grid):
+def deposit_dipoles(rows, y, x, dipole, per_step, grid):  # type: ignore[no-untyped-def]
     """Spread force times shift (n, 2) on the mesh."""
     grid[:] = 0.0
     my, mx = grid.shape
@@ -67,7 +67,7 @@ def deposit_dipoles(rows, y, x, dipole, per_step, grid):
 
 
 @njit(cache=True, nogil=True)
-def near_gradient(
+def near_gradient(  # type: ignore[no-untyped-def]
     rows,
     y,
     x,
@@ -125,7 +125,7 @@ def near_gradient(
 
 
 @njit(cache=True, nogil=True)
-def near_dipoles(rows, y, x, size, wrap, dipole, ptr, col, pull, out):
+def near_dipoles(rows, y, x, size, wrap, dipole, ptr, col, pull, out):  # type: ignore[no-untyped-def]
     """Near field of forces times shifts (n, 2), into `out` (n)."""
     out[:] = 0.0
     for i in range(rows[0], rows[1]):

@@ -9,7 +9,7 @@ from numba import njit
 
 
 @njit(inline="always")
-def _weights(t, w, c):
+def _weights(t, w, c):  # type: ignore[no-untyped-def]
     """Cubic B-spline weights w of the four nodes about a point, and their second derivatives c."""
     s = 1.0 - t
     w[0] = s * s * s / 6.0
@@ -23,7 +23,7 @@ def _weights(t, w, c):
 
 
 @njit(cache=True, nogil=True)
-def half_list(y, x, start, cells, size, wrap, cut, rows, ptr, far, far_scale, col, pair):
+def half_list(y, x, start, cells, size, wrap, cut, rows, ptr, far, far_scale, col, pair):  # type: ignore[no-untyped-def]
     """Pairs of points closer than sqrt(cut) for the rows [rows[0], rows[1]) of cells.
 
     Points are sorted by cell, bounded by `start`; `size` is the extent (Ly, Lx) and `wrap` says
@@ -81,7 +81,7 @@ def half_list(y, x, start, cells, size, wrap, cut, rows, ptr, far, far_scale, co
 
 
 @njit(cache=True, nogil=True)
-def deposit(rows, y, x, force, variance, cap, per_step, grid):
+def deposit(rows, y, x, force, variance, cap, per_step, grid):  # type: ignore[no-untyped-def]
     """Spread forces with half their variance, up to `cap`, times the Laplacian on the mesh."""
     grid[:] = 0.0
     my, mx = grid.shape
@@ -116,7 +116,7 @@ def deposit(rows, y, x, force, variance, cap, per_step, grid):
 
 
 @njit(cache=True, nogil=True)
-def gather(rows, y, x, per_step, grid, out):
+def gather(rows, y, x, per_step, grid, out):  # type: ignore[no-untyped-def]
     """Mesh potential (column 0) and half its Laplacian (column 1) at the points."""
     my, mx = grid.shape
     wy, cy, wx, cx = np.empty(4), np.empty(4), np.empty(4), np.empty(4)
@@ -154,7 +154,7 @@ def gather(rows, y, x, per_step, grid, out):
 
 
 @njit(cache=True, nogil=True)
-def near_field(rows, force, variance, cap, ptr, col, pair, shape, power, out):
+def near_field(rows, force, variance, cap, ptr, col, pair, shape, power, out):  # type: ignore[no-untyped-def]
     """Near pairs of the rows, both ways: v0 and v1 added into `out` (n, 2).
 
     The energy of the pair (i, j) is F_i F_j N(r; m_i, m_j); v0_i = sum F_j N and
@@ -199,7 +199,7 @@ def near_field(rows, force, variance, cap, ptr, col, pair, shape, power, out):
 
 
 @njit(cache=True, nogil=True)
-def tangent_list(rows, ptr, col, pair, rank, variance, cap, shape, power, k, tptr, tcol, tval):
+def tangent_list(rows, ptr, col, pair, rank, variance, cap, shape, power, k, tptr, tcol, tval):  # type: ignore[no-untyped-def]
     """Pairs of active points (rank >= 0) of the rows and their tangent values, from place k on."""
     nodes = shape.shape[0] - 1
     for i in range(rows[0], rows[1]):
@@ -229,7 +229,7 @@ def tangent_list(rows, ptr, col, pair, rank, variance, cap, shape, power, k, tpt
 
 
 @njit(cache=True, nogil=True)
-def near_tangent(rows, tptr, tcol, tval, v, out):
+def near_tangent(rows, tptr, tcol, tval, v, out):  # type: ignore[no-untyped-def]
     """Near pairs of the tangent matrix times v, both ways."""
     out[:] = 0.0
     for i in range(rows[0], rows[1]):
@@ -242,7 +242,7 @@ def near_tangent(rows, tptr, tcol, tval, v, out):
 
 
 @njit(cache=True, nogil=True)
-def advance(length, stiffness, direction, image, solution, residual):
+def advance(length, stiffness, direction, image, solution, residual):  # type: ignore[no-untyped-def]
     """One step of conjugate gradients; returns residual . stiffness residual."""
     product = 0.0
     for i in range(solution.size):
@@ -253,14 +253,14 @@ def advance(length, stiffness, direction, image, solution, residual):
 
 
 @njit(cache=True, nogil=True)
-def redirect(ratio, stiffness, residual, direction):
+def redirect(ratio, stiffness, residual, direction):  # type: ignore[no-untyped-def]
     """New direction: scaled residual plus `ratio` times the old one."""
     for i in range(direction.size):
         direction[i] = stiffness[i] * residual[i] + ratio * direction[i]
 
 
 @njit(cache=True, nogil=True)
-def dot(a, b):
+def dot(a, b):  # type: ignore[no-untyped-def]
     """Scalar product, in one thread."""
     total = 0.0
     for i in range(a.size):

@@ -109,7 +109,7 @@ def self_image(cell: tuple[float, float], footprints: Footprints) -> float:
             r2 = (ky * cell[0]) ** 2 + (kx * cell[1]) ** 2
             if r2 > 0:
                 total += float(weight @ np.exp(-r2 / (4 * t)))
-    return total
+    return float(total)
 
 
 def _waves(

@@ -133,7 +133,7 @@ def _kummer(a: float, b: float, z: NDArray[np.float64]) -> NDArray[np.float64]:
         term = term * (a + k) * (a - b + 1 + k) / ((k + 1) * x)
         total = total + term
     asymptotic = x ** (-a) * rgamma(b - a) * total
-    return np.where(far, asymptotic, hyp1f1(a, b, -np.where(far, 1.0, z)))
+    return np.asarray(np.where(far, asymptotic, hyp1f1(a, b, -np.where(far, 1.0, z))))
 
 
 @functools.lru_cache(maxsize=16)

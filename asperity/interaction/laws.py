@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -186,14 +186,18 @@ class _Store:
 
     def __init__(self, nodes: LawNodes | Growing, footprints: Footprints) -> None:
         self.footprints = footprints
-        self.growing = nodes if hasattr(nodes, "ensure") else None
-        n = len(nodes) if self.growing else len(nodes.reach)
+        self.growing: Growing | None = None
+        if hasattr(nodes, "ensure"):
+            self.growing = cast(Growing, nodes)
+            n = len(self.growing)
+        else:
+            n = len(nodes.reach)
         self.reach, self.largest = np.zeros((2, n))
         self.usable, self.repaired, self.ready = np.ones(n, bool), *np.zeros((2, n), bool)
         self.exponent, self.table = 3.0 + footprints.m, np.zeros((n, 0, 11))
         self.complete = False
         if self.growing is None:
-            self._add(np.arange(n), nodes)
+            self._add(np.arange(n), cast(LawNodes, nodes))
 
     def need(self, rows: NDArray[np.int64]) -> None:
         """Make the rows that are missing."""
@@ -261,4 +265,4 @@ def _sound(
     below = np.concatenate((np.zeros((len(secant), 1)), secant), axis=1)
     above[:, -1] = np.maximum(cap[broken], secant[:, -1])
     stiffness[broken] = np.clip(stiffness[broken], below, above)
-    return force, stiffness, broken
+    return force, stiffness, np.asarray(broken)

@@ -106,7 +106,8 @@ class Interaction:
         self.eta = reach / cut
         size = (size[0] / self.eta, size[1] / self.eta)
         y, x = y / self.eta, x / self.eta
-        cells = tuple(n if n >= 3 else 1 for n in (int(size[0] / cut), int(size[1] / cut)))
+        ny, nx = int(size[0] / cut), int(size[1] / cut)
+        cells = (ny if ny >= 3 else 1, nx if nx >= 3 else 1)
         place = np.minimum((y / size[0] * cells[0]).astype(np.int64), cells[0] - 1) * cells[1]
         place += np.minimum((x / size[1] * cells[1]).astype(np.int64), cells[1] - 1)
         self.order = np.argsort(place, kind="stable")
@@ -211,7 +212,7 @@ class Interaction:
         )
         for part in self.part:
             out += part
-        return self.scale / self.eta * out
+        return np.asarray(self.scale / self.eta * out)
 
     def dipoles(self, moment: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacement [m] by forces times shifts [N m], shape (n, 2), after `gradient`."""

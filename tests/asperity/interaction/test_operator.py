@@ -42,7 +42,7 @@ def tangent_matrices(y, x, k, m, boundary):
 @pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
 @pytest.mark.parametrize("filling", [0.2, 0.6, 1.2])
 def test_tangent_is_positive_definite_for_overlapping_discs(m, boundary, filling):
-    y, x, k = scene(150, m, 3, filling)
+    y, x, k = scene(110, m, 3, filling)
     fast, exact = tangent_matrices(y, x, k, m, boundary)
     assert np.linalg.eigvalsh(exact)[0] >= FLOOR / (1 + FLOOR) * (1 - 1e-6)
     assert np.linalg.eigvalsh(0.5 * (fast + fast.T))[0] >= 0.98 * FLOOR / (1 + FLOOR)
@@ -53,7 +53,7 @@ def test_tangent_is_positive_definite_for_overlapping_discs(m, boundary, filling
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
 def test_field_is_the_dense_sum(m, boundary):
-    y, x, k = scene(200, m, 5)
+    y, x, k = scene(110, m, 5)
     f = Footprints(3.0, m)
     v = 0.6 * f.variance(3.0 * k)
     force = np.random.default_rng(1).uniform(0, 1, len(y))
@@ -65,14 +65,14 @@ def test_field_is_the_dense_sum(m, boundary):
     assert np.abs(value - (dense @ force)[plan.order]).max() < 2e-3 * size
     step = 1e-3 * v.mean()
     wider = v.copy()
-    wider[:100] += step
+    wider[:50] += step
     moved = dense_matrix(y, x, wider, CELL, boundary, f) - dense_matrix(y, x, v, CELL, boundary, f)
     own = f.self_factor * (wider ** (-(1 + m) / 2) - v ** (-(1 + m) / 2))
     moved[np.diag_indices(len(v))] -= own
-    moved[:100, :100] = np.nan
-    rows = np.arange(100)
-    wanted = moved[rows][:, 100:] @ force[100:] / step
-    force[:100] = 0.0
+    moved[:50, :50] = np.nan
+    rows = np.arange(50)
+    wanted = moved[rows][:, 50:] @ force[50:] / step
+    force[:50] = 0.0
     _, slope = plan.field(force[plan.order], v[plan.order])
     back = np.empty(len(v))
     back[plan.order] = slope
