@@ -14,13 +14,13 @@ FAST = {"contract", "reassoc", "nsz", "arcp"}
 
 
 @njit(cache=True, fastmath=FAST, nogil=True)
-def moment(table, x):
+def moment(table, p, x):
     """Moment h and x dh/dx at x = a/edge; equispaced table from 0, local cubics."""
-    last = table.size - 1
+    last = table.shape[1] - 1
     y = x * last
     i = min(max(int(y), 1), last - 2)
     u = y - i
-    v0, v1, v2, v3 = table[i - 1], table[i], table[i + 1], table[i + 2]
+    v0, v1, v2, v3 = table[p, i - 1], table[p, i], table[p, i + 1], table[p, i + 2]
     c1 = -v0 / 3 - 0.5 * v1 + v2 - v3 / 6
     c2 = 0.5 * (v0 + v2) - v1
     c3 = (v3 - v0) / 6 + 0.5 * (v1 - v2)
@@ -28,9 +28,9 @@ def moment(table, x):
 
 
 @njit(cache=True, fastmath=FAST, nogil=True)
-def _operator(table, x, order):
+def _operator(table, p, x, order):
     """Edge operator e / edge**2 of one ray and its slope, at x = a/edge."""
-    h, dh = moment(table, x)
+    h, dh = moment(table, p, x)
     return x * x * (order * h + dh)
 
 
@@ -135,7 +135,7 @@ def fill_basins(
             if r <= 0.0:
                 r = math.sqrt(d0 * tip / (q[i, p, 0] * scale))
             a[p] = min(r / edge[i, p], 1.0)
-            target[p] = _operator(table[p], a[p], order) / d0
+            target[p] = _operator(table, p, a[p], order) / d0
         for level in range(first):
             out[i, level, 2] = shape[i, level, 2]
             out[i, level, 3] = shape[i, level, 3]
@@ -148,12 +148,12 @@ def fill_basins(
                         continue
                     want = target[p] * d
                     x = min(a[p] * growth, 1.0)
-                    e = _operator(table[p], x, order)
+                    e = _operator(table, p, x, order)
                     for _ in range(12):
                         if e >= want or x >= 1.0:
                             break
                         x = min(x * 1.06, 1.0)
-                        e = _operator(table[p], x, order)
+                        e = _operator(table, p, x, order)
                     if e >= want:
                         low, high = a[p], x
                         e0 = target[p] * levels[level - 1] ** 2
@@ -161,7 +161,7 @@ def fill_basins(
                         for _ in range(3):
                             u = (want - e0) / max(e1 - e0, 1e-300)
                             x = low + min(max(u, 0.05), 0.95) * (high - low)
-                            e = _operator(table[p], x, order)
+                            e = _operator(table, p, x, order)
                             if e < want:
                                 low, e0 = x, e
                             else:

@@ -11,17 +11,17 @@ FAST = {"contract", "reassoc", "nsz", "arcp"}
 
 
 @njit(cache=True, fastmath=FAST, nogil=True)
-def _sample(q, edge, r):
+def _sample(q, p, edge, r):
     """f at radius r of a ray with q = f/r**2 at equispaced nodes.
 
     Beyond the edge f goes on with the parabola of its last three values, up to the vertex.
     """
-    last = q.size - 1
+    last = q.shape[1] - 1
     if r >= edge:
         step = edge / last
-        f2 = q[last] * edge * edge
-        f1 = q[last - 1] * (edge - step) ** 2
-        f0 = q[last - 2] * (edge - 2 * step) ** 2
+        f2 = q[p, last] * edge * edge
+        f1 = q[p, last - 1] * (edge - step) ** 2
+        f0 = q[p, last - 2] * (edge - 2 * step) ** 2
         bend = f2 - 2 * f1 + f0
         slope = max(f2 - f1 + 0.5 * bend, 0.0)
         u = (r - edge) / step
@@ -35,7 +35,7 @@ def _sample(q, edge, r):
     w1 = (u + 1) * (u - 1) * (u - 2) / 2
     w2 = -(u + 1) * u * (u - 2) / 2
     w3 = (u + 1) * u * (u - 1) / 6
-    return (w0 * q[i - 1] + w1 * q[i] + w2 * q[i + 1] + w3 * q[i + 2]) * r * r
+    return (w0 * q[p, i - 1] + w1 * q[p, i] + w2 * q[p, i + 1] + w3 * q[p, i + 2]) * r * r
 
 
 @njit(cache=True, fastmath=FAST, nogil=True)
@@ -96,6 +96,7 @@ def fit_rays(
     px, py = np.empty(degree + 1), np.empty(degree + 1)
     right, copy = np.empty((4, widest)), np.empty(widest)
     for i in range(begin, end):
+        own = q[i]
         normal[:] = 0.0
         b0 = math.sqrt(ratio[i])
         a0 = 1.0 / b0
@@ -132,10 +133,10 @@ def fit_rays(
             for b in range(quarter):
                 for j in range(rings):
                     r = radii[j] * size * unit[base[b]]
-                    f0 = _sample(q[i, image[b, 0]], edge[i, image[b, 0]], r)
-                    f1 = _sample(q[i, image[b, 1]], edge[i, image[b, 1]], r)
-                    f2 = _sample(q[i, image[b, 2]], edge[i, image[b, 2]], r)
-                    f3 = _sample(q[i, image[b, 3]], edge[i, image[b, 3]], r)
+                    f0 = _sample(own, image[b, 0], edge[i, image[b, 0]], r)
+                    f1 = _sample(own, image[b, 1], edge[i, image[b, 1]], r)
+                    f2 = _sample(own, image[b, 2], edge[i, image[b, 2]], r)
+                    f3 = _sample(own, image[b, 3], edge[i, image[b, 3]], r)
                     w = share[b] * weights[j]
                     square += w * (f0 * f0 + f1 * f1 + f2 * f2 + f3 * f3)
                     total += 4 * w

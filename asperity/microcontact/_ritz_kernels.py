@@ -38,7 +38,7 @@ def _march(moments, weight, edge, levels, m, rounds, out):
                 for p in range(rays):
                     x = a[p]
                     for _try in range(6):
-                        g, dg = moment(moments[p], x / edge[p])
+                        g, dg = moment(moments, p, x / edge[p])
                         tail = (1 - m) * multiplier * x ** (-m) if m != 0.0 else multiplier
                         h = 2 * d * x / (1 + m) - x**3 * (4 * g + dg) - tail
                         slope = 2 * d / (1 + m) - x * x * (12 * g + 7 * dg) + m * tail / x
@@ -52,7 +52,7 @@ def _march(moments, weight, edge, levels, m, rounds, out):
             load, around, area, filled = 0.0, 0.0, 0.0, 0.0
             for p in range(rays):
                 x = a[p]
-                g, dg = moment(moments[p], x / edge[p])
+                g, dg = moment(moments, p, x / edge[p])
                 square = weight[p] * x * x
                 load += square * (d / (1 + m) - x * x * g)
                 around += weight[p] * x ** (1 - m)
