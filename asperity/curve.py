@@ -278,7 +278,7 @@ def _curve(
         extra={
             "microcontacts": column("active"),
             "area_error_estimate": np.array([estimate(w, AREA_WEIGHTS) for w in weaknesses]),
-            **{name: np.array([weak[name] for weak in weaknesses]) for name in TERMS[1:]},
+            **{name: np.array([weak[name] for weak in weaknesses]) for name in TERMS},
         },
         reasons=tuple(state.reason for state in states),
     )

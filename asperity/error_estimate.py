@@ -17,13 +17,20 @@ if TYPE_CHECKING:
 
 __all__ = ["AREA_WEIGHTS", "LOAD_WEIGHTS", "TERMS", "estimate", "terms"]
 
-TERMS = ("constant", "few_contacts", "filled_share", "law_spread", "coarse_contacts", "crowding")
+TERMS = (
+    "few_contacts",
+    "filled_share",
+    "law_spread",
+    "coarse_contacts",
+    "crowding",
+    "elongation",
+)
 """Names of the terms, see `terms`."""
 
-LOAD_WEIGHTS = (0.005, 0.05, 0.1, 0.5, 0.05, 0.3)
+LOAD_WEIGHTS = (0.0, 0.368, 0.424, 0.0, 0.0915, 0.007)
 """Weights of the terms for the load at equal separation."""
 
-AREA_WEIGHTS = (0.01, 0.2, 0.1, 0.5, 0.2, 0.3)
+AREA_WEIGHTS = (0.266, 0.0, 0.243, 0.0103, 0.0, 0.0086)
 """Weights of the terms for the contact area at equal load."""
 
 
@@ -32,8 +39,6 @@ def terms(bodies: Asperities, state: PopulationState) -> dict[str, float]:
 
     Returns
     -------
-    constant
-        1.
     few_contacts
         One over the root of the number of contacts: errors of single contacts do not average out.
     filled_share
@@ -45,21 +50,25 @@ def terms(bodies: Asperities, state: PopulationState) -> dict[str, float]:
         the grid does not resolve.
     crowding
         Contact area over nominal area.
+    elongation
+        Logarithm of the ratio of a summit's curvatures, weighted by load.
     """
     closed = np.flatnonzero(state.force > 0)
     if not closed.size:
-        return dict.fromkeys(TERMS, 0.0) | {"constant": 1.0}
+        return dict.fromkeys(TERMS, 0.0)
     force = state.force[closed]
     spread = bodies.population.table.spread_at(closed, state.approach[closed])
     pixel = bodies.hm.area / bodies.hm.heights.size
+    steep, shallow = bodies.profiles.curvature[closed].T
+    ratio = np.log(steep / np.clip(shallow, 1e-3 * steep, None))
     mean_area = float(force @ state.area[closed] / force.sum())
     return {
-        "constant": 1.0,
         "few_contacts": 1.0 / np.sqrt(closed.size),
         "filled_share": state.filled_share,
         "law_spread": float(force @ np.abs(spread) / force.sum()),
         "coarse_contacts": float(np.sqrt(pixel / mean_area)),
         "crowding": state.contact_area / bodies.hm.area,
+        "elongation": float(force @ ratio / force.sum()),
     }
 
 

@@ -48,8 +48,7 @@ def main() -> None:
     for name in ("load_error", "area_error"):
         weights = None
         for label, data in zip(("fit", "check"), sets, strict=False):
-            terms = np.column_stack([data[t] if t in data else np.ones(len(data[name]))
-                                     for t in TERMS])  # fmt: skip
+            terms = np.column_stack([data[term] for term in TERMS])
             error = np.abs(data[name])
             if weights is None:
                 weights = fit(terms, error)
