@@ -6,7 +6,8 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from .errors import InputError
+from surfaces import _threads
+from surfaces._threads import set_threads, threads
 
 __all__ = [
     "idle_threads",
@@ -17,45 +18,16 @@ __all__ = [
     "use_numba",
 ]
 
-_VARIABLE = "ASPERITY_THREADS"
-_chosen: int | None = None
-
-
-def available() -> int:
-    """Number of processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def threads() -> int:
-    """Number of threads in use: as set, else ASPERITY_THREADS, else every processor."""
-    if _chosen is not None:
-        return _chosen
-    text = os.environ.get(_VARIABLE, "")
-    if not text:
-        return available()
-    if not text.isdigit() or int(text) < 1:
-        raise InputError(f"{_VARIABLE} is {text!r}; give a whole number of threads, at least 1")
-    return min(int(text), available())
-
-
-def set_threads(count: int | None) -> None:
-    """Use `count` threads from now on, at most one per processor; None returns to the default."""
-    global _chosen
-    if count is not None and count < 1:
-        raise InputError(f"the number of threads is {count}; give at least 1")
-    _chosen = None if count is None else min(int(count), available())
-
 
 @contextmanager
 def limit_threads(count: int | None) -> Iterator[int]:
     """Use `count` threads inside the block, then return to what was set before."""
-    global _chosen
-    before = _chosen
+    before = _threads.chosen()
     set_threads(count)
     try:
         yield threads()
     finally:
-        _chosen = before
+        set_threads(before)
 
 
 def short_barriers() -> None:

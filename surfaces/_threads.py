@@ -1,4 +1,4 @@
-"""Run kernels that release the interpreter lock on blocks of rows."""
+"""The number of threads, and loops over blocks of rows on that many."""
 
 from __future__ import annotations
 
@@ -10,9 +10,13 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-__all__ = ["blocks", "each", "run"]
+from .errors import InputError
+
+__all__ = ["available", "blocks", "chosen", "each", "run", "set_threads", "threads"]
 
 _NAME = "row-blocks"
+_VARIABLE = "ASPERITY_THREADS"
+_chosen: int | None = None
 
 
 @functools.cache
@@ -21,17 +25,39 @@ def _pool(workers: int, process: int) -> ThreadPoolExecutor:
     return ThreadPoolExecutor(workers, thread_name_prefix=_NAME)
 
 
-def _processors() -> int:
-    """Processors that this process may use, or fewer by the variable ASPERITY_THREADS."""
-    mine = hasattr(os, "sched_getaffinity")
-    available = len(os.sched_getaffinity(0)) if mine else os.cpu_count() or 1
-    text = os.environ.get("ASPERITY_THREADS", "")
-    return min(int(text), available) if text.isdigit() and int(text) > 0 else available
+def available() -> int:
+    """Number of processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def threads() -> int:
+    """Number of threads in use: as set, else ASPERITY_THREADS, else every processor."""
+    if _chosen is not None:
+        return _chosen
+    text = os.environ.get(_VARIABLE, "")
+    if not text:
+        return available()
+    if not text.isdigit() or int(text) < 1:
+        raise InputError(f"{_VARIABLE} is {text!r}; give a whole number of threads, at least 1")
+    return min(int(text), available())
+
+
+def chosen() -> int | None:
+    """Number of threads set by `set_threads`, None if none was set."""
+    return _chosen
+
+
+def set_threads(count: int | None) -> None:
+    """Use `count` threads from now on, at most one per processor; None returns to the default."""
+    global _chosen
+    if count is not None and count < 1:
+        raise InputError(f"the number of threads is {count}; give at least 1")
+    _chosen = None if count is None else min(int(count), available())
 
 
 def blocks(count: int, least: int = 1) -> list[tuple[int, int]]:
     """Split ``range(count)`` into one contiguous block per processor, none below `least`."""
-    parts = max(1, min(_processors(), count // max(1, least)))
+    parts = max(1, min(threads(), count // max(1, least)))
     bounds = [count * part // parts for part in range(parts + 1)]
     return list(itertools.pairwise(bounds))
 
