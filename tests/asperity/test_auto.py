@@ -1,0 +1,51 @@
+"""Law auto on batches: the ellipse law, guarded where no polynomial describes the summit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asperity
+import surfaces
+from asperity.microcontact import auto, ellipse, ritz, tabulate
+
+STEEL = asperity.HalfSpace(210e9, 0.3)
+
+
+@pytest.fixture(scope="module")
+def profiles() -> surfaces.Profiles:
+    hm = surfaces.self_affine(
+        (96, 128), (9.6e-4, 1.28e-3), hurst=0.8, rms_slope=0.1, cutoff=4e-5, seed=2
+    )
+    return surfaces.fit_profiles(hm, surfaces.segment(hm))
+
+
+def test_summits_that_agree_keep_the_ellipse_law(profiles):
+    table, own = tabulate(profiles, STEEL, law="auto"), ellipse.tabulate(profiles, STEEL)
+    same = (table.force == own.force).all(axis=1)
+    assert same.mean() > 0.9
+    assert table.law == "auto"
+
+
+def test_a_gross_disagreement_takes_the_law_without_a_polynomial(profiles, monkeypatch):
+    monkeypatch.setattr(auto, "GROSS", 1.0)
+    table = auto.tabulate(profiles, STEEL)
+    own = ellipse.tabulate(profiles, STEEL)
+    other = ritz.tabulate(profiles, STEEL, nodes=32)
+    taken = np.flatnonzero((table.force != own.force).any(axis=1))
+    assert taken.size
+    np.testing.assert_array_equal(table.force[taken], other.force[taken])
+    np.testing.assert_array_equal(table.reach[taken], other.reach[taken])
+    assert (table.spread[taken] >= own.spread[taken]).all()
+
+
+def test_a_noisy_ridge_of_a_measured_map_does_not_carry_everything(measured):
+    hm = surfaces.prepare(
+        surfaces.read(measured / "optical_rubber_missing.h5"), level="plane", periodic="taper"
+    )
+    separation = [2.6 * hm.rms_height]
+    load = {
+        law: asperity.contact_curve(hm, STEEL, separations=separation, law=law).load[0]
+        for law in ("auto", "ritz")
+    }
+    assert load["auto"] == pytest.approx(load["ritz"], rel=0.2)
