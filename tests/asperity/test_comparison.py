@@ -80,6 +80,7 @@ def test_report_stands_alone(comparison, tmp_path):
     assert all(link.startswith("data:") for link in links)
     assert "<script" not in text
     assert comparison.verdict()[:40] in text
+    assert f"± {100 * comparison.model.error_estimate[0]:.1f}" in text
 
 
 def test_report_marks_what_did_not_converge(comparison, tmp_path):
