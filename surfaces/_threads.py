@@ -12,7 +12,7 @@ from typing import Any
 
 from .errors import InputError
 
-__all__ = ["available", "blocks", "chosen", "each", "run", "set_threads", "threads"]
+__all__ = ["available", "blocks", "each", "run", "set_threads", "threads"]
 
 _NAME = "row-blocks"
 _VARIABLE = "ASPERITY_THREADS"
@@ -40,11 +40,6 @@ def threads() -> int:
     if not text.isdigit() or int(text) < 1:
         raise InputError(f"{_VARIABLE} is {text!r}; give a whole number of threads, at least 1")
     return min(int(text), available())
-
-
-def chosen() -> int | None:
-    """Number of threads set by `set_threads`, None if none was set."""
-    return _chosen
 
 
 def set_threads(count: int | None) -> None:

@@ -12,10 +12,6 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from ..threads import short_barriers
-
-short_barriers()
-
 _FAST = {"reassoc", "contract", "nsz", "nnan"}
 BLOCK = 64
 Grid = NDArray[np.float64]

@@ -8,10 +8,6 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from ..threads import short_barriers
-
-short_barriers()
-
 _FAST = {"reassoc", "contract", "nsz"}
 Single = NDArray[np.float32]
 Double = NDArray[np.float64]

@@ -6,10 +6,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from ..threads import short_barriers
 from ._simd import LANES, RADIUS, stencil_dot4
-
-short_barriers()
 
 _FAST = {"reassoc", "contract", "nsz"}
 Single = NDArray[np.float32]

@@ -158,7 +158,7 @@ def _joined(tables: list[LawTable]) -> LawTable:
     """One table of the rows of several."""
     if len(tables) == 1:
         return tables[0]
-    names = ("reach", "force", "stiffness", "area", "flags", "spread", "centre", "mobility")
+    names = ("reach", "force", "stiffness", "area", "flags", "spread", "centre")
     columns = {name: np.concatenate([getattr(one, name) for one in tables]) for name in names}
     return dataclasses.replace(tables[0], **columns)
 
@@ -277,7 +277,6 @@ def _assemble(
         exponent=p,
         law=law,
         centre=_centre(filling[..., 2:], fits, linear),
-        mobility=_mobility(fits),
     )
 
 
@@ -304,17 +303,6 @@ def _centre(local: Array, fits: SummitFits, linear: Array) -> Array:
     out[:, 1:, 0] = c * along - s * across
     out[:, 1:, 1] = s * along + c * across
     return out
-
-
-def _mobility(fits: SummitFits) -> Array:
-    """Inverse of the curvature tensor of the summits, scaled to unit determinant."""
-    along = np.sqrt(fits.ratio) ** (-1 / 0.63)
-    c, s = np.cos(fits.angle), np.sin(fits.angle)
-    across = 1 / along
-    return np.stack(
-        [c * c * along + s * s * across, c * s * (along - across), s * s * along + c * c * across],
-        axis=1,
-    )
 
 
 def _ends(good: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -36,10 +36,6 @@ class LawTable:
     centre
         Centre (x, y) [m] of the contact relative to the summit at the nodes, shape
         (n, K + 1, 2); None if the law keeps every contact about its summit.
-    mobility
-        Tensor (xx, xy, yy) of unit determinant, shape (n, 3): in a field of gradient g the
-        contact moves along ``-mobility g``, the inverse of the summit's curvatures up to a
-        factor; None for the identity.
 
     Notes
     -----
@@ -57,7 +53,6 @@ class LawTable:
     exponent: float = 3.0
     law: str = ""
     centre: Array | None = None
-    mobility: Array | None = None
 
     def __post_init__(self) -> None:
         n, nodes = self.force.shape
@@ -68,10 +63,8 @@ class LawTable:
                 raise InputError(f"{name} must have the shape of force, {(n, nodes)}")
         if self.reach.shape != (n,):
             raise InputError(f"reach must have the shape ({n},), got {self.reach.shape}")
-        for name, shape in (("centre", (n, nodes, 2)), ("mobility", (n, 3))):
-            given = getattr(self, name)
-            if given is not None and given.shape != shape:
-                raise InputError(f"{name} must have the shape {shape}, got {given.shape}")
+        if self.centre is not None and self.centre.shape != (n, nodes, 2):
+            raise InputError(f"centre must have the shape {(n, nodes, 2)}, got {self.centre.shape}")
 
     def __len__(self) -> int:
         return int(self.reach.size)
