@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from surfaces import HeightMap
 
 __all__ = [
+    "add_fields_option",
     "add_output_options",
     "bar",
     "exit_code",
@@ -41,6 +42,11 @@ def add_output_options(parser: argparse.ArgumentParser, *, report: bool = False)
             "--resume", action="store_true", help="continue from the points in the results file"
         )
     group.add_argument("--csv", metavar="FILE", help="also write the curve as CSV")
+
+
+def add_fields_option(parser: argparse.ArgumentParser, what: str) -> None:
+    """Option for the fields of the last load point."""
+    parser.add_argument("--fields", metavar="VTI", help=f"ParaView file of {what}, last point")
 
 
 def bar(total: int | None, label: str) -> tuple[Any, Callable[[Any], None]]:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from vti import read_vti
 
 import surfaces
 from asperity import ContactCurve
@@ -69,6 +70,16 @@ def test_contacts_as_a_table(folder):
     table = np.genfromtxt("t.csv", delimiter=",", names=True)
     curve = ContactCurve.from_hdf5("results.h5")
     assert table["force"].sum() == pytest.approx(curve.load[-1], rel=5e-3)
+
+
+@pytest.mark.parametrize("command", ["curve", "bem"])
+def test_fields_for_paraview_carry_the_load(command, folder):
+    options = ["--pressure", "1e8,2e8", "--fields", "f.vti"]
+    assert main([command, "rough.h5", *STEEL, *options]) == 0
+    cells, spacing, fields = read_vti(folder / "f.vti")
+    assert cells == (80, 64)
+    np.testing.assert_allclose(spacing, (1e-5, 1e-5))
+    np.testing.assert_allclose(fields["pressure"].mean(), 2e8, rtol=5e-3)
 
 
 def test_compare_and_report(folder, capsys):
