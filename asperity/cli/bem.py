@@ -36,7 +36,10 @@ def run(args: argparse.Namespace) -> int:
             hm, material, **{kind: values}, **settings, progress=progress, checkpoint=checkpoint
         )
 
-    curve = output.solve_and_keep(solve, hm, material, loads, args, settings)
+    request = output.request_of(hm, material, args, settings)
+    curve = output.solve_and_keep(
+        solve, hm, material, loads, args.results, "bem", request, args.resume
+    )
     if args.fields:
         _write_fields(hm, material, settings, curve, args.fields)
     return output.finish(curve, args)

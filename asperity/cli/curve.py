@@ -38,7 +38,10 @@ def run(args: argparse.Namespace) -> int:
             hm, material, **{kind: values}, plan=plan, progress=progress, checkpoint=checkpoint
         )
 
-    curve = output.solve_and_keep(solve, hm, material, loads, args, options.model(args))
+    request = output.request_of(hm, material, args, options.model(args))
+    curve = output.solve_and_keep(
+        solve, hm, material, loads, args.results, "asperity", request, args.resume
+    )
     if args.contacts or args.fields:
         _write_last_point(hm, material, plan, curve, args)
     return output.finish(curve, args)

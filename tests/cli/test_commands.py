@@ -91,6 +91,23 @@ def test_compare_and_report(folder, capsys):
     assert (folder / "again.html").read_text().count("<svg") == first.count("<svg") == 4
 
 
+def test_compare_goes_on_from_the_boundary_elements_it_has(folder, monkeypatch, capsys):
+    arguments = ["compare", "rough.h5", *STEEL, "--pressure", "1e8,3e8"]
+    assert main(arguments) == 0
+    first = Comparison.from_hdf5("results.h5")
+
+    def solved_again(*_, **__):
+        raise AssertionError("the reference was solved again")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("asperity.bem.curve.bem_curve", solved_again)
+        assert main([*arguments, "--resume"]) == 0
+    np.testing.assert_array_equal(Comparison.from_hdf5("results.h5").table, first.table)
+    capsys.readouterr()
+    assert main([*arguments, "--tolerance", "1e-5", "--resume"]) == 2
+    assert "tolerance changed" in capsys.readouterr().err
+
+
 def test_compare_prepares_a_raw_scan_and_goes_on_past_a_bad_file(folder, capsys):
     (folder / "bad.h5").write_text("no surface")
     options = ["--fill", "harmonic", "--periodic", "taper", "--pressure", "1e8,3e8"]
