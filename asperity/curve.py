@@ -60,7 +60,7 @@ class Asperities:
         """Segment the map, fit the profiles and tabulate the contact laws."""
         clock, seconds = time.perf_counter, {}
         start = clock()
-        mean = float(hm.heights.mean())
+        mean = hm.roughness.mean
         peaks = segment(hm, above=None if plan.above is None else plan.above + mean)
         seconds["segmentation"] = clock() - start
         start = clock()
