@@ -301,7 +301,7 @@ def _compile(material: HalfSpace, plan: Plan) -> None:
         rms_slope=0.1,
         seed=0,
     )
-    whole = dataclasses.replace(plan, above=None)
+    whole = dataclasses.replace(plan, above=None, coarse=None)
     loads = default_pressures(small, material, count=2)
     solve_contacts(small, material, whole, pressures=loads)
     bem_curve(small, material, pressures=loads, tolerance=LOOSE_TOLERANCE, boundary=plan.boundary)

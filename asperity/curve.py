@@ -58,13 +58,14 @@ class Asperities:
     @classmethod
     def of(cls, hm: HeightMap, material: HalfSpace, plan: Plan) -> Asperities:
         """Segment the map, fit the profiles and tabulate the contact laws."""
-        clock, seconds = time.perf_counter, {}
+        clock, seconds = time.perf_counter, {"plan": plan.seconds}
         start = clock()
         mean = hm.roughness.mean
-        peaks = segment(hm, above=None if plan.above is None else plan.above + mean)
+        solved = hm if plan.coarse is None else plan.coarse
+        peaks = segment(solved, above=None if plan.above is None else plan.above + mean)
         seconds["segmentation"] = clock() - start
         start = clock()
-        profiles = locate_summits(hm, peaks)
+        profiles = locate_summits(solved, peaks)
         seconds["profiles"] = clock() - start
         seconds["laws"] = 0.0
 
@@ -89,6 +90,18 @@ class Asperities:
             interaction=plan.interaction,
         )
         return cls(hm, material, plan, peaks, profiles, population, seconds)
+
+    @property
+    def labels(self) -> NDArray[np.int32]:
+        """Peak whose basin holds each pixel of the map, shape (ny, nx); -1 where not flooded."""
+        labels = self.peaks.labels
+        if labels.shape == self.hm.shape:
+            return labels
+        rows, cols = (
+            ((np.arange(n) + 0.5) * (m / n)).astype(np.int64)
+            for n, m in zip(self.hm.shape, labels.shape, strict=True)
+        )
+        return labels[np.ix_(rows, cols)]
 
     def deep_enough(self, state: PopulationState) -> bool:
         """Whether no contact came near the height below which nothing was segmented."""
@@ -273,6 +286,7 @@ def _curve(
             "interaction": plan.interaction,
             "boundary": plan.boundary,
             "above": plan.above,
+            "grid": list(bodies.peaks.labels.shape),
             "modulus": bodies.material.modulus,
             "m": bodies.material.m,
             "input": hm.digest,

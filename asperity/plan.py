@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from surfaces.coarsening import coarse_map
 from surfaces.heightmap import HeightMap
 
 from .errors import InputError, SurfaceError
@@ -57,6 +59,10 @@ class Plan:
         Estimated peak memory [bytes].
     reasons
         One line for each choice.
+    coarse
+        The map on a coarser grid that holds it and is solved in its place; None: the map itself.
+    seconds
+        Time of the decisions [s].
     """
 
     boundary: str
@@ -66,6 +72,8 @@ class Plan:
     above: float | None
     memory: int
     reasons: tuple[str, ...]
+    coarse: HeightMap | None = field(default=None, repr=False)
+    seconds: float = field(default=0.0, compare=False)
 
     def __str__(self) -> str:
         return "\n".join(self.reasons)
@@ -105,6 +113,7 @@ def make_plan(
     InputError
         If the load points are not usable or the memory would not suffice.
     """
+    start = time.perf_counter()
     _require_usable(hm)
     kind, values = checked_loads(hm, material, pressures, separations)
     edge = checked_boundary(hm, boundary)
@@ -119,11 +128,14 @@ def make_plan(
     reasons.append(why)
     above, why = _lowest_height(hm, material, kind, values)
     reasons.append(why)
-    memory = MODEL_BYTES_PER_POINT * hm.heights.size
+    coarse, why = _grid(hm)
+    reasons.append(why)
+    memory = MODEL_BYTES_PER_POINT * (hm if coarse is None else coarse).heights.size
     reasons.append(f"memory: about {memory / 2**20:.0f} MiB")
     _require_memory(memory)
     reasons.append("fields: pressure and contours are made on request only")
-    return Plan(edge, law, graded, coupled, above, memory, tuple(reasons))
+    seconds = time.perf_counter() - start
+    return Plan(edge, law, graded, coupled, above, memory, tuple(reasons), coarse, seconds)
 
 
 def checked_boundary(hm: HeightMap, boundary: str | None) -> str:
@@ -181,6 +193,16 @@ def _lowest_height(
     if top >= _WORTH_IT:
         return None, "segmentation: the whole map, the load may reach deep"
     return candidate, f"segmentation: only the top {100 * top:.0f} % of the heights"
+
+
+def _grid(hm: HeightMap) -> tuple[HeightMap | None, str]:
+    coarse = coarse_map(hm)
+    if coarse is None:
+        return None, f"grid: {hm.shape[0]} x {hm.shape[1]} points, as given"
+    return coarse, (
+        f"grid: {coarse.shape[0]} x {coarse.shape[1]} points hold the map of "
+        f"{hm.shape[0]} x {hm.shape[1]}"
+    )
 
 
 def _stride(hm: HeightMap) -> int:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from . import _threads
 from ._spline_form import spline_expansion, spline_value
 
-__all__ = ["PAD", "coefficients", "evaluate", "expand"]
+__all__ = ["PAD", "coefficients", "evaluate", "evaluate_all", "expand"]
 
 PAD = 25
 _POLE_1 = -0.43057534709997379
@@ -102,6 +102,13 @@ def evaluate(flat, width, y, x):
     col = math.floor(x)
     corner = (row + PAD - 2) * width + col + PAD - 2
     return spline_value(flat, corner, width, y - row, x - col)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def evaluate_all(flat, width, ys, xs, out):
+    """Heights at several points."""
+    for k in range(ys.size):
+        out[k] = evaluate(flat, width, ys[k], xs[k])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
