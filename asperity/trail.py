@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +21,11 @@ if TYPE_CHECKING:
 
 __all__ = ["PopulationState", "Trail"]
 
-SPARE = 1.35
+SPARE = 1.2
 """Listed summits over those that can touch now, so that lists last for several separations."""
+
+ROOM = 1.3
+"""Approach over the present one for which the footprints of a list are meant."""
 
 MAX_PLACED = 4
 """Times that the lists are made anew at one separation: deeper, or about moved contacts."""
@@ -36,8 +39,11 @@ MAX_SEARCH = 40
 SEARCH_TOLERANCE = 5e-3
 """Tolerance of a solve on the way to a mean pressure."""
 
-FEW = 64
-"""Laws that suffice to know the size of the footprints."""
+MEMORY = 3
+"""Points kept to extrapolate from."""
+
+STEEPEST = 6.0
+"""Largest weight of one point in an extrapolation over three: beyond it, noise is magnified."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,50 +95,75 @@ class PopulationState:
     @functools.cached_property
     def normal_stiffness(self) -> float:
         """Minus the slope of mean pressure over separation [Pa/m], by the tangent matrix."""
-        return self._trail.stiffness(self.approach)
+        return self._response[0]
+
+    @functools.cached_property
+    def _response(self) -> tuple[float, NDArray[np.float64]]:
+        return self._trail.response(self.approach)
+
+
+class Point(NamedTuple):
+    """One solved point: its approaches are minus the gap where open, -inf where unknown [m]."""
+
+    separation: float
+    pressure: float
+    signed: NDArray[np.float64]
+    tilt: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Trail:
-    """The last two separations and approaches, and the lists made for them."""
+    """The last points, and the lists made for them."""
 
     population: Population
     problem: Problem | None = None
     index: NDArray[np.int64] | None = None
-    listed: float = math.inf
+    listed: NDArray[np.bool_] | None = None
+    field: Interaction | None = None
     lowest: float = 0.0
-    points: tuple[tuple[float, NDArray[np.float64], NDArray[np.float64]], ...] = ()
+    points: tuple[Point, ...] = ()
     offset: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+    compliance: NDArray[np.float64] | None = None
 
-    def at(self, separation: float, tolerance: float) -> PopulationState:
-        """State at a separation."""
+    def at(
+        self, separation: float, tolerance: float, pressure: float | None = None
+    ) -> PopulationState:
+        """State at a separation, or at a mean pressure with a first guess of its separation."""
         population = self.population
         if not population.interaction:
             return self._independent(separation)
         trail, steps, products = self, 0, 0
-        guess, shift = self._predict(separation)
+        load = None if pressure is None else pressure * population.nominal_area
+        guess, tilt = self._predict(separation)
+        growth = 1.0
+        if pressure is not None and self.points and self.points[-1].pressure > 0:
+            growth = max(1.0, pressure / self.points[-1].pressure)
         for placed in range(MAX_PLACED + 1):
             trail = trail._placed(guess)
-            trail = trail._listing(separation)
+            trail = trail._listing(separation, guess, growth)
             assert trail.problem is not None and trail.index is not None
+            shares = 1.0 if trail.compliance is None else trail.compliance[trail.index]
             solution = descend(
                 trail.problem,
                 separation,
                 guess[trail.index],
-                shift=shift[trail.index],
+                tilt=tilt[trail.index],
                 tolerance=tolerance,
+                load=load,
+                compliance=shares,
             )
-            lowest = trail.problem.plan.lowest
+            separation, lowest = solution.separation, trail.problem.plan.lowest
             steps, products = steps + solution.steps, products + solution.products
-            guess, shift = np.zeros((2, len(population)))
-            guess[trail.index], shift[trail.index] = solution.approach, solution.shift
-            trail = replace(trail, lowest=lowest)
+            guess, tilt = np.zeros(len(population)), np.zeros((len(population), 2))
+            guess[trail.index], tilt[trail.index] = solution.approach, solution.tilt
+            trail = replace(trail, field=trail.problem.plan, lowest=lowest)
             if solution.reason or placed == MAX_PLACED:
                 break
             away = trail._away(trail.index, solution.approach, solution.laws)
-            if separation + lowest >= trail.listed and away <= STRAY:
+            if away <= STRAY and not trail._missed(separation, 1.0):
                 break
-        return trail._state(separation, solution, steps, products)
+            growth = 1.0
+        return trail._state(solution, steps, products)
 
     def _placed(self, approach: NDArray[np.float64]) -> Trail:
         """The contacts at the centres that their laws give at these approaches."""
@@ -161,21 +192,42 @@ class Trail:
     def under(
         self, pressure: float, tolerance: float, state: PopulationState | None
     ) -> PopulationState:
+        """State at a mean pressure."""
+        population = self.population
+        if pressure == 0:
+            return self.at(float(population.height[population.falling[0]]), tolerance)
+        if not population.interaction:
+            return self._search(pressure, tolerance, state)
+        trail, separation = self, self._forecast(pressure)
+        if state is not None and state.mean_pressure > 0:
+            trail = replace(self, compliance=state._response[1])
+        found = trail.at(separation, tolerance, pressure)
+        return found if found.converged else trail._search(pressure, tolerance, state)
+
+    def _forecast(self, pressure: float) -> float:
+        """Separation [m] at a mean pressure, from the points solved before."""
+        known = [point for point in self.points if point.pressure > 0]
+        if not known:
+            return self._independent_separation(pressure)
+        place = [math.log(point.pressure) for point in known]
+        share = _extrapolation(math.log(pressure), place)
+        return float(np.dot(share, [point.separation for point in known]))
+
+    def _search(
+        self, pressure: float, tolerance: float, state: PopulationState | None
+    ) -> PopulationState:
         """State at a mean pressure: safeguarded Newton iteration for its logarithm."""
         population = self.population
         top = float(population.height[population.falling[0]])
-        if pressure == 0:
-            return self.at(top, tolerance)
         low, high, step = -math.inf, top, 0.1 * float(np.ptp(population.height)) or 0.1 * abs(top)
         if state is None or not state.mean_pressure > 0:
             state = self.at(self._independent_separation(pressure), tolerance)
-        anchor = state._trail.points[-1:]
         for _ in range(MAX_SEARCH):
             if not state.converged:
                 return state
             error = math.log(state.mean_pressure / pressure) if state.mean_pressure > 0 else -1e3
             if abs(error) <= 0.5 * tolerance and state.residual <= tolerance:
-                return replace(state, _trail=state._trail._anchored(anchor))
+                return state
             here = state.separation
             # a rough pressure near the wanted one does not tell on which side it lies
             if abs(error) > 5 * state.residual:
@@ -192,35 +244,36 @@ class Trail:
         reason = f"{MAX_SEARCH} separations did not bring the mean pressure to {pressure:g} Pa"
         return replace(state, converged=False, reason=reason)
 
-    def _anchored(
-        self, anchor: tuple[tuple[float, NDArray[np.float64], NDArray[np.float64]], ...]
-    ) -> Trail:
-        """The same trail with the start of the search as the point before the last."""
-        if not anchor or not self.points or anchor[0][0] == self.points[-1][0]:
-            return self
-        return replace(self, points=(anchor[0], self.points[-1]))
-
-    def stiffness(self, approach: NDArray[np.float64]) -> float:
-        """Minus the slope of mean pressure over separation [Pa/m] at the state just reached."""
+    def response(self, approach: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+        """Minus the slope of mean pressure over separation [Pa/m] at the state just reached, and
+        the approach that each contact gains per fall of the plane [-], shape (n,)."""
         population = self.population
+        share = np.ones(len(population))
         if self.problem is None or self.index is None:
             total = float(population.laws(approach).stiffness.sum())
-            return total / population.nominal_area
+            return total / population.nominal_area, share
         own = approach[self.index]
-        if not own.any():
-            return 0.0
-        tangent = Tangent(self.problem.plan, own > 0, self.problem.laws(own).stiffness)
-        change, _ = conjugate_gradients(tangent, np.ones(len(tangent)), tolerance=0.01)
-        return float(change.sum()) / population.nominal_area
+        closed = own > 0
+        if not closed.any():
+            return 0.0, share
+        tangent = Tangent(self.problem.plan, closed, self.problem.laws(own).stiffness)
+        rows = self.index[closed]
+        start = None if self.compliance is None else self.compliance[rows] / tangent.compliance
+        solved = conjugate_gradients(tangent, np.ones(len(rows)), tolerance=0.03, start=start)
+        share[rows] = solved.solution * tangent.compliance
+        # stationary in the solution, so that its error counts twice
+        return float(solved.solution @ (1 + solved.residual)) / population.nominal_area, share
 
     def _independent_separation(self, pressure: float) -> float:
         """Separation at which independent contacts would carry the pressure, within a few %."""
         population = self.population
-        high = float(population.height[population.falling[0]])
-        width = 0.1 * float(np.ptp(population.height)) or 0.1 * abs(high)
+        falling = population.height[population.falling]
+        high = float(falling[0])
+        width = 0.01 * float(np.ptp(population.height)) or 0.01 * abs(high)
 
         def carried(separation: float) -> float:
-            laws = population.laws(population.height - separation)
+            above = population.falling[: np.searchsorted(-falling, -separation)]
+            laws = population.laws.rows(above)(population.height[above] - separation)
             return float(laws.force.sum()) / population.nominal_area
 
         low = high - width
@@ -232,61 +285,84 @@ class Trail:
             low, high = (middle, high) if carried(middle) > pressure else (low, middle)
         return 0.5 * (low + high)
 
-    def _listing(self, separation: float) -> Trail:
-        """Lists that hold every summit that the field can bring to touch."""
-        needed = separation + 1.1 * self.lowest
-        if self.problem is not None and needed >= self.listed:
-            return self
+    def _candidates(
+        self, separation: float, growth: float
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Summits that may touch, and how far [m] they overlap the plane in the smooth part of the
+        last field; `growth` is how much deeper the field may become where it is negative."""
         population = self.population
         height = population.height[population.falling]
-        touching = int(np.searchsorted(-height, -needed))
-        count = min(len(height), int(SPARE * touching) + 40)
-        end = min(needed, float(height[-1]))
-        listed = float(height[count]) if count < len(height) else end - (float(height[0]) - end)
-        index = population.falling[:count]
-        x, y = population.x[index], population.y[index]
-        if self.offset is not None:
-            x, y = x + self.offset[0][index], y + self.offset[1][index]
+        low = growth * self.lowest
+        end = np.searchsorted(-height, -(separation + 1.1 * low))
+        rows = population.falling[:end]
+        if self.field is None:
+            return rows, height[:end] - separation - 1.1 * low
+        field = self.field.potential(*self._places(rows))
+        return rows, height[:end] - separation - np.minimum(field, growth * field)
+
+    def _missed(self, separation: float, growth: float) -> bool:
+        """Whether a summit that is not listed may touch."""
+        rows, overlap = self._candidates(separation, growth)
+        return bool((~self.listed[rows] & (overlap > 0)).any())
+
+    def _listing(self, separation: float, guess: NDArray[np.float64], growth: float) -> Trail:
+        """Lists that hold every summit that the field can bring to touch."""
+        if self.problem is not None and not self._missed(separation, growth):
+            return self
+        population = self.population
+        rows, overlap = self._candidates(separation, growth)
+        overlap[guess[rows] > 0] = np.inf
+        touching = int(np.count_nonzero(overlap > 0.1 * growth * self.lowest))
+        count = int(SPARE * touching) + 40
+        if count < len(rows):
+            index = rows[np.argpartition(-overlap, count)[:count]]
+        else:
+            index = population.falling[: max(len(rows), count)]
+        closed = index[guess[index] > 0]
+        law = population.laws.rows(closed)(ROOM * guess[closed])
+        variance = population.footprints.variance(law.stiffness)
         plan = Interaction(
-            y,
-            x,
+            *self._places(index),
             population.cell,
             population.boundary,
             population.footprints,
-            widest=self._widest(index, listed),
+            widest=float(np.quantile(variance, 0.98)) if len(closed) else 0.0,
         )
         index = index[plan.order]
+        listed = np.zeros(len(population), bool)
+        listed[index] = True
         problem = Problem(
             population.height[index], population.laws.rows(index), plan, population.deflection
         )
         return replace(self, problem=problem, index=index, listed=listed)
 
-    def _widest(self, index: NDArray[np.int64], listed: float) -> float:
-        """Variance [m^2] that few footprints will exceed before the summits are listed again."""
-        population = self.population
-        ready = index[population.laws.ready[index]]
-        ready = ready if len(ready) >= FEW else index[:FEW]
-        bound = population.laws.rows(ready)(population.height[ready] - listed)
-        return float(np.quantile(population.footprints.variance(bound.stiffness), 0.98))
+    def _places(self, rows: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Places y, x [m] of contacts, about their centres as far as these are known."""
+        y, x = self.population.y[rows], self.population.x[rows]
+        if self.offset is None:
+            return y, x
+        return y + self.offset[1][rows], x + self.offset[0][rows]
 
     def _predict(self, separation: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Approaches and deflections extrapolated from the last two separations."""
+        """Approaches and gradients extrapolated from the last separations."""
         population = self.population
         if not self.points:
             start = np.maximum(0.5 * (population.height - separation), 0.0)
-            return start, np.zeros(len(population))
-        here, now, shift = self.points[-1]
-        there, before, old = self.points[0]
-        ratio = 0.0 if here == there else (separation - here) / (here - there)
-        ratio = min(max(ratio, -1.5), 1.5)
-        known = np.isfinite(before) & np.isfinite(now)
-        rate = np.where(known, now - np.where(known, before, 0.0), 0.0)
-        guess = np.where(np.isfinite(now), now, 0.0) + ratio * rate
-        return np.maximum(guess, 0.0), shift + ratio * np.where(known, shift - old, 0.0)
+            return start, np.zeros((len(population), 2))
+        last = self.points[-1]
+        guess, tilt = np.where(np.isfinite(last.signed), last.signed, 0.0), last.tilt
+        known = np.isfinite(last.signed)
+        for count in range(2, len(self.points) + 1):
+            points = self.points[-count:]
+            known &= np.isfinite(points[0].signed)
+            share = _extrapolation(separation, [point.separation for point in points])
+            signed = sum(w * point.signed[known] for w, point in zip(share, points, strict=True))
+            moved = sum(w * point.tilt[known] for w, point in zip(share, points, strict=True))
+            guess[known], tilt = signed, tilt.copy()
+            tilt[known] = moved
+        return np.maximum(guess, 0.0), tilt
 
-    def _state(
-        self, separation: float, solution: Solution, steps: int, products: int
-    ) -> PopulationState:
+    def _state(self, solution: Solution, steps: int, products: int) -> PopulationState:
         assert self.index is not None
         population = self.population
         n = len(population)
@@ -299,22 +375,24 @@ class Trail:
         signed[self.index] = np.where(
             solution.approach > 0, solution.approach, np.minimum(solution.wanted, 0.0)
         )
-        shift = np.zeros(n)
-        shift[self.index] = solution.shift
-        trail = replace(self, points=(*self.points[-1:], (separation, signed, shift)))
-        return trail._pack(separation, approach, force, stiffness, area, solution, steps, products)
+        tilt = np.zeros((n, 2))
+        tilt[self.index] = solution.tilt
+        pressure = float(solution.laws.force.sum()) / population.nominal_area
+        point = Point(solution.separation, pressure, signed, tilt)
+        trail = replace(self, points=(*self.points[1 - MEMORY :], point))
+        return trail._pack(approach, force, stiffness, area, solution, steps, products)
 
     def _independent(self, separation: float) -> PopulationState:
         population = self.population
         approach = np.maximum(population.height - separation, 0.0)
         laws = population.laws(approach)
-        done = Solution(approach, approach, laws, np.zeros(len(approach)), 0.0, 0, 0, "")
-        trail = replace(self, listed=-math.inf, problem=None)
-        return trail._pack(separation, approach, laws.force, laws.stiffness, laws.area, done, 0, 0)
+        still = np.zeros((len(approach), 2))
+        done = Solution(separation, approach, approach, laws, still, 0.0, 0, 0, "")
+        trail = replace(self, listed=None, problem=None)
+        return trail._pack(approach, laws.force, laws.stiffness, laws.area, done, 0, 0)
 
     def _pack(
         self,
-        separation: float,
         approach: NDArray[np.float64],
         force: NDArray[np.float64],
         stiffness: NDArray[np.float64],
@@ -328,7 +406,7 @@ class Trail:
         load = float(force.sum())
         filled = float(solution.laws.force[laws.filled(solution.laws)].sum())
         return PopulationState(
-            separation=separation,
+            separation=solution.separation,
             approach=approach,
             force=force,
             stiffness=stiffness,
@@ -342,6 +420,23 @@ class Trail:
             reason=solution.reason,
             iterations=steps,
             products=products,
-            lowest_candidate=separation + 1.1 * self.lowest,
+            lowest_candidate=solution.separation + 1.1 * self.lowest,
             _trail=self,
         )
+
+
+def _extrapolation(place: float, known: list[float]) -> NDArray[np.float64]:
+    """Weights of points at `known` places in the value at `place`: the polynomial through up to
+    three, the line through the last two if those lie badly, and never far beyond it."""
+    count = len(known)
+    if count == 1:
+        return np.ones(1)
+    if count > 2 and len(set(known)) == count:
+        x = np.array(known)
+        weights = [np.prod((place - np.delete(x, i)) / (x[i] - np.delete(x, i))) for i in range(3)]
+        if np.abs(weights).max() <= STEEPEST:
+            return np.array(weights)
+    before, last = known[-2:]
+    ratio = 0.0 if before == last else (place - last) / (last - before)
+    ratio = min(max(ratio, -1.5), 1.5)
+    return np.array([0.0] * (count - 2) + [-ratio, 1.0 + ratio])

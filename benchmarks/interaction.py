@@ -114,7 +114,7 @@ def many() -> None:
         product = least(lambda: tangent(k))  # noqa: B023
         memory = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1e3
         print(
-            f"{n:8d} {len(plan.col):9d} {1e3 * planned:11.1f} {1e3 * field:12.2f} "
+            f"{n:8d} {plan.pairs:9d} {1e3 * planned:11.1f} {1e3 * field:12.2f} "
             f"{1e3 * product:22.2f} {memory:13.0f}"
         )
 

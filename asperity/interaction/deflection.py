@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .laws import Laws
-from .operator import Interaction
-from .state import State
+from . import _state_kernels
+from .footprint import Footprints
+from .laws import Evaluated
 
 __all__ = ["LARGEST_SHIFT", "deflection"]
 
@@ -15,8 +15,22 @@ LARGEST_SHIFT = 0.7
 """Bound of the shift over the contact radius: farther off the paraboloid is no guide."""
 
 
-def deflection(laws: Laws, plan: Interaction, state: State) -> NDArray[np.float64]:
-    """Height [m] that each contact gains by moving aside, shape (n,).
+def deflection(
+    footprints: Footprints,
+    law: Evaluated,
+    approach: NDArray[np.float64],
+    tilt: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Height [m] that each contact gains by moving aside, shape (n,), and its shift [m], (n, 2).
+
+    Parameters
+    ----------
+    footprints
+        Kernel of the half-space.
+    law, approach
+        Laws of the contacts at their approaches [m], shape (n,).
+    tilt
+        Gradient [-] of the displacement by all others, shape (n, 2).
 
     Notes
     -----
@@ -33,13 +47,16 @@ def deflection(laws: Laws, plan: Interaction, state: State) -> NDArray[np.float6
     radius a of its stiffness, so that a filled basin moves less and less; the shift is bounded
     smoothly by `LARGEST_SHIFT` a. Moments act on heights, not on each other's gradients.
     """
-    law, f = state.laws, plan.footprints
-    p = f.power
-    radius2 = (p * law.stiffness / (2 * f.modulus)) ** (2 / p)
-    bend = np.divide(radius2, p * state.approach, out=np.zeros_like(radius2), where=law.force > 0)
-    slope = plan.gradient(law.force, law.moment, law.growth)
-    gain = 0.5 * bend * np.sum(slope * slope, axis=1)
-    bound = 0.5 * LARGEST_SHIFT**2 * p * state.approach
-    bounded = np.divide(bound, bound + gain, out=np.zeros_like(gain), where=law.force > 0)
-    moment = -(law.force * bend * bounded)[:, None] * slope
-    return np.asarray(gain * bounded - plan.dipoles(moment))
+    gain, aside = np.empty(len(approach)), np.empty((len(approach), 2))
+    _state_kernels.deflect(
+        law.force,
+        law.stiffness,
+        approach,
+        tilt,
+        footprints.modulus,
+        footprints.power,
+        LARGEST_SHIFT,
+        gain,
+        aside,
+    )
+    return gain, aside

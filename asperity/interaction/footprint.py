@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import gamma, gammainc, hyp1f1, rgamma
 
-__all__ = ["FLOOR", "Footprints", "far_table", "pair_table"]
+__all__ = ["FLOOR", "Footprints", "at_origin", "far_table", "pair_table"]
 
 FLOOR = 0.02
 """Share of a contact's own compliance that is kept outside its footprint (delta)."""
@@ -167,6 +167,13 @@ def far_table(m: float, limit: float) -> NDArray[np.float64]:
     """
     x = np.linspace(0.0, limit, FAR_NODES + 1)
     return np.stack(smooth_part(m, x), axis=1)
+
+
+@functools.lru_cache(maxsize=16)
+def at_origin(m: float) -> tuple[float, float, float]:
+    """f and its first two Laplacians at r = 0."""
+    value, first, second = (float(v[0]) for v in smooth_part(m, np.zeros(1))[:3])
+    return value, first, second
 
 
 def smooth_part(m: float, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:

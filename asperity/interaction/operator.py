@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,19 +12,19 @@ from numpy.typing import NDArray
 from surfaces._threads import each
 
 from ..threads import threads
-from . import _dipole_kernels, _kernels
-from .footprint import Footprints, far_table, pair_table, smooth_part
+from . import _mesh_kernels, _pair_kernels
+from .footprint import Footprints, at_origin, far_table, pair_table
 from .mesh import Mesh
 
-__all__ = ["CAP", "Interaction", "mesh_field", "run"]
+__all__ = ["CAP", "Field", "Interaction", "run"]
 
-NEIGHBOURS = 30
+NEIGHBOURS = 20
 """Neighbours within the cut-off, on average."""
 
 CUT = 2.0
 """Cut-off of the near pairs over the split length eta."""
 
-WIDEST = 2.0
+WIDEST = 3.0
 """Least split length over the root of the widest variance: moments must stay an expansion."""
 
 CAP = 0.35
@@ -35,6 +36,31 @@ PAIRS_PER_THREAD = 60_000
 
 NODES = 2.2
 """Mesh nodes per split length."""
+
+PAIR_DATA = 7
+"""Numbers kept of each pair: its distance along both axes, and a row of `far_table`."""
+
+
+class Field(NamedTuple):
+    """Displacement by forces and what belongs to it, at each point.
+
+    Attributes
+    ----------
+    value
+        v0_i = sum_j F_j N(r_ij; m_i, m_j) [m], with its own images, shape (n,).
+    slope
+        v1_i = sum_j F_j dN/dm_i [1/m], shape (n,).
+    tilt
+        Gradient [-] of the displacement by all others, shape (n, 2); footprints receive with their
+        variance and `growth`.
+    moved
+        Displacement [m] by the moments, shape (n,).
+    """
+
+    value: NDArray[np.float64]
+    slope: NDArray[np.float64]
+    tilt: NDArray[np.float64]
+    moved: NDArray[np.float64]
 
 
 class Interaction:
@@ -88,13 +114,14 @@ class Interaction:
     ) -> None:
         self.footprints = footprints
         periodic = boundary == "periodic"
+        self.origin = (0.0, 0.0) if periodic else (float(y.min()), float(x.min()))
         if periodic:
             size = (float(cell[0]), float(cell[1]))
             y, x = np.mod(y, size[0]), np.mod(x, size[1])
             y, x = np.where(y < size[0], y, 0.0), np.where(x < size[1], x, 0.0)
         else:
             small = 1e-9 * math.hypot(*cell)
-            y, x = y - y.min(), x - x.min()
+            y, x = y - self.origin[0], x - self.origin[1]
             size = (float(y.max()) + small, float(x.max()) + small)
         reach = math.sqrt(neighbours / math.pi * size[0] * size[1] / len(y))
         floor = cut * WIDEST * math.sqrt(widest)
@@ -119,19 +146,22 @@ class Interaction:
         self.size, self.wrap, self.cut = size, periodic, cut
         self.mesh = Mesh(footprints, size, periodic=periodic, nodes=nodes)
         self.shape = pair_table(footprints.m)
-        self.own = tuple(float(v[0]) for v in smooth_part(footprints.m, np.zeros(1))[:3])
+        self.own = at_origin(footprints.m)
         self.scale = footprints.point * self.eta**-footprints.power
-        self.rows = _chunks(self.ptr, len(self.col))
-        self.part = np.zeros((len(self.rows), len(y), 2))
-        self.grids = np.zeros((len(self.rows), *self.mesh.shape))
-        self.tangent_col = np.empty(len(self.col), np.int32)
+        self.rows = _chunks(self.ptr)
+        self.part = np.zeros((len(self.rows), len(y), 5))
+        self.grids = np.zeros((len(self.rows), 2, *self.mesh.shape))
+        self.tangent_col = np.empty(len(self.col), np.uint32)
         self.tangent_value = np.empty(len(self.col), np.float32)
-        self.smooth = self.grids[0]
-        self.lowest = 0.0
+        self.smooth = np.zeros(self.mesh.shape)
 
     def field(
-        self, force: NDArray[np.float64], variance: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        self,
+        force: NDArray[np.float64],
+        variance: NDArray[np.float64],
+        growth: NDArray[np.float64] | None = None,
+        moment: NDArray[np.float64] | None = None,
+    ) -> Field:
         """Displacement by forces spread with their variances.
 
         Parameters
@@ -140,141 +170,81 @@ class Interaction:
             Force [N] at each point, shape (n,).
         variance
             Variance per axis [m^2] of each footprint, shape (n,).
-
-        Returns
-        -------
-        value
-            v0_i = sum_j F_j N(r_ij; m_i, m_j) [m], with its own images, shape (n,).
-        slope
-            v1_i = sum_j F_j dN/dm_i [1/m], shape (n,).
+        growth, moment
+            To know the gradients too, and the field of forces that have moved: variance [m^2] by
+            which the footprint of an increment exceeds that of the whole force, shape (n,), and
+            force times shift [N m], shape (n, 2).
         """
+        n, moves = len(force), moment is not None
         m = variance / self.eta**2
-        out = np.empty((len(force), 2))
-        p, pairs = self.footprints.power, (self.ptr, self.col, self.pair)
+        grown = m if growth is None else growth / self.eta**2
+        dipole = np.zeros((1, 2)) if moment is None else moment / self.eta
+        grids = self.grids[:, : 1 + moves]
+        out = np.zeros((n, 5))
 
-        def near(c: int, rows: NDArray[np.int64]) -> None:
-            _kernels.near_field(rows, force, m, CAP, *pairs, self.shape, p, self.part[c])
-
-        self.smooth = mesh_field(self, self.rows, self.y, self.x, force, m, self.grids, near, out)
-        self.lowest = self.scale * min(0.0, float(self.smooth.min()))
-        f0, f1, f2 = self.own
-        held = np.minimum(m, CAP)
-        value = out[:, 0] + held * out[:, 1] - force * (f0 + held * (f1 + 0.25 * held * f2))
-        slope = np.where(m < CAP, out[:, 1] - force * (0.5 * f1 + 0.25 * held * f2), 0.0)
-        for part in self.part:
-            value += part[:, 0]
-            slope += part[:, 1]
-        return self.scale * value, self.scale / self.eta**2 * slope
-
-    def gradient(
-        self,
-        force: NDArray[np.float64],
-        moment: NDArray[np.float64],
-        growth: NDArray[np.float64],
-    ) -> NDArray[np.float64]:
-        """Gradient [-] of the displacement by all others at each loaded point, shape (n, 2).
-
-        For the forces and moments of the last call of `field`; footprints receive with
-        `moment` + `growth`.
-        """
-        m, spread = moment / self.eta**2, (moment + 0.5 * growth) / self.eta**2
-        far = far_table(self.footprints.m, self.cut * self.cut)
-        scale = (len(far) - 1) / self.cut**2
-        self.pull = np.empty(len(self.col), np.float32)
-        out = np.empty((len(force), 2))
-        run(
-            lambda _, rows: _dipole_kernels.mesh_gradient(
-                rows, self.y, self.x, self.mesh.per_step, self.smooth, out
-            ),
-            self.rows,
-        )
-        run(
-            lambda c, rows: _dipole_kernels.near_gradient(
+        def sources(c: int, rows: NDArray[np.int64]) -> None:
+            place = self.y, self.x, force, m, CAP, dipole, self.mesh.per_step
+            _mesh_kernels.deposit(rows, *place, grids[c])
+            _pair_kernels.near_fields(
                 rows,
-                self.y,
-                self.x,
-                self.size,
-                self.wrap,
                 force,
-                spread,
-                np.minimum(m, CAP),
+                m,
+                grown,
+                dipole,
+                moves,
+                CAP,
                 self.ptr,
                 self.col,
                 self.pair,
                 self.shape,
                 self.footprints.power,
-                far,
-                scale,
-                self.pull,
                 self.part[c],
-            ),
-            self.rows,
-        )
-        for part in self.part:
-            out += part
-        return np.asarray(self.scale / self.eta * out)
+            )
 
-    def dipoles(self, moment: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Displacement [m] by forces times shifts [N m], shape (n, 2), after `gradient`."""
-        p = moment / self.eta
-        run(
-            lambda c, rows: _dipole_kernels.deposit_dipoles(
-                rows, self.y, self.x, p, self.mesh.per_step, self.grids[c]
-            ),
-            self.rows,
-        )
-        smooth = self.mesh.convolve(self.grids.sum(axis=0))
-        mesh, part = np.empty((len(p), 2)), np.empty((len(self.rows), len(p)))
-        run(
-            lambda _, rows: _kernels.gather(rows, self.y, self.x, self.mesh.per_step, smooth, mesh),
-            self.rows,
-        )
-        run(
-            lambda c, rows: _dipole_kernels.near_dipoles(
-                rows,
-                self.y,
-                self.x,
-                self.size,
-                self.wrap,
-                p,
-                self.ptr,
-                self.col,
-                self.pull,
-                part[c],
-            ),
-            self.rows,
-        )
-        return np.asarray(self.scale * (mesh[:, 0] + part.sum(axis=0)))
+        def receivers(_: int, rows: NDArray[np.int64]) -> None:
+            place = self.y, self.x, force, m, CAP, self.own, self.mesh.per_step
+            _mesh_kernels.gather(rows, *place, smooth, self.part, out)
+
+        run(sources, self.rows)
+        smooth = self.mesh.convolve(grids[0] if len(grids) == 1 else grids.sum(axis=0))
+        self.smooth = smooth[0]
+        run(receivers, self.rows)
+        out *= self.scale
+        out[:, 1] /= self.eta**2
+        out[:, 2:4] /= self.eta
+        return Field(out[:, 0], out[:, 1], out[:, 2:4], out[:, 4])
+
+    def potential(self, y: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Displacement [m] of the last field at any places [m], shape (n,), without near contacts.
+
+        These add to it, so that it is a lower bound but for the moments. Beyond the points of a
+        free half-space it is taken as zero, as far away.
+        """
+        y, x = (y - self.origin[0]) / self.eta, (x - self.origin[1]) / self.eta
+        if self.wrap:
+            y, x = np.mod(y, self.size[0]), np.mod(x, self.size[1])
+            inside = np.ones(len(y), bool)
+        else:
+            inside = (y >= 0) & (y <= self.size[0]) & (x >= 0) & (x <= self.size[1])
+            y, x = np.where(inside, y, 0.0), np.where(inside, x, 0.0)
+        out = np.empty(len(y))
+        _mesh_kernels.sample(y, x, self.mesh.per_step, self.smooth, out)
+        return np.where(inside, self.scale * out, 0.0)
+
+    @property
+    def pairs(self) -> int:
+        """Number of near pairs."""
+        return int((self.ptr[:, 1] - self.ptr[:, 0]).sum())
+
+    @property
+    def lowest(self) -> float:
+        """Least displacement [m] of the mesh part of the last field, or zero."""
+        return self.scale * min(0.0, float(self.smooth.min()))
 
 
 def run(loop: Callable[[int, NDArray[np.int64]], None], rows: NDArray[np.int64]) -> None:
     """Call loop(c, rows[c]) for every chunk of rows, on as many threads."""
     each(lambda c: loop(c, rows[c]), range(len(rows)))
-
-
-def mesh_field(
-    plan: Interaction,
-    rows: NDArray[np.int64],
-    y: NDArray[np.float64],
-    x: NDArray[np.float64],
-    force: NDArray[np.float64],
-    variance: NDArray[np.float64],
-    grids: NDArray[np.floating],
-    near: Callable[[int, NDArray[np.int64]], None],
-    out: NDArray[np.float64],
-) -> NDArray[np.floating]:
-    """Potential of the mesh part, and into `out` (n, 2) its value and half its Laplacian; the
-    independent loop `near` runs in the same chunks as the deposit."""
-    per_step = plan.mesh.per_step
-
-    def first(c: int, part: NDArray[np.int64]) -> None:
-        _kernels.deposit(part, y, x, force, variance, CAP, per_step, grids[c])
-        near(c, part)
-
-    run(first, rows)
-    smooth = plan.mesh.convolve(grids[0] if len(grids) == 1 else grids.sum(axis=0))
-    run(lambda _, part: _kernels.gather(part, y, x, per_step, smooth, out), rows)
-    return smooth
 
 
 def _near_pairs(
@@ -286,33 +256,32 @@ def _near_pairs(
     wrap: bool,
     cut: float,
     m: float,
-) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float32]]:
-    """Pairs i < j within the cut-off: CSR bounds (n + 1,), columns, and the data of each pair."""
+) -> tuple[NDArray[np.int64], NDArray[np.uint32], NDArray[np.float32]]:
+    """Pairs i < j within the cut-off: bounds (n, 2), columns, and the data of each pair."""
     far = far_table(m, cut * cut)
     scale = (len(far) - 1) / cut**2
-    ptr = np.zeros(len(y) + 1, np.int64)
-    col, pair = np.empty(0, np.int32), np.empty((0, 4), np.float32)
     count = max(1, min(threads(), len(y) // 2000, cells[0]))
     edges = np.linspace(0, cells[0], count + 1).astype(np.int64)
     rows = np.stack((edges[:-1], edges[1:]), axis=1)
+    room = [_pair_kernels.most_pairs(start, cells, wrap, part) for part in rows]
+    first = np.concatenate(([0], np.cumsum(room))).astype(np.int64)
+    # memory that is never touched costs nothing
+    ptr = np.zeros((len(y), 2), np.int64)
+    col, pair = np.empty(first[-1], np.uint32), np.empty((first[-1], PAIR_DATA), np.float32)
 
-    def find(_: int, part: NDArray[np.int64]) -> None:
-        _kernels.half_list(
-            y, x, start, cells, size, wrap, cut * cut, part, ptr, far, scale, col, pair
-        )
+    def find(c: int, part: NDArray[np.int64]) -> None:
+        place = y, x, start, cells, size, wrap, cut * cut, part, first[c], far, scale
+        _pair_kernels.half_list(*place, ptr, col, pair)
 
     run(find, rows)
-    np.cumsum(ptr, out=ptr)
-    if ptr[-1]:
-        col, pair = np.empty(ptr[-1], np.int32), np.empty((ptr[-1], 4), np.float32)
-        run(find, rows)
     return ptr, col, pair
 
 
-def _chunks(ptr: NDArray[np.int64], pairs: int) -> NDArray[np.int64]:
+def _chunks(ptr: NDArray[np.int64]) -> NDArray[np.int64]:
     """Runs of rows with about equal work, one for each thread, shape (chunks, 2)."""
-    count = max(1, min(threads(), pairs // PAIRS_PER_THREAD))
-    work = ptr + 8 * np.arange(len(ptr))
+    pairs = ptr[:, 1] - ptr[:, 0]
+    count = max(1, min(threads(), int(pairs.sum()) // PAIRS_PER_THREAD))
+    work = np.cumsum(pairs + 8)
     inner = np.searchsorted(work, work[-1] * np.arange(1, count) / count)
-    edges = np.concatenate(([0], inner, [len(ptr) - 1])).astype(np.int64)
+    edges = np.concatenate(([0], inner, [len(ptr)])).astype(np.int64)
     return np.stack((edges[:-1], edges[1:]), axis=1)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _kernels
-from .deflection import deflection
+from . import _state_kernels, _vectors
 from .laws import Evaluated
 from .state import Problem, State
 from .tangent import Tangent
@@ -17,9 +17,19 @@ from .tangent import Tangent
 __all__ = ["Solution", "conjugate_gradients", "descend"]
 
 MAX_STEPS = 60
+MAX_LOADED_STEPS = 30
+"""Newton steps under a load before its separation is searched for instead."""
+
 MAX_CUTS = 30
-RELAXATION = 0.7
-"""Share of the change of the deflection that is taken when the first did not settle."""
+NOISE = 1e-10
+"""Share of the energies below which a change of energy is not known: pairs are tabulated."""
+
+RELAXATION = (0.8, 0.65)
+"""Share of the change of the deflection that a step takes, early and late: more force here means
+less there, so that the full change overshoots."""
+
+EARLY = 3
+"""Newton steps that count as early."""
 
 SUFFICIENT = 1e-4
 """Share of the predicted fall of energy that a step must reach (Armijo)."""
@@ -31,14 +41,16 @@ class Solution:
 
     Attributes
     ----------
+    separation
+        Separation s [m] of the point.
     approach
         Approach d [m] of each contact, zero where it is open.
     wanted
         z - s - u [m]: the approach where the contact is closed, minus the gap where it is open.
     laws
         Laws at the approach.
-    shift
-        Height [m] gained by deflection that belongs to this point.
+    tilt
+        Gradients [-] of the displacement at this point, shape (n, 2).
     residual
         sum |r_i| k_i over sum F_i, an upper estimate of the relative error of the load.
     steps, products
@@ -47,10 +59,11 @@ class Solution:
         "" if converged.
     """
 
+    separation: float
     approach: NDArray[np.float64]
     wanted: NDArray[np.float64]
     laws: Evaluated
-    shift: NDArray[np.float64]
+    tilt: NDArray[np.float64]
     residual: float
     steps: int
     products: int
@@ -62,8 +75,10 @@ def descend(
     separation: float,
     start: NDArray[np.float64],
     *,
-    shift: NDArray[np.float64] | float = 0.0,
     tolerance: float,
+    tilt: NDArray[np.float64] | None = None,
+    load: float | None = None,
+    compliance: NDArray[np.float64] | float = 1.0,
 ) -> Solution:
     """Minimize the energy over non-negative forces.
 
@@ -72,66 +87,91 @@ def descend(
     problem
         Contacts.
     separation
-        Separation s [m].
+        Separation s [m]; the first guess of it if a load is given.
     start
         Approaches to start from [m], shape (n,).
-    shift
-        Deflection to start from [m], shape (n,).
     tolerance
-        Bound on `Solution.residual`.
+        Bound on `Solution.residual`; half of it bounds the relative error of the load.
+    tilt
+        Gradients [-] to start the deflection from, shape (n, 2); none if None.
+    load
+        Sum of the forces [N] to reach, positive; at the separation given if None.
+    compliance
+        How much of a small fall of the plane each contact takes up as approach [-], shape (n,): the
+        first guess of how a missing load is shared.
 
     Notes
     -----
     Newton steps on the closed contacts, and on the open ones that would overlap. The matrix is
     positive definite at every point (`Tangent`), so each step descends; it is taken in the
     approach, cut back to non-negative values, and shortened until the energy falls by a fixed share
-    of its slope (Armijo). The energy falls at every step and is bounded below.
+    of its slope (Armijo). At a given separation the energy falls at every step and is bounded
+    below. Under a given load the separation is one more unknown of each step, the multiplier of
+    sum F = load, and the step has to lower the energy at its own new separation.
 
-    The deflection is held while a step is taken. A point that satisfies the rest gets the
-    deflection of its own forces, and is final if its residual is small with that one too.
+    The deflection is held while a step is taken, and the shifts follow one step behind the forces.
+    A point is final if its residual is small together with what the last change of the shifts can
+    still do to it (`State.lag`).
     """
-    shift = np.broadcast_to(np.asarray(shift, float), start.shape)
-    state = State.at(problem, np.maximum(start, 0.0))
-    products, current, refreshed, reason = 1, not problem.deflects, 0, ""
-    for step in range(MAX_STEPS + 1):
-        residual = _Residual(problem, state, problem.height - separation + shift)
-        if residual.relative <= tolerance and not current:
-            fresh = deflection(problem.laws, problem.plan, state)
-            products, current, refreshed = products + 2, True, refreshed + 1
-            last, shift = shift, fresh
-            residual = _Residual(problem, state, problem.height - separation + shift)
-            if residual.relative > tolerance and refreshed > 1:
-                shift = last + RELAXATION * (fresh - last)
-                residual = _Residual(problem, state, problem.height - separation + shift)
-        if residual.relative <= tolerance and current:
+    if tilt is None:
+        tilt = np.zeros((len(start), 2))
+    state = State.at(problem, np.maximum(start, 0.0), tilt)
+    limit = MAX_STEPS if load is None else MAX_LOADED_STEPS
+    products, reason, held = 1, "", None
+    for step in range(limit + 1):
+        if load is not None:
+            separation = _balanced(problem, state, separation)
+        residual = _Residual(problem, state, problem.height - separation + state.shift)
+        missing = 0.0 if load is None else load - float(state.laws.force.sum())
+        error, wrong = residual.relative + state.lag, abs(missing) / (load or 1.0)
+        if error <= tolerance and wrong <= 0.5 * tolerance:
             break
-        if step == MAX_STEPS:
-            reason = f"{MAX_STEPS} Newton steps left a residual of {residual.relative:.1e}"
+        if step == limit:
+            reason = f"{limit} Newton steps left a residual of {error:.1e}"
             break
+        share = RELAXATION[step >= EARLY]
+        held = state.shift if held is None else held + share * (state.shift - held)
+        tilt = tilt + (share if step >= EARLY else 1.0) * (state.field.tilt - tilt)
+        residual.raised(held - state.shift)
         tangent = Tangent(problem.plan, residual.active, residual.stiffness, residual.extra)
-        force, count = conjugate_gradients(
+        first = None
+        if load is not None:
+            shares = np.broadcast_to(compliance, start.shape)[residual.active] / tangent.compliance
+            first = missing / float(shares.sum()) * shares
+        solved = conjugate_gradients(
             tangent,
             residual.error[residual.active],
             tolerance=_forcing(residual.relative, tolerance),
+            start=first,
+            held=load is not None,
         )
         change = np.zeros(len(start))
-        change[residual.active] = force * tangent.compliance
-        found, tried = _line_search(problem, state, residual, change)
-        products += count + tried
+        change[residual.active] = solved.solution
+        separation += solved.constant
+        residual.raised(-solved.constant)
+        found, tried = _line_search(problem, state, residual, change, tilt)
+        products += solved.products + tried
         if found is None:
             reason = f"no step lowers the energy, residual {residual.relative:.1e}"
             break
-        state, current = found, not problem.deflects
+        state = found
     return Solution(
+        separation,
         state.approach,
         residual.wanted,
         state.laws,
-        np.asarray(shift),
-        residual.relative,
+        state.field.tilt,
+        error,
         step,
         products,
         reason,
     )
+
+
+def _balanced(problem: Problem, state: State, separation: float) -> float:
+    """The separation at which the errors of the closed contacts, times stiffness, cancel."""
+    error = problem.height - separation + state.shift - state.displacement - state.approach
+    return separation + float(_state_kernels.balance(state.laws.stiffness, error))
 
 
 def _forcing(residual: float, tolerance: float) -> float:
@@ -158,7 +198,7 @@ class _Residual:
         self.active = closed | ((self.wanted > 0) & problem.laws.usable)
         stiffness, growth, force = state.laws.stiffness, state.laws.growth, state.laws.force
         load = float(force.sum())
-        error = float(np.abs(self.error * stiffness).sum())
+        error = float(_state_kernels.size(stiffness, self.error))
         fresh = np.flatnonzero(self.active & ~closed)
         if fresh.size:
             law = problem.laws.rows(fresh)(0.5 * self.wanted[fresh])
@@ -166,52 +206,102 @@ class _Residual:
             stiffness[fresh], growth[fresh], force[fresh] = law.stiffness, law.growth, law.force
             error += float(law.force.sum())
         self.relative = error / load if load > 0 else math.inf if error > 0 else 0.0
-        pull = np.maximum(growth * state.slope, 0.0)
-        self.stiffness = stiffness
+        pull = np.maximum(growth * state.field.slope, 0.0)
+        self.stiffness, self.force = stiffness, force
+        self.base = np.where(closed, state.approach, 0.5 * self.wanted)
         self.extra = np.divide(5 / 3 * pull, force, out=np.zeros(len(force)), where=force > 0)
+
+    def raised(self, change: NDArray[np.float64] | float) -> None:
+        """Take the same state with all summits higher by `change` [m]."""
+        self.gap, self.wanted = self.gap + change, self.wanted + change
+        self.error = self.error + change
 
 
 def _line_search(
-    problem: Problem, state: State, residual: _Residual, change: NDArray[np.float64]
+    problem: Problem,
+    state: State,
+    residual: _Residual,
+    change: NDArray[np.float64],
+    tilt: NDArray[np.float64],
 ) -> tuple[State | None, int]:
-    """First point along the cut-back step at which the energy has fallen enough."""
-    gap = residual.gap
-    before = state.energy(gap)
+    """First point along the cut-back step at which the energy has fallen enough.
+
+    The approaches of the new forces are those of the power law that a contact follows at its
+    present force and stiffness.
+    """
     upper = state.approach + np.maximum(2 * state.approach, np.abs(residual.error))
     # a contact that overlaps still keeps a tenth of its approach; one that does not may open
     lower = np.where(residual.wanted > 0, 0.1 * state.approach, 0.0)
-    noise = 1e-12 * float(np.abs(before).sum())
+    moved = np.flatnonzero(change)
+    base, force = residual.base[moved], residual.force[moved]
+    held = state.laws.force[moved] / force
+    exponent = np.minimum(force / (residual.stiffness[moved] * base), 1.0)
     length = 1.0
     for tried in range(1, MAX_CUTS + 1):
-        trial = State.at(problem, np.clip(state.approach + length * change, lower, upper))
-        slope = -float(residual.error @ (trial.laws.force - state.laws.force))
-        fall = float((trial.energy(gap) - before).sum())
+        approach = state.approach.copy()
+        grown = np.maximum(held + length * change[moved] / force, 0.0)
+        approach[moved] = base * grown**exponent
+        trial = State.at(problem, np.clip(approach, lower, upper), tilt)
+        fall, slope, scale = state.fall(trial, residual.gap, residual.error)
+        noise = NOISE * scale
         if slope < noise and fall <= SUFFICIENT * slope + noise:
             return trial, tried
         length *= 0.5
     return None, MAX_CUTS
 
 
+class Solved(NamedTuple):
+    """Result of `conjugate_gradients`: x, what is left of the right side, c, and products spent."""
+
+    solution: NDArray[np.float64]
+    residual: NDArray[np.float64]
+    constant: float
+    products: int
+
+
 def conjugate_gradients(
-    matrix: Tangent, right: NDArray[np.float64], *, tolerance: float, limit: int = 200
-) -> tuple[NDArray[np.float64], int]:
+    matrix: Tangent,
+    right: NDArray[np.float64],
+    *,
+    tolerance: float,
+    start: NDArray[np.float64] | None = None,
+    held: bool = False,
+    limit: int = 200,
+) -> Solved:
     """Solve `matrix` x = `right`, preconditioned by the contacts' own stiffness.
 
-    Returns the solution and the number of products; the preconditioned residual has fallen by
-    `tolerance`, or `limit` products were spent. Any iterate is a direction of descent.
+    Parameters
+    ----------
+    matrix, right
+        Positive definite system.
+    tolerance
+        Fall of the preconditioned residual against that of x = 0.
+    start
+        First x; zero if None, and then any iterate is a direction of descent.
+    held
+        Solve `matrix` x + c = `right` for x and the number c instead, with the sum of x held as in
+        `start`.
+    limit
+        Products spent at most.
     """
     stiffness = 1 / matrix.compliance
-    solution = np.zeros(len(right))
-    residual = right.copy()
-    direction = stiffness * residual
-    product = _kernels.dot(residual, direction)
+    solution, residual, count = np.zeros(len(right)), right.copy(), 0
+    product, mean = _vectors.weigh(stiffness, residual, held)
     goal = tolerance**2 * product
-    for count in range(1, limit + 1):
+    if start is not None and start.any():
+        solution, count = start.copy(), 1
+        image = matrix(start)
+        residual -= image
+        if held:
+            goal = max(goal, tolerance**2 * _vectors.weigh(stiffness, image, held)[0])
+        product, mean = _vectors.weigh(stiffness, residual, held)
+    direction, last = np.zeros(len(right)), math.inf
+    while product > goal and count < limit:
+        _vectors.redirect(product / last, stiffness, residual, mean, direction)
         image = matrix(direction)
-        length = product / _kernels.dot(direction, image)
+        length = product / _vectors.dot(direction, image)
         last = product
-        product = _kernels.advance(length, stiffness, direction, image, solution, residual)
-        if product <= goal:
-            return solution, count
-        _kernels.redirect(product / last, stiffness, residual, direction)
-    return solution, limit
+        _vectors.advance(length, direction, image, solution, residual)
+        product, mean = _vectors.weigh(stiffness, residual, held)
+        count += 1
+    return Solved(solution, residual, mean, count)

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _state_kernels
+from .deflection import deflection
 from .laws import Evaluated, Laws
-from .operator import Interaction
+from .operator import Field, Interaction
 
 __all__ = ["Problem", "State"]
 
@@ -37,6 +39,16 @@ class Problem:
 class State:
     """A trial point: approaches d >= 0, the laws there, and the field of the forces.
 
+    Attributes
+    ----------
+    approach, laws, field
+        d [m], the laws there, and the field of their forces.
+    aside
+        Shifts of the contacts [m] whose field was taken, shape (n, 2).
+    gain, fresh
+        Heights [m] gained by standing aside, and the shifts that belong to this field
+        (`deflection`).
+
     Notes
     -----
     With the pair energy F_i F_j N(r; m_i, m_j), the energy at separation s is
@@ -47,21 +59,74 @@ class State:
 
     approach: NDArray[np.float64]
     laws: Evaluated
-    value: NDArray[np.float64]
-    slope: NDArray[np.float64]
+    field: Field
+    aside: NDArray[np.float64]
+    gain: NDArray[np.float64]
+    fresh: NDArray[np.float64]
+
+    @classmethod
+    def at(
+        cls, problem: Problem, approach: NDArray[np.float64], tilt: NDArray[np.float64]
+    ) -> State:
+        """The point with these approaches [m], its moments taken for the gradients `tilt` [-]."""
+        laws = problem.laws(approach)
+        approach = np.where(laws.force > 0, approach, 0.0)
+        if not problem.deflects:
+            field = problem.plan.field(laws.force, laws.moment)
+            return cls(approach, laws, field, tilt, np.zeros(len(approach)), tilt)
+        _, aside = deflection(problem.plan.footprints, laws, approach, tilt)
+        moment = laws.force[:, None] * aside
+        field = problem.plan.field(laws.force, laws.moment, laws.growth, moment)
+        gain, fresh = deflection(problem.plan.footprints, laws, approach, field.tilt)
+        return cls(approach, laws, field, aside, gain, fresh)
 
     @property
     def displacement(self) -> NDArray[np.float64]:
         """u [m]."""
-        return self.value + self.laws.growth * self.slope
+        return self.field.value + self.laws.growth * self.field.slope
 
-    @classmethod
-    def at(cls, problem: Problem, approach: NDArray[np.float64]) -> State:
-        laws = problem.laws(approach)
-        approach = np.where(laws.force > 0, approach, 0.0)
-        return cls(approach, laws, *problem.plan.field(laws.force, laws.moment))
+    @property
+    def shift(self) -> NDArray[np.float64]:
+        """Height [m] that each contact gains by its own shift and loses by those of the others."""
+        return self.gain - self.field.moved
+
+    @property
+    def lag(self) -> float:
+        """Share of the load that the difference between `aside` and `fresh` can make: that of the
+        moments' work, times the weight of the whole deflection."""
+        return float(
+            _state_kernels.lag(
+                self.laws.force,
+                self.laws.stiffness,
+                self.field.tilt,
+                self.aside,
+                self.fresh,
+                self.field.moved,
+                self.gain,
+            )
+        )
+
+    def fall(
+        self, other: State, gap: NDArray[np.float64], error: NDArray[np.float64]
+    ) -> tuple[float, float, float]:
+        """From this point to another: change of energy [J] at the gaps z - s [m] that are held, the
+        change that the errors here predict, and the size of the energies."""
+        return _state_kernels.fall(
+            gap,
+            error,
+            *(
+                part
+                for state in (self, other)
+                for part in (
+                    state.laws.force,
+                    state.approach,
+                    state.field.value,
+                    state.laws.energy,
+                )
+            ),
+        )
 
     def energy(self, gap: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Energy of each contact [J]; `gap` is z - s."""
+        """Energy of each contact [J]; `gap` is z - s, with the deflection that is held."""
         force = self.laws.force
-        return force * (self.approach + 0.5 * self.value - gap) - self.laws.energy
+        return force * (self.approach + 0.5 * self.field.value - gap) - self.laws.energy

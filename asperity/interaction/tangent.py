@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _kernels
-from .operator import CAP, Interaction, mesh_field, run
+from . import _mesh_kernels, _pair_kernels
+from .operator import CAP, Interaction, run
 
 __all__ = ["Tangent"]
 
@@ -42,11 +42,32 @@ class Tangent:
         n = len(self.index)
         rank = np.full(len(active), -1, np.int32)
         rank[self.index] = np.arange(n, dtype=np.int32)
-        variance = plan.footprints.variance(np.where(active, stiffness, 0.0)) / plan.eta**2
+        stiffness = stiffness[self.index]
+        variance = plan.footprints.variance(stiffness) / plan.eta**2
+        self.compliance = 1 / stiffness + np.broadcast_to(extra, active.shape)[self.index]
+        f0, f1, f2 = plan.own
+        held = np.minimum(variance, CAP)
+        self.diagonal = self.compliance / plan.scale - f0 - held * (f1 + 0.25 * held * f2)
+        self.rows = np.searchsorted(self.index, plan.rows)
         self.ptr = np.zeros((n, 2), np.int64)
         self.col, self.value = plan.tangent_col, plan.tangent_value
-        run(
-            lambda c, rows: _kernels.tangent_list(
+        self.place, self.weight = np.empty((n, 2), np.int32), np.empty((n, 4, 4), np.float32)
+        self.grids = np.zeros((len(self.rows), *plan.mesh.shape), np.float32)
+        self.part = np.zeros((len(self.rows), n))
+
+        def make(c: int, rows: NDArray[np.int64]) -> None:
+            _mesh_kernels.spline(
+                self.rows[c],
+                self.index,
+                plan.y,
+                plan.x,
+                variance,
+                CAP,
+                plan.mesh.per_step,
+                self.place,
+                self.weight,
+            )
+            _pair_kernels.tangent_list(
                 rows,
                 plan.ptr,
                 plan.col,
@@ -56,42 +77,40 @@ class Tangent:
                 CAP,
                 plan.shape,
                 plan.footprints.power,
-                plan.ptr[rows[0]],
                 self.ptr,
                 self.col,
                 self.value,
-            ),
-            plan.rows,
-        )
-        self.y, self.x = plan.y[self.index], plan.x[self.index]
-        self.variance = variance[self.index]
-        self.compliance = (
-            1 / stiffness[self.index] + np.broadcast_to(extra, active.shape)[self.index]
-        )
-        f0, f1, f2 = plan.own
-        held = np.minimum(self.variance, CAP)
-        self.held = held
-        self.diagonal = self.compliance / plan.scale - f0 - held * (f1 + 0.25 * held * f2)
-        self.rows = np.searchsorted(self.index, plan.rows)
-        self.grids = np.zeros((len(self.rows), *plan.mesh.shape), np.float32)
-        self.part = np.zeros((len(self.rows), n))
-        self.out = np.empty((n, 2))
+            )
+
+        run(make, plan.rows)
 
     def __len__(self) -> int:
         return len(self.index)
 
     def __call__(self, vector: NDArray[np.float64]) -> NDArray[np.float64]:
         """Matrix times vector [m] for forces `vector` [N], shape (len(self),)."""
-        out = self.out
+        out = np.empty(len(vector))
 
-        def near(c: int, rows: NDArray[np.int64]) -> None:
-            _kernels.near_tangent(rows, self.ptr, self.col, self.value, vector, self.part[c])
+        def sources(c: int, rows: NDArray[np.int64]) -> None:
+            _mesh_kernels.spread(rows, self.place, self.weight, vector, self.grids[c])
+            _pair_kernels.near_tangent(rows, self.ptr, self.col, self.value, vector, self.part[c])
 
-        mesh_field(
-            self.plan, self.rows, self.y, self.x, vector, self.variance, self.grids, near, out
+        def receivers(_: int, rows: NDArray[np.int64]) -> None:
+            _mesh_kernels.collect(
+                rows,
+                self.place,
+                self.weight,
+                vector,
+                smooth,
+                self.diagonal,
+                self.part,
+                self.plan.scale,
+                out,
+            )
+
+        run(sources, self.rows)
+        smooth = self.plan.mesh.convolve(
+            self.grids[0] if len(self.grids) == 1 else self.grids.sum(axis=0)
         )
-        total = self.diagonal * vector + out[:, 0] + self.held * out[:, 1]
-        for part in self.part:
-            total += part
-        total *= self.plan.scale
-        return np.asarray(total)
+        run(receivers, self.rows)
+        return out

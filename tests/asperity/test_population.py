@@ -36,7 +36,8 @@ def test_curve_converges_and_is_monotone(m, boundary):
     pressure = np.array([s.mean_pressure for s in states])
     assert pressure[0] == 0 and states[0].active == 0
     assert (np.diff(pressure) > 0).all()
-    assert (np.diff([s.contact_area for s in states]) > 0).all()
+    area = np.array([s.contact_area for s in states])
+    assert (np.diff(area) > -2e-3 * area[1:]).all()
     assert 0.8 < states[-1].filled_share <= 1
     if boundary == "periodic":
         assert states[-1].contact_area > 0.3 * population.nominal_area

@@ -30,12 +30,12 @@ def test_residual_is_the_gradient_of_the_energy(m, boundary):
     problem = make(40, m=m, boundary=boundary)
     rng = np.random.default_rng(2)
     d = problem.laws.reach * rng.uniform(0.1, 2.0, 40)
-    gap = problem.height + 0.1
-    state = State.at(problem, d)
+    gap, still = problem.height + 0.1, np.zeros((40, 2))
+    state = State.at(problem, d, still)
     gradient = d + state.displacement - gap
     h = 1e-6 * d
     way = rng.normal(size=40) * h
-    up, down = State.at(problem, d + way), State.at(problem, d - way)
+    up, down = State.at(problem, d + way, still), State.at(problem, d - way, still)
     fall = (up.energy(gap) - down.energy(gap)).sum()
     assert fall == pytest.approx(gradient @ (up.laws.force - down.laws.force), rel=1e-5)
 
@@ -73,8 +73,8 @@ def test_energy_falls_at_every_step(monkeypatch):
     energies = []
     at = State.at.__func__
 
-    def recorded(cls, problem, approach):
-        state = at(cls, problem, approach)
+    def recorded(cls, problem, approach, tilt):
+        state = at(cls, problem, approach, tilt)
         energies.append(state.energy(problem.height - s).sum())
         return state
 
@@ -113,6 +113,30 @@ def test_conjugate_gradients_solve_the_tangent_system():
     stiffness = problem.laws(1.5 * problem.laws.reach).stiffness
     tangent = Tangent(problem.plan, np.ones(200, bool), stiffness)
     right = np.random.default_rng(0).normal(size=200)
-    solution, count = conjugate_gradients(tangent, right, tolerance=1e-9, limit=400)
-    assert count < 400
-    assert np.abs(tangent(solution) - right).max() < 1e-5
+    solved = conjugate_gradients(tangent, right, tolerance=1e-9, limit=400)
+    assert solved.products < 400 and solved.constant == 0
+    assert np.abs(tangent(solved.solution) - right).max() < 1e-5
+
+
+def test_conjugate_gradients_hold_the_sum():
+    """T x + c = r with a given sum of x, from any start that has it."""
+    problem = make(200)
+    stiffness = problem.laws(1.5 * problem.laws.reach).stiffness
+    tangent = Tangent(problem.plan, np.ones(200, bool), stiffness)
+    right, start = np.random.default_rng(0).normal(size=(2, 200))
+    solved = conjugate_gradients(tangent, right, tolerance=1e-9, start=start, held=True, limit=400)
+    assert solved.products < 400
+    assert solved.solution.sum() == pytest.approx(start.sum(), abs=1e-9 * np.abs(start).sum())
+    assert np.abs(tangent(solved.solution) + solved.constant - right).max() < 1e-5
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+def test_a_load_is_met_in_one_descent(m):
+    """The separation is one more unknown: load, contacts and separation fit together."""
+    problem = make(225, m=m, filling=0.2, apart=True)
+    load = 0.3 * problem.laws(problem.laws.reach).force.sum()
+    found = descend(problem, 0.05, 0.2 * problem.laws.reach, load=load, tolerance=1e-6)
+    assert not found.reason
+    assert found.laws.force.sum() == pytest.approx(load, rel=1e-6)
+    again = descend(problem, found.separation, 0 * problem.height, tolerance=1e-6)
+    np.testing.assert_allclose(again.laws.force, found.laws.force, atol=1e-4 * load / 225)

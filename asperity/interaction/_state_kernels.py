@@ -1,0 +1,84 @@
+"""Compiled passes over the contacts of a trial point."""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+
+@njit(cache=True, nogil=True)
+def deflect(force, stiffness, approach, tilt, modulus, power, limit, gain, aside):  # type: ignore[no-untyped-def]
+    """Height gained and shift (n, 2) of each contact; `deflection` has the formulas."""
+    for i in range(force.size):
+        bound = 0.5 * limit * limit * power * approach[i]
+        if force[i] <= 0.0 or bound < 1e-200:
+            gain[i] = 0.0
+            aside[i, 0] = 0.0
+            aside[i, 1] = 0.0
+            continue
+        radius = power * stiffness[i] / (2.0 * modulus)
+        square = radius * radius if power == 1.0 else radius ** (2.0 / power)
+        bend = square / (power * approach[i])
+        free = 0.5 * bend * (tilt[i, 0] * tilt[i, 0] + tilt[i, 1] * tilt[i, 1])
+        share = bound / (bound + free)
+        gain[i] = free * share
+        aside[i, 0] = -bend * share * tilt[i, 0]
+        aside[i, 1] = -bend * share * tilt[i, 1]
+
+
+@njit(cache=True, nogil=True)
+def lag(force, stiffness, tilt, aside, fresh, moved, gain):  # type: ignore[no-untyped-def]
+    """Share of the load that the difference between `aside` and `fresh` can make."""
+    whole = 0.0
+    change = 0.0
+    afar = 0.0
+    own = 0.0
+    load = 0.0
+    for i in range(force.size):
+        f = force[i]
+        if f == 0.0:
+            continue
+        load += f
+        pull = f * math.hypot(tilt[i, 0], tilt[i, 1])
+        whole += pull * math.hypot(fresh[i, 0], fresh[i, 1])
+        change += pull * math.hypot(fresh[i, 0] - aside[i, 0], fresh[i, 1] - aside[i, 1])
+        afar += stiffness[i] * abs(moved[i])
+        own += 2.0 * stiffness[i] * gain[i]
+    return change / whole * max(afar, own) / load if whole > 0.0 else 0.0
+
+
+@njit(cache=True, nogil=True)
+def balance(stiffness, error):  # type: ignore[no-untyped-def]
+    """Mean of the errors, weighted by stiffness."""
+    total = 0.0
+    moment = 0.0
+    for i in range(error.size):
+        total += stiffness[i]
+        moment += stiffness[i] * error[i]
+    return moment / total if total > 0.0 else 0.0
+
+
+@njit(cache=True, nogil=True)
+def size(stiffness, error):  # type: ignore[no-untyped-def]
+    """Sum of stiffness times size of error."""
+    total = 0.0
+    for i in range(error.size):
+        total += stiffness[i] * abs(error[i])
+    return total
+
+
+@njit(cache=True, nogil=True)
+def fall(gap, error, force, approach, value, work, force1, approach1, value1, work1):  # type: ignore[no-untyped-def]
+    """Change of energy from one point to another (1) at one gap, minus the work of the errors along
+    it, and the size of the energies."""
+    change = 0.0
+    slope = 0.0
+    scale = 0.0
+    for i in range(gap.size):
+        before = force[i] * (approach[i] + 0.5 * value[i] - gap[i]) - work[i]
+        after = force1[i] * (approach1[i] + 0.5 * value1[i] - gap[i]) - work1[i]
+        change += after - before
+        scale += abs(before)
+        slope -= error[i] * (force1[i] - force[i])
+    return change, slope, scale
