@@ -44,9 +44,7 @@ class LawRow:
         Why there is no solution.
     force_error, contour_error, area_error
         e_F, e_a (root mean square over the angle, relative to the mean radius) and e_A at the
-        same approach, or at the same load (equations 44, 45); e_F is zero at the same load.
-    approach_error
-        e_d, the error of the approach; zero at the same approach.
+        same approach (equations 44, 45).
     seconds
         Run time [s], contour included.
     """
@@ -57,18 +55,16 @@ class LawRow:
     force_error: float = np.nan
     contour_error: float = np.nan
     area_error: float = np.nan
-    approach_error: float = np.nan
     seconds: float = np.nan
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One profile at one approach, or one load, by all laws, beside the boundary elements."""
+    """One profile at one approach by all laws, beside the boundary elements."""
 
     profile: PowerSumProfile | PolarProfile
     material: HalfSpace
-    approach: float | None
-    load: float | None
+    approach: float
     rows: tuple[LawRow, ...]
     reference: BemIndentation | None = None
     reference_seconds: float = np.nan
@@ -80,40 +76,35 @@ class Case:
 
     def table(self) -> str:
         """Text table: one line per law, the boundary elements last."""
-        by_load = self.load is not None
-        driven, error = ("approach [m]", "e_d %") if by_load else ("force [N]", "e_F %")
-        head = ("law", driven, "area [m^2]", error, "e_a %", "e_A %", "estimate %", "ms")
-        lines = ["  ".join(f"{h:>12}" for h in head)]
+        head = ("law", "force [N]", "area [m^2]", "e_F %", "e_a %", "e_A %", "estimate %", "ms")
+        lines = ["  ".join(f"{h:>11}" for h in head)]
         for row in self.rows:
             one = row.solution
             if one is None:
-                lines.append(f"{row.law:>12}  {row.reason}")
+                lines.append(f"{row.law:>11}  {row.reason}")
                 continue
-            first = row.approach_error if by_load else row.force_error
-            values = [float(one.approach if by_load else one.force), float(one.contact_area)]
-            shares = [first, row.contour_error, row.area_error, float(one.error_estimate)]
+            values = [float(one.force), float(one.contact_area)]
+            shares = [row.force_error, row.contour_error, row.area_error, float(one.error_estimate)]
             cells = _cells(values, 1, ".5g") + _cells(shares, 100, ".3f")
             cells += _cells([row.seconds], 1e3, ".2f")
-            lines.append("  ".join([f"{row.law:>12}", *cells, one.flag_names()]).rstrip())
+            lines.append("  ".join([f"{row.law:>11}", *cells, one.flag_names()]).rstrip())
         if self.reference is not None:
-            found = self.reference.approach if by_load else self.reference.force
-            cells = _cells([float(found), self.reference.contact_area], 1, ".5g")
-            cells += 4 * [" " * 12] + _cells([self.reference_seconds], 1e3, ".2f")
+            cells = _cells([self.reference.force, self.reference.contact_area], 1, ".5g")
+            cells += 4 * [" " * 11] + _cells([self.reference_seconds], 1e3, ".2f")
             state = "" if self.reference.converged else "not converged"
-            lines.append("  ".join([f"{'bem':>12}", *cells, state]).rstrip())
+            lines.append("  ".join([f"{'bem':>11}", *cells, state]).rstrip())
         return "\n".join(lines)
 
 
 def _cells(values: Sequence[float], factor: float, form: str) -> list[str]:
-    return [f"{format(factor * float(value), form):>12}" for value in values]
+    return [f"{format(factor * float(value), form):>11}" for value in values]
 
 
 def judge(
     profile: PowerSumProfile | PolarProfile,
     material: HalfSpace,
-    approach: float | None = None,
+    approach: float,
     *,
-    load: float | None = None,
     laws: tuple[str, ...] = (),
     grid: int | None = 256,
     tolerance: float = 1e-6,
@@ -122,8 +113,8 @@ def judge(
 
     Parameters
     ----------
-    profile, material, approach, load
-        The contact, see `asperity.indent`; all are compared at the same approach, or load.
+    profile, material, approach
+        The contact, see `asperity.indent`.
     laws
         Names of the laws; by default all but "auto", which is one of them.
     grid
@@ -132,31 +123,30 @@ def judge(
         Their tolerance.
     """
     reference, seconds, edge = None, np.nan, np.empty(0)
-    driven = {"approach": approach, "load": load}
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     if grid is not None:
-        from .indentation_bem import indent_bem
+        from .bem.single import indent_bem
 
         start = time.perf_counter()
-        reference = indent_bem(profile, material, **driven, grid=grid, tolerance=tolerance)
+        reference = indent_bem(profile, material, approach, grid=grid, tolerance=tolerance)
         seconds = time.perf_counter() - start
         edge = reference.contour(phi)
-    rows = tuple(_row(law, profile, material, driven, reference, edge) for law in laws or _EVERY)
-    return Case(profile, material, approach, load, rows, reference, seconds, edge)
+    rows = tuple(_row(law, profile, material, approach, reference, edge) for law in laws or _EVERY)
+    return Case(profile, material, approach, rows, reference, seconds, edge)
 
 
 def _row(
     law: str,
     profile: PowerSumProfile | PolarProfile,
     material: HalfSpace,
-    driven: dict[str, float | None],
+    approach: float,
     reference: BemIndentation | None,
     edge: Array,
 ) -> LawRow:
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     start = time.perf_counter()
     try:
-        one = indent(profile, material, law=law, **driven)
+        one = indent(profile, material, approach, law=law)
         contour = one.contour(phi)
     except ModelRangeError as error:
         return LawRow(law, None, str(error))
@@ -170,7 +160,6 @@ def _row(
         force_error=float(one.force / reference.force - 1),
         contour_error=float(spread),
         area_error=float(one.contact_area / reference.contact_area - 1),
-        approach_error=float(one.approach / reference.approach - 1),
         seconds=seconds,
     )
 

@@ -96,40 +96,103 @@ def select(
     return start, columns, p, g
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
+def moments(heights: Grid) -> Any:
+    """Mean, largest, and root-mean-square height about the mean."""
+    total, highest = 0.0, -np.inf
+    for y in prange(heights.shape[0]):
+        row, high = 0.0, -np.inf
+        for x in range(heights.shape[1]):
+            row += heights[y, x]
+            high = max(high, heights[y, x])
+        total += row
+        highest = max(highest, high)
+    mean = total / heights.size
+    square = 0.0
+    for y in prange(heights.shape[0]):
+        row = 0.0
+        for x in range(heights.shape[1]):
+            row += (heights[y, x] - mean) ** 2
+        square += row
+    return mean, highest, np.sqrt(square / heights.size)
+
+
+@njit(cache=True, nogil=True, parallel=True)
 def finish(pressure: Grid, displacement: Grid, heights: Grid, unit: float, level: float) -> None:
     """Turn p~ into pressure and u into the gap above a level, in place."""
     ny, nx = heights.shape
-    for y in range(ny):
+    for y in prange(ny):
         for x in range(nx):
             pressure[y, x] *= unit
             displacement[y, x] -= heights[y, x] + level
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, parallel=True)
 def extrapolate(now: Grid, old: Grid, share_now: float, share_old: float) -> None:
     """Replace (now, old) by (share_now now + share_old old, now)."""
-    for y in range(now.shape[0]):
+    for y in prange(now.shape[0]):
         for x in range(now.shape[1]):
             value = now[y, x]
             now[y, x] = share_now * value + share_old * old[y, x]
             old[y, x] = value
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, parallel=True)
 def put(grid: Grid, start: NDArray[np.int64], columns: NDArray[np.int32], values: Grid) -> None:
-    """Write the values of a list into the grid."""
-    for y in range(start.size - 1):
+    """Write the values of a list into the grid, zero elsewhere."""
+    for y in prange(start.size - 1):
+        grid[y, :] = 0.0
         for k in range(start[y], start[y + 1]):
             grid[y, columns[k]] = values[k]
 
 
-@njit(cache=True, nogil=True, parallel=True)
-def multiply(spectrum: NDArray[np.complex128], factor: Grid) -> None:
-    """Scale a half spectrum by a real symbol, in place."""
-    for y in prange(spectrum.shape[0]):
-        for x in range(spectrum.shape[1]):
-            spectrum[y, x] *= factor[y, x]
+@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
+def multiply(parts: Grid, symbol: Grid) -> None:
+    """Scale a half spectrum, seen as its real and imaginary parts, in place.
+
+    `symbol` is real and even: its first ny // 2 + 1 rows are given, or all.
+    """
+    ny = parts.shape[0]
+    for y in prange(ny):
+        factor = symbol[min(np.int64(y), ny - np.int64(y))]
+        row = parts[y]
+        for x in range(symbol.shape[1]):
+            row[2 * x] *= factor[x]
+            row[2 * x + 1] *= factor[x]
+
+
+@njit(cache=True, nogil=True)
+def load_columns(
+    spectrum: NDArray[np.complex128], first: int, count: int, lines: NDArray[np.complex128]
+) -> None:
+    """Columns of a spectrum as lines, with zeros behind."""
+    ny = spectrum.shape[0]
+    for y in range(ny):
+        for c in range(count):
+            lines[c, y] = spectrum[y, first + c]
+    lines[:, ny:] = 0.0
+
+
+@njit(cache=True, nogil=True)
+def scale_columns(symbol: Grid, first: int, count: int, parts: Grid) -> None:
+    """Scale lines of columns, seen as real and imaginary parts, by an even symbol."""
+    n = parts.shape[1] // 2
+    for c in range(count):
+        line = parts[c]
+        for y in range(n):
+            factor = symbol[min(y, n - y), first + c]
+            line[2 * y] *= factor
+            line[2 * y + 1] *= factor
+
+
+@njit(cache=True, nogil=True)
+def store_columns(
+    spectrum: NDArray[np.complex128], first: int, count: int, lines: NDArray[np.complex128]
+) -> None:
+    """Put lines back as columns, without what lies behind the spectrum."""
+    for y in range(spectrum.shape[0]):
+        for c in range(count):
+            spectrum[y, first + c] = lines[c, y]
 
 
 @njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
@@ -164,3 +227,41 @@ def interpolate(
             for x in range(nx):
                 fine[y, x] *= factor
     return total / (ny * nx)
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def powers(ky: Grid, kx: Grid, power: float, factor: float, result: Grid) -> None:
+    """Factor times (ky + kx)**power on the grid of both, zero at the first point."""
+    for y in prange(ky.size):
+        row = result[y]
+        if power == -0.5:
+            for x in range(kx.size):
+                row[x] = factor / np.sqrt(max(ky[y] + kx[x], 1e-300))
+        else:
+            for x in range(kx.size):
+                row[x] = factor * max(ky[y] + kx[x], 1e-300) ** power
+    result[0, 0] = 0.0
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def far_cells(hy: float, hx: float, m: float, factor: float, result: Grid) -> None:
+    """Factor times the integral of r**-(1+m) over cells far from the origin.
+
+    The mean over a cell by its Taylor series: value and even derivatives to the fourth.
+    """
+    a = 1.0 + m
+    yy, xx = hy * hy, hx * hx
+    for i in prange(result.shape[0]):
+        y = (hy * i) ** 2
+        for j in range(result.shape[1]):
+            inverse = 1.0 / max(y + (hx * j) ** 2, 1e-300)
+            cx = (hx * j) ** 2 * inverse
+            cy = 1.0 - cx
+            second = a * (a + 2.0) * inverse * inverse
+            mean = 1.0 + a * inverse / 24.0 * (xx * ((a + 2) * cx - 1) + yy * ((a + 2) * cy - 1))
+            fourth = 3.0 + (a + 4) * cx * ((a + 6) * cx - 6.0)
+            mean += second * xx * xx / 1920.0 * fourth
+            fourth = 3.0 + (a + 4) * cy * ((a + 6) * cy - 6.0)
+            mean += second * yy * yy / 1920.0 * fourth
+            mean += second * xx * yy / 576.0 * (1.0 - (a + 4) + (a + 4) * (a + 6) * cx * cy)
+            result[i, j] = factor * hx * hy * mean * inverse ** (0.5 * a)

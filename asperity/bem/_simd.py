@@ -1,7 +1,9 @@
-"""Four dot products of a 15 x 16 stencil with a padded grid, as explicit vector instructions.
+"""Symmetric stencils on a padded grid, as explicit vector instructions.
 
-Written out as vectors because the automatic vectorizer does not find 16 lanes in a loop of 15
-taps; one load of the weights serves four points.
+Written out as vectors because the automatic vectorizer does not find them. A tile is 16 neighbors
+of a row: rows at equal distance above and below are added first, then weighted, and the weighted
+sums are shifted last, so that a tile costs as much as four to five points on their own. Four such
+points share one load of the weights.
 """
 
 from __future__ import annotations
@@ -13,53 +15,161 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-__all__ = ["LANES", "RADIUS", "stencil_dot4"]
+__all__ = [
+    "LANES",
+    "RADIUS",
+    "SHORT_RADIUS",
+    "points",
+    "points_short",
+    "tile",
+    "tile_short",
+]
 
 RADIUS = 7
+SHORT_RADIUS = 4
 LANES = 16
+_HALF = LANES // 2
 _POINTS = 4
 
 
-@intrinsic
-def stencil_dot4(
-    typing_context: Any, grid: Any, a: Any, b: Any, c: Any, d: Any, stride: Any, weights: Any
-) -> Any:
-    """Stencil sums with the corner of the stencil at flat offsets a, b, c and d of the grid.
+def _vector_load(builder: Any, base: Any, offset: Any) -> Any:
+    """The 16 lanes that start at an offset."""
+    vector = ir.VectorType(ir.FloatType(), LANES)
+    pointer = builder.bitcast(builder.gep(base, [offset]), ir.PointerType(vector))
+    return builder.load(pointer, align=4, typ=vector)
 
-    grid and weights are flat float32 arrays; weights hold 15 rows of 16 lanes.
-    """
-    place = types.intp
-    signature = types.UniTuple(types.float32, _POINTS)(  # type: ignore[no-untyped-call]
-        grid, place, place, place, place, place, weights
+
+def _multiply_add(builder: Any) -> Any:
+    vector = ir.VectorType(ir.FloatType(), LANES)
+    return cgutils.get_or_insert_function(  # type: ignore[no-untyped-call]
+        builder.module,
+        ir.FunctionType(vector, [vector, vector, vector]),
+        f"llvm.fma.v{LANES}f32",
     )
 
-    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        data, *offsets, stride, table = arguments
-        data = context.make_array(signature.args[0])(context, builder, data).data
-        table = context.make_array(signature.args[-1])(context, builder, table).data
-        scalar = ir.FloatType()
-        vector = ir.VectorType(scalar, LANES)
-        fma = cgutils.get_or_insert_function(  # type: ignore[no-untyped-call]
-            builder.module,
-            ir.FunctionType(vector, [vector, vector, vector]),
-            f"llvm.fma.v{LANES}f32",
+
+def _data(context: Any, builder: Any, kind: Any, array: Any) -> Any:
+    return context.make_array(kind)(context, builder, array).data
+
+
+def _tile(radius: int) -> Any:
+    """Stencil of a radius for a tile, as an intrinsic."""
+
+    @intrinsic
+    def sums_of_tile(
+        typing_context: Any, grid: Any, place: Any, stride: Any, weights: Any, sums: Any
+    ) -> Any:
+        """Stencil sums of the 16 points from a flat offset of the grid on, into `sums`.
+
+        grid, weights and sums are flat float32 arrays; weights hold the quadrant of the stencil,
+        (radius + 1)**2 values from its center on.
+        """
+        index = types.intp
+        signature = types.void(grid, index, index, weights, sums)  # type: ignore[no-untyped-call]
+
+        def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            grid, place, stride, weights, sums = arguments
+            data = _data(context, builder, signature.args[0], grid)
+            table = _data(context, builder, signature.args[3], weights)
+            fma = _multiply_add(builder)
+            folded = _folded_rows(builder, data, place, stride, radius)
+            total = None
+            for distance in range(radius + 1):
+                left = right = None
+                for row in range(radius + 1):
+                    place_of = ir.Constant(place.type, row * (radius + 1) + distance)
+                    weight = _spread(builder, builder.load(builder.gep(table, [place_of])))
+                    if left is None:
+                        left, right = (builder.fmul(half, weight) for half in folded[row])
+                    else:
+                        left = builder.call(fma, [folded[row][0], weight, left])
+                        right = builder.call(fma, [folded[row][1], weight, right])
+                for shift in sorted({-distance, distance}):
+                    part = _shifted(builder, left, right, shift)
+                    total = part if total is None else builder.fadd(total, part)
+            out = _data(context, builder, signature.args[4], sums)
+            pointer = builder.bitcast(out, ir.PointerType(ir.VectorType(ir.FloatType(), LANES)))
+            builder.store(total, pointer, align=4)
+            return context.get_dummy_value()
+
+        return signature, codegen
+
+    return sums_of_tile
+
+
+def _folded_rows(builder: Any, data: Any, place: Any, stride: Any, radius: int) -> list[Any]:
+    """Sums of the rows at each distance from the tile, in two vectors from 8 points before it."""
+    begin = builder.sub(place, ir.Constant(place.type, _HALF))
+    halves = (begin, builder.add(begin, ir.Constant(place.type, LANES)))
+    folded = [tuple(_vector_load(builder, data, half) for half in halves)]
+    for row in range(1, radius + 1):
+        shift = builder.mul(stride, ir.Constant(stride.type, row))
+        folded.append(
+            tuple(
+                builder.fadd(
+                    _vector_load(builder, data, builder.add(half, shift)),
+                    _vector_load(builder, data, builder.sub(half, shift)),
+                )
+                for half in halves
+            )
+        )
+    return folded
+
+
+def _spread(builder: Any, scalar: Any) -> Any:
+    """The scalar in every lane."""
+    vector = ir.VectorType(ir.FloatType(), LANES)
+    first = builder.insert_element(
+        ir.Constant(vector, ir.Undefined), scalar, ir.Constant(ir.IntType(32), 0)
+    )
+    zeros = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
+    return builder.shuffle_vector(first, ir.Constant(vector, ir.Undefined), zeros)
+
+
+def _shifted(builder: Any, left: Any, right: Any, shift: int) -> Any:
+    """The 16 lanes of a pair of vectors that start `shift` from its middle."""
+    lanes = [_HALF + shift + lane for lane in range(LANES)]
+    mask = ir.Constant(ir.VectorType(ir.IntType(32), LANES), lanes)
+    return builder.shuffle_vector(left, right, mask)
+
+
+def _points(radius: int) -> Any:
+    """Stencil of a radius for four points anywhere, as an intrinsic."""
+
+    @intrinsic
+    def sums_of_points(
+        typing_context: Any, grid: Any, a: Any, b: Any, c: Any, d: Any, stride: Any, weights: Any
+    ) -> Any:
+        """Stencil sums at the flat offsets a, b, c and d of the grid.
+
+        grid and weights are flat float32 arrays; weights hold a row of 16 lanes for each row of
+        the stencil, from 7 points before its center on.
+        """
+        place = types.intp
+        signature = types.UniTuple(types.float32, _POINTS)(  # type: ignore[no-untyped-call]
+            grid, place, place, place, place, place, weights
         )
 
-        def load(base: Any, offset: Any) -> Any:
-            pointer = builder.bitcast(builder.gep(base, [offset]), ir.PointerType(vector))
-            return builder.load(pointer, align=4, typ=vector)
+        def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            grid, *offsets, stride, weights = arguments
+            data = _data(context, builder, signature.args[0], grid)
+            table = _data(context, builder, signature.args[-1], weights)
+            fma = _multiply_add(builder)
+            zero = ir.Constant(ir.VectorType(ir.FloatType(), LANES), [0.0] * LANES)
+            sums = [zero] * _POINTS
+            for row in range(2 * radius + 1):
+                taps = _vector_load(builder, table, ir.Constant(stride.type, row * LANES))
+                shift = builder.mul(stride, ir.Constant(stride.type, row - radius))
+                shift = builder.sub(shift, ir.Constant(stride.type, RADIUS))
+                for i, offset in enumerate(offsets):
+                    values = _vector_load(builder, data, builder.add(offset, shift))
+                    sums[i] = builder.call(fma, [values, taps, sums[i]])
+            result = [_sum_lanes(builder, total) for total in sums]
+            return cgutils.pack_array(builder, result)  # type: ignore[no-untyped-call]
 
-        sums = [ir.Constant(vector, [0.0] * LANES) for _ in range(_POINTS)]
-        for row in range(2 * RADIUS + 1):
-            tap = load(table, ir.Constant(offsets[0].type, row * LANES))
-            shift = builder.mul(stride, ir.Constant(stride.type, row))
-            for i, offset in enumerate(offsets):
-                values = load(data, builder.add(offset, shift))
-                sums[i] = builder.call(fma, [values, tap, sums[i]])
-        result = [_sum_lanes(builder, total) for total in sums]
-        return cgutils.pack_array(builder, result)  # type: ignore[no-untyped-call]
+        return signature, codegen
 
-    return signature, codegen
+    return sums_of_points
 
 
 def _sum_lanes(builder: Any, vector: Any) -> Any:
@@ -78,3 +188,9 @@ def _sum_lanes(builder: Any, vector: Any) -> Any:
             builder.shuffle_vector(vector, nothing, high),
         )
     return builder.extract_element(vector, ir.Constant(index, 0))
+
+
+tile = _tile(RADIUS)
+tile_short = _tile(SHORT_RADIUS)
+points = _points(RADIUS)
+points_short = _points(SHORT_RADIUS)

@@ -2,15 +2,53 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from ._simd import LANES, RADIUS, stencil_dot4
+from ._simd import LANES, RADIUS, points_short, tile, tile_short
+from ._simd import points as points_wide
 
 _FAST = {"reassoc", "contract", "nsz"}
+_SHORTEST = 4
+_BLOCK = 64
+_ROWS = 16
+_DENSE = 4
+COARSENING = 4
+TAPS = 4
+_FOUR = np.uint64(COARSENING)
 Single = NDArray[np.float32]
 Index = NDArray[np.int64]
+
+
+@njit(cache=True, nogil=True)
+def cut_tiles(start: Index, columns: NDArray[np.int32], stride: int) -> Any:
+    """Cut the runs of a list into tiles of up to 16 neighbors; shorter pieces into points.
+
+    Returns place in the padded grid, first entry and length of each tile, and place and entry of
+    each point.
+    """
+    n = columns.size
+    tiles, points = np.empty((n // _SHORTEST, 3), np.int32), np.empty((n, 2), np.int32)
+    n_tiles = n_points = 0
+    for y in range(start.size - 1):
+        origin = (RADIUS + y) * stride + LANES
+        k = start[y]
+        while k < start[y + 1]:
+            m = 1
+            while m < LANES and k + m < start[y + 1] and columns[k + m] == columns[k] + m:
+                m += 1
+            if m >= _SHORTEST:
+                tiles[n_tiles] = origin + columns[k], k, m
+                n_tiles += 1
+            else:
+                for i in range(k, k + m):
+                    points[n_points] = origin + columns[i], i
+                    n_points += 1
+            k += m
+    return tiles[:n_tiles].copy(), points[:n_points].copy()
 
 
 @njit(cache=True, nogil=True, parallel=True)
@@ -18,48 +56,66 @@ def near(
     grid: Single,
     shape: tuple[int, int],
     periodic: bool,
-    places: Index,
+    start: Index,
+    columns: NDArray[np.int32],
     values: Single,
-    weights: Single,
+    tiles: NDArray[np.int32],
+    points: NDArray[np.int32],
+    quadrant: Single,
+    rows: Single,
+    short: bool,
     result: Single,
 ) -> None:
     """Stencil sums of the listed values at the listed points.
 
-    `grid` is the padded grid (ny + 2 R, stride), zero off the list; `places` are flat indices.
+    `grid` is the padded grid (ny + 2 R + 1, stride), zero off the list; `tiles` and `points` come
+    from `cut_tiles`, the tables of the stencil from `stencil.vector_tables`. A tile writes 16 sums;
+    those past its end are written anew by what follows it in the block, or by the points.
     """
     ny, nx = shape
     stride = grid.shape[1]
-    flat = grid.reshape(grid.size)
-    n = places.size
-    for i in prange(n):
-        flat[places[i]] = values[i]
-    if periodic:
-        for y in prange(RADIUS, ny + RADIUS):
+    for y in prange(ny):
+        for k in range(start[y], start[y + 1]):
+            grid[RADIUS + y, LANES + columns[k]] = values[k]
+        if periodic:
+            row = grid[RADIUS + y]
             for x in range(LANES):
-                grid[y, x] = grid[y, x + nx]
-                grid[y, LANES + nx + x] = grid[y, LANES + x]
+                row[x] = row[x + nx]
+                row[LANES + nx + x] = row[LANES + x]
+    if periodic:
         for y in prange(RADIUS):
             for x in range(stride):
                 grid[y, x] = grid[y + ny, x]
                 grid[RADIUS + ny + y, x] = grid[RADIUS + y, x]
-    corner = RADIUS * stride + RADIUS
-    last = n - 1
-    for k in prange((n + 3) // 4):
-        i = 4 * k
-        j, k2, m = min(i + 1, last), min(i + 2, last), min(i + 3, last)
-        a, b, c, d = stencil_dot4(  # type: ignore[call-arg, var-annotated]
-            flat,
-            places[i] - corner,
-            places[j] - corner,
-            places[k2] - corner,
-            places[m] - corner,
-            stride,
-            weights,
-        )
-        result[m] = d
-        result[k2] = c
-        result[j] = b
-        result[i] = a
+    flat = grid.reshape(grid.size)
+    count = tiles.shape[0]
+    for block in prange((count + _BLOCK - 1) // _BLOCK):
+        rest = np.empty(LANES, np.float32)
+        last = min(count, (block + 1) * _BLOCK)
+        end = tiles[last - 1, 1] + tiles[last - 1, 2]
+        for t in range(block * _BLOCK, last):
+            k = tiles[t, 1]
+            out = result[k:] if k + LANES <= end else rest
+            if short:
+                tile_short(flat, tiles[t, 0], stride, quadrant, out)  # type: ignore[call-arg]
+            else:
+                tile(flat, tiles[t, 0], stride, quadrant, out)  # type: ignore[call-arg]
+            if k + LANES > end:
+                for i in range(tiles[t, 2]):
+                    result[k + i] = rest[i]
+    last = points.shape[0] - 1
+    for group in prange((last + 4) // 4):
+        i = 4 * group
+        j, k, m = min(i + 1, last), min(i + 2, last), min(i + 3, last)
+        at = points[i, 0], points[j, 0], points[k, 0], points[m, 0]
+        if short:
+            found = points_short(flat, *at, stride, rows)  # type: ignore[call-arg]
+        else:
+            found = points_wide(flat, *at, stride, rows)  # type: ignore[call-arg]
+        result[points[i, 1]] = found[0]
+        result[points[j, 1]] = found[1]
+        result[points[k, 1]] = found[2]
+        result[points[m, 1]] = found[3]
 
 
 @njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
@@ -71,28 +127,55 @@ def spread(
     weight_x: Single,
     rows_of: Index,
     weight_of: Single,
+    whole: bool,
     rows: Single,
     coarse: Single,
 ) -> None:
     """Spread the listed values on the coarse grid by B-splines, first along x, then along y.
 
     `rows` (ny, nxc) is scratch; `rows_of`, `weight_of` (nyc, k) list the fine rows of each coarse
-    row, filled up with weights of zero.
+    row, filled up with weights of zero. `whole` says that there are just 4 fine columns to a
+    coarse one: then the weights repeat, and a row with many points is spread phase by phase.
     """
-    taps = weight_x.shape[1]
+    ny = start.size - 1
     nyc, nxc = rows_of.shape[0], rows.shape[1]
-    for y in prange(start.size - 1):
-        if start[y + 1] > start[y]:
+    width = nxc + 2 * TAPS
+    for block in prange((ny + _ROWS - 1) // _ROWS):
+        dense = np.zeros(COARSENING * width, np.float32)
+        wide = np.empty(nxc + TAPS, np.float32)
+        for y in range(block * _ROWS, min(ny, (block + 1) * _ROWS)):
+            n = start[y + 1] - start[y]
+            if n == 0:
+                continue
             row = rows[y]
+            if whole and n * _DENSE > nxc:
+                dense[:] = np.float32(0.0)
+                for k in range(start[y], start[y + 1]):
+                    place = np.uint64(columns[k])
+                    place = (place % _FOUR) * np.uint64(width) + place // _FOUR + np.uint64(TAPS)
+                    dense[place] = values[k]
+                wide[:] = np.float32(0.0)
+                for phase in range(COARSENING):
+                    a, b = weight_x[phase, 0], weight_x[phase, 1]
+                    c, d = weight_x[phase, 2], weight_x[phase, 3]
+                    own = dense[phase * width :]
+                    for x in range(nxc + TAPS):
+                        wide[x] += a * own[x + 4] + b * own[x + 3] + c * own[x + 2] + d * own[x + 1]
+                shift = first_x[0]
+                row[shift:] = wide[: nxc - shift]
+                row[:shift] = wide[nxc - shift : nxc]
+                for x in range(TAPS):
+                    row[(nxc + x + shift) % nxc] += wide[nxc + x]
+                continue
             row[:] = np.float32(0.0)
             for k in range(start[y], start[y + 1]):
                 x = columns[k]
                 first, value = first_x[x], values[k]
-                if first + taps <= nxc:
-                    for t in range(taps):
+                if first + TAPS <= nxc:
+                    for t in range(TAPS):
                         row[first + t] += weight_x[x, t] * value
                 else:
-                    for t in range(taps):
+                    for t in range(TAPS):
                         row[(first + t) % nxc] += weight_x[x, t] * value
     for y in prange(nyc):
         target = coarse[y]
@@ -114,30 +197,53 @@ def gather(
     weight_y: Single,
     first_x: Index,
     weight_x: Single,
+    whole: bool,
     rows: Single,
     result: Single,
 ) -> None:
-    """Add the coarse field, interpolated by B-splines, to the result at the listed points."""
-    taps = weight_x.shape[1]
-    nxc = rows.shape[1]
-    nyc = coarse.shape[0]
-    for y in prange(start.size - 1):
-        if start[y + 1] > start[y]:
+    """Add the coarse field, interpolated by B-splines, to the result at the listed points.
+
+    `rows` and `whole` as in `spread`.
+    """
+    ny = start.size - 1
+    nyc, nxc = coarse.shape[0], rows.shape[1]
+    for block in prange((ny + _ROWS - 1) // _ROWS):
+        dense = np.empty(COARSENING * nxc, np.float32)
+        wide = np.empty(nxc + TAPS, np.float32)
+        for y in range(block * _ROWS, min(ny, (block + 1) * _ROWS)):
+            n = start[y + 1] - start[y]
+            if n == 0:
+                continue
             row = rows[y]
-            row[:] = np.float32(0.0)
-            for t in range(taps):
-                weight = weight_y[y, t]
-                source = coarse[(first_y[y] + t) % nyc]
-                for x in range(nxc):
-                    row[x] += weight * source[x]
+            first = first_y[y]
+            a, b, c, d = weight_y[y, 0], weight_y[y, 1], weight_y[y, 2], weight_y[y, 3]
+            c0, c1 = coarse[first], coarse[(first + 1) % nyc]
+            c2, c3 = coarse[(first + 2) % nyc], coarse[(first + 3) % nyc]
+            for x in range(nxc):
+                row[x] = a * c0[x] + b * c1[x] + c * c2[x] + d * c3[x]
+            if whole and n * _DENSE > nxc:
+                shift = first_x[0]
+                wide[: nxc - shift] = row[shift:]
+                wide[nxc - shift : nxc] = row[:shift]
+                wide[nxc:] = wide[:TAPS]
+                for phase in range(COARSENING):
+                    a, b = weight_x[phase, 0], weight_x[phase, 1]
+                    c, d = weight_x[phase, 2], weight_x[phase, 3]
+                    own = dense[phase * nxc :]
+                    for x in range(nxc):
+                        own[x] = a * wide[x] + b * wide[x + 1] + c * wide[x + 2] + d * wide[x + 3]
+                for k in range(start[y], start[y + 1]):
+                    place = np.uint64(columns[k])
+                    result[k] += dense[(place % _FOUR) * np.uint64(nxc) + place // _FOUR]
+                continue
             for k in range(start[y], start[y + 1]):
                 x = columns[k]
                 first = first_x[x]
                 total = np.float32(0.0)
-                if first + taps <= nxc:
-                    for t in range(taps):
+                if first + TAPS <= nxc:
+                    for t in range(TAPS):
                         total += weight_x[x, t] * row[first + t]
                 else:
-                    for t in range(taps):
+                    for t in range(TAPS):
                         total += weight_x[x, t] * row[(first + t) % nxc]
                 result[k] += total

@@ -14,7 +14,6 @@ from surfaces.heightmap import HeightMap
 from ..errors import InputError
 from .grids import CoarseMaps
 from .operator import Boundary
-from .transform import plan
 
 __all__ = ["GridChoice", "choose_grid", "coarse_map"]
 
@@ -111,9 +110,7 @@ def coarse_map(hm: HeightMap, shape: tuple[int, int], boundary: Boundary) -> Hei
     """The map on a coarser grid: Fourier truncation (periodic) or means over the new pixels."""
     size = hm.size
     spacing = (size[0] / shape[0], size[1] / shape[1])
-    fine, coarse = plan(hm.shape), plan(shape)
-    maps = CoarseMaps(hm.heights, fine, boundary, [shape])
-    heights: NDArray[np.float64] = maps.level(0, shape, coarse)
+    heights: NDArray[np.float64] = CoarseMaps(hm.heights, boundary, [shape]).level(0, shape)
     if boundary == "periodic":
         heights = heights + hm.heights.mean()
         heights -= heights.mean() - hm.heights.mean()

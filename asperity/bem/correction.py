@@ -20,13 +20,12 @@ from .split import SplitOperator
 
 __all__ = ["Level", "Outcome"]
 
-_BAND = 0.05
+_BAND = 0.15
 _MARGIN = 2.0
 _MOST_OUTER = 60
 _PATIENCE = 6
 _MOST_INNER = 200
 _SMALL_GRID = 128 * 128
-_ROWS = 64
 _ONE_THREAD = 256 * 256
 _FULL_SHARE = 0.4
 
@@ -50,12 +49,17 @@ class Level:
         Heights [m], shape (ny, nx), read-only.
     exact
         Operator on the whole grid; its `pressure` is the state.
+
+    Attributes
+    ----------
+    mean_height, highest, rms_height
+        Mean, largest and root-mean-square height about the mean [m].
     """
 
     def __init__(self, heights: NDArray[np.float64], exact: HalfSpaceOperator) -> None:
         self.heights = heights
         self.exact = exact
-        self.rms_height = _rms_height(heights)
+        self.mean_height, self.highest, self.rms_height = _grid_kernels.moments(heights)
         self._careful = False
         self._split: SplitOperator | None = None
         self._full: FullGridOperator | None = None
@@ -88,7 +92,7 @@ class Level:
         for outer in range(_MOST_OUTER):
             use_numba(1 if self.heights.size <= _ONE_THREAD else idle_threads(self.exact.threads))
             known = predicted and outer == 0
-            displacement = self.exact.transform.grid if known else self.exact.apply()
+            displacement = self.exact.displacement if known else self.exact.apply()
             reading = certify(
                 self.exact.pressure,
                 displacement,
@@ -127,7 +131,7 @@ class Level:
         tolerance: float,
     ) -> int:
         """One solve on the list of candidates; returns the iterations spent."""
-        width = min(_BAND * min(1.0, error), 1.0) if first else min(_BAND, _MARGIN * error)
+        width = min(_BAND * min(1.0, error), 1.0) if first else min(0.05, _MARGIN * error)
         threshold = reading.level + width * reading.scale
         start, columns, values, gap = _grid_kernels.select(
             self.exact.pressure, displacement, self.heights, reading.block_low, threshold
@@ -157,13 +161,3 @@ class Level:
         if self._split is None:
             self._split = SplitOperator(self.exact)
         return self._split
-
-
-def _rms_height(heights: NDArray[np.float64]) -> float:
-    """Root-mean-square height [m], by blocks of rows that fit in the cache."""
-    mean = heights.mean()
-    total = 0.0
-    for start in range(0, heights.shape[0], _ROWS):
-        block = heights[start : start + _ROWS] - mean
-        total += float(np.square(block, out=block).sum())
-    return math.sqrt(total / heights.size)

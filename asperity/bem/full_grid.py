@@ -9,10 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from . import transform
+from . import _grid_kernels, transform
 from .contact_list import ContactList
 from .kernel import symbol
 from .operator import HalfSpaceOperator
+from .scratch import Scratch
 
 __all__ = ["FullGridOperator"]
 
@@ -23,7 +24,7 @@ class FullGridOperator:
     Parameters
     ----------
     exact
-        Operator on the whole grid.
+        Operator on the whole grid; its pressure is overwritten.
     """
 
     aim = 1e-3
@@ -31,11 +32,16 @@ class FullGridOperator:
     def __init__(self, exact: HalfSpaceOperator) -> None:
         ny, nx = self._shape = exact.shape
         threads = exact.threads
-        self._forward = transform.plan(exact.padded, rows=ny, dtype=np.float32, threads=threads)
+        scratch = Scratch(exact.pressure)
+        self._forward = transform.plan(
+            exact.padded, rows=ny, dtype=np.float32, threads=threads, scratch=scratch
+        )
         same = exact.padded == exact.shape
         self._backward = self._forward
         if not same:
-            self._backward = transform.plan(exact.shape, dtype=np.float32, threads=threads)
+            self._backward = transform.plan(
+                exact.shape, dtype=np.float32, threads=threads, scratch=scratch
+            )
         self._symbol = exact.symbol.astype(np.float32)
         inverse = symbol(exact.shape, exact.spacing, 1.0 - exact.m)
         inverse[0, 0] = 0.5 * min(inverse[0, 1], inverse[1, 0])
@@ -57,7 +63,7 @@ class FullGridOperator:
     ) -> NDArray[np.float32]:
         pair.values[self._rows, self._columns] = values
         pair.forward()
-        np.multiply(pair.spectrum, factor, out=pair.spectrum)
+        _grid_kernels.multiply(pair.spectrum.view(np.float32), factor)
         pair.backward()
         return pair.grid[self._rows, self._columns]
 

@@ -6,13 +6,16 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from surfaces import _threads
+
 from . import _grid_kernels
 from .operator import Boundary
-from .transform import RealTransform
+from .scratch import Scratch
 
 __all__ = ["CoarseMaps", "level_shapes", "prolong"]
 
 _SMALLEST = 48
+_ROWS = 32
 
 
 def level_shapes(shape: tuple[int, int]) -> list[tuple[int, int]]:
@@ -31,21 +34,26 @@ class CoarseMaps:
     ----------
     heights
         Heights [m], shape (ny, nx).
-    pair
-        Transform of the map's shape (periodic), free to be used; its input is left zero.
     boundary
         Periodic: Fourier truncation, the Nyquist lines left out. Free: means over the pixels.
     shapes
         Shapes of the coarser grids, coarsest first.
+    threads
+        Threads of the transforms.
+    scratch
+        Where the memory comes from.
     """
 
     def __init__(
         self,
         heights: NDArray[np.float64],
-        pair: RealTransform,
         boundary: Boundary,
         shapes: list[tuple[int, int]],
+        *,
+        threads: int = 1,
+        scratch: Scratch | None = None,
     ) -> None:
+        self._threads = threads
         self._averages: list[NDArray[np.float64]] = []
         self._low: NDArray[np.complex128] | None = None
         if boundary == "free":
@@ -53,18 +61,34 @@ class CoarseMaps:
                 heights = _averaged(_averaged(heights, shape[0]).T, shape[1]).T
                 self._averages.insert(0, _frozen(np.ascontiguousarray(heights)))
         elif shapes:
-            pair.values[:] = heights
-            pair.forward()
-            pair.values[:] = 0.0
-            self._low = _low_waves(pair.spectrum, shapes[-1]) / heights.size
+            low = _low_columns(heights, (shapes[-1][1] - 1) // 2 + 1, scratch or Scratch())
+            low = scipy.fft.fft(low, axis=0, workers=threads, overwrite_x=True, norm="forward")
+            self._low = _low_waves(low, shapes[-1])
 
-    def level(self, index: int, shape: tuple[int, int], pair: RealTransform) -> NDArray[np.float64]:
-        """Heights of the grid number `index`, by its own transform pair."""
+    def level(self, index: int, shape: tuple[int, int]) -> NDArray[np.float64]:
+        """Heights of the grid number `index`."""
         if self._low is None:
             return self._averages[index]
-        pair.load_spectrum(_low_waves(self._low, shape))
-        pair.backward()
-        return _frozen(pair.grid[:, : shape[1]].copy())
+        low = _low_waves(self._low, shape)
+        heights = scipy.fft.irfft2(
+            low, s=shape, workers=self._threads, overwrite_x=True, norm="forward"
+        )
+        return _frozen(np.asarray(heights))
+
+
+def _low_columns(
+    heights: NDArray[np.float64], kept: int, scratch: Scratch
+) -> NDArray[np.complex128]:
+    """First columns of the half spectrum along the rows, over their length."""
+    low = scratch.zeros((heights.shape[0], kept), np.complex128)
+
+    def transform(start: int, stop: int) -> None:
+        for y in range(start, stop, _ROWS):
+            rows = scipy.fft.rfft(heights[y : min(y + _ROWS, stop)], axis=1, norm="forward")
+            low[y : y + len(rows)] = rows[:, :kept]
+
+    _threads.run(transform, _threads.blocks(heights.shape[0], _ROWS))
+    return low
 
 
 def _low_waves(spectrum: NDArray[np.complex128], shape: tuple[int, int]) -> NDArray[np.complex128]:

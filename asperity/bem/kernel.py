@@ -7,13 +7,14 @@ dimensionless and of order one at the pixel scale.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import hyp2f1
 
-__all__ = ["ElasticHalfSpace", "compliance", "influence", "symbol"]
+__all__ = ["ElasticHalfSpace", "compliance", "influence", "symbol", "symbol_quadrant"]
 
 _NEAR_CELLS = 8
 _MIDDLE_CELLS = 100
@@ -71,10 +72,27 @@ def symbol(
     return square
 
 
+def symbol_quadrant(
+    shape: tuple[int, int], spacing: tuple[float, float], power: float, factor: float
+) -> NDArray[np.float64]:
+    """Factor times |q|**power at frequencies from zero on, shape (ny//2+1, nx//2+1), zero at q = 0.
+
+    Compiled: its temporaries would take longer than the arithmetic.
+    """
+    from ._grid_kernels import powers
+
+    ky, kx = wave_numbers(shape, spacing)
+    values = np.empty((shape[0] // 2 + 1, shape[1] // 2 + 1))
+    powers(np.square(ky[: values.shape[0]]), np.square(kx), 0.5 * power, factor, values)
+    return values
+
+
 def influence(
-    shape: tuple[int, int], spacing: tuple[float, float], m: float
+    shape: tuple[int, int], spacing: tuple[float, float], m: float, factor: float = 1.0
 ) -> NDArray[np.float64]:
     """Displacement at cell offsets (0..ny-1, 0..nx-1) per pressure p~ on one cell, shape (ny, nx).
+
+    Times a factor.
 
     Notes
     -----
@@ -82,40 +100,30 @@ def influence(
     2F1), a 5 x 5 Gauss rule to 100 cells, and beyond it the mean over the cell by its Taylor
     series to fourth order (relative error below 1e-13).
     """
+    from ._grid_kernels import far_cells
+
     pixel = math.sqrt(spacing[0] * spacing[1])
     hy, hx = spacing[0] / pixel, spacing[1] / pixel
-    longest = max(hx, hy)
-    y = np.arange(shape[0], dtype=np.float64) * np.float64(hy)
-    x = np.arange(shape[1], dtype=np.float64) * np.float64(hx)
-    kernel = _taylor_mean(y, x, hy, hx, m)
-    for reach, rule in ((_MIDDLE_CELLS, _gauss_mean), (_NEAR_CELLS, _corner_mean)):
-        rows = min(shape[0], int(reach * longest / hy) + 1)
-        cols = min(shape[1], int(reach * longest / hx) + 1)
-        kernel[:rows, :cols] = rule(y[:rows], x[:cols], hy, hx, m)
     # C_m / compliance in these units, with C_m = cos(m pi/2) / (pi E_m*)
     unit = 2.0 ** (1.0 - m) * math.pi / math.gamma(0.5 * (1.0 + m)) ** 2
-    kernel *= math.sin(0.5 * math.pi * (1.0 - abs(m))) / math.pi / unit
+    factor *= math.sin(0.5 * math.pi * (1.0 - abs(m))) / math.pi / unit
+    kernel = np.empty(shape)
+    far_cells(hy, hx, m, factor, kernel)
+    near = _near_cells(hy, hx, m)
+    rows, columns = (min(n, k) for n, k in zip(shape, near.shape, strict=True))
+    np.multiply(near[:rows, :columns], factor, out=kernel[:rows, :columns])
     return kernel
 
 
-def _taylor_mean(
-    y: NDArray[np.float64], x: NDArray[np.float64], hy: float, hx: float, m: float
-) -> NDArray[np.float64]:
-    """Integral of r**-(1+m) over cells far from the origin: value and even derivatives."""
-    a = 1.0 + m
-    inverse = y[:, None] ** 2 + x[None, :] ** 2
-    inverse[0, 0] = 1.0
-    np.divide(1.0, inverse, out=inverse)
-    cx = x[None, :] ** 2 * inverse
-    first = a * inverse / 24.0
-    second = a * (a + 2.0) * inverse**2
-    mean = 1.0 + first * (hx**2 * ((a + 2) * cx - 1) + hy**2 * ((a + 2) * (1 - cx) - 1))
-    for square, h in ((cx, hx), (1.0 - cx, hy)):
-        quartic = 3.0 - 6.0 * (a + 4) * square + (a + 4) * (a + 6) * square**2
-        mean += second * (h**4 / 1920.0) * quartic
-    mean += second * (hx * hy) ** 2 / 576.0 * (1 - (a + 4) + (a + 4) * (a + 6) * cx * (1 - cx))
-    mean *= inverse ** (0.5 * a) * (hx * hy)
-    return mean
+@lru_cache(maxsize=8)
+def _near_cells(hy: float, hx: float, m: float) -> NDArray[np.float64]:
+    """Integral of r**-(1+m) over the cells within 100 of the longer side."""
+    longest = max(hx, hy)
+    y, x = (h * np.arange(int(_MIDDLE_CELLS * longest / h) + 1, dtype=float) for h in (hy, hx))
+    cells = _gauss_mean(y, x, hy, hx, m)
+    rows, columns = (int(_NEAR_CELLS * longest / h) + 1 for h in (hy, hx))
+    cells[:rows, :columns] = _corner_mean(y[:rows], x[:columns], hy, hx, m)
+    return cells
 
 
 def _gauss_mean(

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from . import _grid_kernels, transform
-from .kernel import ElasticHalfSpace, compliance, influence, symbol
+from . import convolution
+from .kernel import ElasticHalfSpace, compliance, influence, symbol_quadrant
+from .scratch import Scratch
 
 __all__ = ["Boundary", "HalfSpaceOperator"]
 
@@ -33,6 +34,8 @@ class HalfSpaceOperator:
         infinity and carries no pressure outside the grid.
     threads
         Threads of the Fourier transforms.
+    scratch
+        Where the buffers come from.
 
     Notes
     -----
@@ -48,6 +51,7 @@ class HalfSpaceOperator:
         boundary: Boundary = "periodic",
         *,
         threads: int = 1,
+        scratch: Scratch | None = None,
     ) -> None:
         self.shape = shape
         self.spacing = spacing
@@ -60,38 +64,42 @@ class HalfSpaceOperator:
             self.padded = shape
         else:
             self.padded = (_padded_length(shape[0]), _padded_length(shape[1]))
-        self.transform = transform.plan(self.padded, rows=shape[0], threads=threads)
-        self.pressure = self.transform.values
         self.symbol = self._scaled_symbol()
+        self._convolution = convolution.plan(shape, self.padded, threads=threads, scratch=scratch)
+        self.pressure = self._convolution.values
+
+    @property
+    def displacement(self) -> NDArray[np.float64]:
+        """Displacement [m] that `apply` found last: ny rows, nx or more columns."""
+        return self._convolution.grid
+
+    @property
+    def output(self) -> NDArray[Any]:
+        """The memory of `displacement`, contiguous."""
+        return self._convolution.output
 
     def _scaled_symbol(self) -> NDArray[np.float64]:
-        """Dimensionless symbol, divided by the number of points of the transform.
+        """Quadrant of the dimensionless symbol, divided by the number of points of the transform.
 
         The influence is even along both axes, so that its transform is a cosine transform of one
         quadrant.
         """
         points = self.padded[0] * self.padded[1]
         if self.boundary == "periodic":
-            values = symbol(self.shape, self.spacing, self.m - 1.0)
-            values /= points
-            return values
+            return symbol_quadrant(self.shape, self.spacing, self.m - 1.0, 1.0 / points)
         ny, nx = self.padded
-        quadrant = influence((ny // 2 + 1, nx // 2 + 1), self.spacing, self.m)
+        quadrant = influence((ny // 2 + 1, nx // 2 + 1), self.spacing, self.m, 1.0 / points)
         values = scipy.fft.dctn(quadrant, type=1, workers=self.threads, overwrite_x=True)
-        values /= points
-        rows = np.minimum(np.arange(ny), ny - np.arange(ny))
-        return np.ascontiguousarray(values[rows])
+        return np.asarray(values)
 
     def apply(self) -> NDArray[np.float64]:
         """Displacement [m] of the pressure p~ in `pressure`: a buffer of ny rows, nx or more wide.
 
         p~ [m] is the pressure times `compliance`; columns of `pressure` beyond nx must be zero.
         """
-        self.transform.forward()
-        _grid_kernels.multiply(self.transform.spectrum, self.symbol)
-        self.transform.backward()
+        self._convolution.apply(self.symbol)
         self.pairs += 1
-        return self.transform.grid
+        return self.displacement
 
     def __call__(self, pressure: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacement [m] into the solid of a pressure [Pa], shape (ny, nx)."""

@@ -76,7 +76,7 @@ class LoadPath:
 
     def _predict(self, level: Level, mean: float) -> None:
         """Extrapolate pressure and displacement to a mean pressure."""
-        now = level.exact.pressure, level.exact.transform.grid
+        now = level.exact.pressure, level.exact.displacement
         if self._old is None:
             self._old = np.zeros_like(now[0]), np.zeros_like(now[1])
         before, last = self._means

@@ -18,13 +18,12 @@ from .kernel import ElasticHalfSpace
 from .load_search import LoadSearch
 from .memory import require_memory
 from .operator import Boundary, HalfSpaceOperator
+from .scratch import Scratch
 
 __all__ = ["ContactProblem"]
 
 _COARSE_TOLERANCE = 1e-2
 _FIRST_LOAD = 1e-3
-_POWER = 1.5
-"""Exponent of load over approach that a given start assumes until two loads are known."""
 
 
 class ContactProblem:
@@ -69,8 +68,6 @@ class ContactProblem:
         self.boundary: Boundary = boundary
         self.compliance = exact.compliance
         self.level = Level(hm.heights, exact)
-        self._mean_height = float(hm.heights.mean())
-        self._highest = float(hm.heights.max())
 
     def prescribed(
         self, pressure: float | None, separation: float | None
@@ -91,11 +88,11 @@ class ContactProblem:
                 f"separation is {separation:.4g} m; in a periodic cell it is the mean gap, which "
                 "is positive below full contact; prescribe a pressure instead"
             )
-        return 0.0, -separation - self._mean_height
+        return 0.0, -separation - self.level.mean_height
 
     def touches(self, load: float, offset: float | None) -> bool:
         """Whether there is any contact at the prescribed load or level."""
-        return load > 0.0 if offset is None else -offset < self._highest
+        return load > 0.0 if offset is None else -offset < self.level.highest
 
     def start(
         self, load: float, offset: float | None, given: NDArray[np.float64] | None = None
@@ -120,9 +117,8 @@ class ContactProblem:
             return self._nested(load, search), search
         np.maximum(given, 0.0, out=pressure)
         mean = float(pressure.mean())
-        if search and mean > 0.0:
-            search.mean = mean * self.compliance
-            search.stiffness = _POWER * search.mean / (search.offset + self._highest)
+        if search:
+            search.mean = mean * self.compliance if mean > 0.0 else search.mean
         wanted = search.mean if search else load
         if mean > 0.0:
             pressure *= wanted / mean
@@ -133,20 +129,27 @@ class ContactProblem:
     def _nested(self, load: float, search: LoadSearch | None) -> int:
         """Start from the coarser grids; returns the iterations spent on them."""
         shapes = level_shapes(self.hm.shape)[:-1]
-        pair = self.level.exact.transform
-        maps = CoarseMaps(self.hm.heights, pair, self.boundary, shapes)
+        fine = self.level.exact
+        maps = CoarseMaps(
+            self.hm.heights,
+            self.boundary,
+            shapes,
+            threads=self._threads,
+            scratch=Scratch(fine.pressure),
+        )
+        scratch = Scratch(fine.output)
         iterations = 0
         coarse: Level | None = None
         ly, lx = self.hm.size
         for index, (ny, nx) in enumerate(shapes):
             spacing = (ly / ny, lx / nx)
             exact = HalfSpaceOperator(
-                (ny, nx), spacing, self.mat, self.boundary, threads=self._threads
+                (ny, nx), spacing, self.mat, self.boundary, threads=self._threads, scratch=scratch
             )
-            heights = maps.level(index, (ny, nx), exact.transform)
+            heights = maps.level(index, (ny, nx))
             level = Level(heights, exact)
             ratio = exact.compliance / self.compliance
-            if search and -search.offset >= float(heights.max()):
+            if search and -search.offset >= level.highest:
                 continue
             if search:
                 search.rescale(ratio)
@@ -181,7 +184,7 @@ class ContactProblem:
 
     def separation(self, outcome: Outcome) -> float:
         """Separation reached [m]."""
-        return -outcome.reading.level - self._mean_height
+        return -outcome.reading.level - self.level.mean_height
 
     def mean_pressure(self, outcome: Outcome) -> float:
         """Mean pressure reached [Pa]."""

@@ -82,11 +82,11 @@ def bem_solve(
     outcome = problem.level.solve(search or load, problem.tolerance)
     exact, reading = problem.level.exact, outcome.reading
     level = reading.level if offset is None else offset
-    finish(exact.pressure, exact.transform.grid, hm.heights, 1.0 / problem.compliance, level)
+    finish(exact.pressure, exact.displacement, hm.heights, 1.0 / problem.compliance, level)
     mean = problem.mean_pressure(outcome)
     return BemSolution(
         pressure=exact.pressure[:, : hm.shape[1]],
-        gap=exact.transform.grid[:, : hm.shape[1]],
+        gap=exact.displacement[:, : hm.shape[1]],
         separation=problem.separation(outcome),
         mean_pressure=mean,
         load=mean * hm.area,

@@ -15,13 +15,12 @@ import scipy.fft
 import scipy.linalg
 from numpy.typing import NDArray
 
-from ._simd import LANES, RADIUS
+from ._simd import LANES, RADIUS, SHORT_RADIUS
 from .kernel import influence, symbol
 
-__all__ = ["fitted_stencil", "precondition_stencil", "stencil_symbol", "vector_table"]
+__all__ = ["fitted_stencil", "precondition_stencil", "stencil_symbol", "vector_tables"]
 
 _SAMPLES = 40
-_SWEEPS = 8
 _FLOOR = 2e-3
 
 
@@ -81,47 +80,45 @@ def fitted_stencil(
 
     Notes
     -----
-    Least squares of the relative symbol error on a grid of frequencies, reweighted towards the
-    largest error. Unknowns are the 64 coefficients of the quadrant.
+    Least squares of the relative symbol error on a grid of frequencies. (Reweighting towards the
+    largest error, near the Nyquist frequency, lets the outer corrections converge three times
+    more slowly.) Unknowns are the 64 coefficients of the quadrant.
     """
     fy, fx, target = _target(aspect, m, free)
     weights = _fitting_weights(fy[:, None], fx[None, :], coarsening, order) / target
     cy, cx = _cosines(fy, RADIUS), _cosines(fx, RADIUS)
     design = (cy[:, None, :, None] * cx[None, :, None, :]).reshape(target.size, -1)
     design *= weights.reshape(-1, 1)
-    wanted = (target * weights).ravel()
-    sweep = np.ones(target.size)
-    for _ in range(_SWEEPS):
-        square = sweep**2
-        normal = design.T @ (square[:, None] * design)
-        right = design.T @ (square * wanted)
-        scale = 1.0 / np.sqrt(np.diag(normal))
-        normal *= scale[:, None] * scale[None, :]
-        normal[np.diag_indices_from(normal)] += 1e-13
-        solution = scale * scipy.linalg.solve(normal, scale * right, assume_a="pos")
-        miss = np.abs(design @ solution - wanted)
-        sweep *= np.sqrt(0.3 + miss / miss.max())
-        sweep /= sweep.max()
+    normal = design.T @ design
+    scale = 1.0 / np.sqrt(np.diag(normal))
+    normal *= scale[:, None] * scale[None, :]
+    normal[np.diag_indices_from(normal)] += 1e-13
+    right = scale * (design.T @ (target * weights).ravel())
+    solution = scale * scipy.linalg.solve(normal, right, assume_a="pos")
     return _unfolded(solution.reshape(RADIUS + 1, RADIUS + 1))
 
 
 def _unfolded(quadrant: NDArray[np.float64]) -> NDArray[np.float64]:
     """Symmetric stencil of which the quadrant is given, centre first."""
-    fold = np.abs(np.arange(-RADIUS, RADIUS + 1))
+    radius = quadrant.shape[0] - 1
+    fold = np.abs(np.arange(-radius, radius + 1))
     return np.asarray(quadrant[np.ix_(fold, fold)])
 
 
 @lru_cache(maxsize=64)
 def precondition_stencil(aspect: float, m: float) -> NDArray[np.float64]:
-    """Stencil (15, 15) of |q|**(1-m), cut off beyond 7 pixels, with positive symbol."""
+    """Stencil (9, 9) of |q|**(1-m), cut off beyond 4 pixels, with positive symbol.
+
+    A stencil of 7 pixels saves 1 step in 20 and costs three times as much.
+    """
     n = 256
     spacing = (math.sqrt(aspect), 1.0 / math.sqrt(aspect))
     kernel = scipy.fft.irfft2(symbol((n, n), spacing, 1.0 - m), s=(n, n))
-    quadrant = kernel[: RADIUS + 1, : RADIUS + 1].copy()
+    quadrant = kernel[: SHORT_RADIUS + 1, : SHORT_RADIUS + 1].copy()
     y, x = np.indices(quadrant.shape)
-    quadrant[np.hypot(y, x) > RADIUS + 0.5] = 0.0
-    f = np.linspace(0.0, 0.5, 65)
-    lowest = (_cosines(f, RADIUS) @ quadrant @ _cosines(f, RADIUS).T).min()
+    quadrant[np.hypot(y, x) > SHORT_RADIUS + 0.5] = 0.0
+    cosines = _cosines(np.linspace(0.0, 0.5, 65), SHORT_RADIUS)
+    lowest = (cosines @ quadrant @ cosines.T).min()
     smallest = 0.02 * quadrant[0, 0]
     if lowest < smallest:
         quadrant[0, 0] += smallest - lowest
@@ -132,13 +129,15 @@ def stencil_symbol(
     stencil: NDArray[np.float64], fy: NDArray[np.float64], fx: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Symbol of a symmetric stencil at frequencies [cycles per pixel], shape (fy, fx)."""
-    quadrant = stencil[RADIUS:, RADIUS:]
-    result: NDArray[np.float64] = _cosines(fy, RADIUS) @ quadrant @ _cosines(fx, RADIUS).T
+    radius = stencil.shape[0] // 2
+    quadrant = stencil[radius:, radius:]
+    result: NDArray[np.float64] = _cosines(fy, radius) @ quadrant @ _cosines(fx, radius).T
     return result
 
 
-def vector_table(stencil: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Weights in rows of 16 lanes, as the compiled stencil reads them."""
-    table = np.zeros((2 * RADIUS + 1, LANES), np.float32)
-    table[:, : 2 * RADIUS + 1] = stencil
-    return table.ravel()
+def vector_tables(stencil: NDArray[np.float64]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Weights as the compiled stencils read them: the quadrant, and the rows in 16 lanes each."""
+    radius = stencil.shape[0] // 2
+    rows = np.zeros((2 * radius + 1, LANES), np.float32)
+    rows[:, RADIUS - radius : RADIUS + radius + 1] = stencil
+    return stencil[radius:, radius:].astype(np.float32).ravel(), rows.ravel()

@@ -8,6 +8,8 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from .scratch import Scratch
+
 __all__ = ["RealTransform", "plan", "prefers_fftw"]
 
 _LARGEST_FACTOR = 13
@@ -24,14 +26,14 @@ class RealTransform(Protocol):
         Half spectrum, shape (ny, nx // 2 + 1).
     grid
         Output, shape (rows, nx or more): the columns beyond nx are scratch.
+    output
+        The contiguous memory of `grid`.
     """
 
     values: NDArray[Any]
     spectrum: NDArray[Any]
     grid: NDArray[Any]
-
-    def load_spectrum(self, spectrum: NDArray[Any]) -> None:
-        """Give a half spectrum to `backward`."""
+    output: NDArray[Any]
 
     def forward(self) -> None:
         """Transform `values`, with zeros in the rows that it lacks, into `spectrum`."""
@@ -66,6 +68,7 @@ def plan(
     dtype: Any = np.float64,
     threads: int = 1,
     library: str | None = None,
+    scratch: Scratch | None = None,
 ) -> RealTransform:
     """Transform pair for a shape, by the library that is faster for it.
 
@@ -81,30 +84,38 @@ def plan(
         Threads of the library.
     library
         "fftw" or "scipy"; by default chosen by `prefers_fftw`. Without pyfftw: scipy.
+    scratch
+        Where the buffers come from.
     """
+    scratch = scratch or Scratch()
     rows = shape[0] if rows is None else rows
     if library is None:
         library = "fftw" if prefers_fftw(shape) else "scipy"
     if library == "fftw":
         try:
-            return _FFTWTransform(shape, rows, np.dtype(dtype), threads)
+            return _FFTWTransform(shape, rows, np.dtype(dtype), threads, scratch)
         except ImportError:
             pass
-    return _ScipyTransform(shape, rows, np.dtype(dtype), threads)
+    return _ScipyTransform(shape, rows, np.dtype(dtype), threads, scratch)
 
 
 class _FFTWTransform:
     """FFTW pair whose output lies in the buffer of the spectrum."""
 
     def __init__(
-        self, shape: tuple[int, int], rows: int, dtype: np.dtype[Any], threads: int
+        self,
+        shape: tuple[int, int],
+        rows: int,
+        dtype: np.dtype[Any],
+        threads: int,
+        scratch: Scratch,
     ) -> None:
         import pyfftw
 
         ny, nx = shape
         complex_type = np.result_type(dtype, np.complex64)
-        self.values = pyfftw.zeros_aligned((rows, nx), dtype=dtype)
-        self.spectrum = pyfftw.zeros_aligned((ny, nx // 2 + 1), dtype=complex_type)
+        self.values = scratch.zeros((rows, nx), dtype)
+        self.output = self.spectrum = scratch.zeros((ny, nx // 2 + 1), complex_type)
         self.grid = self.spectrum.view(dtype)[:rows]
         self._tail = self.spectrum[rows:]
 
@@ -129,9 +140,6 @@ class _FFTWTransform:
                 planned(used, out, (1,), "FFTW_BACKWARD"),
             ]
 
-    def load_spectrum(self, spectrum: NDArray[Any]) -> None:
-        self.spectrum[:] = spectrum
-
     def forward(self) -> None:
         self._tail[:] = 0.0
         for stage in self._forward:
@@ -146,15 +154,17 @@ class _ScipyTransform:
     """The same pair by scipy.fft."""
 
     def __init__(
-        self, shape: tuple[int, int], rows: int, dtype: np.dtype[Any], threads: int
+        self,
+        shape: tuple[int, int],
+        rows: int,
+        dtype: np.dtype[Any],
+        threads: int,
+        scratch: Scratch,
     ) -> None:
-        self.values = np.zeros((rows, shape[1]), dtype)
-        self.grid = np.zeros((rows, shape[1]), dtype)
+        self.values = scratch.zeros((rows, shape[1]), dtype)
+        self.output = self.grid = scratch.zeros((rows, shape[1]), dtype)
         self.spectrum = np.empty((0, 0), np.result_type(dtype, np.complex64))
         self._shape, self._rows, self._threads = shape, rows, threads
-
-    def load_spectrum(self, spectrum: NDArray[Any]) -> None:
-        self.spectrum = np.array(spectrum, self.spectrum.dtype)
 
     def forward(self) -> None:
         by_rows = scipy.fft.rfft(self.values, axis=1, workers=self._threads)

@@ -37,12 +37,12 @@ def test_split_operator_is_close_to_the_exact_one(shape, spacing, boundary, m):
     exact = HalfSpaceOperator(shape, spacing, HalfSpace.from_modulus(1.0, m), boundary)
     points, mask = listed(shape)
     nearly = split.SplitOperator(exact)
-    nearly.bind(points)
     rng = np.random.default_rng(1)
     for values, bound in ((rng.standard_normal(len(points)), 0.02), (np.ones(len(points)), 2e-3)):
         exact.pressure[:] = 0.0
         exact.pressure[:, : shape[1]][mask] = values
         expected = exact.apply()[:, : shape[1]][mask]
+        nearly.bind(points)
         found = nearly.apply(values.astype(np.float32))
         assert np.abs(found - expected).max() < bound * np.abs(expected).max()
 
@@ -69,10 +69,10 @@ def test_full_grid_operator_is_the_exact_one(shape, spacing, boundary, m):
     exact = HalfSpaceOperator(shape, spacing, HalfSpace.from_modulus(1.0, m), boundary)
     points, mask = listed(shape)
     single = FullGridOperator(exact)
-    single.bind(points)
     values = np.random.default_rng(3).standard_normal(len(points))
     exact.pressure[:, : shape[1]][mask] = values
     expected = exact.apply()[:, : shape[1]][mask]
+    single.bind(points)
     found = single.apply(values.astype(np.float32))
     np.testing.assert_allclose(found, expected, atol=2e-6 * np.abs(expected).max())
 
@@ -111,11 +111,10 @@ def test_stencil_sum_is_the_direct_sum():
         operator = split.SplitOperator(exact)
         operator.bind(points)
         taps = stencil.precondition_stencil(1.0, 0.0)
-        dense = np.zeros((shape[0] + 14, shape[1] + 14))
-        dense[7:-7, 7:-7][mask] = values
-        if boundary == "periodic":
-            dense = np.pad(dense[7:-7, 7:-7], 7, mode="wrap")
-        windows = np.lib.stride_tricks.sliding_window_view(dense, (15, 15))[mask]
+        dense = np.zeros(shape)
+        dense[mask] = values
+        dense = np.pad(dense, 4, mode="wrap" if boundary == "periodic" else "constant")
+        windows = np.lib.stride_tricks.sliding_window_view(dense, (9, 9))[mask]
         expected = np.einsum("kij,ij->k", windows, taps)
         np.testing.assert_allclose(operator.precondition(values), expected, atol=2e-5)
 

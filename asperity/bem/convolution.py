@@ -1,0 +1,209 @@
+"""Convolution of the whole grid with an even kernel by Fourier transforms, in float64.
+
+A large grid is transformed in blocks that fit in the cache: rows, then, for a few columns at a
+time, forward transform, multiplication and backward transform in one pass, then rows again. Rows of
+padding exist in those blocks only.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from surfaces import _threads
+
+from . import _grid_kernels, transform
+from .scratch import Scratch
+
+__all__ = ["Convolution", "plan"]
+
+_ROWS = 16
+_COLUMNS = 16
+_LARGEST_WHOLE = {False: 1400 * 1400, True: 200 * 200}
+
+
+class Convolution(Protocol):
+    """A planned convolution on buffers that it owns.
+
+    Attributes
+    ----------
+    values
+        Input, shape (ny, nx or more), kept; columns beyond nx are zero.
+    grid
+        Output, shape (ny, nx or more); columns beyond nx are scratch.
+    output
+        The contiguous memory of `grid`.
+    """
+
+    values: NDArray[np.float64]
+    grid: NDArray[np.float64]
+    output: NDArray[Any]
+
+    def apply(self, symbol: NDArray[np.float64]) -> None:
+        """Convolve `values` into `grid`.
+
+        `symbol` is real and even, divided by the number of points of the transform; its quadrant
+        of frequencies from zero on is given, shape (padded ny // 2 + 1, padded nx // 2 + 1).
+        """
+
+
+def plan(
+    shape: tuple[int, int],
+    padded: tuple[int, int],
+    *,
+    threads: int = 1,
+    scratch: Scratch | None = None,
+) -> Convolution:
+    """The convolution that is faster for a grid (ny, nx) and its padded shape.
+
+    Measured on two cores: blocks win by 1.3 at 2048 x 2048 and by 1.7 at 4096 x 4096, whole
+    transforms below 1400 x 1400; padded, blocks win from 200 x 200 on and take half the memory.
+    """
+    if shape[0] * shape[1] <= _LARGEST_WHOLE[padded != shape]:
+        return _Whole(shape, padded, threads, scratch or Scratch())
+    return _Blocked(shape, padded, threads, scratch or Scratch())
+
+
+class _Whole:
+    """One transform pair of the padded grid."""
+
+    def __init__(
+        self, shape: tuple[int, int], padded: tuple[int, int], threads: int, scratch: Scratch
+    ) -> None:
+        self._pair = transform.plan(padded, rows=shape[0], threads=threads, scratch=scratch)
+        self.values, self.grid = self._pair.values, self._pair.grid
+        self.output = self._pair.output
+
+    def apply(self, symbol: NDArray[np.float64]) -> None:
+        self._pair.forward()
+        _grid_kernels.multiply(self._pair.spectrum.view(np.float64), symbol)
+        self._pair.backward()
+
+
+class _Blocked:
+    """Rows and columns in blocks, on as many threads as asked for."""
+
+    def __init__(
+        self, shape: tuple[int, int], padded: tuple[int, int], threads: int, scratch: Scratch
+    ) -> None:
+        ny, nx = self._shape = shape
+        self._half = padded[1] // 2 + 1
+        self.values = scratch.zeros((ny, nx))
+        self.output = self._spectrum = scratch.zeros((ny, self._half), np.complex128)
+        self.grid = self._spectrum.view(np.float64)
+        kind = _FFTWLines if transform.prefers_fftw(padded) and _has_fftw() else _ScipyLines
+        self._lines = [kind(padded) for _ in range(threads)]
+
+    def apply(self, symbol: NDArray[np.float64]) -> None:
+        ny = self._shape[0]
+        self._each(self._forward_rows, -(-ny // _ROWS))
+        self._each(lambda *part: self._columns(symbol, *part), -(-self._half // _COLUMNS))
+        self._each(self._backward_rows, -(-ny // _ROWS))
+
+    def _each(self, stage: Any, count: int) -> None:
+        """Do a stage for a range of blocks on each thread."""
+        n = len(self._lines)
+        parts = [(i, count * i // n, count * (i + 1) // n) for i in range(n)]
+        _threads.each(lambda part: stage(self._lines[part[0]], part[1], part[2]), parts)
+
+    def _forward_rows(self, lines: _Lines, start: int, stop: int) -> None:
+        ny, nx = self._shape
+        lines.rows[:, nx:] = 0.0
+        for y in range(start * _ROWS, min(stop * _ROWS, ny), _ROWS):
+            block = self.values[y : y + _ROWS]
+            lines.rows[: len(block), :nx] = block
+            lines.forward_rows()
+            self._spectrum[y : y + _ROWS] = lines.half[: len(block)]
+
+    def _columns(self, symbol: NDArray[np.float64], lines: _Lines, start: int, stop: int) -> None:
+        for x in range(start * _COLUMNS, min(stop * _COLUMNS, self._half), _COLUMNS):
+            count = min(_COLUMNS, self._half - x)
+            _grid_kernels.load_columns(self._spectrum, x, count, lines.columns)
+            lines.forward_columns()
+            _grid_kernels.scale_columns(symbol, x, count, lines.columns.view(np.float64))
+            lines.backward_columns()
+            _grid_kernels.store_columns(self._spectrum, x, count, lines.columns)
+
+    def _backward_rows(self, lines: _Lines, start: int, stop: int) -> None:
+        ny, nx = self._shape
+        for y in range(start * _ROWS, min(stop * _ROWS, ny), _ROWS):
+            block = self._spectrum[y : y + _ROWS]
+            lines.half[: len(block)] = block
+            lines.backward_rows()
+            self.grid[y : y + _ROWS, :nx] = lines.rows[: len(block), :nx]
+
+
+class _Lines(Protocol):
+    """Transforms of a block of rows (count, nx) or of columns, each a line (count, ny)."""
+
+    rows: NDArray[np.float64]
+    half: NDArray[np.complex128]
+    columns: NDArray[np.complex128]
+
+    def forward_rows(self) -> None:
+        """rows -> half."""
+
+    def backward_rows(self) -> None:
+        """half, which is destroyed, -> rows."""
+
+    def forward_columns(self) -> None:
+        """columns -> columns."""
+
+    def backward_columns(self) -> None:
+        """columns -> columns."""
+
+
+def _has_fftw() -> bool:
+    try:
+        import pyfftw  # noqa: F401
+    except ImportError:
+        return False
+    return True
+
+
+class _FFTWLines:
+    """By FFTW."""
+
+    def __init__(self, padded: tuple[int, int]) -> None:
+        import pyfftw
+
+        ny, nx = padded
+        self.rows = pyfftw.zeros_aligned((_ROWS, nx))
+        self.half = pyfftw.zeros_aligned((_ROWS, nx // 2 + 1), np.complex128)
+        self.columns = pyfftw.zeros_aligned((_COLUMNS, ny), np.complex128)
+
+        def planned(a: Any, b: Any, direction: str) -> Any:
+            flags = ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")
+            return pyfftw.FFTW(a, b, axes=(1,), direction=direction, flags=flags).execute
+
+        self.forward_rows = planned(self.rows, self.half, "FFTW_FORWARD")
+        self.backward_rows = planned(self.half, self.rows, "FFTW_BACKWARD")
+        self.forward_columns = planned(self.columns, self.columns, "FFTW_FORWARD")
+        self.backward_columns = planned(self.columns, self.columns, "FFTW_BACKWARD")
+
+
+class _ScipyLines:
+    """By scipy.fft."""
+
+    def __init__(self, padded: tuple[int, int]) -> None:
+        ny, nx = padded
+        self.rows = np.zeros((_ROWS, nx))
+        self.half = np.zeros((_ROWS, nx // 2 + 1), np.complex128)
+        self.columns = np.zeros((_COLUMNS, ny), np.complex128)
+
+    def forward_rows(self) -> None:
+        self.half[:] = scipy.fft.rfft(self.rows, axis=1)
+
+    def backward_rows(self) -> None:
+        n = self.rows.shape[1]
+        self.rows[:] = scipy.fft.irfft(self.half, n=n, axis=1, norm="forward", overwrite_x=True)
+
+    def forward_columns(self) -> None:
+        self.columns[:] = scipy.fft.fft(self.columns, axis=1, overwrite_x=True)
+
+    def backward_columns(self) -> None:
+        lines = scipy.fft.ifft(self.columns, axis=1, norm="forward", overwrite_x=True)
+        self.columns[:] = lines

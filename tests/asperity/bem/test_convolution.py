@@ -1,0 +1,46 @@
+"""The blocked convolution against the whole one, and memory lent from idle arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asperity.bem import convolution
+from asperity.bem.scratch import Scratch
+
+
+@pytest.mark.parametrize("lines", [convolution._FFTWLines, convolution._ScipyLines])
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize(
+    "shape, padded", [((40, 54), (40, 54)), ((37, 35), (37, 35)), ((33, 40), (66, 80))]
+)
+def test_blocked_convolution_is_the_whole_one(shape, padded, threads, lines, monkeypatch):
+    """Any kind of lines, periodic or padded, odd sizes, blocks that do not divide the grid."""
+    monkeypatch.setattr(convolution, "_FFTWLines", lines)
+    rng = np.random.default_rng(1)
+    symbol = rng.random((padded[0] // 2 + 1, padded[1] // 2 + 1))
+    values = rng.standard_normal(shape)
+    found = []
+    for kind in (convolution._Whole, convolution._Blocked):
+        pair = kind(shape, padded, threads, Scratch())
+        pair.values[:, : shape[1]] = values
+        for _ in range(2):
+            pair.apply(symbol)
+        found.append(pair.grid[:, : shape[1]])
+    np.testing.assert_allclose(*found, atol=1e-12 * np.abs(found[0]).max())
+
+
+def test_scratch_lends_idle_memory_first():
+    """Arrays of zeros, aligned, apart from each other, from the idle array while it lasts."""
+    idle = np.ones(1000)
+    scratch = Scratch(idle)
+    first = scratch.zeros((10, 20), np.float32)
+    second = scratch.zeros((5, 30), np.complex128)
+    third = scratch.zeros((900,))
+    for array in (first, second, third):
+        assert array.ctypes.data % 64 == 0
+        assert not array.any()
+    assert np.shares_memory(first, idle)
+    assert np.shares_memory(second, idle)
+    assert not np.shares_memory(first, second)
+    assert not np.shares_memory(third, idle)
