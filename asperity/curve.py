@@ -84,6 +84,8 @@ class Asperities:
             boundary=plan.boundary,
             material=material,
             interaction=plan.interaction,
+            curvature=profiles.curvature,
+            angle=profiles.angle,
         )
         return cls(hm, material, plan, peaks, profiles, population, seconds)
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import InputError
+from .interaction.elongation import Elongation
 from .interaction.footprint import Footprints
 from .interaction.laws import Laws
 from .microcontact.growing import GrowingTable
@@ -47,6 +48,9 @@ class Population:
     deflection
         Whether coupled contacts stand at the centres that their laws give, and move aside under
         the slope of their neighbors' field; otherwise they stay at their summits.
+    curvature, angle
+        Principal curvatures [1/m], (n, 2), the larger first, and directions of the long axis [rad],
+        (n,), of the summits; round footprints if not given.
 
     Raises
     ------
@@ -72,6 +76,8 @@ class Population:
         material: HalfSpace,
         interaction: bool = True,
         deflection: bool = True,
+        curvature: ArrayLike | None = None,
+        angle: ArrayLike | None = None,
     ) -> None:
         self.x, self.y, self.height = (
             _column(value, name) for value, name in ((x, "x"), (y, "y"), (height, "height"))
@@ -94,6 +100,11 @@ class Population:
         self.interaction = interaction and (boundary == "periodic" or len(self.height) > 1)
         self.deflection = deflection
         self.footprints = Footprints(material.modulus, material.m)
+        self.elongation: Elongation | None = None
+        if curvature is not None and angle is not None:
+            self.elongation = Elongation.of(
+                np.asarray(curvature, float), np.asarray(angle, float), self.footprints
+            )
         self.laws = Laws(table, self.footprints)
         usable = np.flatnonzero(self.laws.usable)
         if len(usable) == 0:
@@ -159,7 +170,7 @@ class Population:
 
     def _judged(self, state: PopulationState) -> PopulationState:
         share = state.contact_area / self.nominal_area
-        if state.converged and share > LARGEST_AREA:
+        if share > LARGEST_AREA:
             reason = (
                 f"contacts fill {100 * share:.0f} % of the nominal area, more than the "
                 f"{100 * LARGEST_AREA:.0f} % up to which separate contacts are a model"

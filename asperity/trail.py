@@ -256,7 +256,9 @@ class Trail:
         closed = own > 0
         if not closed.any():
             return 0.0, share
-        tangent = Tangent(self.problem.plan, closed, self.problem.laws(own).stiffness)
+        tangent = Tangent(
+            self.problem.plan, closed, self.problem.laws(own).stiffness, form=self.problem.form
+        )
         rows = self.index[closed]
         start = None if self.compliance is None else self.compliance[rows] / tangent.compliance
         solved = conjugate_gradients(tangent, np.ones(len(rows)), tolerance=0.03, start=start)
@@ -332,7 +334,11 @@ class Trail:
         listed = np.zeros(len(population), bool)
         listed[index] = True
         problem = Problem(
-            population.height[index], population.laws.rows(index), plan, population.deflection
+            population.height[index],
+            population.laws.rows(index),
+            plan,
+            population.deflection,
+            None if population.elongation is None else population.elongation.rows(index),
         )
         return replace(self, problem=problem, index=index, listed=listed)
 

@@ -73,7 +73,7 @@ def deposit(rows, y, x, force, variance, cap, dipole, per_step, grid):  # type: 
 def gather(rows, y, x, force, variance, cap, own, per_step, grid, part, out):  # type: ignore[no-untyped-def]
     """Sum of the mesh part, less what each point does to itself there, and the near `part`s.
 
-    Into `out` (n, 5): v0, v1, the gradient by y and x, and the field of the shifts; the last three
+    Into `out` (n, 6): v0, v1, the gradient by y and x, and the field of the shifts; the last three
     only if there is a second mesh.
     """
     moves = grid.shape[0] > 1
@@ -121,13 +121,16 @@ def gather(rows, y, x, force, variance, cap, own, per_step, grid, part, out):  #
         if moves:
             along *= ny
             across *= nx
+            longer = 0.0
             for c in range(part.shape[0]):
                 along += part[c, i, 2]
                 across += part[c, i, 3]
                 moved += part[c, i, 4]
+                longer += part[c, i, 5]
             out[i, 2] = along
             out[i, 3] = across
             out[i, 4] = moved
+            out[i, 5] = longer
 
 
 @njit(cache=True, nogil=True)

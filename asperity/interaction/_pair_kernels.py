@@ -9,6 +9,11 @@ from numba import njit
 
 from .footprint import PAIR_NODES
 
+BEADS, SHARES = np.polynomial.hermite_e.hermegauss(4)
+SHARES = SHARES / SHARES.sum()
+ROUNDEST = 0.1
+NEGLIGIBLE = 0.02
+
 
 @njit(inline="always")
 def _beside(place, step, count, wrap):  # type: ignore[no-untyped-def]
@@ -91,17 +96,66 @@ def half_list(y, x, start, cells, size, wrap, cut, rows, k, far, far_scale, ptr,
     return k
 
 
+@njit(nogil=True)
+def _round(r2, both, shape, power):  # type: ignore[no-untyped-def]
+    """Kernel of two round footprints, and its slope over the distance by the distance."""
+    inverse = 1.0 / (r2 + both)
+    w = both * inverse * PAIR_NODES
+    c = min(int(w), PAIR_NODES - 1)
+    t = w - c
+    root = math.sqrt(inverse) if power == 1.0 else inverse ** (0.5 * power)
+    value = (shape[c, 0] + t * (shape[c + 1, 0] - shape[c, 0])) * root
+    pull = (shape[c, 2] + t * (shape[c + 1, 2] - shape[c, 2])) * root * inverse
+    return value, pull
+
+
+@njit(nogil=True)
+def _long(dy, dx, yy, xx, xy, shape, power):  # type: ignore[no-untyped-def]
+    """Kernel of two footprints with the sum of moments yy, xx, xy, and its gradient.
+
+    A Gaussian of moments l1 > l2 is taken as round ones of variance max(l2, `ROUNDEST` l1) at the
+    four Gauss nodes of the rest along its long axis: within 1 % of the kernel for two contacts of
+    2:1 that touch, 8 % for two of 4:1 side by side.
+    """
+    skew = 0.5 * (xx - yy)
+    half = math.sqrt(skew * skew + xy * xy)
+    large = 0.5 * (xx + yy) + half
+    width = max(large - 2.0 * half, ROUNDEST * large)
+    reach = math.sqrt(large - width)
+    turn = skew / half
+    ex = math.sqrt(max(0.5 * (1.0 + turn), 0.0)) * reach
+    ey = math.copysign(math.sqrt(max(0.5 * (1.0 - turn), 0.0)), xy) * reach
+    value, gy, gx = 0.0, 0.0, 0.0
+    for b in range(BEADS.size):
+        by = dy + BEADS[b] * ey
+        bx = dx + BEADS[b] * ex
+        part, pull = _round(by * by + bx * bx, width, shape, power)
+        value += SHARES[b] * part
+        gy += SHARES[b] * pull * by
+        gx += SHARES[b] * pull * bx
+    return value, gy, gx
+
+
+@njit(nogil=True)
+def _differs(yy, xx, xy, reach):  # type: ignore[no-untyped-def]
+    """Whether moments differ from round ones by more than a share of r^2 + S^2."""
+    limit = NEGLIGIBLE * reach
+    return 0.25 * (xx - yy) * (xx - yy) + xy * xy > limit * limit
+
+
 @njit(cache=True, nogil=True)
 def near_fields(  # type: ignore[no-untyped-def]
-    rows, force, variance, growth, dipole, moves, cap, ptr, col, pair, shape, power, out
+    rows, force, variance, growth, form, dipole, moves, cap, ptr, col, pair, shape, power, out
 ):
-    """Near pairs of the rows, both ways, into `out` (n, 5): v0, v1, gradient and field of shifts.
+    """Near pairs of the rows, both ways, into `out` (n, 6): v0, v1, gradient, field of shifts, and
+    what v0 lacks for footprints that are not round.
 
     The energy of the pair (i, j) is F_i F_j N(r; m_i, m_j); v0_i = sum F_j N and
     v1_i = sum F_j dN/dm_i. The smooth part that is subtracted takes variances up to `cap` only,
     as the mesh does. Gradients are those of footprints wider by half the `growth` of both contacts,
-    the mean of receiver and source; they, and the field of forces times shifts `dipole` (n, 2),
-    are made only if `moves`.
+    the mean of receiver and source, of moments `form` (n, 3), yy, xx, xy, over their variance.
+    They, the field of forces times shifts `dipole` (n, 2) and the last column are made only if
+    `moves`.
     """
     nodes = float(shape.shape[0] - 1)
     out[:] = 0.0
@@ -112,6 +166,7 @@ def near_fields(  # type: ignore[no-untyped-def]
         a2 = 0.0
         a3 = 0.0
         a4 = 0.0
+        a5 = 0.0
         fi = force[i]
         loaded = fi != 0.0
         mi = variance[i]
@@ -148,34 +203,46 @@ def near_fields(  # type: ignore[no-untyped-def]
             out[j, 0] += fi * value
             out[j, 1] += fi * (slope - wj * (bend + vi * cross))
             if moves:
-                both += 0.5 * (growth[i] + growth[j])
+                here = mi + 0.5 * growth[i]
+                there = mj + 0.5 * growth[j]
+                both = here + there
                 inverse = 1.0 / (r2 + both)
                 w = both * inverse * nodes
                 c = np.uint64(min(int(w), PAIR_NODES - 1))
                 t = w - c
                 root = math.sqrt(inverse) if power == 1.0 else inverse ** (0.5 * power)
                 pull = (shape[c, 2] + t * (shape[c + one, 2] - shape[c, 2])) * root * inverse
-                pull -= pair[k, 5]
+                gy = pull * dy
+                gx = pull * dx
+                yy = here * form[i, 0] + there * form[j, 0]
+                xx = here * form[i, 1] + there * form[j, 1]
+                xy = here * form[i, 2] + there * form[j, 2]
+                if _differs(yy, xx, xy, r2 + both):
+                    full, gy, gx = _long(dy, dx, yy, xx, xy, shape, power)
+                    full -= (shape[c, 0] + t * (shape[c + one, 0] - shape[c, 0])) * root
+                    a5 += fj * full
+                    out[j, 5] += fi * full
+                gy -= pair[k, 5] * dy
+                gx -= pair[k, 5] * dx
                 bend = 0.5 * pair[k, 6]
-                here = fj * (pull - vj * bend)
-                there = fi * (pull - vi * bend)
-                a2 += here * dy
-                a3 += here * dx
-                a4 -= pull * (dipole[j, 0] * dy + dipole[j, 1] * dx)
-                out[j, 2] -= there * dy
-                out[j, 3] -= there * dx
-                out[j, 4] += pull * (dipole[i, 0] * dy + dipole[i, 1] * dx)
+                a2 += fj * (gy - vj * bend * dy)
+                a3 += fj * (gx - vj * bend * dx)
+                a4 -= dipole[j, 0] * gy + dipole[j, 1] * gx
+                out[j, 2] -= fi * (gy - vi * bend * dy)
+                out[j, 3] -= fi * (gx - vi * bend * dx)
+                out[j, 4] += dipole[i, 0] * gy + dipole[i, 1] * gx
         out[i, 0] += a0
         out[i, 1] += a1
         out[i, 2] += a2
         out[i, 3] += a3
         out[i, 4] += a4
+        out[i, 5] += a5
 
 
 @njit(cache=True, nogil=True)
-def tangent_list(rows, ptr, col, pair, rank, variance, cap, shape, power, tptr, tcol, tval):  # type: ignore[no-untyped-def]
+def tangent_list(rows, ptr, col, pair, rank, variance, form, cap, shape, power, tptr, tcol, tval):  # type: ignore[no-untyped-def]
     """Pairs of active points (rank >= 0) of the rows and their tangent values, from the place of
-    the first row on; `variance` runs over the active points."""
+    the first row on; `variance` and the moments `form` (n, 3) run over the active points."""
     nodes = float(shape.shape[0] - 1)
     one = np.uint64(1)
     place = np.uint64(ptr[rows[0], 0]) if rows[1] > rows[0] else np.uint64(0)
@@ -194,16 +261,20 @@ def tangent_list(rows, ptr, col, pair, rank, variance, cap, shape, power, tptr, 
             mj = variance[there]
             vj = min(mj, cap)
             spread = mi + mj
-            inverse = 1.0 / (pair[e, 0] * pair[e, 0] + pair[e, 1] * pair[e, 1] + spread)
+            reach = pair[e, 0] * pair[e, 0] + pair[e, 1] * pair[e, 1] + spread
+            inverse = 1.0 / reach
             w = spread * inverse * nodes
             c = np.uint64(min(int(w), PAIR_NODES - 1))
             root = math.sqrt(inverse) if power == 1.0 else inverse ** (0.5 * power)
+            value = (shape[c, 0] + (w - c) * (shape[c + one, 0] - shape[c, 0])) * root
+            yy = form[here, 0] + form[there, 0]
+            xx = form[here, 1] + form[there, 1]
+            xy = form[here, 2] + form[there, 2]
+            if _differs(yy, xx, xy, reach):
+                value = _long(pair[e, 0], pair[e, 1], yy, xx, xy, shape, power)[0]
             tcol[place] = there
             tval[place] = (
-                (shape[c, 0] + (w - c) * (shape[c + one, 0] - shape[c, 0])) * root
-                - pair[e, 2]
-                - 0.5 * (vi + vj) * pair[e, 3]
-                - 0.25 * vi * vj * pair[e, 4]
+                value - pair[e, 2] - 0.5 * (vi + vj) * pair[e, 3] - 0.25 * vi * vj * pair[e, 4]
             )
             place += one
         tptr[here, 1] = place

@@ -8,7 +8,7 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True)
-def deflect(force, stiffness, approach, tilt, modulus, power, limit, gain, aside):  # type: ignore[no-untyped-def]
+def deflect(force, stiffness, approach, tilt, lean, modulus, power, limit, gain, aside):  # type: ignore[no-untyped-def]
     """Height gained and shift (n, 2) of each contact; `deflection` has the formulas."""
     for i in range(force.size):
         bound = 0.5 * limit * limit * power * approach[i]
@@ -20,11 +20,13 @@ def deflect(force, stiffness, approach, tilt, modulus, power, limit, gain, aside
         radius = power * stiffness[i] / (2.0 * modulus)
         square = radius * radius if power == 1.0 else radius ** (2.0 / power)
         bend = square / (power * approach[i])
-        free = 0.5 * bend * (tilt[i, 0] * tilt[i, 0] + tilt[i, 1] * tilt[i, 1])
+        along_y = lean[i, 0] * tilt[i, 0] + lean[i, 2] * tilt[i, 1]
+        along_x = lean[i, 2] * tilt[i, 0] + lean[i, 1] * tilt[i, 1]
+        free = 0.5 * bend * (tilt[i, 0] * along_y + tilt[i, 1] * along_x)
         share = bound / (bound + free)
         gain[i] = free * share
-        aside[i, 0] = -bend * share * tilt[i, 0]
-        aside[i, 1] = -bend * share * tilt[i, 1]
+        aside[i, 0] = -bend * share * along_y
+        aside[i, 1] = -bend * share * along_x
 
 
 @njit(cache=True, nogil=True)

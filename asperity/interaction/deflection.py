@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from . import _state_kernels
 from .footprint import Footprints
 from .laws import Evaluated
+from .operator import ROUND
 
 __all__ = ["LARGEST_SHIFT", "deflection"]
 
@@ -20,6 +21,7 @@ def deflection(
     law: Evaluated,
     approach: NDArray[np.float64],
     tilt: NDArray[np.float64],
+    lean: NDArray[np.float64] | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Height [m] that each contact gains by moving aside, shape (n,), and its shift [m], (n, 2).
 
@@ -31,6 +33,8 @@ def deflection(
         Laws of the contacts at their approaches [m], shape (n,).
     tilt
         Gradient [-] of the displacement by all others, shape (n, 2).
+    lean
+        Radii of curvature yy, xx, xy over those of round contacts (`Elongation`), shape (n, 3).
 
     Notes
     -----
@@ -53,6 +57,7 @@ def deflection(
         law.stiffness,
         approach,
         tilt,
+        np.tile(ROUND, (len(approach), 1)) if lean is None else lean,
         footprints.modulus,
         footprints.power,
         LARGEST_SHIFT,

@@ -37,6 +37,9 @@ PAIRS_PER_THREAD = 60_000
 NODES = 2.2
 """Mesh nodes per split length."""
 
+ROUND = np.array([1.0, 1.0, 0.0])
+"""Moments yy, xx, xy of a round footprint over its variance."""
+
 PAIR_DATA = 7
 """Numbers kept of each pair: its distance along both axes, and a row of `far_table`."""
 
@@ -55,12 +58,15 @@ class Field(NamedTuple):
         variance and `growth`.
     moved
         Displacement [m] by the moments, shape (n,).
+    longer
+        Displacement [m] by elongated footprints less that by round ones, shape (n,).
     """
 
     value: NDArray[np.float64]
     slope: NDArray[np.float64]
     tilt: NDArray[np.float64]
     moved: NDArray[np.float64]
+    longer: NDArray[np.float64]
 
 
 class Interaction:
@@ -149,7 +155,7 @@ class Interaction:
         self.own = at_origin(footprints.m)
         self.scale = footprints.point * self.eta**-footprints.power
         self.rows = _chunks(self.ptr)
-        self.part = np.zeros((len(self.rows), len(y), 5))
+        self.part = np.zeros((len(self.rows), len(y), 6))
         self.grids = np.zeros((len(self.rows), 2, *self.mesh.shape))
         self.tangent_col = np.empty(len(self.col), np.uint32)
         self.tangent_value = np.empty(len(self.col), np.float32)
@@ -161,6 +167,7 @@ class Interaction:
         variance: NDArray[np.float64],
         growth: NDArray[np.float64] | None = None,
         moment: NDArray[np.float64] | None = None,
+        form: NDArray[np.float64] | None = None,
     ) -> Field:
         """Displacement by forces spread with their variances.
 
@@ -174,13 +181,16 @@ class Interaction:
             To know the gradients too, and the field of forces that have moved: variance [m^2] by
             which the footprint of an increment exceeds that of the whole force, shape (n,), and
             force times shift [N m], shape (n, 2).
+        form
+            Second moments yy, xx, xy of elongated footprints over their variance, shape (n, 3).
         """
         n, moves = len(force), moment is not None
         m = variance / self.eta**2
         grown = m if growth is None else growth / self.eta**2
         dipole = np.zeros((1, 2)) if moment is None else moment / self.eta
         grids = self.grids[:, : 1 + moves]
-        out = np.zeros((n, 5))
+        form = np.tile(ROUND, (n, 1)) if form is None else form
+        out = np.zeros((n, 6))
 
         def sources(c: int, rows: NDArray[np.int64]) -> None:
             place = self.y, self.x, force, m, CAP, dipole, self.mesh.per_step
@@ -190,6 +200,7 @@ class Interaction:
                 force,
                 m,
                 grown,
+                form,
                 dipole,
                 moves,
                 CAP,
@@ -212,7 +223,7 @@ class Interaction:
         out *= self.scale
         out[:, 1] /= self.eta**2
         out[:, 2:4] /= self.eta
-        return Field(out[:, 0], out[:, 1], out[:, 2:4], out[:, 4])
+        return Field(out[:, 0], out[:, 1], out[:, 2:4], out[:, 4], out[:, 5])
 
     def potential(self, y: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacement [m] of the last field at any places [m], shape (n,), without near contacts.

@@ -24,12 +24,13 @@ MAX_CUTS = 30
 NOISE = 1e-10
 """Share of the energies below which a change of energy is not known: pairs are tabulated."""
 
-RELAXATION = (0.8, 0.65)
-"""Share of the change of the deflection that a step takes, early and late: more force here means
-less there, so that the full change overshoots."""
+RELAXATION = (0.8, 0.65, 0.35)
+"""Share of the change of the deflection that a step takes, early, late and in long solves: more
+force here means less there, so that the full change overshoots. Two contacts on one ridge can pass
+their load back and forth for ever."""
 
-EARLY = 3
-"""Newton steps that count as early."""
+EARLY, LONG = 3, 8
+"""Newton steps from which on a step is no longer early, and a solve is long."""
 
 SUFFICIENT = 1e-4
 """Share of the predicted fall of energy that a step must reach (Armijo)."""
@@ -129,11 +130,13 @@ def descend(
         if step == limit:
             reason = f"{limit} Newton steps left a residual of {error:.1e}"
             break
-        share = RELAXATION[step >= EARLY]
+        share = RELAXATION[(step >= EARLY) + (step >= LONG)]
         held = state.shift if held is None else held + share * (state.shift - held)
         tilt = tilt + (share if step >= EARLY else 1.0) * (state.field.tilt - tilt)
         residual.raised(held - state.shift)
-        tangent = Tangent(problem.plan, residual.active, residual.stiffness, residual.extra)
+        tangent = Tangent(
+            problem.plan, residual.active, residual.stiffness, residual.extra, problem.form
+        )
         first = None
         if load is not None:
             shares = np.broadcast_to(compliance, start.shape)[residual.active] / tangent.compliance

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from . import _state_kernels
 from .deflection import deflection
+from .elongation import Elongation
 from .laws import Evaluated, Laws
 from .operator import Field, Interaction
 
@@ -27,12 +28,25 @@ class Problem:
         Laws and interaction in the same order.
     deflects
         Whether contacts move aside under the slope of the field (`deflection`).
+    elongation
+        Their elongation in the same order; None: round.
     """
 
     height: NDArray[np.float64]
     laws: Laws
     plan: Interaction
     deflects: bool = False
+    elongation: Elongation | None = None
+
+    @property
+    def form(self) -> NDArray[np.float64] | None:
+        """Moments of the footprints over their variance, shape (n, 3); None: round."""
+        return None if self.elongation is None else self.elongation.spread
+
+    @property
+    def lean(self) -> NDArray[np.float64] | None:
+        """Radii of curvature over those of round contacts, shape (n, 3); None: round."""
+        return None if self.elongation is None else self.elongation.lean
 
 
 @dataclass(eq=False)
@@ -74,10 +88,11 @@ class State:
         if not problem.deflects:
             field = problem.plan.field(laws.force, laws.moment)
             return cls(approach, laws, field, tilt, np.zeros(len(approach)), tilt)
-        _, aside = deflection(problem.plan.footprints, laws, approach, tilt)
+        body, lean = problem.plan.footprints, problem.lean
+        _, aside = deflection(body, laws, approach, tilt, lean)
         moment = laws.force[:, None] * aside
-        field = problem.plan.field(laws.force, laws.moment, laws.growth, moment)
-        gain, fresh = deflection(problem.plan.footprints, laws, approach, field.tilt)
+        field = problem.plan.field(laws.force, laws.moment, laws.growth, moment, problem.form)
+        gain, fresh = deflection(body, laws, approach, field.tilt, lean)
         return cls(approach, laws, field, aside, gain, fresh)
 
     @property
@@ -87,8 +102,9 @@ class State:
 
     @property
     def shift(self) -> NDArray[np.float64]:
-        """Height [m] that each contact gains by its own shift and loses by those of the others."""
-        return self.gain - self.field.moved
+        """Height [m] that each contact gains by its own shift, and loses by those of the others and
+        by the elongation of all."""
+        return self.gain - self.field.moved - self.field.longer
 
     @property
     def lag(self) -> float:

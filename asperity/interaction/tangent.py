@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _mesh_kernels, _pair_kernels
-from .operator import CAP, Interaction, run
+from .operator import CAP, ROUND, Interaction, run
 
 __all__ = ["Tangent"]
 
@@ -28,6 +28,8 @@ class Tangent:
         k [N/m], shape (n,), positive at the active points.
     extra
         Compliance [m/N] added to that of the points, not negative, shape (n,) or scalar.
+    form
+        Second moments yy, xx, xy of elongated footprints over their variance, shape (n, 3).
     """
 
     def __init__(
@@ -36,6 +38,7 @@ class Tangent:
         active: NDArray[np.bool_],
         stiffness: NDArray[np.float64],
         extra: NDArray[np.float64] | float = 0.0,
+        form: NDArray[np.float64] | None = None,
     ) -> None:
         self.plan = plan
         self.index = np.flatnonzero(active)
@@ -48,6 +51,8 @@ class Tangent:
         f0, f1, f2 = plan.own
         held = np.minimum(variance, CAP)
         self.diagonal = self.compliance / plan.scale - f0 - held * (f1 + 0.25 * held * f2)
+        form = np.tile(ROUND, (n, 1)) if form is None else form[self.index]
+        moments = variance[:, None] * form
         self.rows = np.searchsorted(self.index, plan.rows)
         self.ptr = np.zeros((n, 2), np.int64)
         self.col, self.value = plan.tangent_col, plan.tangent_value
@@ -74,6 +79,7 @@ class Tangent:
                 plan.pair,
                 rank,
                 variance,
+                moments,
                 CAP,
                 plan.shape,
                 plan.footprints.power,

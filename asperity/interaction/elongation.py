@@ -1,0 +1,99 @@
+"""Elongated contacts: the second moments of their footprints, and how far they lean."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ellipe, ellipk
+
+from .footprint import Footprints
+
+__all__ = ["LARGEST_ASPECT", "LARGEST_LEAN", "Elongation"]
+
+Array = NDArray[np.float64]
+
+LARGEST_ASPECT = 30.0
+"""Largest ratio of the axes of a footprint."""
+
+LARGEST_LEAN = 1.5
+"""Largest radius of curvature along a contact over that of the round one: a ridge is no paraboloid
+along its length."""
+
+ASPECT_EXPONENT = 0.63
+"""Ratio of the axes of an elliptic contact from that of the curvatures, within 3 % up to 30."""
+
+
+@dataclass(frozen=True, eq=False)
+class Elongation:
+    """How the footprints of contacts differ from round ones; arrays over the contacts.
+
+    Parameters
+    ----------
+    spread
+        Second moments yy, xx, xy of the footprint over the variance of the round footprint of the
+        same compliance, shape (n, 3).
+    lean
+        Components yy, xx, xy of the radius of curvature over that of the round contact of the same
+        stiffness and approach, shape (n, 3).
+
+    Notes
+    -----
+    The flat punch over an ellipse and a Gaussian of elliptic contours depend on the ratio of their
+    axes in the same way: the rule of `Footprints`, that a footprint has the compliance of its
+    contact, holds with the moments v g r along and v g / r across, where
+    g^(p/2) = mean over directions of (r cos^2 + sin^2 / r)^(-p/2) (p = 1: 2 K(e) / (pi sqrt(r))).
+    An elliptic paraboloid of semi-axes a, b with r = a/b and e^2 = 1 - 1/r^2 has the radii
+    a^2 / (d c) along and b^2 / (d c') across, c = 2 (K - E) / (e^2 K), c + c' = 2, of which the one
+    along is bounded by `LARGEST_LEAN`.
+    """
+
+    spread: Array
+    lean: Array
+
+    @classmethod
+    def of(cls, curvature: Array, angle: Array, footprints: Footprints) -> Elongation:
+        """Of summits with principal curvatures (n, 2) [1/m] and directions of their long axis
+        (n,) [rad]."""
+        steep, shallow = curvature.T
+        flatness = np.divide(shallow, steep, out=np.ones(len(steep)), where=steep > 0)
+        ratio = np.clip(flatness, 1e-6, 1.0) ** -ASPECT_EXPONENT
+        ratio = np.minimum(ratio, LARGEST_ASPECT)
+        along, across = _axes(footprints.power, ratio)
+        eccentricity = np.maximum(1 - ratio**-2, 1e-9)
+        k, e = ellipk(eccentricity), ellipe(eccentricity)
+        share = 2 * (k - e) / (eccentricity * k)
+        far, near = np.minimum(ratio / share, LARGEST_LEAN), 1 / (ratio * (2 - share))
+        return cls(_turned(along, across, angle), _turned(far, near, angle))
+
+    def rows(self, index: NDArray[np.int64]) -> Elongation:
+        """Of the contacts `index` alone."""
+        return Elongation(self.spread[index], self.lean[index])
+
+
+def _axes(power: float, ratio: Array) -> tuple[Array, Array]:
+    """Moments along and across over that of the round footprint of the same compliance."""
+    place, known = _compliance(power)
+    size = np.interp(np.log(ratio), place, known) ** (2 / power)
+    return size * ratio, size / ratio
+
+
+@functools.lru_cache(maxsize=16)
+def _compliance(power: float) -> tuple[Array, Array]:
+    """Self-compliance of an elliptic Gaussian of unit determinant, over the log of its ratio."""
+    place = np.linspace(0.0, np.log(LARGEST_ASPECT), 65)
+    angle = (np.arange(512) + 0.5) * np.pi / 1024
+    ratio = np.exp(place)[:, None]
+    square = ratio * np.cos(angle) ** 2 + np.sin(angle) ** 2 / ratio
+    return place, np.mean(square ** (-0.5 * power), axis=1)
+
+
+def _turned(along: Array, across: Array, angle: Array) -> Array:
+    """Components yy, xx, xy of tensors with principal values `along` the angle and `across`."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack(
+        (along * s * s + across * c * c, along * c * c + across * s * s, (along - across) * s * c),
+        axis=1,
+    )
