@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .bem.curve import bem_curve as bem_curve
     from .bem.single import BemIndentation as BemIndentation
-    from .bem.single import indent_bem as indent_bem
     from .bem.solution import BemSolution as BemSolution
     from .bem.solve import bem_solve as bem_solve
     from .comparison import Comparison as Comparison
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
     from .friction import friction_curve as friction_curve
     from .indentation import Indentation as Indentation
     from .indentation import indent as indent
+    from .indentation_bem import indent_bem as indent_bem
     from .material import HalfSpace as HalfSpace
     from .microcontact.friction import PartialSlip as PartialSlip
     from .microcontact.friction import partial_slip as partial_slip
@@ -72,7 +72,7 @@ _HOME = {
     "contact_curve": "curve",
     "flat_punch": "microcontact.punch",
     "indent": "indentation",
-    "indent_bem": "bem.single",
+    "indent_bem": "indentation_bem",
     "make_plan": "plan",
     "partial_slip": "microcontact.friction",
     "set_threads": "threads",

@@ -44,7 +44,9 @@ class LawRow:
         Why there is no solution.
     force_error, contour_error, area_error
         e_F, e_a (root mean square over the angle, relative to the mean radius) and e_A at the
-        same approach (equations 44, 45).
+        same approach, or at the same load (equations 44, 45); e_F is zero at the same load.
+    approach_error
+        e_d, the error of the approach; zero at the same approach.
     seconds
         Run time [s], contour included.
     """
@@ -55,16 +57,18 @@ class LawRow:
     force_error: float = np.nan
     contour_error: float = np.nan
     area_error: float = np.nan
+    approach_error: float = np.nan
     seconds: float = np.nan
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One profile at one approach by all laws, beside the boundary elements."""
+    """One profile at one approach, or one load, by all laws, beside the boundary elements."""
 
     profile: PowerSumProfile | PolarProfile
     material: HalfSpace
-    approach: float
+    approach: float | None
+    load: float | None
     rows: tuple[LawRow, ...]
     reference: BemIndentation | None = None
     reference_seconds: float = np.nan
@@ -76,35 +80,40 @@ class Case:
 
     def table(self) -> str:
         """Text table: one line per law, the boundary elements last."""
-        head = ("law", "force [N]", "area [m^2]", "e_F %", "e_a %", "e_A %", "estimate %", "ms")
-        lines = ["  ".join(f"{h:>11}" for h in head)]
+        by_load = self.load is not None
+        driven, error = ("approach [m]", "e_d %") if by_load else ("force [N]", "e_F %")
+        head = ("law", driven, "area [m^2]", error, "e_a %", "e_A %", "estimate %", "ms")
+        lines = ["  ".join(f"{h:>12}" for h in head)]
         for row in self.rows:
             one = row.solution
             if one is None:
-                lines.append(f"{row.law:>11}  {row.reason}")
+                lines.append(f"{row.law:>12}  {row.reason}")
                 continue
-            values = [float(one.force), float(one.contact_area)]
-            shares = [row.force_error, row.contour_error, row.area_error, float(one.error_estimate)]
+            first = row.approach_error if by_load else row.force_error
+            values = [float(one.approach if by_load else one.force), float(one.contact_area)]
+            shares = [first, row.contour_error, row.area_error, float(one.error_estimate)]
             cells = _cells(values, 1, ".5g") + _cells(shares, 100, ".3f")
             cells += _cells([row.seconds], 1e3, ".2f")
-            lines.append("  ".join([f"{row.law:>11}", *cells, one.flag_names()]).rstrip())
+            lines.append("  ".join([f"{row.law:>12}", *cells, one.flag_names()]).rstrip())
         if self.reference is not None:
-            cells = _cells([self.reference.force, self.reference.contact_area], 1, ".5g")
-            cells += 4 * [" " * 11] + _cells([self.reference_seconds], 1e3, ".2f")
+            found = self.reference.approach if by_load else self.reference.force
+            cells = _cells([float(found), self.reference.contact_area], 1, ".5g")
+            cells += 4 * [" " * 12] + _cells([self.reference_seconds], 1e3, ".2f")
             state = "" if self.reference.converged else "not converged"
-            lines.append("  ".join([f"{'bem':>11}", *cells, state]).rstrip())
+            lines.append("  ".join([f"{'bem':>12}", *cells, state]).rstrip())
         return "\n".join(lines)
 
 
 def _cells(values: Sequence[float], factor: float, form: str) -> list[str]:
-    return [f"{format(factor * float(value), form):>11}" for value in values]
+    return [f"{format(factor * float(value), form):>12}" for value in values]
 
 
 def judge(
     profile: PowerSumProfile | PolarProfile,
     material: HalfSpace,
-    approach: float,
+    approach: float | None = None,
     *,
+    load: float | None = None,
     laws: tuple[str, ...] = (),
     grid: int | None = 256,
     tolerance: float = 1e-6,
@@ -113,8 +122,8 @@ def judge(
 
     Parameters
     ----------
-    profile, material, approach
-        The contact, see `asperity.indent`.
+    profile, material, approach, load
+        The contact, see `asperity.indent`; all are compared at the same approach, or load.
     laws
         Names of the laws; by default all but "auto", which is one of them.
     grid
@@ -123,30 +132,31 @@ def judge(
         Their tolerance.
     """
     reference, seconds, edge = None, np.nan, np.empty(0)
+    driven = {"approach": approach, "load": load}
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     if grid is not None:
-        from .bem.single import indent_bem
+        from .indentation_bem import indent_bem
 
         start = time.perf_counter()
-        reference = indent_bem(profile, material, approach, grid=grid, tolerance=tolerance)
+        reference = indent_bem(profile, material, **driven, grid=grid, tolerance=tolerance)
         seconds = time.perf_counter() - start
         edge = reference.contour(phi)
-    rows = tuple(_row(law, profile, material, approach, reference, edge) for law in laws or _EVERY)
-    return Case(profile, material, approach, rows, reference, seconds, edge)
+    rows = tuple(_row(law, profile, material, driven, reference, edge) for law in laws or _EVERY)
+    return Case(profile, material, approach, load, rows, reference, seconds, edge)
 
 
 def _row(
     law: str,
     profile: PowerSumProfile | PolarProfile,
     material: HalfSpace,
-    approach: float,
+    driven: dict[str, float | None],
     reference: BemIndentation | None,
     edge: Array,
 ) -> LawRow:
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     start = time.perf_counter()
     try:
-        one = indent(profile, material, approach, law=law)
+        one = indent(profile, material, law=law, **driven)
         contour = one.contour(phi)
     except ModelRangeError as error:
         return LawRow(law, None, str(error))
@@ -160,6 +170,7 @@ def _row(
         force_error=float(one.force / reference.force - 1),
         contour_error=float(spread),
         area_error=float(one.contact_area / reference.contact_area - 1),
+        approach_error=float(one.approach / reference.approach - 1),
         seconds=seconds,
     )
 

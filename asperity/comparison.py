@@ -16,6 +16,7 @@ from surfaces.heightmap import HeightMap
 
 from .baseline import LOOSE_TOLERANCE, cheap_run, coarse_grids, rms
 from .bem.curve import bem_curve
+from .bem.solve import bem_solve
 from .contacts import contact_map, microcontacts
 from .curve import solve_contacts
 from .errors import InputError
@@ -210,6 +211,7 @@ def compare(
     boundary: str | None = None,
     tolerance: float = 1e-6,
     plan: Plan | None = None,
+    reference: Callable[[], ContactCurve] | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Comparison:
     """Run both models, the cheap boundary-element settings, and measure the distance between them.
@@ -220,6 +222,9 @@ def compare(
         As in `contact_curve`.
     tolerance
         Tolerance of the reference solution.
+    reference
+        Gives the boundary-element curve of this map at these load points and this tolerance, such
+        as one that goes on from an interrupted run; solved here if None.
     progress
         Called with a short label as each stage begins.
 
@@ -245,29 +250,37 @@ def compare(
     say("compilation")
     _compile(material, plan)
     say(f"boundary elements {hm.shape[0]} x {hm.shape[1]}, tolerance {tolerance:.0e}")
-    snapshot = _Snapshot()
-    reference = bem_curve(
-        hm, material, **loads, tolerance=tolerance, boundary=plan.boundary, progress=snapshot
-    )
+    if reference is None:
+        judge = bem_curve(hm, material, **loads, tolerance=tolerance, boundary=plan.boundary)
+    else:
+        judge = reference()
     say("microcontact model")
-    run = solve_contacts(hm, material, plan, pressures=reference.mean_pressure)
-    same = solve_contacts(hm, material, plan, separations=reference.separation).curve
-    table = _table(run.curve, same, reference, hm.rms_height)
+    run = solve_contacts(hm, material, plan, pressures=judge.mean_pressure)
+    same = solve_contacts(hm, material, plan, separations=judge.separation).curve
+    table = _table(run.curve, same, judge, hm.rms_height)
     seconds = sum(run.curve.seconds.values())
     rows = [
         ("asperity", *hm.shape, np.nan, seconds, *(rms(table[name]) for name in ERRORS)),
-        ("bem", *hm.shape, tolerance, sum(reference.seconds.values()), 0.0, 0.0, 0.0),
+        ("bem", *hm.shape, tolerance, sum(judge.seconds.values()), 0.0, 0.0, 0.0),
     ]
     for grid in coarse_grids(hm.shape):
         say(f"boundary elements {grid[0]} x {grid[1]}, tolerance {LOOSE_TOLERANCE:.0e}")
-        rows.append(cheap_run(hm, material, grid, plan.boundary, reference))
-    point = int(np.argmin(np.abs(reference.mean_pressure - snapshot.mean_pressure)))
-    maps = {"bem": snapshot.touching, "asperity": contact_map(run.bodies, run.states[point])}
+        rows.append(cheap_run(hm, material, grid, plan.boundary, judge))
+    say("contact maps")
+    point = _map_point(judge)
+    solution = bem_solve(
+        hm,
+        material,
+        pressure=float(judge.mean_pressure[point]),
+        tolerance=tolerance,
+        boundary=plan.boundary,
+    )
+    maps = {"bem": solution.contact, "asperity": contact_map(run.bodies, run.states[point])}
     union = np.count_nonzero(maps["bem"] | maps["asperity"])
     both = np.count_nonzero(maps["bem"] & maps["asperity"])
     return Comparison(
         model=run.curve,
-        reference=reference,
+        reference=judge,
         table=table,
         pareto=np.array(rows, dtype=PARETO_TYPE),
         overlap=both / union if union else 1.0,
@@ -288,26 +301,16 @@ def _compile(material: HalfSpace, plan: Plan) -> None:
         rms_slope=0.1,
         seed=0,
     )
-    whole = dataclasses.replace(plan, above=None)
+    whole = dataclasses.replace(plan, above=None, coarse=None)
     loads = default_pressures(small, material, count=2)
     solve_contacts(small, material, whole, pressures=loads)
     bem_curve(small, material, pressures=loads, tolerance=LOOSE_TOLERANCE, boundary=plan.boundary)
 
 
-class _Snapshot:
-    """Keeps the contact map of the solution nearest to `MAP_AREA_FRACTION`."""
-
-    def __init__(self) -> None:
-        self.distance = np.inf
-        self.mean_pressure = 0.0
-        self.touching: NDArray[np.bool_] = np.zeros((0, 0), dtype=bool)
-
-    def __call__(self, solution: Any) -> None:
-        distance = abs(np.log(max(solution.area_fraction, 1e-12) / MAP_AREA_FRACTION))
-        if distance < self.distance or not self.touching.size:
-            self.distance = distance
-            self.mean_pressure = solution.mean_pressure
-            self.touching = solution.contact
+def _map_point(reference: ContactCurve) -> int:
+    """The load point whose contact area fraction is nearest to `MAP_AREA_FRACTION`."""
+    fraction = np.maximum(reference.area_fraction, 1e-12)
+    return int(np.argmin(np.abs(np.log(fraction / MAP_AREA_FRACTION))))
 
 
 def _table(

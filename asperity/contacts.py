@@ -93,7 +93,7 @@ def _scaled_map(
     """
     hm, profiles = bodies.hm, bodies.profiles
     major, minor = _semi_axes(bodies, state)
-    labels = bodies.peaks.labels
+    labels = bodies.labels
     peak = np.where(labels >= 0, profiles.owner[labels], 0)
     rows, cols = np.nonzero((labels >= 0) & (state.force[peak] > 0))
     own = peak[rows, cols]

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from surfaces.heightmap import HeightMap
-from surfaces.profiles import fit_profiles
 from surfaces.segmentation import segment
+from surfaces.summits import locate_summits
 
 from .contacts import patch_count
 from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, terms
@@ -40,7 +40,7 @@ class Asperities:
     hm, material, plan
         What it was made from.
     peaks, profiles
-        Segmentation and fitted profiles.
+        Segmentation and summits; the rays of a summit are sampled when its law is made.
     population
         The microcontacts with their laws and their interaction.
     seconds
@@ -58,20 +58,24 @@ class Asperities:
     @classmethod
     def of(cls, hm: HeightMap, material: HalfSpace, plan: Plan) -> Asperities:
         """Segment the map, fit the profiles and tabulate the contact laws."""
-        clock, seconds = time.perf_counter, {}
+        clock, seconds = time.perf_counter, {"plan": plan.seconds}
         start = clock()
-        mean = float(hm.heights.mean())
-        peaks = segment(hm, above=None if plan.above is None else plan.above + mean)
+        mean = hm.roughness.mean
+        solved = hm if plan.coarse is None else plan.coarse
+        peaks = segment(solved, above=None if plan.above is None else plan.above + mean)
         seconds["segmentation"] = clock() - start
         start = clock()
-        profiles = fit_profiles(hm, peaks)
+        profiles = locate_summits(solved, peaks)
         seconds["profiles"] = clock() - start
         seconds["laws"] = 0.0
 
         def laws(rows: NDArray[np.int64]) -> LawTable:
             begun = clock()
-            table = tabulate(profiles.rows(rows), material, law=plan.law)
-            seconds["laws"] += clock() - begun
+            sampled = profiles.rows(rows)
+            between = clock()
+            table = tabulate(sampled, material, law=plan.law)
+            seconds["profiles"] += between - begun
+            seconds["laws"] += clock() - between
             return table
 
         start = clock()
@@ -88,6 +92,18 @@ class Asperities:
             angle=profiles.angle,
         )
         return cls(hm, material, plan, peaks, profiles, population, seconds)
+
+    @property
+    def labels(self) -> NDArray[np.int32]:
+        """Peak whose basin holds each pixel of the map, shape (ny, nx); -1 where not flooded."""
+        labels = self.peaks.labels
+        if labels.shape == self.hm.shape:
+            return labels
+        rows, cols = (
+            ((np.arange(n) + 0.5) * (m / n)).astype(np.int64)
+            for n, m in zip(self.hm.shape, labels.shape, strict=True)
+        )
+        return labels[np.ix_(rows, cols)]
 
     def deep_enough(self, state: PopulationState) -> bool:
         """Whether no contact came near the height below which nothing was segmented."""
@@ -208,14 +224,14 @@ def solve_contacts(
     """
     kind, values = checked_loads(hm, material, pressures, separations)
     bodies = Asperities.of(hm, material, plan)
-    start = time.perf_counter()
+    start = time.perf_counter() - sum(bodies.seconds.values())
     states: dict[int, PopulationState] = {}
     patches: dict[int, int] = {}
     state = None
 
     def curve_of(points: Iterable[int]) -> ContactCurve:
         chosen = list(points)
-        solving = time.perf_counter() - start - bodies.seconds["laws"]
+        solving = time.perf_counter() - start - sum(bodies.seconds.values())
         return _curve(bodies, [states[i] for i in chosen], [patches[i] for i in chosen], solving)
 
     for i in np.argsort(values if kind == "pressure" else -values, kind="stable").tolist():
@@ -272,6 +288,7 @@ def _curve(
             "interaction": plan.interaction,
             "boundary": plan.boundary,
             "above": plan.above,
+            "grid": list(bodies.peaks.labels.shape),
             "modulus": bodies.material.modulus,
             "m": bodies.material.m,
             "input": hm.digest,

@@ -30,12 +30,8 @@ Molinari & Robbins 2004; Putignano, Afferrante, Carbone & Demelio 2012)."""
 
 def slope_scale(hm: HeightMap) -> tuple[float, float]:
     """Root-mean-square slope [-] and the length [m] over which it turns, by finite differences."""
-    dy, dx = hm.spacing
-    gy, gx = np.diff(hm.heights, axis=0) / dy, np.diff(hm.heights, axis=1) / dx
-    cy, cx = np.diff(gy, axis=0) / dy, np.diff(gx, axis=1) / dx
-    slope = math.sqrt(np.nanmean(gy**2) + np.nanmean(gx**2))
-    curvature = math.sqrt(np.nanmean(cy**2) + np.nanmean(cx**2))
-    return slope, slope / curvature if curvature > 0 else max(hm.size)
+    found = hm.roughness
+    return found.rms_slope, min(found.length, max(hm.size))
 
 
 def pressure_scale(hm: HeightMap, material: HalfSpace) -> float:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from surfaces.coarsening import coarse_map
 from surfaces.heightmap import HeightMap
 
 from .errors import InputError, SurfaceError
@@ -20,6 +22,18 @@ __all__ = ["Plan", "make_plan"]
 
 MODEL_BYTES_PER_POINT = 64
 """Peak memory of the microcontact model per grid point: heights, order, labels, ancestors."""
+
+_SPARE_SHARE, _DEPTH = 0.1, 8.0
+"""Share of the heights to segment: a little, and this multiple of the contact area fraction.
+
+The lowest candidate needs 5 (self-affine) to 7 times (plateau-honed maps) that fraction; the rest
+keeps the rays of the contacts off the height that is cut."""
+
+_WORTH_IT = 0.6
+"""Share of the heights from which on the whole map is segmented."""
+
+_SAMPLE = 2**16
+"""Heights that suffice for a quantile."""
 
 NEGLIGIBLE_SHIFT = 2e-3
 """Shift by the neighbours, relative to the approach, below which interaction is left out."""
@@ -45,6 +59,10 @@ class Plan:
         Estimated peak memory [bytes].
     reasons
         One line for each choice.
+    coarse
+        The map on a coarser grid that holds it and is solved in its place; None: the map itself.
+    seconds
+        Time of the decisions [s].
     """
 
     boundary: str
@@ -54,6 +72,8 @@ class Plan:
     above: float | None
     memory: int
     reasons: tuple[str, ...]
+    coarse: HeightMap | None = field(default=None, repr=False)
+    seconds: float = field(default=0.0, compare=False)
 
     def __str__(self) -> str:
         return "\n".join(self.reasons)
@@ -93,6 +113,7 @@ def make_plan(
     InputError
         If the load points are not usable or the memory would not suffice.
     """
+    start = time.perf_counter()
     _require_usable(hm)
     kind, values = checked_loads(hm, material, pressures, separations)
     edge = checked_boundary(hm, boundary)
@@ -107,11 +128,14 @@ def make_plan(
     reasons.append(why)
     above, why = _lowest_height(hm, material, kind, values)
     reasons.append(why)
-    memory = MODEL_BYTES_PER_POINT * hm.heights.size
+    coarse, why = _grid(hm)
+    reasons.append(why)
+    memory = MODEL_BYTES_PER_POINT * (hm if coarse is None else coarse).heights.size
     reasons.append(f"memory: about {memory / 2**20:.0f} MiB")
     _require_memory(memory)
     reasons.append("fields: pressure and contours are made on request only")
-    return Plan(edge, law, graded, coupled, above, memory, tuple(reasons))
+    seconds = time.perf_counter() - start
+    return Plan(edge, law, graded, coupled, above, memory, tuple(reasons), coarse, seconds)
 
 
 def checked_boundary(hm: HeightMap, boundary: str | None) -> str:
@@ -129,7 +153,7 @@ def _require_usable(hm: HeightMap) -> None:
             f"the map has {hm.missing} missing points of {hm.heights.size}; "
             'fill them with surfaces.prepare(hm, fill="harmonic")'
         )
-    if np.ptp(hm.heights) == 0.0:
+    if hm.roughness.lowest == hm.roughness.highest:
         raise SurfaceError("the map is constant: a flat map has no peaks to touch")
 
 
@@ -158,23 +182,31 @@ def _lowest_height(
     hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarray
 ) -> tuple[float | None, str]:
     """Height under which no summit is expected to touch, relative to the mean plane."""
-    heights = hm.heights - hm.heights.mean()
+    sample = hm.heights[:: _stride(hm), :: _stride(hm)].ravel() - hm.roughness.mean
     if kind == "separation":
-        candidate = float(values.min()) - 0.5 * hm.rms_height
+        candidate = float(values.min()) - 0.5 * hm.roughness.rms_height
     else:
         area = expected_area_fraction(hm, material, float(values.max()))
-        share = 0.1 + 8.0 * area
-        if share >= 0.6:
-            return None, "segmentation: the whole map, the load may reach deep"
-        candidate = float(np.quantile(heights[:: _stride(hm), :: _stride(hm)], 1.0 - share))
-    top = float(np.mean(heights > candidate))
-    if top >= 0.6:
-        return None, "segmentation: the whole map, the separation reaches deep"
+        share = _SPARE_SHARE + _DEPTH * area
+        candidate = float(np.quantile(sample, 1.0 - share)) if share < _WORTH_IT else -np.inf
+    top = float(np.mean(sample > candidate))
+    if top >= _WORTH_IT:
+        return None, "segmentation: the whole map, the load may reach deep"
     return candidate, f"segmentation: only the top {100 * top:.0f} % of the heights"
 
 
+def _grid(hm: HeightMap) -> tuple[HeightMap | None, str]:
+    coarse = coarse_map(hm)
+    if coarse is None:
+        return None, f"grid: {hm.shape[0]} x {hm.shape[1]} points, as given"
+    return coarse, (
+        f"grid: {coarse.shape[0]} x {coarse.shape[1]} points hold the map of "
+        f"{hm.shape[0]} x {hm.shape[1]}"
+    )
+
+
 def _stride(hm: HeightMap) -> int:
-    return max(1, int(np.sqrt(hm.heights.size / 2**18)))
+    return max(1, int(np.sqrt(hm.heights.size / _SAMPLE)))
 
 
 def _require_memory(needed: int) -> None:

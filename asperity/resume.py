@@ -29,6 +29,7 @@ def run_resumably(
     column: str,
     path: str | os.PathLike[str],
     *,
+    model: str,
     request: Mapping[str, Any],
     resume: bool,
 ) -> ContactCurve:
@@ -44,6 +45,8 @@ def run_resumably(
         Column of the curve that holds them: "mean_pressure" or "separation".
     path
         Results file.
+    model
+        Name of the curve in the file: "asperity" or "bem".
     request
         JSON-able facts that two runs must share for one to continue the other.
     resume
@@ -59,7 +62,7 @@ def run_resumably(
     InputError
         If the file was made from another input or with other settings.
     """
-    done = _finished(path, request) if resume and Path(path).exists() else None
+    done = _finished(path, model, request) if resume and Path(path).exists() else None
     if done is None:
         keeper = _Keeper(path, request, None)
         whole = solve(values, keeper)
@@ -95,7 +98,9 @@ class _Keeper:
         write_results(self.path, content)
 
 
-def _finished(path: str | os.PathLike[str], request: Mapping[str, Any]) -> ContactCurve | None:
+def _finished(
+    path: str | os.PathLike[str], model: str, request: Mapping[str, Any]
+) -> ContactCurve | None:
     held = read_results(path)
     before = held.about.get("request", {})
     changed = [key for key in request if before.get(key) != request[key]]
@@ -104,5 +109,5 @@ def _finished(path: str | os.PathLike[str], request: Mapping[str, Any]) -> Conta
             f"{path} cannot be continued: {', '.join(changed)} changed; give another -o or leave "
             "out --resume"
         )
-    curve = next(iter(held.curves.values()))
+    curve = held.curves[model]
     return curve.select(curve.converged) if curve.converged.any() else None

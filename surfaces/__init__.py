@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from .polar import PowerSumProfile as PowerSumProfile
     from .preparation import prepare as prepare
     from .profiles import Profiles as Profiles
-    from .profiles import fit_profiles as fit_profiles
     from .segmentation import segment as segment
     from .spectrum import SpectralMoments as SpectralMoments
     from .spectrum import Spectrum as Spectrum
@@ -52,6 +51,7 @@ if TYPE_CHECKING:
     from .spectrum_fit import fit_spectrum as fit_spectrum
     from .statistics import Statistics as Statistics
     from .statistics import describe as describe
+    from .summits import fit_profiles as fit_profiles
     from .synthesis import self_affine as self_affine
     from .textures import ground as ground
     from .textures import plateau_honed as plateau_honed
@@ -85,7 +85,7 @@ _HOME = {
     "crop": "filtering",
     "describe": "statistics",
     "fill_missing": "filling",
-    "fit_profiles": "profiles",
+    "fit_profiles": "summits",
     "fit_spectrum": "spectrum_fit",
     "ground": "textures",
     "level": "levelling",

@@ -16,8 +16,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 from . import _threads
+from ._spline_form import spline_expansion, spline_value
 
-__all__ = ["PAD", "coefficients", "evaluate", "expand"]
+__all__ = ["PAD", "coefficients", "evaluate", "evaluate_all", "expand"]
 
 PAD = 25
 _POLE_1 = -0.43057534709997379
@@ -92,45 +93,22 @@ def _filter_lines(flat, m, along, across, periodic, start, stop):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _weights(t):
-    """The six weights at a fraction t of a pixel, times 120."""
-    u = 1.0 - t
-    return (
-        u * u * u * u * u,
-        26.0 + t * (-50.0 + t * (20.0 + t * (20.0 + t * (-20.0 + t * 5.0)))),
-        66.0 + t * t * (-60.0 + t * t * (30.0 - t * 10.0)),
-        26.0 + t * (50.0 + t * (20.0 + t * (-20.0 + t * (-20.0 + t * 10.0)))),
-        1.0 + t * (5.0 + t * (10.0 + t * (10.0 + t * (5.0 - t * 5.0)))),
-        t * t * t * t * t,
-    )
-
-
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def evaluate(flat, width, y, x):
-    """Height at the pixel coordinates (y, x), anywhere within PAD - 3 pixels of the map.
+    """Height at the pixel coordinates (y, x), anywhere within PAD - 5 pixels of the map.
 
-    `flat` holds the coefficients row by row, `width` in a row. The unsigned index spares the test
-    for negative ones, and six running columns let the compiler use vector instructions: this
-    takes two thirds of the time of the plain double sum.
+    `flat` holds the coefficients row by row, `width` in a row.
     """
     row = math.floor(y)
     col = math.floor(x)
-    wy = _weights(y - row)
-    wx = _weights(x - col)
-    one = np.uint64(1)
-    k = np.uint64((row + PAD - 2) * width + col + PAD - 2)
-    c0, c1, c2, c3, c4, c5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for a in range(6):
-        w = wy[a]
-        c0 += w * flat[k]
-        c1 += w * flat[k + one]
-        c2 += w * flat[k + np.uint64(2)]
-        c3 += w * flat[k + np.uint64(3)]
-        c4 += w * flat[k + np.uint64(4)]
-        c5 += w * flat[k + np.uint64(5)]
-        k += np.uint64(width)
-    total = wx[0] * c0 + wx[1] * c1 + wx[2] * c2 + wx[3] * c3 + wx[4] * c4 + wx[5] * c5
-    return total * (1.0 / 14400.0)
+    corner = (row + PAD - 2) * width + col + PAD - 2
+    return spline_value(flat, corner, width, y - row, x - col)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def evaluate_all(flat, width, ys, xs, out):
+    """Heights at several points."""
+    for k in range(ys.size):
+        out[k] = evaluate(flat, width, ys[k], xs[k])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -138,39 +116,5 @@ def expand(flat, width, y, x):
     """Height, gradient and second derivatives (h, h_y, h_x, h_yy, h_xy, h_xx) per pixel."""
     row = math.floor(y)
     col = math.floor(x)
-    table = np.empty((2, 3, 6))
-    for axis in range(2):
-        t = y - row if axis == 0 else x - col
-        u = 1.0 - t
-        w = _weights(t)
-        for k in range(6):
-            table[axis, 0, k] = w[k]
-        table[axis, 1, 0] = -5.0 * u**4
-        table[axis, 1, 1] = -50.0 + t * (40.0 + t * (60.0 + t * (-80.0 + t * 25.0)))
-        table[axis, 1, 2] = t * (-120.0 + t * t * (120.0 - t * 50.0))
-        table[axis, 1, 3] = 50.0 + t * (40.0 + t * (-60.0 + t * (-80.0 + t * 50.0)))
-        table[axis, 1, 4] = 5.0 + t * (20.0 + t * (30.0 + t * (20.0 - t * 25.0)))
-        table[axis, 1, 5] = 5.0 * t**4
-        table[axis, 2, 0] = 20.0 * u**3
-        table[axis, 2, 1] = 40.0 + t * (120.0 + t * (-240.0 + t * 100.0))
-        table[axis, 2, 2] = -120.0 + t * t * (360.0 - t * 200.0)
-        table[axis, 2, 3] = 40.0 + t * (-120.0 + t * (-240.0 + t * 200.0))
-        table[axis, 2, 4] = 20.0 + t * (60.0 + t * (60.0 - t * 100.0))
-        table[axis, 2, 5] = 20.0 * t**3
     corner = (row + PAD - 2) * width + col + PAD - 2
-    h, h_y, h_x, h_yy, h_xy, h_xx = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for a in range(6):
-        c0, c1, c2 = 0.0, 0.0, 0.0
-        for b in range(6):
-            c = flat[corner + a * width + b]
-            c0 += c * table[1, 0, b]
-            c1 += c * table[1, 1, b]
-            c2 += c * table[1, 2, b]
-        h += c0 * table[0, 0, a]
-        h_y += c0 * table[0, 1, a]
-        h_x += c1 * table[0, 0, a]
-        h_yy += c0 * table[0, 2, a]
-        h_xy += c1 * table[0, 1, a]
-        h_xx += c2 * table[0, 0, a]
-    s = 1.0 / 14400.0
-    return h * s, h_y * s, h_x * s, h_yy * s, h_xy * s, h_xx * s
+    return spline_expansion(flat, corner, width, y - row, x - col)

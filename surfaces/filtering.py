@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import fft
 
+from . import _threads
 from .errors import SurfaceError
 from .heightmap import HeightMap
 
@@ -94,7 +95,7 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
     if min(ny, nx) < 3:
         raise SurfaceError(f"pixels of {wanted[0]:g} x {wanted[1]:g} m leave {ny} x {nx} points")
     heights = hm.heights
-    for axis, count in ((0, ny), (1, nx)):
+    for axis, count in ((1, nx), (0, ny)):
         heights = _resample_axis(heights, count, axis, hm.periodic)
     step = {"step": "resample", "from": list(hm.shape), "to": [ny, nx]}
     return hm.replace(heights=heights, spacing=(hm.size[0] / ny, hm.size[1] / nx), step=step)
@@ -186,7 +187,9 @@ def _resample_axis(
     wave = np.arange(half)
     shift = np.exp(1j * np.pi * wave * (1.0 / count - 1.0 / old))
     spectrum = np.zeros((*moved.shape[:-1], count // 2 + 1), dtype=np.complex128)
-    spectrum[..., :half] = fft.rfft(moved, axis=-1)[..., :half] * shift * (count / old)
+    spectrum[..., :half] = (
+        fft.rfft(moved, axis=-1, workers=_threads.threads())[..., :half] * shift * (count / old)
+    )
     if kept % 2 == 0:
         spectrum[..., kept // 2] = 0.0
     return np.ascontiguousarray(np.moveaxis(fft.irfft(spectrum, n=count, axis=-1), -1, axis))

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .errors import SurfaceError
+
+if TYPE_CHECKING:
+    from .roughness import Roughness
 
 __all__ = ["HeightMap"]
 
@@ -84,7 +88,7 @@ class HeightMap:
         """Pixel centres along the first axis [m], shape (ny,)."""
         return (np.arange(self.shape[0]) + 0.5) * self.spacing[0]
 
-    @property
+    @functools.cached_property
     def missing(self) -> int:
         """Number of missing points."""
         return int(np.count_nonzero(np.isnan(self.heights)))
@@ -94,7 +98,14 @@ class HeightMap:
         """Root-mean-square height about the mean of the points present [m]."""
         return float(np.nanstd(self.heights))
 
-    @property
+    @functools.cached_property
+    def roughness(self) -> Roughness:
+        """Mean, rms height, slope and curvature by finite differences, found in one pass."""
+        from .roughness import roughness
+
+        return roughness(self)
+
+    @functools.cached_property
     def digest(self) -> str:
         """SHA-256 of heights, spacing and periodicity: identifies the input of a result."""
         hasher = hashlib.sha256(np.array([*self.spacing, float(self.periodic)]).tobytes())

@@ -65,8 +65,8 @@ def _column(file: Any, key: str, name: str) -> NDArray[np.float64]:
 
 def _highest_peak(path: str | Path) -> PolarProfile:
     from .formats import read
-    from .profiles import fit_profiles
     from .segmentation import segment
+    from .summits import fit_profiles
 
     hm = read(path)
     peaks = segment(hm)

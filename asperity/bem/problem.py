@@ -24,6 +24,8 @@ __all__ = ["ContactProblem"]
 
 _COARSE_TOLERANCE = 1e-2
 _FIRST_LOAD = 1e-3
+_POWER = 1.5
+"""Exponent of load over approach that a given start assumes until two loads are known."""
 
 
 class ContactProblem:
@@ -117,8 +119,9 @@ class ContactProblem:
             return self._nested(load, search), search
         np.maximum(given, 0.0, out=pressure)
         mean = float(pressure.mean())
-        if search:
-            search.mean = mean * self.compliance if mean > 0.0 else search.mean
+        if search and mean > 0.0:
+            search.mean = mean * self.compliance
+            search.stiffness = _POWER * search.mean / (search.offset + self._highest)
         wanted = search.mean if search else load
         if mean > 0.0:
             pressure *= wanted / mean

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +17,7 @@ from .kernel import ElasticHalfSpace
 from .solution import BemSolution
 from .solve import bem_solve
 
-__all__ = ["BemIndentation", "indent_bem"]
+__all__ = ["BemIndentation", "FirstGuess", "indent_bem"]
 
 Profile = Callable[[Any, Any], Any]
 
@@ -25,6 +25,22 @@ _SCOUT = 64
 _MARGIN = 1.1
 _RAYS = 256
 _TRIALS = 30
+
+
+@dataclass(frozen=True, eq=False)
+class FirstGuess:
+    """An approximate contact from which the solution starts; it does not change the answer.
+
+    Attributes
+    ----------
+    approach
+        Its approach [m].
+    pressure
+        Function (x, y) -> pressure [Pa] of arrays of places from the summit.
+    """
+
+    approach: float
+    pressure: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +102,7 @@ class BemIndentation:
 
     def pressure(self, x: ArrayLike, y: ArrayLike, index: int = -1) -> NDArray[np.float64]:
         """Pressure [Pa] at places from the summit [m] (broadcast), bilinear between the pixels."""
-        return self._sampled(self.solutions[index].pressure, x, y, index)
+        return self._at(self.solutions[index].pressure, x, y, index)
 
     def contour(self, phi: ArrayLike, index: int = -1) -> NDArray[np.float64]:
         """Distance of the contact's edge from the summit [m] at angles `phi` [rad].
@@ -101,7 +117,7 @@ class BemIndentation:
         reach = float(np.hypot(*np.multiply(solution.pressure.shape, solution.spacing)))
         r = np.linspace(0.0, reach, 4 * max(solution.pressure.shape))
         x, y = r * np.cos(angle[..., None]), r * np.sin(angle[..., None])
-        inside = self._sampled(solution.contact.astype(float), x, y, index)
+        inside = self._at(solution.contact.astype(float), x, y, index)
         out = np.argmax(inside < 0.5, axis=-1)
         out = np.maximum(out, 1)
         rows = np.arange(out.size).reshape(out.shape)
@@ -112,16 +128,10 @@ class BemIndentation:
         bias = solution.contact_area / max(solution.contact_area_raw, 1e-300)
         return np.asarray(edge * np.sqrt(bias) * (before > 0.5))
 
-    def _sampled(
+    def _at(
         self, values: NDArray[np.float64], x: ArrayLike, y: ArrayLike, index: int
     ) -> NDArray[np.float64]:
-        from scipy.ndimage import map_coordinates
-
-        (dy, dx), (x0, y0) = self.solutions[index].spacing, self.summit[index]
-        px, py = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
-        place = np.stack([(py + y0) / dy - 0.5, (px + x0) / dx - 0.5])
-        sampled = map_coordinates(values, place.reshape(2, -1), order=1)
-        return np.asarray(sampled).reshape(px.shape)
+        return _sampled(values, self.solutions[index].spacing, self.summit[index], x, y)
 
 
 def indent_bem(
@@ -132,6 +142,7 @@ def indent_bem(
     load: ArrayLike | None = None,
     grid: int = 256,
     tolerance: float = 1e-6,
+    guesses: Sequence[FirstGuess | None] = (),
 ) -> BemIndentation:
     """Indentation of a half-space by one rigid profile: force, area, contour and pressure.
 
@@ -149,6 +160,9 @@ def indent_bem(
         Points per axis, 16 or more; the grid is fitted to the contact.
     tolerance
         Bound on each entry of the certificate [-].
+    guesses
+        An approximate contact for each approach or load, or None where there is none: the first
+        pressure of the coarse grid, from which the fine one starts.
 
     Raises
     ------
@@ -165,7 +179,11 @@ def indent_bem(
     if depths.size == 0 or not (np.isfinite(depths).all() and (depths > 0.0).all()):
         unit = "[m]" if load is None else "[N]"
         raise InputError(f"{name} must be positive and finite {unit}")
-    found = [_one(profile, mat, name, float(d), grid, tolerance) for d in depths.ravel()]
+    starts = guesses or [None] * depths.size
+    found = [
+        _one(profile, mat, name, float(d), grid, tolerance, start)
+        for d, start in zip(depths.ravel(), starts, strict=True)
+    ]
     solutions, summits, inside, reached = zip(*found, strict=True)
     converged = _shaped([s.converged for s in solutions], depths)
     return BemIndentation(
@@ -184,58 +202,97 @@ def _shaped(values: list[Any], like: NDArray[np.float64]) -> Any:
 
 
 def _one(
-    profile: Profile, mat: ElasticHalfSpace, name: str, value: float, grid: int, tolerance: float
+    profile: Profile,
+    mat: ElasticHalfSpace,
+    name: str,
+    value: float,
+    grid: int,
+    tolerance: float,
+    guess: FirstGuess | None,
 ) -> tuple[BemSolution, tuple[float, float], bool, float]:
     """Solve on a coarse grid around {f < d}, then on a fine one around the contact found."""
-    approach = value if name == "approach" else _scout_approach(profile, mat, value)
-    scout, summit = _scout(profile, mat, approach)
+    if name == "approach":
+        scout, place = _scout(profile, mat, value, guess)
+    else:
+        scout, place = _scout_load(profile, mat, value, guess)
     rows, cols = (np.flatnonzero(scout.contact.any(axis=axis)) for axis in (1, 0))
-    (dy, dx), (x0, y0) = scout.spacing, summit
-    edges = []
-    for found, d, start in ((cols, dx, x0), (rows, dy, y0)):
+    edges: list[float] = []
+    for found, d, start in zip((cols, rows), scout.spacing[::-1], place, strict=True):
         low, high = found[0] * d - d, (found[-1] + 2) * d
         half, middle = 0.5 * _MARGIN * (high - low), 0.5 * (high + low)
         edges += [middle - half - start, middle + half - start]
     hm, summit = _map_of(profile, tuple(edges), grid)
     mean = float(hm.heights.mean())
+    prescribed = {"pressure": value / hm.area}
     if name == "approach":
         prescribed = {"separation": -value - mean}
-    else:
-        prescribed = {"pressure": value / hm.area}
-    solution = bem_solve(hm, mat, **prescribed, tolerance=tolerance, boundary="free")
+    x, y = _places(hm, summit)
+    first = _sampled(scout.pressure, scout.spacing, place, x, y)
+    solution = bem_solve(hm, mat, **prescribed, tolerance=tolerance, boundary="free", guess=first)
     radius = getattr(profile, "radius", np.inf)
-    x = (np.arange(grid) + 0.5) * solution.spacing[1] - summit[0]
-    y = (np.arange(grid) + 0.5) * solution.spacing[0] - summit[1]
-    farthest = np.hypot(*np.meshgrid(x, y))[solution.contact].max(initial=0.0)
+    contact = solution.contact
+    farthest = np.hypot(x, y)[contact].max(initial=0.0)
+    whole = not (contact[[0, -1]].any() or contact[:, [0, -1]].any())
     reached = value if name == "approach" else -float(solution.separation) - mean
-    return solution, summit, bool(farthest <= radius), reached
+    return solution, summit, bool(farthest <= radius and whole), reached
 
 
 def _scout(
-    profile: Profile, mat: ElasticHalfSpace, approach: float
+    profile: Profile, mat: ElasticHalfSpace, approach: float, guess: FirstGuess | None
 ) -> tuple[BemSolution, tuple[float, float]]:
     """Coarse solution in the box of {f < d}."""
     hm, summit = _map_of(profile, _section_box(profile, approach), _SCOUT)
     level = -approach - float(hm.heights.mean())
-    return bem_solve(hm, mat, separation=level, tolerance=1e-2, boundary="free"), summit
+    first = None if guess is None else guess.pressure(*_places(hm, summit))
+    found = bem_solve(hm, mat, separation=level, tolerance=1e-2, boundary="free", guess=first)
+    return found, summit
 
 
-def _scout_approach(profile: Profile, mat: ElasticHalfSpace, load: float) -> float:
-    """Approach at which the coarse solution carries the load to 2 %, by secants in logarithms."""
+def _scout_load(
+    profile: Profile, mat: ElasticHalfSpace, load: float, guess: FirstGuess | None
+) -> tuple[BemSolution, tuple[float, float]]:
+    """Coarse solution that carries the load to 2 %, by secants in logarithms."""
     radius = getattr(profile, "radius", np.inf)
     phi = np.linspace(0.0, 2.0 * np.pi, _RAYS, endpoint=False)
     start = radius / 8 if np.isfinite(radius) else 1.0
-    depth, power, last = float(np.mean(profile(start, phi))), 1.5, None
+    depth = float(np.mean(profile(start, phi))) if guess is None else guess.approach
+    power, last = 1.5, None
     for _ in range(_TRIALS):
-        force = _scout(profile, mat, depth)[0].load
+        scout, summit = _scout(profile, mat, depth, guess)
+        force = scout.load
         if abs(force / load - 1) < 0.02:
-            return depth
+            return scout, summit
         point = (np.log(depth), np.log(force))
         if last is not None and abs(point[0] - last[0]) > 1e-6:
             power = float(np.clip((point[1] - last[1]) / (point[0] - last[0]), 0.5, 6.0))
         last = point
         depth *= float((load / force) ** (1 / power))
     raise InputError(f"no approach was found that carries {load:g} N; check its unit")
+
+
+def _places(
+    hm: HeightMap, summit: tuple[float, float]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Places (x, y) of the pixels from the summit [m], each of the map's shape."""
+    (dy, dx), (ny, nx) = hm.spacing, hm.shape
+    x, y = (np.arange(nx) + 0.5) * dx - summit[0], (np.arange(ny) + 0.5) * dy - summit[1]
+    px, py = np.meshgrid(x, y)
+    return px, py
+
+
+def _sampled(
+    values: NDArray[np.float64],
+    spacing: tuple[float, float],
+    summit: tuple[float, float],
+    x: ArrayLike,
+    y: ArrayLike,
+) -> NDArray[np.float64]:
+    """A field of a map at places (x, y) [m] from the summit, bilinear between the pixels."""
+    from scipy.ndimage import map_coordinates
+
+    px, py = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+    place = np.stack([(py + summit[1]) / spacing[0] - 0.5, (px + summit[0]) / spacing[1] - 0.5])
+    return np.asarray(map_coordinates(values, place.reshape(2, -1), order=1)).reshape(px.shape)
 
 
 def _section_box(profile: Profile, approach: float) -> tuple[float, float, float, float]:

@@ -19,11 +19,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_load_options(parser)
     options.add_tolerance_option(parser)
     output.add_output_options(parser)
+    output.add_fields_option(parser, "pressure and gap")
 
 
 def run(args: argparse.Namespace) -> int:
     """Solve, write the results file and print the curve."""
-    output.require_folder(args.results, args.csv)
+    output.require_folder(args.results, args.csv, args.fields)
     material, loads = options.material(args), options.loads(args)
     hm = options.load_surface(args.file, args)
     from asperity.bem.curve import bem_curve
@@ -35,4 +36,18 @@ def run(args: argparse.Namespace) -> int:
             hm, material, **{kind: values}, **settings, progress=progress, checkpoint=checkpoint
         )
 
-    return output.finish(output.solve_and_keep(solve, hm, material, loads, args, settings), args)
+    request = output.request_of(hm, material, args, settings)
+    curve = output.solve_and_keep(
+        solve, hm, material, loads, args.results, "bem", request, args.resume
+    )
+    if args.fields:
+        _write_fields(hm, material, settings, curve, args.fields)
+    return output.finish(curve, args)
+
+
+def _write_fields(hm, material, settings, curve, path) -> None:  # type: ignore[no-untyped-def]
+    from asperity.bem.solve import bem_solve
+    from asperity.paraview import write_vti
+
+    last = bem_solve(hm, material, pressure=float(curve.mean_pressure[-1]), **settings)
+    write_vti(path, {"pressure": last.pressure, "gap": last.gap}, hm.spacing)

@@ -10,6 +10,7 @@ from asperity.cli import options, output
 from asperity.cli.main import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
 from asperity.cli.surface import expand
 from asperity.errors import AsperityError
+from asperity.results import ContactCurve
 
 EPILOG = """examples:
   asperity compare scan.h5 --E 210e9 --nu 0.3
@@ -49,8 +50,24 @@ def run(args: argparse.Namespace) -> int:
 
 def _compare_one(file, args, material, loads, *, several: bool) -> bool:  # type: ignore[no-untyped-def]
     hm = options.load_surface(file, args)
+    from asperity.bem.curve import bem_curve
     from asperity.comparison import compare
-    from asperity.storage import write_csv
+    from asperity.storage import write_csv, write_results
+
+    stem = Path(file).stem
+    results, report = (output.named(f, stem, several) for f in (args.results, args.report))
+    settings = {"tolerance": args.tolerance, "boundary": args.boundary}
+    request = output.request_of(hm, material, args, settings)
+
+    def solve(kind, values, progress, checkpoint):  # type: ignore[no-untyped-def]
+        return bem_curve(
+            hm, material, **{kind: values}, **settings, progress=progress, checkpoint=checkpoint
+        )
+
+    def reference() -> ContactCurve:
+        return output.solve_and_keep(
+            solve, hm, material, loads, results, "bem", request, args.resume
+        )
 
     shown, advance = output.bar(None, Path(file).name)
     with shown:
@@ -65,11 +82,12 @@ def _compare_one(file, args, material, loads, *, several: bool) -> bool:  # type
             **loads,
             **options.model(args),
             tolerance=args.tolerance,
+            reference=reference,
             progress=stage,
         )
-    stem = Path(file).stem
-    results, report = (output.named(f, stem, several) for f in (args.results, args.report))
-    comparison.to_hdf5(results)
+    content = comparison.to_results()
+    content.about["request"] = request
+    write_results(results, content)
     comparison.to_html(report)
     if args.csv:
         table = comparison.table

@@ -20,11 +20,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_model_options(parser)
     output.add_output_options(parser)
     parser.add_argument("--contacts", metavar="CSV", help="table of the microcontacts, last point")
+    output.add_fields_option(parser, "pressure and contact")
 
 
 def run(args: argparse.Namespace) -> int:
     """Solve, write the results file and print the curve."""
-    output.require_folder(args.results, args.csv, args.contacts)
+    output.require_folder(args.results, args.csv, args.contacts, args.fields)
     material, loads = options.material(args), options.loads(args)
     hm = options.load_surface(args.file, args)
     from asperity.curve import contact_curve
@@ -37,17 +38,26 @@ def run(args: argparse.Namespace) -> int:
             hm, material, **{kind: values}, plan=plan, progress=progress, checkpoint=checkpoint
         )
 
-    curve = output.solve_and_keep(solve, hm, material, loads, args, options.model(args))
-    if args.contacts:
-        _write_contacts(hm, material, plan, curve, args.contacts)
+    request = output.request_of(hm, material, args, options.model(args))
+    curve = output.solve_and_keep(
+        solve, hm, material, loads, args.results, "asperity", request, args.resume
+    )
+    if args.contacts or args.fields:
+        _write_last_point(hm, material, plan, curve, args)
     return output.finish(curve, args)
 
 
-def _write_contacts(hm, material, plan, curve, path) -> None:  # type: ignore[no-untyped-def]
-    from asperity.contacts import microcontacts
+def _write_last_point(hm, material, plan, curve, args) -> None:  # type: ignore[no-untyped-def]
+    from asperity.contacts import contact_map, microcontacts, pressure_map
     from asperity.curve import solve_contacts
+    from asperity.paraview import write_vti
     from asperity.storage import write_csv
 
     last = solve_contacts(hm, material, plan, separations=curve.separation[-1:])
-    table = microcontacts(last.bodies, last.states[0])
-    write_csv(path, {name: table[name] for name in table.dtype.names})
+    point = last.bodies, last.states[0]
+    if args.contacts:
+        table = microcontacts(*point)
+        write_csv(args.contacts, {name: table[name] for name in table.dtype.names})
+    if args.fields:
+        fields = {"pressure": pressure_map(*point), "contact": contact_map(*point)}
+        write_vti(args.fields, fields, hm.spacing)

@@ -17,6 +17,7 @@ EPILOG = """shapes:
 examples:
   asperity indent --shape polygon:4 --k 1 --m 0.3 --bem
   asperity indent --shape rounded:3:0.3 --k 2 --modulus 1e9 --approach 1e-7 --scale 1e5
+  asperity indent --shape polygon:4 --m 0.3 --load 1 --bem      (compared at equal load)
   asperity indent profile.h5 --E 210e9 --nu 0.3 --approach 1e-8:1e-7:5
 """
 
@@ -55,9 +56,13 @@ def run(args: argparse.Namespace) -> int:
         raise InputError(f"the folder of {args.picture} does not exist; make it first")
     grid = args.grid if args.bem else None
     good, case = True, None
-    for depth in _approaches(args, profile, material, laws[0] if laws else "harmonic"):
-        case = judge(profile, material, depth, laws=laws, grid=grid, tolerance=args.tolerance)
-        print(f"{label}   m = {material.m:g}   E* = {material.modulus:.6g}   d = {depth:.6g} m")
+    name, values = _driven(args, profile)
+    sign, unit = ("d", "m") if name == "approach" else ("F", "N")
+    for value in values:
+        driven = {name: value}
+        case = judge(profile, material, **driven, laws=laws, grid=grid, tolerance=args.tolerance)
+        head = f"{label}   m = {material.m:g}   E* = {material.modulus:.6g}"
+        print(f"{head}   {sign} = {value:.6g} {unit}")
         print(case.table() + "\n")
         good &= case.reference is None or bool(case.reference.converged)
         good &= any(row.solution is not None and row.solution.valid for row in case.rows)
@@ -139,18 +144,19 @@ def _laws(text: str | None) -> tuple[str, ...]:
     return names
 
 
-def _approaches(args: argparse.Namespace, profile: Any, material: Any, law: str) -> list[float]:
-    from asperity.indentation import indent
-
+def _driven(args: argparse.Namespace, profile: Any) -> tuple[str, list[float]]:
+    """What is prescribed, "approach" or "load", and its values."""
     if args.load is not None:
-        force = options.numbers(args.load, "--load", geometric=True)
-        return [float(d) for d in indent(profile, material, load=force, law=law).approach]
+        forces = options.numbers(args.load, "--load", geometric=True)
+        if np.any(forces <= 0):
+            raise InputError("--load must be positive")
+        return "load", [float(f) for f in forces]
     if args.approach is not None:
         depths = options.numbers(args.approach, "--approach", geometric=False)
         if np.any(depths <= 0):
             raise InputError("--approach must be positive")
-        return [float(d) for d in depths]
+        return "approach", [float(d) for d in depths]
     if args.shape is not None:
-        return [1.0]
+        return "approach", [1.0]
     turn = 2 * np.pi * np.arange(64) / 64
-    return [float(np.min(profile(profile.radius / 2, turn)))]
+    return "approach", [float(np.min(profile(profile.radius / 2, turn)))]

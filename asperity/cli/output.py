@@ -16,11 +16,13 @@ if TYPE_CHECKING:
     from surfaces import HeightMap
 
 __all__ = [
+    "add_fields_option",
     "add_output_options",
     "bar",
     "exit_code",
     "finish",
     "named",
+    "request_of",
     "require_folder",
     "solve_and_keep",
 ]
@@ -36,11 +38,15 @@ def add_output_options(parser: argparse.ArgumentParser, *, report: bool = False)
         group.add_argument(
             "--report", default="report.html", help="report file (default report.html)"
         )
-    else:
-        group.add_argument(
-            "--resume", action="store_true", help="continue from the points in the results file"
-        )
+    group.add_argument(
+        "--resume", action="store_true", help="continue from the points in the results file"
+    )
     group.add_argument("--csv", metavar="FILE", help="also write the curve as CSV")
+
+
+def add_fields_option(parser: argparse.ArgumentParser, what: str) -> None:
+    """Option for the fields of the last load point."""
+    parser.add_argument("--fields", metavar="VTI", help=f"ParaView file of {what}, last point")
 
 
 def bar(total: int | None, label: str) -> tuple[Any, Callable[[Any], None]]:
@@ -62,31 +68,40 @@ def solve_and_keep(
     hm: HeightMap,
     material: HalfSpace,
     loads: dict[str, Any],
-    args: argparse.Namespace,
-    settings: dict[str, Any],
+    path: str,
+    model: str,
+    request: dict[str, Any],
+    resume: bool,
 ) -> ContactCurve:
     """Run ``solve(kind, values, progress, checkpoint)``, each finished point kept in the file."""
     from asperity.loadpoints import checked_loads
     from asperity.resume import run_resumably
 
     kind, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))
-    request = {
-        "command": args.command,
-        "input": hm.digest,
-        "modulus": material.modulus,
-        "m": material.m,
-        **settings,
-    }
     shown, advance = bar(len(values), "load points")
     with shown:
         return run_resumably(
             lambda points, keep: solve(f"{kind}s", points, advance, keep),
             values,
             "mean_pressure" if kind == "pressure" else "separation",
-            args.results,
+            path,
+            model=model,
             request=request,
-            resume=args.resume,
+            resume=resume,
         )
+
+
+def request_of(
+    hm: HeightMap, material: HalfSpace, args: argparse.Namespace, settings: dict[str, Any]
+) -> dict[str, Any]:
+    """Facts that an interrupted run and the one that goes on with it must share."""
+    return {
+        "command": args.command,
+        "input": hm.digest,
+        "modulus": material.modulus,
+        "m": material.m,
+        **settings,
+    }
 
 
 def finish(curve: ContactCurve, args: argparse.Namespace) -> int:

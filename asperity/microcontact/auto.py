@@ -74,15 +74,18 @@ def tabulate(
     Where no polynomial describes a summit beyond its tip (a noisy spike on a ridge), the
     continuation of the ellipse law can be off by factors. Such summits, a few in a hundred, are
     tabulated by `ritz` as well; where both disagree grossly, `ritz` is taken and the disagreement
-    is their spread.
+    is their spread. So are summits whose smallest polynomial is no summit: the ellipse law has
+    nothing to say of them.
     """
     table = replace(ellipse.tabulate(profiles, material, nodes=nodes), law=law)
     left = (table.flags[:, 1 : LATEST_END + 1] & Flag.BEYOND_RADIUS).any(axis=1)
-    doubtful = np.flatnonzero(left & (table.reach > 0))
+    lost = profiles.valid & (table.reach == 0)
+    doubtful = np.flatnonzero((left & (table.reach > 0)) | lost)
     if not doubtful.size:
         return table
     second = ritz.tabulate(profiles.rows(doubtful), material, nodes=nodes)
     ratio = _worst_ratio(table, doubtful, second)
+    ratio[lost[doubtful]] = np.inf
     wrong = ratio > GROSS
     return _merged(table, doubtful[wrong], second, np.flatnonzero(wrong), ratio[wrong])
 

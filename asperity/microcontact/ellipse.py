@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -208,16 +209,23 @@ def _fit(
 ) -> tuple[Array, float]:
     """Polynomial of f/unit in the scaled coordinates of an ellipse, and its rms residual."""
     a, b, turn, x0, y0 = region
-    rho = np.sqrt((np.arange(10) + 0.5) / 10)
-    t = 2 * np.pi * np.arange(32) / 32
-    xi, eta = (rho[:, None] * np.cos(t)).ravel(), (rho[:, None] * np.sin(t)).ravel()
+    xi, eta, matrix, inverse = _fit_points(DEGREE)
     c, s = np.cos(turn), np.sin(turn)
     x, y = x0 + c * a * xi - s * b * eta, y0 + s * a * xi + c * b * eta
     f = np.asarray(profile(np.hypot(x, y), np.arctan2(y, x))) / unit
-    i, j = monomials(DEGREE)
-    matrix = xi[:, None] ** i * eta[:, None] ** j
-    coefs = np.linalg.lstsq(matrix, f, rcond=1e-12)[0]
+    coefs = inverse @ f
     return coefs, float(np.sqrt(np.mean((matrix @ coefs - f) ** 2)))
+
+
+@lru_cache(maxsize=4)
+def _fit_points(degree: int) -> tuple[Array, Array, Array, Array]:
+    """Points of the fit in the scaled coordinates, monomials at them, and the pseudo-inverse."""
+    rho = np.sqrt((np.arange(10) + 0.5) / 10)
+    t = 2 * np.pi * np.arange(32) / 32
+    xi, eta = (rho[:, None] * np.cos(t)).ravel(), (rho[:, None] * np.sin(t)).ravel()
+    i, j = monomials(degree)
+    matrix = xi[:, None] ** i * eta[:, None] ** j
+    return xi, eta, matrix, np.linalg.pinv(matrix, rcond=1e-12)
 
 
 def _march(

@@ -49,3 +49,21 @@ def test_a_noisy_ridge_of_a_measured_map_does_not_carry_everything(measured):
         for law in ("auto", "ritz")
     }
     assert load["auto"] == pytest.approx(load["ritz"], rel=0.2)
+
+
+def test_a_summit_that_the_ellipse_law_gives_up_still_carries(profiles, monkeypatch):
+    """A noisy ridge whose smallest polynomial curves up: it must not carry nothing."""
+    lost = np.flatnonzero(profiles.valid)[:2]
+    tabulated = ellipse.tabulate
+
+    def without(*args, **options):
+        table = tabulated(*args, **options)
+        table.reach[lost] = 0.0
+        return table
+
+    monkeypatch.setattr(ellipse, "tabulate", without)
+    table = auto.tabulate(profiles, STEEL)
+    other = ritz.tabulate(profiles, STEEL, nodes=32)
+    assert (table.reach[lost] > 0).all()
+    np.testing.assert_array_equal(table.force[lost], other.force[lost])
+    assert (table.spread[lost] == 1.0).all()

@@ -176,6 +176,24 @@ def test_touching_contours_are_one_patch(rough):
         assert patches <= state.active
 
 
+def test_fewer_points_for_a_smooth_map_change_little():
+    hm = self_affine(
+        (288, 240), (1.2e-3, 1.2e-3), hurst=0.8, rms_slope=0.1, rolloff=4e-4, cutoff=9e-5, seed=8
+    )
+    loads = default_pressures(hm, STEEL, count=3)
+    plan = make_plan(hm, STEEL, pressures=loads)
+    assert plan.coarse is not None
+    few = solve_contacts(hm, STEEL, plan, pressures=loads)
+    many = solve_contacts(hm, STEEL, dataclasses.replace(plan, coarse=None), pressures=loads)
+    np.testing.assert_allclose(few.curve.area_fraction, many.curve.area_fraction, rtol=0.02)
+    np.testing.assert_allclose(few.curve.separation, many.curve.separation, rtol=5e-3)
+    assert few.curve.settings["grid"] == list(plan.coarse.shape)
+    for state, other in zip(few.states, many.states, strict=True):
+        mine, full = contact_map(few.bodies, state), contact_map(many.bodies, other)
+        assert mine.shape == hm.shape
+        assert np.count_nonzero(mine & full) > 0.9 * np.count_nonzero(mine | full)
+
+
 def test_maps_with_missing_points_are_refused(rough):
     heights = rough.heights.copy()
     heights[0, 0] = np.nan

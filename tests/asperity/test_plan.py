@@ -53,8 +53,16 @@ def test_light_loads_segment_only_the_top(rough):
 
 def test_every_choice_has_its_reason(rough):
     text = str(make_plan(rough, STEEL))
-    for word in ("boundary", "material", "interaction", "segmentation", "memory"):
+    for word in ("boundary", "material", "interaction", "segmentation", "grid", "memory"):
         assert word in text
+
+
+def test_smooth_maps_are_solved_on_fewer_points(rough):
+    assert make_plan(rough, STEEL).coarse is None
+    smooth = self_affine((240, 180), (1e-3, 1e-3), hurst=0.8, rms_slope=0.1, cutoff=1e-4, seed=4)
+    plan = make_plan(smooth, STEEL)
+    assert plan.coarse is not None
+    assert "108 x 80 points hold the map of 240 x 180" in str(plan)
 
 
 def test_maps_that_no_model_can_use(rough):

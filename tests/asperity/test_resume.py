@@ -49,6 +49,12 @@ class Solver:
         return curve_of(values)
 
 
+def run_all(solver, path, *, resume, request=REQUEST):
+    return run_resumably(
+        solver, LOADS, "mean_pressure", path, model="bem", request=request, resume=resume
+    )
+
+
 @pytest.fixture(autouse=True)
 def write_at_once(monkeypatch):
     monkeypatch.setattr(asperity.resume, "SECONDS_BETWEEN_WRITES", 0.0)
@@ -57,9 +63,9 @@ def write_at_once(monkeypatch):
 def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path):
     path = tmp_path / "r.h5"
     with pytest.raises(KeyboardInterrupt):
-        run_resumably(Solver(2), LOADS, "mean_pressure", path, request=REQUEST, resume=False)
+        run_all(Solver(2), path, resume=False)
     again = Solver()
-    whole = run_resumably(again, LOADS, "mean_pressure", path, request=REQUEST, resume=True)
+    whole = run_all(again, path, resume=True)
     assert again.solved == [3.0, 5.0]
     np.testing.assert_allclose(whole.mean_pressure, LOADS, rtol=1e-8)
     np.testing.assert_array_equal(whole.extra["pairs"], LOADS)
@@ -69,21 +75,14 @@ def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path):
 
 def test_points_that_did_not_converge_are_solved_again(tmp_path):
     path = tmp_path / "r.h5"
-    run_resumably(Solver(), LOADS, "mean_pressure", path, request=REQUEST, resume=True)
+    run_all(Solver(), path, resume=True)
     again = Solver()
-    run_resumably(again, LOADS, "mean_pressure", path, request=REQUEST, resume=True)
+    run_all(again, path, resume=True)
     assert again.solved == [5.0]
 
 
 def test_another_input_is_not_continued(tmp_path):
     path = tmp_path / "r.h5"
-    run_resumably(Solver(), LOADS, "mean_pressure", path, request=REQUEST, resume=False)
+    run_all(Solver(), path, resume=False)
     with pytest.raises(InputError, match="cannot be continued: law changed"):
-        run_resumably(
-            Solver(),
-            LOADS,
-            "mean_pressure",
-            path,
-            request={**REQUEST, "law": "hertz"},
-            resume=True,
-        )
+        run_all(Solver(), path, request={**REQUEST, "law": "hertz"}, resume=True)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from vti import read_vti
 
 import surfaces
 from asperity import ContactCurve
@@ -71,6 +72,16 @@ def test_contacts_as_a_table(folder):
     assert table["force"].sum() == pytest.approx(curve.load[-1], rel=5e-3)
 
 
+@pytest.mark.parametrize("command", ["curve", "bem"])
+def test_fields_for_paraview_carry_the_load(command, folder):
+    options = ["--pressure", "1e8,2e8", "--fields", "f.vti"]
+    assert main([command, "rough.h5", *STEEL, *options]) == 0
+    cells, spacing, fields = read_vti(folder / "f.vti")
+    assert cells == (80, 64)
+    np.testing.assert_allclose(spacing, (1e-5, 1e-5))
+    np.testing.assert_allclose(fields["pressure"].mean(), 2e8, rtol=5e-3)
+
+
 def test_compare_and_report(folder, capsys):
     assert main(["compare", "rough.h5", *STEEL, "--pressure", "5e7:5e8:3"]) == 0
     comparison = Comparison.from_hdf5("results.h5")
@@ -78,6 +89,23 @@ def test_compare_and_report(folder, capsys):
     assert comparison.verdict() in capsys.readouterr().out
     assert main(["report", "results.h5", "-o", "again.html"]) == 0
     assert (folder / "again.html").read_text().count("<svg") == first.count("<svg") == 4
+
+
+def test_compare_goes_on_from_the_boundary_elements_it_has(folder, monkeypatch, capsys):
+    arguments = ["compare", "rough.h5", *STEEL, "--pressure", "1e8,3e8"]
+    assert main(arguments) == 0
+    first = Comparison.from_hdf5("results.h5")
+
+    def solved_again(*_, **__):
+        raise AssertionError("the reference was solved again")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("asperity.bem.curve.bem_curve", solved_again)
+        assert main([*arguments, "--resume"]) == 0
+    np.testing.assert_array_equal(Comparison.from_hdf5("results.h5").table, first.table)
+    capsys.readouterr()
+    assert main([*arguments, "--tolerance", "1e-5", "--resume"]) == 2
+    assert "tolerance changed" in capsys.readouterr().err
 
 
 def test_compare_prepares_a_raw_scan_and_goes_on_past_a_bad_file(folder, capsys):

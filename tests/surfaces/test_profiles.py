@@ -7,9 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from scipy.interpolate import BSpline
 
 import surfaces
 from surfaces import _spline
+from surfaces.summits import locate_summits
 
 
 def rough(shape=(96, 80), size=(1.0, 1.25), **changes):
@@ -184,6 +186,17 @@ def test_profiles_of_any_map_are_finite_and_rise(seed, shape, levels, scale, per
     assert (fit.valid[fit.owner] | (fit.owner == np.arange(len(fit)))).all()
 
 
+def test_the_rows_asked_for_are_those_of_the_whole_batch():
+    hm = rough()
+    peaks, fit = fitted(hm, nodes=9)
+    summits = locate_summits(hm, peaks)
+    index = np.random.default_rng(0).permutation(len(peaks))[:7]
+    some = summits.rows(index, nodes=9)
+    for name, value in vars(fit.rows(index)).items():
+        np.testing.assert_array_equal(getattr(some, name), value)
+    np.testing.assert_array_equal(summits.height, fit.height)
+
+
 def test_no_peaks_give_no_profiles():
     hm = rough()
     peaks = surfaces.segment(hm, above=1.0)
@@ -199,6 +212,24 @@ def test_spline_interpolates_every_point(periodic):
         for i in range(23)
     ]
     assert_allclose(values, h, atol=1e-8)
+
+
+def test_spline_and_its_derivatives_are_those_of_the_tensor_product():
+    h = np.random.default_rng(4).normal(size=(19, 27))
+    spline = _spline.coefficients(h, True)
+    pad = _spline.PAD
+    basis = BSpline.basis_element(np.arange(-3.0, 4.0), extrapolate=False)
+    y, x = 7.3, 11.85
+    parts = []
+    for at in (y, x):
+        taps = np.floor(at) + np.arange(-2.0, 4.0)
+        parts.append([np.nan_to_num(basis.derivative(k)(at - taps)) for k in range(3)])
+    block = spline[pad + 5 : pad + 11, pad + 9 : pad + 15]
+    orders = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+    exact = [parts[0][a] @ block @ parts[1][b] for a, b in orders]
+    found = _spline.expand(spline.ravel(), spline.shape[1], y, x)
+    assert_allclose(found, exact, rtol=1e-11, atol=1e-12)
+    assert_allclose(_spline.evaluate(spline.ravel(), spline.shape[1], y, x), exact[0], rtol=1e-12)
 
 
 def test_spline_is_exact_for_a_quadratic_up_to_the_border():

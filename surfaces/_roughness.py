@@ -1,0 +1,76 @@
+# mypy: disallow-untyped-defs=False
+"""Kernel of the means over a map."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract"})
+def sums(heights, start, first, last):
+    """Sums over the rows [first, last) and over the differences that begin there.
+
+    Returns the lowest and highest height, and pairs of a number and a sum of squares of the first
+    differences along y and x and of the second ones along y and x, after the number, sum and sum
+    of squares of the heights about `start`.
+    """
+    ny, nx = heights.shape
+    out = np.zeros(13)
+    out[0], out[1] = np.inf, -np.inf
+    for i in range(first, last):
+        low, high, count, total, square = np.inf, -np.inf, 0.0, 0.0, 0.0
+        for j in range(nx):
+            z = heights[i, j] - start
+            there = z == z
+            z = z if there else 0.0
+            count += 1.0 if there else 0.0
+            total += z
+            square += z * z
+            low = heights[i, j] if heights[i, j] < low else low
+            high = heights[i, j] if heights[i, j] > high else high
+        out[0], out[1] = min(out[0], low), max(out[1], high)
+        out[2] += count
+        out[3] += total
+        out[4] += square
+        if i + 1 < ny:
+            number, square = _squares(heights[i, :], heights[i + 1, :])
+            out[5] += number
+            out[6] += square
+        number, square = _squares(heights[i, : nx - 1], heights[i, 1:])
+        out[7] += number
+        out[8] += square
+        if i + 2 < ny:
+            number, square = _bends(heights[i, :], heights[i + 1, :], heights[i + 2, :])
+            out[9] += number
+            out[10] += square
+        number, square = _bends(heights[i, : nx - 2], heights[i, 1 : nx - 1], heights[i, 2:])
+        out[11] += number
+        out[12] += square
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract"})
+def _squares(a, b):
+    """Number and sum of squares of the differences present."""
+    number, total = 0.0, 0.0
+    for j in range(a.size):
+        d = b[j] - a[j]
+        there = d == d
+        d = d if there else 0.0
+        number += 1.0 if there else 0.0
+        total += d * d
+    return number, total
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract"})
+def _bends(a, b, c):
+    """Number and sum of squares of the second differences present."""
+    number, total = 0.0, 0.0
+    for j in range(a.size):
+        d = (c[j] - b[j]) - (b[j] - a[j])
+        there = d == d
+        d = d if there else 0.0
+        number += 1.0 if there else 0.0
+        total += d * d
+    return number, total

@@ -1,0 +1,33 @@
+"""ParaView files hold the fields that were given, in the right directions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from vti import read_vti
+
+from asperity.errors import InputError
+from asperity.paraview import write_vti
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32, bool, np.int64, ">f8", np.float16])
+def test_fields_come_back_with_x_running_fastest(tmp_path, dtype):
+    field = np.arange(12).reshape(3, 4).astype(dtype)
+    write_vti(tmp_path / "f.vti", {"pressure": field, "gap": -field.astype(float)}, (2e-9, 1e-9))
+    cells, spacing, fields = read_vti(tmp_path / "f.vti")
+    assert cells == (4, 3)
+    assert spacing == (1e-9, 2e-9)
+    np.testing.assert_array_equal(fields["pressure"], field.astype(float).ravel())
+    np.testing.assert_array_equal(fields["gap"], -field.astype(float).ravel())
+
+
+def test_a_transposed_view_is_written_as_it_is_seen(tmp_path):
+    field = np.arange(6.0).reshape(2, 3).T
+    write_vti(tmp_path / "f.vti", {"p": field}, (1.0, 1.0))
+    np.testing.assert_array_equal(read_vti(tmp_path / "f.vti")[2]["p"], field.ravel())
+
+
+@pytest.mark.parametrize("fields", [{}, {"a": np.zeros(3)}, {"a": np.eye(2), "b": np.eye(3)}])
+def test_what_is_no_image_is_refused(tmp_path, fields):
+    with pytest.raises(InputError, match="one shape"):
+        write_vti(tmp_path / "f.vti", fields, (1.0, 1.0))

@@ -1,0 +1,57 @@
+"""A smooth map is held by few points; what does not show in its spectrum keeps the full grid."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import surfaces
+from surfaces.coarsening import coarse_map, shortest_wave
+
+
+def smooth(cutoff=0.09, shape=(240, 288), size=(1.0, 1.8)):
+    return surfaces.self_affine(
+        shape, size, hurst=0.8, rms_height=0.01, rolloff=0.5, cutoff=cutoff, seed=2
+    )
+
+
+def test_the_same_surface_on_fewer_points():
+    hm = smooth()
+    coarse = coarse_map(hm)
+    assert coarse is not None and coarse.heights.size < 0.5 * hm.heights.size
+    assert_allclose(coarse.size, hm.size, rtol=1e-12)
+    assert_allclose(coarse.heights.mean(), hm.heights.mean(), atol=1e-12)
+    assert_allclose(np.divide(*coarse.spacing), np.divide(*hm.spacing), rtol=0.1)
+    few, many = (surfaces.fit_profiles(m, surfaces.segment(m)) for m in (coarse, hm))
+    few, many = (fit.rows(np.argsort(-fit.height)[:8]) for fit in (few, many))
+    for name, step in (("x", hm.spacing[1]), ("y", hm.spacing[0])):
+        assert_allclose(getattr(few, name), getattr(many, name), atol=0.02 * step)
+    assert_allclose(few.height, many.height, rtol=1e-4)
+    assert_allclose(few.curvature, many.curvature, rtol=0.02)
+
+
+def test_the_shortest_wave_of_a_sine():
+    y, x = np.mgrid[:80, :120]
+    hm = surfaces.HeightMap(
+        np.sin(2 * np.pi * y / 20) + np.sin(2 * np.pi * x / 15), (1.0, 2.0), periodic=True
+    )
+    assert shortest_wave(hm, 0) == pytest.approx(20)
+    assert shortest_wave(hm, 1) == pytest.approx(15)
+
+
+def test_maps_that_need_their_own_grid():
+    hm = smooth()
+    assert coarse_map(smooth(cutoff=0.02)) is None
+    assert coarse_map(hm.replace(periodic=False)) is None
+    assert coarse_map(smooth(shape=(48, 60))) is None
+
+
+def test_a_single_spike_keeps_the_full_grid():
+    """Too narrow to matter in the spectrum, and the first to touch."""
+    hm = smooth()
+    heights = hm.heights.copy()
+    heights[np.unravel_index(heights.argmax(), hm.shape)] += 0.1 * hm.rms_height
+    spiked = hm.replace(heights=heights)
+    assert shortest_wave(spiked, 0) == pytest.approx(shortest_wave(hm, 0), rel=0.1)
+    assert coarse_map(spiked) is None

@@ -1,0 +1,48 @@
+"""The means over a map in one pass are those of numpy, missing points left out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import surfaces
+
+
+def by_numpy(hm):
+    """Rms of first and second differences along y and x."""
+    dy, dx = hm.spacing
+    out = []
+    for order in (1, 2):
+        for axis, step in ((0, dy), (1, dx)):
+            change = np.diff(hm.heights, n=order, axis=axis) / step**order
+            out.append(np.sqrt(np.nanmean(change**2)))
+    return out
+
+
+@pytest.mark.parametrize("missing", [False, True])
+@pytest.mark.parametrize("shape", [(3, 4), (150, 133)])
+def test_same_means_as_numpy(shape, missing):
+    h = 5.0 + np.random.default_rng(2).normal(size=shape)
+    if missing:
+        h[0, 0] = h[1, 2:4] = np.nan
+    hm = surfaces.HeightMap(h, (0.3, 0.7))
+    found = hm.roughness
+    assert_allclose(found.mean, np.nanmean(h), rtol=1e-12)
+    assert_allclose(found.rms_height, np.nanstd(h), rtol=1e-12)
+    assert (found.lowest, found.highest) == (np.nanmin(h), np.nanmax(h))
+    assert found.missing == hm.missing == 3 * missing
+    assert_allclose([*found.slope, *found.curvature], by_numpy(hm), rtol=1e-12)
+
+
+def test_a_plane_has_a_slope_and_never_turns():
+    y, x = np.mgrid[:30, :40]
+    found = surfaces.HeightMap(2.0 * y - x, (1.0, 0.5)).roughness
+    assert found.slope == (2.0, 2.0)
+    assert found.length == np.inf
+
+
+def test_a_changed_map_has_its_own_means():
+    hm = surfaces.HeightMap(np.eye(4), 1.0)
+    assert hm.roughness.highest == 1.0
+    assert hm.replace(heights=3.0 * hm.heights).roughness.highest == 3.0
