@@ -221,46 +221,47 @@ def touching(heights, labels, periodic, n, runs):
     """Pixels of each basin and highest pass between touching basins, over the pixels of all runs.
 
     Returns the counts (n,), the pairs as ``low * n + high`` and the heights of their passes. The
-    pairs are kept in a hash table that doubles when half full.
+    pairs of a run are listed without a branch, since where basins touch cannot be foreseen, and
+    then met in a hash table that doubles when half full.
     """
     ny, nx = heights.shape
     counts = np.zeros(n, np.int64)
     used = 0
     keys = np.zeros(1024, np.int64)  # 0 marks a free slot: no pair (0, 0) occurs
     passes = np.empty(1024)
-    cols = np.empty(4, np.int64)
+    listed = np.empty(4 * nx + 4, np.int64)
+    levels = np.empty(4 * nx + 4)
     for run in range(runs.shape[0]):
         i = runs[run, 0] // nx
         low = i + 1 if i + 1 < ny else (0 if periodic else i)
+        found = 0
         for j in range(runs[run, 0] - i * nx, runs[run, 1] - i * nx):
-            a = labels[i, j]
+            a = np.int64(labels[i, j])
+            z = heights[i, j]
             counts[a] += 1
             west = j - 1 if j > 0 else (nx - 1 if periodic else j)
             east = j + 1 if j + 1 < nx else (0 if periodic else j)
-            if (
-                labels[i, east] == a
-                and labels[low, j] == a
-                and labels[low, west] == a
-                and labels[low, east] == a
-            ):
+            same = (labels[i, east] == a) & (labels[low, j] == a)
+            if same & (labels[low, west] == a) & (labels[low, east] == a):
                 continue
-            cols[0], cols[1], cols[2], cols[3] = east, west, j, east
             for k in range(4):
                 row = i if k == 0 else low
-                b = labels[row, cols[k]]
-                if b < 0 or b == a:
-                    continue
-                key = a * n + b if a < b else b * n + a
-                z = min(heights[i, j], heights[row, cols[k]])
-                slot = _slot(keys, key)
-                if keys[slot] == key:
-                    passes[slot] = max(passes[slot], z)
-                    continue
-                keys[slot] = key
-                passes[slot] = z
-                used += 1
-                if 2 * used > keys.size:
-                    keys, passes = _doubled(keys, passes)
+                col = west if k == 1 else (j if k == 2 else east)
+                b = np.int64(labels[row, col])
+                other = heights[row, col]
+                listed[found] = min(a, b) * n + max(a, b)
+                levels[found] = z if z < other else other
+                found += (b >= 0) & (b != a)
+        for m in range(found):
+            slot = _slot(keys, listed[m])
+            if keys[slot] == listed[m]:
+                passes[slot] = levels[m] if levels[m] > passes[slot] else passes[slot]
+                continue
+            keys[slot] = listed[m]
+            passes[slot] = levels[m]
+            used += 1
+            if 2 * used > keys.size:
+                keys, passes = _doubled(keys, passes)
     found = 0
     for slot in range(keys.size):
         if keys[slot] != 0:
