@@ -12,6 +12,8 @@ from .polar import PolarProfile
 
 __all__ = ["Profiles"]
 
+_PER_RAY = 48  # radii on the shortest ray of a single profile
+
 Array = NDArray[np.float64]
 
 
@@ -87,35 +89,52 @@ class Profiles:
         """Gap f [m] at the nodes, shape (n, rays, nodes); it does not fall along a ray."""
         return self.q * (self.t * self.edge[:, :, None]) ** 2
 
-    def profile(self, i: int, *, angles: int = 64) -> PolarProfile:
+    def profile(self, i: int, *, angles: int = 256) -> PolarProfile:
         """Profile of one peak on `angles` equispaced directions, up to its longest ray.
 
         Between the rays f is a periodic cubic spline in the parameter of the ellipse on which
-        they are spread, at equal fractions of that ellipse, where a paraboloid has two harmonics
-        only; the edge is a monotone cubic. Beyond the edge of a ray f goes on with its last q.
+        they are spread, at equal distances in units of that ellipse, where a paraboloid has two
+        harmonics only. Beyond the edge of a ray f goes on with its last slope and the curvature
+        2 q. The radii and directions lie dense enough to return the nodes of all rays.
         """
-        from scipy.interpolate import CubicSpline, PchipInterpolator
+        from scipy.interpolate import CubicSpline
 
         rays = self.phi.shape[1]
         aspect = _rays.aspect_of(*self.curvature[i])
+        node = 2 * np.pi * np.arange(rays) / rays
         phi = 2 * np.pi * np.arange(angles) / angles
         turn = phi - self.angle[i]
         at = np.arctan2(np.sin(turn), aspect * np.cos(turn)) % (2 * np.pi)
-        node = 2 * np.pi * np.arange(-3, rays + 4) / rays
-        wrapped = np.arange(-3, rays + 4) % rays
-        edge = PchipInterpolator(node, self.edge[i, wrapped])(at)
-        section = CubicSpline(
-            node[3:-3], self.q[i, wrapped[3:-3]] * _square(node[3:-3], aspect), bc_type="periodic"
+        unit = np.eye(rays)[np.arange(rays + 1) % rays]
+        share = CubicSpline(np.append(node, 2 * np.pi), unit, bc_type="periodic")(at)
+        r = _graded(self.edge[i].max(), self.edge[i].min())
+        far = r[1:, None] / np.sqrt(_square(at, aspect))
+        scaled = np.array(
+            [self._along(i, p, far * np.sqrt(_square(node[p], aspect))) for p in range(rays)]
         )
-        q = np.maximum(section(at) / _square(at, aspect), self.q[i].min(axis=0))
-        r = edge.max() * self.t
-        t = np.minimum(r[:, None] / edge, 1.0)
-        f = np.empty((r.size, angles))
-        for k in range(angles):
-            f[:, k] = PchipInterpolator(self.t, q[k])(t[:, k]) * r**2
+        f = np.zeros((r.size, angles))
+        f[1:] = np.maximum(np.einsum("kp,pjk->jk", share, scaled), 0.5 * scaled.min(axis=0))
         return PolarProfile(r, phi, np.maximum.accumulate(f, axis=0))
 
+    def _along(self, i: int, p: int, r: Array) -> Array:
+        """Gap at radii `r` of one ray, continued beyond its edge."""
+        from scipy.interpolate import PchipInterpolator
 
-def _square(parameter: Array, aspect: float) -> Array:
-    """Squared radius of the ellipse of semi-axes 1 and `aspect`, as a column."""
-    return np.asarray(np.cos(parameter) ** 2 + (aspect * np.sin(parameter)) ** 2)[:, None]
+        end, last = self.edge[i, p], self.q[i, p, -1]
+        q = PchipInterpolator(self.t, self.q[i, p])
+        slope = max(end * (float(q(1.0, 1)) + 2.0 * last), 0.0)
+        over = np.maximum(r - end, 0.0)
+        inside = q(np.minimum(r / end, 1.0)) * np.minimum(r, end) ** 2
+        return np.asarray(inside + slope * over + last * over**2)
+
+
+def _graded(longest: float, shortest: float) -> Array:
+    """Radii from 0 to the longest ray, equispaced in the shortest one, then in equal ratios."""
+    steps = int(np.ceil(_PER_RAY * np.log(longest / shortest)))
+    inner = np.linspace(0.0, shortest, _PER_RAY + 1)
+    return np.concatenate([inner, np.geomspace(shortest, longest, steps + 1)[1:]])
+
+
+def _square(parameter: Array | float, aspect: float) -> Array:
+    """Squared radius of the ellipse of semi-axes 1 and `aspect`."""
+    return np.asarray(np.cos(parameter) ** 2 + (aspect * np.sin(parameter)) ** 2)

@@ -186,6 +186,20 @@ def test_profiles_of_any_map_are_finite_and_rise(seed, shape, levels, scale, per
     assert (fit.valid[fit.owner] | (fit.owner == np.arange(len(fit)))).all()
 
 
+def test_a_single_profile_returns_the_nodes_of_all_rays():
+    """Rays of one peak differ in length by a factor of three (median)."""
+    _, fit = fitted(rough((80, 96), (1.0, 1.5)))
+    chosen = np.flatnonzero(fit.valid)[:12]
+    f = fit.f()
+    misses = []
+    for i in chosen:
+        r = fit.edge[i][:, None] * fit.t
+        given = fit.profile(int(i))(r, np.broadcast_to(fit.phi[i][:, None], r.shape))
+        misses.append(np.abs(given - f[i])[:, 1:] / f[i][:, 1:])
+    assert np.max(misses) < 0.01
+    assert np.quantile(misses, 0.99) < 1e-3
+
+
 def test_the_rows_asked_for_are_those_of_the_whole_batch():
     hm = rough()
     peaks, fit = fitted(hm, nodes=9)
