@@ -121,7 +121,7 @@ class ContactProblem:
         mean = float(pressure.mean())
         if search and mean > 0.0:
             search.mean = mean * self.compliance
-            search.stiffness = _POWER * search.mean / (search.offset + self._highest)
+            search.stiffness = _POWER * search.mean / (search.offset + self.level.highest)
         wanted = search.mean if search else load
         if mean > 0.0:
             pressure *= wanted / mean
