@@ -221,20 +221,21 @@ def touching(heights, labels, periodic, n, runs):
     """Pixels of each basin and highest pass between touching basins, over the pixels of all runs.
 
     Returns the counts (n,), the pairs as ``low * n + high`` and the heights of their passes. The
-    pairs of a run are listed without a branch, since where basins touch cannot be foreseen, and
-    then met in a hash table that doubles when half full.
+    pairs of a run are listed without a branch, since where basins touch cannot be foreseen, a
+    repeated one once, and then met in a hash table that doubles when half full.
     """
     ny, nx = heights.shape
     counts = np.zeros(n, np.int64)
     used = 0
     keys = np.zeros(1024, np.int64)  # 0 marks a free slot: no pair (0, 0) occurs
     passes = np.empty(1024)
-    listed = np.empty(4 * nx + 4, np.int64)
-    levels = np.empty(4 * nx + 4)
+    listed = np.empty(4 * nx + 2, np.int64)
+    levels = np.empty(4 * nx + 2)
     for run in range(runs.shape[0]):
         i = runs[run, 0] // nx
         low = i + 1 if i + 1 < ny else (0 if periodic else i)
         found = 0
+        listed[0] = -1
         for j in range(runs[run, 0] - i * nx, runs[run, 1] - i * nx):
             a = np.int64(labels[i, j])
             z = heights[i, j]
@@ -249,10 +250,15 @@ def touching(heights, labels, periodic, n, runs):
                 col = west if k == 1 else (j if k == 2 else east)
                 b = np.int64(labels[row, col])
                 other = heights[row, col]
-                listed[found] = min(a, b) * n + max(a, b)
-                levels[found] = z if z < other else other
-                found += (b >= 0) & (b != a)
-        for m in range(found):
+                z_pass = z if z < other else other
+                key = min(a, b) * n + max(a, b)
+                again = key == listed[found]
+                place = found if again else found + 1
+                last = levels[found] if again else -np.inf
+                listed[place] = key
+                levels[place] = z_pass if z_pass > last else last
+                found = place if (b >= 0) & (b != a) else found
+        for m in range(1, found + 1):
             slot = _slot(keys, listed[m])
             if keys[slot] == listed[m]:
                 passes[slot] = levels[m] if levels[m] > passes[slot] else passes[slot]

@@ -78,14 +78,15 @@ def segment(
     if above is not None and np.isnan(above):
         raise InputError("above is not a number; give a height in m or None")
     link, summit, runs, lowest = _links(heights, hm, -np.inf if above is None else float(above))
-    summit = summit[np.lexsort((summit, -heights.ravel()[summit]))]
+    summit = np.sort(summit)
+    summit = summit[_falling(heights.ravel()[summit])]
     link[summit] = np.arange(summit.size)
     _threads.each(lambda some: _flood.follow(link, some), runs)
     labels = link.reshape(hm.shape)
     counts, pairs, passes = _passes(heights, labels, hm.periodic, summit.size, runs)
 
     height = heights.ravel()[summit]
-    order = np.argsort(-passes, kind="stable")
+    order = _falling(passes)
     saddle, parent, keeper = _flood.merge(
         height, pairs[order, 0], pairs[order, 1], passes[order], lowest, limit
     )
@@ -119,6 +120,15 @@ def segment(
         passes=passes,
         min_prominence=limit,
     )
+
+
+def _falling(values: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Order of falling values, equal ones as they stand (the stable sort is slower)."""
+    order = np.argsort(-values)
+    ranked = values[order]
+    if (ranked[1:] == ranked[:-1]).any():
+        return np.argsort(-values, kind="stable")
+    return order
 
 
 def _limit(heights: NDArray[np.float64], min_prominence: float, wolf: float | None) -> float:
