@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from surfaces import _threads
 from surfaces.heightmap import HeightMap
 from surfaces.segmentation import segment
 from surfaces.summits import locate_summits
@@ -223,6 +224,7 @@ def solve_contacts(
     came near the height below which nothing was segmented, the whole map is taken instead.
     """
     kind, values = checked_loads(hm, material, pressures, separations)
+    _threads.aside(lambda: hm.digest)  # wanted at the end; it needs one thread only
     bodies = Asperities.of(hm, material, plan)
     start = time.perf_counter() - sum(bodies.seconds.values())
     states: dict[int, PopulationState] = {}

@@ -12,7 +12,7 @@ from typing import Any
 
 from .errors import InputError
 
-__all__ = ["available", "blocks", "each", "run", "set_threads", "threads"]
+__all__ = ["aside", "available", "blocks", "each", "run", "set_threads", "threads"]
 
 _NAME = "row-blocks"
 _VARIABLE = "ASPERITY_THREADS"
@@ -69,3 +69,14 @@ def each(function: Callable[[Any], Any], parts: Sequence[Any]) -> list[Any]:
     pool = _pool(len(parts) - 1, os.getpid())
     others = [pool.submit(function, part) for part in parts[1:]]
     return [function(parts[0]), *(other.result() for other in others)]
+
+
+def aside(function: Callable[[], Any]) -> None:
+    """Call a function beside the rest, if more than one thread may be used; else leave it."""
+    if threads() > 1:
+        _single(os.getpid()).submit(function)
+
+
+@functools.cache
+def _single(process: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(1, thread_name_prefix="aside")

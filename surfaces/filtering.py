@@ -14,6 +14,8 @@ __all__ = ["bandpass", "crop", "make_periodic", "resample"]
 
 PERIODIC = ("mirror", "taper", "wrap")
 
+_BLOCK = 64  # lines transformed at a time: their spectra stay in the cache
+
 
 def bandpass(
     hm: HeightMap, shortest: float | None = None, longest: float | None = None
@@ -183,16 +185,28 @@ def _resample_axis(
         spectrum = np.zeros((*moved.shape[:-1], count))
         spectrum[..., :kept] = fft.dct(moved, axis=-1)[..., :kept] * (count / old)
         return np.ascontiguousarray(np.moveaxis(fft.idct(spectrum, axis=-1), -1, axis))
-    half = kept // 2 + 1
-    wave = np.arange(half)
-    shift = np.exp(1j * np.pi * wave * (1.0 / count - 1.0 / old))
-    spectrum = np.zeros((*moved.shape[:-1], count // 2 + 1), dtype=np.complex128)
-    spectrum[..., :half] = (
-        fft.rfft(moved, axis=-1, workers=_threads.threads())[..., :half] * shift * (count / old)
+    lines = np.ascontiguousarray(moved)
+    out = np.empty((len(lines), count))
+    _threads.run(
+        lambda first, last: _resample_lines(lines, out, kept, first, last),
+        _threads.blocks(len(lines), _BLOCK),
     )
+    return np.ascontiguousarray(np.moveaxis(out, -1, axis))
+
+
+def _resample_lines(
+    lines: NDArray[np.float64], out: NDArray[np.float64], kept: int, first: int, last: int
+) -> None:
+    """Fill the lines [first, last) of `out` with the periodic lines on other cell centres."""
+    old, count, half = lines.shape[1], out.shape[1], kept // 2 + 1
+    shift = np.exp(1j * np.pi * np.arange(half) * (1.0 / count - 1.0 / old)) * (count / old)
     if kept % 2 == 0:
-        spectrum[..., kept // 2] = 0.0
-    return np.ascontiguousarray(np.moveaxis(fft.irfft(spectrum, n=count, axis=-1), -1, axis))
+        shift[-1] = 0.0
+    for start in range(first, last, _BLOCK):
+        stop = min(start + _BLOCK, last)
+        spectrum = np.zeros((stop - start, count // 2 + 1), dtype=np.complex128)
+        spectrum[:, :half] = fft.rfft(lines[start:stop], axis=1)[:, :half] * shift
+        out[start:stop] = fft.irfft(spectrum, n=count, axis=1)
 
 
 def _window(places: NDArray[np.float64], length: float, strip: float) -> NDArray[np.float64]:
