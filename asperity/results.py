@@ -30,6 +30,11 @@ POINT_FIELDS = (
 )
 
 
+SLACK = 5e-3
+"""Relative distance beyond the ends at which a curve can be read off: solved pressures miss those
+asked for by the tolerance of the solve, and the asked ones must be within the curve."""
+
+
 @dataclass(frozen=True)
 class CurvePoint:
     """A contact curve read off at one or several places; arrays have the shape of the question.
@@ -161,13 +166,13 @@ class ContactCurve:
             asked = np.asarray(pressure, dtype=float)
             with np.errstate(divide="ignore", invalid="ignore"):
                 key = np.log(asked)
-            _within(asked, np.exp(log_p[[0, -1]]), key, log_p, "pressure", "Pa")
+            _within(asked, np.exp(log_p[[0, -1]]), key, log_p, SLACK, "pressure", "Pa")
         else:
             asked = np.asarray(separation, dtype=float)
             falling = self.separation[order][::-1]
-            _within(asked, falling[[0, -1]], asked, falling, "separation", "m")
+            rim = 1e-9 * max(abs(falling[0]), abs(falling[-1]), falling[-1] - falling[0])
+            _within(asked, falling[[0, -1]], asked, falling, rim, "separation", "m")
             key = PchipInterpolator(falling, log_p[::-1])(asked)
-        key = np.clip(key, log_p[0], log_p[-1])
 
         def read(name: str, in_log: bool) -> Any:
             values = np.asarray(getattr(self, name), dtype=float)[order]
@@ -175,7 +180,10 @@ class ContactCurve:
             if np.count_nonzero(finite) < 2:
                 return np.full(np.shape(asked), np.nan)[()]
             knots = np.log(values[finite]) if in_log else values[finite]
-            found = PchipInterpolator(log_p[finite], knots, extrapolate=False)(key)
+            places = log_p[finite]
+            found = PchipInterpolator(places, knots)(key)
+            known = (key >= places[0] - SLACK) & (key <= places[-1] + SLACK)
+            found = np.where(known, found, np.nan)
             return (np.exp(found) if in_log else found)[()]
 
         return CurvePoint(
@@ -269,10 +277,10 @@ def _within(
     ends: NDArray[np.float64],
     key: NDArray[np.float64],
     knots: NDArray[np.float64],
+    slack: float,
     name: str,
     unit: str,
 ) -> None:
-    slack = 1e-9 * max(abs(knots[0]), abs(knots[-1]), knots[-1] - knots[0])
     outside = ~((key >= knots[0] - slack) & (key <= knots[-1] + slack))
     if np.any(outside):
         worst = float(np.atleast_1d(asked)[np.atleast_1d(outside)][0])

@@ -56,6 +56,19 @@ def test_pressure_and_separation_control_agree(rough):
     np.testing.assert_allclose(by_gap.area_fraction, by_load.area_fraction, rtol=5e-3)
 
 
+def test_ten_points_tell_the_points_between(rough):
+    loads = default_pressures(rough, STEEL)
+    curve = asperity.contact_curve(rough, STEEL)
+    between = np.sqrt(loads[1:] * loads[:-1])[::3]
+    solved = asperity.contact_curve(rough, STEEL, pressures=between)
+    read = curve.at(pressure=between)
+    np.testing.assert_allclose(read.area_fraction, solved.area_fraction, rtol=0.03)
+    np.testing.assert_allclose(read.separation, solved.separation, rtol=3e-3)
+    every = curve.at(pressure=np.geomspace(loads[0], loads[-1], 60))  # the ends as asked for
+    assert (np.diff(every.area_fraction) > 0).all()
+    assert (np.diff(every.separation) < 0).all()
+
+
 def test_load_area_and_contacts_grow_as_the_separation_falls(rough):
     separations = np.linspace(2.0, 0.3, 12) * rough.rms_height
     curve = asperity.contact_curve(rough, STEEL, separations=separations)
