@@ -1,7 +1,8 @@
 """Numba kernels of the contact law about the optimal ellipse.
 
-Units inside: one length and one height per profile, modulus 1. Coefficient vectors run over the
-monomials x**i y**j of `ellipse_tables.monomials`.
+Units inside: one length and one height per profile, modulus 1. The contour has nodes on the four
+mirror images of a quarter of the ellipse; each quarter is padded to a vector by its last node
+once more, with no weight.
 """
 
 from __future__ import annotations
@@ -11,407 +12,362 @@ import math
 import numpy as np
 from numba import njit
 
-from .ellipse_tables import DEGREE
+from ._directions import FAST, place
+from ._polynomial_kernels import TERMS, move, solve, table_row
+from .ellipse_tables import DEGREE, LANES
 
-TERMS = (DEGREE + 1) * (DEGREE + 2) // 2
 NODES = DEGREE + 1
-"""Monomials, and nodes on a quarter of the ellipse: constants, so that the loops unroll."""
-
-FAST = {"contract", "reassoc", "nsz", "arcp"}
+MODES = DEGREE // 2 + 1
+"""Nodes on a quarter of the ellipse, and even modes: constants, so that the loops unroll."""
 
 WIDEST, SHARE, CONFINED = 0.5, 0.05, 0.5
 """Limits of trust: displacement of the contour, share of F2, confined share of the contour."""
+
+_AGAIN = 2
+"""Newton steps at most at a level after the first trusted one: a single one where it is trusted."""
 
 STATES = 10
 """Numbers kept per level: force, stiffness of the first-order contour and its change with a
 uniform displacement, areas of the ellipse and of the contour and the change of the latter,
 largest displacement, share of F2, confined share, trust (1 or 0)."""
 
+SHAPE = 5 + 4 * NODES
+"""Numbers of a contour: semi-axes, centre, turn and displacements at the nodes."""
 
-@njit(cache=True, fastmath=FAST, nogil=True)
-def move(source, x0, y0, turn, out):
-    """Coefficients about (x0, y0) in axes turned by `turn`, by Taylor shifts and three shears."""
-    degree = DEGREE
-    for r in range(TERMS):
-        out[r] = source[r]
-    if x0 != 0.0:
-        for j in range(degree + 1):
-            top = degree - j
-            for p in range(top):
-                for i in range(top - 1, p - 1, -1):
-                    k = i + j
-                    out[k * (k + 1) // 2 + j] += x0 * out[(k + 1) * (k + 2) // 2 + j]
-    if y0 != 0.0:
-        for i in range(degree + 1):
-            top = degree - i
-            for p in range(top):
-                for j in range(top - 1, p - 1, -1):
-                    k = i + j
-                    out[k * (k + 1) // 2 + j] += y0 * out[(k + 1) * (k + 2) // 2 + j + 1]
-    if turn == 0.0:
-        return
-    s, t = math.sin(turn), -math.tan(0.5 * turn)
-    for k in range(1, degree + 1):
-        o = k * (k + 1) // 2
-        for shear in range(3):
-            if shear == 1:
-                for p in range(k):
-                    for j in range(k - 1, p - 1, -1):
-                        out[o + j] += s * out[o + j + 1]
-            else:
-                for p in range(k):
-                    for i in range(k - 1, p - 1, -1):
-                        out[o + k - i] += t * out[o + k - i - 1]
+_T = np.minimum(np.arange(LANES), DEGREE) * np.pi / (2 * DEGREE)
+_COS, _SIN = np.cos(_T), np.sin(_T)
+_XI = np.stack([_COS, -_COS, -_COS, _COS])
+_ETA = np.stack([_SIN, _SIN, -_SIN, -_SIN])
+_SHARE = np.where(np.arange(LANES) < NODES, 1.0, 0.0)
+_SHARE[[0, DEGREE]] = 0.5
+_SHARE /= 4 * DEGREE
+"""Share of a node in the mean over the parameter of the ellipse."""
+_EVEN = np.cos(np.outer(2 * np.arange(MODES), _T)) * _SHARE * 2
+_EVEN[0] *= 0.5
+_BOTH = np.sin(np.outer(2 * np.arange(MODES - 1) + 2, _T)) * _SHARE * 2
+_ALONG = np.cos(np.outer(2 * np.arange(MODES - 1) + 1, _T)) * _SHARE * 2
+_ACROSS = np.sin(np.outer(2 * np.arange(MODES - 1) + 1, _T)) * _SHARE * 2
+_CLASS = np.array(
+    [(0, 2, 3, 1)[(k - j) % 2 + 2 * (j % 2)] for k in range(DEGREE + 1) for j in range(k + 1)]
+)
+_ORDER = np.array([k for k in range(DEGREE + 1) for j in range(k + 1)])
+_WEIGHTS = TERMS * LANES
+_PUNCH = _WEIGHTS + LANES
 
 
-@njit(cache=True, fastmath=FAST, nogil=True)
-def _row(rows, start, step, position, out):
-    """Row of the tables at a logarithm of the axis ratio, by local cubics."""
-    x = (position - start) / step
-    x = min(max(x, 1.0), rows.shape[0] - 2.001)
-    i = int(x)
-    u = x - i
-    w0 = -u * (u - 1) * (u - 2) / 6
-    w1 = (u + 1) * (u - 1) * (u - 2) / 2
-    w2 = -(u + 1) * u * (u - 2) / 2
-    w3 = (u + 1) * u * (u - 1) / 6
-    for n in range(out.size):
-        out[n] = w0 * rows[i - 1, n] + w1 * rows[i, n] + w2 * rows[i + 1, n] + w3 * rows[i + 2, n]
+@njit(cache=True, nogil=True)
+def march_space(width):
+    """Working arrays of `march_one` for tables of `width` numbers in a row."""
+    return (
+        np.empty(TERMS),
+        np.empty(width),
+        np.empty((6, 4, LANES)),
+        np.empty((4, MODES)),
+        np.empty((5, 5)),
+        np.empty((6, 5)),
+        np.empty((2, DEGREE + 1)),
+    )
 
 
-@njit(cache=True, fastmath=FAST, nogil=True)
-def _solve(matrix, vector):
-    """Gaussian elimination in place of a small positive system."""
-    n = 5
-    for i in range(n):
-        pivot = 1.0 / matrix[i, i]
-        for r in range(i + 1, n):
-            f = matrix[r, i] * pivot
-            for c in range(i, n):
-                matrix[r, c] -= f * matrix[i, c]
-            vector[r] -= f * vector[i]
-    for i in range(n - 1, -1, -1):
-        v = vector[i]
-        for c in range(i + 1, n):
-            v -= matrix[i, c] * vector[c]
-        vector[i] = v / matrix[i, i]
-
-
-@njit(cache=True, fastmath=FAST, nogil=True)
-def _edge_radius(edge, stretch, offset, x, y):
-    """Ray length to the basin edge towards (x, y), linear in the stretched angle.
-
-    The arctangent is a polynomial, right to 1e-4 of a step between rays.
-    """
-    n = edge.size
-    y *= stretch
-    ax, ay = abs(x), abs(y)
-    t = min(ax, ay) / max(max(ax, ay), 1e-300)
-    q = t * t
-    turn = 0.99997726 + q * (-0.33262347 + q * (0.19354346 + q * (-0.11643287 + q * 0.05265332)))
-    turn = t * (turn - 0.01172120 * q * q * q * q * q)
-    if ay > ax:
-        turn = 0.5 * math.pi - turn
-    if x < 0.0:
-        turn = math.pi - turn
-    if y < 0.0:
-        turn = 2 * math.pi - turn
-    position = turn * (n / (2 * math.pi)) - offset
-    lower = math.floor(position)
-    u = position - lower
-    i = int(lower) % n
-    return edge[i] + u * (edge[(i + 1) % n] - edge[i])
-
-
-@njit(cache=True, fastmath=FAST, nogil=True, inline="always")
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy", inline="always")
 def _mirrored(a, b, c, d):
     """Sums over the mirror images: even, odd in both, odd in x, odd in y."""
     return a + b + c + d, a - b + c - d, a - b - c + d, a + b - c - d
 
 
-@njit(cache=True, fastmath=FAST, nogil=True)
-def march(
-    begin, end, all_coefs, all_sizes, all_edges, all_stretches, offset, levels, most, stop, m,
-    rows, start, step, moments, parity, nodes, all_states, all_shapes,
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def _amplitudes(coefs, powers, row, moments, depth, P, Q):
+    """Amplitude P and its growth Q around the ellipse, and the mean of the displacement."""
+    P[:] = 0.0
+    Q[:] = 0.0
+    mean = 0.0
+    r = 0
+    for k in range(DEGREE + 1):
+        for j in range(k + 1):
+            v = coefs[r] * powers[0, k - j] * powers[1, j]
+            if r == 0:
+                v -= depth
+            mean += v * moments[r]
+            kv = k * v
+            c = _CLASS[r]
+            for q in range(LANES):
+                e = row[r * LANES + q]
+                P[c, q] -= v * e
+                Q[c, q] += kv * e
+            r += 1
+    average = 0.0
+    for q in range(NODES):
+        average += Q[0, q]
+    for field in (P, Q):
+        for q in range(LANES):
+            e, o, x, y = field[0, q], field[1, q], field[2, q], field[3, q]
+            field[0, q] = e + o + x + y
+            field[1, q] = e - o - x + y
+            field[2, q] = e + o - x - y
+            field[3, q] = e - o + x - y
+    return mean, average / NODES
+
+
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def _limits(edge, stretch, pose, a, b, turns, limit):
+    """Displacement at which each node of the contour meets the edge, linear between the rays."""
+    rays = edge.size
+    x0, y0 = pose[3], pose[4]
+    tc, ts = math.cos(pose[2]), math.sin(pose[2])
+    for c in range(4):
+        for q in range(LANES):
+            px, py = a * _XI[c, q], b * _ETA[c, q]
+            gx, gy = x0 + tc * px - ts * py, y0 + ts * px + tc * py
+            turns[c, q] = place(gx, stretch * gy, rays)
+            limit[c, q] = 1.0 / math.sqrt(gx * gx + gy * gy)
+    for c in range(4):
+        for q in range(LANES):
+            lower = int(turns[c, q])
+            u = turns[c, q] - lower
+            lower = lower if lower < rays else 0
+            upper = lower + 1 if lower + 1 < rays else 0
+            limit[c, q] *= edge[lower] + u * (edge[upper] - edge[lower])
+            limit[c, q] -= 1.0
+
+
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def _step(Q, X, row, H, g):
+    """Newton step of the five parameters of the ellipse from the displacements X."""
+    for i in range(5):
+        g[i] = 0.0
+        for j in range(5):
+            H[i, j] = 0.0
+    for q in range(LANES):
+        w = row[_WEIGHTS + q] * 0.25
+        cq, sq = _COS[q], _SIN[q]
+        dq = 2 * cq * sq
+        cc, ss = cq * cq, sq * sq
+        qa, qb, qc, qd = w * Q[0, q], w * Q[1, q], w * Q[2, q], w * Q[3, q]
+        e, o, ox, oy = _mirrored(qa, qb, qc, qd)
+        H[0, 0] += cc * cc * e
+        H[0, 1] += cc * ss * e
+        H[1, 1] += ss * ss * e
+        H[2, 2] += dq * dq * e
+        H[3, 3] += cc * e
+        H[4, 4] += ss * e
+        H[0, 2] += cc * dq * o
+        H[1, 2] += ss * dq * o
+        H[3, 4] += cq * sq * o
+        H[0, 3] += cc * cq * ox
+        H[1, 3] += ss * cq * ox
+        H[2, 4] += dq * sq * ox
+        H[0, 4] += cc * sq * oy
+        H[1, 4] += ss * sq * oy
+        H[2, 3] += dq * cq * oy
+        e, o, ox, oy = _mirrored(qa * X[0, q], qb * X[1, q], qc * X[2, q], qd * X[3, q])
+        g[0] += cc * e
+        g[1] += ss * e
+        g[2] += dq * o
+        g[3] += cq * ox
+        g[4] += sq * oy
+    solve(H, g)
+    for i in range(5):
+        g[i] = min(max(g[i], -0.4), 0.4)
+
+
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def _second_order(X, row, fourier):
+    """Second-order stiffness of the displaced contour, from its Fourier coefficients."""
+    for c in range(4):
+        for k in range(MODES):
+            fourier[c, k] = 0.0
+    for q in range(LANES):
+        e, o, ox, oy = _mirrored(X[0, q], X[1, q], X[2, q], X[3, q])
+        for k in range(MODES):
+            fourier[0, k] += e * _EVEN[k, q]
+        for k in range(MODES - 1):
+            fourier[1, k] += o * _BOTH[k, q]
+            fourier[2, k] += ox * _ALONG[k, q]
+            fourier[3, k] += oy * _ACROSS[k, q]
+    second = 0.0
+    r = _PUNCH + 1
+    for c in range(4):
+        count = MODES if c == 0 else MODES - 1
+        for i in range(count):
+            for j in range(i, count):
+                second += row[r] * fourier[c, i] * fourier[c, j]
+                r += 1
+    return second
+
+
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def _start(fit, depth, m, pose):
+    """Ellipse of the paraboloid in a fit."""
+    a2, b2 = max(fit[3], 0.0), max(fit[5], 1e-30)
+    ratio = max((a2 / b2) ** 0.63, 1.0 / 40)
+    a2 = b2 * ratio ** (1 / 0.63)
+    size = 0.5 * math.log(depth * (1 + m) / (2 * math.sqrt(a2 * b2)))
+    pose[0] = size - 0.5 * math.log(ratio)
+    pose[1] = size + 0.5 * math.log(ratio)
+    pose[2:] = 0.0
+
+
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def _mixed(fit, logs, size, out):
+    """Polynomial for a contact of the log size: between the two fits that just reach beyond it."""
+    fits = logs.size
+    f = 0
+    while f < fits - 1 and logs[f + 1] >= size:
+        f += 1
+    if f == 0:
+        out[:] = fit[0]
+        return
+    lower = logs[f + 1] if f < fits - 1 else 2 * logs[f] - logs[f - 1]
+    u = min((logs[f] - size) / (logs[f] - lower), 1.0)
+    for r in range(TERMS):
+        out[r] = (1 - u) * fit[f - 1, r] + u * fit[f, r]
+
+
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def march_one(
+    fit, logs, edge, stretch, levels, most, stop, m, rows, start, inverse, moments, state, shape,
+    space,
 ):  # fmt: skip
-    """Follow the profiles [begin, end) through the approaches levels**2.
+    """Follow a profile through the approaches levels**2.
 
-    Fills states (n, levels, STATES) and shapes (n, levels, 5 + 4 nodes): semi-axes, centre, turn
-    and displacements of the contour. `most` Newton steps at most before the first trusted level;
-    `stop` ends a profile after the last;
-    without it every level is iterated to rest.
+    Fills state (levels, STATES) and shape (levels, SHAPE). `most` Newton steps at most before the
+    first trusted level; `stop` ends at the first level that is not trusted;
+    without it every level is iterated to rest. Returns the first and the last trusted level, or
+    -1 for both.
     """
-    n, nq, degree = TERMS, NODES, DEGREE
-    around = 4.0 * (nq - 1)
-    ct, st, s2 = np.cos(nodes), np.sin(nodes), np.sin(2 * nodes)
-    modes = degree // 2 + 1
-    cosine = np.empty((degree + 1, nq))
-    sine = np.empty((degree + 1, nq))
-    for k in range(degree + 1):
-        for q in range(nq):
-            cosine[k, q] = math.cos(k * nodes[q])
-            sine[k, q] = math.sin(k * nodes[q])
-    local = np.empty(n)
-    mixed = np.empty(n)
-    row = np.empty(rows.shape[1])
-    o_w, o_k = n * nq, n * nq + nq
-    P, Q, X = np.empty((4, nq)), np.empty((4, nq)), np.empty((4, nq))
-    free = np.empty((4, nq))
-    fourier = np.zeros((4, modes))
-    H, g = np.empty((5, 5)), np.empty(5)
-    pa, pb = np.empty(degree + 1), np.empty(degree + 1)
-    before, slope = np.zeros(5), np.zeros(5)
-    sx = np.array([1.0, -1.0, -1.0, 1.0])
-    sy = np.array([1.0, 1.0, -1.0, -1.0])
-    for profile in range(begin, end):
-        fit, sizes, edge = all_coefs[profile], all_sizes[profile], all_edges[profile]
-        state, shape, stretch = all_states[profile], all_shapes[profile], all_stretches[profile]
-        still = 1e-3 if stop else 1e-10
-        smallest = 1e300
-        for p in range(edge.size):
-            smallest = min(smallest, edge[p])
-        fits = sizes.size
-
-        a2, b2 = fit[fits - 1, 3], fit[fits - 1, 5]
-        ratio = (max(a2, 0.0) / b2) ** 0.63
-        if ratio < 1.0 / 40:
-            ratio = 1.0 / 40
-        b2 = max(b2, 1e-30)
-        a2 = b2 * ratio ** (1 / 0.63)
-        d = levels[0] ** 2
-        size = math.sqrt(d * (1 + m) / (2 * math.sqrt(a2 * b2)))
-        la = math.log(size) - 0.5 * math.log(ratio)
-        lb = math.log(size) + 0.5 * math.log(ratio)
-        x0, y0, turn = 0.0, 0.0, 0.0
-        before[:] = 0.0
-        begun = False
-        slope[:] = 0.0
-        slope[:2] = 0.5
-        for level in range(levels.size):
-            d = levels[level] ** 2
-            if level > 0:
-                growth = 2 * math.log(levels[level] / levels[level - 1])
-                la += slope[0] * growth
-                lb += slope[1] * growth
-                turn += slope[2] * growth
-                x0 += slope[3] * growth
-                y0 += slope[4] * growth
-            repeats = 1 if begun else most
-            for _ in range(repeats):
-                a, b = math.exp(la), math.exp(lb)
-                s = math.sqrt(a * b)
-                f = 0
-                while f < fits - 1 and sizes[f + 1] >= s:
-                    f += 1
-                if f == 0 or fits == 1:
-                    move(fit[f], x0, y0, turn, local)
-                else:
-                    # between two fits that both reach beyond the contact
-                    lower = sizes[f + 1] if f < fits - 1 else sizes[f] * sizes[f] / sizes[f - 1]
-                    u = min(math.log(sizes[f] / s) / math.log(sizes[f] / lower), 1.0)
-                    for r in range(n):
-                        mixed[r] = (1 - u) * fit[f - 1, r] + u * fit[f, r]
-                    move(mixed, x0, y0, turn, local)
-                pa[0] = 1.0
-                pb[0] = 1.0
-                for k in range(degree):
-                    pa[k + 1] = pa[k] * a
-                    pb[k + 1] = pb[k] * b
-                _row(rows, start, step, lb - la, row)
-                for c in range(4):
-                    for q in range(nq):
-                        P[c, q] = 0.0
-                        Q[c, q] = 0.0
-                mean = 0.0
-                r = 0
-                for k in range(degree + 1):
-                    for j in range(k + 1):
-                        v = local[r] * pa[k - j] * pb[j]
-                        if r == 0:
-                            v -= d
-                        mean += v * moments[r]
-                        kv = k * v
-                        c = parity[r]
-                        for q in range(nq):
-                            e = row[r * nq + q]
-                            P[c, q] -= v * e
-                            Q[c, q] += kv * e
-                        r += 1
-                average = 0.0
-                for q in range(nq):
-                    e, o, x, y = P[0, q], P[1, q], P[2, q], P[3, q]
-                    P[0, q] = e + o + x + y
-                    P[1, q] = e - o - x + y
-                    P[2, q] = e + o - x - y
-                    P[3, q] = e - o + x - y
-                    e, o, x, y = Q[0, q], Q[1, q], Q[2, q], Q[3, q]
-                    Q[0, q] = e + o + x + y
-                    Q[1, q] = e - o - x + y
-                    Q[2, q] = e + o - x - y
-                    Q[3, q] = e - o + x - y
-                    average += 4 * e
-                average /= 4 * nq
-                punch = row[o_k] * s ** (1 + m)
-                scale = math.pi * s ** (1 + m) * row[0]
-                confined = max(a, b) * 1.6 + abs(x0) + abs(y0) > smallest
-                for i in range(5):
-                    g[i] = 0.0
-                    for j in range(5):
-                        H[i, j] = 0.0
-                gain, shift, total, push = 0.0, 0.0, 0.0, 0.0
-                widest, open_weight, filled = 0.0, 0.0, 0.0
-                tc, ts = math.cos(turn), math.sin(turn)
-                for c in range(4):
-                    for q in range(nq):
-                        w = row[o_w + q] * 0.25
-                        Qv = max(Q[c, q], 0.15 * average)
-                        Pv = P[c, q]
-                        x = Pv / Qv
-                        free[c, q] = 1.0
-                        if confined:
-                            px, py = a * ct[q] * sx[c], b * st[q] * sy[c]
-                            gx, gy = x0 + tc * px - ts * py, y0 + ts * px + tc * py
-                            limit = (
-                                _edge_radius(edge, stretch, offset, gx, gy)
-                                / math.sqrt(gx * gx + gy * gy)
-                                - 1
-                            )
-                            if x > limit:
-                                x = limit
-                                free[c, q] = 0.0
-                                filled += w
-                        widest = max(widest, abs(x))
-                        x = max(x, -0.9)
-                        X[c, q] = x
-                        Q[c, q] = Qv
-                        gain += w * (Pv * x - 0.5 * Qv * x * x)
-                        shift += w * x
-                        total += w
-                        push += w * Pv
-                        open_weight += w * free[c, q]
-                for q in range(nq):
-                    w = row[o_w + q] * 0.25
-                    cq, sq, dq = ct[q], st[q], s2[q]
-                    cc, ss = cq * cq, sq * sq
-                    e, o, ox, oy = _mirrored(w * Q[0, q], w * Q[1, q], w * Q[2, q], w * Q[3, q])
-                    H[0, 0] += cc * cc * e
-                    H[0, 1] += cc * ss * e
-                    H[1, 1] += ss * ss * e
-                    H[2, 2] += dq * dq * e
-                    H[3, 3] += cc * e
-                    H[4, 4] += ss * e
-                    H[0, 2] += cc * dq * o
-                    H[1, 2] += ss * dq * o
-                    H[3, 4] += cq * sq * o
-                    H[0, 3] += cc * cq * ox
-                    H[1, 3] += ss * cq * ox
-                    H[2, 4] += dq * sq * ox
-                    H[0, 4] += cc * sq * oy
-                    H[1, 4] += ss * sq * oy
-                    H[2, 3] += dq * cq * oy
-                    e, o, ox, oy = _mirrored(
-                        w * Q[0, q] * X[0, q],
-                        w * Q[1, q] * X[1, q],
-                        w * Q[2, q] * X[2, q],
-                        w * Q[3, q] * X[3, q],
-                    )
-                    g[0] += cc * e
-                    g[1] += ss * e
-                    g[2] += dq * o
-                    g[3] += cq * ox
-                    g[4] += sq * oy
-                for i in range(5):
-                    for j in range(i):
-                        H[i, j] = H[j, i]
-                _solve(H, g)
-                for i in range(5):
-                    g[i] = min(max(g[i], -0.4), 0.4)
-                force = -punch * mean
-                oldx, oldy, oldt = x0, y0, turn
-                la += g[0]
-                lb += g[1]
-                arm = 0.5 * (a / b - b / a)
-                twist = 0.0
-                if abs(arm) >= 0.15:
-                    twist = min(max(g[2] / arm, -0.3), 0.3)
-                x0 += tc * g[3] * a - ts * g[4] * b
-                y0 += ts * g[3] * a + tc * g[4] * b
-                turn += twist
-                if abs(g[0]) + abs(g[1]) + abs(twist) + abs(g[3]) + abs(g[4]) < still:
-                    break
-            # second-order stiffness of the displaced contour, from the Fourier coefficients of X
+    local, row, fields, fourier, H, poses, powers = space
+    P, Q, X, limit, free = fields[0], fields[1], fields[2], fields[3], fields[4]
+    turns = fields[5]
+    g, pose, slope, before, used = poses[0], poses[1], poses[2], poses[3], poses[4]
+    still = 1e-3 if stop else 1e-10
+    smallest = 1e300
+    for p in range(edge.size):
+        smallest = min(smallest, edge[p])
+    _start(fit[logs.size - 1], levels[0] ** 2, m, pose)
+    slope[:] = 0.0
+    slope[:2] = 0.5
+    first, last = -1, -1
+    for level in range(levels.size):
+        d = levels[level] ** 2
+        growth = 1.0
+        if level > 0:
+            growth = 2 * math.log(levels[level] / levels[level - 1])
+            for i in range(5):
+                pose[i] += slope[i] * growth
+        state[level, 9] = 0.0
+        force, punch, scale, gain, shift, second = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        total, push, open_weight, widest, filled, a, b = 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0
+        for _ in range(_AGAIN if stop and first >= 0 else most):
+            used[:] = pose
+            size = 0.5 * (pose[0] + pose[1])
+            a, b, power = math.exp(pose[0]), math.exp(pose[1]), math.exp((1 + m) * size)
+            _mixed(fit, logs, size, local)
+            move(pose[3], pose[4], pose[2], local)
+            powers[:, 0] = 1.0
+            for k in range(DEGREE):
+                powers[0, k + 1] = powers[0, k] * a
+                powers[1, k + 1] = powers[1, k] * b
+            table_row(rows, start, inverse, pose[1] - pose[0], row)
+            mean, average = _amplitudes(local, powers, row, moments, d, P, Q)
+            punch = row[_PUNCH] * power
+            scale = math.pi * power * row[0]
+            confined = max(a, b) * 1.6 + abs(pose[3]) + abs(pose[4]) > smallest
+            if confined:
+                _limits(edge, stretch, pose, a, b, turns, limit)
+            else:
+                limit[:] = 1e300
+            gain, shift, total, push = 0.0, 0.0, 0.0, 0.0
+            widest, open_weight = 0.0, 0.0
+            floor = 0.15 * average
             for c in range(4):
-                for k in range(modes):
-                    fourier[c, k] = 0.0
-            contour = 0.0
-            for q in range(nq):
-                half = 1.0
-                if q == 0 or q == nq - 1:
-                    half = 0.5
-                xa, xb, xc, xd = X[0, q], X[1, q], X[2, q], X[3, q]
-                contour += half * ((1 + xa) ** 2 + (1 + xb) ** 2 + (1 + xc) ** 2 + (1 + xd) ** 2)
-                half *= 2.0 / around
-                e = (xa + xb + xc + xd) * half
-                o = (xa - xb + xc - xd) * half
-                ox = (xa - xb - xc + xd) * half
-                oy = (xa + xb - xc - xd) * half
-                for k in range(modes):
-                    fourier[0, k] += e * cosine[2 * k, q]
-                for k in range(modes - 1):
-                    fourier[1, k] += o * sine[2 * k + 2, q]
-                    fourier[2, k] += ox * cosine[2 * k + 1, q]
-                    fourier[3, k] += oy * sine[2 * k + 1, q]
-            fourier[0, 0] *= 0.5
-            second = 0.0
-            r = o_k + 1
-            for c in range(4):
-                count = modes if c == 0 else modes - 1
-                for i in range(count):
-                    for j in range(i, count):
-                        second += row[r] * fourier[c, i] * fourier[c, j]
-                        r += 1
-            gain += push / total * second
-            pstar = row[0]
-            state[level, 0] = force + scale * gain
-            state[level, 1] = punch + scale * pstar * (shift + second)
-            state[level, 2] = scale * pstar * open_weight
-            state[level, 3] = math.pi * a * b
-            state[level, 4] = math.pi * a * b * contour / around
-            # d(area)/d(uniform displacement of the free part)
-            slide = 0.0
-            for q in range(nq):
-                half = 0.5 if q == 0 or q == nq - 1 else 1.0
-                for c in range(4):
-                    slide += half * free[c, q] * (1 + X[c, q])
-            state[level, 5] = 2 * math.pi * a * b * slide / around
-            state[level, 6] = widest
-            state[level, 7] = scale * gain / force
-            state[level, 8] = filled / total
-            shape[level, 0] = a
-            shape[level, 1] = b
-            shape[level, 2] = oldx
-            shape[level, 3] = oldy
-            shape[level, 4] = oldt
-            for c in range(4):
-                for q in range(nq):
-                    shape[level, 5 + c * nq + q] = X[c, q]
-            if level > 0:
-                slope[0] = (la - before[0]) / growth
-                slope[1] = (lb - before[1]) / growth
-                slope[2] = (turn - before[2]) / growth
-                slope[3] = (x0 - before[3]) / growth
-                slope[4] = (y0 - before[4]) / growth
-            before[0] = la
-            before[1] = lb
-            before[2] = turn
-            before[3] = x0
-            before[4] = y0
+                for q in range(LANES):
+                    w = row[_WEIGHTS + q] * 0.25
+                    Pv, Qv, edge_x = P[c, q], max(Q[c, q], floor), limit[c, q]
+                    x = Pv / Qv
+                    open_ = 1.0 if x <= edge_x else 0.0
+                    x = min(x, edge_x)
+                    widest = max(widest, abs(x))
+                    x = max(x, -0.9)
+                    X[c, q] = x
+                    Q[c, q] = Qv
+                    free[c, q] = open_
+                    gain += w * (Pv * x - 0.5 * Qv * x * x)
+                    shift += w * x
+                    total += w
+                    push += w * Pv
+                    open_weight += w * open_
+            filled = total - open_weight
+            force = -punch * mean
+            small = widest <= WIDEST and abs(scale * gain) <= SHARE * force
+            small = small and total - open_weight <= CONFINED * total
+            _step(Q, X, row, H, g)
+            arm = 0.5 * (a / b - b / a)
+            twist = 0.0
+            if abs(arm) >= 0.15:
+                twist = min(max(g[2] / arm, -0.3), 0.3)
+            tc, ts = math.cos(pose[2]), math.sin(pose[2])
+            pose[0] += g[0]
+            pose[1] += g[1]
+            pose[2] += twist
+            pose[3] += tc * g[3] * a - ts * g[4] * b
+            pose[4] += ts * g[3] * a + tc * g[4] * b
+            if abs(g[0]) + abs(g[1]) + abs(twist) + abs(g[3]) + abs(g[4]) < still:
+                break
+            if stop and first >= 0 and small:
+                break
+        second = _second_order(X, row, fourier)
+        gain += push / total * second
+        contour, slide = 0.0, 0.0
+        for c in range(4):
+            for q in range(LANES):
+                grown = _SHARE[q] * (1 + X[c, q])
+                contour += grown * (1 + X[c, q])
+                slide += grown * free[c, q]
+        disk = math.pi * a * b
+        share = scale * gain / force
+        state[level, 0] = force + scale * gain
+        state[level, 1] = punch + scale * row[0] * (shift + second)
+        state[level, 2] = scale * row[0] * open_weight
+        state[level, 3] = disk
+        state[level, 4] = disk * contour
+        # change of the area with a uniform displacement of the free part
+        state[level, 5] = 2 * disk * slide
+        state[level, 6] = widest
+        state[level, 7] = share
+        state[level, 8] = filled / total
+        shape[level, 0] = a
+        shape[level, 1] = b
+        shape[level, 2] = used[3]
+        shape[level, 3] = used[4]
+        shape[level, 4] = used[2]
+        for c in range(4):
+            for q in range(NODES):
+                shape[level, 5 + c * NODES + q] = X[c, q]
+        if level > 0:
+            for i in range(5):
+                slope[i] = (pose[i] - before[i]) / growth
+        before[:] = pose
+        trusted = widest <= WIDEST and abs(share) <= SHARE and filled <= CONFINED * total
+        if trusted and force > 0.0:
             state[level, 9] = 1.0
-            untrusted = widest > WIDEST or abs(state[level, 7]) > SHARE
-            untrusted = untrusted or state[level, 8] > CONFINED
-            if untrusted or not (force > 0.0):
-                state[level, 9] = 0.0
-                if stop and (begun or level > levels.size // 2):
-                    break
-            elif stop:
-                begun = True
+            first = level if first < 0 else first
+            last = level
+        elif stop and (first >= 0 or level > levels.size // 2):
+            break
+    return first, last
+
+
+@njit(cache=True, nogil=True)
+def march(
+    coefs, sizes, edges, stretches, levels, most, m, rows, start, inverse, moments, states, shapes
+):
+    """Follow single profiles through the approaches levels**2, every level iterated to rest.
+
+    Fills states (n, levels, STATES) and shapes (n, levels, SHAPE).
+    """
+    space = march_space(rows.shape[1])
+    for i in range(len(coefs)):
+        march_one(
+            coefs[i], np.log(sizes[i]), edges[i], stretches[i], levels, most, False, m, rows, start,
+            inverse, moments, states[i], shapes[i], space,
+        )  # fmt: skip

@@ -10,7 +10,21 @@ import math
 import numpy as np
 from numba import njit
 
-from ._basin_kernels import FAST, moment
+from ._directions import FAST
+
+
+@njit(cache=True, fastmath=FAST, nogil=True)
+def moment(table, p, x):
+    """Moment h and x dh/dx at x = a/edge; equispaced table from 0, local cubics."""
+    last = table.shape[1] - 1
+    y = x * last
+    i = min(max(int(y), 1), last - 2)
+    u = y - i
+    v0, v1, v2, v3 = table[p, i - 1], table[p, i], table[p, i + 1], table[p, i + 2]
+    c1 = -v0 / 3 - 0.5 * v1 + v2 - v3 / 6
+    c2 = 0.5 * (v0 + v2) - v1
+    c3 = (v3 - v0) / 6 + 0.5 * (v1 - v2)
+    return v1 + u * (c1 + u * (c2 + u * c3)), (c1 + u * (2 * c2 + 3 * u * c3)) * y
 
 
 @njit(cache=True, fastmath=FAST, nogil=True)

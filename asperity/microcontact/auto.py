@@ -29,8 +29,12 @@ __all__ = ["indent", "tabulate"]
 
 Array = NDArray[np.float64]
 
-LATEST_END = 3
-"""Node of the table up to which an early end of the expansion makes a summit doubtful."""
+EARLY = 0.1
+"""Root of the approach over the reach up to which an end of the expansion makes a summit
+doubtful."""
+
+SHARES = np.array([0.003, 0.01, 0.03, 0.1])
+"""Shares of the reach at which the laws of a doubtful summit are compared."""
 
 GROSS = 1.3
 """Ratio of two laws' forces beyond which the law that needs no polynomial is believed."""
@@ -67,57 +71,49 @@ def indent(
 
 
 def tabulate(
-    profiles: Profiles, material: HalfSpace, *, law: str = "auto", nodes: int = 32
+    profiles: Profiles, material: HalfSpace, *, law: str = "auto", nodes: int = ellipse.NODES
 ) -> LawTable:
     """Law table of a batch: the ellipse law, guarded by direct maximisation where it ends early.
 
     Where no polynomial describes a summit beyond its tip (a noisy spike on a ridge), the
-    continuation of the ellipse law can be off by factors. Such summits, a few in a hundred, are
-    tabulated by `ritz` as well; where both disagree grossly, `ritz` is taken and the disagreement
-    is their spread. So are summits whose smallest polynomial is no summit: the ellipse law has
-    nothing to say of them.
+    continuation of the ellipse law can be off by factors. For such summits, about one in ten, the
+    force of `ritz` is computed at a few approaches; where both disagree grossly, the summit is
+    tabulated by `ritz` and the disagreement is its spread. So are summits whose smallest
+    polynomial is no summit: the ellipse law has nothing to say of them.
     """
     table = replace(ellipse.tabulate(profiles, material, nodes=nodes), law=law)
-    left = (table.flags[:, 1 : LATEST_END + 1] & Flag.BEYOND_RADIUS).any(axis=1)
-    lost = profiles.valid & (table.reach == 0)
-    doubtful = np.flatnonzero((left & (table.reach > 0)) | lost)
-    if not doubtful.size:
+    left = table.flags[:, 1 : int(EARLY * nodes) + 1] & Flag.BEYOND_RADIUS
+    ratio = np.where(profiles.valid & (table.reach == 0), np.inf, 1.0)
+    doubtful = np.flatnonzero(left.any(axis=1) & (table.reach > 0))
+    if doubtful.size:
+        ratio[doubtful] = _worst_ratio(table, doubtful, profiles.rows(doubtful), material)
+    wrong = np.flatnonzero(ratio > GROSS)
+    if not wrong.size:
         return table
-    second = ritz.tabulate(profiles.rows(doubtful), material, nodes=nodes)
-    ratio = _worst_ratio(table, doubtful, second)
-    ratio[lost[doubtful]] = np.inf
-    wrong = ratio > GROSS
-    return _merged(table, doubtful[wrong], second, np.flatnonzero(wrong), ratio[wrong])
+    second = ritz.tabulate(profiles.rows(wrong), material, nodes=nodes)
+    return _merged(table, wrong, second, ratio[wrong])
 
 
-def _worst_ratio(table: LawTable, rows: NDArray[np.int64], second: LawTable) -> Array:
-    """Largest ratio of the two forces, either way, over a few shares of the reach."""
-    own = np.arange(rows.size)
-    worst = np.ones(rows.size)
-    for share in (0.003, 0.01, 0.03, 0.1):
-        approach = share * table.reach[rows]
-        first, other = table.evaluate(rows, approach)[0], second.evaluate(own, approach)[0]
-        usable = (first > 0) & (other > 0) & (second.reach > 0)
-        ratio = np.divide(first, other, out=np.ones(rows.size), where=usable)
-        worst = np.maximum(worst, np.maximum(ratio, 1 / ratio))
-    return worst
+def _worst_ratio(
+    table: LawTable, rows: NDArray[np.int64], profiles: Profiles, material: HalfSpace
+) -> Array:
+    """Largest ratio of the forces of the table and of `ritz`, either way, over a few approaches."""
+    first = table.evaluate(rows[:, None], SHARES * table.reach[rows, None])[0]
+    other = ritz.forces(profiles, material, np.sqrt(SHARES))
+    usable = (first > 0) & (other > 0)
+    ratio = np.divide(first, other, out=np.ones(first.shape), where=usable)
+    return np.asarray(np.maximum(ratio, 1 / ratio).max(axis=1))
 
 
-def _merged(
-    table: LawTable,
-    rows: NDArray[np.int64],
-    second: LawTable,
-    chosen: NDArray[np.int64],
-    ratio: Array,
-) -> LawTable:
-    """`table` with its `rows` replaced by the `chosen` rows of `second`."""
+def _merged(table: LawTable, rows: NDArray[np.int64], second: LawTable, ratio: Array) -> LawTable:
+    """`table` with its `rows` replaced by those of `second`."""
     columns = {}
     for name in ("reach", "force", "stiffness", "area", "flags"):
         columns[name] = getattr(table, name).copy()
-        columns[name][rows] = getattr(second, name)[chosen]
+        columns[name][rows] = getattr(second, name)
     spread = table.spread.copy()
     spread[rows] = np.maximum(spread[rows], np.minimum(ratio - 1, 1.0)[:, None])
     if table.centre is not None:
         columns["centre"] = table.centre.copy()
-        columns["centre"][rows] = 0.0 if second.centre is None else second.centre[chosen]
+        columns["centre"][rows] = 0.0
     return replace(table, spread=spread, **columns)

@@ -14,7 +14,7 @@ from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .basis import basis_of
 from .branch import RisingBranch
-from .ellipse_batch import second_order_area, tabulate
+from .ellipse_batch import NODES, second_order_area, tabulate
 from .ellipse_tables import (
     DEGREE,
     LOG_RATIO,
@@ -26,7 +26,7 @@ from .ellipse_tables import (
 from .flags import Flag
 from .validity import profile_flags
 
-__all__ = ["EllipseState", "indent", "solve_ellipse", "tabulate"]
+__all__ = ["NODES", "EllipseState", "indent", "solve_ellipse", "tabulate"]
 
 Array = NDArray[np.float64]
 
@@ -236,18 +236,16 @@ def _march(
     tables: EllipseTables,
 ) -> tuple[Array, Array]:
     """States and shapes at the levels, in units of `size` and in the axes of the region."""
-    from ._ellipse_kernels import STATES, march
+    from ._ellipse_kernels import SHAPE, STATES, march
 
     i, j = monomials(tables.degree)
     coefs = scaled / ((region[0] / size) ** i * (region[1] / size) ** j)
-    state = np.zeros((1, levels.size, STATES))
-    shape = np.zeros((1, levels.size, 5 + 4 * tables.nodes.size))
+    state, shape = np.zeros((1, levels.size, STATES)), np.zeros((1, levels.size, SHAPE))
     first, last, count = LOG_RATIO
     march(
-        0, 1, coefs[None, None], np.full((1, 1), np.inf), np.full((1, 4), np.inf), np.ones(1), 0.0,
-        levels, _NEWTON, False, tables.m, tables.rows, first,
-        (last - first) / (count - 1), tables.moments, tables.parity, tables.nodes,
-        state, shape,
+        coefs[None, None], np.full((1, 1), np.inf), np.full((1, 4), np.inf), np.ones(1), levels,
+        _NEWTON, tables.m, tables.rows, first, (count - 1) / (last - first), tables.moments, state,
+        shape,
     )  # fmt: skip
     return state[0], shape[0]
 

@@ -32,6 +32,9 @@ Array = NDArray[np.float64]
 DEGREE = 6
 """Default degree of the profile polynomials."""
 
+LANES = 8
+"""Nodes on a quarter of the ellipse in the tables: DEGREE + 1, the last one repeated."""
+
 LOG_RATIO = (math.log(1 / 80), math.log(2.5), 64)
 """First and last ln(b/a) of the tables and the number of nodes."""
 
@@ -56,7 +59,8 @@ class EllipseTables:
     rows
         One row per ln(b/a): edge amplitudes (monomial, node) flattened, quadrature weights of
         ``gamma**(m-1)`` at the nodes, stiffness of the unit punch (s = 1, modulus 1), and the
-        upper triangles of the second-order stiffness form of the four parity classes.
+        upper triangles of the second-order stiffness form of the four parity classes. Every
+        quarter is padded to `LANES` nodes by its last one, without weight.
     moments
         Mean of each monomial under the flat-punch pressure of the ellipse.
     parity
@@ -315,7 +319,9 @@ def ellipse_tables(m: float, degree: int = DEGREE) -> EllipseTables:
     on_quarter = on_quarter * np.where((nodes == 0) | (nodes == nodes[-1]), 2.0, 4.0)
     alpha = _fourier_moments(squared ** ((m - 1) / 2), 1)
     stiffness = 2 / ((1 + m) * alpha)
-    rows = np.concatenate([edge.reshape(ratio.size, -1), on_quarter, stiffness, forms], axis=1)
+    spare = ((0, 0), (0, LANES - quarter))
+    edge = np.pad(edge, ((0, 0), *spare), mode="edge").reshape(ratio.size, -1)
+    rows = np.concatenate([edge, np.pad(on_quarter, spare), stiffness, forms], axis=1)
     i, j = monomials(degree)
     return EllipseTables(
         m=m,

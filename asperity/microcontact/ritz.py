@@ -24,8 +24,8 @@ from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .basis import basis_of
 from .branch import RisingBranch
-from .ellipse_batch import moment_weights
 from .flags import Flag
+from .ray_moments import moment_weights
 from .table import LawTable
 from .validity import contour_flags, profile_flags
 
@@ -182,28 +182,8 @@ def tabulate(
     nodes
         Intervals of the table.
     """
-    from ._ritz_kernels import march_rays
-
-    m = material.m
-    length = profiles.edge.max(axis=1, initial=0.0)
-    height = 2.0 * (profiles.q[:, :, -1] * profiles.edge**2).max(axis=1, initial=0.0)
-    valid = profiles.valid & (length > 0) & (height > 0)
-    length, height = np.where(valid, length, 1.0), np.where(valid, height, 1.0)
-    out = np.zeros((length.size, nodes, 4))
-    inputs = (
-        np.ascontiguousarray(profiles.q),
-        moment_weights(m, profiles.t.size, 0),
-        np.ascontiguousarray(profiles.weight),
-        profiles.edge / length[:, None],
-        length,
-        height,
-        np.arange(1, nodes + 1) / nodes,
-        m,
-        _ROUNDS,
-        out,
-    )
-    _threads.run(lambda a, b: march_rays(a, b, *inputs), _threads.blocks(length.size, 64))
-    unit = material.modulus * length ** (1 + m)
+    reach, length, height, out = _march(profiles, material.m, np.arange(1, nodes + 1) / nodes)
+    unit = material.modulus * length ** (1 + material.m)
     force, stiffness, area = np.zeros((3, length.size, nodes + 1))
     force[:, 1:] = np.maximum.accumulate(out[..., 0], axis=1) * (unit * height)[:, None]
     stiffness[:, 1:] = np.maximum.accumulate(out[..., 1], axis=1) * unit[:, None]
@@ -212,12 +192,44 @@ def tabulate(
     flags[:, 1:][out[..., 3] > 0] |= np.uint8(Flag.BEYOND_RADIUS)
     flags[:, 1:][out[..., 3] > 0.999] |= np.uint8(Flag.FILLED)
     return LawTable(
-        reach=np.where(valid, height, 0.0),
+        reach=reach,
         force=force,
         stiffness=stiffness,
         area=area,
         flags=flags,
         spread=np.zeros(force.shape),
-        exponent=3 + m,
+        exponent=3 + material.m,
         law=law,
     )
+
+
+def forces(profiles: Profiles, material: HalfSpace, levels: Array) -> Array:
+    """Forces [N] at the approaches reach * levels**2, levels rising, shape (n, levels)."""
+    reach, length, height, out = _march(profiles, material.m, levels)
+    unit = np.where(reach > 0, material.modulus * length ** (1 + material.m) * height, 0.0)
+    return np.asarray(out[..., 0] * unit[:, None])
+
+
+def _march(profiles: Profiles, m: float, levels: Array) -> tuple[Array, Array, Array, Array]:
+    """Reach [m], units of length and height [m], and force, stiffness, area, filled share."""
+    from ._ritz_kernels import march_rays
+
+    length = profiles.edge.max(axis=1, initial=0.0)
+    height = 2.0 * (profiles.q[:, :, -1] * profiles.edge**2).max(axis=1, initial=0.0)
+    valid = profiles.valid & (length > 0) & (height > 0)
+    length, height = np.where(valid, length, 1.0), np.where(valid, height, 1.0)
+    out = np.zeros((length.size, levels.size, 4))
+    inputs = (
+        np.ascontiguousarray(profiles.q),
+        moment_weights(m, profiles.t.size, 0),
+        np.ascontiguousarray(profiles.weight),
+        profiles.edge / length[:, None],
+        length,
+        height,
+        levels,
+        m,
+        _ROUNDS,
+        out,
+    )
+    _threads.run(lambda a, b: march_rays(a, b, *inputs), _threads.blocks(length.size, 64))
+    return np.where(valid, height, 0.0), length, height, out

@@ -31,7 +31,7 @@ def test_a_gross_disagreement_takes_the_law_without_a_polynomial(profiles, monke
     monkeypatch.setattr(auto, "GROSS", 1.0)
     table = auto.tabulate(profiles, STEEL)
     own = ellipse.tabulate(profiles, STEEL)
-    other = ritz.tabulate(profiles, STEEL, nodes=32)
+    other = ritz.tabulate(profiles, STEEL, nodes=ellipse.NODES)
     taken = np.flatnonzero((table.force != own.force).any(axis=1))
     assert taken.size
     np.testing.assert_array_equal(table.force[taken], other.force[taken])
@@ -63,7 +63,7 @@ def test_a_summit_that_the_ellipse_law_gives_up_still_carries(profiles, monkeypa
 
     monkeypatch.setattr(ellipse, "tabulate", without)
     table = auto.tabulate(profiles, STEEL)
-    other = ritz.tabulate(profiles, STEEL, nodes=32)
+    other = ritz.tabulate(profiles, STEEL, nodes=ellipse.NODES)
     assert (table.reach[lost] > 0).all()
     np.testing.assert_array_equal(table.force[lost], other.force[lost])
     assert (table.spread[lost] == 1.0).all()
