@@ -114,7 +114,7 @@ def resampled(columns, levels, powers, place, hermite, nodes, p, made):
         value = s * power
         out_stiffness[j] = power / (u * u) * (p * s + u * g) / 2
         spot = (1 - h[8]) * area[i] / levels[i] ** 2 + h[8] * area[i + 1] / levels[i + 1] ** 2
-        widest = max(widest, spot * u * u)
+        widest = max(widest, min(spot * u * u, area[i + 1]))
         out_area[j] = widest
         secant[j] = (value - force_before) / (u * u - before)
         upper = max(upper, secant[j])
