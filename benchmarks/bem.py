@@ -1,6 +1,12 @@
 """Boundary elements: this project and its peers, alternately in one run, certified alike.
 
     python benchmarks/bem.py --peers /path/to/peers/bin/python --size 512 1024 --repeats 5
+    python benchmarks/bem.py --peers /path/to/peers/bin/python --repeats 1 --factor 0.3 \\
+        --solvers aspher-ftd --only "4096 N/8 p=0.02"
+
+The second form is for the long cases: `--only` takes whole names of cases, one repeat times a peer
+by the run that reached the certificate, and `--factor` is the share of the tolerance to begin with,
+printed by an earlier run on a smaller grid.
 
 Every pressure is certified anew here, in numpy; a peer's tolerance is tightened until it reaches
 the same certificate. Without --peers only this project is timed. Times are medians in seconds with
@@ -60,6 +66,19 @@ def cases(sizes, suites):
             yield f"{n} free rough", (rough, n, n // 8), [0.02], True
 
 
+def chosen(args):
+    """The cases asked for, by size and suite or by name."""
+    if not args.only:
+        yield from cases(args.size, args.suite)
+        return
+    sizes = {int(name.split()[0]) for name in args.only}
+    found = {case[0]: case for case in cases(sorted(sizes), ["single", "curve", "free"])}
+    for name in args.only:
+        if name not in found:
+            raise SystemExit(f'no case is named "{name}"; there are: {", ".join(found)}')
+        yield found[name]
+
+
 def certificate(pressure, heights, load, free):
     """Duality gap over rms height and load error, from the pressure alone (E* = 1, unit square)."""
     from scipy import fft
@@ -88,8 +107,8 @@ def certificate(pressure, heights, load, free):
 class Worker:
     """One solver in a process of its own."""
 
-    def __init__(self, name, python, threads):
-        self.name, self.factor = name, 1.0
+    def __init__(self, name, python, threads, factor):
+        self.name, self.factor = name, factor if name != "ours" else 1.0
         environment = {**os.environ, "OMP_NUM_THREADS": str(threads)}
         environment["ASPERITY_THREADS"] = environment["OPENBLAS_NUM_THREADS"] = str(threads)
         if name == "ours":
@@ -114,20 +133,20 @@ class Worker:
         return json.loads(line) if line else None
 
     def calibrate(self, case, heights, folder):
-        """Tighten the tolerance until the certificate holds; returns the certificate reached."""
-        self.factor = 1.0
+        """Tighten the tolerance until the certificate holds; returns it and the last answer."""
         out = str(Path(folder) / "pressure.npy")
         for _ in range(4):
             answer = self.run({**case, "out": out})
             if answer is None:
-                return float("nan")
+                return float("nan"), None
             if "certificate" in answer:
-                return answer["certificate"]
+                return answer["certificate"], answer
             reached, load = certificate(np.load(out), heights, case["loads"][-1], case["free"])
             if max(reached, load) <= TARGET:
                 break
             self.factor *= min(0.5, 0.5 * TARGET / max(reached, load))
-        return max(reached, load)
+        print(f"{self.name}: tolerance times {self.factor:.2g}", file=sys.stderr, flush=True)
+        return max(reached, load), answer
 
     def close(self):
         """End the process."""
@@ -138,11 +157,14 @@ class Worker:
 def measure(case, workers, repeats, folder):
     """Alternate the solvers; returns certificate and answers of each."""
     heights = np.load(case["map"])
-    reached = {w.name: w.calibrate(case, heights, folder) for w in workers}
-    answers = {w.name: [] for w in workers}
+    reached, answers = {}, {w.name: [] for w in workers}
+    for w in workers:
+        reached[w.name], answer = w.calibrate(case, heights, folder)
+        if repeats == 1 and w.name != "ours" and answer is not None:
+            answers[w.name].append(answer)
     for _ in range(repeats):
         for w in workers:
-            if np.isfinite(reached[w.name]):
+            if np.isfinite(reached[w.name]) and len(answers[w.name]) < repeats:
                 answers[w.name].append(w.run(case))
     return reached, answers
 
@@ -154,6 +176,8 @@ def main():
     )
     parser.add_argument("--size", type=int, nargs="+", default=[512, 1024])
     parser.add_argument("--suite", nargs="+", default=["single"], help="single, curve, free")
+    parser.add_argument("--only", nargs="+", help="whole names of cases, of any size and suite")
+    parser.add_argument("--factor", type=float, default=1.0, help="of a peer's tolerance, at first")
     parser.add_argument("--peers", help="Python interpreter that has aspher and tamaas")
     parser.add_argument("--solvers", nargs="+", default=["aspher-d", "aspher-ftd"])
     parser.add_argument("--threads", type=int, default=os.cpu_count())
@@ -166,13 +190,13 @@ def main():
     )
     print("|" + "---|" * 10)
     with tempfile.TemporaryDirectory() as folder:
-        for name, (make, *sizes), loads, free in cases(args.size, args.suite):
+        for name, (make, *sizes), loads, free in chosen(args):
             path = str(Path(folder) / "map.npy")
             np.save(path, make(*sizes))
             case = {"map": path, "loads": loads, "free": free, "target": TARGET}
             names = ["ours", *(args.solvers if args.peers else [])]
             workers = [
-                Worker(n, sys.executable if n == "ours" else args.peers, args.threads)
+                Worker(n, sys.executable if n == "ours" else args.peers, args.threads, args.factor)
                 for n in names
             ]
             reached, answers = measure(case, workers, args.repeats, folder)
