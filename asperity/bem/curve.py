@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,8 +16,11 @@ from surfaces.heightmap import HeightMap
 from ..loadpoints import checked_loads, expected_area_fraction
 from ..material import HalfSpace
 from ..results import ContactCurve
+from ..threads import threads as thread_count
 from .accuracy import choose_grid, coarse_map
+from .chains import follow_chains, split_loads
 from .contact_map import contact_area, count_patches
+from .memory import fits
 from .operator import Boundary
 from .path import LoadPath
 from .problem import ContactProblem
@@ -97,7 +101,7 @@ def bem_curve(
         With `accuracy`: solve the middle load once more on a grid twice as fine (at most the full
         one); the larger difference in separation over rms height and in area is `error_estimate`.
     progress
-        Called with every finished load point, with its contact map.
+        Called with every finished load point, with its contact map; one call at a time.
     checkpoint
         Called with the curve of the points finished so far, after each.
 
@@ -120,23 +124,37 @@ def bem_curve(
         tolerance = choice.tolerance
         grid = hm if choice.shape == hm.shape else coarse_map(hm, choice.shape, boundary)
         asked |= {"accuracy": accuracy, "accuracy_reason": choice.reason}
-    problem = ContactProblem(grid, mat, tolerance=tolerance, boundary=boundary)
-    prepared = time.perf_counter()
-    path = LoadPath(problem)
     order = np.argsort(values if kind == "pressure" else -values, kind="stable")
+    chains = split_loads(_shares(kind, values[order]), grid.heights.size)
+    together = len(chains) > 1 and thread_count() > 1 and fits(grid.shape, boundary, len(chains))
+
+    def planned() -> ContactProblem:
+        threads = 1 if together else None
+        return ContactProblem(grid, mat, tolerance=tolerance, boundary=boundary, threads=threads)
+
+    problem = planned()
+    prepared = time.perf_counter()
     solved: dict[int, CurvePoint] = {}
+    turn = threading.Lock()
 
     def curve_of(indices: Iterable[int]) -> ContactCurve:
         seconds = {"setup": prepared - begun, "loads": time.perf_counter() - prepared}
         return _curve(problem, [solved[i] for i in indices], seconds, asked)
 
-    for index in order.tolist():
-        solved[index] = _solve_point(path, kind, float(values[index]))
-        if progress is not None:
-            progress(solved[index])
-        solved[index] = replace(solved[index], contact=_NO_MAP)
-        if checkpoint is not None:
-            checkpoint(curve_of(solved))
+    def follow(chain: range, stop: threading.Event) -> None:
+        path = LoadPath(planned() if together and chain.start else problem)
+        for index in order[chain.start : chain.stop].tolist():
+            if stop.is_set():
+                return
+            point = _solve_point(path, kind, float(values[index]))
+            with turn:
+                solved[index] = replace(point, contact=_NO_MAP)
+                if progress is not None:
+                    progress(point)
+                if checkpoint is not None:
+                    checkpoint(curve_of(solved))
+
+    follow_chains(chains, follow, together=together)
     curve = curve_of(range(len(values)))
     return _checked(curve, hm, mat, problem) if check and grid is not hm else curve
 
@@ -217,6 +235,13 @@ def _curve(
         extra=columns,
         reasons=tuple(point.reason for point in points),
     )
+
+
+def _shares(kind: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Loads over the largest, ascending; a guess if separations are prescribed."""
+    if kind == "pressure":
+        return np.asarray(values / max(values[-1], 1e-300))
+    return np.linspace(0.0, 1.0, len(values)) ** 2
 
 
 def _lightest_area(hm: HeightMap, mat: HalfSpace, kind: str, values: NDArray[np.float64]) -> float:

@@ -61,7 +61,8 @@ class CoarseMaps:
                 heights = _averaged(_averaged(heights, shape[0]).T, shape[1]).T
                 self._averages.insert(0, _frozen(np.ascontiguousarray(heights)))
         elif shapes:
-            low = _low_columns(heights, (shapes[-1][1] - 1) // 2 + 1, scratch or Scratch())
+            kept = (shapes[-1][1] - 1) // 2 + 1
+            low = _low_columns(heights, kept, threads, scratch or Scratch())
             low = scipy.fft.fft(low, axis=0, workers=threads, overwrite_x=True, norm="forward")
             self._low = _low_waves(low, shapes[-1])
 
@@ -77,7 +78,7 @@ class CoarseMaps:
 
 
 def _low_columns(
-    heights: NDArray[np.float64], kept: int, scratch: Scratch
+    heights: NDArray[np.float64], kept: int, threads: int, scratch: Scratch
 ) -> NDArray[np.complex128]:
     """First columns of the half spectrum along the rows, over their length."""
     low = scratch.zeros((heights.shape[0], kept), np.complex128)
@@ -87,7 +88,8 @@ def _low_columns(
             rows = scipy.fft.rfft(heights[y : min(y + _ROWS, stop)], axis=1, norm="forward")
             low[y : y + len(rows)] = rows[:, :kept]
 
-    _threads.run(transform, _threads.blocks(heights.shape[0], _ROWS))
+    n = heights.shape[0]
+    _threads.run(transform, [(n * i // threads, n * (i + 1) // threads) for i in range(threads)])
     return low
 
 

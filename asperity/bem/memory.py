@@ -7,7 +7,7 @@ import os
 from ..errors import InputError
 from .operator import Boundary
 
-__all__ = ["estimated_bytes", "require_memory"]
+__all__ = ["estimated_bytes", "fits", "require_memory"]
 
 _BYTES_PER_POINT = {"periodic": 60, "free": 140}
 
@@ -34,6 +34,12 @@ def available_bytes() -> int | None:
         return os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     except (AttributeError, OSError, ValueError):
         return None
+
+
+def fits(shape: tuple[int, int], boundary: Boundary, copies: int) -> bool:
+    """Whether several solutions at the same time fit in the memory that is available."""
+    free = available_bytes()
+    return free is None or copies * estimated_bytes(shape, boundary) <= free
 
 
 def require_memory(shape: tuple[int, int], boundary: Boundary) -> None:

@@ -30,13 +30,14 @@ class LoadPath:
     -----
     The displacement is linear in the pressure, so that the gap of an extrapolated pressure is
     known exactly without a transform; negative pressures are repaired by the first correction.
+    The older state is kept in single precision.
     The state of no load, p = u = 0, is the first support of the secant. A step to more than four
     times the load starts from the coarser grids instead.
     """
 
     def __init__(self, problem: ContactProblem) -> None:
         self.problem = problem
-        self._old: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+        self._old: tuple[NDArray[np.float32], NDArray[np.float32]] | None = None
         self._means = (0.0, 0.0)
         self._level = 0.0
         self._stiffness: float | None = None
@@ -78,7 +79,7 @@ class LoadPath:
         """Extrapolate pressure and displacement to a mean pressure."""
         now = level.exact.pressure, level.exact.displacement
         if self._old is None:
-            self._old = np.zeros_like(now[0]), np.zeros_like(now[1])
+            self._old = np.zeros(now[0].shape, np.float32), np.zeros(now[1].shape, np.float32)
         before, last = self._means
         step = (mean - last) / (last - before) if last > before else math.inf
         shares = (1.0 + step, -step) if abs(step) <= _LONGEST_SECANT else (mean / last, 0.0)

@@ -35,6 +35,8 @@ class ContactProblem:
     ----------
     hm, mat, tolerance, boundary
         As in `bem_solve`.
+    threads
+        Threads; by default the number in use.
 
     Attributes
     ----------
@@ -51,6 +53,7 @@ class ContactProblem:
         *,
         tolerance: float = 1e-6,
         boundary: Boundary | None = None,
+        threads: int | None = None,
     ) -> None:
         if hm.missing:
             raise SurfaceError(
@@ -65,7 +68,7 @@ class ContactProblem:
             raise InputError(f'boundary is {boundary!r}; choose "periodic" or "free"')
         require_memory(hm.shape, boundary)
         self.hm, self.mat, self.tolerance = hm, mat, float(tolerance)
-        self._threads = thread_count()
+        self._threads = thread_count() if threads is None else threads
         exact = HalfSpaceOperator(hm.shape, hm.spacing, mat, boundary, threads=self._threads)
         self.boundary: Boundary = boundary
         self.compliance = exact.compliance
@@ -208,5 +211,5 @@ class ContactProblem:
             "m": float(self.mat.m),
             "shape": self.hm.shape,
             "spacing": self.hm.spacing,
-            "threads": self._threads,
+            "threads": thread_count(),
         }
