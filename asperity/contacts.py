@@ -105,27 +105,25 @@ def _scaled_map(
 
 def patch_count(bodies: Asperities, state: PopulationState) -> int:
     """Number of separate spots: contacts of adjoining basins whose contours meet count as one."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
+    from ._spots import groups
 
     hm, profiles = bodies.hm, bodies.profiles
     closed = state.force > 0
+    place = np.cumsum(closed) - 1
+    spots = int(place[-1]) + 1 if len(place) else 0
     first, second = profiles.owner[bodies.peaks.neighbors].T
-    kept = closed[first] & closed[second] & (first != second)
+    kept = np.flatnonzero(closed[first] & closed[second] & (first != second))
+    if not kept.size:
+        return spots
     first, second = first[kept], second[kept]
-    major, minor = _semi_axes(bodies, state)
     dy, dx = _offset(
         hm, profiles.y[second] - profiles.y[first], profiles.x[second] - profiles.x[first]
     )
     share = sum(
-        1.0 / _scaled_distance(dy, dx, profiles.angle[i], major[i], minor[i])
+        1.0 / _scaled_distance(dy, dx, profiles.angle[i], *_semi_axes(bodies, state, i))
         for i in (first, second)
     )
-    meet = share >= 1.0
-    n = len(closed)
-    graph = coo_array((np.ones(meet.sum()), (first[meet], second[meet])), shape=(n, n))
-    joined, _ = connected_components(graph, directed=False)
-    return int(joined - (n - np.count_nonzero(closed)))
+    return int(groups(spots, place[first], place[second], share >= 1.0))
 
 
 def _offset(
@@ -151,10 +149,10 @@ def _scaled_distance(
 
 
 def _semi_axes(
-    bodies: Asperities, state: PopulationState
+    bodies: Asperities, state: PopulationState, rows: NDArray[np.int64] | slice = slice(None)
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Semi-axes [m] of the ellipse of each contact's area and its summit's direction."""
-    steep, shallow = bodies.profiles.curvature.T
+    steep, shallow = bodies.profiles.curvature[rows].T
     aspect = np.clip(shallow / steep, 1e-3, 1.0) ** ASPECT_EXPONENT
-    scale = np.sqrt(np.maximum(state.area, np.finfo(float).tiny) / np.pi)
+    scale = np.sqrt(np.maximum(state.area[rows], np.finfo(float).tiny) / np.pi)
     return scale / np.sqrt(aspect), scale * np.sqrt(aspect)

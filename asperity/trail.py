@@ -5,24 +5,27 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .interaction.laws import Evaluated
 from .interaction.operator import Interaction
 from .interaction.solver import Solution, conjugate_gradients, descend
 from .interaction.state import Problem
 from .interaction.tangent import Tangent
+from .path import MEMORY, Point, forecast, weights
 
 if TYPE_CHECKING:
     from .population import Population
 
 __all__ = ["PopulationState", "Trail"]
 
-SPARE = 1.2
+SPARE = 1.3
 """Listed summits over those that can touch now, so that lists last for several separations."""
+
+NEW_LOAD = 1.05
+"""The same where a load was asked for, which is mostly too far from the last for its lists."""
 
 ROOM = 1.3
 """Approach over the present one for which the footprints of a list are meant."""
@@ -38,12 +41,6 @@ MAX_SEARCH = 40
 
 SEARCH_TOLERANCE = 5e-3
 """Tolerance of a solve on the way to a mean pressure."""
-
-MEMORY = 3
-"""Points kept to extrapolate from."""
-
-STEEPEST = 6.0
-"""Largest weight of one point in an extrapolation over three: beyond it, noise is magnified."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,15 +99,6 @@ class PopulationState:
         return self._trail.response(self.approach)
 
 
-class Point(NamedTuple):
-    """One solved point: its approaches are minus the gap where open, -inf where unknown [m]."""
-
-    separation: float
-    pressure: float
-    signed: NDArray[np.float64]
-    tilt: NDArray[np.float64]
-
-
 @dataclass(frozen=True, eq=False)
 class Trail:
     """The last points, and the lists made for them."""
@@ -134,8 +122,15 @@ class Trail:
             return self._independent(separation)
         trail, steps, products = self, 0, 0
         load = None if pressure is None else pressure * population.nominal_area
-        guess, tilt = self._predict(separation)
-        growth = 1.0
+        start = np.zeros((len(population), 3))
+        if self.points:
+            start = forecast(self.points, separation)
+            if len(self.points) == 1 and self.compliance is not None:
+                fall = self.points[0].separation - separation
+                start[:, 0] += np.where(start[:, 0] > 0, self.compliance * fall, 0.0)
+        else:
+            start[:, 0] = 0.5 * (population.height - separation)
+        guess, growth = np.maximum(start[:, 0], 0.0), 1.0
         if pressure is not None and self.points and self.points[-1].pressure > 0:
             growth = max(1.0, pressure / self.points[-1].pressure)
         for placed in range(MAX_PLACED + 1):
@@ -147,20 +142,19 @@ class Trail:
                 trail.problem,
                 separation,
                 guess[trail.index],
-                tilt=tilt[trail.index],
+                tilt=start[trail.index, 1:],
                 tolerance=tolerance,
                 load=load,
                 compliance=shares,
             )
             separation, lowest = solution.separation, trail.problem.plan.lowest
             steps, products = steps + solution.steps, products + solution.products
-            guess, tilt = np.zeros(len(population)), np.zeros((len(population), 2))
-            guess[trail.index], tilt[trail.index] = solution.approach, solution.tilt
+            guess, start[:] = np.zeros(len(population)), 0.0
+            guess[trail.index], start[trail.index, 1:] = solution.approach, solution.tilt
             trail = replace(trail, field=trail.problem.plan, lowest=lowest)
             if solution.reason or placed == MAX_PLACED:
                 break
-            away = trail._away(trail.index, solution.approach, solution.laws)
-            if away <= STRAY and not trail._missed(separation, 1.0):
+            if not trail._strayed(guess) and not trail._missed(separation, 1.0):
                 break
             growth = 1.0
         return trail._state(solution, steps, products)
@@ -170,24 +164,22 @@ class Trail:
         population = self.population
         if not population.centred:
             return self
-        rows = np.flatnonzero(approach > 0)
-        laws = population.laws.rows(rows)(approach[rows])
-        if self.problem is not None and self._away(rows, approach[rows], laws) <= STRAY:
+        if self.problem is not None and not self._strayed(approach):
             return self
+        rows = np.flatnonzero(approach > 0)
         x, y = np.zeros((2, len(population)))
         x[rows], y[rows] = population.table.centre_at(rows, approach[rows])
         return replace(self, offset=(x, y), problem=None)
 
-    def _away(
-        self, rows: NDArray[np.int64], approach: NDArray[np.float64], laws: Evaluated
-    ) -> float:
-        """Mean distance of contacts from the centres of their laws over their radius."""
+    def _strayed(self, approach: NDArray[np.float64]) -> bool:
+        """Whether contacts are too far from the centres of their laws for the lists to hold."""
         if self.offset is None:
-            return 0.0
-        x, y = self.population.table.centre_at(rows, approach)
-        away = np.hypot(x - self.offset[0][rows], y - self.offset[1][rows])
-        radius = np.sqrt(laws.area / np.pi)
-        return float(laws.force @ away) / max(float(laws.force @ radius), 1e-300)
+            return self.population.centred
+        rows = np.flatnonzero(approach > 0)
+        law = self.population.laws.rows(rows)(approach[rows])
+        x, y = self.population.table.centre_at(rows, approach[rows])
+        away = law.force * np.hypot(x - self.offset[0][rows], y - self.offset[1][rows])
+        return bool(away.sum() > STRAY * (law.force * np.sqrt(law.area / np.pi)).sum())
 
     def under(
         self, pressure: float, tolerance: float, state: PopulationState | None
@@ -198,19 +190,23 @@ class Trail:
             return self.at(float(population.height[population.falling[0]]), tolerance)
         if not population.interaction:
             return self._search(pressure, tolerance, state)
-        trail, separation = self, self._forecast(pressure)
+        trail = self
         if state is not None and state.mean_pressure > 0:
             trail = replace(self, compliance=state._response[1])
+        separation = self._forecast(pressure, state)
         found = trail.at(separation, tolerance, pressure)
         return found if found.converged else trail._search(pressure, tolerance, state)
 
-    def _forecast(self, pressure: float) -> float:
+    def _forecast(self, pressure: float, state: PopulationState | None) -> float:
         """Separation [m] at a mean pressure, from the points solved before."""
         known = [point for point in self.points if point.pressure > 0]
-        if not known:
+        if not known or state is None:
             return self._independent_separation(pressure)
+        if len(known) == 1:
+            rise = math.log(pressure / known[0].pressure) * known[0].pressure
+            return known[0].separation - rise / state.normal_stiffness
         place = [math.log(point.pressure) for point in known]
-        share = _extrapolation(math.log(pressure), place)
+        share = weights(math.log(pressure), place)
         return float(np.dot(share, [point.separation for point in known]))
 
     def _search(
@@ -261,7 +257,7 @@ class Trail:
         )
         rows = self.index[closed]
         start = None if self.compliance is None else self.compliance[rows] / tangent.compliance
-        solved = conjugate_gradients(tangent, np.ones(len(rows)), tolerance=0.03, start=start)
+        solved = conjugate_gradients(tangent, np.ones(len(rows)), tolerance=0.02, start=start)
         share[rows] = solved.solution * tangent.compliance
         # stationary in the solution, so that its error counts twice
         return float(solved.solution @ (1 + solved.residual)) / population.nominal_area, share
@@ -315,7 +311,7 @@ class Trail:
         rows, overlap = self._candidates(separation, growth)
         overlap[guess[rows] > 0] = np.inf
         touching = int(np.count_nonzero(overlap > 0.1 * growth * self.lowest))
-        count = int(SPARE * touching) + 40
+        count = int((NEW_LOAD if growth > 1 else SPARE) * touching) + 40
         if count < len(rows):
             index = rows[np.argpartition(-overlap, count)[:count]]
         else:
@@ -349,25 +345,6 @@ class Trail:
             return y, x
         return y + self.offset[1][rows], x + self.offset[0][rows]
 
-    def _predict(self, separation: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Approaches and gradients extrapolated from the last separations."""
-        population = self.population
-        if not self.points:
-            start = np.maximum(0.5 * (population.height - separation), 0.0)
-            return start, np.zeros((len(population), 2))
-        last = self.points[-1]
-        guess, tilt = np.where(np.isfinite(last.signed), last.signed, 0.0), last.tilt
-        known = np.isfinite(last.signed)
-        for count in range(2, len(self.points) + 1):
-            points = self.points[-count:]
-            known &= np.isfinite(points[0].signed)
-            share = _extrapolation(separation, [point.separation for point in points])
-            signed = sum(w * point.signed[known] for w, point in zip(share, points, strict=True))
-            moved = sum(w * point.tilt[known] for w, point in zip(share, points, strict=True))
-            guess[known], tilt = signed, tilt.copy()
-            tilt[known] = moved
-        return np.maximum(guess, 0.0), tilt
-
     def _state(self, solution: Solution, steps: int, products: int) -> PopulationState:
         assert self.index is not None
         population = self.population
@@ -377,14 +354,14 @@ class Trail:
         force[self.index] = solution.laws.force
         stiffness[self.index] = solution.laws.stiffness
         area[self.index] = solution.laws.area
-        signed = np.full(n, -np.inf)
-        signed[self.index] = np.where(
-            solution.approach > 0, solution.approach, np.minimum(solution.wanted, 0.0)
+        closed = solution.approach > 0
+        values = np.full((n, 3), np.nan)
+        values[self.index, 0] = np.where(
+            closed, solution.approach, np.minimum(solution.wanted, 0.0)
         )
-        tilt = np.zeros((n, 2))
-        tilt[self.index] = solution.tilt
+        values[self.index, 1:] = solution.tilt
         pressure = float(solution.laws.force.sum()) / population.nominal_area
-        point = Point(solution.separation, pressure, signed, tilt)
+        point = Point(solution.separation, pressure, values)
         trail = replace(self, points=(*self.points[1 - MEMORY :], point))
         return trail._pack(approach, force, stiffness, area, solution, steps, products)
 
@@ -429,20 +406,3 @@ class Trail:
             lowest_candidate=solution.separation + 1.1 * self.lowest,
             _trail=self,
         )
-
-
-def _extrapolation(place: float, known: list[float]) -> NDArray[np.float64]:
-    """Weights of points at `known` places in the value at `place`: the polynomial through up to
-    three, the line through the last two if those lie badly, and never far beyond it."""
-    count = len(known)
-    if count == 1:
-        return np.ones(1)
-    if count > 2 and len(set(known)) == count:
-        x = np.array(known)
-        weights = [np.prod((place - np.delete(x, i)) / (x[i] - np.delete(x, i))) for i in range(3)]
-        if np.abs(weights).max() <= STEEPEST:
-            return np.array(weights)
-    before, last = known[-2:]
-    ratio = 0.0 if before == last else (place - last) / (last - before)
-    ratio = min(max(ratio, -1.5), 1.5)
-    return np.array([0.0] * (count - 2) + [-ratio, 1.0 + ratio])

@@ -127,6 +127,7 @@ def tabulate(rows, reach, force, stiffness, area, power, factor, exponent, table
     x, g = GAUSS_NODES, GAUSS_WEIGHTS
     moment = np.zeros(steps + 1)
     bend = np.zeros(steps + 1)
+    fall = np.arange(1.0, steps + 1.0) ** -power
     for r in range(rows.size):
         i = rows[r]
         width = 2.0 * reach[r] / (steps * steps)
@@ -137,13 +138,16 @@ def tabulate(rows, reach, force, stiffness, area, power, factor, exponent, table
         spread = 0.0
         for j in range(steps):
             v = j + 1.0
-            s1 = force[r, j + 1] * v**-power
-            d1 = stiffness[r, j + 1] * width * v * v**-power - power * s1 / v
+            s1 = force[r, j + 1] * fall[j]
+            d1 = stiffness[r, j + 1] * width * v * fall[j] - power * s1 / v
             if j == 0:
                 # straight, through the first node, not below a fifth of its value
                 d1 = min(d1, 0.8 * s1)
                 s0 = s1 - d1
                 d0 = d1
+            else:
+                # a steeper cubic could pass below zero
+                d1 = min(d1, 3.0 * s1)
             c0, c1, c2, c3 = _cubic(s0, s1, d0, d1)
             e3 = c3
             e2 = c2 - 3.0 * c3 * j

@@ -10,10 +10,14 @@ import scipy.fft
 from numpy.typing import NDArray
 from scipy.special import gamma, gammainc, gammaincc
 
+from ..threads import threads
 from . import _mesh_kernels
 from .footprint import Footprints
 
 __all__ = ["Mesh"]
+
+NODES_PER_THREAD = 50_000
+"""Wave vectors that repay a thread of the transform."""
 
 HIGHEST = 13.0
 """Wave number times eta beyond which the smooth part is nothing (1e-18)."""
@@ -63,9 +67,11 @@ class Mesh:
         """Potential at the nodes [C_m eta^-p] of masses at the nodes, in their precision; one mesh
         or several, shape (..., my, mx)."""
         transfer = self.transfer if masses.dtype == np.float64 else self.transfer32
-        spectrum = scipy.fft.rfft2(masses)
+        workers = threads() if transfer.size > NODES_PER_THREAD else 1
+        spectrum = scipy.fft.rfft2(masses, workers=workers)
         spectrum *= transfer
-        return np.asarray(scipy.fft.irfft2(spectrum, s=self.shape, overwrite_x=True))
+        found = scipy.fft.irfft2(spectrum, s=self.shape, overwrite_x=True, workers=workers)
+        return np.asarray(found)
 
 
 def _lengths(wanted: tuple[int, ...]) -> tuple[int, int]:

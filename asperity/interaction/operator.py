@@ -31,10 +31,10 @@ CAP = 0.35
 """Largest variance over the squared split length that the expansion takes; wider footprints keep
 this second moment beyond the cut-off."""
 
-PAIRS_PER_THREAD = 60_000
-"""Pairs that repay a thread."""
+PAIRS_PER_THREAD = 12_000
+"""Pairs whose part of a field repays a thread."""
 
-NODES = 2.2
+NODES = 1.7
 """Mesh nodes per split length."""
 
 ROUND = np.array([1.0, 1.0, 0.0])
@@ -94,6 +94,8 @@ class Interaction:
     order
         Points sorted by cell list, shape (n,): every vector given to or returned by the plan is
         `vector[order]`.
+    pairs
+        Number of near pairs.
 
     Notes
     -----
@@ -154,7 +156,9 @@ class Interaction:
         self.shape = pair_table(footprints.m)
         self.own = at_origin(footprints.m)
         self.scale = footprints.point * self.eta**-footprints.power
-        self.rows = _chunks(self.ptr)
+        counts = self.ptr[:, 1] - self.ptr[:, 0]
+        self.pairs = int(counts.sum())
+        self.rows = _chunks(counts)
         self.part = np.zeros((len(self.rows), len(y), 6))
         self.grids = np.zeros((len(self.rows), 2, *self.mesh.shape))
         self.tangent_col = np.empty(len(self.col), np.uint32)
@@ -243,11 +247,6 @@ class Interaction:
         return np.where(inside, self.scale * out, 0.0)
 
     @property
-    def pairs(self) -> int:
-        """Number of near pairs."""
-        return int((self.ptr[:, 1] - self.ptr[:, 0]).sum())
-
-    @property
     def lowest(self) -> float:
         """Least displacement [m] of the mesh part of the last field, or zero."""
         return self.scale * min(0.0, float(self.smooth.min()))
@@ -288,11 +287,10 @@ def _near_pairs(
     return ptr, col, pair
 
 
-def _chunks(ptr: NDArray[np.int64]) -> NDArray[np.int64]:
+def _chunks(pairs: NDArray[np.int64]) -> NDArray[np.int64]:
     """Runs of rows with about equal work, one for each thread, shape (chunks, 2)."""
-    pairs = ptr[:, 1] - ptr[:, 0]
     count = max(1, min(threads(), int(pairs.sum()) // PAIRS_PER_THREAD))
     work = np.cumsum(pairs + 8)
     inner = np.searchsorted(work, work[-1] * np.arange(1, count) / count)
-    edges = np.concatenate(([0], inner, [len(ptr)])).astype(np.int64)
+    edges = np.concatenate(([0], inner, [len(pairs)])).astype(np.int64)
     return np.stack((edges[:-1], edges[1:]), axis=1)

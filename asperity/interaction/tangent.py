@@ -10,6 +10,9 @@ from .operator import CAP, ROUND, Interaction, run
 
 __all__ = ["Tangent"]
 
+PAIRS_PER_THREAD = 100_000
+"""Pairs whose part of a product repays a thread."""
+
 
 class Tangent:
     """The matrix diag(1/k + extra) + g_ij(v_i + v_j), i != j, plus self-images.
@@ -53,16 +56,17 @@ class Tangent:
         self.diagonal = self.compliance / plan.scale - f0 - held * (f1 + 0.25 * held * f2)
         form = np.tile(ROUND, (n, 1)) if form is None else form[self.index]
         moments = variance[:, None] * form
-        self.rows = np.searchsorted(self.index, plan.rows)
+        rows = np.searchsorted(self.index, plan.rows)
+        self.rows = rows if n * plan.pairs > PAIRS_PER_THREAD * len(active) else np.array([[0, n]])
         self.ptr = np.zeros((n, 2), np.int64)
         self.col, self.value = plan.tangent_col, plan.tangent_value
         self.place, self.weight = np.empty((n, 2), np.int32), np.empty((n, 4, 4), np.float32)
         self.grids = np.zeros((len(self.rows), *plan.mesh.shape), np.float32)
         self.part = np.zeros((len(self.rows), n))
 
-        def make(c: int, rows: NDArray[np.int64]) -> None:
+        def make(c: int, part: NDArray[np.int64]) -> None:
             _mesh_kernels.spline(
-                self.rows[c],
+                rows[c],
                 self.index,
                 plan.y,
                 plan.x,
@@ -73,7 +77,7 @@ class Tangent:
                 self.weight,
             )
             _pair_kernels.tangent_list(
-                rows,
+                part,
                 plan.ptr,
                 plan.col,
                 plan.pair,
