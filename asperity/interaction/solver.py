@@ -179,7 +179,7 @@ def _balanced(problem: Problem, state: State, separation: float) -> float:
 
 def _forcing(residual: float, tolerance: float) -> float:
     """Relative accuracy of the linear solve: no better than the step deserves."""
-    return min(0.15, max(0.02, 0.5 * tolerance / residual))
+    return min(0.15, max(0.02, 0.5 * tolerance / residual)) if residual > 0.0 else 0.15
 
 
 class _Residual:
