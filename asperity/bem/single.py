@@ -25,6 +25,8 @@ _SCOUT = 64
 _MARGIN = 1.1
 _RAYS = 256
 _TRIALS = 30
+_WIDEST = 1e9
+"""Ratio of radii beyond which a ray is taken never to reach the approach."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -307,11 +309,11 @@ def _section_box(profile: Profile, approach: float) -> tuple[float, float, float
         high = np.where(short, 2.0 * high, high)
         if np.isfinite(radius) and high.max() > 8.0 * radius:
             break
-    else:
-        raise InputError(
-            f"the profile does not rise to the approach {approach:g} m on every ray; "
-            "give a profile that grows outwards"
-        )
+        if not short.all() and high.max() > _WIDEST * high.min():
+            raise InputError(
+                f"the profile does not rise to the approach {approach:g} m on every ray; "
+                "give a profile that grows outwards"
+            )
     for _ in range(60):
         middle = 0.5 * (low + high)
         short = np.asarray(profile(middle, phi)) < approach

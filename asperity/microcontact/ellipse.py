@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,15 +14,9 @@ from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .basis import basis_of
 from .branch import RisingBranch
-from .ellipse_batch import NODES, second_order_area, tabulate
-from .ellipse_tables import (
-    DEGREE,
-    LOG_RATIO,
-    EllipseTables,
-    ellipse_tables,
-    monomials,
-    pressure_operator,
-)
+from .ellipse_batch import NODES, tabulate
+from .ellipse_expansion import ANGLES, DEGREE, Expansion, Gap, expand, fit_points, fitted
+from .ellipse_tables import monomials, pressure_operator
 from .flags import Flag
 from .validity import profile_flags
 
@@ -31,22 +25,24 @@ __all__ = ["NODES", "EllipseState", "indent", "solve_ellipse", "tabulate"]
 Array = NDArray[np.float64]
 
 _ANGLES = 720
-_REGION = 1.08
-"""Size of the ellipse on which f is fitted over that of the contact."""
-
-_NEWTON = 40
-_ROUNDS = 12
+_NEWTON = 30
+_STILL = 1e-5
 _STEP = 0.01
 """Logarithmic step of the approach for the stiffness."""
 
+_SHARP = 0.005
+"""Misfit of the polynomial over the approach above which a tip is sharp: its ellipse stays about
+the summit, since powers of the distance from there describe what the polynomial leaves."""
+
 _DOUBTFUL = 0.5
-"""Displacement of the contour beyond which the expansion is flagged."""
+"""Displacement of the contour, or ratio of the third- to the second-order force, beyond which the
+expansion is flagged."""
 
-_BRACKET = 0.15
-"""Error of the force over its second-order part, from the profiles of `ellipse_law`."""
+_LOCAL, _BEYOND, _OPERATOR = 0.05, 2.0, 0.15
+"""Factors of the expected error; `docs/laws.md` says how they were chosen and judged."""
 
-_MISFIT = 0.005
-"""rms residual of the polynomial over the approach beyond which it is flagged."""
+_RESIDUE = 0.005
+"""rms error of the representation of f over the approach beyond which it is flagged."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,8 +53,9 @@ class EllipseState:
     ----------
     force, stiffness, area
         F [N], dF/dd [N/m], contact area [m^2].
-    lower
-        Force of the elliptic punch alone [N], a lower bound for the fitted profile.
+    parts
+        Force of the elliptic punch alone, its second- and its third-order part, and the estimate
+        of the rest [N].
     axes
         Semi-axes a, b [m] and the turn of a from the x axis [rad].
     centre
@@ -69,20 +66,38 @@ class EllipseState:
         Largest displacement of the first-order contour.
     coefs
         Displacement of the surface over the monomials of the scaled coordinates [m].
-    misfit
-        rms residual of the fit over the approach.
+    misfit, residue
+        rms of what the polynomial, and of what the whole representation leave of f, over the
+        approach.
     """
 
     force: float
     stiffness: float
     area: float
-    lower: float
+    parts: tuple[float, float, float, float]
     axes: tuple[float, float, float]
     centre: tuple[float, float]
     displacement: Array
     widest: float
     coefs: Array
     misfit: float
+    residue: float
+
+    @property
+    def expected_error(self) -> float:
+        """Relative error of the force to be expected: the next order, and what the fit misses."""
+        _, second, third, beyond = (abs(part / self.force) for part in self.parts)
+        ratio = min(third / second, 1.0) if second > 0 else 0.0
+        narrow = min(abs(np.log(self.axes[1] / self.axes[0])), 1.0)
+        series = (ratio + _LOCAL) * third + _BEYOND * beyond
+        return float(series + _OPERATOR * narrow * self.misfit + self.residue)
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether the expansion has been carried too far, or f is not represented."""
+        _, second, third, _ = self.parts
+        far = self.widest > _DOUBTFUL or abs(third) > _DOUBTFUL * abs(second) + 1e-3 * self.force
+        return far or self.residue > _RESIDUE
 
     def boundary(self, phi: Array) -> Array:
         """Boundary a(phi) [m] about the summit."""
@@ -114,7 +129,7 @@ class EllipseState:
         i, j = monomials(DEGREE)
         # the table is for semi-axes of unit product: lengths in units of sqrt(ab)
         size = np.sqrt(a * b)
-        operator = pressure_operator(m, b / a)
+        operator = pressure_operator(m, b / a, DEGREE)
         weights = material.modulus * size ** (m - 1) * (self.coefs @ operator)
         edge = np.cos(t) ** i[:, None] * np.sin(t) ** j[:, None]
         inner = edge * rho ** (i + j)[:, None]
@@ -127,6 +142,44 @@ class EllipseState:
         twice = np.where((order == 0) | (2 * order == self.displacement.size), 1.0, 2.0)
         waves = np.exp(1j * np.multiply.outer(t, order))
         return np.asarray((waves @ (twice * amplitudes)).real)
+
+
+class _Ellipse(NamedTuple):
+    """Semi-axes [m], turn [rad] and centre [m]."""
+
+    a: float
+    b: float
+    turn: float
+    x: float
+    y: float
+
+    def places(self, xi: Array, eta: Array) -> tuple[Array, Array]:
+        """Places (r, phi) of scaled coordinates."""
+        c, s = np.cos(self.turn), np.sin(self.turn)
+        x = self.x + c * self.a * xi - s * self.b * eta
+        y = self.y + s * self.a * xi + c * self.b * eta
+        return np.hypot(x, y), np.arctan2(y, x)
+
+    def moved(self, step: Array) -> _Ellipse:
+        """Ellipse whose boundary is displaced by `step` over the modes of `_MODES`."""
+        step = np.clip(step, -0.3, 0.3)
+        shear = 2 * step[2] / (self.a / self.b + self.b / self.a)
+        strain = np.array([[1 + step[0], shear], [shear, 1 + step[1]]])
+        c, s = np.cos(self.turn), np.sin(self.turn)
+        axes, size, _ = np.linalg.svd(np.array([[c, -s], [s, c]]) @ strain * [self.a, self.b])
+        x, y = step[3] * self.a, step[4] * self.b
+        turn = np.arctan2(axes[1, 0], axes[0, 0])
+        return _Ellipse(
+            float(size[0]),
+            float(size[1]),
+            float(turn),
+            self.x + c * x - s * y,
+            self.y + s * x + c * y,
+        )
+
+
+_T = 2 * np.pi * np.arange(ANGLES) / ANGLES
+_MODES = np.stack([np.cos(_T) ** 2, np.sin(_T) ** 2, np.sin(2 * _T), np.cos(_T), np.sin(_T)])
 
 
 def solve_ellipse(
@@ -147,127 +200,78 @@ def solve_ellipse(
 
     Notes
     -----
-    f is fitted by a polynomial on an ellipse a little larger than the contact, and fitted again
-    until the ellipse no longer changes. The stiffness is a difference of the force at one fit.
+    Newton steps of the exact force of the elliptic punch, f fitted again on every ellipse. The
+    stiffness is a difference of the force.
     """
-    tables = ellipse_tables(material.m)
-    a, b, turn, x0, y0 = _first_ellipse(profile, start)
-    levels = np.exp(0.5 * _STEP * np.arange(-2.0, 3.0))
-    for _ in range(_ROUNDS):
-        region = (_REGION * a, _REGION * b, turn, x0, y0)
-        coefs, misfit = _fit(profile, region, approach)
-        size = np.sqrt(region[0] * region[1])
-        state, shape = _march(coefs, region, float(size), levels, tables)
-        if not state[2, 0] > 0:
-            return None
-        found = shape[2]
-        new = _in_plane(found, region, size)
-        change = max(abs(np.log(new[0] / a)), abs(np.log(new[1] / b)))
-        change = max(change, np.hypot(new[3] - x0, new[4] - y0) / b)
-        a, b, turn, x0, y0 = new
-        if change < 1e-3:
-            break
-    force = state[:, 0]
-    slope = force @ np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / (12 * _STEP)
-    middle = state[2:3]
-    area = second_order_area(middle[None], np.array([[slope]]))[0, 0]
-    grown = (area - middle[0, 4]) / middle[0, 5] if middle[0, 5] > 0 else 0.0
-    unit = material.modulus * size ** (1 + material.m)
-    scaled, _ = _fit(profile, (a, b, turn, x0, y0), 1.0)
-    scaled = -scaled
-    scaled[0] += approach
+    m = material.m
+    first, free = _first_ellipse(profile, start, approach)
+    solved = _optimum(profile, approach, m, first, free)
+    if solved is None:
+        return None
+    best, gap, one = solved
+    around = [
+        _optimum(profile, approach * np.exp(k * _STEP), m, best, free) for k in (-2, -1, 1, 2)
+    ]
+    forces = [np.nan if near is None else near[2].force for near in around]
+    slope = float(np.dot(forces, [1.0, -8.0, 8.0, -1.0])) / (12 * _STEP * approach)
+    unit = material.modulus
+    coefs = -gap.polynomial
+    coefs[0] += approach
+    mean = float(one.squared.mean())
+    grown = np.exp(np.clip(one.squared - 1 - 2 * one.shift**2, -3.0, 3.0))
+    if 0.5 < mean < 2:
+        grown *= mean / grown.mean()
     return EllipseState(
-        force=float(middle[0, 0] * unit * approach),
-        stiffness=float(slope * unit),
-        area=float(area * size**2),
-        lower=float(middle[0, 0] * (1 - middle[0, 7]) * unit * approach),
-        axes=(a, b, turn),
-        centre=(x0, y0),
-        displacement=_around(found[5:], tables) + grown,
-        widest=float(middle[0, 6]),
-        coefs=scaled,
-        misfit=misfit,
+        force=unit * one.force,
+        stiffness=unit * slope,
+        area=float(np.pi * best.a * best.b * grown.mean()),
+        parts=(unit * one.lower, unit * one.second, unit * one.third, unit * one.beyond),
+        axes=(best.a, best.b, best.turn),
+        centre=(best.x, best.y),
+        displacement=np.sqrt(grown) - 1,
+        widest=float(np.abs(one.shift).max()),
+        coefs=coefs,
+        misfit=gap.misfit / approach,
+        residue=gap.residue / approach,
     )
 
 
+def _optimum(
+    profile: PowerSumProfile | PolarProfile, approach: float, m: float, start: _Ellipse, free: bool
+) -> tuple[_Ellipse, Gap, Expansion] | None:
+    """Ellipse of the largest force of the elliptic punch, its centre `free` or held."""
+    xi, eta, _, _ = fit_points(DEGREE)
+    best = start
+    modes = _MODES if free else _MODES[:3]
+    for _ in range(_NEWTON):
+        gap = fitted(np.asarray(profile(*best.places(xi, eta))))
+        one = expand(gap, approach, best.a, best.b, m)
+        if not (np.isfinite(one.lower) and one.level > 0):
+            return None
+        step = np.zeros(5)
+        weighted = modes * one.weight
+        step[: len(modes)] = np.linalg.solve(weighted @ modes.T, weighted @ one.shift)
+        if np.abs(step).max() < _STILL:
+            return best, gap, one
+        best = best.moved(step)
+    return (best, gap, one) if np.abs(step).max() < 1e-2 and one.lower > 0 else None
+
+
 def _first_ellipse(
-    profile: PowerSumProfile | PolarProfile, radius: float
-) -> tuple[float, float, float, float, float]:
-    """Ellipse of the Hertzian aspect about the summit, long axis along the smaller curvature."""
-    coefs, _ = _fit(profile, (radius, radius, 0.0, 0.0, 0.0), 1.0)
-    values, axes = np.linalg.eigh([[coefs[3], 0.5 * coefs[4]], [0.5 * coefs[4], coefs[5]]])
-    ratio = float(np.clip(values[0] / values[1], 1e-3, 1.0)) ** 0.63 if values[1] > 0 else 1.0
-    root = np.sqrt(ratio)
+    profile: PowerSumProfile | PolarProfile, radius: float, approach: float
+) -> tuple[_Ellipse, bool]:
+    """Ellipse of the Hertzian aspect about the summit, a circle about a sharp one, and whether
+    its centre is free."""
+    xi, eta, _, _ = fit_points(DEGREE)
+    circle = _Ellipse(radius, radius, 0.0, 0.0, 0.0)
+    gap = fitted(np.asarray(profile(*circle.places(xi, eta))))
+    c = gap.polynomial
+    values, axes = np.linalg.eigh([[c[3], 0.5 * c[4]], [0.5 * c[4], c[5]]])
+    if gap.misfit > _SHARP * approach or not values[1] > 0:
+        return circle, gap.misfit <= _SHARP * approach
+    root = float(np.clip(values[0] / values[1], 1e-3, 1.0)) ** 0.315
     turn = float(np.arctan2(axes[1, 0], axes[0, 0]))
-    return float(radius / root), float(radius * root), turn, 0.0, 0.0
-
-
-def _fit(
-    profile: PowerSumProfile | PolarProfile,
-    region: tuple[float, float, float, float, float],
-    unit: float,
-) -> tuple[Array, float]:
-    """Polynomial of f/unit in the scaled coordinates of an ellipse, and its rms residual."""
-    a, b, turn, x0, y0 = region
-    xi, eta, matrix, inverse = _fit_points(DEGREE)
-    c, s = np.cos(turn), np.sin(turn)
-    x, y = x0 + c * a * xi - s * b * eta, y0 + s * a * xi + c * b * eta
-    f = np.asarray(profile(np.hypot(x, y), np.arctan2(y, x))) / unit
-    coefs = inverse @ f
-    return coefs, float(np.sqrt(np.mean((matrix @ coefs - f) ** 2)))
-
-
-@lru_cache(maxsize=4)
-def _fit_points(degree: int) -> tuple[Array, Array, Array, Array]:
-    """Points of the fit in the scaled coordinates, monomials at them, and the pseudo-inverse."""
-    rho = np.sqrt((np.arange(10) + 0.5) / 10)
-    t = 2 * np.pi * np.arange(32) / 32
-    xi, eta = (rho[:, None] * np.cos(t)).ravel(), (rho[:, None] * np.sin(t)).ravel()
-    i, j = monomials(degree)
-    matrix = xi[:, None] ** i * eta[:, None] ** j
-    return xi, eta, matrix, np.linalg.pinv(matrix, rcond=1e-12)
-
-
-def _march(
-    scaled: Array,
-    region: tuple[float, float, float, float, float],
-    size: float,
-    levels: Array,
-    tables: EllipseTables,
-) -> tuple[Array, Array]:
-    """States and shapes at the levels, in units of `size` and in the axes of the region."""
-    from ._ellipse_kernels import SHAPE, STATES, march
-
-    i, j = monomials(tables.degree)
-    coefs = scaled / ((region[0] / size) ** i * (region[1] / size) ** j)
-    state, shape = np.zeros((1, levels.size, STATES)), np.zeros((1, levels.size, SHAPE))
-    first, last, count = LOG_RATIO
-    march(
-        coefs[None, None], np.full((1, 1), np.inf), np.full((1, 4), np.inf), np.ones(1), levels,
-        _NEWTON, tables.m, tables.rows, first, (count - 1) / (last - first), tables.moments, state,
-        shape,
-    )  # fmt: skip
-    return state[0], shape[0]
-
-
-def _in_plane(
-    found: Array, region: tuple[float, float, float, float, float], size: float
-) -> tuple[float, float, float, float, float]:
-    """Ellipse found in the axes of a region and units of `size`, in the plane [m]."""
-    a, b, x, y, turn = (float(v) for v in found[:5])
-    c, s = np.cos(region[2]), np.sin(region[2])
-    x0 = region[3] + size * (c * x - s * y)
-    y0 = region[4] + size * (s * x + c * y)
-    turn += region[2]
-    if b > a:
-        a, b, turn = b, a, turn + 0.5 * np.pi
-    return size * a, size * b, turn, float(x0), float(y0)
-
-
-def _around(quarters: Array, tables: EllipseTables) -> Array:
-    """Values at the four mirror images of the quarter nodes, in order around the ellipse."""
-    first, second, third, fourth = quarters.reshape(4, tables.nodes.size)
-    return np.concatenate([first, second[-2::-1], third[1:], fourth[-2:0:-1]])
+    return _Ellipse(radius / root, radius * root, turn, 0.0, 0.0), True
 
 
 def indent(
@@ -306,13 +310,11 @@ def indent(
             [None if one is None else one.pressure(r, angle, material) for one in states], angle
         )
 
-    force, stiffness, lower = shaped("force"), shaped("stiffness"), shaped("lower")
-    misfit = np.where(depth > 0, shaped("misfit").ravel(), 0.0).reshape(approach.shape)
+    force, stiffness = shaped("force"), shaped("stiffness")
     flags = profile_flags(profile, depth, phi, contour(phi)).reshape(approach.shape)
-    flags[(shaped("widest") > _DOUBTFUL) | (misfit > _MISFIT)] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
+    doubtful = rows([None if one is None else float(one.doubtful) for one in states], np.zeros(1))
+    flags[doubtful.reshape(approach.shape) > 0] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
     flags[~np.isfinite(force)] |= np.uint8(Flag.TURNING)
-    touching = force > 0
-    share = np.where(touching, (force - lower) / np.where(touching, force, 1.0), 0.0)
     p = 1 + material.m
     return Indentation(
         law=law,
@@ -323,7 +325,7 @@ def indent(
         radius=(p * stiffness / (2 * material.modulus)) ** (1 / p),
         stiffness=stiffness,
         flags=flags,
-        error_estimate=_BRACKET * np.abs(share) + misfit,
+        error_estimate=shaped("expected_error"),
         contour_function=contour,
         pressure_function=pressure,
     )

@@ -22,9 +22,12 @@ __all__ = [
     "DEGREE",
     "EllipseTables",
     "edge_operator",
+    "edge_slopes",
     "ellipse_tables",
+    "fourier_moments",
     "monomials",
     "pressure_operator",
+    "product_weights",
 ]
 
 Array = NDArray[np.float64]
@@ -85,12 +88,12 @@ def _parity(degree: int) -> NDArray[np.int64]:
     return np.choose((i % 2) + 2 * (j % 2), [0, 2, 3, 1])
 
 
-def _fourier_moments(weight: Array, count: int) -> Array:
+def fourier_moments(weight: Array, count: int) -> Array:
     """Mean of ``weight * cos(2 k t)`` over the period pi of weights sampled on it, k < count."""
     return np.fft.rfft(weight, axis=-1).real[..., :count] / weight.shape[-1]
 
 
-def _product_weights(moments: Array, nodes: int, period: float) -> Array:
+def product_weights(moments: Array, nodes: int, period: float) -> Array:
     """Weights of ``nodes`` equispaced points: exact for trigonometric polynomials times weight.
 
     ``moments[..., k]`` are the means of weight * cos(2 pi k t / period).
@@ -180,7 +183,7 @@ def _operator(degree: int, m: float, transform: Array, drop: int, ratio: Array) 
     ratio = ratio[:, None]
     fine = np.arange(8192) * np.pi / 8192
     weight = (np.cos(fine) ** 2 / ratio + ratio * np.sin(fine) ** 2) ** (-(1 + m) / 2)
-    weights = _product_weights(_fourier_moments(weight, count // 2 + 1), count, np.pi)
+    weights = product_weights(fourier_moments(weight, count // 2 + 1), count, np.pi)
     n = single.shape[1]
     return (weights @ single.reshape(count, -1)).reshape(-1, n, n) * (
         math.cos(m * np.pi / 2) / np.pi
@@ -287,6 +290,54 @@ def pressure_operator(m: float, ratio: float, degree: int = DEGREE) -> Array:
 
 
 @lru_cache(maxsize=8)
+def edge_slopes(m: float, degree: int) -> Array:
+    """Operator R of the fields (1 - rho**2)**((m-3)/2) without displacement, in Fourier modes.
+
+    Parameters
+    ----------
+    m
+        Exponent of the grading.
+    degree
+        Highest mode, even.
+
+    Returns
+    -------
+    NDArray
+        Per ln(b/a) of the tables the matrices from the modes cos k t (first) and sin k t (second)
+        of the polynomial's value at the edge to those of ``-1/2 d/drho`` there, shape
+        (ratios, 2, degree + 1, degree + 1); ``-k/2`` on the circle.
+    """
+    ratio = np.exp(np.linspace(*LOG_RATIO))
+    lower = _operator(
+        degree, m, _chord_transform_lower(degree, m, _chord_transform(degree, m)), 2, ratio
+    )
+    i, j = monomials(degree)
+    order = i + j
+    parity = _parity(degree)
+    count = 4 * (degree + 1)
+    t = np.arange(count) * 2 * np.pi / count
+    edge = np.cos(t) ** i[:, None] * np.sin(t) ** j[:, None]
+    out = np.zeros((ratio.size, 2, degree + 1, degree + 1))
+    for kind, (form, first) in enumerate(((0, 0), (1, 2), (0, 1), (1, 1))):
+        rows = np.flatnonzero(parity == kind)
+        number = np.arange(first, degree + 1, 2)
+        modes = (np.cos if form == 0 else np.sin)(np.outer(t, number))
+        null = np.swapaxes(lower[:, rows[:, None], rows], 1, 2)
+        null = null / np.abs(null).max()
+        system = np.concatenate(
+            [null, np.broadcast_to(edge[rows].T, (len(null), count, rows.size))], axis=1
+        )
+        right = np.concatenate([np.zeros((rows.size, number.size)), modes])
+        solution = np.linalg.pinv(system, rcond=1e-12) @ right
+        slope = np.einsum("rt,brk->btk", -0.5 * edge[rows] * order[rows, None], solution)
+        norm = np.sum(modes * modes, axis=0)
+        out[:, form, number[:, None], number] = np.swapaxes(
+            np.einsum("btk,tl->bkl", slope, modes) / norm, 1, 2
+        )
+    return out
+
+
+@lru_cache(maxsize=8)
 def ellipse_tables(m: float, degree: int = DEGREE) -> EllipseTables:
     """Tables of the elliptic contact for one grading exponent, built once per process.
 
@@ -308,18 +359,18 @@ def ellipse_tables(m: float, degree: int = DEGREE) -> EllipseTables:
     fine = np.arange(8192) * np.pi / 8192
     squared = np.cos(fine) ** 2 * ratio + np.sin(fine) ** 2 / ratio
     dense = 8 * (degree + 2)
-    even = _fourier_moments(squared ** ((m - 1) / 2), dense // 4 + 1)
+    even = fourier_moments(squared ** ((m - 1) / 2), dense // 4 + 1)
     full = np.zeros((ratio.size, dense // 2 + 1))
     full[:, ::2] = even
-    weight = _product_weights(full, dense, 2 * np.pi)
-    bent = _product_weights(-full * np.arange(full.shape[1]) ** 2, dense, 2 * np.pi)
+    weight = product_weights(full, dense, 2 * np.pi)
+    bent = product_weights(-full * np.arange(full.shape[1]) ** 2, dense, 2 * np.pi)
     forms = _stiffness_forms(degree, m, lower, weight, bent)
 
-    on_quarter = _product_weights(full[:, : around // 2 + 1], around, 2 * np.pi)[:, :quarter]
+    on_quarter = product_weights(full[:, : around // 2 + 1], around, 2 * np.pi)[:, :quarter]
     on_quarter = on_quarter * np.where((nodes == 0) | (nodes == nodes[-1]), 2.0, 4.0)
-    alpha = _fourier_moments(squared ** ((m - 1) / 2), 1)
+    alpha = fourier_moments(squared ** ((m - 1) / 2), 1)
     stiffness = 2 / ((1 + m) * alpha)
-    spare = ((0, 0), (0, LANES - quarter))
+    spare = ((0, 0), (0, max(LANES - quarter, 0)))
     edge = np.pad(edge, ((0, 0), *spare), mode="edge").reshape(ratio.size, -1)
     rows = np.concatenate([edge, np.pad(on_quarter, spare), stiffness, forms], axis=1)
     i, j = monomials(degree)

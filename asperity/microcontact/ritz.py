@@ -43,6 +43,12 @@ _STEPS = 200
 _REACH = 7.0
 """Radius of the tables of a profile over that of the first-order contact."""
 
+_WIDEST = 4.0
+"""Logarithm of the root of the largest aspect of an ellipse."""
+
+_SMALLEST = 8.0
+"""Logarithm of the limit over the smallest ellipse."""
+
 _ROUNDS = 8
 """Times that a level is iterated in the batch, at most."""
 
@@ -83,10 +89,12 @@ class _Functional:
     def ellipse(self, p: Array) -> Array:
         """Rays of an ellipse: log size, log root of the aspect by its two parts, and shift."""
         swell = p[1] * np.cos(2 * self.phi) + p[2] * np.sin(2 * self.phi)
-        aspect = np.hypot(p[1], p[2])
-        shape = np.cosh(2 * aspect) - np.sinh(2 * aspect) * swell / max(aspect, 1e-300)
+        aspect = min(float(np.hypot(p[1], p[2])), _WIDEST)
+        swell = swell / max(float(np.hypot(p[1], p[2])), 1e-300)
+        shape = np.cosh(2 * aspect) - np.sinh(2 * aspect) * swell
         shift = p[3] * np.cos(self.phi) + p[4] * np.sin(self.phi)
-        return np.minimum(np.exp(p[0] + shift) / np.sqrt(shape), self.limit)
+        size = np.exp(np.clip(p[0] + shift, np.log(self.limit) - _SMALLEST, np.log(self.limit)))
+        return np.minimum(size / np.sqrt(shape), self.limit)
 
     def best_ellipse(self, radius: float) -> tuple[float, Array]:
         """Largest value over {size, aspect, turn, shift} and its rays."""
@@ -109,7 +117,7 @@ class _Functional:
             rising = slope > -0.1 * self.depth
             step = np.where(rising, 0.1 * a, -(2 * rate - tail) / np.where(rising, -1.0, slope))
             step = np.clip(step, -0.2 * a, 0.2 * a)
-            a = np.minimum(a + step, self.limit)
+            a = np.clip(a + step, 1e-9 * self.limit, self.limit)
             change = self(a)[0] - value
             value += 0.7 * change
             if abs(change) < 1e-12 * value and np.abs(step).max() < 1e-7 * a.max():
@@ -130,10 +138,12 @@ def indent(
     rays = np.full((depth.size, _RAYS), np.nan)
     rays[depth <= 0] = 0.0
     force, lower = np.where(depth > 0, np.nan, 0.0), np.where(depth > 0, np.nan, 0.0)
+    stopped = np.zeros(depth.size, dtype=bool)
     for i in np.flatnonzero(np.isfinite(start) & (start > 0)):
         functional = _Functional.of(profile, m, float(depth[i]), float(start[i]))
         lower[i], first = functional.best_ellipse(float(start[i]))
         force[i], rays[i] = functional.best_rays(first)
+        stopped[i] = np.max(rays[i]) >= functional.limit
     phi = 2 * np.pi * np.arange(_RAYS) / _RAYS
     area = np.pi * np.mean(rays**2, axis=1)
     around = 2 * np.pi * np.mean(np.abs(rays) ** (1 - m), axis=1)
@@ -141,6 +151,7 @@ def indent(
         4 * material.modulus * area, (1 + m) * around, out=np.zeros_like(area), where=around > 0
     )
     flags = contour_flags(np.sqrt(area / np.pi), rays) | profile_flags(profile, depth, phi, rays)
+    flags[stopped] |= np.uint8(Flag.BEYOND_RADIUS)
     flags[~np.isfinite(force)] |= np.uint8(Flag.TURNING)
     touching = force > 0
     spread = np.where(touching, (force - lower) / np.where(touching, force, 1.0), 0.0)

@@ -14,7 +14,9 @@ __all__ = ["contour_flags", "profile_flags"]
 Array = NDArray[np.float64]
 
 _RAYS = 96
-_RADII = 96
+_RADII = 160
+_FARTHEST = 4.0
+"""How far a profile without a last radius is looked at, over the reach of the contact."""
 
 
 def contour_flags(a: Array, contour: Array) -> NDArray[np.uint8]:
@@ -46,17 +48,26 @@ def profile_flags(
     flags[reach > profile.radius] |= np.uint8(Flag.BEYOND_RADIUS)
     if not np.max(reach, initial=0.0) > 0:
         return flags
-    farthest = min(2.0 * float(np.max(reach)), profile.radius)
-    r = farthest * np.arange(1, _RADII + 1) / _RADII
-    turn = phi[:: max(1, phi.size // _RAYS)]
-    f = profile(r[:, None], turn)
-    edge = contour[:, :: max(1, phi.size // _RAYS)]
+    last = profile.radius if np.isfinite(profile.radius) else _FARTHEST * float(np.max(reach))
+    r = last * (np.arange(1, _RADII + 1) / _RADII) ** 1.5
+    every = max(1, phi.size // _RAYS)
+    with np.errstate(over="ignore"):
+        f = profile(r[:, None], phi[::every])
+    edge = contour[:, ::every]
     below = _first(f < 0, r)
-    falling = _first(np.diff(f, axis=0, prepend=0.0) < -1e-9 * np.max(np.abs(f)), r)
+    scale = np.maximum.accumulate(np.abs(f), axis=0)
+    falling = _first(np.diff(f, axis=0, prepend=0.0) < -1e-9 * scale, r)
     flags[np.any(edge > below, axis=1)] |= np.uint8(Flag.NEGATIVE_GAP)
     flags[np.any(edge > falling, axis=1)] |= np.uint8(Flag.RAY_TURNS)
-    flags[approach > _second_summit(f)] |= np.uint8(Flag.SECOND_SUMMIT)
+    again = (approach > _second_summit(f)) | [_reenters(f, float(d)) for d in approach]
+    flags[(approach > 0) & again] |= np.uint8(Flag.SECOND_SUMMIT)
     return flags
+
+
+def _reenters(f: Array, approach: float) -> bool:
+    """Whether a ray enters {f < d} again: another part of the body, or a higher one, stands in."""
+    outside = np.maximum.accumulate(f >= approach, axis=0)
+    return bool(np.any(outside & (f < approach)))
 
 
 def _first(where: NDArray[np.bool_], r: Array) -> Array:

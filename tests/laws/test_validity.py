@@ -1,0 +1,117 @@
+"""No law is silent: every kind of doubt on a constructed profile, for every law."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+
+from asperity import HalfSpace, indent
+from asperity.microcontact import Flag
+from surfaces import PolarProfile, PowerLawProfile, PowerSumProfile
+
+LAWS = ["hertz", "paper", "harmonic", "ellipse", "ritz", "auto"]
+TIPS = ["paper", "harmonic", "ellipse", "ritz", "auto"]
+TURN = 2 * np.pi * np.arange(48) / 48
+BODY = HalfSpace.from_modulus(1.0)
+
+pytestmark = pytest.mark.filterwarnings("error")
+
+
+def flags_of(profile, depths, law):
+    one = indent(profile, BODY, np.asarray(depths, float), law=law)
+    for values in (one.force, one.contact_area, one.stiffness):
+        marked = (one.flags & Flag.TURNING) > 0
+        assert np.all(np.isfinite(values) | marked)
+    assert np.all(one.force[np.isfinite(one.force)] >= 0)
+    return [Flag(int(bits)) for bits in one.flags], one
+
+
+def table(gap, radius=2.5, nodes=60):
+    r = np.linspace(0, radius, nodes)
+    x, y = r[:, None] * np.cos(TURN), r[:, None] * np.sin(TURN)
+    return PolarProfile(r, TURN, gap(x, y))
+
+
+@pytest.mark.parametrize("law", TIPS)
+def test_contour_out_of_range(law):
+    """Corners so sharp that the first-order radius turns negative."""
+    (flag,), one = flags_of(PowerLawProfile(1, lambda p: 1 + 0.75 * np.cos(3 * p)), [0.1], law)
+    assert flag & Flag.CONTOUR_DOUBTFUL
+    if law == "paper":
+        assert flag & Flag.CONTOUR_NEGATIVE and not one.valid.any()
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_mean_profile_that_turns_over(law):
+    """r^2 - r^4: no approach above a quarter has a solution."""
+    flags, one = flags_of(PowerSumProfile([2, 4], [1.0, -1.0]), [0.02, 10.0], law)
+    assert flags[0] & ~(Flag.SECOND_SUMMIT) == 0
+    assert not one.valid[1]
+    if law != "hertz":
+        assert np.isnan(one.force[1]) and flags[1] & Flag.TURNING
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_higher_neighbour(law):
+    """A body that stands higher beside the summit meets the flat at any approach."""
+    profile = table(lambda x, y: np.minimum(x * x + y * y, (x - 1.5) ** 2 + y * y - 0.3))
+    flags, one = flags_of(profile, [1e-3, 0.1], law)
+    assert all(flag & Flag.SECOND_SUMMIT for flag in flags) and not one.valid.any()
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_second_summit_and_falling_rays(law):
+    profile = table(lambda x, y: np.minimum(x * x + y * y, (x - 1.5) ** 2 + y * y + 0.05))
+    flags, _ = flags_of(profile, [0.01, 0.3, 2.0], law)
+    assert flags[0] == 0
+    assert flags[1] & Flag.SECOND_SUMMIT
+    assert flags[2] & (Flag.RAY_TURNS | Flag.TURNING)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_negative_gap_inside_the_contact(law):
+    profile = table(lambda x, y: (x * x + y * y) * np.cos(2.0 * np.hypot(x, y)), radius=1.2)
+    flags, one = flags_of(profile, [0.01, 1.6], law)
+    assert flags[1] & (Flag.NEGATIVE_GAP | Flag.TURNING | Flag.SECOND_SUMMIT)
+    assert not one.valid[1]
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_dent_on_one_side(law):
+    """f falls for a stretch of some rays, at 0.5 < r < 0.65 where x > 0."""
+
+    def dented(x, y):
+        r = np.hypot(x, y)
+        side = np.clip(x / np.maximum(r, 1e-9), 0, None) ** 2
+        return r * r - 0.3 * side * np.exp(-(((r - 0.65) / 0.12) ** 2))
+
+    flags, _ = flags_of(table(dented), [0.05, 0.9], law)
+    assert not flags[0] & Flag.RAY_TURNS and flags[1] & Flag.RAY_TURNS
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_contact_beyond_the_sampled_radius(law):
+    profile = table(lambda x, y: x * x + 1.5 * y * y, radius=0.2)
+    flags, _ = flags_of(profile, [0.01, 0.3], law)
+    assert flags[0] == 0 and flags[1] & Flag.BEYOND_RADIUS
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_small_contacts_are_looked_at_as_closely_as_large_ones(law):
+    """Flags of one approach do not depend on the other approaches asked for."""
+    profile = table(lambda x, y: np.minimum(x * x + y * y, (x - 1.5) ** 2 + y * y + 0.05))
+    alone, _ = flags_of(profile, [0.01], law)
+    together, _ = flags_of(profile, [0.01, 1.0], law)
+    assert alone[0] == together[0]
+
+
+def test_no_warning_far_out_of_range():
+    """A far too deep approach ends in flags, not in warnings."""
+    profile = table(lambda x, y: x * x + 2 * y * y + 0.3 * x**3, radius=0.3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for law in LAWS:
+            flags, _ = flags_of(profile, [1e-9, 1e3], law)
+            assert flags[1]
