@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
+
+from ._directions import FAST
 
 __all__ = ["evaluate_table", "expand_profiles", "resample"]
 
@@ -57,126 +59,118 @@ def evaluate_table(rows, approach, reach, force, stiffness, area, p):  # type: i
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
 def _cubics(q, out):  # type: ignore[no-untyped-def]
-    """Coefficients of powers of x in [0, 1] on the cells of one ray, with parabolic slopes."""
-    last = q.size - 1
-    before = q[1] - q[0]
-    slope = before - 0.5 * (q[2] - q[1] - before)
-    for c in range(last):
-        rise = q[c + 1] - q[c]
-        if c + 1 < last:
-            following = 0.5 * (rise + q[c + 2] - q[c + 1])
-        else:
-            following = rise + 0.5 * (rise - before)
-        out[c, 0] = q[c]
-        out[c, 1] = slope
-        out[c, 2] = 3.0 * rise - 2.0 * slope - following
-        out[c, 3] = slope + following - 2.0 * rise
-        slope, before = following, rise
+    """Coefficients of powers of x in [0, 1] on the cells of all rays, with parabolic slopes."""
+    last = q.shape[1] - 1
+    for k in range(q.shape[0]):
+        before = q[k, 1] - q[k, 0]
+        slope = before - 0.5 * (q[k, 2] - q[k, 1] - before)
+        for c in range(last):
+            rise = q[k, c + 1] - q[k, c]
+            if c + 1 < last:
+                following = 0.5 * (rise + q[k, c + 2] - q[k, c + 1])
+            else:
+                following = rise + 0.5 * (rise - before)
+            out[k, c, 0] = q[k, c]
+            out[k, c, 1] = slope
+            out[k, c, 2] = 3.0 * rise - 2.0 * slope - following
+            out[k, c, 3] = slope + following - 2.0 * rise
+            slope, before = following, rise
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
 def _sample(cubics, edge, a, nodes, out):  # type: ignore[no-untyped-def]
-    """f, r f', r^2 f'' at ``r = a nodes`` on all rays, shape (3, points, rays).
+    """f, r f', r^2 f'' at ``r = a nodes``, nodes rising, on all rays, shape (3 points, rays).
 
     Beyond the end of a ray f goes on with its last slope and the curvature 2q.
     """
-    rays, cells = cubics.shape[0], cubics.shape[1]
+    rays, cells, points = cubics.shape[0], cubics.shape[1], nodes.size
+    furthest = a * nodes[points - 1]
     for k in range(rays):
-        top = edge[k]
-        ratio, square = a / top, top * top
-        end = cubics[k, cells - 1]
-        q = end[0] + end[1] + end[2] + end[3]
-        first = (end[1] + 2.0 * end[2] + 3.0 * end[3]) * cells
-        slope = max(2.0 * q + first, 0.0)
-        for j in range(nodes.size):
+        ratio, square = a / edge[k], edge[k] * edge[k]
+        for j in range(points):
+            s = ratio * nodes[j]
+            x = s * cells
+            cell = min(int(x), cells - 1)
+            x -= cell
+            c1, c2, c3 = cubics[k, cell, 1], cubics[k, cell, 2], cubics[k, cell, 3]
+            value = cubics[k, cell, 0] + x * (c1 + x * (c2 + x * c3))
+            first = s * cells * (c1 + x * (2.0 * c2 + 3.0 * x * c3))
+            second = s * s * cells * cells * (2.0 * c2 + 6.0 * x * c3)
+            scale = square * s * s
+            out[j, k] = scale * value
+            out[points + j, k] = scale * (2.0 * value + first)
+            out[2 * points + j, k] = scale * (2.0 * value + 4.0 * first + second)
+        if furthest < edge[k]:
+            continue
+        last = cells - 1
+        c1, c2, c3 = cubics[k, last, 1], cubics[k, last, 2], cubics[k, last, 3]
+        q = cubics[k, last, 0] + c1 + c2 + c3
+        slope = max(2.0 * q + (c1 + 2.0 * c2 + 3.0 * c3) * cells, 0.0)
+        for j in range(points):
             s = ratio * nodes[j]
             if s >= 1.0:
                 over = s - 1.0
-                out[0, j, k] = square * (q + (slope + q * over) * over)
-                out[1, j, k] = square * s * (slope + 2.0 * q * over)
-                out[2, j, k] = square * s * s * 2.0 * q
-                continue
-            x = s * cells
-            cell = int(x)
-            x -= cell
-            c0, c1 = cubics[k, cell, 0], cubics[k, cell, 1]
-            c2, c3 = cubics[k, cell, 2], cubics[k, cell, 3]
-            value = c0 + x * (c1 + x * (c2 + x * c3))
-            first_s = s * cells * (c1 + x * (2.0 * c2 + 3.0 * x * c3))
-            second_s = s * s * cells * cells * (2.0 * c2 + 6.0 * x * c3)
-            scale = square * s * s
-            out[0, j, k] = scale * value
-            out[1, j, k] = scale * (2.0 * value + first_s)
-            out[2, j, k] = scale * (2.0 * value + 4.0 * first_s + second_s)
+                out[j, k] = square * (q + (slope + q * over) * over)
+                out[points + j, k] = square * s * (slope + 2.0 * q * over)
+                out[2 * points + j, k] = square * s * s * 2.0 * q
 
 
-@njit(cache=True, nogil=True, parallel=True)
-def expand_profiles(phi, weight, edge, q, valid, top, fractions, nodes, rules, harmonics):  # type: ignore[no-untyped-def]
+@njit(cache=True, nogil=True)
+def expand_profiles(begin, end, phi, weight, edge, q, valid, top, fractions, nodes, rules,
+                    harmonics, out):  # type: ignore[no-untyped-def]  # fmt: skip
     """Approach, its slope, mean profile and squared edge amplitudes at a grid of radii.
 
-    For contact i and radius ``top[i] * fractions[l]`` the row holds: 0 D, 1 a D', 2 the mean of
-    G~, 3 mean square of the published numerator, 4 the same harmonic-resolved, 5 the sum of
-    (m + (1-m) n) <e_n^2>, 6 and 7 the smallest and largest numerator (published), 8 and 9
-    (harmonic), 10 the share of angle on which the circle lies beyond the ray's end.
-    `rules` holds the radial weights, shape (3, N + 4, points), of f, r f' and r^2 f'' for the
-    operators n = 0 ... N + 1, for G~ and for a D'. `harmonics` holds m + (1-m) n for
-    n = 0 ... N + 1; what the harmonics up to N leave over is treated as harmonic N + 1.
+    Fills, for the contacts [begin, end) and the radii ``top[i] * fractions[l]``, rows of: 0 D,
+    1 a D', 2 the mean of G~, 3 mean square of the published numerator, 4 the same
+    harmonic-resolved, 5 the sum of (m + (1-m) n) <e_n^2>, 6 and 7 the smallest and largest
+    numerator (published), 8 and 9 (harmonic), 10 the share of angle on which the circle lies
+    beyond the ray's end. `rules` holds the radial weights, shape (N + 4, 3 points), of f, r f' and
+    r^2 f'' for the operators n = 0 ... N + 1, for G~ and for a D'. `harmonics` holds
+    m + (1-m) n for n = 0 ... N + 1; what the harmonics up to N leave over is treated as harmonic
+    N + 1.
     """
-    peaks, rays = phi.shape
-    radii, points = fractions.size, nodes.size
+    rays = phi.shape[1]
     count = harmonics.size - 1
-    out = np.zeros((peaks, radii, 11))
-    for i in prange(peaks):
+    cubics = np.empty((rays, q.shape[2] - 1, 4))
+    cosine, sine = np.empty((count, rays)), np.empty((count, rays))
+    share, rest = np.empty(rays), np.empty(rays)
+    sample, applied = np.empty((3 * nodes.size, rays)), np.empty((count + 3, rays))
+    for i in range(begin, end):
         if not valid[i]:
             continue
-        cubics = np.empty((rays, q.shape[2] - 1, 4))
-        cosine, sine = np.empty((count, rays)), np.empty((count, rays))
-        share = weight[i] / (2.0 * math.pi)
+        _cubics(q[i], cubics)
         for k in range(rays):
-            _cubics(q[i, k], cubics[k])
+            share[k] = weight[i, k] / (2.0 * math.pi)
             c, s = math.cos(phi[i, k]), math.sin(phi[i, k])
             cosine[0, k], sine[0, k] = 1.0, 0.0
             for n in range(1, count):
                 cosine[n, k] = cosine[n - 1, k] * c - sine[n - 1, k] * s
                 sine[n, k] = sine[n - 1, k] * c + cosine[n - 1, k] * s
-        sample = np.empty((3, points, rays))
-        applied = np.empty((count + 3, rays))
-        for step in range(radii):
+        for step in range(fractions.size):
             a = top[i] * fractions[step]
             _sample(cubics, edge[i], a, nodes, sample)
-            for n in range(count + 3):
-                for k in range(rays):
-                    applied[n, k] = 0.0
-                for j in range(points):
-                    w0, w1, w2 = rules[0, n, j], rules[1, n, j], rules[2, n, j]
-                    if n == count + 2:
-                        for k in range(rays):
-                            applied[n, k] += w1 * sample[1, j, k] + w2 * sample[2, j, k]
-                    else:
-                        for k in range(rays):
-                            applied[n, k] += w0 * sample[0, j, k] + w1 * sample[1, j, k]
+            np.dot(rules, sample, applied)
             row = out[i, step]
-            _reduce(applied, share, cosine, sine, harmonics, row)
+            _reduce(applied, share, cosine, sine, harmonics, rest, row)
             for k in range(rays):
                 row[2] += share[k] * applied[count + 1, k]
                 row[1] += share[k] * applied[count + 2, k]
                 if a > edge[i, k]:
                     row[10] += share[k]
-    return out
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
-def _reduce(applied, share, cosine, sine, harmonics, row):  # type: ignore[no-untyped-def]
-    """Angular part of `expand_profiles` for one radius."""
+@njit(cache=True, nogil=True, fastmath=FAST)
+def _reduce(applied, share, cosine, sine, harmonics, edge, row):  # type: ignore[no-untyped-def]
+    """Angular part of `expand_profiles` for one radius; `edge` is working space."""
     count, rays = cosine.shape
     published_mean, approach, resolved = 0.0, 0.0, 0.0
     for k in range(rays):
         approach += share[k] * applied[0, k]
         published_mean += share[k] * applied[2, k]
+        edge[k] = applied[count, k]
     row[0] = approach
-    edge = applied[count].copy()
     for n in range(count):
         re, im, tail_re, tail_im = 0.0, 0.0, 0.0, 0.0
         for k in range(rays):
@@ -196,20 +190,20 @@ def _reduce(applied, share, cosine, sine, harmonics, row):  # type: ignore[no-un
         row[5] += harmonics[n] * power
         for k in range(rays):
             edge[k] += (re - tail_re) * cosine[n, k] + (im - tail_im) * sine[n, k]
-    row[6] = row[8] = math.inf
-    row[7] = row[9] = -math.inf
+    lowest, highest, smallest, largest = math.inf, -math.inf, math.inf, -math.inf
+    square, published_square = 0.0, 0.0
     for k in range(rays):
         published = applied[2, k] - published_mean
-        row[3] += share[k] * published * published
-        row[4] += share[k] * edge[k] * edge[k]
-        row[6] = min(row[6], published)
-        row[7] = max(row[7], published)
-        row[8] = min(row[8], edge[k])
-        row[9] = max(row[9], edge[k])
-    row[5] += harmonics[count] * max(row[4] - resolved, 0.0)
+        published_square += share[k] * published * published
+        square += share[k] * edge[k] * edge[k]
+        lowest, highest = min(lowest, published), max(highest, published)
+        smallest, largest = min(smallest, edge[k]), max(largest, edge[k])
+    row[3], row[4] = published_square, square
+    row[6], row[7], row[8], row[9] = lowest, highest, smallest, largest
+    row[5] += harmonics[count] * max(square - resolved, 0.0)
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@njit(cache=True, nogil=True)
 def resample(u, ratios, flags, good, basin, intervals, p):  # type: ignore[no-untyped-def]
     """Columns of the law table from values over rising ``u = sqrt(approach)``.
 
@@ -221,7 +215,7 @@ def resample(u, ratios, flags, good, basin, intervals, p):  # type: ignore[no-un
     reach = np.zeros(peaks)
     values = np.zeros((4, peaks, intervals + 1))
     marks = np.zeros((peaks, intervals + 1), dtype=np.uint8)
-    for i in prange(peaks):
+    for i in range(peaks):
         last = good[i] - 1
         if last < 3:
             continue
@@ -263,7 +257,7 @@ def resample(u, ratios, flags, good, basin, intervals, p):  # type: ignore[no-un
     return reach, values[0], values[1], values[2], marks, values[3]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _lagrange(u, base, x, w, dw):  # type: ignore[no-untyped-def]
     """Weights of the value and of the slope at x of the cubic through four nodes."""
     for k in range(4):

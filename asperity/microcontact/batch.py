@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from asperity.material import HalfSpace
 from asperity.transforms import gauss_jacobi
+from surfaces import _threads
 
 from .estimate import expected_error
 from .flags import Flag
-from .table import LawTable
+from .table import LawTable, joined
 
 if TYPE_CHECKING:
     from surfaces import Profiles
@@ -75,7 +76,8 @@ def tabulate(
     top = np.sqrt(0.5 * np.sum(profiles.weight * profiles.edge**2, axis=1) / np.pi)
     t, weights = gauss_jacobi(m, points)
     usable = np.all(np.isfinite(profiles.q), axis=(1, 2)) & np.all(profiles.edge > 0, axis=1)
-    rows = expand_profiles(
+    rows = np.zeros((top.size, radii, 11))
+    inputs = (
         np.ascontiguousarray(profiles.phi),
         np.ascontiguousarray(profiles.weight),
         np.ascontiguousarray(profiles.edge),
@@ -86,8 +88,15 @@ def tabulate(
         t,
         _rules(m, t, weights),
         m + (1 - m) * np.arange(_HARMONICS + 2.0),
+        rows,
     )
-    return _assemble(rows, top, fractions, material, law, nodes, usable)
+
+    def part(start: int, stop: int) -> LawTable:
+        expand_profiles(start, stop, *inputs)
+        own = slice(start, stop)
+        return _assemble(rows[own], top[own], fractions, material, law, nodes, usable[own])
+
+    return joined(_threads.run(part, _threads.blocks(top.size, 64)))
 
 
 def _rules(m: float, t: Array, weights: Array) -> Array:
@@ -98,7 +107,7 @@ def _rules(m: float, t: Array, weights: Array) -> Array:
         rules[0, n] = (n + 1 + m) * rules[1, n]
     rules[0, -2] = weights * t
     rules[1:, -1] = weights / t
-    return rules
+    return np.ascontiguousarray(rules.transpose(1, 0, 2).reshape(_HARMONICS + 4, -1))
 
 
 def _assemble(

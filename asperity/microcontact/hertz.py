@@ -12,10 +12,12 @@ from scipy.interpolate import CubicSpline
 from asperity.errors import InputError, ModelRangeError
 from asperity.indentation import Indentation
 from asperity.material import HalfSpace
+from surfaces import _threads
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .basis import PowerBasis, TableBasis, basis_of
 from .flags import Flag
+from .ray_moments import moment_weights
 from .table import LawTable
 from .validity import profile_flags
 
@@ -170,33 +172,49 @@ def tabulate(
     """Law table of the summits' curvatures; it ends where the ellipse has the basin's area."""
     k1, k2 = profiles.curvature[:, 0], profiles.curvature[:, 1]
     valid = np.isfinite(k1) & (k2 > 0) & np.all(profiles.edge > 0, axis=1)
-    unit = elliptic_contact(np.where(valid, k1, 1.0), np.where(valid, k2, 1.0), 1.0, material)
+    k1, k2 = np.where(valid, k1, 1.0), np.where(valid, k2, 1.0)
+    p, g = 3 + material.m, np.sqrt(k1 * k2)
+    log_force, log_minor, log_major = _unit_curve(material.m)(_log_ratio(k1 / k2, material.m)).T
+    minor, major = np.exp(log_minor) / np.sqrt(g), np.exp(log_major) / np.sqrt(g)
     basin = 0.5 * np.sum(profiles.weight * profiles.edge**2, axis=1)
-    spot = np.pi * unit.semi_minor * unit.semi_major
-    reach = np.where(valid, basin / spot, 0.0)
+    reach = np.where(valid, basin / (np.pi * minor * major), 0.0)
+    unit = material.modulus * np.exp(log_force) * g ** (-(1 + material.m) / 2)
     u = np.linspace(0.0, 1.0, nodes + 1)
-    p = 3 + material.m
     area = np.where(valid, basin, 0.0)[:, None] * u**2
-    force = (unit.force * reach ** (p / 2))[:, None] * u**p
-    stiffness = (unit.force * p / 2 * reach ** (p / 2 - 1))[:, None] * u ** (p - 2)
+    force = (unit * reach ** (p / 2))[:, None] * u**p
+    stiffness = (unit * p / 2 * reach ** (p / 2 - 1))[:, None] * u ** (p - 2)
     flags = np.zeros(force.shape, dtype=np.uint8)
     flags[valid, -1] = Flag.FILLED
-    return LawTable(
-        reach, force, stiffness, area, flags, _spread(profiles, material, u, reach, force), p, law
+    axes = np.stack([minor, major], axis=1) * np.sqrt(reach)[:, None]
+    spread = _spread(profiles, material.m, u, reach, axes)
+    return LawTable(reach, force, stiffness, area, flags, spread, p, law)
+
+
+def _spread(profiles: Profiles, m: float, u: Array, reach: Array, axes: Array) -> Array:
+    """Relative change of the force by the rest of the profile, to first order.
+
+    The punch functional k (d - <f>) is stationary in the ellipse, so that the change is -k times
+    the mean of the rest of f under the flat punch.
+    """
+    from ._hertz_kernels import mean_excess
+
+    out = np.zeros((reach.size, u.size))
+    inputs = (
+        np.ascontiguousarray(profiles.q),
+        np.ascontiguousarray(profiles.edge),
+        np.ascontiguousarray(profiles.weight),
+        np.ascontiguousarray(profiles.curvature),
+        axes,
+        reach > 0,
+        np.ascontiguousarray(moment_weights(m, profiles.t.size, 0).T),
+        m,
+        u,
+        out,
     )
-
-
-def _spread(profiles: Profiles, material: HalfSpace, u: Array, reach: Array, force: Array) -> Array:
-    """Relative difference to the harmonic-resolved law, plus what that errs by."""
-    from .batch import tabulate as tabulate_expansion
-
-    table = tabulate_expansion(profiles, material, law="harmonic", nodes=u.size - 1)
-    rows = np.arange(reach.size)[:, None]
+    _threads.run(lambda a, b: mean_excess(a, b, *inputs), _threads.blocks(reach.size, 64))
     depth = reach[:, None] * u**2
-    better = table.evaluate(rows, depth)[0]
-    known = better > 0
-    change = np.abs(force - better) / np.where(known, better, 1.0)
-    return np.asarray(np.where(known, change + table.spread_at(rows, depth), 0.0))
+    change = np.divide(out, depth, out=np.zeros_like(out), where=depth > 0)
+    return np.asarray((3 + m) / 2 * np.abs(change))
 
 
 @lru_cache(maxsize=16)
@@ -207,14 +225,29 @@ def _aspect_curve(m: float) -> CubicSpline:
     return CubicSpline(-np.log(across / along), log_beta)
 
 
-def _aspect(ratio: Array, m: float) -> Array:
-    """Aspect b/a in (0, 1] of the contact whose curvature ratio is `ratio` >= 1."""
-    curve = _aspect_curve(m)
-    if np.any(-np.log(ratio) < curve.x[0]):
+@lru_cache(maxsize=16)
+def _unit_curve(m: float) -> CubicSpline:
+    """Logarithms of force and semi-axes over that of the curvature ratio, for k1 k2 = d = E = 1."""
+    ratio = np.linspace(0.0, -_aspect_curve(m).x[0], 600)
+    root = np.exp(ratio / 2)
+    contact = elliptic_contact(root, 1 / root, 1.0, HalfSpace.from_modulus(1.0, m))
+    values = [contact.force, contact.semi_minor, contact.semi_major]
+    return CubicSpline(ratio, np.log(np.stack(values, axis=1)))
+
+
+def _log_ratio(ratio: Array, m: float) -> Array:
+    """Logarithm of a curvature ratio >= 1, refused where it is that of a line."""
+    if np.any(-np.log(ratio) < _aspect_curve(m).x[0]):
         raise InputError(
             f"the curvature ratio {np.max(ratio):.3g} is too large for a point contact"
         )
-    target = -np.log(ratio)
+    return np.asarray(np.log(ratio))
+
+
+def _aspect(ratio: Array, m: float) -> Array:
+    """Aspect b/a in (0, 1] of the contact whose curvature ratio is `ratio` >= 1."""
+    curve = _aspect_curve(m)
+    target = -_log_ratio(ratio, m)
     log_beta = np.minimum(curve(target), 0.0)
     slope = curve(target, 1)
     for _ in range(2):

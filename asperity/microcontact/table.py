@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
 
-__all__ = ["LawTable"]
+__all__ = ["LawTable", "joined"]
 
 Array = NDArray[np.float64]
 
@@ -142,3 +143,15 @@ class LawTable:
         reach = np.where(self.reach[rows] > 0, self.reach[rows], np.inf)
         u = np.sqrt(np.clip(depth / reach, 0.0, 1.0))
         return rows, np.ceil(u * self.nodes).astype(np.int64)
+
+
+def joined(tables: Sequence[LawTable]) -> LawTable:
+    """One table of the rows of several of one law."""
+    if len(tables) == 1:
+        return tables[0]
+    columns = {}
+    for field in fields(LawTable):
+        values = [getattr(table, field.name) for table in tables]
+        if isinstance(values[0], np.ndarray):
+            columns[field.name] = np.concatenate(values)
+    return replace(tables[0], **columns)
