@@ -4,7 +4,8 @@
 
 Microseconds per profile on the threads that numba has, without compilation, least of several
 runs: the fit of the profiles, the table of the law, its evaluation at 50 approaches, and their
-sum, with its distance from the bar. The error is that of the table against one ten times finer (force, at contacts without flag).
+sum, with its share of the bar. The error is that of the table against one ten times finer (force,
+at contacts without flag).
 """
 
 from __future__ import annotations
