@@ -69,7 +69,7 @@ def solve_on_list(
     the pressure and of the gap are held in single precision.
     """
     state = _State(operator, pressure, gap, total)
-    accepted, wanted = pressure.copy(), pressure
+    accepted, wanted = np.empty_like(pressure), np.empty_like(pressure)
     lowest_energy, share = np.inf, 1.0
     margin = _ENERGY_NOISE * tolerance * scale * total
     plain = False
@@ -91,7 +91,7 @@ def solve_on_list(
                 lowest_energy, share = np.inf, 1.0
             continue
         lowest_energy, share = state.energy, 1.0
-        accepted = pressure.copy()
+        accepted[:] = pressure
         spent = state.descend(plain)
         if spent == 0 and not plain:
             plain = True
@@ -99,9 +99,7 @@ def solve_on_list(
         if spent == 0:
             return iterations
         iterations += spent - 1
-        wanted = pressure.copy()
-        if share < 1.0:
-            pressure[:] = accepted + share * (wanted - accepted)
+        wanted[:] = pressure
 
 
 class _State:

@@ -9,14 +9,14 @@ from .operator import Boundary
 
 __all__ = ["estimated_bytes", "fits", "require_memory"]
 
-_BYTES_PER_POINT = {"periodic": 60, "free": 140}
+_BYTES_PER_POINT = {"periodic": 60, "free": 70}
 
 
 def estimated_bytes(shape: tuple[int, int], boundary: Boundary) -> int:
     """Peak above the loaded map [bytes], at moderate contact.
 
-    Measured with `benchmarks/bem.py`: up to 56 bytes per point (periodic) and 130 (free) at up
-    to 20 % of contact; a full contact takes about twice as much.
+    Measured with `benchmarks/bem.py`: 20 to 47 bytes per point (periodic) and 38 to 50 (free) at up
+    to 20 % of contact, 57 along a curve; a full contact takes about twice as much.
     """
     return _BYTES_PER_POINT[boundary] * shape[0] * shape[1]
 
