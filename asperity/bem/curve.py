@@ -20,6 +20,7 @@ from ..threads import threads as thread_count
 from .accuracy import choose_grid, coarse_map
 from .chains import follow_chains, split_loads
 from .contact_map import contact_area, count_patches
+from .interpolation import interpolated, loads_to_solve
 from .memory import fits
 from .operator import Boundary
 from .path import LoadPath
@@ -96,7 +97,9 @@ def bem_curve(
     accuracy
         Relative error allowed in load and corrected area [-], 0.002 to 0.2: the coarsest grid and
         the loosest tolerance that hold it are chosen from the spectrum of the map and the
-        lightest load (`accuracy.choose_grid`), and `tolerance` is not used.
+        lightest load (`accuracy.choose_grid`), and `tolerance` is not used. Of more than ten
+        pressures about ten are solved and the others interpolated (`interpolation`), which
+        `extra["interpolated"]` and the setting `solved_loads` state.
     check
         With `accuracy`: solve the middle load once more on a grid twice as fine (at most the full
         one); the larger difference in separation over rms height and in area is `error_estimate`.
@@ -113,6 +116,19 @@ def bem_curve(
         seconds; a point that missed the tolerance is marked and explained.
     """
     kind, values = checked_loads(hm, mat, pressures, separations)
+    few = loads_to_solve(values) if accuracy is not None and kind == "pressure" else None
+    if few is not None:
+        solved_curve = bem_curve(
+            hm,
+            mat,
+            pressures=few,
+            boundary=boundary,
+            accuracy=accuracy,
+            check=check,
+            progress=progress,
+            checkpoint=checkpoint,
+        )
+        return interpolated(solved_curve, values)
     begun = time.perf_counter()
     if boundary is None:
         boundary = "periodic" if hm.periodic else "free"

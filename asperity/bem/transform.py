@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Protocol
 
 import numpy as np
@@ -13,6 +14,7 @@ from .scratch import Scratch
 __all__ = ["RealTransform", "plan", "prefers_fftw"]
 
 _LARGEST_FACTOR = 13
+_ONE_THREAD = 160 * 160
 
 
 class RealTransform(Protocol):
@@ -81,13 +83,14 @@ def plan(
     dtype
         float64 or float32.
     threads
-        Threads of the library.
+        Threads of the library; one is faster on small grids.
     library
         "fftw" or "scipy"; by default chosen by `prefers_fftw`. Without pyfftw: scipy.
     scratch
         Where the buffers come from.
     """
     scratch = scratch or Scratch()
+    threads = threads if math.prod(shape) > _ONE_THREAD else 1
     rows = shape[0] if rows is None else rows
     if library is None:
         library = "fftw" if prefers_fftw(shape) else "scipy"

@@ -7,7 +7,7 @@ import pytest
 from bem_support import rough
 
 from asperity import HalfSpace, bem_curve, errors
-from asperity.bem import accuracy, memory
+from asperity.bem import accuracy, interpolation, memory
 
 BODY = HalfSpace.from_modulus(1.0)
 
@@ -26,6 +26,31 @@ def test_coarse_curve_holds_its_accuracy(boundary):
     stiffness = np.gradient(np.log(exact.mean_pressure), exact.separation)
     assert np.abs(stiffness * (loose.separation - exact.separation)).max() < 0.06
     assert (loose.error_estimate < 0.1).all()
+
+
+def test_long_curve_is_interpolated_between_few_solved_loads():
+    """Thirty loads and zero: ten or so are solved, the others as good, and it is stated."""
+    hm = rough((128, 150), cutoff=6.0, seed=9)
+    loads = np.append(np.geomspace(0.2, 0.006, 30), 0.0)
+    exact = bem_curve(hm, BODY, pressures=loads)
+    found = bem_curve(hm, BODY, pressures=loads, accuracy=0.03)
+    known = found.extra["interpolated"] == 0.0
+    assert 10 <= known.sum() <= 12 and known[[0, 29, 30]].all()
+    assert found.settings["solved_loads"] == known.sum()
+    assert not found.extra["fft_pairs"][~known].any() and found.converged.all()
+    np.testing.assert_allclose(found.mean_pressure, loads, rtol=1e-9)
+    np.testing.assert_allclose(found.area_fraction[:30], exact.area_fraction[:30], rtol=0.03)
+    shift = np.abs(found.separation - exact.separation)[:30] * exact.stiffness[:30]
+    assert (shift / loads[:30]).max() < 0.03
+
+
+def test_few_or_repeated_loads_are_all_solved():
+    """Ten distinct loads are not interpolated, however often they are asked for."""
+    loads = np.geomspace(0.01, 0.1, 10)
+    assert interpolation.loads_to_solve(np.repeat(loads, 3)) is None
+    chosen = interpolation.loads_to_solve(np.linspace(0.0, 1.0, 100))
+    assert chosen is not None and chosen[0] == 0.0 and 10 <= len(chosen) <= 12
+    assert chosen[1] == 0.01 * 100 / 99 and chosen[-1] == 1.0
 
 
 def test_choice_follows_the_spectrum_and_the_load():
