@@ -217,15 +217,15 @@ def follow(link, runs):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def touching(heights, labels, periodic, n, runs):
-    """Pixels of each basin and highest pass between touching basins, over the pixels of all runs.
+def touching(heights, labels, periodic, counts, runs):
+    """Add the pixels of each basin, and find the highest pass between touching basins, in the runs.
 
-    Returns the counts (n,), the pairs as ``low * n + high`` and the heights of their passes. The
+    Adds to the `counts` (n,); returns the pairs as ``low * n + high`` and their passes. The
     pairs of a run are listed without a branch, since where basins touch cannot be foreseen, a
     repeated one once, and then met in a hash table that doubles when half full.
     """
     ny, nx = heights.shape
-    counts = np.zeros(n, np.int64)
+    n = counts.size
     used = 0
     keys = np.zeros(1024, np.int64)  # 0 marks a free slot: no pair (0, 0) occurs
     passes = np.empty(1024)
@@ -274,7 +274,7 @@ def touching(heights, labels, periodic, n, runs):
             keys[found] = keys[slot]
             passes[found] = passes[slot]
             found += 1
-    return counts, keys[:found], passes[:found]
+    return keys[:found], passes[:found]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,7 @@ from .peaks import Peaks
 __all__ = ["segment"]
 
 _LEAST_ROWS = 64
+_PART = 2**19  # pixels whose touching pairs are met in one table, which stays in the cache
 _MOST_PIXELS = 2**31 - 4  # links are kept in 32 bits
 
 
@@ -123,11 +126,15 @@ def segment(
 
 
 def _falling(values: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Order of falling values, equal ones as they stand (the stable sort is slower)."""
+    """Order of falling values, equal ones as they stand (a stable sort of all is slower)."""
     order = np.argsort(-values)
     ranked = values[order]
-    if (ranked[1:] == ranked[:-1]).any():
-        return np.argsort(-values, kind="stable")
+    step = ranked[1:] != ranked[:-1]
+    tied = np.flatnonzero(~np.append(step, True) | ~np.append(True, step))
+    if tied.size:
+        group = np.cumsum(step[tied[1:] - 1])
+        held = order[tied]
+        order[tied] = held[np.lexsort((held, np.append(0, group)))]
     return order
 
 
@@ -176,10 +183,20 @@ def _passes(
     runs: list[NDArray[np.int32]],
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
     """Pixels per basin, touching pairs (k, 2) in order, and the highest pass of each."""
-    found = _threads.each(lambda some: _flood.touching(heights, labels, periodic, n, some), runs)
+
+    def listed(some: NDArray[np.int32]) -> tuple[NDArray[np.int64], list[Any]]:
+        counts = np.zeros(n, np.int64)
+        parts = max(1, int(np.sum(some[:, 1] - some[:, 0]) // _PART))
+        return counts, [
+            _flood.touching(heights, labels, periodic, counts, part)
+            for part in np.array_split(some, parts)
+        ]
+
+    found = _threads.each(listed, runs)
     counts = np.sum([part[0] for part in found], axis=0)
-    keys = np.concatenate([part[1] for part in found])
-    return counts, *_unique_pairs(keys, np.concatenate([part[2] for part in found]), n)
+    pairs = [pair for part in found for pair in part[1]]
+    keys = np.concatenate([pair[0] for pair in pairs])
+    return counts, *_unique_pairs(keys, np.concatenate([pair[1] for pair in pairs]), n)
 
 
 def _unique_pairs(
