@@ -172,11 +172,11 @@ def climb(heights, flat, width, labels, periodic, row, col, n, c):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def summits(
-    heights, flat, width, labels, periodic, row, col, places, expansions, kinds, first, last
+    heights, flat, width, labels, periodic, row, col, order, places, expansions, kinds, first, last
 ):
-    """Climb from the peaks [first, last): places (n, 2), expansions (n, 6) and kinds (n,)."""
+    """Climb from the peaks ``order[first:last]``: places (n, 2), expansions (n, 6), kinds (n,)."""
     c = np.empty(15)
-    for n in range(first, last):
+    for n in order[first:last]:
         y, x, e, kind = climb(heights, flat, width, labels, periodic, row[n], col[n], n, c)
         places[n, 0] = y
         places[n, 1] = x

@@ -16,6 +16,7 @@ from .profiles import Profiles
 
 __all__ = ["Summits", "fit_profiles", "locate_summits"]
 
+_BAND = 32  # rows whose peaks are looked at together
 _SAME = 0.2  # two summits nearer than this [pixels] are one
 
 Array = NDArray[np.float64]
@@ -69,7 +70,7 @@ class Summits:
         count, peaks, hm = len(index), self._peaks, self._hm
         phi, weight, edge = (np.empty((count, rays)) for _ in range(3))
         q = np.empty((count, rays, nodes))
-        near = np.lexsort((peaks.col[index], peaks.row[index] // 32))  # neighbors share the cache
+        near = _near(peaks.row[index], peaks.col[index])
         _threads.run(
             lambda a, b: _rays.fit(
                 self._spline.ravel(), self._spline.shape[1], peaks.labels, self.owner,
@@ -114,10 +115,11 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
         depth = np.maximum(depth, 1e-6 * relief)
     spline = _spline.coefficients(hm.heights, hm.periodic)
     places, expansions, kinds = np.empty((n, 2)), np.empty((n, 6)), np.empty(n, np.int64)
+    near = _near(peaks.row, peaks.col)
     _threads.run(
         lambda a, b: _climb.summits(
             hm.heights, spline.ravel(), spline.shape[1], peaks.labels, hm.periodic, peaks.row,
-            peaks.col, places, expansions, kinds, a, b,
+            peaks.col, near, places, expansions, kinds, a, b,
         ),
         _threads.blocks(n, 64),
     )  # fmt: skip
@@ -179,6 +181,11 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
     above that height.
     """
     return locate_summits(hm, peaks).rows(np.arange(len(peaks)), rays=rays, nodes=nodes)
+
+
+def _near(row: NDArray[np.int64], col: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Order in which neighbors follow each other, so that they share the cache."""
+    return np.argsort((row // _BAND << 32) + col)
 
 
 def _owners(
