@@ -24,6 +24,9 @@ __all__ = ["PopulationState", "Trail"]
 SPARE = 1.3
 """Listed summits over those that can touch now, so that lists last for several separations."""
 
+DEEPER = 1.1
+"""How much deeper the field may be at the next separation."""
+
 NEW_LOAD = 1.05
 """The same where a load was asked for, which is mostly too far from the last for its lists."""
 
@@ -130,12 +133,12 @@ class Trail:
                 start[:, 0] += np.where(start[:, 0] > 0, self.compliance * fall, 0.0)
         else:
             start[:, 0] = 0.5 * (population.height - separation)
-        guess, growth = np.maximum(start[:, 0], 0.0), 1.0
+        guess, growth, spare = np.maximum(start[:, 0], 0.0), DEEPER, SPARE
         if pressure is not None and self.points and self.points[-1].pressure > 0:
-            growth = max(1.0, pressure / self.points[-1].pressure)
+            growth, spare = max(1.0, pressure / self.points[-1].pressure), NEW_LOAD
         for placed in range(MAX_PLACED + 1):
             trail = trail._placed(guess)
-            trail = trail._listing(separation, guess, growth)
+            trail = trail._listing(separation, guess, growth, spare)
             assert trail.problem is not None and trail.index is not None
             shares = 1.0 if trail.compliance is None else trail.compliance[trail.index]
             solution = descend(
@@ -303,7 +306,9 @@ class Trail:
         rows, overlap = self._candidates(separation, growth)
         return bool((~self.listed[rows] & (overlap > 0)).any())
 
-    def _listing(self, separation: float, guess: NDArray[np.float64], growth: float) -> Trail:
+    def _listing(
+        self, separation: float, guess: NDArray[np.float64], growth: float, spare: float
+    ) -> Trail:
         """Lists that hold every summit that the field can bring to touch."""
         if self.problem is not None and not self._missed(separation, growth):
             return self
@@ -311,7 +316,7 @@ class Trail:
         rows, overlap = self._candidates(separation, growth)
         overlap[guess[rows] > 0] = np.inf
         touching = int(np.count_nonzero(overlap > 0.1 * growth * self.lowest))
-        count = int((NEW_LOAD if growth > 1 else SPARE) * touching) + 40
+        count = int(spare * touching) + 40
         if count < len(rows):
             index = rows[np.argpartition(-overlap, count)[:count]]
         else:

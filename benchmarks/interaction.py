@@ -5,6 +5,7 @@
 
 sum    the fast field against the dense sum over all pairs and images, random footprints
 many   one field and one tangent product for up to 100 000 contacts, and the memory they take
+large  a whole solve until 100 000 contacts are closed: time, residual and memory
 walk   every separation from first touch to half contact: converged, refused with its reason, failed
 cost   milliseconds per separation at about 2000 and 14 000 closed contacts, 50 separations to a
        curve, without compilation and law tables; wall clock and processor time of all threads
@@ -26,6 +27,7 @@ from asperity.interaction.footprint import Footprints
 from asperity.interaction.operator import Interaction
 from asperity.interaction.tangent import Tangent
 from asperity.microcontact import tabulate
+from asperity.microcontact.table import LawTable
 from asperity.threads import threads
 
 MATERIAL = HalfSpace.from_modulus(1.0)
@@ -52,6 +54,8 @@ def population(n: int, law: str, seed: int = 1, **spectrum: float) -> tuple[Popu
         cell=hm.size,
         boundary="periodic",
         material=MATERIAL,
+        curvature=profiles.curvature,
+        angle=profiles.angle,
     )
     return made, hm.rms_height
 
@@ -119,6 +123,50 @@ def many() -> None:
         )
 
 
+def large() -> None:
+    """Seven mean pressures until 100 000 of 200 000 spheres at random places are closed."""
+    n, steps = 200_000, 16
+    rng = np.random.default_rng(0)
+    place, spacing = rng.uniform(0, 1, (2, n)), n**-0.5
+    radius = 2 * spacing * rng.lognormal(0, 0.4, n)
+    reach = (0.3 * spacing) ** 2 / radius
+    u = np.linspace(0, 1, steps + 1)
+    a = np.sqrt(radius * reach)[:, None] * u
+    table = LawTable(
+        reach=reach,
+        force=4 / 3 * a**3 / radius[:, None],
+        stiffness=2 * a,
+        area=np.pi * a**2,
+        flags=np.zeros((n, steps + 1), np.uint8),
+        spread=np.zeros((n, steps + 1)),
+    )
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    bodies = Population(
+        x=place[0],
+        y=place[1],
+        height=0.05 * spacing * rng.normal(size=n),
+        table=table,
+        cell=(1.0, 1.0),
+        boundary="periodic",
+        material=MATERIAL,
+    )
+    print("one solve of many contacts, law hertz, with deflection")
+    print(
+        "mean pressure   closed    area   residual   s wall   s processor   products   memory [MB]"
+    )
+    state = None
+    for pressure in np.geomspace(1e-3, 1.2e-2, 7):
+        wall, busy = time.perf_counter(), time.process_time()
+        state = bodies.solve(mean_pressure=float(pressure), state=state)
+        wall, busy = time.perf_counter() - wall, time.process_time() - busy
+        memory = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1e3
+        end = f"{state.residual:10.1e}" if state.converged else state.reason
+        print(
+            f"{pressure:13.1e} {state.active:8d} {state.contact_area:7.3f} {end} "
+            f"{wall:8.2f} {busy:13.2f} {state.products:10d} {memory:13.0f}"
+        )
+
+
 def walk() -> None:
     """Convergence at every separation of every family."""
     print("separations from first touch to half contact, 512^2, seeds 1-3, law ellipse, 40 each")
@@ -172,7 +220,7 @@ def cost() -> None:
             )
 
 
-PARTS = {"sum": accuracy, "many": many, "walk": walk, "cost": cost}
+PARTS = {"sum": accuracy, "many": many, "large": large, "walk": walk, "cost": cost}
 
 
 if __name__ == "__main__":

@@ -96,6 +96,8 @@ class Interaction:
         `vector[order]`.
     pairs
         Number of near pairs.
+    round
+        Moments yy, xx, xy of round footprints over their variance, shape (n, 3).
 
     Notes
     -----
@@ -164,6 +166,7 @@ class Interaction:
         self.tangent_col = np.empty(len(self.col), np.uint32)
         self.tangent_value = np.empty(len(self.col), np.float32)
         self.smooth = np.zeros(self.mesh.shape)
+        self.round = np.tile(ROUND, (len(y), 1))
 
     def field(
         self,
@@ -193,7 +196,7 @@ class Interaction:
         grown = m if growth is None else growth / self.eta**2
         dipole = np.zeros((1, 2)) if moment is None else moment / self.eta
         grids = self.grids[:, : 1 + moves]
-        form = np.tile(ROUND, (n, 1)) if form is None else form
+        form = self.round if form is None else form
         out = np.zeros((n, 6))
 
         def sources(c: int, rows: NDArray[np.int64]) -> None:

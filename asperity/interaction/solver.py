@@ -131,9 +131,9 @@ def descend(
             reason = f"{limit} Newton steps left a residual of {error:.1e}"
             break
         share = RELAXATION[(step >= EARLY) + (step >= LONG)]
-        held = state.shift if held is None else held + share * (state.shift - held)
+        held = state.risen if held is None else held + share * (state.risen - held)
         tilt = tilt + (share if step >= EARLY else 1.0) * (state.field.tilt - tilt)
-        residual.raised(held - state.shift)
+        residual.raised(held - state.risen)
         tangent = Tangent(
             problem.plan, residual.active, residual.stiffness, residual.extra, problem.form
         )

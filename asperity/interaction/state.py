@@ -39,14 +39,14 @@ class Problem:
     elongation: Elongation | None = None
 
     @property
-    def form(self) -> NDArray[np.float64] | None:
-        """Moments of the footprints over their variance, shape (n, 3); None: round."""
-        return None if self.elongation is None else self.elongation.spread
+    def form(self) -> NDArray[np.float64]:
+        """Moments of the footprints over their variance, shape (n, 3)."""
+        return self.plan.round if self.elongation is None else self.elongation.spread
 
     @property
-    def lean(self) -> NDArray[np.float64] | None:
-        """Radii of curvature over those of round contacts, shape (n, 3); None: round."""
-        return None if self.elongation is None else self.elongation.lean
+    def lean(self) -> NDArray[np.float64]:
+        """Radii of curvature over those of round contacts, shape (n, 3)."""
+        return self.plan.round if self.elongation is None else self.elongation.lean
 
 
 @dataclass(eq=False)
@@ -101,10 +101,15 @@ class State:
         return self.field.value + self.laws.growth * self.field.slope
 
     @property
+    def risen(self) -> NDArray[np.float64]:
+        """Height [m] that each contact gains by its own shift and loses by those of the others."""
+        return self.gain - self.field.moved
+
+    @property
     def shift(self) -> NDArray[np.float64]:
-        """Height [m] that each contact gains by its own shift, and loses by those of the others and
-        by the elongation of all."""
-        return self.gain - self.field.moved - self.field.longer
+        """Height [m] that each contact gains by deflection, less what it loses by the elongation
+        of all."""
+        return self.risen - self.field.longer
 
     @property
     def lag(self) -> float:

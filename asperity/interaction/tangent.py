@@ -10,7 +10,7 @@ from .operator import CAP, ROUND, Interaction, run
 
 __all__ = ["Tangent"]
 
-PAIRS_PER_THREAD = 100_000
+PAIRS_PER_THREAD = 40_000
 """Pairs whose part of a product repays a thread."""
 
 
