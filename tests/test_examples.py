@@ -72,6 +72,6 @@ def test_figures_of_the_paper(tmp_path):
     script = run_path(str(EXAMPLES / "paper_figures.py"))
     assert script["main"](["--quick", "--only", "1,6", "--out", str(tmp_path)]) == 0
     rows = (tmp_path / "fig01.csv").read_text().splitlines()
-    assert len(rows) == 9 and rows[0].startswith("shape,k,m,d,law,e_F_percent")
+    assert len(rows) == 17 and rows[0].startswith("shape,k,m,d,law,e_F_percent")
     for number in ("01", "06"):
         assert (tmp_path / f"fig{number}.png").stat().st_size > 20_000

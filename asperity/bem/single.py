@@ -25,6 +25,9 @@ _SCOUT = 64
 _MARGIN = 1.1
 _RAYS = 256
 _TRIALS = 30
+_PLACEMENTS = 4
+"""How often the fine grid is widened when the contact reaches its rim."""
+
 _WIDEST = 1e9
 """Ratio of radii beyond which a ray is taken never to reach the approach."""
 
@@ -223,18 +226,25 @@ def _one(
         low, high = found[0] * d - d, (found[-1] + 2) * d
         half, middle = 0.5 * _MARGIN * (high - low), 0.5 * (high + low)
         edges += [middle - half - start, middle + half - start]
-    hm, summit = _map_of(profile, tuple(edges), grid)
-    mean = float(hm.heights.mean())
-    prescribed = {"pressure": value / hm.area}
-    if name == "approach":
-        prescribed = {"separation": -value - mean}
-    x, y = _places(hm, summit)
-    first = _sampled(scout.pressure, scout.spacing, place, x, y)
-    solution = bem_solve(hm, mat, **prescribed, tolerance=tolerance, boundary="free", guess=first)
+    for _ in range(_PLACEMENTS):
+        hm, summit = _map_of(profile, tuple(edges), grid)
+        mean = float(hm.heights.mean())
+        prescribed = {"pressure": value / hm.area}
+        if name == "approach":
+            prescribed = {"separation": -value - mean}
+        x, y = _places(hm, summit)
+        first = _sampled(scout.pressure, scout.spacing, place, x, y)
+        solution = bem_solve(
+            hm, mat, **prescribed, tolerance=tolerance, boundary="free", guess=first
+        )
+        contact = solution.contact
+        whole = not (contact[[0, -1]].any() or contact[:, [0, -1]].any())
+        if whole:
+            break
+        grow = 0.1 * (edges[1] - edges[0]), 0.1 * (edges[3] - edges[2])
+        edges = [edges[0] - grow[0], edges[1] + grow[0], edges[2] - grow[1], edges[3] + grow[1]]
     radius = getattr(profile, "radius", np.inf)
-    contact = solution.contact
     farthest = np.hypot(x, y)[contact].max(initial=0.0)
-    whole = not (contact[[0, -1]].any() or contact[:, [0, -1]].any())
     reached = value if name == "approach" else -float(solution.separation) - mean
     return solution, summit, bool(farthest <= radius and whole), reached
 

@@ -109,7 +109,7 @@ class EllipseState:
         x, y = self.centre[0] + c * x - s * y, self.centre[1] + s * x + c * y
         angle, r = np.unwrap(np.arctan2(y, x)), np.hypot(x, y)
         where = angle[0] + np.mod(phi - angle[0], 2 * np.pi)
-        return np.interp(where, angle, r, period=2 * np.pi)
+        return np.asarray(np.interp(where, angle, r, period=2 * np.pi))
 
     def pressure(self, r: Array, phi: Array, material: HalfSpace) -> Array:
         """Pressure [Pa] at the points: that of the ellipse less its edge singularity, stretched.

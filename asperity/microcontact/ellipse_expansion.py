@@ -132,10 +132,11 @@ def fit_points(degree: int) -> tuple[Array, Array, Array, Array]:
     """Scaled places (xi, eta) of the samples, the monomials there, and their pseudo-inverse."""
     rho = _REGION * np.sqrt((np.arange(_RADII) + 0.5) / _RADII)
     t = 2 * np.pi * np.arange(ANGLES) / ANGLES
-    xi, eta = (rho[:, None] * np.cos(t)).ravel(), (rho[:, None] * np.sin(t)).ravel()
+    xi: Array = (rho[:, None] * np.cos(t)).ravel()
+    eta: Array = (rho[:, None] * np.sin(t)).ravel()
     i, j = monomials(degree)
     matrix = xi[:, None] ** i * eta[:, None] ** j
-    return xi, eta, matrix, np.linalg.pinv(matrix, rcond=1e-12)
+    return xi, eta, matrix, _inverse(matrix, 1e-12)
 
 
 @lru_cache(maxsize=1)
@@ -144,8 +145,12 @@ def _radial_fit() -> tuple[Array, Array, Array]:
     rho = _REGION * np.sqrt((np.arange(_RADII) + 0.5) / _RADII)
     powers = rho[:, None] ** _POWERS
     bare = np.zeros((_POWERS.size, _RADII))
-    bare[1:] = np.linalg.pinv(powers[:, 1:], rcond=_CUT)
-    return powers, np.linalg.pinv(powers, rcond=_CUT), bare
+    bare[1:] = _inverse(powers[:, 1:], _CUT)
+    return powers, _inverse(powers, _CUT), bare
+
+
+def _inverse(matrix: Array, cut: float) -> Array:
+    return np.asarray(np.linalg.pinv(matrix, rcond=cut), dtype=float)
 
 
 def fitted(samples: Array) -> Gap:
@@ -269,7 +274,7 @@ def _resampled(values: Array) -> Array:
     """Trigonometric polynomials given at 4 DEGREE equispaced points, at ANGLES of them."""
     waves = np.fft.rfft(values, axis=-1)
     waves[..., DEGREE + 1 :] = 0
-    return np.fft.irfft(waves, ANGLES, axis=-1) * (ANGLES / values.shape[-1])
+    return np.asarray(np.fft.irfft(waves, ANGLES, axis=-1) * (ANGLES / values.shape[-1]))
 
 
 def _derivative(values: Array) -> Array:

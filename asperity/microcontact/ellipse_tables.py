@@ -90,7 +90,7 @@ def _parity(degree: int) -> NDArray[np.int64]:
 
 def fourier_moments(weight: Array, count: int) -> Array:
     """Mean of ``weight * cos(2 k t)`` over the period pi of weights sampled on it, k < count."""
-    return np.fft.rfft(weight, axis=-1).real[..., :count] / weight.shape[-1]
+    return np.asarray(np.fft.rfft(weight, axis=-1).real[..., :count] / weight.shape[-1])
 
 
 def product_weights(moments: Array, nodes: int, period: float) -> Array:
@@ -103,7 +103,7 @@ def product_weights(moments: Array, nodes: int, period: float) -> Array:
     factor[2 * k == nodes] = 1.0
     keep = 2 * k <= nodes
     cosine = np.cos(2 * np.pi * np.outer(k, np.arange(nodes)) / nodes)
-    return period / nodes * (moments * (factor * keep)) @ cosine
+    return np.asarray(period / nodes * (moments * (factor * keep)) @ cosine)
 
 
 def _rotations(degree: int, psi: Array) -> Array:
@@ -208,11 +208,11 @@ def _edge_amplitudes(degree: int, operator: Array, nodes: Array) -> Array:
 def _boundary_modes(degree: int, kind: int, t: Array) -> Array:
     """Angular modes of a parity class at parameters t: (t, modes)."""
     if kind == 0:
-        return np.cos(np.outer(t, np.arange(0, degree + 1, 2)))
+        return np.asarray(np.cos(np.outer(t, np.arange(0, degree + 1, 2))))
     if kind == 1:
-        return np.sin(np.outer(t, np.arange(2, degree + 1, 2)))
+        return np.asarray(np.sin(np.outer(t, np.arange(2, degree + 1, 2))))
     odd = np.arange(1, degree + 1, 2)
-    return np.cos(np.outer(t, odd)) if kind == 2 else np.sin(np.outer(t, odd))
+    return np.asarray((np.cos if kind == 2 else np.sin)(np.outer(t, odd)))
 
 
 def _stiffness_forms(degree: int, m: float, lower: Array, weight: Array, bent: Array) -> Array:

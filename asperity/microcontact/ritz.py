@@ -38,7 +38,9 @@ Array = NDArray[np.float64]
 
 _RAYS = 180
 _ANGLES = 720
-_RADII = 90
+_RADII, _DENSE = 120, 1.6
+"""Radii of the tables up to `_DENSE` times that of the first-order contact; a third beyond."""
+
 _STEPS = 200
 _REACH = 7.0
 """Radius of the tables of a profile over that of the first-order contact."""
@@ -69,7 +71,10 @@ class _Functional:
     ) -> _Functional:
         phi = 2 * np.pi * np.arange(_RAYS) / _RAYS
         limit = min(_REACH * radius, profile.radius)
-        a = limit * np.linspace(0, 1, _RADII + 1)
+        dense = min(_DENSE * radius, limit)
+        a = np.linspace(0, dense, _RADII + 1)
+        if dense < limit:
+            a = np.append(a, np.geomspace(dense, limit, _RADII // 3)[1:])
         t, weights = gauss_jacobi(m, 32)
         f = profile(a[1:, None, None] * t[:, None], phi)
         gap = np.einsum("t,atp->ap", weights * t, f) * a[1:, None] ** 2
@@ -94,7 +99,7 @@ class _Functional:
         shape = np.cosh(2 * aspect) - np.sinh(2 * aspect) * swell
         shift = p[3] * np.cos(self.phi) + p[4] * np.sin(self.phi)
         size = np.exp(np.clip(p[0] + shift, np.log(self.limit) - _SMALLEST, np.log(self.limit)))
-        return np.minimum(size / np.sqrt(shape), self.limit)
+        return np.asarray(np.minimum(size / np.sqrt(shape), self.limit))
 
     def best_ellipse(self, radius: float) -> tuple[float, Array]:
         """Largest value over {size, aspect, turn, shift} and its rays."""

@@ -51,3 +51,12 @@ def test_load_control_starts_at_the_approach_of_the_law():
     by_approach = indent_bem(body, material, 0.3, grid=64)
     by_load = indent_bem(body, material, load=float(by_approach.force), grid=64)
     assert by_load.valid and by_load.approach == pytest.approx(0.3, rel=1e-3)
+
+
+def test_thin_corners_are_not_cut_off():
+    """Corners that the coarse grid does not see: the fine grid is widened until it holds them."""
+    body, material = shapes.random_polygon(1.0, sides=5, seed=11), HalfSpace.from_modulus(1.0)
+    found = indent_bem(body, material, 1.0, grid=96)
+    contact = found.solutions[-1].contact
+    assert found.valid
+    assert not contact[[0, -1]].any() and not contact[:, [0, -1]].any()
