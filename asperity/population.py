@@ -14,7 +14,8 @@ from .interaction.elongation import Elongation
 from .interaction.footprint import Footprints
 from .interaction.laws import Laws
 from .microcontact.growing import GrowingTable
-from .trail import PopulationState, Trail
+from .states import PopulationState
+from .trail import Trail
 
 if TYPE_CHECKING:
     from .material import HalfSpace

@@ -1,10 +1,9 @@
-"""States of a population, and the way from one to the next."""
+"""The way of a population from one state to the next."""
 
 from __future__ import annotations
 
-import functools
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,11 +14,12 @@ from .interaction.solver import Solution, conjugate_gradients, descend
 from .interaction.state import Problem
 from .interaction.tangent import Tangent
 from .path import MEMORY, Point, forecast, weights
+from .states import PopulationState
 
 if TYPE_CHECKING:
     from .population import Population
 
-__all__ = ["PopulationState", "Trail"]
+__all__ = ["Trail"]
 
 SPARE = 1.3
 """Listed summits over those that can touch now, so that lists last for several separations."""
@@ -44,62 +44,6 @@ MAX_SEARCH = 40
 
 SEARCH_TOLERANCE = 5e-3
 """Tolerance of a solve on the way to a mean pressure."""
-
-
-@dataclass(frozen=True, eq=False)
-class PopulationState:
-    """Contacts of a population at one separation.
-
-    Attributes
-    ----------
-    separation
-        Distance of the rigid flat from the mean plane [m]: of the deformed surface for a periodic
-        cell (mean gap), of the surface at rest for a free half-space.
-    approach, force, stiffness, area
-        Of each summit [m], [N], [N/m], [m^2], shape (n,); zero where it is open.
-    mean_pressure
-        Load over nominal area [Pa].
-    contact_area
-        Sum of the contact areas [m^2].
-    active
-        Number of closed contacts.
-    filled_share
-        Share of the load on contacts that cover more than half of their basin [-].
-    residual
-        Upper estimate of the relative error of the load by incomplete solution [-].
-    converged, reason
-        Whether the point can be used, and one sentence if it cannot.
-    iterations, products
-        Newton steps and applications of the interaction.
-    lowest_candidate
-        Height [m] above which a summit can touch in the field of the others.
-    """
-
-    separation: float
-    approach: NDArray[np.float64]
-    force: NDArray[np.float64]
-    stiffness: NDArray[np.float64]
-    area: NDArray[np.float64]
-    mean_pressure: float
-    contact_area: float
-    active: int
-    filled_share: float
-    residual: float
-    converged: bool
-    reason: str
-    iterations: int
-    products: int
-    lowest_candidate: float
-    _trail: Trail = field(repr=False)
-
-    @functools.cached_property
-    def normal_stiffness(self) -> float:
-        """Minus the slope of mean pressure over separation [Pa/m], by the tangent matrix."""
-        return self._response[0]
-
-    @functools.cached_property
-    def _response(self) -> tuple[float, NDArray[np.float64]]:
-        return self._trail.response(self.approach)
 
 
 @dataclass(frozen=True, eq=False)
@@ -303,6 +247,7 @@ class Trail:
 
     def _missed(self, separation: float, growth: float) -> bool:
         """Whether a summit that is not listed may touch."""
+        assert self.listed is not None
         rows, overlap = self._candidates(separation, growth)
         return bool((~self.listed[rows] & (overlap > 0)).any())
 

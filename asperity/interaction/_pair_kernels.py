@@ -52,9 +52,11 @@ def half_list(y, x, start, cells, size, wrap, cut, rows, k, far, far_scale, ptr,
 
     Points are sorted by cell, bounded by `start`; `size` is the extent (Ly, Lx) and `wrap` says
     whether it repeats. From place k on, fills `col` with j and `pair` with y_i - y_j, x_i - x_j and
-    the columns of `far` at r^2; `ptr` (n, 2) bounds the pairs of each i.
+    the columns of `far` at r^2; `ptr` (n, 2) bounds the pairs of each i. With empty `col` the pairs
+    are counted only. Returns the place after the last.
     """
     ncy, ncx = cells
+    fill = col.size > 0
     last = far.shape[0] - 2
     half_y = 0.5 * size[0] if wrap else math.inf
     half_x = 0.5 * size[1] if wrap else math.inf
@@ -81,7 +83,10 @@ def half_list(y, x, start, cells, size, wrap, cut, rows, k, far, far_scale, ptr,
                             r2 = dy * dy + dx * dx
                             if r2 >= cut:
                                 continue
-                            e = np.uint64(k)
+                            k += 1
+                            if not fill:
+                                continue
+                            e = np.uint64(k - 1)
                             col[e] = j
                             pair[e, 0] = dy
                             pair[e, 1] = dx
@@ -91,7 +96,6 @@ def half_list(y, x, start, cells, size, wrap, cut, rows, k, far, far_scale, ptr,
                             for q in range(5):
                                 low = far[c, q]
                                 pair[e, q + 2] = low + t * (far[c + np.uint64(1), q] - low)
-                            k += 1
                 ptr[i, 1] = k
     return k
 

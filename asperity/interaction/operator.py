@@ -40,6 +40,10 @@ NODES = 1.7
 ROUND = np.array([1.0, 1.0, 0.0])
 """Moments yy, xx, xy of a round footprint over its variance."""
 
+CROWDED = 200
+"""Pairs of points in neighboring cells, for each point, from which on near pairs are counted before
+their memory is taken."""
+
 PAIR_DATA = 7
 """Numbers kept of each pair: its distance along both axes, and a row of `far_table`."""
 
@@ -252,7 +256,7 @@ class Interaction:
     @property
     def lowest(self) -> float:
         """Least displacement [m] of the mesh part of the last field, or zero."""
-        return self.scale * min(0.0, float(self.smooth.min()))
+        return float(self.scale * min(0.0, float(self.smooth.min())))
 
 
 def run(loop: Callable[[int, NDArray[np.int64]], None], rows: NDArray[np.int64]) -> None:
@@ -276,17 +280,25 @@ def _near_pairs(
     count = max(1, min(threads(), len(y) // 2000, cells[0]))
     edges = np.linspace(0, cells[0], count + 1).astype(np.int64)
     rows = np.stack((edges[:-1], edges[1:]), axis=1)
-    room = [_pair_kernels.most_pairs(start, cells, wrap, part) for part in rows]
-    first = np.concatenate(([0], np.cumsum(room))).astype(np.int64)
-    # memory that is never touched costs nothing
     ptr = np.zeros((len(y), 2), np.int64)
-    col, pair = np.empty(first[-1], np.uint32), np.empty((first[-1], PAIR_DATA), np.float32)
+    col, pair = np.empty(0, np.uint32), np.empty((0, PAIR_DATA), np.float32)
+    first = np.zeros(len(rows) + 1, np.int64)
+    room = np.zeros(len(rows), np.int64)
 
     def find(c: int, part: NDArray[np.int64]) -> None:
         place = y, x, start, cells, size, wrap, cut * cut, part, first[c], far, scale
-        _pair_kernels.half_list(*place, ptr, col, pair)
+        room[c] = _pair_kernels.half_list(*place, ptr, col, pair)
 
-    run(find, rows)
+    most = [_pair_kernels.most_pairs(start, cells, wrap, part) for part in rows]
+    if sum(most) > CROWDED * len(y):
+        run(find, rows)
+    else:
+        # memory that is never touched costs nothing
+        room[:] = most
+    first[1:] = np.cumsum(room)
+    if first[-1]:
+        col, pair = np.empty(first[-1], np.uint32), np.empty((first[-1], PAIR_DATA), np.float32)
+        run(find, rows)
     return ptr, col, pair
 
 

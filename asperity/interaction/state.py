@@ -132,7 +132,7 @@ class State:
     ) -> tuple[float, float, float]:
         """From this point to another: change of energy [J] at the gaps z - s [m] that are held, the
         change that the errors here predict, and the size of the energies."""
-        return _state_kernels.fall(
+        change, slope, scale = _state_kernels.fall(
             gap,
             error,
             *(
@@ -146,8 +146,4 @@ class State:
                 )
             ),
         )
-
-    def energy(self, gap: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Energy of each contact [J]; `gap` is z - s, with the deflection that is held."""
-        force = self.laws.force
-        return force * (self.approach + 0.5 * self.field.value - gap) - self.laws.energy
+        return change, slope, scale
