@@ -85,15 +85,18 @@ class Trail:
             trail = trail._listing(separation, guess, growth, spare)
             assert trail.problem is not None and trail.index is not None
             shares = 1.0 if trail.compliance is None else trail.compliance[trail.index]
-            solution = descend(
-                trail.problem,
-                separation,
-                guess[trail.index],
-                tilt=start[trail.index, 1:],
-                tolerance=tolerance,
-                load=load,
-                compliance=shares,
-            )
+            for problem in trail.problem.simpler():
+                solution = descend(
+                    problem,
+                    separation,
+                    guess[trail.index],
+                    tilt=start[trail.index, 1:],
+                    tolerance=tolerance,
+                    load=load,
+                    compliance=shares,
+                )
+                if not solution.reason:
+                    break
             separation, lowest = solution.separation, trail.problem.plan.lowest
             steps, products = steps + solution.steps, products + solution.products
             guess, start[:] = np.zeros(len(population)), 0.0

@@ -20,6 +20,9 @@ MAX_STEPS = 60
 MAX_LOADED_STEPS = 30
 """Newton steps under a load before its separation is searched for instead."""
 
+MAX_LONG_STEPS = 16
+"""Newton steps with elongated footprints before round ones are taken instead."""
+
 MAX_CUTS = 30
 NOISE = 1e-10
 """Share of the energies below which a change of energy is not known: pairs are tabulated."""
@@ -118,6 +121,7 @@ def descend(
         tilt = np.zeros((len(start), 2))
     state = State.at(problem, np.maximum(start, 0.0), tilt)
     limit = MAX_STEPS if load is None else MAX_LOADED_STEPS
+    limit = limit if problem.elongation is None else MAX_LONG_STEPS
     products, reason, held = 1, "", None
     for step in range(limit + 1):
         if load is not None:
@@ -302,7 +306,12 @@ def conjugate_gradients(
     while product > goal and count < limit:
         _vectors.redirect(product / last, stiffness, residual, mean, direction)
         image = matrix(direction)
-        length = product / _vectors.dot(direction, image)
+        curvature = _vectors.dot(direction, image)
+        if curvature <= 0.0:
+            # pairs of elongated footprints are approximate, and the matrix with them
+            solution = solution if solution.any() else direction
+            break
+        length = product / curvature
         last = product
         _vectors.advance(length, direction, image, solution, residual)
         product, mean = _vectors.weigh(stiffness, residual, held)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,13 @@ class Problem:
     plan: Interaction
     deflects: bool = False
     elongation: Elongation | None = None
+
+    def simpler(self) -> Iterator[Problem]:
+        """This problem, and the same with round footprints: on a map that is rough to the pixel,
+        long footprints can overlap so far that their approximate sum has no solution."""
+        yield self
+        if self.elongation is not None:
+            yield replace(self, elongation=None)
 
     @property
     def form(self) -> NDArray[np.float64]:

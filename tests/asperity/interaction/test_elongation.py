@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 from standin import random_population
 
+import asperity
+from asperity.interaction import solver
 from asperity.interaction.elongation import LARGEST_ASPECT, LARGEST_LEAN, Elongation
 from asperity.interaction.footprint import Footprints
 from asperity.interaction.laws import Laws
 from asperity.interaction.operator import Interaction
 from asperity.interaction.solver import descend
 from asperity.interaction.state import Problem
+from asperity.population import Population
 
 EXPONENTS = (-0.3, 0.0, 0.5)
 CELL = (1.0, 1.4)
@@ -114,3 +117,17 @@ def test_a_turned_scene_carries_the_same():
         assert not solution.reason
         loads.append(solution.laws.force.sum())
     assert loads[0] == pytest.approx(loads[1], rel=2e-3)
+
+
+def test_round_footprints_stand_in_where_long_ones_have_no_solution(monkeypatch):
+    y, x, height, table = random_population(64, (1.0, 1.0), 3, apart=True)
+    common = {"x": x, "y": y, "height": height, "table": table, "cell": (1.0, 1.0)}
+    common |= {"boundary": "periodic", "material": asperity.HalfSpace.from_modulus(1.0)}
+    shape = {"curvature": np.tile([6.0, 1.0], (64, 1)), "angle": np.full(64, 0.3)}
+    long = Population(**common, **shape).solve(separation=0.01)
+    flat = Population(**common).solve(separation=0.01)
+    assert long.converged and long.mean_pressure != flat.mean_pressure
+    monkeypatch.setattr(solver, "MAX_LONG_STEPS", 0)
+    stood = Population(**common, **shape).solve(separation=0.01)
+    assert stood.converged
+    assert stood.mean_pressure == pytest.approx(flat.mean_pressure, rel=1e-6)
