@@ -215,7 +215,8 @@ def _mixed(fit, logs, size, out):
     while f < fits - 1 and logs[f + 1] >= size:
         f += 1
     if f == 0:
-        out[:] = fit[0]
+        for r in range(TERMS):
+            out[r] = fit[0, r]
         return
     lower = logs[f + 1] if f < fits - 1 else 2 * logs[f] - logs[f - 1]
     u = min((logs[f] - size) / (logs[f] - lower), 1.0)
@@ -258,7 +259,8 @@ def march_one(
         force, punch, scale, gain, shift, second = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         total, push, open_weight, widest, filled, a, b = 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0
         for _ in range(_AGAIN if stop and first >= 0 else most):
-            used[:] = pose
+            for i in range(5):
+                used[i] = pose[i]
             size = 0.5 * (pose[0] + pose[1])
             a, b, power = math.exp(pose[0]), math.exp(pose[1]), math.exp((1 + m) * size)
             _mixed(fit, logs, size, local)
@@ -343,10 +345,10 @@ def march_one(
         for c in range(4):
             for q in range(NODES):
                 shape[level, 5 + c * NODES + q] = X[c, q]
-        if level > 0:
-            for i in range(5):
+        for i in range(5):
+            if level > 0:
                 slope[i] = (pose[i] - before[i]) / growth
-        before[:] = pose
+            before[i] = pose[i]
         trusted = widest <= WIDEST and abs(share) <= SHARE and filled <= CONFINED * total
         if trusted and force > 0.0:
             state[level, 9] = 1.0

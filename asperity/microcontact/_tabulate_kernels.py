@@ -62,9 +62,10 @@ def _usable(coefs):
 
 
 @njit(cache=True, nogil=True)
-def _finish(columns, state, filling, first, last, place, hermite, basin, length, angle, row):
-    """Flags, spread and centre of a table row, and its columns."""
-    force, stiffness, area, flags, spread, centre = row
+def _finish(columns, state, filling, ends, place, hermite, basin, length, angle, units, n, out):
+    """Flags, spread and centre of a table row, and its columns in `units`."""
+    _, force, stiffness, area, flags, spread, centre = out
+    first, last = ends
     c, s = math.cos(angle) * length, math.sin(angle) * length
     for j in range(place.size):
         i, share = place[j], hermite[j, 8]
@@ -74,13 +75,15 @@ def _finish(columns, state, filling, first, last, place, hermite, basin, length,
             flag |= _BEYOND
         if columns[2, j] > 0.999 * basin:
             flag |= _FILLED
-        flags[j + 1] = flag
+        flags[n, j + 1] = flag
         below, above = abs(state[i, 7]) if low else 0.05, abs(state[i + 1, 7]) if high else 0.05
-        spread[j + 1] = (1 - share) * below + share * above
+        spread[n, j + 1] = (1 - share) * below + share * above
         x = (1 - share) * filling[i, 2] + share * filling[i + 1, 2]
         y = (1 - share) * filling[i, 3] + share * filling[i + 1, 3]
-        centre[j + 1, 0], centre[j + 1, 1] = c * x - s * y, s * x + c * y
-        force[j + 1], stiffness[j + 1], area[j + 1] = columns[0, j], columns[1, j], columns[2, j]
+        centre[n, j + 1, 0], centre[n, j + 1, 1] = c * x - s * y, s * x + c * y
+        force[n, j + 1] = columns[0, j] * units[0]
+        stiffness[n, j + 1] = columns[1, j] * units[1]
+        area[n, j + 1] = columns[2, j] * length * length
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -93,7 +96,7 @@ def tabulate_rows(
     u, powers, stencils = levels
     m, modulus, most, start, inverse = settings
     nodes, place, hermite = resampling
-    reach, force, stiffness, area, flags, spread, centre = out
+    reach = out[0]
     rays, p = edges.shape[1], 3 + m
     fitting = fit_space(rays, radii.size, matrices.shape[2], matrices.shape[3])
     marching = march_space(rows.shape[1])
@@ -137,8 +140,7 @@ def tabulate_rows(
         resampled(columns, u, powers, place, hermite, nodes, p, made)
         reach[i] = height
         scale = modulus * length ** (1 + m)
-        made[0] *= scale * height
-        made[1] *= scale
-        row = force[i], stiffness[i], area[i], flags[i], spread[i], centre[i]
-        _finish(made, state, filling, first, last, place, hermite, basin, length, angles[i], row)
-        area[i] *= length**2
+        _finish(
+            made, state, filling, (first, last), place, hermite, basin, length, angles[i],
+            (scale * height, scale), i, out,
+        )  # fmt: skip
