@@ -7,13 +7,15 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ._contact_kernels import contact_counts
+
 __all__ = [
     "contact_area",
     "contact_edges",
     "contours",
-    "count_patches",
     "histogram",
     "label_patches",
+    "read_contact",
 ]
 
 _NO_PAIRS = np.zeros((0, 2), np.int32)
@@ -49,6 +51,18 @@ def contact_area(
     return raw, max(raw - correction, 0.0)
 
 
+def read_contact(
+    pressure: NDArray[np.float64], spacing: tuple[float, float], nx: int, *, periodic: bool
+) -> tuple[float, float, int]:
+    """Areas of `contact_area` and number of patches of a pressure with nx columns or more.
+
+    In one pass, without a map of the contact.
+    """
+    pixels, edges, patches = contact_counts(pressure, nx, periodic)
+    pixel = spacing[0] * spacing[1]
+    return pixels * pixel, max(pixels - AREA_FACTOR * edges, 0.0) * pixel, patches
+
+
 def label_patches(contact: NDArray[np.bool_], *, periodic: bool) -> tuple[NDArray[np.int32], int]:
     """Label the connected contact patches (edge neighbors), joined across the seam if periodic.
 
@@ -65,13 +79,6 @@ def label_patches(contact: NDArray[np.bool_], *, periodic: bool) -> tuple[NDArra
         return labels, count - 1
     target = _merged(pairs, count)
     return target[labels], int(target.max())
-
-
-def count_patches(contact: NDArray[np.bool_], *, periodic: bool) -> int:
-    """Number of the patches of `label_patches`, without their labels."""
-    labels, count = _components(contact)
-    pairs = _seam_pairs(labels) if periodic and count > 1 else _NO_PAIRS
-    return int(_merged(pairs, count).max()) if len(pairs) else count - 1
 
 
 def _components(contact: NDArray[np.bool_]) -> tuple[NDArray[np.int32], int]:

@@ -19,7 +19,7 @@ from ..results import ContactCurve
 from ..threads import threads as thread_count
 from .accuracy import choose_grid, coarse_map
 from .chains import follow_chains, split_loads
-from .contact_map import contact_area, count_patches
+from .contact_map import read_contact
 from .interpolation import interpolated, loads_to_solve
 from .memory import fits
 from .operator import Boundary
@@ -162,7 +162,7 @@ def bem_curve(
         for index in order[chain.start : chain.stop].tolist():
             if stop.is_set():
                 return
-            point = _solve_point(path, kind, float(values[index]))
+            point = _solve_point(path, kind, float(values[index]), progress is not None)
             with turn:
                 solved[index] = replace(point, contact=_NO_MAP)
                 if progress is not None:
@@ -175,16 +175,16 @@ def bem_curve(
     return _checked(curve, hm, mat, problem) if check and grid is not hm else curve
 
 
-def _solve_point(path: LoadPath, kind: str, value: float) -> CurvePoint:
-    """Solve at one load and read the point off the state."""
+def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> CurvePoint:
+    """Solve at one load and read the point off the state, with its contact map if that is kept."""
     problem = path.problem
     hm, exact = problem.hm, problem.level.exact
     begun, pairs = time.perf_counter(), exact.pairs
     outcome = path.solve(**{kind: value})
     certificate = outcome.reading.certificate
     periodic = problem.boundary == "periodic"
-    contact = problem.level.pressure > 0.0
-    raw, area = contact_area(contact, hm.spacing, periodic=periodic)
+    contact = problem.level.pressure > 0.0 if keep_map else _NO_MAP
+    raw, area, patches = read_contact(exact.pressure, hm.spacing, hm.shape[1], periodic=periodic)
     mean = problem.mean_pressure(outcome)
     columns = {
         "separation": problem.separation(outcome),
@@ -192,7 +192,7 @@ def _solve_point(path: LoadPath, kind: str, value: float) -> CurvePoint:
         "load": mean * hm.area,
         "area_fraction": area / hm.area,
         "contact_area": area,
-        "contacts": count_patches(contact, periodic=periodic),
+        "contacts": patches,
         "converged": outcome.converged,
         "residual": certificate.worst,
         "load_error": certificate.load,

@@ -30,14 +30,21 @@ def labels_by_hand(contact, periodic):
 
 
 @pytest.mark.parametrize("periodic", [False, True])
-@pytest.mark.parametrize("filling", [0.1, 0.5, 0.65])
+@pytest.mark.parametrize("filling", [0.0, 0.1, 0.5, 0.65, 0.97, 1.0])
 def test_patches_match_a_flood_fill(periodic, filling):
     """Same partition, labels without gaps in order of first pixel."""
     contact = np.random.default_rng(5).random((23, 31)) < filling
     labels, count = contact_map.label_patches(contact, periodic=periodic)
     expected, number = labels_by_hand(contact, periodic)
     assert count == number == labels.max()
-    assert contact_map.count_patches(contact, periodic=periodic) == number
+    pressure = np.zeros((23, 33))
+    pressure[:, :31] = contact
+    pressure[:, 31:] = 1.0
+    *areas, patches = contact_map.read_contact(pressure, (0.5, 2.0), 31, periodic=periodic)
+    assert patches == number
+    assert areas == pytest.approx(
+        contact_map.contact_area(contact, (0.5, 2.0), periodic=periodic), rel=1e-12
+    )
     pairs = np.unique(np.stack([labels[contact], expected[contact]]), axis=1)
     assert pairs.shape[1] == number
     assert not labels[~contact].any()

@@ -1,0 +1,123 @@
+"""Compiled reading of a contact map: pixels, edges and patches in one pass over its runs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Index = NDArray[np.int64]
+
+
+@njit(cache=True, nogil=True)
+def _root(parent: Index, i: int) -> int:
+    while parent[i] != i:
+        parent[i] = parent[parent[i]]
+        i = parent[i]
+    return i
+
+
+@njit(cache=True, nogil=True)
+def _row_runs(row: NDArray[np.float64], nx: int, begin: Index, end: Index) -> int:
+    """First and last + 1 column of each run of positive values; returns their number."""
+    n = 0
+    inside = False
+    for x in range(nx):
+        if row[x] > 0.0:
+            if not inside:
+                begin[n] = x
+                inside = True
+        elif inside:
+            end[n] = x
+            n += 1
+            inside = False
+    if inside:
+        end[n] = nx
+        n += 1
+    return n
+
+
+@njit(cache=True, nogil=True)
+def _join(
+    parent: Index,
+    begin: Index,
+    end: Index,
+    n: int,
+    label: int,
+    old_begin: Index,
+    old_end: Index,
+    old_n: int,
+    old_label: int,
+) -> Any:
+    """Join the runs of two rows that touch; returns the common pixels and the joints."""
+    common = joints = i = j = 0
+    while i < n and j < old_n:
+        shared = min(end[i], old_end[j]) - max(begin[i], old_begin[j])
+        if shared > 0:
+            common += shared
+            a, b = _root(parent, label + i), _root(parent, old_label + j)
+            if a != b:
+                parent[max(a, b)] = min(a, b)
+                joints += 1
+        if end[i] < old_end[j]:
+            i += 1
+        else:
+            j += 1
+    return common, joints
+
+
+@njit(cache=True, nogil=True)
+def contact_counts(pressure: NDArray[np.float64], nx: int, periodic: bool) -> Any:
+    """Pixels under pressure, their edges to others, and their patches (edge neighbors).
+
+    `pressure` has nx columns or more. Across the border of the map lies its other side if it is
+    periodic, no contact if not.
+    """
+    ny = pressure.shape[0]
+    width = nx // 2 + 1
+    begin, end = np.empty((3, width), np.int64), np.empty((3, width), np.int64)
+    parent = np.empty(max(width, 1024), np.int64)
+    pixels = edges = runs = joints = 0
+    first_n = old_n = old_label = old_pixels = first_pixels = 0
+    for y in range(ny):
+        now, old = 1 + y % 2, 2 - y % 2
+        n = _row_runs(pressure[y], nx, begin[now], end[now])
+        if runs + n > parent.size:
+            wider = np.empty(2 * parent.size + n, np.int64)
+            wider[:runs] = parent[:runs]
+            parent = wider
+        row_pixels = 0
+        for i in range(n):
+            parent[runs + i] = runs + i
+            row_pixels += end[now, i] - begin[now, i]
+        edges += 2 * n
+        if periodic and n > 0 and begin[now, 0] == 0 and end[now, n - 1] == nx:
+            edges -= 2
+            if n > 1:
+                parent[runs + n - 1] = runs
+                joints += 1
+        common, joined = _join(
+            parent, begin[now], end[now], n, runs, begin[old], end[old], old_n, old_label
+        )
+        joints += joined
+        edges += row_pixels + old_pixels - 2 * common
+        if y == 0:
+            first_n, first_pixels = n, row_pixels
+            begin[0], end[0] = begin[now], end[now]
+        pixels += row_pixels
+        old_n, old_label, old_pixels = n, runs, row_pixels
+        runs += n
+    last = 1 + (ny - 1) % 2
+    common = 0
+    if periodic:
+        edges -= first_pixels
+        common, joined = _join(
+            parent, begin[0], end[0], first_n, 0, begin[last], end[last], old_n, old_label
+        )
+        joints += joined
+        edges += first_pixels + old_pixels - 2 * common
+    else:
+        edges += old_pixels
+    return pixels, edges, runs - joints
