@@ -20,11 +20,12 @@ def measure(
     moved: Single,
     start_gap: Double,
     change: Single,
-    gap: Double,
     active: Flags,
     residual: Single,
 ) -> Any:
-    """Gap, active points {p > 0} U {gap < level} and their residual gap - level.
+    """Active points {p > 0} U {gap < level} and their residual gap - level.
+
+    The gap is start_gap + change.
 
     Returns the level (mean gap of the contact), the lowest gap, the load-weighted mean gap, the
     number of active points, the energy of the move, sum moved (start_gap + change / 2), and the
@@ -36,7 +37,6 @@ def measure(
     lowest = np.inf
     for i in prange(n):
         g = start_gap[i] + change[i]
-        gap[i] = g
         lowest = min(lowest, g)
         energy += moved[i] * (start_gap[i] + 0.5 * change[i])
         shift += moved[i]
@@ -48,9 +48,10 @@ def measure(
     level = gap_sum / count
     inside = 0
     for i in prange(n):
-        if p[i] > 0.0 or gap[i] < level:
+        above = start_gap[i] + change[i] - level
+        if p[i] > 0.0 or above < 0.0:
             active[i] = True
-            residual[i] = np.float32(gap[i] - level)
+            residual[i] = np.float32(above)
             inside += 1
         else:
             active[i] = False
@@ -100,7 +101,7 @@ def advance(
     active: Flags,
     count: int,
     p: Double,
-    gap: Double,
+    start_gap: Double,
     change: Single,
     residual: Single,
     before: Single,
@@ -109,7 +110,7 @@ def advance(
 ) -> int:
     """Step to the minimum along the direction; returns the number of negative pressures.
 
-    Updates p, gap, change and residual, and keeps the last residual in `before`. Returns -1 and
+    Updates p, change and residual, and keeps the last residual in `before`. Returns -1 and
     changes nothing if the direction has no positive curvature.
     """
     n = p.size
@@ -129,17 +130,16 @@ def advance(
     gap_sum = 0.0
     for i in prange(n):
         change[i] -= short * response[i]
-        gap[i] -= length * response[i]
         if active[i]:
             p[i] -= length * direction[i]
-            gap_sum += gap[i]
+            gap_sum += start_gap[i] + change[i]
             if p[i] < 0.0:
                 negative += 1
     level = gap_sum / count
     for i in prange(n):
         before[i] = residual[i]
         if active[i]:
-            residual[i] = np.float32(gap[i] - level)
+            residual[i] = np.float32(start_gap[i] + change[i] - level)
     return negative
 
 

@@ -118,7 +118,6 @@ class _State:
         self.moved, self.change, self.residual, self.before, self.direction = (
             np.zeros(n, np.float32) for _ in range(5)
         )
-        self.gap = np.empty(n)
         self.active = np.empty(n, np.bool_)
         self.count = 0
         self.energy = 0.0
@@ -135,7 +134,6 @@ class _State:
             self.moved,
             self.start_gap,
             self.change,
-            self.gap,
             self.active,
             self.residual,
         )
@@ -164,7 +162,7 @@ class _State:
                 self.active,
                 self.count,
                 self.pressure,
-                self.gap,
+                self.start_gap,
                 self.change,
                 self.residual,
                 self.before,
