@@ -144,7 +144,7 @@ class Level:
             values,
             gap,
             scale=reading.scale,
-            tolerance=max(0.5 * tolerance, operator.aim * error),
+            tolerance=_next_error(error, 0.5 * tolerance, operator.aim),
             longest=_MOST_INNER,
             total=mean * self.heights.size,
         )
@@ -161,3 +161,15 @@ class Level:
         if self._split is None:
             self._split = SplitOperator(self.exact)
         return self._split
+
+
+def _next_error(error: float, wanted: float, sharpest: float) -> float:
+    """Error to ask of one correction on the way to the wanted one.
+
+    The fewest corrections that can reach it, none reducing the error more than `sharpest`, reduce
+    it by the same factor each: more would be lost to the approximate operator.
+    """
+    if error <= wanted:
+        return wanted
+    steps = math.ceil(math.log(wanted / error) / math.log(sharpest))
+    return float(error * (wanted / error) ** (1.0 / steps))

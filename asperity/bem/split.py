@@ -33,10 +33,10 @@ class SplitOperator:
     exact
         The operator that is approximated; its pressure is overwritten by every use.
     aim
-        Relative reduction of the error that one solve with this operator is worth.
+        Largest reduction of the error that one solve with this operator is worth.
     """
 
-    aim = 0.002
+    aim = 0.0015
 
     def __init__(self, exact: HalfSpaceOperator) -> None:
         self.shape = exact.shape
