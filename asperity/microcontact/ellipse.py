@@ -38,7 +38,7 @@ _DOUBTFUL = 0.5
 """Displacement of the contour, or ratio of the third- to the second-order force, beyond which the
 expansion is flagged."""
 
-_LOCAL, _BEYOND, _OPERATOR = 0.05, 2.0, 0.15
+_SECOND, _LOCAL, _BEYOND, _OPERATOR = 0.02, 0.1, 3.0, 0.15
 """Factors of the expected error; `docs/laws.md` says how they were chosen and judged."""
 
 _RESIDUE = 0.005
@@ -90,7 +90,12 @@ class EllipseState:
         ratio = min(third / second, 1.0) if second > 0 else 0.0
         narrow = min(abs(np.log(self.axes[1] / self.axes[0])), 1.0)
         series = (ratio + _LOCAL) * third + _BEYOND * beyond
-        return float(series + _OPERATOR * narrow * self.misfit + self.residue)
+        return float(series + _SECOND * second + _OPERATOR * narrow * self.misfit + self.residue)
+
+    @property
+    def sharp(self) -> bool:
+        """Whether f has a tip or edges that no polynomial describes."""
+        return self.misfit > _SHARP
 
     @property
     def doubtful(self) -> bool:
@@ -218,7 +223,10 @@ def solve_ellipse(
     coefs = -gap.polynomial
     coefs[0] += approach
     mean = float(one.squared.mean())
-    grown = np.exp(np.clip(one.squared - 1 - 2 * one.shift**2, -3.0, 3.0))
+    second = one.squared - 1 - 2 * one.shift**2
+    if len(getattr(profile, "corners", ())):
+        second = 2 * one.shift  # at a kink the second order rings and cuts the corner
+    grown = np.exp(np.clip(second, -3.0, 3.0))
     if 0.5 < mean < 2:
         grown *= mean / grown.mean()
     return EllipseState(
@@ -281,7 +289,12 @@ def indent(
     *,
     law: str = "ellipse",
 ) -> Indentation:
-    """Solution by the law "ellipse"; see `asperity.indent`."""
+    """Solution by the law "ellipse"; see `asperity.indent`.
+
+    The pressure of a sharp tip, which is no polynomial, is that of the law "harmonic".
+    """
+    from .expansion import indent as resolved
+
     depth = approach.ravel()
     start = RisingBranch(basis_of(profile, material.m)).radius(depth)
     states = [
@@ -305,10 +318,16 @@ def indent(
     def contour(angle: Array) -> Array:
         return rows([None if one is None else one.boundary(angle) for one in states], angle)
 
+    sharp = np.array([one is not None and one.sharp for one in states])
+
     def pressure(r: Array, angle: Array) -> Array:
-        return rows(
+        values = rows(
             [None if one is None else one.pressure(r, angle, material) for one in states], angle
         )
+        if np.any(sharp):
+            tips = resolved(profile, material, depth[sharp], law="harmonic")
+            values[sharp] = tips.pressure_function(r, angle)
+        return values
 
     force, stiffness = shaped("force"), shaped("stiffness")
     flags = profile_flags(profile, depth, phi, contour(phi)).reshape(approach.shape)

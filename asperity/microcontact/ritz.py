@@ -48,6 +48,9 @@ _REACH = 7.0
 _WIDEST = 4.0
 """Logarithm of the root of the largest aspect of an ellipse."""
 
+_SPREAD = 1.5
+"""Expected error over what the free rays add to the ellipse."""
+
 _SMALLEST = 8.0
 """Logarithm of the limit over the smallest ellipse."""
 
@@ -176,7 +179,7 @@ def indent(
         radius=np.sqrt(area / np.pi).reshape(approach.shape),
         stiffness=stiffness.reshape(approach.shape),
         flags=flags.reshape(approach.shape),
-        error_estimate=np.abs(spread).reshape(approach.shape),
+        error_estimate=_SPREAD * np.abs(spread).reshape(approach.shape),
         contour_function=contour,
         pressure_function=pressure,
     )

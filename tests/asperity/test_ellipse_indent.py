@@ -101,7 +101,7 @@ def test_ritz_over_ellipses_is_exact_and_over_rays_too_high():
     one = asperity.indent(profile, material, 0.01, law="ritz")
     exact = float(elliptic_contact(2.0, 0.5, 0.01, material).force)
     assert exact * 0.9999 < float(one.force) < exact * 1.01
-    np.testing.assert_allclose(float(one.force * (1 - one.error_estimate)), exact, rtol=1e-4)
+    np.testing.assert_allclose(float(one.force * (1 - one.error_estimate / 1.5)), exact, rtol=1e-4)
 
 
 def test_auto_chooses_by_the_expected_error():
