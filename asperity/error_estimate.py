@@ -11,7 +11,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .microcontact.flags import Flag
+
 if TYPE_CHECKING:
+    from surfaces.heightmap import HeightMap
+
     from .curve import Asperities
     from .population import PopulationState
 
@@ -24,13 +28,17 @@ TERMS = (
     "coarse_contacts",
     "crowding",
     "elongation",
+    "extrapolated",
+    "scatter",
+    "fineness",
+    "fine_crowding",
 )
 """Names of the terms, see `terms`."""
 
-LOAD_WEIGHTS = (0.0, 0.368, 0.424, 0.0, 0.0915, 0.007)
+LOAD_WEIGHTS = (0.0064, 0.1442, 0.0, 0.0, 0.0579, 0.0, 0.0079, 0.0967, 0.3397, 0.5974)
 """Weights of the terms for the load at equal separation."""
 
-AREA_WEIGHTS = (0.266, 0.0, 0.243, 0.0103, 0.0, 0.0086)
+AREA_WEIGHTS = (0.0786, 0.6484, 1.1364, 0.0219, 0.0, 0.0159, 0.0539, 0.0, 0.0, 0.0)
 """Weights of the terms for the contact area at equal load."""
 
 
@@ -40,7 +48,8 @@ def terms(bodies: Asperities, state: PopulationState) -> dict[str, float]:
     Returns
     -------
     few_contacts
-        One over the root of the number of contacts: errors of single contacts do not average out.
+        Root of the sum of squared load shares, one over the root of the effective number of
+        contacts: errors of single contacts do not average out.
     filled_share
         Share of the load on contacts that have filled their basin.
     law_spread
@@ -52,24 +61,45 @@ def terms(bodies: Asperities, state: PopulationState) -> dict[str, float]:
         Contact area over nominal area.
     elongation
         Logarithm of the ratio of a summit's curvatures, weighted by load.
+    extrapolated
+        Share of the load on contacts that have outgrown the expansion of their law.
+    scatter
+        `few_contacts`, of those contacts alone.
+    fineness
+        Share of the squared slope that is lost when heights are taken two pixels apart, not one: 0
+        for a smooth map, 0.25 for a spectrum that ends at about 4 pixels, 0.75 for noise.
+    fine_crowding
+        `fineness` times the root of `crowding`.
     """
     closed = np.flatnonzero(state.force > 0)
     if not closed.size:
         return dict.fromkeys(TERMS, 0.0)
-    force = state.force[closed]
-    spread = bodies.population.table.spread_at(closed, state.approach[closed])
+    share = state.force[closed] / state.force.sum()
+    table, depth = bodies.population.table, state.approach[closed]
+    outgrown = (table.flags_at(closed, depth) & Flag.BEYOND_RADIUS) > 0
     pixel = bodies.hm.area / bodies.hm.heights.size
     steep, shallow = bodies.profiles.curvature[closed].T
     ratio = np.log(steep / np.clip(shallow, 1e-3 * steep, None))
-    mean_area = float(force @ state.area[closed] / force.sum())
+    crowding, fineness = state.contact_area / bodies.hm.area, _fineness(bodies.hm)
     return {
-        "few_contacts": 1.0 / np.sqrt(closed.size),
+        "few_contacts": float(np.sqrt(share @ share)),
         "filled_share": state.filled_share,
-        "law_spread": float(force @ np.abs(spread) / force.sum()),
-        "coarse_contacts": float(np.sqrt(pixel / mean_area)),
-        "crowding": state.contact_area / bodies.hm.area,
-        "elongation": float(force @ ratio / force.sum()),
+        "law_spread": float(share @ np.abs(table.spread_at(closed, depth))),
+        "coarse_contacts": float(np.sqrt(pixel / (share @ state.area[closed]))),
+        "crowding": crowding,
+        "elongation": float(share @ ratio),
+        "extrapolated": float(share[outgrown].sum()),
+        "scatter": float(np.sqrt(share[outgrown] @ share[outgrown])),
+        "fineness": fineness,
+        "fine_crowding": fineness * float(np.sqrt(crowding)),
     }
+
+
+def _fineness(hm: HeightMap) -> float:
+    """For differences d, d' of neighboring pairs, <(d - d')^2> = 4 <d^2> - <(d + d')^2>."""
+    known = hm.roughness
+    bend = np.asarray(known.curvature) * hm.spacing
+    return float(bend @ bend) / (4 * known.rms_slope**2)
 
 
 def estimate(values: dict[str, float], weights: tuple[float, ...]) -> float:

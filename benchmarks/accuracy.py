@@ -1,12 +1,19 @@
 """Error of the microcontact model against certified boundary elements, family by family.
 
     python benchmarks/accuracy.py --points 512 --seeds 11 12 --out rows.csv
+    python benchmarks/accuracy.py --points 256 --seeds 11 12 --measured-like --out like.csv
+    python benchmarks/accuracy.py --maps folder --out maps.csv
 
 Families: isotropic with the cut-off at 4, 8, 16, 32 pixels and Hurst exponents 0.5, 0.8, 0.9,
-anisotropic 4:1, plateau-honed, and graded m = +-0.3.  Ten mean pressures from about 0.1 % to 15 %
-of contact.  Columns: family, seed, area_fraction (boundary elements, corrected), load_error at
-equal separation, area_error at equal load, separation_error in rms heights, the model's own
-estimate, and the quantities that the estimate is made of.
+anisotropic 4:1, plateau-honed, and graded m = +-0.3. Those with --measured-like resemble measured
+maps: spectra to the pixel, noise, spikes, lay on a form, steps, few summits, tapered borders. Ten
+mean pressures from about 0.1 % to 15 % of contact.
+
+The reference is solved on the map refined twice by its own Fourier series: the surface that the
+model sees, too. Columns: family, seed, area_fraction (reference, corrected), load_error at equal
+separation, area_error at equal load, grid_load and grid_area (boundary elements on the map's own
+grid against the reference), separation_error in rms heights, the model's own estimates, and the
+quantities that they are made of.
 """
 
 from __future__ import annotations
@@ -16,6 +23,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 import asperity
 import surfaces
@@ -58,26 +66,85 @@ def surface(points: int, seed: int, recipe: dict) -> surfaces.HeightMap:
     return surfaces.self_affine((points, points), seed=seed, **recipe)
 
 
-def rows_of(name: str, recipe: dict, points: int, seed: int) -> dict[str, list]:
+def measured_like(points: int, seed: int) -> dict[str, surfaces.HeightMap]:
+    """Maps that resemble measured ones, of one seed, pixel size 1."""
+    rng = np.random.default_rng(seed)
+    shape, size = (points, points + points // 4), (float(points), 1.25 * points)
+
+    def rough(cutoff: float | None, rolloff: float, hurst: float = 0.8) -> surfaces.HeightMap:
+        return surfaces.self_affine(
+            shape, size, hurst=hurst, rms_slope=0.1, rolloff=rolloff, cutoff=cutoff, seed=seed
+        )
+
+    def periodic(heights: NDArray[np.float64]) -> surfaces.HeightMap:
+        return surfaces.HeightMap(heights, (1.0, 1.0), periodic=True)
+
+    def tapered(heights: NDArray[np.float64]) -> surfaces.HeightMap:
+        return surfaces.prepare(surfaces.HeightMap(heights, (1.0, 1.0)), periodic="taper")
+
+    base = rough(8.0, points / 8)
+    rms = base.rms_height
+    noise = rng.normal(size=shape)
+    spikes = np.where(rng.random(shape) < 3e-4, rng.uniform(0.3, 2.0, shape) * rms, 0.0)
+    spikes += 0.5 * sum(np.roll(spikes, 1, axis) + np.roll(spikes, -1, axis) for axis in (0, 1))
+    ground = surfaces.ground(shape, size, rms_slope=0.1, cutoff=5.0, seed=seed)
+    y, x = (np.linspace(-1, 1, n) for n in shape)
+    form = -ground.rms_height * (y[:, None] ** 2 + 0.5 * x**2)
+    step = 0.25 * rms
+    terraces = step * (np.round(base.heights / step) + 0.2 * noise)
+    near = (terraces, *(np.roll(terraces, s, axis) for axis in (0, 1) for s in (1, -1)))
+    return {
+        "to the pixel H 0.8": rough(None, points / 8),
+        "to the pixel H 0.5": rough(None, points / 8, 0.5),
+        "cut-off 3 px": rough(3.0, points / 4),
+        "noise": periodic(base.heights + rng.uniform(0.01, 0.04) * noise),
+        "spikes": periodic(base.heights + spikes),
+        "lay on a form, noise": tapered(ground.heights + form + 0.01 * noise),
+        "steps": tapered(np.mean(near, axis=0)),
+        "few summits": tapered(rough(12.0, float(points)).heights),
+        "few summits, fine": tapered(rough(5.0, float(points)).heights),
+    }
+
+
+def curves(
+    hm: surfaces.HeightMap, body: asperity.HalfSpace, kept: Path | None
+) -> tuple[asperity.ContactCurve, asperity.ContactCurve]:
+    """Boundary elements on the refined map and on the map itself; read back from `kept`."""
+    fine = surfaces.resample(hm, np.asarray(hm.spacing) / 2)
+    out = []
+    for grid in (fine, hm):
+        path = kept and kept / f"{grid.digest}_{body.m:g}.h5"
+        if path and path.exists():
+            out.append(asperity.ContactCurve.from_hdf5(path))
+            continue
+        pressures = LOADS * pressure_scale(hm, body)
+        out.append(asperity.bem_curve(grid, body, pressures=pressures, tolerance=TOLERANCE))
+        if path:
+            out[-1].to_hdf5(path)
+    return out[0], out[1]
+
+
+def rows_of(
+    name: str, hm: surfaces.HeightMap, body: asperity.HalfSpace, seed: int, kept: Path | None
+) -> dict[str, list]:
     """Errors of one surface at all loads."""
-    hm = surface(points, seed, recipe)
-    body = asperity.HalfSpace.from_modulus(1.0, m=recipe.get("m", 0.0))
-    reference = asperity.bem_curve(
-        hm, body, pressures=LOADS * pressure_scale(hm, body), tolerance=TOLERANCE
-    )
+    reference, own = curves(hm, body, kept)
     start = time.perf_counter()
     plan = make_plan(hm, body, pressures=reference.mean_pressure)
     model = solve_contacts(hm, body, plan, pressures=reference.mean_pressure).curve
     seconds = time.perf_counter() - start
     same = asperity.contact_curve(hm, body, separations=reference.separation)
+    slope = np.gradient(np.log(reference.mean_pressure), reference.separation)
     n = len(reference)
     table = {
         "family": [name] * n,
         "seed": [seed] * n,
-        "points": [points] * n,
+        "points": [hm.shape[0]] * n,
         "area_fraction": reference.area_fraction.tolist(),
         "load_error": (same.mean_pressure / reference.mean_pressure - 1).tolist(),
         "area_error": (model.contact_area / reference.contact_area - 1).tolist(),
+        "grid_load": np.expm1(-(own.separation - reference.separation) * slope).tolist(),
+        "grid_area": (own.contact_area / reference.contact_area - 1).tolist(),
         "separation_error": ((model.separation - reference.separation) / hm.rms_height).tolist(),
         "estimate": same.error_estimate.tolist(),
         "contacts": same.contacts.tolist(),
@@ -88,38 +155,67 @@ def rows_of(name: str, recipe: dict, points: int, seed: int) -> dict[str, list]:
     return table | {name: np.asarray(v).tolist() for name, v in same.extra.items()}
 
 
+def scenes(args: argparse.Namespace) -> list[tuple[str, int, surfaces.HeightMap, float]]:
+    """Name, seed, map and exponent of the grading of everything asked for."""
+    if args.maps:
+        return [
+            (path.stem, 0, _prepared(path), 0.0)
+            for path in sorted(args.maps.glob("*.h5"))
+            if not args.families or any(part in path.stem for part in args.families)
+        ]
+    out = []
+    for seed in args.seeds:
+        if args.measured_like:
+            found = measured_like(args.points, seed)
+            out += [(name, seed, hm, 0.0) for name, hm in found.items()]
+        else:
+            out += [
+                (name, seed, surface(args.points, seed, recipe), recipe.get("m", 0.0))
+                for name, recipe in families(args.points).items()
+                if not args.families or any(part in name for part in args.families)
+            ]
+    return out
+
+
+def _prepared(path: Path) -> surfaces.HeightMap:
+    return surfaces.prepare(surfaces.read(path), fill="harmonic", periodic="taper")
+
+
 def main() -> None:
     """Run the families and print one line per surface."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--points", type=int, default=512)
     parser.add_argument("--seeds", type=int, nargs="+", default=[11, 12])
     parser.add_argument("--families", nargs="*", default=[], help="parts of family names")
+    parser.add_argument("--measured-like", action="store_true", help="maps like measured ones")
+    parser.add_argument("--maps", type=Path, help="folder of measured maps, in place of families")
+    parser.add_argument("--references", type=Path, help="folder that keeps the reference curves")
     parser.add_argument("--out", type=Path)
     args = parser.parse_args()
     collected: dict[str, list] = {}
-    for name, recipe in families(args.points).items():
-        if args.families and not any(part in name for part in args.families):
-            continue
-        for seed in args.seeds:
-            table = rows_of(name, recipe, args.points, seed)
-            for column, values in table.items():
-                collected.setdefault(column, []).extend(values)
-            area = np.array(table["area_fraction"])
-            light = area < 0.08
-            worst = [
-                100 * np.abs(np.array(table[column])[light]).max()
-                for column in ("load_error", "area_error")
-            ]
-            print(
-                f"{name:32s} seed {seed:3d}  load "
-                + " ".join(f"{100 * e:+5.1f}" for e in table["load_error"])
-                + "  area "
-                + " ".join(f"{100 * e:+5.1f}" for e in table["area_error"])
-                + f"  worst to 8 %: {worst[0]:.1f} {worst[1]:.1f}  {table['seconds'][0]:.2f} s",
-                flush=True,
-            )
-    if args.out:
-        write_csv(args.out, collected)
+    for name, seed, hm, m in scenes(args):
+        body = asperity.HalfSpace.from_modulus(1.0, m=m)
+        table = rows_of(name, hm, body, seed, args.references)
+        for column, values in table.items():
+            collected.setdefault(column, []).extend(values)
+        light = np.array(table["area_fraction"]) < 0.08
+        lines = {
+            column: np.array(table[column])
+            for column in ("load_error", "area_error", "grid_load", "grid_area")
+        }
+        worst = [100 * np.abs(lines[column][light]).max() for column in lines]
+        errors = "  ".join(
+            column.replace("_", " ") + " " + " ".join(f"{100 * e:+5.1f}" for e in values)
+            for column, values in list(lines.items())[:2]
+        )
+        print(
+            f"{name:32s} seed {seed:3d}  {errors}  worst to 8 %: {worst[0]:.1f} {worst[1]:.1f}  "
+            f"(grid {worst[2]:.1f} {worst[3]:.1f})  converged {sum(table['converged'])}  "
+            f"{table['seconds'][0]:.2f} s",
+            flush=True,
+        )
+        if args.out:
+            write_csv(args.out, collected)
 
 
 if __name__ == "__main__":
