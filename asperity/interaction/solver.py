@@ -27,13 +27,15 @@ MAX_CUTS = 30
 NOISE = 1e-10
 """Share of the energies below which a change of energy is not known: pairs are tabulated."""
 
-RELAXATION = (0.8, 0.65, 0.35)
-"""Share of the change of the deflection that a step takes, early, late and in long solves: more
-force here means less there, so that the full change overshoots. Two contacts on one ridge can pass
-their load back and forth for ever."""
+RELAXATION = 0.8
+"""Share of the change of the deflection that an early step takes: more force here means less there,
+so that the full change overshoots."""
 
-EARLY, LONG = 3, 8
-"""Newton steps from which on a step is no longer early, and a solve is long."""
+EARLY = 3
+"""Newton steps from which on the share is taken from how the last change went."""
+
+SHARES = (0.2, 1.0)
+"""Least and largest share."""
 
 SUFFICIENT = 1e-4
 """Share of the predicted fall of energy that a step must reach (Armijo)."""
@@ -122,7 +124,8 @@ def descend(
     state = State.at(problem, np.maximum(start, 0.0), tilt)
     limit = MAX_STEPS if load is None else MAX_LOADED_STEPS
     limit = limit if problem.elongation is None else MAX_LONG_STEPS
-    products, reason, held = 1, "", None
+    products, reason, held, share = 1, "", None, RELAXATION
+    last = np.zeros(len(start))
     for step in range(limit + 1):
         if load is not None:
             separation = _balanced(problem, state, separation)
@@ -134,9 +137,12 @@ def descend(
         if step == limit:
             reason = f"{limit} Newton steps left a residual of {error:.1e}"
             break
-        share = RELAXATION[(step >= EARLY) + (step >= LONG)]
-        held = state.risen if held is None else held + share * (state.risen - held)
+        behind = state.risen - (state.risen if held is None else held)
+        if step >= EARLY:
+            share = _relaxed(share, last, behind, state.laws.stiffness)
+        held = state.risen if held is None else held + share * behind
         tilt = tilt + (share if step >= EARLY else 1.0) * (state.field.tilt - tilt)
+        last = behind
         residual.raised(held - state.risen)
         tangent = Tangent(
             problem.plan, residual.active, residual.stiffness, residual.extra, problem.form
@@ -173,6 +179,25 @@ def descend(
         products,
         reason,
     )
+
+
+def _relaxed(
+    share: float,
+    last: NDArray[np.float64],
+    behind: NDArray[np.float64],
+    stiffness: NDArray[np.float64],
+) -> float:
+    """Share that would have removed the most of the last difference (Aitken), within bounds.
+
+    Contacts on one ridge can pass their load back and forth, or pull each other along: no fixed
+    share settles both.
+    """
+    change = behind - last
+    whole = float(np.sum(stiffness * change * change))
+    if not whole:
+        return share
+    found = -share * float(np.sum(stiffness * last * change)) / whole
+    return min(max(found, SHARES[0]), SHARES[1])
 
 
 def _balanced(problem: Problem, state: State, separation: float) -> float:
