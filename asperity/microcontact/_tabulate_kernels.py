@@ -90,7 +90,7 @@ def _finish(columns, state, filling, ends, place, hermite, basin, length, angle,
 def tabulate_rows(
     begin, end, profiles, rules, levels, settings, rows, moments, weights, punch, resampling, out
 ):  # fmt: skip
-    """Table rows of the profiles [begin, end); arguments as `ellipse_batch._inputs` makes them."""
+    """Table rows of the profiles [begin, end); `ellipse_batch._rules` makes most arguments."""
     phis, angles, all_weights, curvatures, edges, qs, valid = profiles
     radii, rings, image, skews, matrices, members, count, logs = rules
     u, powers, stencils = levels
