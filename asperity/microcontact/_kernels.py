@@ -152,7 +152,7 @@ def expand_profiles(begin, end, phi, weight, edge, q, valid, top, fractions, nod
             a = top[i] * fractions[step]
             _sample(cubics, edge[i], a, nodes, sample)
             np.dot(rules, sample, applied)
-            row = out[i, step]
+            row = out[i - begin, step]
             _reduce(applied, share, cosine, sine, harmonics, rest, row)
             for k in range(rays):
                 row[2] += share[k] * applied[count + 1, k]

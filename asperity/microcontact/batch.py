@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +27,9 @@ _HARMONICS = 5
 _OVERSHOOT = 1.15
 _SMALLEST, _GRADING = 0.02, 1.3
 _LIMIT = 0.5
+
+_BLOCK = 512
+"""Profiles tabulated at a time: their arrays stay in the cache."""
 
 
 def tabulate(
@@ -76,7 +80,6 @@ def tabulate(
     top = np.sqrt(0.5 * np.sum(profiles.weight * profiles.edge**2, axis=1) / np.pi)
     t, weights = gauss_jacobi(m, points)
     usable = np.all(np.isfinite(profiles.q), axis=(1, 2)) & np.all(profiles.edge > 0, axis=1)
-    rows = np.zeros((top.size, radii, 11))
     inputs = (
         np.ascontiguousarray(profiles.phi),
         np.ascontiguousarray(profiles.weight),
@@ -88,15 +91,19 @@ def tabulate(
         t,
         _rules(m, t, weights),
         m + (1 - m) * np.arange(_HARMONICS + 2.0),
-        rows,
     )
 
-    def part(start: int, stop: int) -> LawTable:
-        expand_profiles(start, stop, *inputs)
-        own = slice(start, stop)
-        return _assemble(rows[own], top[own], fractions, material, law, nodes, usable[own])
+    def block(start: int, stop: int) -> LawTable:
+        rows, own = np.zeros((stop - start, radii, 11)), slice(start, stop)
+        expand_profiles(start, stop, *inputs, rows)
+        return _assemble(rows, top[own], fractions, material, law, nodes, usable[own])
 
-    return joined(_threads.run(part, _threads.blocks(top.size, 64)))
+    def part(start: int, stop: int) -> list[LawTable]:
+        bounds = [*range(start, max(stop, start + 1), _BLOCK), stop]
+        return [block(a, b) for a, b in itertools.pairwise(bounds)]
+
+    parts = _threads.run(part, _threads.blocks(top.size, 64))
+    return joined([table for tables in parts for table in tables])
 
 
 def _rules(m: float, t: Array, weights: Array) -> Array:
