@@ -54,8 +54,9 @@ def population(n: int, law: str, seed: int = 1, **spectrum: float) -> tuple[Popu
         cell=hm.size,
         boundary="periodic",
         material=MATERIAL,
-        curvature=profiles.curvature,
-        angle=profiles.angle,
+        # contacts by the law of Hertz are round
+        curvature=None if law == "hertz" else profiles.curvature,
+        angle=None if law == "hertz" else profiles.angle,
     )
     return made, hm.rms_height
 

@@ -48,8 +48,11 @@ class Problem:
 
     @property
     def form(self) -> NDArray[np.float64]:
-        """Moments of the footprints over their variance, shape (n, 3)."""
-        return self.plan.round if self.elongation is None else self.elongation.spread
+        """Moments of the footprints over their variance, shape (n, 3); contacts that do not move
+        aside are taken as round."""
+        if self.elongation is None or not self.deflects:
+            return self.plan.round
+        return self.elongation.spread
 
     @property
     def lean(self) -> NDArray[np.float64]:
