@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-import surfaces
 from surfaces.heightmap import HeightMap
 
 from .baseline import LOOSE_TOLERANCE, cheap_run, coarse_grids, rms
 from .bem.curve import bem_curve
 from .bem.solve import bem_solve
+from .compilation import compile_ahead, small_map
 from .contacts import contact_map, microcontacts
 from .curve import solve_contacts
 from .errors import InputError
@@ -33,9 +33,6 @@ __all__ = ["Comparison", "compare"]
 
 MAP_AREA_FRACTION = 0.03
 """Contact area fraction near which the contact maps are taken."""
-
-COMPILATION_SHAPE = (160, 192)
-"""Large enough to meet every kernel of both models."""
 
 ERRORS = ("load_error", "area_error", "separation_error")
 
@@ -294,13 +291,8 @@ def compare(
 
 def _compile(material: HalfSpace, plan: Plan) -> None:
     """Run both models once on a small map, so that no run time holds compilation."""
-    small = surfaces.self_affine(
-        COMPILATION_SHAPE,
-        (1.0, 1.0),
-        hurst=0.8,
-        rms_slope=0.1,
-        seed=0,
-    )
+    compile_ahead(("laws", "bem"), material, plan.boundary)
+    small = small_map()
     whole = dataclasses.replace(plan, above=None, coarse=None)
     loads = default_pressures(small, material, count=2)
     solve_contacts(small, material, whole, pressures=loads)

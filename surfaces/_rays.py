@@ -109,12 +109,15 @@ def fit(
     ny, nx = labels.shape
     dy, dx = spacing
     rays, nodes = q.shape[1:]
-    turns = 2.0 * math.pi * np.arange(rays) / rays
-    steps_x, steps_y = np.cos(turns), np.sin(turns)
+    steps_x, steps_y = np.empty(rays), np.empty(rays)
+    for p in range(rays):
+        steps_x[p] = math.cos(2.0 * math.pi * p / rays)
+        steps_y[p] = math.sin(2.0 * math.pi * p / rays)
     along, across = np.empty(rays), np.empty(rays)
-    shares = np.arange(nodes) / (nodes - 1.0)
-    inverse_squares = np.ones(nodes)
-    inverse_squares[1:] = 1.0 / shares[1:] ** 2
+    shares, inverse_squares = np.zeros(nodes), np.ones(nodes)
+    for j in range(1, nodes):
+        shares[j] = j / (nodes - 1.0)
+        inverse_squares[j] = 1.0 / (shares[j] * shares[j])
     radii = _steps()
     fs = np.empty(_MOST_SAMPLES)
     for rank in range(start, stop):

@@ -86,7 +86,8 @@ def contact_counts(pressure: NDArray[np.float64], nx: int, periodic: bool) -> An
         n = _row_runs(pressure[y], nx, begin[now], end[now])
         if runs + n > parent.size:
             wider = np.empty(2 * parent.size + n, np.int64)
-            wider[:runs] = parent[:runs]
+            for i in range(runs):
+                wider[i] = parent[i]
             parent = wider
         row_pixels = 0
         for i in range(n):

@@ -162,8 +162,10 @@ def spread(
                     for x in range(nxc + TAPS):
                         wide[x] += a * own[x + 4] + b * own[x + 3] + c * own[x + 2] + d * own[x + 1]
                 shift = first_x[0]
-                row[shift:] = wide[: nxc - shift]
-                row[:shift] = wide[nxc - shift : nxc]
+                for x in range(nxc - shift):
+                    row[shift + x] = wide[x]
+                for x in range(shift):
+                    row[x] = wide[nxc - shift + x]
                 for x in range(TAPS):
                     row[(nxc + x + shift) % nxc] += wide[nxc + x]
                 continue
@@ -223,9 +225,12 @@ def gather(
                 row[x] = a * c0[x] + b * c1[x] + c * c2[x] + d * c3[x]
             if whole and n * _DENSE > nxc:
                 shift = first_x[0]
-                wide[: nxc - shift] = row[shift:]
-                wide[nxc - shift : nxc] = row[:shift]
-                wide[nxc:] = wide[:TAPS]
+                for x in range(nxc - shift):
+                    wide[x] = row[shift + x]
+                for x in range(shift):
+                    wide[nxc - shift + x] = row[x]
+                for x in range(TAPS):
+                    wide[nxc + x] = wide[x]
                 for phase in range(COARSENING):
                     a, b = weight_x[phase, 0], weight_x[phase, 1]
                     c, d = weight_x[phase, 2], weight_x[phase, 3]

@@ -28,10 +28,12 @@ def run(args: argparse.Namespace) -> int:
     output.require_folder(args.results, args.csv, args.contacts, args.fields)
     material, loads = options.material(args), options.loads(args)
     hm = options.load_surface(args.file, args)
+    from asperity.compilation import compile_ahead
     from asperity.curve import contact_curve
     from asperity.plan import make_plan
 
     plan = make_plan(hm, material, **loads, **options.model(args))
+    compile_ahead(("laws",), material, plan.boundary)
 
     def solve(kind, values, progress, checkpoint):  # type: ignore[no-untyped-def]
         return contact_curve(

@@ -1,0 +1,119 @@
+"""The first run on a machine: kernels compiled in several processes at once.
+
+Numba compiles on one processor and keeps the machine code on disk, from where every later run
+takes it. On a machine that has none yet, parts that do not need each other are compiled side by
+side: each in a process of its own, which runs that part once on a tiny scene.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from surfaces import self_affine
+from surfaces.heightmap import HeightMap
+from surfaces.profiles import Profiles
+
+from .material import HalfSpace
+
+__all__ = ["compile_ahead", "small_map"]
+
+SHAPE = (160, 192)
+"""Large enough to meet every kernel of both models."""
+
+
+def small_map() -> HeightMap:
+    """A map on which both models meet all their kernels."""
+    return self_affine(SHAPE, (1.0, 1.0), hurst=0.8, rms_slope=0.1, seed=0)
+
+
+def compile_ahead(parts: Sequence[str], material: HalfSpace, boundary: str) -> None:
+    """Compile in processes of their own what the disk does not hold; returns when all is there.
+
+    Parameters
+    ----------
+    parts
+        Some of "laws" (law tables of summits) and "bem" (boundary elements).
+    material, boundary
+        Of the run to come.
+    """
+    if not _cold():
+        return
+    children = [
+        subprocess.Popen(
+            [sys.executable, "-m", __name__, part, repr(material.m), boundary],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        for part in parts
+    ]
+    try:
+        _sum_of_contacts(material, boundary)
+    finally:
+        for child in children:
+            child.wait()
+
+
+def _cold() -> bool:
+    """Whether the largest kernel has not been compiled since its source was written."""
+    from .microcontact import _tabulate_kernels
+
+    source = Path(_tabulate_kernels.__file__)
+    folder = Path(_tabulate_kernels.tabulate_rows.stats.cache_path)
+    newest = max((f.stat().st_mtime for f in folder.glob(f"{source.stem}.*.nbi")), default=0.0)
+    return newest < source.stat().st_mtime
+
+
+def _sum_of_contacts(material: HalfSpace, boundary: str) -> None:
+    """Peaks, profiles and interaction, with the law that costs nothing."""
+    from .curve import contact_curve
+    from .loadpoints import default_pressures
+
+    hm = small_map()
+    loads = default_pressures(hm, material, count=2)
+    contact_curve(hm, material, pressures=loads, law="hertz", boundary=boundary)
+
+
+def _laws(material: HalfSpace, boundary: str) -> None:
+    """Law tables of paraboloids, by every law that "auto" can take."""
+    from .microcontact.laws import tabulate
+
+    rays, nodes, count = 16, 17, 2
+    turn = 2 * np.pi * np.arange(rays) / rays
+    profiles = Profiles(
+        x=np.zeros(count),
+        y=np.zeros(count),
+        height=np.ones(count),
+        curvature=np.ones((count, 2)),
+        angle=np.zeros(count),
+        phi=np.tile(turn, (count, 1)),
+        weight=np.full((count, rays), 2 * np.pi / rays),
+        edge=np.ones((count, rays)),
+        t=np.linspace(0.0, 1.0, nodes),
+        q=np.full((count, rays, nodes), 0.5),
+        pixels=np.full(count, 100),
+        border=np.zeros(count, bool),
+        valid=np.ones(count, bool),
+        owner=np.arange(count),
+    )
+    for law in ("ellipse", "ritz"):
+        tabulate(profiles, material, law=law)
+
+
+def _bem(material: HalfSpace, boundary: str) -> None:
+    """Boundary elements at two loads."""
+    from .bem.curve import bem_curve
+    from .loadpoints import default_pressures
+
+    hm = small_map()
+    loads = default_pressures(hm, material, count=2)
+    bem_curve(hm, material, pressures=loads, tolerance=1e-2, boundary=boundary)
+
+
+if __name__ == "__main__":
+    part, m, boundary = sys.argv[1:]
+    {"laws": _laws, "bem": _bem}[part](HalfSpace.from_modulus(1.0, m=float(m)), boundary)

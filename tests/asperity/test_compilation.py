@@ -1,0 +1,36 @@
+"""Compilation ahead: parts in processes of their own, and nothing at all once the code is there."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+import asperity
+from asperity import compilation
+
+BODY = asperity.HalfSpace.from_modulus(1.0)
+
+
+@pytest.mark.parametrize("part", ["laws", "bem"])
+def test_each_part_runs_in_a_process_of_its_own(part):
+    arguments = [sys.executable, "-m", "asperity.compilation", part, "0.3", "periodic"]
+    done = subprocess.run(arguments, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_no_process_starts_where_the_code_is_there(monkeypatch):
+    compilation._laws(BODY, "periodic")
+    assert not compilation._cold()
+
+    def started(*_, **__):
+        raise AssertionError("a process was started")
+
+    monkeypatch.setattr(subprocess, "Popen", started)
+    compilation.compile_ahead(("laws", "bem"), BODY, "periodic")
+
+
+def test_a_part_that_fails_is_left_to_the_run_itself(monkeypatch):
+    monkeypatch.setattr(compilation, "_cold", lambda: True)
+    compilation.compile_ahead(("no such part",), BODY, "periodic")
