@@ -59,8 +59,8 @@ def plan(
 ) -> Convolution:
     """The convolution that is faster for a grid (ny, nx) and its padded shape.
 
-    Measured on two cores: blocks win by 1.3 at 2048 x 2048 and by 1.7 at 4096 x 4096, whole
-    transforms below 1400 x 1400; padded, blocks win from 200 x 200 on and take half the memory.
+    The limits come from single passes timed on two cores: whole transforms are faster below
+    1400 x 1400; padded, blocks are from 200 x 200 on, and take half the memory.
     """
     if shape[0] * shape[1] <= _LARGEST_WHOLE[padded != shape]:
         return _Whole(shape, padded, threads, scratch or Scratch())
