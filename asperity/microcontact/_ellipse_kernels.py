@@ -26,6 +26,9 @@ WIDEST, SHARE, CONFINED = 0.5, 0.05, 0.5
 _AGAIN = 2
 """Newton steps at most at a level after the first trusted one: a single one where it is trusted."""
 
+_STILL = 1e-3
+"""Newton step, in logarithms and angles, that ends the search at a level."""
+
 STATES = 10
 """Numbers kept per level: force, stiffness of the first-order contour and its change with a
 uniform displacement, areas of the ellipse and of the contour and the change of the latter,
@@ -226,21 +229,19 @@ def _mixed(fit, logs, size, out):
 
 @njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
 def march_one(
-    fit, logs, edge, stretch, levels, most, stop, m, rows, start, inverse, moments, state, shape,
+    fit, logs, edge, stretch, levels, most, m, rows, start, inverse, moments, state, shape,
     space,
 ):  # fmt: skip
     """Follow a profile through the approaches levels**2.
 
     Fills state (levels, STATES) and shape (levels, SHAPE). `most` Newton steps at most before the
-    first trusted level; `stop` ends at the first level that is not trusted;
-    without it every level is iterated to rest. Returns the first and the last trusted level, or
-    -1 for both.
+    first trusted level; ends at the first level after it that is not trusted. Returns the first and
+    the last trusted level, or -1 for both.
     """
     local, row, fields, fourier, H, poses, powers = space
     P, Q, X, limit, free = fields[0], fields[1], fields[2], fields[3], fields[4]
     turns = fields[5]
     g, pose, slope, before, used = poses[0], poses[1], poses[2], poses[3], poses[4]
-    still = 1e-3 if stop else 1e-10
     smallest = 1e300
     for p in range(edge.size):
         smallest = min(smallest, edge[p])
@@ -258,7 +259,7 @@ def march_one(
         state[level, 9] = 0.0
         force, punch, scale, gain, shift, second = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         total, push, open_weight, widest, filled, a, b = 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0
-        for _ in range(_AGAIN if stop and first >= 0 else most):
+        for _ in range(_AGAIN if first >= 0 else most):
             for i in range(5):
                 used[i] = pose[i]
             size = 0.5 * (pose[0] + pose[1])
@@ -313,9 +314,9 @@ def march_one(
             pose[2] += twist
             pose[3] += tc * g[3] * a - ts * g[4] * b
             pose[4] += ts * g[3] * a + tc * g[4] * b
-            if abs(g[0]) + abs(g[1]) + abs(twist) + abs(g[3]) + abs(g[4]) < still:
+            if abs(g[0]) + abs(g[1]) + abs(twist) + abs(g[3]) + abs(g[4]) < _STILL:
                 break
-            if stop and first >= 0 and small:
+            if first >= 0 and small:
                 break
         second = _second_order(X, row, fourier)
         gain += push / total * second
@@ -354,22 +355,6 @@ def march_one(
             state[level, 9] = 1.0
             first = level if first < 0 else first
             last = level
-        elif stop and (first >= 0 or level > levels.size // 2):
+        elif first >= 0 or level > levels.size // 2:
             break
     return first, last
-
-
-@njit(cache=True, nogil=True)
-def march(
-    coefs, sizes, edges, stretches, levels, most, m, rows, start, inverse, moments, states, shapes
-):
-    """Follow single profiles through the approaches levels**2, every level iterated to rest.
-
-    Fills states (n, levels, STATES) and shapes (n, levels, SHAPE).
-    """
-    space = march_space(rows.shape[1])
-    for i in range(len(coefs)):
-        march_one(
-            coefs[i], np.log(sizes[i]), edges[i], stretches[i], levels, most, False, m, rows, start,
-            inverse, moments, states[i], shapes[i], space,
-        )  # fmt: skip

@@ -127,7 +127,7 @@ def tabulate_rows(
         if not _usable(coefs):
             continue
         first, last = march_one(
-            coefs, logs, edge, stretch, u, most, True, m, rows, start, inverse, moments, state,
+            coefs, logs, edge, stretch, u, most, m, rows, start, inverse, moments, state,
             shape, marching,
         )  # fmt: skip
         fill_one(
