@@ -12,6 +12,7 @@ import surfaces
 from surfaces.heightmap import HeightMap
 
 from .bem.curve import bem_curve
+from .boundary import Boundary
 from .results import ContactCurve
 
 if TYPE_CHECKING:
@@ -47,14 +48,14 @@ def load_at_separation(curve: ContactCurve, separation: NDArray[np.float64]) -> 
     spline = PchipInterpolator(knots, log_p)
     inside = np.clip(separation, knots[0], knots[-1])
     slope = spline.derivative()(inside)
-    return np.exp(spline(inside) + slope * (separation - inside))
+    return np.asarray(np.exp(spline(inside) + slope * (separation - inside)))
 
 
 def cheap_run(
     hm: HeightMap,
     material: HalfSpace,
     grid: tuple[int, int],
-    boundary: str,
+    boundary: Boundary,
     reference: ContactCurve,
 ) -> tuple[Any, ...]:
     """Row of the table of run times: boundary elements on a coarse grid at a loose tolerance."""

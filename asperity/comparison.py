@@ -106,7 +106,8 @@ class Comparison:
         )
         if not as_good.any():
             return None
-        return others[as_good][np.argmin(others[as_good]["seconds"])]
+        fastest: NDArray[np.void] = others[as_good][np.argmin(others[as_good]["seconds"])]
+        return fastest
 
     def verdict(self) -> str:
         """What a reader wants to know first, in three sentences."""
@@ -241,7 +242,7 @@ def compare(
     """
     say = progress if progress is not None else lambda label: None
     kind, values = checked_loads(hm, material, pressures, separations)
-    loads = {"pressures" if kind == "pressure" else "separations": values}
+    loads: dict[str, Any] = {"pressures" if kind == "pressure" else "separations": values}
     if plan is None:
         plan = make_plan(hm, material, **loads, law=law, interaction=interaction, boundary=boundary)
     say("compilation")

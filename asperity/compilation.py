@@ -18,6 +18,7 @@ from surfaces import self_affine
 from surfaces.heightmap import HeightMap
 from surfaces.profiles import Profiles
 
+from .boundary import Boundary, known_boundary
 from .material import HalfSpace
 
 __all__ = ["compile_ahead", "small_map"]
@@ -31,7 +32,7 @@ def small_map() -> HeightMap:
     return self_affine(SHAPE, (1.0, 1.0), hurst=0.8, rms_slope=0.1, seed=0)
 
 
-def compile_ahead(parts: Sequence[str], material: HalfSpace, boundary: str) -> None:
+def compile_ahead(parts: Sequence[str], material: HalfSpace, boundary: Boundary) -> None:
     """Compile in processes of their own what the disk does not hold; returns when all is there.
 
     Parameters
@@ -63,12 +64,12 @@ def _cold() -> bool:
     from .microcontact import _tabulate_kernels
 
     source = Path(_tabulate_kernels.__file__)
-    folder = Path(_tabulate_kernels.tabulate_rows.stats.cache_path)
+    folder = Path(str(_tabulate_kernels.tabulate_rows.stats.cache_path))
     newest = max((f.stat().st_mtime for f in folder.glob(f"{source.stem}.*.nbi")), default=0.0)
     return newest < source.stat().st_mtime
 
 
-def _sum_of_contacts(material: HalfSpace, boundary: str) -> None:
+def _sum_of_contacts(material: HalfSpace, boundary: Boundary) -> None:
     """Peaks, profiles and interaction, with the law that costs nothing."""
     from .curve import contact_curve
     from .loadpoints import default_pressures
@@ -78,7 +79,7 @@ def _sum_of_contacts(material: HalfSpace, boundary: str) -> None:
     contact_curve(hm, material, pressures=loads, law="hertz", boundary=boundary)
 
 
-def _laws(material: HalfSpace, boundary: str) -> None:
+def _laws(material: HalfSpace, boundary: Boundary) -> None:
     """Law tables of paraboloids, by every law that "auto" can take."""
     from .microcontact.laws import tabulate
 
@@ -104,7 +105,7 @@ def _laws(material: HalfSpace, boundary: str) -> None:
         tabulate(profiles, material, law=law)
 
 
-def _bem(material: HalfSpace, boundary: str) -> None:
+def _bem(material: HalfSpace, boundary: Boundary) -> None:
     """Boundary elements at two loads."""
     from .bem.curve import bem_curve
     from .loadpoints import default_pressures
@@ -115,5 +116,6 @@ def _bem(material: HalfSpace, boundary: str) -> None:
 
 
 if __name__ == "__main__":
-    part, m, boundary = sys.argv[1:]
-    {"laws": _laws, "bem": _bem}[part](HalfSpace.from_modulus(1.0, m=float(m)), boundary)
+    _, part, m, boundary = sys.argv
+    body = HalfSpace.from_modulus(1.0, m=float(m))
+    {"laws": _laws, "bem": _bem}[part](body, known_boundary(boundary))

@@ -41,13 +41,14 @@ def pressure_scale(hm: HeightMap, material: HalfSpace) -> float:
     to E_m* q^-m (theory 6), taken here at the length over which the slope turns.
     """
     slope, length = slope_scale(hm)
-    return material.modulus * length**material.m * slope
+    return float(material.modulus * length**material.m * slope)
 
 
 def default_pressures(hm: HeightMap, material: HalfSpace, count: int = 10) -> NDArray[np.float64]:
     """Mean pressures [Pa], geometric, for about 0.1 % to 10 % of contact."""
     ends = np.array([1e-3, 1e-1]) / AREA_OVER_LOAD
-    return np.geomspace(*(ends * pressure_scale(hm, material)), count)
+    low, high = ends * pressure_scale(hm, material)
+    return np.geomspace(low, high, count)
 
 
 def expected_area_fraction(hm: HeightMap, material: HalfSpace, pressure: float) -> float:

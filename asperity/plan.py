@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from surfaces.coarsening import coarse_map
 from surfaces.heightmap import HeightMap
 
+from .boundary import Boundary, chosen_boundary
 from .errors import InputError, SurfaceError
 from .loadpoints import checked_loads, expected_area_fraction, slope_scale
 
@@ -65,7 +66,7 @@ class Plan:
         Time of the decisions [s].
     """
 
-    boundary: str
+    boundary: Boundary
     law: str
     graded: bool
     interaction: bool
@@ -116,7 +117,7 @@ def make_plan(
     start = time.perf_counter()
     _require_usable(hm)
     kind, values = checked_loads(hm, material, pressures, separations)
-    edge = checked_boundary(hm, boundary)
+    edge = chosen_boundary(hm, boundary)
     reasons = [f"boundary: {edge} ({'as the map says' if boundary is None else 'as asked'})"]
     graded = material.m != 0.0
     reasons.append(
@@ -136,15 +137,6 @@ def make_plan(
     reasons.append("fields: pressure and contours are made on request only")
     seconds = time.perf_counter() - start
     return Plan(edge, law, graded, coupled, above, memory, tuple(reasons), coarse, seconds)
-
-
-def checked_boundary(hm: HeightMap, boundary: str | None) -> str:
-    """The boundary asked for, or the one that the map states."""
-    if boundary is None:
-        return "periodic" if hm.periodic else "free"
-    if boundary not in ("periodic", "free"):
-        raise InputError(f'boundary is {boundary!r}; choose "periodic" or "free"')
-    return boundary
 
 
 def _require_usable(hm: HeightMap) -> None:

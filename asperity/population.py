@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .boundary import known_boundary
 from .errors import InputError
 from .interaction.elongation import Elongation
 from .interaction.footprint import Footprints
@@ -91,11 +92,9 @@ class Population:
             )
         if len(self.x) == 0:
             raise InputError("the population has no summit; lower the height to segment above")
-        if boundary not in ("periodic", "free"):
-            raise InputError(f'boundary must be "periodic" or "free", got {boundary!r}')
         if not (len(cell) == 2 and min(cell) > 0 and math.isfinite(max(cell))):
             raise InputError(f"cell must be two positive lengths, got {cell!r}")
-        self.boundary, self.material = boundary, material
+        self.boundary, self.material = known_boundary(boundary), material
         self._table = table
         self.cell = (float(cell[0]), float(cell[1]))
         self.interaction = interaction and (boundary == "periodic" or len(self.height) > 1)

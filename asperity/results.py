@@ -208,7 +208,7 @@ class ContactCurve:
 
     def joined(self, later: ContactCurve) -> ContactCurve:
         """This curve followed by the points of a later run of the same model; times add up."""
-        columns = {
+        columns: dict[str, Any] = {
             name: np.concatenate([getattr(self, name), getattr(later, name)])
             for name in POINT_FIELDS
         }

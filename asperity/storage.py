@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from . import __version__
 from .errors import FileFormatError, InputError
 from .results import POINT_FIELDS, ContactCurve
-from .tables import structured
+from .tables import columns, structured
 
 __all__ = [
     "SCHEMA",
@@ -202,7 +202,7 @@ def _recoded(
 ) -> NDArray[Any]:
     if array.dtype.names is None:
         return convert(array, "utf-8") if array.dtype.kind == kind else array
-    return structured({name: _recoded(array[name], kind, convert) for name in array.dtype.names})
+    return structured({k: _recoded(v, kind, convert) for k, v in columns(array).items()})
 
 
 def _json(value: Mapping[str, Any]) -> str:

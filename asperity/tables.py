@@ -1,4 +1,4 @@
-"""Structured arrays from named columns."""
+"""Structured arrays from named columns, and back."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["structured"]
+__all__ = ["columns", "structured"]
 
 
 def structured(columns: Mapping[str, Any]) -> NDArray[np.void]:
@@ -19,3 +19,8 @@ def structured(columns: Mapping[str, Any]) -> NDArray[np.void]:
     for name, array in arrays.items():
         table[name] = array
     return table
+
+
+def columns(table: NDArray[np.void]) -> dict[str, NDArray[Any]]:
+    """The named columns of a structured array."""
+    return {name: table[name] for name in table.dtype.names or ()}

@@ -81,12 +81,12 @@ class HeightMap:
     @property
     def x(self) -> NDArray[np.float64]:
         """Pixel centres along the second axis [m], shape (nx,)."""
-        return (np.arange(self.shape[1]) + 0.5) * self.spacing[1]
+        return self.spacing[1] * np.arange(0.5, self.shape[1])
 
     @property
     def y(self) -> NDArray[np.float64]:
         """Pixel centres along the first axis [m], shape (ny,)."""
-        return (np.arange(self.shape[0]) + 0.5) * self.spacing[0]
+        return self.spacing[0] * np.arange(0.5, self.shape[0])
 
     @functools.cached_property
     def missing(self) -> int:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 _FAST = {"reassoc", "contract", "nsz", "nnan"}
 BLOCK = 64
-Grid = NDArray[np.float64]
+Grid = NDArray[np.floating[Any]]
 
 
 @njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)

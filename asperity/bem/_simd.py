@@ -65,7 +65,7 @@ def _tile(radius: int) -> Any:
         (radius + 1)**2 values from its center on.
         """
         index = types.intp
-        signature = types.void(grid, index, index, weights, sums)  # type: ignore[no-untyped-call]
+        signature = types.void(grid, index, index, weights, sums)
 
         def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             grid, place, stride, weights, sums = arguments

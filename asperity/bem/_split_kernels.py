@@ -97,9 +97,9 @@ def near(
             k = tiles[t, 1]
             out = result[k:] if k + LANES <= end else rest
             if short:
-                tile_short(flat, tiles[t, 0], stride, quadrant, out)  # type: ignore[call-arg]
+                tile_short(flat, tiles[t, 0], stride, quadrant, out)
             else:
-                tile(flat, tiles[t, 0], stride, quadrant, out)  # type: ignore[call-arg]
+                tile(flat, tiles[t, 0], stride, quadrant, out)
             if k + LANES > end:
                 for i in range(tiles[t, 2]):
                     result[k + i] = rest[i]
@@ -109,9 +109,9 @@ def near(
         j, k, m = min(i + 1, last), min(i + 2, last), min(i + 3, last)
         at = points[i, 0], points[j, 0], points[k, 0], points[m, 0]
         if short:
-            found = points_short(flat, *at, stride, rows)  # type: ignore[call-arg]
+            found = points_short(flat, *at, stride, rows)
         else:
-            found = points_wide(flat, *at, stride, rows)  # type: ignore[call-arg]
+            found = points_wide(flat, *at, stride, rows)
         result[points[i, 1]] = found[0]
         result[points[j, 1]] = found[1]
         result[points[k, 1]] = found[2]

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from surfaces.heightmap import HeightMap
 
+from ..boundary import Boundary
 from ..errors import InputError
 from .grids import CoarseMaps
-from .operator import Boundary
 
 __all__ = ["GridChoice", "choose_grid", "coarse_map"]
 

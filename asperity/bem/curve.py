@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from surfaces.heightmap import HeightMap
 
+from ..boundary import chosen_boundary
 from ..loadpoints import checked_loads, expected_area_fraction
 from ..material import HalfSpace
 from ..results import ContactCurve
@@ -22,7 +23,6 @@ from .chains import follow_chains, split_loads
 from .contact_map import read_contact
 from .interpolation import interpolated, loads_to_solve
 from .memory import fits
-from .operator import Boundary
 from .path import LoadPath
 from .problem import ContactProblem
 
@@ -77,7 +77,7 @@ def bem_curve(
     pressures: ArrayLike | None = None,
     separations: ArrayLike | None = None,
     tolerance: float = 1e-6,
-    boundary: Boundary | None = None,
+    boundary: str | None = None,
     accuracy: float | None = None,
     check: bool = False,
     progress: Callable[[CurvePoint], object] | None = None,
@@ -130,8 +130,7 @@ def bem_curve(
         )
         return interpolated(solved_curve, values)
     begun = time.perf_counter()
-    if boundary is None:
-        boundary = "periodic" if hm.periodic else "free"
+    boundary = chosen_boundary(hm, boundary)
     asked: dict[str, Any] = {"input": hm.digest}
     grid = hm
     if accuracy is not None:

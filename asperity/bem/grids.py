@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from surfaces import _threads
 
+from ..boundary import Boundary
 from . import _grid_kernels
-from .operator import Boundary
 from .scratch import Scratch
 
 __all__ = ["CoarseMaps", "level_shapes", "prolong"]

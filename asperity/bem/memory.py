@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 
+from ..boundary import Boundary
 from ..errors import InputError
-from .operator import Boundary
 
 __all__ = ["estimated_bytes", "fits", "require_memory"]
 

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from ..boundary import Boundary
 from ..errors import InputError
 from . import convolution
 from .kernel import ElasticHalfSpace, compliance, influence, symbol_quadrant
 from .scratch import Scratch
 
-__all__ = ["Boundary", "HalfSpaceOperator"]
-
-Boundary = Literal["periodic", "free"]
+__all__ = ["HalfSpaceOperator"]
 
 
 class HalfSpaceOperator:

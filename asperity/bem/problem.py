@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from surfaces.heightmap import HeightMap
 
+from ..boundary import chosen_boundary
 from ..errors import InputError, SurfaceError
 from ..threads import threads as thread_count
 from .correction import Level, Outcome
@@ -17,7 +18,7 @@ from .grids import CoarseMaps, level_shapes, prolong
 from .kernel import ElasticHalfSpace
 from .load_search import LoadSearch
 from .memory import require_memory
-from .operator import Boundary, HalfSpaceOperator
+from .operator import HalfSpaceOperator
 from .scratch import Scratch
 
 __all__ = ["ContactProblem"]
@@ -52,7 +53,7 @@ class ContactProblem:
         mat: ElasticHalfSpace,
         *,
         tolerance: float = 1e-6,
-        boundary: Boundary | None = None,
+        boundary: str | None = None,
         threads: int | None = None,
     ) -> None:
         if hm.missing:
@@ -62,15 +63,11 @@ class ContactProblem:
             )
         if not 1e-12 <= tolerance <= 0.1:
             raise InputError(f"tolerance is {tolerance!r}; give a number from 1e-12 to 0.1")
-        if boundary is None:
-            boundary = "periodic" if hm.periodic else "free"
-        if boundary not in ("periodic", "free"):
-            raise InputError(f'boundary is {boundary!r}; choose "periodic" or "free"')
-        require_memory(hm.shape, boundary)
+        self.boundary = chosen_boundary(hm, boundary)
+        require_memory(hm.shape, self.boundary)
         self.hm, self.mat, self.tolerance = hm, mat, float(tolerance)
         self._threads = thread_count() if threads is None else threads
-        exact = HalfSpaceOperator(hm.shape, hm.spacing, mat, boundary, threads=self._threads)
-        self.boundary: Boundary = boundary
+        exact = HalfSpaceOperator(hm.shape, hm.spacing, mat, self.boundary, threads=self._threads)
         self.compliance = exact.compliance
         self.level = Level(hm.heights, exact)
 
@@ -190,7 +187,7 @@ class ContactProblem:
 
     def separation(self, outcome: Outcome) -> float:
         """Separation reached [m]."""
-        return -outcome.reading.level - self.level.mean_height
+        return float(-outcome.reading.level - self.level.mean_height)
 
     def mean_pressure(self, outcome: Outcome) -> float:
         """Mean pressure reached [Pa]."""

@@ -36,9 +36,10 @@ class Scratch:
             skip = -left.ctypes.data % _ALIGNMENT
             if skip + size <= left.size:
                 self._left[i] = left[skip + size :]
-                array = left[skip : skip + size].view(dtype).reshape(shape)
+                array: NDArray[Any] = left[skip : skip + size].view(dtype).reshape(shape)
                 array[...] = 0
                 return array
         fresh = np.zeros(size + _ALIGNMENT, np.uint8)
         skip = -fresh.ctypes.data % _ALIGNMENT
-        return fresh[skip : skip + size].view(dtype).reshape(shape)
+        made: NDArray[Any] = fresh[skip : skip + size].view(dtype).reshape(shape)
+        return made

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..boundary import Boundary
 from .certificate import Certificate
 from .contact_map import contact_area, contours, histogram, label_patches
-from .operator import Boundary
 
 __all__ = ["BemSolution"]
 

@@ -12,7 +12,6 @@ from surfaces.heightmap import HeightMap
 from ..errors import InputError
 from ._grid_kernels import finish
 from .kernel import ElasticHalfSpace
-from .operator import Boundary
 from .problem import ContactProblem
 from .solution import BemSolution
 
@@ -26,7 +25,7 @@ def bem_solve(
     pressure: float | None = None,
     separation: float | None = None,
     tolerance: float = 1e-6,
-    boundary: Boundary | None = None,
+    boundary: str | None = None,
     guess: BemSolution | ArrayLike | None = None,
 ) -> BemSolution:
     """Full boundary-element solution of a rough map against a rigid flat, without friction.

@@ -53,6 +53,7 @@ def _compare_one(file, args, material, loads, *, several: bool) -> bool:  # type
     from asperity.bem.curve import bem_curve
     from asperity.comparison import compare
     from asperity.storage import write_csv, write_results
+    from asperity.tables import columns
 
     stem = Path(file).stem
     results, report = (output.named(f, stem, several) for f in (args.results, args.report))
@@ -92,6 +93,6 @@ def _compare_one(file, args, material, loads, *, several: bool) -> bool:  # type
     if args.csv:
         table = comparison.table
         target = output.named(args.csv, stem, several)
-        write_csv(target, {name: table[name] for name in table.dtype.names})
+        write_csv(target, columns(table))
     print(f"{file}\n{comparison}\nresults {results}, report {report}", flush=True)
     return comparison.converged

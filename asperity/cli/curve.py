@@ -54,12 +54,13 @@ def _write_last_point(hm, material, plan, curve, args) -> None:  # type: ignore[
     from asperity.curve import solve_contacts
     from asperity.paraview import write_vti
     from asperity.storage import write_csv
+    from asperity.tables import columns
 
     last = solve_contacts(hm, material, plan, separations=curve.separation[-1:])
     point = last.bodies, last.states[0]
     if args.contacts:
         table = microcontacts(*point)
-        write_csv(args.contacts, {name: table[name] for name in table.dtype.names})
+        write_csv(args.contacts, columns(table))
     if args.fields:
         fields = {"pressure": pressure_map(*point), "contact": contact_map(*point)}
         write_vti(args.fields, fields, hm.spacing)

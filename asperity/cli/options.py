@@ -148,7 +148,7 @@ def model(args: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def loads(args: argparse.Namespace) -> dict[str, NDArray[np.float64]]:
+def loads(args: argparse.Namespace) -> dict[str, Any]:
     """The load points asked for, as keyword arguments of the models; empty for the default."""
     if args.pressure is not None:
         pressures = numbers(args.pressure, "--pressure", geometric=True)

@@ -25,7 +25,7 @@ LABELS = {
     "mean_pressure": "mean pressure [Pa]",
     "area_fraction": "real contact area fraction",
 }
-STYLE = {
+STYLE: Any = {
     "font.size": 10,
     "axes.spines.top": False,
     "axes.spines.right": False,
