@@ -31,6 +31,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Asperities", "ContactRun", "contact_curve", "solve_contacts"]
 
+TOLERANCE = 1.5e-2
+"""Bound on the residual of a point before its last Newton step, whose effect on load and area is a
+tenth of it or less (docs/interaction.md)."""
+
 
 @dataclass(frozen=True, eq=False)
 class Asperities:
@@ -238,7 +242,7 @@ def solve_contacts(
 
     for i in np.argsort(values if kind == "pressure" else -values, kind="stable").tolist():
         asked = {"mean_pressure" if kind == "pressure" else "separation": float(values[i])}
-        state = bodies.population.solve(**asked, state=state)
+        state = bodies.population.solve(**asked, state=state, tolerance=TOLERANCE)
         if not bodies.deep_enough(state):
             return solve_contacts(
                 hm,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -40,6 +39,8 @@ class PopulationState:
         Whether the point can be used, and one sentence if it cannot.
     iterations, products
         Newton steps and applications of the interaction.
+    normal_stiffness
+        Minus the slope of mean pressure over separation [Pa/m], by the tangent matrix.
     lowest_candidate
         Height [m] above which a summit can touch in the field of the others.
     """
@@ -58,14 +59,6 @@ class PopulationState:
     reason: str
     iterations: int
     products: int
+    normal_stiffness: float
     lowest_candidate: float
     _trail: Trail = field(repr=False)
-
-    @functools.cached_property
-    def normal_stiffness(self) -> float:
-        """Minus the slope of mean pressure over separation [Pa/m], by the tangent matrix."""
-        return self._response[0]
-
-    @functools.cached_property
-    def _response(self) -> tuple[float, NDArray[np.float64]]:
-        return self._trail.response(self.approach)

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .interaction.operator import Interaction
-from .interaction.solver import Solution, conjugate_gradients, descend
+from .interaction.solver import Solution, descend
 from .interaction.state import Problem
-from .interaction.tangent import Tangent
 from .path import MEMORY, Point, forecast, weights
 from .states import PopulationState
 
@@ -38,6 +37,9 @@ MAX_PLACED = 4
 
 STRAY = 0.03
 """Mean distance of contacts from their centres, over their radius, at which they may stay."""
+
+BLIND = 0.1
+"""Tolerance of the first solve of all, whose lists and centres are guessed."""
 
 MAX_SEARCH = 40
 """Separations tried to reach a mean pressure."""
@@ -81,6 +83,7 @@ class Trail:
         if pressure is not None and self.points and self.points[-1].pressure > 0:
             growth, spare = max(1.0, pressure / self.points[-1].pressure), NEW_LOAD
         for placed in range(MAX_PLACED + 1):
+            blind = not self.points and placed == 0
             trail = trail._placed(guess)
             trail = trail._listing(separation, guess, growth, spare)
             assert trail.problem is not None and trail.index is not None
@@ -91,7 +94,7 @@ class Trail:
                     separation,
                     guess[trail.index],
                     tilt=start[trail.index, 1:],
-                    tolerance=tolerance,
+                    tolerance=max(tolerance, BLIND) if blind else tolerance,
                     load=load,
                     compliance=shares,
                 )
@@ -104,7 +107,7 @@ class Trail:
             trail = replace(trail, field=trail.problem.plan, lowest=lowest)
             if solution.reason or placed == MAX_PLACED:
                 break
-            if not trail._strayed(guess) and not trail._missed(separation, 1.0):
+            if not (blind or trail._strayed(guess) or trail._missed(separation, 1.0)):
                 break
             growth = 1.0
         return trail._state(solution, steps, products)
@@ -140,12 +143,8 @@ class Trail:
             return self.at(float(population.height[population.falling[0]]), tolerance)
         if not population.interaction:
             return self._search(pressure, tolerance, state)
-        trail = self
-        if state is not None and state.mean_pressure > 0:
-            trail = replace(self, compliance=state._response[1])
-        separation = self._forecast(pressure, state)
-        found = trail.at(separation, tolerance, pressure)
-        return found if found.converged else trail._search(pressure, tolerance, state)
+        found = self.at(self._forecast(pressure, state), tolerance, pressure)
+        return found if found.converged else self._search(pressure, tolerance, state)
 
     def _forecast(self, pressure: float, state: PopulationState | None) -> float:
         """Separation [m] at a mean pressure, from the points solved before."""
@@ -189,28 +188,6 @@ class Trail:
             state = state._trail.at(guess, rough)
         reason = f"{MAX_SEARCH} separations did not bring the mean pressure to {pressure:g} Pa"
         return replace(state, converged=False, reason=reason)
-
-    def response(self, approach: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
-        """Minus the slope of mean pressure over separation [Pa/m] at the state just reached, and
-        the approach that each contact gains per fall of the plane [-], shape (n,)."""
-        population = self.population
-        share = np.ones(len(population))
-        if self.problem is None or self.index is None:
-            total = float(population.laws(approach).stiffness.sum())
-            return total / population.nominal_area, share
-        own = approach[self.index]
-        closed = own > 0
-        if not closed.any():
-            return 0.0, share
-        tangent = Tangent(
-            self.problem.plan, closed, self.problem.laws(own).stiffness, form=self.problem.form
-        )
-        rows = self.index[closed]
-        start = None if self.compliance is None else self.compliance[rows] / tangent.compliance
-        solved = conjugate_gradients(tangent, np.ones(len(rows)), tolerance=0.02, start=start)
-        share[rows] = solved.solution * tangent.compliance
-        # stationary in the solution, so that its error counts twice
-        return float(solved.solution @ (1 + solved.residual)) / population.nominal_area, share
 
     def _independent_separation(self, pressure: float) -> float:
         """Separation at which independent contacts would carry the pressure, within a few %."""
@@ -315,7 +292,9 @@ class Trail:
         values[self.index, 1:] = solution.tilt
         pressure = float(solution.laws.force.sum()) / population.nominal_area
         point = Point(solution.separation, pressure, values)
-        trail = replace(self, points=(*self.points[1 - MEMORY :], point))
+        compliance = np.ones(n)
+        compliance[self.index] = solution.shares
+        trail = replace(self, points=(*self.points[1 - MEMORY :], point), compliance=compliance)
         return trail._pack(approach, force, stiffness, area, solution, steps, products)
 
     def _independent(self, separation: float) -> PopulationState:
@@ -323,7 +302,8 @@ class Trail:
         approach = np.maximum(population.height - separation, 0.0)
         laws = population.laws(approach)
         still = np.zeros((len(approach), 2))
-        done = Solution(separation, approach, approach, laws, still, 0.0, 0, 0, "")
+        slope = float(laws.stiffness.sum())
+        done = Solution(separation, approach, approach, laws, still, 0.0, 0, 0, "", slope)
         trail = replace(self, listed=None, problem=None)
         return trail._pack(approach, laws.force, laws.stiffness, laws.area, done, 0, 0)
 
@@ -356,6 +336,7 @@ class Trail:
             reason=solution.reason,
             iterations=steps,
             products=products,
+            normal_stiffness=solution.slope / population.nominal_area,
             lowest_candidate=solution.separation + 1.1 * self.lowest,
             _trail=self,
         )

@@ -7,6 +7,7 @@ sum    the fast field against the dense sum over all pairs and images, random fo
 many   one field and one tangent product for up to 100 000 contacts, and the memory they take
 large  a whole solve until 100 000 contacts are closed: time, residual and memory
 walk   every separation from first touch to half contact: converged, refused with its reason, failed
+steps  curves of ten loads at the tolerance of `contact_curve` against a fifty times smaller one
 cost   milliseconds per separation at about 2000 and 14 000 closed contacts, 50 separations to a
        curve, without compilation and law tables; wall clock and processor time of all threads
 """
@@ -22,6 +23,7 @@ import numpy as np
 
 import surfaces
 from asperity import HalfSpace, Population
+from asperity.curve import TOLERANCE
 from asperity.interaction.exact import dense_matrix
 from asperity.interaction.footprint import Footprints
 from asperity.interaction.operator import Interaction
@@ -189,6 +191,36 @@ def walk() -> None:
         )
 
 
+def tolerance() -> None:
+    """What the default tolerance of a curve does to it."""
+    print(f"ten loads to about 10 % contact, 512^2, seeds 5 and 6, tolerance {TOLERANCE:g}:")
+    print("largest relative differences from a fifty times smaller tolerance, percent")
+    print("family            load at equal separation   area   stiffness   steps   products")
+    for family, spectrum in FAMILIES.items():
+        worst, spent = np.zeros(3), np.zeros(2)
+        for seed in (5, 6):
+            bodies, _ = population(512, "ellipse", seed, **spectrum)
+            rough = exact = None
+            for pressure in np.geomspace(5e-5, 5e-3, 10):
+                rough, exact = (
+                    bodies.solve(mean_pressure=float(pressure), state=state, tolerance=bound)
+                    for state, bound in ((rough, TOLERANCE), (exact, 0.02 * TOLERANCE))
+                )
+                fall = (exact.separation - rough.separation) * exact.normal_stiffness
+                missed = (
+                    (rough.mean_pressure + fall) / exact.mean_pressure - 1,
+                    rough.contact_area / exact.contact_area - 1,
+                    rough.normal_stiffness / exact.normal_stiffness - 1,
+                )
+                worst = np.maximum(worst, np.abs(missed))
+                spent += rough.iterations, rough.products
+        load, area, stiffness = 100 * worst
+        print(
+            f"{family:17s} {load:24.2f} {area:6.2f} {stiffness:11.1f} "
+            f"{spent[0] / 20:7.1f} {spent[1] / 20:10.1f}"
+        )
+
+
 def cost() -> None:
     """Milliseconds per separation."""
     print(f"cost per separation, {threads()} threads, 50 to a curve, least of 3 runs, law hertz")
@@ -207,7 +239,9 @@ def cost() -> None:
                 state, rows = None, []
                 for separation in np.linspace(top, low, 50):
                     wall, busy = time.perf_counter(), time.process_time()
-                    state = bodies.solve(separation=float(separation), state=state)
+                    state = bodies.solve(
+                        separation=float(separation), state=state, tolerance=TOLERANCE
+                    )
                     rows.append(
                         (time.perf_counter() - wall, time.process_time() - busy, state.products)
                     )
@@ -221,7 +255,14 @@ def cost() -> None:
             )
 
 
-PARTS = {"sum": accuracy, "many": many, "large": large, "walk": walk, "cost": cost}
+PARTS = {
+    "sum": accuracy,
+    "many": many,
+    "large": large,
+    "walk": walk,
+    "steps": tolerance,
+    "cost": cost,
+}
 
 
 if __name__ == "__main__":

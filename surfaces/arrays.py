@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._memory import require_memory
-from ._writing import replacing
-from .errors import FileFormatError, InputError
+from .errors import FileFormatError, InputError, SurfaceError
 from .heightmap import HeightMap
 from .units import metres_per
 
@@ -119,15 +118,17 @@ def read_text(
 
 def write_npz(hm: HeightMap, path: Path) -> None:
     """Write heights [m], spacing, unit, periodic and name as the arrays of an npz file."""
-    with replacing(path) as part, part.open("wb") as file:
+    try:
         np.savez_compressed(
-            file,
+            path,
             heights=hm.heights,
             spacing=np.array(hm.spacing),
             unit=np.array("m"),
             periodic=np.array(hm.periodic),
             name=np.array(hm.name),
         )
+    except OSError as error:
+        raise SurfaceError(f"{path}: cannot be written ({error.strerror})") from error
 
 
 def write_text(hm: HeightMap, path: Path) -> None:
@@ -135,10 +136,10 @@ def write_text(hm: HeightMap, path: Path) -> None:
     dy, dx = hm.spacing
     header = f"unit = m\nspacing = {dy!r} {dx!r}\nperiodic = {hm.periodic}\nname = {hm.name}"
     separator = "," if path.suffix.lower() == ".csv" else " "
-    with replacing(path) as part:
-        np.savetxt(
-            part, hm.heights, fmt="%.17g", delimiter=separator, header=header, encoding="utf-8"
-        )
+    try:
+        np.savetxt(path, hm.heights, fmt="%.17g", delimiter=separator, header=header)
+    except OSError as error:
+        raise SurfaceError(f"{path}: cannot be written ({error.strerror})") from error
 
 
 def _parsed(path: Path) -> tuple[dict[str, Any], list[NDArray[np.float64]]]:

@@ -25,8 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Solve, write the results file and print the curve."""
-    targets = args.results, args.csv, args.contacts, args.fields
-    output.require_outputs(*targets, inputs=[args.file])
+    output.require_folder(args.results, args.csv, args.contacts, args.fields)
     material, loads = options.material(args), options.loads(args)
     hm = options.load_surface(args.file, args)
     from asperity.compilation import compile_ahead

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _state_kernels, _vectors
+from . import _state_kernels
+from .gradients import conjugate_gradients
 from .laws import Evaluated
+from .residual import Residual
 from .state import Problem, State
+from .step import Step
 from .tangent import Tangent
 
 __all__ = ["Solution", "conjugate_gradients", "descend"]
@@ -40,6 +41,17 @@ SHARES = (0.2, 1.0)
 SUFFICIENT = 1e-4
 """Share of the predicted fall of energy that a step must reach (Armijo)."""
 
+ROUGH = 0.03
+"""Residual above which the laws are taken anew within a step."""
+
+FORCING = 0.1
+"""Relative accuracy of the linear solve of a step."""
+
+RESPONSE = 0.1
+"""The same of the response to a fall of the plane; twice as many digits of its sum are right."""
+
+Array = NDArray[np.float64]
+
 
 @dataclass(frozen=True, eq=False)
 class Solution:
@@ -63,28 +75,34 @@ class Solution:
         Newton steps, and applications of the interaction in all.
     reason
         "" if converged.
+    slope
+        Minus the slope of the load over the separation [N/m].
+    shares
+        Approach that each contact gains per fall of the plane [-], shape (n,).
     """
 
     separation: float
-    approach: NDArray[np.float64]
-    wanted: NDArray[np.float64]
+    approach: Array
+    wanted: Array
     laws: Evaluated
-    tilt: NDArray[np.float64]
+    tilt: Array
     residual: float
     steps: int
     products: int
     reason: str
+    slope: float = 0.0
+    shares: Array | float = 1.0
 
 
 def descend(
     problem: Problem,
     separation: float,
-    start: NDArray[np.float64],
+    start: Array,
     *,
     tolerance: float,
-    tilt: NDArray[np.float64] | None = None,
+    tilt: Array | None = None,
     load: float | None = None,
-    compliance: NDArray[np.float64] | float = 1.0,
+    compliance: Array | float = 1.0,
 ) -> Solution:
     """Minimize the energy over non-negative forces.
 
@@ -129,7 +147,7 @@ def descend(
     for step in range(limit + 1):
         if load is not None:
             separation = _balanced(problem, state, separation)
-        residual = _Residual(problem, state, problem.height - separation + state.shift)
+        residual = Residual(problem, state, problem.height - separation + state.shift)
         missing = 0.0 if load is None else load - float(state.laws.force.sum())
         error, wrong = residual.relative + state.lag, abs(missing) / (load or 1.0)
         if error <= tolerance and wrong <= 0.5 * tolerance:
@@ -144,31 +162,35 @@ def descend(
         tilt = tilt + (share if step >= EARLY else 1.0) * (state.field.tilt - tilt)
         last = behind
         residual.raised(held - state.risen)
-        tangent = Tangent(
-            problem.plan, residual.active, residual.stiffness, residual.extra, problem.form
-        )
-        first = None
-        if load is not None:
-            shares = np.broadcast_to(compliance, start.shape)[residual.active] / tangent.compliance
-            first = missing / float(shares.sum()) * shares
+        tangent = _tangent(problem, residual)
         solved = conjugate_gradients(
             tangent,
             residual.error[residual.active],
             tolerance=_forcing(residual.relative, tolerance),
-            start=first,
+            start=None if load is None else _shared(missing, compliance, tangent),
             held=load is not None,
         )
-        change = np.zeros(len(start))
-        change[residual.active] = solved.solution
         separation += solved.constant
         residual.raised(-solved.constant)
-        found, tried = _line_search(problem, state, residual, change, tilt)
-        products += solved.products + tried
-        if found is None:
+        move = Step(problem, state, residual, tangent)
+        products, found = products + solved.products, None
+        if residual.relative > ROUGH:
+            refined, change, constant, spent = move.refine(
+                solved.solution, tolerance=FORCING, load=load
+            )
+            residual.raised(-constant)
+            found = _taken(problem, state, residual, refined, change, tilt)
+            residual.raised(0.0 if found else constant)
+            separation += constant if found else 0.0
+            products += spent + 1
+        if not found:
+            found, tried = _line_search(problem, state, residual, move, solved.solution, tilt)
+            products += tried
+        if not found:
             reason = f"no step lowers the energy, residual {residual.relative:.1e}"
             break
         state = found
-    return Solution(
+    found = Solution(
         separation,
         state.approach,
         residual.wanted,
@@ -179,13 +201,73 @@ def descend(
         products,
         reason,
     )
+    return _finished(problem, state, residual, found, load, compliance)
+
+
+def _finished(
+    problem: Problem,
+    state: State,
+    residual: Residual,
+    found: Solution,
+    load: float | None,
+    compliance: Array | float,
+) -> Solution:
+    """The last Newton step, taken if the residual is small without a look at what it leaves, and
+    the response to a fall of the plane, by the same tangent."""
+    tangent = _tangent(problem, residual)
+    rows = tangent.index
+    if not len(rows):
+        return found
+    response = _shared(None, compliance, tangent)
+    if not found.reason:
+        missing = 0.0 if load is None else load - float(state.laws.force.sum())
+        move, error = Step(problem, state, residual, tangent), residual.error[rows]
+        solved = conjugate_gradients(
+            tangent,
+            error,
+            tolerance=FORCING,
+            start=None if load is None else missing / response.sum() * response,
+            held=load is not None,
+        )
+        constant, change = solved.constant, solved.solution
+        approach, wanted = np.zeros(len(state.approach)), residual.wanted - constant
+        approach[rows] = move.approach(change)
+        wanted[rows] = move.wanted_after(constant, change, error - solved.residual)
+        found = replace(
+            found,
+            separation=found.separation + constant,
+            approach=approach,
+            wanted=wanted,
+            laws=problem.laws(approach),
+            products=found.products + solved.products,
+        )
+    # footprints that grow would make it too soft
+    tangent.stiffen(1 / residual.stiffness[rows] - tangent.compliance)
+    solved = conjugate_gradients(tangent, np.ones(len(rows)), tolerance=RESPONSE, start=response)
+    shares = np.ones(len(state.approach))
+    shares[rows] = solved.solution * tangent.compliance
+    # stationary in the solution, so that its error counts twice
+    slope = float(solved.solution @ (1 + solved.residual))
+    products = found.products + solved.products
+    return replace(found, slope=slope, shares=shares, products=products)
+
+
+def _tangent(problem: Problem, residual: Residual) -> Tangent:
+    return Tangent(problem.plan, residual.active, residual.stiffness, residual.extra, problem.form)
+
+
+def _shared(missing: float | None, compliance: Array | float, tangent: Tangent) -> Array:
+    """A missing load [N] as the contacts will share it; per fall of the plane [N/m] if None."""
+    shares = np.broadcast_to(compliance, tangent.plan.order.shape)[tangent.index]
+    shares = shares / tangent.compliance
+    return shares if missing is None else missing / float(shares.sum()) * shares
 
 
 def _relaxed(
     share: float,
-    last: NDArray[np.float64],
-    behind: NDArray[np.float64],
-    stiffness: NDArray[np.float64],
+    last: Array,
+    behind: Array,
+    stiffness: Array,
 ) -> float:
     """Share that would have removed the most of the last difference (Aitken), within bounds.
 
@@ -208,137 +290,28 @@ def _balanced(problem: Problem, state: State, separation: float) -> float:
 
 def _forcing(residual: float, tolerance: float) -> float:
     """Relative accuracy of the linear solve: no better than the step deserves."""
-    return min(0.15, max(0.02, 0.5 * tolerance / residual)) if residual > 0.0 else 0.15
-
-
-class _Residual:
-    """How far a state is from balance, and the tangent data of its contacts.
-
-    A contact about to close has no stiffness yet: it gets that at half the approach it wants, and
-    counts with its force there. The extra compliance is what the growth of a contact's own
-    footprint in the field of the others adds to its tangent, dv/dF dN/dm, with
-    dv/dF = 5/3 (v - m)/F as for Hertz; only its positive part is kept, which leaves the matrix
-    positive definite.
-    """
-
-    def __init__(self, problem: Problem, state: State, gap: NDArray[np.float64]) -> None:
-        self.gap = gap
-        self.wanted = gap - state.displacement
-        self.error = self.wanted - state.approach
-        closed = state.approach > 0
-        problem.laws.expect(self.wanted)
-        self.active = closed | ((self.wanted > 0) & problem.laws.usable)
-        stiffness, growth, force = state.laws.stiffness, state.laws.growth, state.laws.force
-        load = float(force.sum())
-        error = float(_state_kernels.size(stiffness, self.error))
-        fresh = np.flatnonzero(self.active & ~closed)
-        if fresh.size:
-            law = problem.laws.rows(fresh)(0.5 * self.wanted[fresh])
-            stiffness, growth, force = stiffness.copy(), growth.copy(), force.copy()
-            stiffness[fresh], growth[fresh], force[fresh] = law.stiffness, law.growth, law.force
-            error += float(law.force.sum())
-        self.relative = error / load if load > 0 else math.inf if error > 0 else 0.0
-        pull = np.maximum(growth * state.field.slope, 0.0)
-        self.stiffness, self.force = stiffness, force
-        self.base = np.where(closed, state.approach, 0.5 * self.wanted)
-        self.extra = np.divide(5 / 3 * pull, force, out=np.zeros(len(force)), where=force > 0)
-
-    def raised(self, change: NDArray[np.float64] | float) -> None:
-        """Take the same state with all summits higher by `change` [m]."""
-        self.gap, self.wanted = self.gap + change, self.wanted + change
-        self.error = self.error + change
+    return min(FORCING, max(0.02, 0.5 * tolerance / residual)) if residual < ROUGH else FORCING
 
 
 def _line_search(
-    problem: Problem,
-    state: State,
-    residual: _Residual,
-    change: NDArray[np.float64],
-    tilt: NDArray[np.float64],
+    problem: Problem, state: State, residual: Residual, move: Step, change: Array, tilt: Array
 ) -> tuple[State | None, int]:
-    """First point along the cut-back step at which the energy has fallen enough.
-
-    The approaches of the new forces are those of the power law that a contact follows at its
-    present force and stiffness.
-    """
-    upper = state.approach + np.maximum(2 * state.approach, np.abs(residual.error))
-    # a contact that overlaps still keeps a tenth of its approach; one that does not may open
-    lower = np.where(residual.wanted > 0, 0.1 * state.approach, 0.0)
-    moved = np.flatnonzero(change)
-    base, force = residual.base[moved], residual.force[moved]
-    held = state.laws.force[moved] / force
-    exponent = np.minimum(force / (residual.stiffness[moved] * base), 1.0)
-    length = 1.0
+    """First point along the step at which the energy has fallen enough, and how many were tried."""
     for tried in range(1, MAX_CUTS + 1):
-        approach = state.approach.copy()
-        grown = np.maximum(held + length * change[moved] / force, 0.0)
-        approach[moved] = base * grown**exponent
-        trial = State.at(problem, np.clip(approach, lower, upper), tilt)
-        fall, slope, scale = state.fall(trial, residual.gap, residual.error)
-        noise = NOISE * scale
-        if slope < noise and fall <= SUFFICIENT * slope + noise:
-            return trial, tried
-        length *= 0.5
+        found = _taken(problem, state, residual, move, change, tilt)
+        if found:
+            return found, tried
+        change = 0.5 * change
     return None, MAX_CUTS
 
 
-class Solved(NamedTuple):
-    """Result of `conjugate_gradients`: x, what is left of the right side, c, and products spent."""
-
-    solution: NDArray[np.float64]
-    residual: NDArray[np.float64]
-    constant: float
-    products: int
-
-
-def conjugate_gradients(
-    matrix: Tangent,
-    right: NDArray[np.float64],
-    *,
-    tolerance: float,
-    start: NDArray[np.float64] | None = None,
-    held: bool = False,
-    limit: int = 200,
-) -> Solved:
-    """Solve `matrix` x = `right`, preconditioned by the contacts' own stiffness.
-
-    Parameters
-    ----------
-    matrix, right
-        Positive definite system.
-    tolerance
-        Fall of the preconditioned residual against that of x = 0.
-    start
-        First x; zero if None, and then any iterate is a direction of descent.
-    held
-        Solve `matrix` x + c = `right` for x and the number c instead, with the sum of x held as in
-        `start`.
-    limit
-        Products spent at most.
-    """
-    stiffness = 1 / matrix.compliance
-    solution, residual, count = np.zeros(len(right)), right.copy(), 0
-    product, mean = _vectors.weigh(stiffness, residual, held)
-    goal = tolerance**2 * product
-    if start is not None and start.any():
-        solution, count = start.copy(), 1
-        image = matrix(start)
-        residual -= image
-        if held:
-            goal = max(goal, tolerance**2 * _vectors.weigh(stiffness, image, held)[0])
-        product, mean = _vectors.weigh(stiffness, residual, held)
-    direction, last = np.zeros(len(right)), math.inf
-    while product > goal and count < limit:
-        _vectors.redirect(product / last, stiffness, residual, mean, direction)
-        image = matrix(direction)
-        curvature = _vectors.dot(direction, image)
-        if curvature <= 0.0:
-            # pairs of elongated footprints are approximate, and the matrix with them
-            solution = solution if solution.any() else direction
-            break
-        length = product / curvature
-        last = product
-        _vectors.advance(length, direction, image, solution, residual)
-        product, mean = _vectors.weigh(stiffness, residual, held)
-        count += 1
-    return Solved(solution, residual, mean, count)
+def _taken(
+    problem: Problem, state: State, residual: Residual, move: Step, change: Array, tilt: Array
+) -> State | None:
+    """The point after a change of the forces, if the energy has fallen enough there."""
+    approach = np.zeros(len(state.approach))
+    approach[move.rows] = move.approach(change)
+    trial = State.at(problem, approach, tilt)
+    fall, slope, scale = state.fall(trial, residual.gap, residual.error)
+    noise = NOISE * scale
+    return trial if slope < noise and fall <= SUFFICIENT * slope + noise else None

@@ -97,6 +97,11 @@ class Tangent:
     def __len__(self) -> int:
         return len(self.index)
 
+    def stiffen(self, change: NDArray[np.float64]) -> None:
+        """Add `change` [m/N] to the own compliance of the points, shape (len(self),)."""
+        self.compliance = self.compliance + change
+        self.diagonal = self.diagonal + change / self.plan.scale
+
     def __call__(self, vector: NDArray[np.float64]) -> NDArray[np.float64]:
         """Matrix times vector [m] for forces `vector` [N], shape (len(self),)."""
         out = np.empty(len(vector))
