@@ -11,8 +11,9 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import ArrayLike
 
+from surfaces._writing import replacing
+
 from .errors import InputError
-from .storage import replacing
 
 __all__ = ["write_vti"]
 

@@ -9,12 +9,10 @@ written beside its final place and renamed, so that a reader never sees half of 
 
 from __future__ import annotations
 
-import contextlib
 import csv
 import json
 import os
-import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -23,8 +21,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces._writing import replacing
+
 from . import __version__
-from .errors import FileFormatError, InputError
+from .errors import FileFormatError
 from .results import POINT_FIELDS, ContactCurve
 from .tables import columns, structured
 
@@ -33,7 +33,6 @@ __all__ = [
     "ResultFile",
     "load_curve",
     "read_results",
-    "replacing",
     "save_curves",
     "write_csv",
     "write_results",
@@ -135,32 +134,6 @@ def write_csv(path: str | os.PathLike[str], columns: Mapping[str, Any]) -> None:
         writer = csv.writer(handle)
         writer.writerow(columns)
         writer.writerows(zip(*(np.asarray(c).tolist() for c in columns.values()), strict=True))
-
-
-@contextlib.contextmanager
-def replacing(path: str | os.PathLike[str]) -> Iterator[str]:
-    """Name of a temporary file that replaces `path` when the block ends without an error."""
-    target = Path(path)
-    try:
-        handle, partial = tempfile.mkstemp(
-            prefix=f".{target.name}.", suffix=".part", dir=target.parent
-        )
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror}") from error
-    os.close(handle)
-    try:
-        yield partial
-        os.chmod(partial, 0o666 & ~_umask())
-        os.replace(partial, target)
-    finally:
-        with contextlib.suppress(FileNotFoundError):
-            os.unlink(partial)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def _write_curve(group: h5py.Group, curve: ContactCurve) -> None:

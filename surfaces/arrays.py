@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._memory import require_memory
-from .errors import FileFormatError, InputError, SurfaceError
+from ._writing import replacing
+from .errors import FileFormatError, InputError
 from .heightmap import HeightMap
 from .units import metres_per
 
@@ -118,17 +119,15 @@ def read_text(
 
 def write_npz(hm: HeightMap, path: Path) -> None:
     """Write heights [m], spacing, unit, periodic and name as the arrays of an npz file."""
-    try:
+    with replacing(path) as part, part.open("wb") as file:
         np.savez_compressed(
-            path,
+            file,
             heights=hm.heights,
             spacing=np.array(hm.spacing),
             unit=np.array("m"),
             periodic=np.array(hm.periodic),
             name=np.array(hm.name),
         )
-    except OSError as error:
-        raise SurfaceError(f"{path}: cannot be written ({error.strerror})") from error
 
 
 def write_text(hm: HeightMap, path: Path) -> None:
@@ -136,10 +135,10 @@ def write_text(hm: HeightMap, path: Path) -> None:
     dy, dx = hm.spacing
     header = f"unit = m\nspacing = {dy!r} {dx!r}\nperiodic = {hm.periodic}\nname = {hm.name}"
     separator = "," if path.suffix.lower() == ".csv" else " "
-    try:
-        np.savetxt(path, hm.heights, fmt="%.17g", delimiter=separator, header=header)
-    except OSError as error:
-        raise SurfaceError(f"{path}: cannot be written ({error.strerror})") from error
+    with replacing(path) as part:
+        np.savetxt(
+            part, hm.heights, fmt="%.17g", delimiter=separator, header=header, encoding="utf-8"
+        )
 
 
 def _parsed(path: Path) -> tuple[dict[str, Any], list[NDArray[np.float64]]]:

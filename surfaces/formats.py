@@ -88,16 +88,17 @@ def write(hm: HeightMap, path: str | os.PathLike[str], *, dtype: str = "float64"
     Parameters
     ----------
     hm
-        The map; its history is kept.
+        The map.
     path
-        ``.h5``: schema 1, with everything. ``.npz``: heights, spacing, unit and flags as arrays.
+        ``.h5``: schema 1, with everything, the history included. ``.npz``: heights, spacing, unit,
+        periodic and name as arrays.
         ``.txt``, ``.csv``: heights [m] below comment lines that state spacing and unit.
     dtype
         HDF5 only: float64, or float32 for half the size.
 
     Raises
     ------
-    SurfaceError
+    InputError
         If the format cannot hold a height map with its units, or the file cannot be written.
     """
     path = Path(path)

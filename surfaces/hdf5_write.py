@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 import h5py
@@ -14,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._container import HEIGHTS
-from ._schema import SCHEMA, brief, plain
-from .errors import SurfaceError
+from ._schema import SCHEMA, plain
+from ._writing import replacing
+from .errors import InputError, SurfaceError
 
 __all__ = ["write_blocks"]
 
@@ -52,12 +51,13 @@ def write_blocks(
 
     Raises
     ------
-    SurfaceError
-        If the blocks do not fill the shape, or the file cannot be written.
+    InputError
+        If the blocks do not fill the shape, the dtype is another, or the file cannot be written.
     """
-    path = Path(path)
+    if dtype not in ("float64", "float32"):
+        raise InputError(f"dtype is {dtype!r}; heights are stored as float64 or float32")
     steps = [dict(step) for step in history]
-    with _replacing(path) as part, h5py.File(part, "w", libver=("v110", "v110")) as file:
+    with replacing(path) as part, h5py.File(part, "w", libver=("v110", "v110")) as file:
         heights = file.create_dataset(
             HEIGHTS,
             shape,
@@ -104,16 +104,3 @@ def _whole_chunks(
         )
     if len(held):
         yield written, held
-
-
-@contextmanager
-def _replacing(path: Path) -> Iterator[Path]:
-    """A temporary file beside `path` that takes its place if nothing goes wrong."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        yield part
-        os.replace(part, path)
-    except OSError as error:
-        raise SurfaceError(f"{path}: cannot be written ({brief(error)})") from error
-    finally:
-        part.unlink(missing_ok=True)

@@ -11,9 +11,9 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from ._writing import replacing
 from .bearing import bearing_curve
 from .correlation import autocorrelation
-from .errors import SurfaceError
 from .heightmap import HeightMap
 from .plot import plot_autocorrelation, plot_bearing, plot_map, plot_spectrum
 from .spectrum import power_spectrum
@@ -91,10 +91,8 @@ def write_page(sections: Iterable[str], path: Path) -> None:
         f"<title>Height maps</title><style>{_STYLE}</style></head>"
         f"<body><h1>Height maps</h1>{''.join(sections)}</body></html>"
     )
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise SurfaceError(f"{path}: cannot be written ({error.strerror})") from error
+    with replacing(path) as part:
+        part.write_text(text, encoding="utf-8")
 
 
 def _numbers(found: Statistics) -> list[dict[str, str]]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._writing import replacing
 from .errors import FileFormatError
 from .polar import PolarProfile
 
@@ -20,7 +21,7 @@ def write_profile(profile: PolarProfile, path: str | Path) -> None:
     """Write a profile: datasets ``r``, ``phi``, ``f`` with their units, schema "profile/1"."""
     import h5py
 
-    with h5py.File(path, "w") as file:
+    with replacing(path) as part, h5py.File(part, "w") as file:
         file.attrs["schema"] = _SCHEMA
         for name, unit in (("r", "m"), ("phi", "rad"), ("f", "m")):
             file.create_dataset(name, data=getattr(profile, name)).attrs["unit"] = unit

@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Solve, write the results file and print the curve."""
-    output.require_folder(args.results, args.csv, args.fields)
+    output.require_outputs(args.results, args.csv, args.fields, inputs=[args.file])
     material, loads = options.material(args), options.loads(args)
     hm = options.load_surface(args.file, args)
     from asperity.bem.curve import bem_curve

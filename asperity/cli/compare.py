@@ -31,32 +31,41 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compare on each file; a bad file is named and the others go on."""
-    output.require_folder(args.results, args.report, args.csv)
     material, loads = options.material(args), options.loads(args)
-    files = [str(path) for path in expand(args.files)]
+    paths = expand(args.files)
+    output.require_distinct(paths)
+    files, several = [str(path) for path in paths], len(paths) > 1
+    targets = {path: _targets(path, args, several) for path in files}
+    output.require_outputs(*(name for names in targets.values() for name in names), inputs=files)
     worst = EXIT_OK
     for file in files:
         try:
-            converged = _compare_one(file, args, material, loads, several=len(files) > 1)
-        except AsperityError as error:
-            if len(files) == 1:
+            converged = _compare_one(file, args, material, loads, targets[file])
+        except (AsperityError, MemoryError) as error:
+            if not several:
                 raise
-            sys.stderr.write(f"asperity compare: {file}: {' '.join(str(error).split())}\n")
+            text = " ".join(str(error).split()) or "out of memory"
+            sys.stderr.write(f"asperity compare: {file}: {text}\n")
             worst = EXIT_BAD_INPUT
         else:
             worst = worst if converged else max(worst, EXIT_NOT_CONVERGED)
     return worst
 
 
-def _compare_one(file, args, material, loads, *, several: bool) -> bool:  # type: ignore[no-untyped-def]
+def _targets(file: str, args: argparse.Namespace, several: bool) -> list[str | None]:
+    """Names of the results, the report and the table of one input."""
+    names = (args.results, args.report, args.csv)
+    return [name and output.named(name, Path(file).stem, several) for name in names]
+
+
+def _compare_one(file, args, material, loads, targets) -> bool:  # type: ignore[no-untyped-def]
     hm = options.load_surface(file, args)
     from asperity.bem.curve import bem_curve
     from asperity.comparison import compare
     from asperity.storage import write_csv, write_results
     from asperity.tables import columns
 
-    stem = Path(file).stem
-    results, report = (output.named(f, stem, several) for f in (args.results, args.report))
+    results, report, table = targets
     settings = {"tolerance": args.tolerance, "boundary": args.boundary}
     request = output.request_of(hm, material, args, settings)
 
@@ -90,9 +99,7 @@ def _compare_one(file, args, material, loads, *, several: bool) -> bool:  # type
     content.about["request"] = request
     write_results(results, content)
     comparison.to_html(report)
-    if args.csv:
-        table = comparison.table
-        target = output.named(args.csv, stem, several)
-        write_csv(target, columns(table))
+    if table:
+        write_csv(table, columns(comparison.table))
     print(f"{file}\n{comparison}\nresults {results}, report {report}", flush=True)
     return comparison.converged

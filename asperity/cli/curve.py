@@ -25,7 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Solve, write the results file and print the curve."""
-    output.require_folder(args.results, args.csv, args.contacts, args.fields)
+    targets = args.results, args.csv, args.contacts, args.fields
+    output.require_outputs(*targets, inputs=[args.file])
     material, loads = options.material(args), options.loads(args)
     hm = options.load_surface(args.file, args)
     from asperity.compilation import compile_ahead

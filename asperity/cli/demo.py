@@ -31,7 +31,10 @@ def run(args: argparse.Namespace) -> int:
     from asperity.material import HalfSpace
 
     folder = Path(args.folder)
-    output.require_folder(str(folder / "report.html"))
+    surface, results, report = (
+        folder / name for name in ("surface.h5", "results.h5", "report.html")
+    )
+    output.require_outputs(surface, results, report)
     hm = surfaces.self_affine(
         (POINTS, POINTS),
         (SIZE, SIZE),
@@ -41,13 +44,13 @@ def run(args: argparse.Namespace) -> int:
         cutoff=SIZE * 8 / POINTS,
         seed=args.seed,
     ).replace(name="demo")
-    surfaces.write(hm, folder / "surface.h5")
+    surfaces.write(hm, surface)
     shown, advance = output.bar(None, "demo")
     with shown:
         comparison = compare(hm, HalfSpace(STEEL, POISSON), progress=advance)
-    comparison.to_hdf5(folder / "results.h5")
-    comparison.to_html(folder / "report.html")
+    comparison.to_hdf5(results)
+    comparison.to_html(report)
     print(comparison)
-    print(f"surface {folder / 'surface.h5'}, results {folder / 'results.h5'}")
-    print(f"report  {folder / 'report.html'}")
+    print(f"surface {surface}, results {results}")
+    print(f"report  {report}")
     return output.exit_code([comparison.model, comparison.reference])

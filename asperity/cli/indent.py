@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.cli import options
+from asperity.cli import options, output
 from asperity.errors import InputError
 
 EPILOG = """shapes:
@@ -52,8 +52,8 @@ def run(args: argparse.Namespace) -> int:
     profile, label = _profile(args)
     material = _material(args)
     laws = _laws(args.law)
-    if args.picture != "none" and not Path(args.picture).absolute().parent.is_dir():
-        raise InputError(f"the folder of {args.picture} does not exist; make it first")
+    picture = None if args.picture == "none" else args.picture
+    output.require_outputs(picture, inputs=[args.file] if args.file else [])
     grid = args.grid if args.bem else None
     good, case = True, None
     name, values = _driven(args, profile)
@@ -66,9 +66,9 @@ def run(args: argparse.Namespace) -> int:
         print(case.table() + "\n")
         good &= case.reference is None or bool(case.reference.converged)
         good &= any(row.solution is not None and row.solution.valid for row in case.rows)
-    if args.picture != "none" and case is not None:
-        draw_case(case, title=label).savefig(args.picture, dpi=130)
-        print(f"picture: {args.picture}")
+    if picture and case is not None:
+        output.save_figure(draw_case(case, title=label), picture)
+        print(f"picture: {picture}")
     return 0 if good else 1
 
 

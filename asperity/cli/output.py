@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import tempfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,8 +11,11 @@ from typing import TYPE_CHECKING, Any
 from asperity.cli.main import EXIT_NOT_CONVERGED, EXIT_OK
 from asperity.errors import InputError
 from asperity.results import POINT_FIELDS, ContactCurve
+from surfaces._writing import replacing
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from asperity.material import HalfSpace
     from surfaces import HeightMap
 
@@ -23,7 +27,9 @@ __all__ = [
     "finish",
     "named",
     "request_of",
-    "require_folder",
+    "require_distinct",
+    "require_outputs",
+    "save_figure",
     "solve_and_keep",
 ]
 
@@ -120,8 +126,42 @@ def exit_code(curves: Iterable[ContactCurve]) -> int:
     return EXIT_OK if all(c.converged.all() for c in curves) else EXIT_NOT_CONVERGED
 
 
-def require_folder(*files: str | None) -> None:
-    """Refuse, before any work, a result file whose folder does not exist."""
+def require_outputs(*files: str | Path | None, inputs: Iterable[str | Path] = ()) -> None:
+    """Refuse, before any work, files that cannot be written or would replace one another."""
+    taken = {Path(file).resolve(): f"would replace the input {file}" for file in inputs}
+    for file in filter(None, files):
+        place = Path(file).resolve()
+        if place in taken:
+            raise InputError(f"{file} {taken[place]}; give every output a name of its own")
+        if not place.parent.is_dir():
+            raise InputError(f"{file}: cannot be written, its folder does not exist")
+        if place.is_dir():
+            raise InputError(f"{file}: cannot be written, it is a folder")
+        try:
+            with tempfile.TemporaryFile(dir=place.parent):
+                pass
+        except OSError as error:
+            raise InputError(f"{file}: cannot be written ({error.strerror})") from error
+        taken[place] = "is named for two outputs"
+
+
+def require_distinct(files: Iterable[Path]) -> None:
+    """Refuse several inputs whose results would be called the same."""
+    seen: dict[str, Path] = {}
     for file in files:
-        if file and not Path(file).absolute().parent.is_dir():
-            raise InputError(f"cannot write {file}: its folder does not exist")
+        if file.stem in seen:
+            raise InputError(
+                f"the results of {seen[file.stem]} and {file} would replace each other; "
+                "run them apart"
+            )
+        seen[file.stem] = file
+
+
+def save_figure(figure: Figure, target: str) -> None:
+    """Write a picture in the format of the file's suffix, PNG if it has none."""
+    kind = Path(target).suffix[1:].lower() or "png"
+    known = figure.canvas.get_supported_filetypes()
+    if kind not in known:
+        raise InputError(f"{target}: cannot be written as .{kind}; known are {', '.join(known)}")
+    with replacing(target) as part:
+        figure.savefig(part, dpi=150, format=kind)

@@ -24,7 +24,7 @@ def run(args: argparse.Namespace) -> int:
     """Read the results, write the report, print the verdict."""
     from asperity.comparison import Comparison
 
-    output.require_folder(args.output)
+    output.require_outputs(args.output, inputs=[args.results])
     comparison = Comparison.from_hdf5(args.results)
     comparison.to_html(args.output)
     print(comparison.verdict())

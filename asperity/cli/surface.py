@@ -9,16 +9,13 @@ import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from tqdm import tqdm
 
 import surfaces
+from asperity.cli import output
 from asperity.cli.surface_options import PARAMETERS, add_arguments, add_preparation
 from surfaces.errors import AsperityError, InputError
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 __all__ = ["add_arguments", "add_preparation", "expand", "prepared", "run"]
 
@@ -41,6 +38,7 @@ def run(args: argparse.Namespace) -> int:
         if len(files) > 1 and getattr(args, option, None):
             remedy = "use --folder" if hasattr(args, "folder") else "give one file"
             raise InputError(f"--{option} names one file and {len(files)} were given; {remedy}")
+    _require_targets(files, args)
     bad = 0
     for path in tqdm(files, disable=None, unit="file", leave=False):
         try:
@@ -60,7 +58,9 @@ def run(args: argparse.Namespace) -> int:
 def expand(patterns: Sequence[str]) -> list[Path]:
     """Files of names and glob patterns, in order, each once; a pattern without match is a name."""
     names = [
-        name for word in patterns for name in sorted(glob.glob(word, recursive=True)) or [word]
+        name
+        for word in patterns
+        for name in (not Path(word).exists() and sorted(glob.glob(word, recursive=True))) or [word]
     ]
     return [Path(name) for name in dict.fromkeys(names)]
 
@@ -158,20 +158,28 @@ def prepared(
     return surfaces.make_periodic(hm, args.periodic) if args.periodic else hm
 
 
+def _require_targets(files: Sequence[Path], args: argparse.Namespace) -> None:
+    """Refuse, before any work, outputs that cannot be written or would replace something."""
+    named = [getattr(args, option, None) for option in ("output", "plot", "fans", "html")]
+    if hasattr(args, "folder"):
+        if (args.output is None) == (args.folder is None):
+            raise InputError("say where to write: -o FILE for one input, --folder DIR for several")
+        if args.folder is not None:
+            output.require_distinct(files)
+            try:
+                Path(args.folder).mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise InputError(f"{args.folder}: cannot be made ({error.strerror})") from error
+            named += [_target(path, args) for path in files]
+    output.require_outputs(*named, inputs=files)
+
+
+def _target(path: Path, args: argparse.Namespace) -> Path:
+    return Path(args.output) if args.folder is None else Path(args.folder) / f"{path.stem}.h5"
+
+
 def _save(hm: surfaces.HeightMap, path: Path, args: argparse.Namespace) -> None:
-    if (args.output is None) == (args.folder is None):
-        raise InputError("say where to write: -o FILE for one input, --folder DIR for several")
-    if args.folder is not None:
-        folder = Path(args.folder)
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(f"{folder}: cannot be made ({error.strerror})") from error
-        target = folder / f"{path.stem}.h5"
-        if target.exists() and target.samefile(path):
-            raise InputError(f"{target}: would replace the input; choose another --folder")
-    else:
-        target = Path(args.output)
+    target = _target(path, args)
     surfaces.write(hm, target, dtype="float32" if args.float32 else "float64")
     tqdm.write(f"{path} -> {target}", file=sys.stderr)
 
@@ -226,28 +234,18 @@ def _peaks(path: Path, args: argparse.Namespace) -> bool:
     if args.plot:
         from surfaces.plot import plot_map
 
-        _save_figure(plot_map(hm, peaks), args.plot)
+        output.save_figure(plot_map(hm, peaks), args.plot)
     if args.fans:
         from surfaces.plot import plot_profiles
 
-        _save_figure(plot_profiles(profiles, range(min(9, len(peaks)))), args.fans)
+        output.save_figure(plot_profiles(profiles, range(min(9, len(peaks)))), args.fans)
     if args.output:
-        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-        lines = [",".join(columns), *(",".join(str(value) for value in row) for row in rows)]
-        try:
-            Path(args.output).write_text("\n".join(lines) + "\n")
-        except OSError as error:
-            raise InputError(f"{args.output}: cannot be written ({error.strerror})") from error
+        from asperity.storage import write_csv
+
+        write_csv(args.output, columns)
         return True
     shown = list(columns)[:7]
     tqdm.write("  " + "".join(f"{name:>18s}" for name in shown) + "   (highest ten)")
     for index in range(min(10, len(peaks))):
         tqdm.write("  " + "".join(f"{float(columns[name][index]):18.6g}" for name in shown))
     return True
-
-
-def _save_figure(figure: Figure, target: str) -> None:
-    try:
-        figure.savefig(target, dpi=150)
-    except (OSError, ValueError) as error:
-        raise InputError(f"{target}: cannot be written ({error})") from error

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import jinja2
 
 from asperity import __version__
-from asperity.storage import replacing
+from surfaces._writing import replacing
 
 from . import figures
 

@@ -136,7 +136,7 @@ def test_unreadable_results_are_one_sentence(tmp_path):
 
 
 def test_no_folder_to_write_into(tmp_path):
-    with pytest.raises(InputError, match="cannot write"):
+    with pytest.raises(InputError, match="cannot be written"):
         power_law_curve().to_hdf5(tmp_path / "absent" / "r.h5")
 
 

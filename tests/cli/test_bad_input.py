@@ -118,6 +118,72 @@ def test_no_folder_for_the_results_is_found_before_the_work(command, folder, cap
     assert "folder does not exist" in refusal(arguments, capsys)
 
 
+OUTPUTS = {
+    "curve": ["-o", "--csv", "--contacts", "--fields"],
+    "bem": ["-o", "--csv", "--fields"],
+    "compare": ["-o", "--csv", "--report"],
+    "indent": ["--picture"],
+    "surface prepare": ["-o"],
+    "surface peaks": ["-o", "--plot", "--fans"],
+    "surface info": ["--html"],
+}
+
+
+@pytest.mark.parametrize(
+    ("command", "option"), [(c, option) for c, named in OUTPUTS.items() for option in named]
+)
+def test_no_output_replaces_the_input_or_a_folder(command, option, folder, capsys):
+    surfaces.write(good_map(), folder / "scan.h5")
+    (folder / "there").mkdir()
+    before = (folder / "scan.h5").read_bytes()
+    material = [] if command.startswith("surface") else STEEL
+    call = [*command.split(), "scan.h5", *material, option]
+    assert "would replace the input" in refusal([*call, "./scan.h5"], capsys)
+    assert "it is a folder" in refusal([*call, "there"], capsys)
+    assert (folder / "scan.h5").read_bytes() == before
+    assert {p.name for p in folder.iterdir()} == {"scan.h5", "there"}
+
+
+def test_a_report_does_not_replace_its_results(folder, capsys):
+    (folder / "results.h5").touch()
+    message = refusal(["report", "results.h5", "-o", "results.h5"], capsys)
+    assert "would replace the input" in message
+
+
+def test_two_outputs_of_one_name(folder, capsys):
+    surfaces.write(good_map(), folder / "scan.h5")
+    call = ["compare", "scan.h5", *STEEL, "-o", "a.h5", "--report", "a.h5"]
+    assert "two outputs" in refusal(call, capsys)
+
+
+@pytest.mark.parametrize(
+    "call", [["compare", *STEEL], ["surface", "prepare", "--folder", "out"]], ids=lambda c: c[0]
+)
+def test_two_inputs_of_one_name(call, folder, capsys):
+    for place in ("a", "b"):
+        (folder / place).mkdir()
+        surfaces.write(good_map(), folder / place / "scan.h5")
+    assert "replace each other" in refusal([*call, "a/scan.h5", "b/scan.h5"], capsys)
+
+
+def test_a_folder_that_takes_no_files(folder, capsys, monkeypatch):
+    """Permissions do not bind every user who runs the tests, so the refusal is played."""
+
+    def refuse(**_: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    surfaces.write(good_map(), folder / "scan.h5")
+    monkeypatch.setattr("tempfile.TemporaryFile", refuse)
+    assert "Permission denied" in refusal(["curve", "scan.h5", *STEEL], capsys)
+
+
+def test_a_name_with_brackets_is_a_name_before_it_is_a_pattern(folder, capsys):
+    surfaces.write(good_map().replace(name="odd"), folder / "scan[1].h5")
+    surfaces.write(good_map(), folder / "scan1.h5")
+    assert main(["surface", "validate", "scan[1].h5"]) == 0
+    assert "scan[1].h5: valid" in capsys.readouterr().out
+
+
 def test_unknown_command(capsys):
     assert "invalid choice" in refusal(["contact"], capsys)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import surfaces
-from surfaces.errors import FileFormatError, SurfaceError
+from surfaces.errors import FileFormatError, InputError, SurfaceError
 
 SPACING = (2e-6, 3e-6)
 
@@ -139,8 +139,24 @@ def test_too_few_rows_are_refused(tmp_path: Path) -> None:
 
 
 def test_missing_folder_is_one_sentence(tmp_path: Path) -> None:
-    with pytest.raises(SurfaceError, match="cannot be written"):
+    with pytest.raises(InputError, match="cannot be written"):
         surfaces.write(bumps(), tmp_path / "none" / "b.h5")
+
+
+@pytest.mark.parametrize("suffix", [".h5", ".npz", ".csv", ".txt"])
+def test_a_file_in_the_way_is_left_alone(tmp_path: Path, suffix: str) -> None:
+    target = tmp_path / f"b{suffix}"
+    target.mkdir()
+    with pytest.raises(InputError, match="cannot be written"):
+        surfaces.write(bumps(), target)
+    assert [path.name for path in tmp_path.iterdir()] == [target.name]
+
+
+@pytest.mark.parametrize("dtype", ["int8", "float16", "heights"])
+def test_heights_are_not_stored_in_types_that_lose_them(tmp_path: Path, dtype: str) -> None:
+    with pytest.raises(InputError, match="float64 or float32"):
+        surfaces.write(bumps(), tmp_path / "b.h5", dtype=dtype)
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(
