@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import time
 from collections.abc import Callable, Mapping
@@ -55,7 +56,7 @@ def run_resumably(
     Returns
     -------
     ContactCurve
-        All points in the order of `values`.
+        All points in the order of `values`, which its `extra` holds as "asked".
 
     Raises
     ------
@@ -63,18 +64,16 @@ def run_resumably(
         If the file was made from another input or with other settings.
     """
     done = _finished(path, model, request) if resume and Path(path).exists() else None
-    if done is None:
-        keeper = _Keeper(path, request, None)
-        whole = solve(values, keeper)
-    else:
-        near = np.isclose(values[:, None], getattr(done, column)[None, :], rtol=1e-6, atol=0.0)
-        held = near.any(axis=1)
-        index = np.argmax(near, axis=1)
-        keeper = _Keeper(path, request, done)
-        if not held.all():
-            index[~held] = len(done) + np.arange(np.count_nonzero(~held))
-            done = done.joined(solve(values[~held], keeper))
-        whole = done.select(index)
+    held = np.zeros((len(values), 1), bool)
+    if done is not None:
+        held = np.isclose(values[:, None], done.extra["asked"], rtol=1e-12, atol=0.0)
+    new, place = ~held.any(axis=1), held.argmax(axis=1)
+    keeper = _Keeper(path, request, column, values[new], done)
+    if done is None or new.any():
+        done = keeper.with_done(solve(values[new], keeper), values[new])
+        count = np.count_nonzero(new)
+        place[new] = len(done) - count + np.arange(count)
+    whole = done.select(place)
     keeper.write(whole)
     return whole
 
@@ -83,18 +82,34 @@ class _Keeper:
     """Writes the points finished so far, not more often than once a second."""
 
     def __init__(
-        self, path: str | os.PathLike[str], request: Mapping[str, Any], done: ContactCurve | None
+        self,
+        path: str | os.PathLike[str],
+        request: Mapping[str, Any],
+        column: str,
+        asked: NDArray[np.float64],
+        done: ContactCurve | None,
     ) -> None:
-        self.path, self.request, self.done = path, dict(request), done
+        self.path, self.request, self.done = path, request, done
+        self.column, self.asked = column, asked
         self.next_write = time.monotonic() + SECONDS_BETWEEN_WRITES
 
     def __call__(self, fresh: ContactCurve) -> None:
         if time.monotonic() >= self.next_write:
-            self.write(fresh if self.done is None else self.done.joined(fresh))
+            distance = np.abs(getattr(fresh, self.column)[:, None] - self.asked)
+            self.write(self.with_done(fresh, self.asked[np.argmin(distance, axis=1)]))
             self.next_write = time.monotonic() + SECONDS_BETWEEN_WRITES
 
+    def with_done(self, fresh: ContactCurve, asked: NDArray[np.float64]) -> ContactCurve:
+        """The points of the earlier run followed by new ones, which were asked for at `asked`.
+
+        A solved pressure misses the one asked for by the tolerance of the solve.
+        """
+        fresh = dataclasses.replace(fresh, extra={**fresh.extra, "asked": asked})
+        return fresh if self.done is None else self.done.joined(fresh)
+
     def write(self, curve: ContactCurve) -> None:
-        content = ResultFile(curves={curve.model: curve}, about={"request": self.request})
+        about = {"request": dict(self.request)}
+        content = ResultFile(curves={curve.model: curve}, about=about)
         write_results(self.path, content)
 
 

@@ -7,11 +7,13 @@ import importlib
 import re
 import sys
 from collections.abc import Sequence
+from typing import Any
 
 from asperity import __version__
 from asperity.errors import AsperityError, ConvergenceError
 
 EXIT_OK, EXIT_NOT_CONVERGED, EXIT_BAD_INPUT = 0, 1, 2
+EXIT_INTERRUPTED = 130
 
 COMMANDS = {
     "demo": "make a surface, run both models, write report.html and print the verdict",
@@ -27,6 +29,10 @@ COMMANDS = {
 
 class _OneSentenceParser(argparse.ArgumentParser):
     """Parser whose errors are one sentence on standard error, without the usage block."""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self._negative_number_matcher = re.compile(r"-[.\d]")  # by itself it takes no -1e6
 
     def error(self, message: str) -> None:  # type: ignore[override]
         sys.stderr.write(f"{self.prog}: {message}; see {self.prog} --help\n")
@@ -55,7 +61,7 @@ def build_parser(command: str | None = None) -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code: 0, 1 (not converged) or 2 (bad input)."""
-    arguments = _with_negative_numbers(sys.argv[1:] if argv is None else argv)
+    arguments = sys.argv[1:] if argv is None else list(argv)
     named = next((word for word in arguments if not word.startswith("-")), "")
     args = build_parser(named).parse_args(arguments)
     try:
@@ -64,20 +70,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         text = " ".join(str(error).split()) or "out of memory"
         sys.stderr.write(f"asperity {args.command}: {text}\n")
         return EXIT_NOT_CONVERGED if isinstance(error, ConvergenceError) else EXIT_BAD_INPUT
+    except KeyboardInterrupt:
+        goes_on = "; --resume goes on from its results file" if "resume" in args else ""
+        sys.stderr.write(f"asperity {args.command}: interrupted{goes_on}\n")
+        return EXIT_INTERRUPTED
     except BrokenPipeError:
         sys.stderr.close()
         return EXIT_OK
-
-
-def _with_negative_numbers(words: Sequence[str]) -> list[str]:
-    """Join ``--option -1e6`` to ``--option=-1e6``, which argparse would take for two options."""
-    joined: list[str] = []
-    for word in words:
-        if joined and re.match(r"--[a-z-]+$", joined[-1]) and re.match(r"-[.\d]", word):
-            joined[-1] += f"={word}"
-        else:
-            joined.append(word)
-    return joined
 
 
 def _module(command: str):  # type: ignore[no-untyped-def]

@@ -103,6 +103,7 @@ def request_of(
     """Facts that an interrupted run and the one that goes on with it must share."""
     return {
         "command": args.command,
+        "kind of load points": "pressure" if args.separation is None else "separation",
         "input": hm.digest,
         "modulus": material.modulus,
         "m": material.m,

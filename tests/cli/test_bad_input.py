@@ -83,6 +83,10 @@ def test_two_by_two_map(command, folder, capsys):
     [
         (["--pressure", "-1e6"], "positive"),
         (["--pressure=-1e6:1e7:3"], "positive"),
+        (["--E", "-210e9"], "E must be positive"),
+        (["--bandpass", "-1e-6", "1e-3"], "wavelengths -1e-06 to 0.001 m"),
+        (["--crop", "-5", "10", "0", "10"], "rows -5 to 10"),
+        (["--resample", "-1e-6"], "must be positive"),
         (["--pressure", "a:b:c"], "LO:HI:N"),
         (["--pressure", "1e6", "--separation", "1e-6"], "not allowed"),
         (["--bogus"], "unrecognized arguments: --bogus"),
@@ -182,6 +186,16 @@ def test_a_name_with_brackets_is_a_name_before_it_is_a_pattern(folder, capsys):
     surfaces.write(good_map(), folder / "scan1.h5")
     assert main(["surface", "validate", "scan[1].h5"]) == 0
     assert "scan[1].h5: valid" in capsys.readouterr().out
+
+
+def test_an_interrupted_run_is_one_sentence(folder, capsys, monkeypatch):
+    def interrupt(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    surfaces.write(good_map(), folder / "scan.h5")
+    monkeypatch.setattr("asperity.cli.options.load_surface", interrupt)
+    assert main(["curve", "scan.h5", *STEEL]) == 130
+    assert capsys.readouterr().err.endswith("interrupted; --resume goes on from its results file\n")
 
 
 def test_unknown_command(capsys):

@@ -58,6 +58,26 @@ def test_curve_commands_resume(command, folder, capsys):
     changed = [command, "rough.h5", "--E", "70e9", "--pressure", "1e8", "--resume"]
     assert main(changed) == 2
     assert "modulus changed" in capsys.readouterr().err
+    by_separation = [command, "rough.h5", *STEEL, "--separation", "1e-5", "--resume"]
+    assert main(by_separation) == 2
+    assert "kind of load points changed" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["curve", "bem"])
+def test_a_finished_run_is_not_solved_again(command, folder, monkeypatch):
+    arguments = [command, "rough.h5", *STEEL, "--pressure", "5e7:4e8:4", "--resume"]
+    assert main(arguments) == 0
+    first = ContactCurve.from_hdf5("results.h5")
+
+    def solved_again(*_, **__):
+        raise AssertionError("a finished point was solved again")
+
+    for name in ("asperity.curve.contact_curve", "asperity.bem.curve.bem_curve"):
+        monkeypatch.setattr(name, solved_again)
+    assert main(arguments) == 0
+    second = ContactCurve.from_hdf5("results.h5")
+    np.testing.assert_array_equal(second.separation, first.separation)
+    assert second.seconds == first.seconds
 
 
 def test_negative_separations_are_numbers_not_options(folder):
