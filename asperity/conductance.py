@@ -12,7 +12,7 @@ __all__ = ["constriction_conductance"]
 
 
 def constriction_conductance(
-    curve: ContactCurve, *, modulus: float, resistivity: tuple[float, float]
+    curve: ContactCurve, *, resistivity: tuple[float, float], modulus: float | None = None
 ) -> NDArray[np.float64]:
     """Conductance of the interface per nominal area at each load point.
 
@@ -20,10 +20,10 @@ def constriction_conductance(
     ----------
     curve
         Contact curve with its stiffness.
-    modulus
-        Composite modulus E* [Pa] that the curve was made with (homogeneous bodies).
     resistivity
         Resistivities of both bodies: [Ohm m] gives [S/m^2], thermal [m K/W] gives [W/(m^2 K)].
+    modulus
+        Composite modulus E* [Pa] of the curve, where its settings do not state it.
 
     Returns
     -------
@@ -42,7 +42,13 @@ def constriction_conductance(
     """
     if curve.settings.get("m", 0.0) != 0.0:
         raise InputError("the conductance analogy holds for homogeneous half-spaces, m = 0")
+    if modulus is None:
+        modulus = curve.settings.get("modulus")
+    if modulus is None or not 0 < modulus < np.inf:
+        raise InputError(f"the composite modulus is {modulus} Pa; it must be positive and finite")
+    if np.shape(resistivity) != (2,):
+        raise InputError(f"resistivity is {resistivity!r}; give one number for each of two bodies")
     total = float(sum(resistivity))
-    if not (modulus > 0 and min(resistivity) >= 0 and total > 0 and np.isfinite(total)):
-        raise InputError("modulus and the sum of the resistivities must be positive and finite")
+    if not (min(resistivity) >= 0 and 0 < total < np.inf):
+        raise InputError("resistivities must not be negative, their sum positive and finite")
     return 2.0 * curve.stiffness / (modulus * total)

@@ -63,8 +63,13 @@ def microcontacts(bodies: Asperities, state: PopulationState) -> NDArray[np.void
 
 
 def contact_map(bodies: Asperities, state: PopulationState) -> NDArray[np.bool_]:
-    """Pixels in contact, shape (ny, nx): an ellipse for each contact, clipped to its basin."""
-    return _scaled_map(bodies, state)[0] <= 1.0
+    """Pixels in contact, shape (ny, nx): an ellipse for each contact, clipped to its basin.
+
+    A contact that covers no pixel's centre has the pixel of its summit.
+    """
+    touching = np.zeros(bodies.hm.shape, bool)
+    touching.flat[_covered(bodies, state)[0]] = True
+    return touching
 
 
 def pressure_map(bodies: Asperities, state: PopulationState) -> NDArray[np.float64]:
@@ -73,24 +78,19 @@ def pressure_map(bodies: Asperities, state: PopulationState) -> NDArray[np.float
     Each contact has the pressure of the elliptic contact of its force and area,
     ``p_0 (1 - rho^2)^((1+m)/2)`` (theory 7.4), rescaled so that the pixels carry its force.
     """
-    distance, peak = _scaled_map(bodies, state)
-    inside = distance < 1.0
-    shape = (1.0 - distance[inside] ** 2) ** (0.5 * (1.0 + bodies.material.m))
-    own = peak[inside]
+    pixel, own, distance = _covered(bodies, state)
+    shape = (1.0 - distance**2) ** (0.5 * (1.0 + bodies.material.m))
     carried = np.bincount(own, weights=shape, minlength=len(state.force))
-    pixel = bodies.hm.spacing[0] * bodies.hm.spacing[1]
-    pressure = np.zeros(bodies.hm.shape)
-    pressure[inside] = state.force[own] * shape / (carried[own] * pixel)
-    return pressure
+    size = bodies.hm.spacing[0] * bodies.hm.spacing[1]
+    share = state.force[own] * shape / (carried[own] * size)
+    ny, nx = bodies.hm.shape
+    return np.bincount(pixel, weights=share, minlength=ny * nx).reshape(ny, nx)
 
 
-def _scaled_map(
+def _covered(
     bodies: Asperities, state: PopulationState
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Of every pixel: distance from its contact's centre over the contour's radius, and the peak.
-
-    The distance is infinite where the pixel's peak carries no load.
-    """
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+    """Pixels under contacts (flat index), whose they are, and where: distance over radius, < 1."""
     hm, profiles = bodies.hm, bodies.profiles
     major, minor = _semi_axes(bodies, state)
     labels = bodies.labels
@@ -98,9 +98,19 @@ def _scaled_map(
     rows, cols = np.nonzero((labels >= 0) & (state.force[peak] > 0))
     own = peak[rows, cols]
     dy, dx = _offset(hm, hm.y[rows] - profiles.y[own], hm.x[cols] - profiles.x[own])
-    distance = np.full(hm.shape, np.inf)
-    distance[rows, cols] = _scaled_distance(dy, dx, profiles.angle[own], major[own], minor[own])
-    return distance, peak
+    distance = _scaled_distance(dy, dx, profiles.angle[own], major[own], minor[own])
+    inside = distance < 1.0
+    pixel, own, distance = (rows * hm.shape[1] + cols)[inside], own[inside], distance[inside]
+    lost = np.setdiff1d(np.flatnonzero(state.force > 0), own)
+    row, col = (
+        np.clip(place[lost] / step, 0, count - 1).astype(np.int64)
+        for place, step, count in zip((profiles.y, profiles.x), hm.spacing, hm.shape, strict=True)
+    )
+    return (
+        np.append(pixel, row * hm.shape[1] + col),
+        np.append(own, lost),
+        np.append(distance, np.zeros(len(lost))),
+    )
 
 
 def patch_count(bodies: Asperities, state: PopulationState) -> int:

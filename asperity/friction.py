@@ -69,13 +69,18 @@ def friction_curve(
     the larger separation s* (Ciavarella 1998, Jaeger 1998, for any set of contacts on elastically
     similar half-spaces). One loading from rest, constant mu, homogeneous bodies.
     """
-    if not (friction > 0 and modulus_ratio > 0 and points >= 2):
+    if not (0 < friction < np.inf and 0 < modulus_ratio < np.inf and points >= 2):
         raise InputError("friction and modulus_ratio must be positive, points at least 2")
     if curve.settings.get("m", 0.0) != 0.0:
         raise InputError("partial slip needs homogeneous half-spaces, m = 0")
     whole = curve.at(pressure=mean_pressure)
     lightest = float(curve.mean_pressure[curve.converged & (curve.mean_pressure > 0)].min())
-    share = np.linspace(0.0, 1.0, points)
+    if not lightest < mean_pressure:
+        raise InputError(
+            f"the curve begins at {lightest:.4g} Pa, not below {mean_pressure:.4g} Pa; "
+            "partial slip needs lighter load points as well"
+        )
+    share = np.linspace(0.0, 1.0, int(points))
     stick = curve.at(pressure=mean_pressure * (lightest / mean_pressure) ** share)
     return FrictionCurve(
         displacement=friction * modulus_ratio * (stick.separation - whole.separation),

@@ -20,12 +20,33 @@ __all__ = [
     "default_pressures",
     "expected_area_fraction",
     "pressure_scale",
+    "require_scene",
     "slope_scale",
 ]
 
 AREA_OVER_LOAD = 2.0
 """Contact area fraction over p/(E* h') at light load (about 2 for random roughness: Hyun, Pei,
 Molinari & Robbins 2004; Putignano, Afferrante, Carbone & Demelio 2012)."""
+
+
+def require_scene(hm: HeightMap, material: HalfSpace) -> None:
+    """Refuse what is no height map or no half-space, such as a bare array or a bare modulus.
+
+    Raises
+    ------
+    InputError
+        Saying what to give instead.
+    """
+    if not isinstance(hm, HeightMap):
+        raise InputError(
+            f"a surfaces.HeightMap is needed, not {type(hm).__name__}: "
+            "surfaces.HeightMap(heights, (dy, dx)) or surfaces.read(path)"
+        )
+    if not (hasattr(material, "modulus") and hasattr(material, "m")):
+        raise InputError(
+            f"an asperity.HalfSpace is needed, not {type(material).__name__}: "
+            "asperity.HalfSpace(E, nu) or asperity.HalfSpace.from_modulus(modulus)"
+        )
 
 
 def slope_scale(hm: HeightMap) -> tuple[float, float]:
@@ -45,9 +66,18 @@ def pressure_scale(hm: HeightMap, material: HalfSpace) -> float:
 
 
 def default_pressures(hm: HeightMap, material: HalfSpace, count: int = 10) -> NDArray[np.float64]:
-    """Mean pressures [Pa], geometric, for about 0.1 % to 10 % of contact."""
-    ends = np.array([1e-3, 1e-1]) / AREA_OVER_LOAD
-    low, high = ends * pressure_scale(hm, material)
+    """Mean pressures [Pa], geometric, for about 0.1 % to 10 % of contact.
+
+    Raises
+    ------
+    InputError
+        If the map has no slope that floating-point numbers can hold.
+    """
+    with np.errstate(over="ignore", under="ignore"):
+        scale = pressure_scale(hm, material)
+    if not 0.0 < scale < math.inf:
+        raise InputError("the rms slope of the map gives no scale of pressure; name the loads")
+    low, high = np.array([1e-3, 1e-1]) / AREA_OVER_LOAD * scale
     return np.geomspace(low, high, count)
 
 
@@ -68,21 +98,25 @@ def checked_loads(
     Raises
     ------
     InputError
-        If both kinds are given, a value is not finite, or a pressure is negative.
+        If the map or the material is none, both kinds of load are given, a value is no finite
+        number, or a pressure is negative.
     """
+    require_scene(hm, material)
     if pressures is not None and separations is not None:
         raise InputError("give either pressures or separations, not both")
+    kind, chosen = "pressure", pressures
     if separations is not None:
-        values = np.atleast_1d(np.asarray(separations, dtype=np.float64)).ravel()
-        kind = "separation"
-    else:
-        chosen = default_pressures(hm, material) if pressures is None else pressures
+        kind, chosen = "separation", separations
+    elif pressures is None:
+        chosen = default_pressures(hm, material)
+    try:
         values = np.atleast_1d(np.asarray(chosen, dtype=np.float64)).ravel()
-        kind = "pressure"
-        if (values < 0).any():
-            raise InputError(
-                f"mean pressure {values.min():.4g} Pa is negative; compression is positive"
-            )
+    except (TypeError, ValueError):
+        values = np.empty(0)
     if not values.size or not np.isfinite(values).all():
         raise InputError(f"the {kind} load points must be finite numbers, at least one")
+    if kind == "pressure" and (values < 0).any():
+        raise InputError(
+            f"mean pressure {values.min():.4g} Pa is negative; compression is positive"
+        )
     return kind, values

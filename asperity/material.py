@@ -70,6 +70,9 @@ class HalfSpace:
     @classmethod
     def pair(cls, first: HalfSpace, second: HalfSpace) -> HalfSpace:
         """Composite of two deformable bodies, 1/E* = 1/E1* + 1/E2*; the gradings must agree."""
+        for body in (first, second):
+            if not isinstance(body, cls):
+                raise InputError(f"a composite is of two HalfSpace, not {type(body).__name__}")
         if first.m != second.m:
             raise InputError(
                 f"bodies graded with m = {first.m:g} and m = {second.m:g} have no composite "

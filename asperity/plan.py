@@ -14,7 +14,7 @@ from surfaces.heightmap import HeightMap
 
 from .boundary import Boundary, chosen_boundary
 from .errors import InputError, SurfaceError
-from .loadpoints import checked_loads, expected_area_fraction, slope_scale
+from .loadpoints import checked_loads, expected_area_fraction, require_scene, slope_scale
 
 if TYPE_CHECKING:
     from .material import HalfSpace
@@ -115,6 +115,7 @@ def make_plan(
         If the load points are not usable or the memory would not suffice.
     """
     start = time.perf_counter()
+    require_scene(hm, material)
     _require_usable(hm)
     kind, values = checked_loads(hm, material, pressures, separations)
     edge = chosen_boundary(hm, boundary)

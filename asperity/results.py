@@ -159,16 +159,20 @@ class ContactCurve:
         usable = self.converged & (self.mean_pressure > 0) & np.isfinite(self.separation)
         order = np.flatnonzero(usable)[np.argsort(self.mean_pressure[usable])]
         order = order[np.diff(self.mean_pressure[order], prepend=-1.0) > 0]
+        lowest = np.minimum.accumulate(np.append(np.inf, self.separation[order]))[:-1]
+        order = order[self.separation[order] < lowest]
         if len(order) < 2:
             raise InputError("the curve has fewer than two converged points with load")
         log_p = np.log(self.mean_pressure[order])
+        try:
+            asked = np.asarray(separation if pressure is None else pressure, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError("the curve is read off at a number or an array of numbers") from None
         if pressure is not None:
-            asked = np.asarray(pressure, dtype=float)
             with np.errstate(divide="ignore", invalid="ignore"):
                 key = np.log(asked)
             _within(asked, np.exp(log_p[[0, -1]]), key, log_p, SLACK, "pressure", "Pa")
         else:
-            asked = np.asarray(separation, dtype=float)
             falling = self.separation[order][::-1]
             rim = 1e-9 * max(abs(falling[0]), abs(falling[-1]), falling[-1] - falling[0])
             _within(asked, falling[[0, -1]], asked, falling, rim, "separation", "m")

@@ -28,7 +28,7 @@ class HeightMap:
     ----------
     heights
         Heights out of the solid [m], shape (ny, nx), at least 3 x 3; NaN marks a missing point.
-        Kept as a read-only float64 copy.
+        Masked entries are missing. Kept as a read-only float64 copy.
     spacing
         Pixel size (dy, dx) [m], or one number for square pixels; positive.
     periodic
@@ -129,6 +129,10 @@ class HeightMap:
 
 def _checked_heights(heights: Any) -> NDArray[np.float64]:
     try:
+        if np.iscomplexobj(heights):
+            raise TypeError("they are complex")
+        if isinstance(heights, np.ma.MaskedArray):
+            heights = heights.astype(np.float64).filled(np.nan)
         array = np.array(heights, dtype=np.float64, order="C")
     except (TypeError, ValueError) as error:
         raise SurfaceError(f"heights are not an array of real numbers: {error}") from error

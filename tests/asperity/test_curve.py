@@ -175,6 +175,19 @@ def test_pressure_map_carries_the_load_of_the_contacts_it_resolves():
     assert table["peak_pressure"][0] == pytest.approx(peak, rel=2e-3)
 
 
+@pytest.mark.parametrize("m", [-0.3, 0.0])
+def test_contacts_smaller_than_a_pixel_are_in_the_maps_too(m):
+    """Seen at light load on a map that is rough to the pixel, where most of them are."""
+    hm = self_affine((60, 80), (0.6e-3, 1.2e-3), hurst=0.8, rms_slope=0.1, seed=3)
+    body = asperity.HalfSpace.from_modulus(2e11, m=m)
+    loads = default_pressures(hm, body)[0] * np.array([1e-3, 0.1, 1.0])
+    run = solve_contacts(hm, body, make_plan(hm, body, pressures=loads), pressures=loads)
+    for state, load in zip(run.states, run.curve.mean_pressure, strict=True):
+        pressure = pressure_map(run.bodies, state)
+        assert pressure.mean() == pytest.approx(load, rel=1e-9)
+        np.testing.assert_array_equal(contact_map(run.bodies, state), pressure > 0)
+
+
 def test_touching_contours_are_one_patch(rough):
     """The patches of the model's own contact map, counted in pixels, are its patch count."""
     from scipy import ndimage

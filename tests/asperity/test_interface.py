@@ -28,7 +28,7 @@ def sphere() -> tuple[HeightMap, asperity.ContactCurve]:
 
 def test_one_spot_conducts_as_holm_says(sphere):
     hm, curve = sphere
-    conductance = constriction_conductance(curve, modulus=STEEL.modulus, resistivity=(2e-7, 3e-7))
+    conductance = constriction_conductance(curve, resistivity=(2e-7, 3e-7))
     radius = np.sqrt(curve.contact_area / np.pi)
     np.testing.assert_allclose(conductance * hm.area, 4 * radius / 5e-7, rtol=5e-3)
 
@@ -62,7 +62,17 @@ def test_graded_bodies_are_refused(sphere):
 def test_numbers_out_of_range(sphere):
     with pytest.raises(InputError, match="positive"):
         constriction_conductance(sphere[1], modulus=-1.0, resistivity=(1.0, 1.0))
+    with pytest.raises(InputError, match="must not be negative"):
+        constriction_conductance(sphere[1], resistivity=(-1.0, 2.0))
+    with pytest.raises(InputError, match="each of two bodies"):
+        constriction_conductance(sphere[1], resistivity=2.0)
+    with pytest.raises(InputError, match="modulus is None"):
+        constriction_conductance(
+            dataclasses.replace(sphere[1], settings={}), resistivity=(1.0, 1.0)
+        )
     with pytest.raises(InputError, match="positive"):
         friction_curve(sphere[1], 1e6, friction=0.0, modulus_ratio=1.0)
     with pytest.raises(InputError, match="outside the converged curve"):
         friction_curve(sphere[1], 1e15, friction=0.3, modulus_ratio=1.0)
+    with pytest.raises(InputError, match="lighter load points"):
+        friction_curve(sphere[1], float(sphere[1].mean_pressure[0]), friction=1, modulus_ratio=1)

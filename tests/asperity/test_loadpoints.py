@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from asperity import bem_curve, bem_solve, compare, contact_curve, make_plan
 from asperity.errors import InputError
 from asperity.loadpoints import (
     checked_loads,
@@ -58,8 +59,30 @@ def test_forecast_of_the_area_is_monotone_and_bounded():
         ([1.0, -2.0], None, "-2 Pa is negative"),
         ([np.nan], None, "finite"),
         (None, [], "at least one"),
+        ("heavy", None, "finite numbers"),
+        ([1 + 2j], None, "finite numbers"),
     ],
 )
 def test_unusable_load_points(pressures, separations, match):
     with pytest.raises(InputError, match=match):
         checked_loads(wave(), HalfSpace.from_modulus(1e9), pressures, separations)
+
+
+@pytest.mark.parametrize("solve", [contact_curve, bem_curve, bem_solve, make_plan, compare])
+@pytest.mark.parametrize(
+    ("hm", "material", "match"),
+    [
+        (wave().heights, HalfSpace.from_modulus(1e9), "HeightMap is needed, not ndarray"),
+        ("scan.h5", HalfSpace.from_modulus(1e9), r"not str.*surfaces.read"),
+        (wave(), 210e9, "HalfSpace is needed, not float"),
+    ],
+)
+def test_what_is_no_map_or_no_material(solve, hm, material, match):
+    with pytest.raises(InputError, match=match):
+        solve(hm, material)
+
+
+@pytest.mark.parametrize("amplitude", [0.0, 1e-320])
+def test_no_default_loads_without_slope(amplitude):
+    with pytest.raises(InputError, match="name the loads"):
+        default_pressures(wave(amplitude=amplitude), HalfSpace.from_modulus(1e9))

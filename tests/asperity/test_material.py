@@ -39,6 +39,11 @@ def test_pair_adds_compliances_and_keeps_the_grading():
     assert both.m == 0.2 and both.E is None
 
 
+def test_pair_with_a_bare_modulus_is_refused():
+    with pytest.raises(InputError, match="not float"):
+        HalfSpace.pair(HalfSpace.from_modulus(1e9), 1e9)
+
+
 def test_pair_of_unequal_gradings_is_refused():
     with pytest.raises(InputError, match="no composite modulus"):
         HalfSpace.pair(HalfSpace(1.0, 0.3), HalfSpace(1.0, 0.3, 0.1))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -57,6 +59,21 @@ def test_points_that_did_not_converge_are_not_read():
     whole, broken = power_law_curve(), power_law_curve(broken=5)
     p = whole.mean_pressure[5]
     assert broken.at(pressure=p).separation == pytest.approx(whole.separation[5], rel=1e-9)
+
+
+def test_points_whose_separation_does_not_fall_are_left_out():
+    """Two loads closer than the solve can tell apart may come out in the wrong order."""
+    curve = power_law_curve()
+    swapped = curve.separation.copy()
+    swapped[5] = swapped[4] * (1 + 1e-12)
+    point = dataclasses.replace(curve, separation=swapped).at(separation=swapped[[3, 7]])
+    np.testing.assert_allclose(point.mean_pressure, curve.mean_pressure[[3, 7]], rtol=1e-9)
+
+
+@pytest.mark.parametrize("question", [{"pressure": "much"}, {"separation": [1e-6, None, "x"]}])
+def test_reading_off_at_no_number_is_refused(question):
+    with pytest.raises(InputError, match="a number or an array"):
+        power_law_curve().at(**question)
 
 
 @pytest.mark.parametrize("question", [{}, {"pressure": 1e5, "separation": 1e-6}])

@@ -1,0 +1,47 @@
+"""What a height map keeps of the heights it is given, and what it refuses."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from surfaces import HeightMap, SurfaceError
+
+GRID = np.arange(20.0).reshape(4, 5)
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.int16, np.uint8, ">f8"])
+def test_any_real_numbers_are_kept(kind):
+    hm = HeightMap(GRID.astype(kind), (2e-6, 1e-6))
+    assert hm.heights.dtype == np.float64 and not hm.heights.flags.writeable
+    np.testing.assert_array_equal(hm.heights, GRID)
+
+
+def test_a_masked_point_is_missing():
+    """Also of an integer map, where NumPy itself would keep the number under the mask."""
+    for heights in (GRID, GRID.astype(int)):
+        hm = HeightMap(np.ma.masked_equal(heights, 7), 1e-6)
+        assert hm.missing == 1 and np.isnan(hm.heights[1, 2])
+
+
+@pytest.mark.parametrize(
+    ("heights", "match"),
+    [
+        (GRID + 1j, "complex"),
+        ("heights", "real numbers"),
+        (GRID[0], "two axes of at least 3 points"),
+        (GRID[:2], "two axes of at least 3 points"),
+        (np.full((4, 5), np.nan), "every point"),
+        (np.ma.masked_all((4, 5)), "every point"),
+        (np.where(GRID == 7, np.inf, GRID), r"heights\[1, 2\] is infinite \(1 of 20"),
+    ],
+)
+def test_what_is_no_map_of_heights(heights, match):
+    with pytest.raises(SurfaceError, match=match):
+        HeightMap(heights, 1e-6)
+
+
+@pytest.mark.parametrize("spacing", [0.0, (1e-6, -1e-6), np.nan, (1e-6, 2e-6, 3e-6), "wide"])
+def test_what_is_no_pixel_size(spacing):
+    with pytest.raises(SurfaceError, match="pixel size"):
+        HeightMap(GRID, spacing)
