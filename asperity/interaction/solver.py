@@ -290,7 +290,9 @@ def _balanced(problem: Problem, state: State, separation: float) -> float:
 
 def _forcing(residual: float, tolerance: float) -> float:
     """Relative accuracy of the linear solve: no better than the step deserves."""
-    return min(FORCING, max(0.02, 0.5 * tolerance / residual)) if residual < ROUGH else FORCING
+    if not 0.0 < residual < ROUGH:
+        return FORCING
+    return min(FORCING, max(0.02, 0.5 * tolerance / residual))
 
 
 def _line_search(
