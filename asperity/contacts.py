@@ -115,25 +115,28 @@ def _covered(
 
 def patch_count(bodies: Asperities, state: PopulationState) -> int:
     """Number of separate spots: contacts of adjoining basins whose contours meet count as one."""
-    from ._spots import groups
+    from ._spots import spots
 
+    return int(spots(*bodies.adjoining, state.area, bodies.profiles.angle, bodies.aspect))
+
+
+def adjoining(bodies: Asperities) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Pairs of summits whose basins adjoin, (n, 2), and the way y, x [m] from the first to the
+    second, (n, 2)."""
     hm, profiles = bodies.hm, bodies.profiles
-    closed = state.force > 0
-    place = np.cumsum(closed) - 1
-    spots = int(place[-1]) + 1 if len(place) else 0
-    first, second = profiles.owner[bodies.peaks.neighbors].T
-    kept = np.flatnonzero(closed[first] & closed[second] & (first != second))
-    if not kept.size:
-        return spots
-    first, second = first[kept], second[kept]
-    dy, dx = _offset(
+    pairs = profiles.owner[bodies.peaks.neighbors]
+    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+    first, second = pairs.T
+    way = _offset(
         hm, profiles.y[second] - profiles.y[first], profiles.x[second] - profiles.x[first]
     )
-    share = sum(
-        1.0 / _scaled_distance(dy, dx, profiles.angle[i], *_semi_axes(bodies, state, i))
-        for i in (first, second)
-    )
-    return int(groups(spots, place[first], place[second], share >= 1.0))
+    return pairs, np.stack(way, axis=1)
+
+
+def aspect_ratio(curvature: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Short over long axis of the contacts on summits of the curvatures (n, 2) [1/m]."""
+    steep, shallow = curvature.T
+    return np.asarray(np.clip(shallow / steep, 1e-3, 1.0) ** ASPECT_EXPONENT)
 
 
 def _offset(
@@ -159,10 +162,8 @@ def _scaled_distance(
 
 
 def _semi_axes(
-    bodies: Asperities, state: PopulationState, rows: NDArray[np.int64] | slice = slice(None)
+    bodies: Asperities, state: PopulationState
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Semi-axes [m] of the ellipse of each contact's area and its summit's direction."""
-    steep, shallow = bodies.profiles.curvature[rows].T
-    aspect = np.clip(shallow / steep, 1e-3, 1.0) ** ASPECT_EXPONENT
-    scale = np.sqrt(np.maximum(state.area[rows], np.finfo(float).tiny) / np.pi)
-    return scale / np.sqrt(aspect), scale * np.sqrt(aspect)
+    scale = np.sqrt(np.maximum(state.area, np.finfo(float).tiny) / np.pi)
+    return scale / np.sqrt(bodies.aspect), scale * np.sqrt(bodies.aspect)

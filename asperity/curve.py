@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from surfaces.heightmap import HeightMap
 from surfaces.segmentation import segment
 from surfaces.summits import locate_summits
 
-from .contacts import patch_count
+from .contacts import adjoining, aspect_ratio, patch_count
 from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, terms
 from .loadpoints import checked_loads
 from .microcontact.growing import GrowingTable
@@ -109,6 +110,16 @@ class Asperities:
             for n, m in zip(self.hm.shape, labels.shape, strict=True)
         )
         return labels[np.ix_(rows, cols)]
+
+    @functools.cached_property
+    def adjoining(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Pairs of summits whose basins adjoin, (n, 2), and the way y, x [m] between them."""
+        return adjoining(self)
+
+    @functools.cached_property
+    def aspect(self) -> NDArray[np.float64]:
+        """Short over long axis of the contact on each summit, shape (n,)."""
+        return aspect_ratio(self.profiles.curvature)
 
     def deep_enough(self, state: PopulationState) -> bool:
         """Whether no contact came near the height below which nothing was segmented."""

@@ -24,27 +24,41 @@ class Point:
     ----------
     separation, pressure
         Where it is [m], and its mean pressure [Pa].
+    rows
+        Summits that were listed, shape (m,).
     values
-        Of each summit, shape (n, 3): approach [m], or minus the gap where it is open; gradients of
-        the displacement [-]. NaN where unknown.
+        Of each of these, shape (m, 4): approach [m], or minus the gap where it is open; gradients
+        of the displacement [-]; approach gained per fall of the plane [-].
     """
 
     separation: float
     pressure: float
+    rows: NDArray[np.int64]
     values: NDArray[np.float64]
 
 
-def forecast(points: tuple[Point, ...], separation: float) -> NDArray[np.float64]:
-    """`Point.values` at a separation, each from as many points as know it; zero where none does."""
-    values = points[-1].values.copy()
-    for count in range(2, len(points) + 1):
-        last = points[-count:]
-        share = weights(separation, [point.separation for point in last])
-        found = sum(w * point.values for w, point in zip(share, last, strict=True))
-        known = np.isfinite(found[:, 0])
-        values[known] = found[known]
-    values[np.isnan(values[:, 0])] = 0.0
-    return values
+def forecast(
+    points: tuple[Point, ...], separation: float, count: int
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Summits of the last point, shape (m,), of `count` in all, and their `Point.values` at a
+    separation, each from as many points as know it; along the response if there is one point."""
+    last = points[-1]
+    values = last.values.copy()
+    if len(points) == 1:
+        fall = last.separation - separation
+        values[:, 0] += np.where(values[:, 0] > 0, values[:, 3] * fall, 0.0)
+        return last.rows, values
+    known, line = np.ones(len(last.rows), bool), [last.values]
+    for back in range(2, len(points) + 1):
+        place = np.zeros(count, np.int32)
+        place[points[-back].rows] = np.arange(1, len(points[-back].rows) + 1)
+        place = place[last.rows]
+        known &= place > 0
+        line.insert(0, points[-back].values[place - 1])
+        share = weights(separation, [point.separation for point in points[-back:]])
+        found = sum(w * part for w, part in zip(share, line, strict=True))
+        values[known, :3] = found[known, :3]
+    return last.rows, values
 
 
 def weights(place: float, known: list[float]) -> NDArray[np.float64]:

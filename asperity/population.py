@@ -110,6 +110,7 @@ class Population:
         if len(usable) == 0:
             raise InputError("no summit of the population has a usable contact law")
         self.falling = usable[np.argsort(-self.height[usable], kind="stable")]
+        self.fallen = self.y[self.falling], self.x[self.falling], -self.height[self.falling]
 
     def __len__(self) -> int:
         return len(self.height)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .interaction.operator import Interaction
 from .interaction.solver import Solution, descend
-from .interaction.state import Problem
+from .listing import Candidates, Listing
 from .path import MEMORY, Point, forecast, weights
 from .states import PopulationState
 
@@ -29,14 +29,8 @@ DEEPER = 1.1
 NEW_LOAD = 1.05
 """The same where a load was asked for, which is mostly too far from the last for its lists."""
 
-ROOM = 1.3
-"""Approach over the present one for which the footprints of a list are meant."""
-
 MAX_PLACED = 4
 """Times that the lists are made anew at one separation: deeper, or about moved contacts."""
-
-STRAY = 0.03
-"""Mean distance of contacts from their centres, over their radius, at which they may stay."""
 
 BLIND = 0.1
 """Tolerance of the first solve of all, whose lists and centres are guessed."""
@@ -53,14 +47,9 @@ class Trail:
     """The last points, and the lists made for them."""
 
     population: Population
-    problem: Problem | None = None
-    index: NDArray[np.int64] | None = None
-    listed: NDArray[np.bool_] | None = None
+    listing: Listing | None = None
     field: Interaction | None = None
-    lowest: float = 0.0
     points: tuple[Point, ...] = ()
-    offset: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
-    compliance: NDArray[np.float64] | None = None
 
     def at(
         self, separation: float, tolerance: float, pressure: float | None = None
@@ -71,68 +60,63 @@ class Trail:
             return self._independent(separation)
         trail, steps, products = self, 0, 0
         load = None if pressure is None else pressure * population.nominal_area
-        start = np.zeros((len(population), 3))
-        if self.points:
-            start = forecast(self.points, separation)
-            if len(self.points) == 1 and self.compliance is not None:
-                fall = self.points[0].separation - separation
-                start[:, 0] += np.where(start[:, 0] > 0, self.compliance * fall, 0.0)
-        else:
-            start[:, 0] = 0.5 * (population.height - separation)
-        guess, growth, spare = np.maximum(start[:, 0], 0.0), DEEPER, SPARE
+        rows, values = self._start(separation)
+        growth, spare = DEEPER, SPARE
         if pressure is not None and self.points and self.points[-1].pressure > 0:
             growth, spare = max(1.0, pressure / self.points[-1].pressure), NEW_LOAD
+        near = Candidates.of(population, self.field, separation, growth)
+        closed = values[:, 0] > 0
+        listing = self.listing
+        if listing is not None and (
+            listing.lacks(near) or listing.strayed(population, rows[closed], values[closed, 0])
+        ):
+            listing = None
         for placed in range(MAX_PLACED + 1):
             blind = not self.points and placed == 0
-            trail = trail._placed(guess)
-            trail = trail._listing(separation, guess, growth, spare)
-            assert trail.problem is not None and trail.index is not None
-            shares = 1.0 if trail.compliance is None else trail.compliance[trail.index]
-            for problem in trail.problem.simpler():
+            if listing is None:
+                closed = values[:, 0] > 0
+                listing = Listing.of(population, near, rows[closed], values[closed, 0], spare)
+            start = np.zeros((len(population), 4))
+            start[rows] = values
+            for problem in listing.problem.simpler():
                 solution = descend(
                     problem,
                     separation,
-                    guess[trail.index],
-                    tilt=start[trail.index, 1:],
+                    start[listing.index, 0],
+                    tilt=start[listing.index, 1:3],
                     tolerance=max(tolerance, BLIND) if blind else tolerance,
                     load=load,
-                    compliance=shares,
+                    compliance=np.where(start[listing.index, 3] > 0, start[listing.index, 3], 1.0),
                 )
                 if not solution.reason:
                     break
-            separation, lowest = solution.separation, trail.problem.plan.lowest
+            separation, rows = solution.separation, listing.index
             steps, products = steps + solution.steps, products + solution.products
-            guess, start[:] = np.zeros(len(population)), 0.0
-            guess[trail.index], start[trail.index, 1:] = solution.approach, solution.tilt
-            trail = replace(trail, field=trail.problem.plan, lowest=lowest)
+            values = np.empty((len(rows), 4))
+            values[:, 0] = np.where(
+                solution.approach > 0, solution.approach, np.minimum(solution.wanted, 0.0)
+            )
+            values[:, 1:3], values[:, 3] = solution.tilt, solution.shares
+            trail = replace(trail, listing=listing, field=listing.problem.plan)
             if solution.reason or placed == MAX_PLACED:
                 break
-            if not (blind or trail._strayed(guess) or trail._missed(separation, 1.0)):
+            near = Candidates.of(population, trail.field, separation, 1.0)
+            closed = values[:, 0] > 0
+            astray = listing.strayed(population, rows[closed], values[closed, 0])
+            if not (blind or astray or listing.lacks(near)):
                 break
-            growth = 1.0
-        return trail._state(solution, steps, products)
+            listing = None
+        return trail._state(solution, values, steps, products)
 
-    def _placed(self, approach: NDArray[np.float64]) -> Trail:
-        """The contacts at the centres that their laws give at these approaches."""
+    def _start(self, separation: float) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Summits with something to start from, and `Point.values` of each."""
         population = self.population
-        if not population.centred:
-            return self
-        if self.problem is not None and not self._strayed(approach):
-            return self
-        rows = np.flatnonzero(approach > 0)
-        x, y = np.zeros((2, len(population)))
-        x[rows], y[rows] = population.table.centre_at(rows, approach[rows])
-        return replace(self, offset=(x, y), problem=None)
-
-    def _strayed(self, approach: NDArray[np.float64]) -> bool:
-        """Whether contacts are too far from the centres of their laws for the lists to hold."""
-        if self.offset is None:
-            return self.population.centred
-        rows = np.flatnonzero(approach > 0)
-        law = self.population.laws.rows(rows)(approach[rows])
-        x, y = self.population.table.centre_at(rows, approach[rows])
-        away = law.force * np.hypot(x - self.offset[0][rows], y - self.offset[1][rows])
-        return bool(away.sum() > STRAY * (law.force * np.sqrt(law.area / np.pi)).sum())
+        if self.points:
+            return forecast(self.points, separation, len(population))
+        rows = population.falling[: np.searchsorted(population.fallen[2], -separation)]
+        values = np.zeros((len(rows), 4))
+        values[:, 0] = 0.5 * (population.height[rows] - separation)
+        return rows, values
 
     def under(
         self, pressure: float, tolerance: float, state: PopulationState | None
@@ -192,13 +176,13 @@ class Trail:
     def _independent_separation(self, pressure: float) -> float:
         """Separation at which independent contacts would carry the pressure, within a few %."""
         population = self.population
-        falling = population.height[population.falling]
-        high = float(falling[0])
+        depth = population.fallen[2]
+        high = -float(depth[0])
         width = 0.01 * float(np.ptp(population.height)) or 0.01 * abs(high)
 
         def carried(separation: float) -> float:
-            above = population.falling[: np.searchsorted(-falling, -separation)]
-            laws = population.laws.rows(above)(population.height[above] - separation)
+            above = population.falling[: np.searchsorted(depth, -separation)]
+            laws = population.laws.rows(above)(-separation - depth[: len(above)])
             return float(laws.force.sum()) / population.nominal_area
 
         low = high - width
@@ -210,91 +194,19 @@ class Trail:
             low, high = (middle, high) if carried(middle) > pressure else (low, middle)
         return 0.5 * (low + high)
 
-    def _candidates(
-        self, separation: float, growth: float
-    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Summits that may touch, and how far [m] they overlap the plane in the smooth part of the
-        last field; `growth` is how much deeper the field may become where it is negative."""
-        population = self.population
-        height = population.height[population.falling]
-        low = growth * self.lowest
-        end = np.searchsorted(-height, -(separation + 1.1 * low))
-        rows = population.falling[:end]
-        if self.field is None:
-            return rows, height[:end] - separation - 1.1 * low
-        field = self.field.potential(*self._places(rows))
-        return rows, height[:end] - separation - np.minimum(field, growth * field)
-
-    def _missed(self, separation: float, growth: float) -> bool:
-        """Whether a summit that is not listed may touch."""
-        assert self.listed is not None
-        rows, overlap = self._candidates(separation, growth)
-        return bool((~self.listed[rows] & (overlap > 0)).any())
-
-    def _listing(
-        self, separation: float, guess: NDArray[np.float64], growth: float, spare: float
-    ) -> Trail:
-        """Lists that hold every summit that the field can bring to touch."""
-        if self.problem is not None and not self._missed(separation, growth):
-            return self
-        population = self.population
-        rows, overlap = self._candidates(separation, growth)
-        overlap[guess[rows] > 0] = np.inf
-        touching = int(np.count_nonzero(overlap > 0.1 * growth * self.lowest))
-        count = int(spare * touching) + 40
-        if count < len(rows):
-            index = rows[np.argpartition(-overlap, count)[:count]]
-        else:
-            index = population.falling[: max(len(rows), count)]
-        closed = index[guess[index] > 0]
-        law = population.laws.rows(closed)(ROOM * guess[closed])
-        variance = population.footprints.variance(law.stiffness)
-        plan = Interaction(
-            *self._places(index),
-            population.cell,
-            population.boundary,
-            population.footprints,
-            widest=float(np.quantile(variance, 0.98)) if len(closed) else 0.0,
-        )
-        index = index[plan.order]
-        listed = np.zeros(len(population), bool)
-        listed[index] = True
-        problem = Problem(
-            population.height[index],
-            population.laws.rows(index),
-            plan,
-            population.deflection,
-            None if population.elongation is None else population.elongation.rows(index),
-        )
-        return replace(self, problem=problem, index=index, listed=listed)
-
-    def _places(self, rows: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Places y, x [m] of contacts, about their centres as far as these are known."""
-        y, x = self.population.y[rows], self.population.x[rows]
-        if self.offset is None:
-            return y, x
-        return y + self.offset[1][rows], x + self.offset[0][rows]
-
-    def _state(self, solution: Solution, steps: int, products: int) -> PopulationState:
-        assert self.index is not None
-        population = self.population
-        n = len(population)
-        approach, force, stiffness, area = np.zeros((4, n))
-        approach[self.index] = solution.approach
-        force[self.index] = solution.laws.force
-        stiffness[self.index] = solution.laws.stiffness
-        area[self.index] = solution.laws.area
-        closed = solution.approach > 0
-        values = np.full((n, 3), np.nan)
-        values[self.index, 0] = np.where(
-            closed, solution.approach, np.minimum(solution.wanted, 0.0)
-        )
-        values[self.index, 1:] = solution.tilt
-        pressure = float(solution.laws.force.sum()) / population.nominal_area
-        point = Point(solution.separation, pressure, values)
-        compliance = np.ones(n)
-        compliance[self.index] = solution.shares
-        trail = replace(self, points=(*self.points[1 - MEMORY :], point), compliance=compliance)
+    def _state(
+        self, solution: Solution, values: NDArray[np.float64], steps: int, products: int
+    ) -> PopulationState:
+        assert self.listing is not None
+        index, n = self.listing.index, len(self.population)
+        approach, force, stiffness, area = (np.zeros(n) for _ in range(4))
+        approach[index] = solution.approach
+        force[index] = solution.laws.force
+        stiffness[index] = solution.laws.stiffness
+        area[index] = solution.laws.area
+        pressure = float(solution.laws.force.sum()) / self.population.nominal_area
+        point = Point(solution.separation, pressure, index, values)
+        trail = replace(self, points=(*self.points[1 - MEMORY :], point))
         return trail._pack(approach, force, stiffness, area, solution, steps, products)
 
     def _independent(self, separation: float) -> PopulationState:
@@ -304,7 +216,7 @@ class Trail:
         still = np.zeros((len(approach), 2))
         slope = float(laws.stiffness.sum())
         done = Solution(separation, approach, approach, laws, still, 0.0, 0, 0, "", slope)
-        trail = replace(self, listed=None, problem=None)
+        trail = replace(self, listing=None)
         return trail._pack(approach, laws.force, laws.stiffness, laws.area, done, 0, 0)
 
     def _pack(
@@ -318,8 +230,9 @@ class Trail:
         products: int,
     ) -> PopulationState:
         population = self.population
-        laws = population.laws if self.problem is None else self.problem.laws
-        load = float(force.sum())
+        laws = population.laws if self.listing is None else self.listing.problem.laws
+        load = float(solution.laws.force.sum())
+        lowest = 0.0 if self.field is None else self.field.lowest
         filled = float(solution.laws.force[laws.filled(solution.laws)].sum())
         return PopulationState(
             separation=solution.separation,
@@ -328,8 +241,8 @@ class Trail:
             stiffness=stiffness,
             area=area,
             mean_pressure=load / population.nominal_area,
-            contact_area=float(area.sum()),
-            active=int(np.count_nonzero(approach)),
+            contact_area=float(solution.laws.area.sum()),
+            active=int(np.count_nonzero(solution.approach)),
             filled_share=filled / load if load > 0 else 0.0,
             residual=solution.residual,
             converged=not solution.reason,
@@ -337,6 +250,6 @@ class Trail:
             iterations=steps,
             products=products,
             normal_stiffness=solution.slope / population.nominal_area,
-            lowest_candidate=solution.separation + 1.1 * self.lowest,
+            lowest_candidate=solution.separation + 1.1 * lowest,
             _trail=self,
         )

@@ -176,6 +176,10 @@ class Laws:
             nearest = missing[np.argsort(-wanted[missing], kind="stable")[:block]]
             self.store.need(self.index[nearest])
 
+    def make(self) -> None:
+        """Make the laws of all these contacts."""
+        self.store.need(self.index)
+
     def filled(self, law: Evaluated) -> NDArray[np.bool_]:
         """Which contacts cover more than `FILLED` of the area that they have at reach."""
         return np.asarray(law.area > FILLED * self.store.largest[self.index])

@@ -1,0 +1,153 @@
+"""Lists of the summits that may touch at a separation, where they stand then, and their plan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .interaction.operator import Interaction
+from .interaction.state import Problem
+
+if TYPE_CHECKING:
+    from .population import Population
+
+__all__ = ["Candidates", "Listing"]
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+ROOM = 1.3
+"""Approach over the present one for which the footprints of a list are meant."""
+
+SAMPLE = 1000
+"""Contacts of which the widest footprint and the mean distance are estimated."""
+
+STRAY = 0.03
+"""Mean distance of contacts from their centres, over their radius, at which they may stay."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """Summits that may touch.
+
+    Attributes
+    ----------
+    rows
+        Summits, shape (n,).
+    overlap
+        How far [m] they overlap the plane in the smooth part of the last field, shape (n,).
+    low
+        How low [m] the field may be.
+    """
+
+    rows: Rows
+    overlap: Array
+    low: float
+
+    @classmethod
+    def of(
+        cls,
+        population: Population,
+        field: Interaction | None,
+        separation: float,
+        growth: float,
+    ) -> Candidates:
+        """At a separation; `growth` is how much deeper the field can be where it is negative."""
+        y, x, depth = population.fallen
+        low = growth * (0.0 if field is None else field.lowest)
+        end = np.searchsorted(depth, -(separation + 1.1 * low))
+        rows, overlap = population.falling[:end], -separation - depth[:end]
+        if field is None:
+            return cls(rows, overlap - 1.1 * low, low)
+        smooth = field.potential(y[:end], x[:end])
+        return cls(rows, overlap - np.minimum(smooth, growth * smooth), low)
+
+
+@dataclass(frozen=True, eq=False)
+class Listing:
+    """Summits that may touch, in the order of their plan.
+
+    Attributes
+    ----------
+    problem
+        Their laws and their interaction.
+    index
+        Summits, shape (n,).
+    listed
+        Which of all summits are listed.
+    offset
+        Places x, y [m] of all contacts less those of their summits; None: at the summits.
+    """
+
+    problem: Problem
+    index: Rows
+    listed: NDArray[np.bool_]
+    offset: tuple[Array, Array] | None
+
+    @classmethod
+    def of(
+        cls,
+        population: Population,
+        candidates: Candidates,
+        closed: Rows,
+        approach: Array,
+        spare: float,
+    ) -> Listing:
+        """Of the candidates that overlap, and of `spare` times as many, at least those closed with
+        an approach [m]."""
+        rows, overlap = candidates.rows, candidates.overlap
+        touches = np.zeros(len(population), bool)
+        touches[closed] = True
+        overlap = np.where(touches[rows], np.inf, overlap)
+        count = int(spare * int(np.count_nonzero(overlap > 0.1 * candidates.low))) + 40
+        if count < len(rows):
+            index = rows[np.argpartition(-overlap, count)[:count]]
+        else:
+            index = population.falling[: max(len(rows), count)]
+        population.laws.rows(closed).make()
+        offset = None
+        y, x = population.y[index], population.x[index]
+        if population.centred:
+            offset = np.zeros(len(population)), np.zeros(len(population))
+            offset[0][closed], offset[1][closed] = population.table.centre_at(closed, approach)
+            y, x = y + offset[1][index], x + offset[0][index]
+        some = slice(None, None, 1 + len(closed) // SAMPLE)
+        law = population.laws.rows(closed[some])(ROOM * approach[some])
+        variance = population.footprints.variance(law.stiffness)
+        plan = Interaction(
+            y,
+            x,
+            population.cell,
+            population.boundary,
+            population.footprints,
+            widest=float(np.quantile(variance, 0.98)) if len(closed) else 0.0,
+        )
+        index = index[plan.order]
+        listed = np.zeros(len(population), bool)
+        listed[index] = True
+        problem = Problem(
+            population.height[index],
+            population.laws.rows(index),
+            plan,
+            population.deflection,
+            None if population.elongation is None else population.elongation.rows(index),
+        )
+        return cls(problem, index, listed, offset)
+
+    def lacks(self, candidates: Candidates) -> bool:
+        """Whether a candidate that overlaps is not listed."""
+        return bool((~self.listed[candidates.rows] & (candidates.overlap > 0)).any())
+
+    def strayed(self, population: Population, closed: Rows, approach: Array) -> bool:
+        """Whether contacts are too far from the centres of their laws for the plan to hold."""
+        if self.offset is None:
+            return False
+        some = slice(None, None, 1 + len(closed) // SAMPLE)
+        closed, approach = closed[some], approach[some]
+        law = population.laws.rows(closed)(approach)
+        x, y = population.table.centre_at(closed, approach)
+        away = np.hypot(x - self.offset[0][closed], y - self.offset[1][closed])
+        return bool(law.force @ away > STRAY * (law.force @ np.sqrt(law.area / np.pi)))
