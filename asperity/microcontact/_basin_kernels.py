@@ -1,149 +1,191 @@
-"""Numba kernels that carry a contour on rays to the edge of its basin.
+"""Numba kernels that carry contours on rays to the edges of their basins, eight profiles at once.
 
-Units inside: one length and one height per profile, modulus 1.
+Units inside: one length and one height per profile, modulus 1. Arrays are groups of eight numbers,
+one per profile (`_lanes`).
 """
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
-from ._directions import FAST, quarters
-from ._ellipse_kernels import NODES
+from ._contour_kernels import NODES
+from ._directions import place
+from ._ellipse_kernels import STATES
+from ._lanes import (
+    FAST,
+    LANES,
+    between,
+    entries,
+    exponential,
+    groups,
+    least,
+    load,
+    logarithm,
+    most,
+    pick,
+    root,
+    sine_cosine,
+    some,
+    splat,
+    store,
+    where,
+    whole,
+)
+
+CELLS = 24
+"""Cells of a ray between which the root of its edge operator is linear."""
+
+_BLOCK = 5
+"""Values of the edge operator summed at a time: a divisor of `CELLS` + 1."""
 
 
 @njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
-def _ray_radius(shape, level, cx, cy):
-    """Radius of the contour of the expansion in the direction (cx, cy) from the summit."""
-    a, b, x0, y0 = shape[level, 0], shape[level, 1], shape[level, 2], shape[level, 3]
-    turn = shape[level, 4]
-    tc, ts = math.cos(turn), math.sin(turn)
+def _ray_radius(shape, cx, cy):
+    """Radii of the contours of the expansion in the directions (cx, cy) from the summits, or -1."""
+    a, b = load(shape, 0), load(shape, 1)
+    x0, y0, turn = load(shape, 2), load(shape, 3), load(shape, 4)
+    ts, tc = sine_cosine(turn)
     ox, oy = -(tc * x0 + ts * y0) / a, (ts * x0 - tc * y0) / b
-    dx, dy = (tc * cx + ts * cy) / a, (-ts * cx + tc * cy) / b
-    dd = dx * dx + dy * dy
-    od = ox * dx + oy * dy
-    rest = od * od - dd * (ox * ox + oy * oy - 1)
-    if rest <= 0.0 or ox * ox + oy * oy >= 0.98:
-        return -1.0
-    r = (math.sqrt(rest) - od) / dd
+    dx, dy = (tc * cx + ts * cy) / a, (tc * cy - ts * cx) / b
+    dd, od, oo = dx * dx + dy * dy, ox * dx + oy * dy, ox * ox + oy * oy
+    rest = od * od - dd * (oo - 1.0)
+    r = (root(most(rest, splat(0.0))) - od) / dd
     ex, ey = ox + r * dx, oy + r * dy
-    t = quarters(ex, ey) * (NODES - 1)
-    i = min(max(int(t), 0), NODES - 2)
-    u = t - i
-    image = 0
-    if ex < 0.0:
-        image = 2 if ey < 0.0 else 1
-    elif ey < 0.0:
-        image = 3
-    o = 5 + image * NODES + i
-    return r * (1 + shape[level, o] * (1 - u) + shape[level, o + 1] * u)
+    t = place(where(ex < 0.0, -ex, ex), where(ey < 0.0, -ey, ey), 4) * (NODES - 1.0)
+    i = between(whole(t), splat(0.0), splat(NODES - 2.0))
+    image = where(ex < 0.0, where(ey < 0.0, splat(2.0), 1.0), where(ey < 0.0, splat(3.0), 0.0))
+    i += 5.0 + image * NODES
+    near, far = pick(shape, i), pick(shape, i + 1.0)
+    r *= 1.0 + near + (t - (i - 5.0 - image * NODES)) * (far - near)
+    return where((rest > 0.0) & (oo < 0.98), r, -1.0)
 
 
 @njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
-def _planform(radius, weight, direction, m, punch, start, inverse, out):
-    """Area, stiffness and centre of the planform on rays.
+def _planform(radius, weight, direction, rays, m, punch, start, inverse, out, place_):
+    """Area, stiffness and centre of planforms on rays, in four groups of `out`.
 
     The stiffness is that of the ellipse of equal area and second moments, times the first
     correction for the other harmonics.
     """
-    area, mx, my = 0.0, 0.0, 0.0
-    xx, xy, yy = 0.0, 0.0, 0.0
-    for p in range(radius.size):
-        cx, cy = direction[0, p], direction[1, p]
-        r2 = weight[p] * radius[p] * radius[p]
-        r3 = r2 * radius[p]
-        r4 = r3 * radius[p]
+    area, mx, my = splat(0.0), splat(0.0), splat(0.0)
+    xx, xy, yy = splat(0.0), splat(0.0), splat(0.0)
+    for p in range(rays):
+        r, cx, cy = load(radius, p), load(direction, p), load(direction, rays + p)
+        r2 = load(weight, p) * r * r
+        r3 = r2 * r
+        r4x, r4y = r3 * r * cx, r3 * r * cy
         area += r2
         mx += r3 * cx
         my += r3 * cy
-        xx += r4 * cx * cx
-        xy += r4 * cx * cy
-        yy += r4 * cy * cy
+        xx += r4x * cx
+        xy += r4x * cy
+        yy += r4y * cy
     area *= 0.5
-    mx /= 3 * area
-    my /= 3 * area
-    xx = xx / (4 * area) - mx * mx
-    yy = yy / (4 * area) - my * my
-    xy = xy / (4 * area) - mx * my
-    half = math.sqrt(0.25 * (xx - yy) ** 2 + xy * xy)
-    large, small = 0.5 * (xx + yy) + half, max(0.5 * (xx + yy) - half, 1e-12 * (xx + yy))
-    inertia = large * small * (4 * math.pi / area) ** 2
-    x = (0.5 * math.log(small / large) - start) * inverse
-    x = min(max(x, 1.0), punch.size - 2.001)
-    i = int(x)
+    unit = 1.0 / area
+    mx, my = mx * unit * (1 / 3), my * unit * (1 / 3)
+    xx, yy = 0.25 * xx * unit - mx * mx, 0.25 * yy * unit - my * my
+    xy = 0.25 * xy * unit - mx * my
+    mean, bend = 0.5 * (xx + yy), 0.5 * (xx - yy)
+    half = root(bend * bend + xy * xy)
+    large, small = mean + half, most(mean - half, 2e-12 * mean)
+    inertia = large * small * (4 * math.pi * unit) * (4 * math.pi * unit)
+    x = (0.5 * logarithm(small / large) - start) * inverse
+    x = between(x, splat(1.0), splat(punch.size - 2.001))
+    i = whole(x)
     u = x - i
-    k = -u * (u - 1) * (u - 2) / 6 * punch[i - 1]
-    k += (u + 1) * (u - 1) * (u - 2) / 2 * punch[i]
-    k += -(u + 1) * u * (u - 2) / 2 * punch[i + 1]
-    k += (u + 1) * u * (u - 1) / 6 * punch[i + 2]
-    k *= (area / math.pi) ** ((1 + m) / 2)
-    out[0] = area
-    out[1] = k * (1 + (1 - m * m) / 8 * min(max(inertia - 1, 0.0), 1.0))
-    out[2] = mx
-    out[3] = my
+    k = entries(punch, i - 1.0) * (u * (u - 1.0) * (u - 2.0) * (-1 / 6))
+    k += entries(punch, i) * ((u + 1.0) * (u - 1.0) * (u - 2.0) * 0.5)
+    k -= entries(punch, i + 1.0) * ((u + 1.0) * u * (u - 2.0) * 0.5)
+    k += entries(punch, i + 2.0) * ((u + 1.0) * u * (u - 1.0) * (1 / 6))
+    k *= exponential((0.5 + 0.5 * m) * logarithm(area * (1 / math.pi)))
+    store(out, place_, area)
+    excess = between(inertia - 1.0, splat(0.0), splat(1.0))
+    store(out, place_ + 1, k * (1.0 + (1 - m * m) / 8 * excess))
+    store(out, place_ + 2, mx)
+    store(out, place_ + 3, my)
 
 
 @njit(cache=True, nogil=True)
-def basin_space(rays, radii):
-    """Working arrays of `fill_one`."""
-    return np.empty((2, rays, radii)), np.empty((2, rays)), np.zeros(rays, np.int64)
+def basin_space(rays, levels):
+    """Working groups of `fill`: the edge operator along a ray and its rising part, and radii."""
+    return groups(CELLS + 1), groups(CELLS + 1), groups(levels * rays)
 
 
 @njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
-def fill_one(
-    q, weights, weight, direction, edge, scale, shape, first, levels, m, punch, start, inverse,
-    out, space,
-):  # fmt: skip
-    """Area, stiffness and centre (levels, 4) of the planforms of a profile from level `first` on.
+def _operator(q, first, nodes, weights, unit, out):
+    """Edge operator at the ends of the cells of a ray with nodes q[first : first + nodes]."""
+    for block in range(0, CELLS + 1, _BLOCK):
+        s0, s1, s2, s3, s4 = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+        for k in range(nodes):
+            value = load(q, first + k)
+            s0 += weights[k, block] * value
+            s1 += weights[k, block + 1] * value
+            s2 += weights[k, block + 2] * value
+            s3 += weights[k, block + 3] * value
+            s4 += weights[k, block + 4] * value
+        for j, s in enumerate((s0, s1, s2, s3, s4)):
+            store(out, block + j, most(s, splat(0.0)) * (unit * (1.0 * (block + j) ** 2)))
 
-    On every ray the edge operator grows with the approach from its value at the contour
-    shape[first], the last trusted one, up to its next crossing of that value, and the ray stops
-    at the edge. The root of the operator is linear between equispaced fractions of the ray.
-    `scale` is the unit of q.
-    Without a trusted contour (first = -1) the operator of every ray is the approach. Below `first`
+
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def fill(
+    q, nodes, weights, weight, direction, edge, rays, scale, shape, state, last, levels, m, punch,
+    start, inverse, out, space,
+):  # fmt: skip
+    """Area, stiffness and centre (levels, 4) of planforms from the levels `last` on.
+
+    On every ray the edge operator grows with the approach from its value at the contour `shape`,
+    the last trusted one, up to its next crossing of that value, and the ray stops at the edge. The
+    root of the operator is linear between equispaced fractions of the ray. `scale` is the unit of
+    q. Without a trusted contour (last = -1) the operator of every ray is the approach. Below `last`
     only the centres are given.
     """
-    curves, rays, cell = space
-    squares, roots = curves[0], curves[1]
-    radius, speed = rays[0], rays[1]
-    begin = max(first, 0)
-    cells = weights.shape[1] - 1
-    np.dot(q, weights, squares)
-    for p in range(edge.size):
-        unit = math.sqrt(scale) * edge[p] / cells
-        for j in range(cells + 1):
-            roots[p, j] = unit * j * math.sqrt(max(squares[p, j], 0.0))
-    for p in range(edge.size):
-        r = -1.0
-        if first >= 0:
-            r = _ray_radius(shape, first, direction[0, p], direction[1, p])
-        if r <= 0.0:
-            r = levels[begin] * math.sqrt(0.5 * (1 + m) / (q[p, 0] * scale))
-        radius[p] = min(r, edge[p])
-        x = radius[p] / edge[p] * cells
-        j = min(int(x), cells - 1)
-        speed[p] = 1.0
-        if first >= 0:
-            speed[p] = (roots[p, j] + (x - j) * (roots[p, j + 1] - roots[p, j])) / levels[begin]
-        cell[p] = j
-    for level in range(begin):
-        out[level, 0] = 0.0
-        out[level, 1] = 0.0
-        out[level, 2] = shape[level, 2]
-        out[level, 3] = shape[level, 3]
-    for level in range(begin, levels.size):
-        if level > begin:
-            for p in range(edge.size):
-                y, j = speed[p] * levels[level], cell[p]
-                while j < cells and roots[p, j + 1] < y:
-                    j += 1
-                cell[p] = j
-                if j >= cells:
-                    radius[p] = edge[p]
-                else:
-                    low, high = min(roots[p, j], y), roots[p, j + 1]
-                    x = j + (y - low) / max(high - low, 1e-300)
-                    radius[p] = max(radius[p], edge[p] * x / cells)
-        _planform(radius, weight, direction, m, punch, start, inverse, out[level])
+    square, rising, radius = space
+    begin = most(last, splat(0.0))
+    earliest = 0
+    while not some(begin <= 1.0 * earliest):
+        earliest += 1
+    known = last >= 0.0
+    level_begin = entries(levels, begin)
+    for p in range(rays):
+        length = load(edge, p)
+        unit = scale * length * length * (1 / CELLS**2)
+        _operator(q, p * nodes, nodes, weights, unit, square)
+        r = _ray_radius(shape, load(direction, p), load(direction, rays + p))
+        tip = level_begin * root((0.5 + 0.5 * m) / (load(q, p * nodes) * scale))
+        r = least(where(known & (r > 0.0), r, tip), length)
+        x = r / length * CELLS
+        cell = least(whole(x), splat(CELLS - 1.0))
+        low, high = root(pick(square, cell)), root(pick(square, cell + 1.0))
+        speed = where(known, (low + (x - cell) * (high - low)) / level_begin, 1.0)
+        top = splat(-1.0)
+        for j in range(1, CELLS + 1):
+            top = where(cell < j, most(load(square, j), top), top)
+            store(rising, j, top)
+        for level in range(earliest, levels.size):
+            y = speed * levels[level]
+            y2 = y * y
+            below = splat(0.0)
+            for j in range(1, CELLS + 1):
+                below += where(load(rising, j) < y2, splat(1.0), 0.0)
+            j = least(below, splat(CELLS - 1.0))
+            low, high = root(least(pick(square, j), y2)), root(pick(square, j + 1.0))
+            x = (j + (y - low) / most(high - low, splat(1e-300))) * (1 / CELLS)
+            reached = where(below >= CELLS, length, most(r, length * x))
+            r = where(begin < 1.0 * level, reached, r)
+            store(radius, level * rays + p, r)
+    for level in range(earliest):
+        for k in range(2):
+            store(out, 4 * level + k, splat(0.0))
+    for level in range(earliest, levels.size):
+        _planform(
+            radius[level * rays * LANES :], weight, direction, rays, m, punch, start, inverse, out,
+            4 * level,
+        )  # fmt: skip
+    for level in range(levels.size):
+        inside = begin > 1.0 * level
+        for k in range(2, 4):
+            centre = load(state, level * STATES + 5 + k)
+            store(out, 4 * level + k, where(inside, centre, load(out, 4 * level + k)))

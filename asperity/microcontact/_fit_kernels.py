@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from ._directions import FAST
+from ._lanes import FAST
 from .ellipse_tables import DEGREE
 
 FITS = 5

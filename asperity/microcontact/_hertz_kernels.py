@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numba import njit
 
-from ._directions import FAST
+from ._lanes import FAST
 
 
 @njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")

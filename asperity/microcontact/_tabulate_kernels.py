@@ -7,17 +7,15 @@ import math
 import numpy as np
 from numba import njit
 
-from ._basin_kernels import basin_space, fill_one
-from ._directions import FAST
-from ._ellipse_kernels import SHAPE, STATES, march_one, march_space
+from ._basin_kernels import basin_space, fill
+from ._ellipse_kernels import SHAPE, STATES, march, march_space
 from ._fit_kernels import FITS, fit_one, fit_space
+from ._lanes import FAST, LANES, groups, load, store, transpose
 from ._polynomial_kernels import TERMS
-from ._row_kernels import carried_on, expanded_levels, resampled, row_space
+from ._row_kernels import carried_on, expanded_levels, marked, resampled, row_space
 
 SMALLEST_RATIO = 1 / 40
 """Least axis ratio of the ellipses on which a summit is fitted."""
-
-_BEYOND, _FILLED = 64, 128
 
 
 @njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
@@ -61,29 +59,29 @@ def _usable(coefs):
     return coefs[coefs.shape[0] - 1, 5] > 0.0
 
 
-@njit(cache=True, nogil=True)
-def _finish(columns, state, filling, ends, place, hermite, basin, length, angle, units, n, out):
-    """Flags, spread and centre of a table row, and its columns in `units`."""
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def _spread_rows(source, width, rows, out, space):
+    """Rows of an array of `width` groups each, one in every lane."""
+    for k in range(width):
+        for lane in range(LANES):
+            store(space, lane, load(source, rows[lane] * width + k))
+        transpose(space, 0, 1, out, k * LANES)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _write(made, nodes, lane, length, angle, units, n, out):
+    """Row n of the table from a lane of the finished rows, in `units`."""
     _, force, stiffness, area, flags, spread, centre = out
-    first, last = ends
     c, s = math.cos(angle) * length, math.sin(angle) * length
-    for j in range(place.size):
-        i, share = place[j], hermite[j, 8]
-        low, high = first <= i <= last, first <= i + 1 <= last
-        flag = 0
-        if not ((low or share > 0.999) and (high or share < 0.001)):
-            flag |= _BEYOND
-        if columns[2, j] > 0.999 * basin:
-            flag |= _FILLED
-        flags[n, j + 1] = flag
-        below, above = abs(state[i, 7]) if low else 0.05, abs(state[i + 1, 7]) if high else 0.05
-        spread[n, j + 1] = (1 - share) * below + share * above
-        x = (1 - share) * filling[i, 2] + share * filling[i + 1, 2]
-        y = (1 - share) * filling[i, 3] + share * filling[i + 1, 3]
+    for j in range(nodes):
+        k, step = j * LANES + lane, nodes * LANES
+        force[n, j + 1] = made[k] * units[0]
+        stiffness[n, j + 1] = made[k + step] * units[1]
+        area[n, j + 1] = made[k + 2 * step] * length * length
+        flags[n, j + 1] = int(made[k + 3 * step])
+        spread[n, j + 1] = made[k + 4 * step]
+        x, y = made[k + 5 * step], made[k + 6 * step]
         centre[n, j + 1, 0], centre[n, j + 1, 1] = c * x - s * y, s * x + c * y
-        force[n, j + 1] = columns[0, j] * units[0]
-        stiffness[n, j + 1] = columns[1, j] * units[1]
-        area[n, j + 1] = columns[2, j] * length * length
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -91,56 +89,74 @@ def tabulate_rows(
     begin, end, profiles, rules, levels, settings, rows, moments, weights, punch, resampling, out
 ):  # fmt: skip
     """Table rows of the profiles [begin, end); `ellipse_batch._rules` makes most arguments."""
-    phis, angles, all_weights, curvatures, edges, qs, valid = profiles
+    phis, angles, all_weights, curvatures, edges, qs, valid, packed = profiles
     radii, rings, image, skews, matrices, members, count, logs = rules
     u, powers, stencils = levels
-    m, modulus, most, start, inverse = settings
-    nodes, place, hermite = resampling
+    m, modulus, steps, grid, start, inverse = settings
     reach = out[0]
-    rays, p = edges.shape[1], 3 + m
+    rays, samples, p = edges.shape[1], qs.shape[2], 3 + m
     fitting = fit_space(rays, radii.size, matrices.shape[2], matrices.shape[3])
-    marching = march_space(rows.shape[1])
-    filling_in = basin_space(rays, weights.shape[1])
-    columns, made = row_space(u.size, nodes.size)
-    direction, unit, edge = np.empty((2, rays)), np.empty(rays), np.empty(rays)
-    wide, coefs = np.empty(2), np.zeros((FITS, TERMS))
-    state, shape = np.zeros((u.size, STATES)), np.zeros((u.size, SHAPE))
-    filling = np.empty((u.size, 4))
+    marching = march_space()
+    filling_in = basin_space(rays, u.size)
+    columns, made = row_space(u.size, resampling[0].size)
+    unit, wide, coefs = np.empty(rays), np.empty(2), np.zeros((FITS, TERMS))
+    direction, edge = np.empty((2, rays)), np.empty(rays)
+    who, scales = np.zeros(LANES, np.int64), groups(4)
+    fits, directions, edge_lanes = groups(FITS * TERMS), groups(2 * rays), groups(rays)
+    q, weight_lanes, block = groups(packed.shape[1]), groups(rays), groups(LANES)
+    state, shape, filling = groups(u.size * STATES), groups(SHAPE), groups(4 * u.size)
+    taken = 0
     for i in range(begin, end):
-        if not valid[i]:
+        if valid[i]:
+            length, height, stretch, number = _frame(
+                phis[i], angles[i], all_weights[i], curvatures[i], edges[i], qs[i], skews,
+                direction, unit, wide,
+            )  # fmt: skip
+            if length > 0.0 and height > 0.0:
+                basin = 0.0
+                for k in range(rays):
+                    unit[k] *= length
+                    edge[k] = edges[i, k] / length
+                    basin += 0.5 * all_weights[i, k] * edge[k] * edge[k]
+                fit_one(
+                    qs[i], edges[i], height, unit, wide, radii, rings, image, matrices[number],
+                    members, count, coefs, fitting,
+                )  # fmt: skip
+                if _usable(coefs):
+                    for lane in range(taken, LANES):
+                        for k in range(FITS * TERMS):
+                            fits[k * LANES + lane] = coefs[k // TERMS, k % TERMS]
+                        for k in range(rays):
+                            edge_lanes[k * LANES + lane] = edge[k]
+                            directions[k * LANES + lane] = direction[0, k]
+                            directions[(rays + k) * LANES + lane] = direction[1, k]
+                            weight_lanes[k * LANES + lane] = all_weights[i, k]
+                        who[lane] = i
+                        scales[lane], scales[LANES + lane] = length, height
+                        scales[2 * LANES + lane], scales[3 * LANES + lane] = basin, stretch
+                    taken += 1
+        if taken < LANES and (i + 1 < end or taken == 0):
             continue
-        length, height, stretch, number = _frame(
-            phis[i], angles[i], all_weights[i], curvatures[i], edges[i], qs[i], skews, direction,
-            unit, wide,
+        first, last = march(
+            fits, logs[1], FITS, edge_lanes, rays, load(scales, 3), u, steps, m, rows, grid,
+            moments, state, shape, marching,
         )  # fmt: skip
-        if not (length > 0.0 and height > 0.0):
-            continue
-        basin = 0.0
-        for k in range(rays):
-            unit[k] *= length
-            edge[k] = edges[i, k] / length
-            basin += 0.5 * all_weights[i, k] * edge[k] * edge[k]
-        fit_one(
-            qs[i], edges[i], height, unit, wide, radii, rings, image, matrices[number], members,
-            count, coefs, fitting,
+        _spread_rows(packed, packed.shape[1] // LANES, who, q, block)
+        lengths, basins = load(scales, 0), load(scales, 2)
+        fill(
+            q, samples, weights, weight_lanes, directions, edge_lanes, rays,
+            lengths * lengths / load(scales, 1), shape, state, last, u, m, punch, start, inverse,
+            filling, filling_in,
         )  # fmt: skip
-        if not _usable(coefs):
-            continue
-        first, last = march_one(
-            coefs, logs, edge, stretch, u, most, m, rows, start, inverse, moments, state,
-            shape, marching,
-        )  # fmt: skip
-        fill_one(
-            qs[i], weights, all_weights[i], direction, edge, length**2 / height, shape, last, u, m,
-            punch, start, inverse, filling, filling_in,
-        )  # fmt: skip
-        if last >= 0:
-            expanded_levels(state, first, last, u, powers, stencils, p, columns)
-        carried_on(filling, last, u, basin, p, columns)
-        resampled(columns, u, powers, place, hermite, nodes, p, made)
-        reach[i] = height
-        scale = modulus * length ** (1 + m)
-        _finish(
-            made, state, filling, (first, last), place, hermite, basin, length, angles[i],
-            (scale * height, scale), i, out,
-        )  # fmt: skip
+        expanded_levels(state, first, last, u, powers, stencils, p, columns)
+        carried_on(filling, last, u, basins, p, columns)
+        resampled(columns, u, powers, resampling, p, made)
+        marked(state, filling, first, last, basins, resampling, made)
+        for lane in range(taken):
+            n = who[lane]
+            length, height = scales[lane], scales[LANES + lane]
+            reach[n] = height
+            scale = modulus * length ** (1 + m)
+            units = (scale * height, scale)
+            _write(made, resampling[0].size, lane, length, angles[n], units, n, out)
+        taken = 0

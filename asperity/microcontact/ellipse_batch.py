@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from asperity.material import HalfSpace
 from surfaces import _threads
 
-from .ellipse_tables import LOG_RATIO, ellipse_tables
+from .ellipse_tables import LANES, LOG_RATIO, ellipse_tables
 from .fit import fit_rules
 from .ray_moments import edge_weights
 from .table import LawTable
@@ -26,7 +26,7 @@ from .table import LawTable
 if TYPE_CHECKING:
     from surfaces import Profiles
 
-__all__ = ["second_order_area", "tabulate"]
+__all__ = ["tabulate"]
 
 Array = NDArray[np.float64]
 
@@ -45,6 +45,9 @@ _FIRST = 8
 """Newton steps at the smallest approach; every other one needs a single evaluation."""
 
 _STENCIL = 5
+
+_RATIOS = 1536
+"""Axis ratios at which the functional is evaluated."""
 
 
 def levels_of(nodes: int) -> Array:
@@ -69,8 +72,8 @@ def _stencils(nodes: int) -> Array:
 
 
 @lru_cache(maxsize=8)
-def _resampling(nodes: int) -> tuple[Array, NDArray[np.int64], Array]:
-    """Nodes j/nodes, the level below each, and the weights of `resampled`."""
+def _resampling(nodes: int, p: float) -> tuple[Array, Array, NDArray[np.int64], Array]:
+    """Nodes j/nodes, their powers p, the level below each, and the weights of `resampled`."""
     levels = levels_of(nodes)
     u = np.arange(1, nodes + 1) / nodes
     i = np.clip(np.searchsorted(levels, u - 1e-9) - 1, 0, levels.size - 2)
@@ -82,7 +85,7 @@ def _resampling(nodes: int) -> tuple[Array, NDArray[np.int64], Array]:
         -6 * x * y / h, y * (1 - 3 * x), 6 * x * y / h, x * (3 * x - 2),
         x,
     ]  # fmt: skip
-    return u, i, np.stack(weights, axis=1)
+    return u, u**p, i, np.stack(weights, axis=1)
 
 
 @lru_cache(maxsize=8)
@@ -91,20 +94,43 @@ def _rules(m: float, rays: int, samples: int, nodes: int) -> tuple[Any, ...]:
     tables, fit = ellipse_tables(m), fit_rules(rays)
     first, last, count = LOG_RATIO
     u = levels_of(nodes)
-    punch = tables.order.size * 8 + 8
+    punch = np.ascontiguousarray(tables.rows[:, tables.order.size * 8 + 8])
     return (
         (
             fit.radii, fit.rings, fit.image, fit.skew, fit.matrices, fit.members, fit.count,
             fit.logs,
         ),
         (u, u ** (3 + m), _stencils(nodes)),
-        (_FIRST, first, (count - 1) / (last - first)),
-        tables.rows,
+        (
+            _FIRST, (first, (last - first) / (_RATIOS - 1), _RATIOS - 1), first,
+            (count - 1) / (last - first),
+        ),
+        _fine_rows(tables.rows),
         tables.moments,
         np.ascontiguousarray(edge_weights(m, samples, _ORDER).T),
-        np.ascontiguousarray(tables.rows[:, punch]),
-        _resampling(nodes),
+        punch,
+        _resampling(nodes, 3 + m),
     )  # fmt: skip
+
+
+def _fine_rows(rows: Array) -> Array:
+    """Tables at `_RATIOS` axis ratios, by local cubics, as `_contour_kernels` reads them."""
+    from ._contour_kernels import FORMS, WIDTH
+
+    x = np.clip(np.linspace(0, len(rows) - 1, _RATIOS), 1.0, len(rows) - 2.001)
+    i = x.astype(int)
+    u = (x - i)[:, None]
+    fine = rows[i - 1] * (-u * (u - 1) * (u - 2) / 6) + rows[i] * ((u + 1) * (u - 1) * (u - 2) / 2)
+    fine += rows[i + 1] * (-(u + 1) * u * (u - 2) / 2) + rows[i + 2] * ((u + 1) * u * (u - 1) / 6)
+    edge = (WIDTH - FORMS - 1) * LANES
+    space = np.zeros(_RATIOS * WIDTH * LANES + LANES)
+    skip = -(space.ctypes.data // 8) % LANES
+    out = space[skip : skip + _RATIOS * WIDTH * LANES].reshape(_RATIOS, -1)
+    out[:, :edge] = fine[:, :edge]
+    out[:, edge] = fine[:, 0]
+    out[:, edge + 1] = fine[:, edge]
+    out[:, edge + LANES : edge + LANES + fine.shape[1] - edge - 1] = fine[:, edge + 1 :]
+    return out.ravel()
 
 
 def tabulate(
@@ -126,21 +152,24 @@ def tabulate(
     from ._tabulate_kernels import tabulate_rows
 
     n = len(profiles.edge)
-    rules, levels, (most, start, inverse), *tables, resampling = _rules(
+    rules, levels, search, *tables, resampling = _rules(
         material.m, profiles.phi.shape[1], profiles.t.size, nodes
     )
     samples = tuple(
         np.ascontiguousarray(getattr(profiles, name))
         for name in ("phi", "angle", "weight", "curvature", "edge", "q", "valid")
     )
+    packed = samples[5].reshape(n, -1)
+    if packed.shape[1] % LANES:
+        packed = np.pad(packed, ((0, 0), (0, -packed.shape[1] % LANES)))
     reach = np.zeros(n)
     force, stiffness, area, spread = np.zeros((4, n, nodes + 1))
     flags, centre = np.zeros((n, nodes + 1), np.uint8), np.zeros((n, nodes + 1, 2))
-    settings = (material.m, material.modulus, most, start, inverse)
+    settings = (material.m, material.modulus, *search)
     out = (reach, force, stiffness, area, flags, spread, centre)
     _threads.run(
         lambda a, b: tabulate_rows(
-            a, b, samples, rules, levels, settings, *tables, resampling, out
+            a, b, (*samples, packed), rules, levels, settings, *tables, resampling, out
         ),
         _threads.blocks(n, 32),
     )
@@ -148,16 +177,3 @@ def tabulate(
         reach, force, stiffness, area, flags, spread, exponent=3 + material.m, law=law,
         centre=centre,
     )  # fmt: skip
-
-
-def second_order_area(state: Array, stiffness: Array) -> Array:
-    """Contact area whose contour has the stiffness dF/dd to second order.
-
-    The unknown second-order displacement is taken uniform along the contour; the result stays
-    between the ellipse and the first-order contour.
-    """
-    weight = np.maximum(state[..., 2], 1e-12)
-    uniform = np.clip((stiffness - state[..., 1]) / weight, -0.3, 0.3)
-    area = state[..., 4] + uniform * state[..., 5]
-    low = np.minimum(state[..., 3], state[..., 4])
-    return np.clip(area, low, np.maximum(state[..., 3], state[..., 4]))

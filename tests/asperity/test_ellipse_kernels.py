@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numba import njit
 from scipy.interpolate import CubicHermiteSpline
 
 from asperity.microcontact import _basin_kernels, _fit_kernels, _polynomial_kernels, _row_kernels
 from asperity.microcontact._directions import place
+from asperity.microcontact._ellipse_kernels import SHAPE, STATES
+from asperity.microcontact._lanes import LANES, groups, load, splat, store
 from asperity.microcontact.ellipse_batch import _resampling, _rules, _stencils, levels_of
 from asperity.microcontact.ellipse_tables import monomials
 from asperity.microcontact.fit import fit_rules
@@ -17,32 +20,51 @@ RNG = np.random.default_rng(7)
 POWERS = np.stack(monomials(6))
 
 
+def lanes(values):
+    """An array of one profile as groups of eight equal ones."""
+    return np.repeat(np.asarray(values, dtype=float).ravel(), LANES)
+
+
+@njit
+def _places(x, y, out):
+    store(out, 0, place(load(x, 0), load(y, 0), 16))
+
+
 def test_place_of_a_direction_without_arctangent():
-    angle = RNG.uniform(0, 2 * np.pi, 200)
-    found = [place(3 * np.cos(a), 3 * np.sin(a), 16) for a in angle]
-    np.testing.assert_allclose(found, angle * 16 / (2 * np.pi), atol=3e-4)
+    for angle in RNG.uniform(0, 2 * np.pi, (25, LANES)):
+        found = np.empty(LANES)
+        _places(3 * np.cos(angle), 3 * np.sin(angle), found)
+        np.testing.assert_allclose(found, angle * 16 / (2 * np.pi), atol=3e-4)
+
+
+@njit
+def _moved(x0, y0, turn, out):
+    _polynomial_kernels.move(
+        splat(x0), splat(y0), splat(np.sin(turn)), splat(np.tan(0.5 * turn)), out
+    )
 
 
 def test_polynomials_moved():
     """Values at points are those of the polynomial before, in the moved frame."""
-    coefs, (x0, y0, turn) = RNG.normal(size=POWERS.shape[1]), (0.3, -0.2, 0.4)
-    moved = coefs.copy()
-    _polynomial_kernels.move(x0, y0, turn, moved)
+    coefs, (x0, y0, turn) = RNG.normal(size=(LANES, POWERS.shape[1])), (0.3, -0.2, 0.4)
+    out = coefs.T.copy().ravel()
+    _moved(x0, y0, turn, out)
+    moved = out.reshape(-1, LANES).T
     for x, y in RNG.normal(size=(5, 2)):
         u = x0 + np.cos(turn) * x - np.sin(turn) * y
         v = y0 + np.sin(turn) * x + np.cos(turn) * y
-        assert moved @ (x ** POWERS[0] * y ** POWERS[1]) == pytest.approx(
-            coefs @ (u ** POWERS[0] * v ** POWERS[1])
-        )
+        expected = coefs @ (u ** POWERS[0] * v ** POWERS[1])
+        np.testing.assert_allclose(moved @ (x ** POWERS[0] * y ** POWERS[1]), expected)
 
 
-def test_small_system():
-    matrix = RNG.normal(size=(5, 9))
-    matrix = matrix @ matrix.T
-    right = RNG.normal(size=5)
-    expected = np.linalg.solve(matrix, right)
-    _polynomial_kernels.solve(np.triu(matrix), right)
-    np.testing.assert_allclose(right, expected)
+def test_small_systems():
+    matrix = RNG.normal(size=(LANES, 5, 9))
+    matrix = matrix @ np.swapaxes(matrix, 1, 2)
+    right = RNG.normal(size=(LANES, 5))
+    expected = np.linalg.solve(matrix, right[..., None])[..., 0]
+    vector = right.T.copy().ravel()
+    _polynomial_kernels.solve(np.triu(matrix).reshape(LANES, -1).T.copy().ravel(), vector)
+    np.testing.assert_allclose(vector.reshape(5, LANES).T, expected)
 
 
 def test_nested_fits_find_a_polynomial():
@@ -74,6 +96,27 @@ def test_nested_fits_find_a_polynomial():
     np.testing.assert_allclose(found, np.tile(expected, (len(found), 1)), atol=1e-7)
 
 
+@njit
+def _fill(q, nodes, weights, weight, direction, edge, rays, scale, levels, m, punch, grid, out):
+    shape, state = groups(SHAPE), groups(levels.size * STATES)
+    _basin_kernels.fill(
+        q, nodes, weights, weight, direction, edge, rays, splat(scale), shape, state, splat(-1.0),
+        levels, m, punch, grid[0], grid[1], out, _basin_kernels.basin_space(rays, levels.size),
+    )  # fmt: skip
+
+
+def _filled(q, weights, weight, direction, edge, levels, m):
+    """Planforms of one profile without a trusted contour, unit of q 0.3."""
+    rays, nodes = q.shape
+    _, _, (_, _, *grid), *_, punch, _ = _rules(m, rays, nodes, 24)
+    out = np.zeros(levels.size * 4 * LANES)
+    _fill(
+        lanes(q), nodes, weights, lanes(weight), lanes(direction), lanes(edge), rays, 0.3, levels,
+        m, punch, tuple(grid), out,
+    )  # fmt: skip
+    return out.reshape(levels.size, 4, LANES)[..., 3]
+
+
 def test_basins_fill_ray_by_ray():
     """Each ray stops where the root of its edge operator next reaches that of the approach."""
     rays, nodes, m = 16, 17, 0.0
@@ -83,15 +126,8 @@ def test_basins_fill_ray_by_ray():
     direction = np.stack([np.cos(turn), np.sin(turn)])
     levels = levels_of(24)
     weights = np.ascontiguousarray(edge_weights(m, nodes, 0).T)
-    *_, punch, _ = _rules(m, rays, nodes, 24)
-    (_, start, inverse) = _rules(m, rays, nodes, 24)[2]
-    out, shape = np.zeros((levels.size, 4)), np.zeros((levels.size, 33))
-    space = _basin_kernels.basin_space(rays, weights.shape[1])
     weight = np.full(rays, 2 * np.pi / rays)
-    _basin_kernels.fill_one(
-        q, weights, weight, direction, edge, 0.3, shape, -1, levels, m, punch, start, inverse, out,
-        space,
-    )  # fmt: skip
+    out = _filled(q, weights, weight, direction, edge, levels, m)
     x = np.linspace(0, 1, weights.shape[1])
     fine = np.linspace(0, 1, 200_001)
     for level, row in zip(levels, out, strict=True):
@@ -110,22 +146,35 @@ def test_basins_fill_ray_by_ray():
     assert (np.diff(out[:, 0]) >= 0).all()
 
 
+@njit
+def _expanded(state, first, last, levels, powers, stencils, p, columns):
+    _row_kernels.expanded_levels(
+        state, splat(first), splat(last), levels, powers, stencils, p, columns
+    )
+
+
 def test_slopes_at_the_trusted_levels():
     """F = u^3 times a quartic: exact stiffness at every level, whatever levels are trusted."""
     levels, p = levels_of(24), 3.0
     poly = np.polynomial.Polynomial([1.0, -0.4, 0.3, 0.2, -0.1])
-    state = np.zeros((levels.size, 10))
+    state = np.zeros((levels.size, STATES))
     state[:, 0] = levels**p * poly(levels)
     state[:, 3:5] = 1.0
-    columns = np.zeros((5, levels.size))
+    out = np.zeros(5 * levels.size * LANES)
     first, last = 2, 11
-    _row_kernels.expanded_levels(state, first, last, levels, levels**p, _stencils(24), p, columns)
+    _expanded(lanes(state), 2.0, 11.0, levels, levels**p, _stencils(24), p, out)
+    columns = out.reshape(5, levels.size, LANES)[..., 3]
     exact = 0.5 * levels ** (p - 2) * (p * poly(levels) + levels * poly.deriv()(levels))
     inside = slice(first, last)
     np.testing.assert_allclose(columns[1, inside], exact[inside], rtol=1e-10)
     assert columns[1, last] == pytest.approx(exact[last], rel=2e-2)
     np.testing.assert_allclose(columns[0, first:last], state[first:last, 0])
     np.testing.assert_allclose(columns[0, 0] / columns[0, 1], (levels[0] / levels[1]) ** p)
+
+
+@njit
+def _carried(filling, last, levels, basin, p, columns):
+    _row_kernels.carried_on(filling, splat(last), levels, splat(basin), p, columns)
 
 
 def test_planforms_carry_the_contact_on():
@@ -146,25 +195,28 @@ def test_planforms_carry_the_contact_on():
         u = np.linspace(levels[i - 1], levels[i], 4001)
         k = np.interp(u, levels[i - 1 : i + 1], expected[1, i - 1 : i + 1])
         expected[0, i] = expected[0, i - 1] + np.trapezoid(k, u**2)
-    _row_kernels.carried_on(filling, last, levels, basin, p, columns)
-    np.testing.assert_allclose(columns[:3], expected[:3], rtol=1e-6)
+    out = lanes(columns)
+    _carried(lanes(filling), float(last), levels, basin, p, out)
+    np.testing.assert_allclose(out.reshape(5, n, LANES)[:3, :, 5], expected[:3], rtol=1e-6)
 
 
 def test_rows_are_hermite_and_convex():
     """Smooth convex input comes back as its Hermite spline; falling secants are lifted."""
     levels, p = levels_of(24), 3.0
-    u, place_, hermite = _resampling(24)
+    rules = _resampling(24, p)
+    u = rules[0]
     columns = np.zeros((5, levels.size))
     s = 1 + 0.2 * levels
     columns[0], columns[2] = levels**p * s, levels**2
     columns[1] = 0.5 * levels ** (p - 2) * (p * s + levels * 0.2)
-    made = np.zeros((4, u.size))
-    _row_kernels.resampled(columns, levels, levels**p, place_, hermite, u, p, made)
+    out = np.zeros(_row_kernels.MADE * u.size * LANES)
+    made = out.reshape(-1, u.size, LANES)[..., 2]
+    _row_kernels.resampled(lanes(columns), levels, levels**p, rules, p, out)
     spline = CubicHermiteSpline(levels, s, np.full(levels.size, 0.2))
     np.testing.assert_allclose(made[0], spline(u) * u**p, rtol=1e-10)
     np.testing.assert_allclose(made[2], u**2, rtol=1e-10)
     columns[0, -3] *= 0.8
-    _row_kernels.resampled(columns, levels, levels**p, place_, hermite, u, p, made)
+    _row_kernels.resampled(lanes(columns), levels, levels**p, rules, p, out)
     secant = np.diff(made[0], prepend=0.0) / np.diff(u**2, prepend=0.0)
     assert (np.diff(secant) >= -1e-12).all()
     assert (made[1] >= secant - 1e-12).all()

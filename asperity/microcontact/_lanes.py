@@ -1,0 +1,387 @@
+"""Eight numbers at once in compiled kernels: one lane per profile, or per node of a contour.
+
+A kernel that handles eight profiles reads like that of one: `Lanes` values know the arithmetic
+operators with each other and with numbers, comparisons give a `Mask`, and `where` takes the place
+of a branch. Arrays hold them as eight contiguous numbers; an index counts such groups. The
+instructions are those of the processor at hand, whatever its width.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import njit, types
+from numba.core.imputils import lower_builtin
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import intrinsic, models, register_model
+
+FAST = {"contract", "reassoc", "nsz", "arcp"}
+"""Rearranged sums; infinities and NaN keep their meaning."""
+
+LANES = 8
+"""Numbers in a vector."""
+
+
+_DOUBLE, _WORD = ir.DoubleType(), ir.IntType(64)
+_VECTOR, _BITS = ir.VectorType(_DOUBLE, LANES), ir.VectorType(_WORD, LANES)
+_INVERSE_FACTORIALS = np.array([1 / math.factorial(k) for k in range(11)])
+_SINES = np.array([(-1.0) ** k / math.factorial(2 * k + 1) for k in range(7)])
+_COSINES = np.array([(-1.0) ** k / math.factorial(2 * k) for k in range(7)])
+_TRUTH = ir.VectorType(ir.IntType(1), LANES)
+
+
+class _Vector(types.Type):  # type: ignore[misc]
+    """Numba type of eight numbers or of eight truths."""
+
+
+LANE = _Vector("Lanes")
+MASK = _Vector("Mask")
+
+
+@register_model(_Vector)
+class _Model(models.PrimitiveModel):  # type: ignore[misc]
+    def __init__(self, manager: Any, kind: Any) -> None:
+        super().__init__(manager, kind, _VECTOR if kind is LANE else _TRUTH)
+
+
+def _spread(context: Any, builder: Any, value: Any, kind: Any) -> Any:
+    """The vector itself, or a number in every lane."""
+    if kind is LANE:
+        return value
+    return _everywhere(builder, context.cast(builder, value, kind, types.float64), _VECTOR)
+
+
+def _everywhere(builder: Any, value: Any, kind: Any) -> Any:
+    """One value in every lane of a vector of that kind."""
+    rest = ir.Constant(kind, ir.Undefined)
+    order = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
+    return builder.shuffle_vector(builder.insert_element(rest, value, _index(0)), rest, order)
+
+
+def _index(i: int) -> Any:
+    return ir.Constant(ir.IntType(32), i)
+
+
+def _binary(function: Any, result: Any, emit: Any) -> None:
+    """Typing and code of an operator between vectors, or a vector and a number."""
+
+    class Typing(AbstractTemplate):  # type: ignore[misc]
+        def generic(self, args: Any, kws: Any) -> Any:
+            if len(args) == 2 and LANE in args and not kws:
+                if all(a is LANE or isinstance(a, types.Float | types.Integer) for a in args):
+                    return signature(result, *(a if a is LANE else types.float64 for a in args))
+            return None
+
+    infer_global(function)(Typing)
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        a, b = (_spread(context, builder, v, t) for v, t in zip(args, sig.args, strict=True))
+        return emit(builder, a, b)
+
+    for kinds in ((LANE, LANE), (LANE, types.float64), (types.float64, LANE)):
+        lower_builtin(function, *kinds)(lower)
+
+
+for _functions, _name in (
+    ((operator.add, operator.iadd), "fadd"),
+    ((operator.sub, operator.isub), "fsub"),
+    ((operator.mul, operator.imul), "fmul"),
+    ((operator.truediv, operator.itruediv), "fdiv"),
+):
+    for _function in _functions:
+        _binary(_function, LANE, lambda builder, a, b, n=_name: getattr(builder, n)(a, b))
+for _function, _sign in (
+    (operator.lt, "<"), (operator.le, "<="), (operator.gt, ">"), (operator.ge, ">="),
+):  # fmt: skip
+    _binary(_function, MASK, lambda builder, a, b, s=_sign: builder.fcmp_ordered(s, a, b))
+
+
+def _logical(function: Any, emit: Any) -> None:
+    class Typing(AbstractTemplate):  # type: ignore[misc]
+        def generic(self, args: Any, kws: Any) -> Any:
+            if not kws and all(a is MASK for a in args):
+                return signature(MASK, *args)
+            return None
+
+    infer_global(function)(Typing)
+    count = 1 if function is operator.invert else 2
+    lower_builtin(function, *(MASK,) * count)(
+        lambda context, builder, sig, args: emit(builder, *args)
+    )
+
+
+_logical(operator.and_, lambda builder, a, b: builder.and_(a, b))
+_logical(operator.or_, lambda builder, a, b: builder.or_(a, b))
+_logical(operator.invert, lambda builder, a: builder.not_(a))
+
+
+@infer_global(operator.neg)
+class _Negative(AbstractTemplate):  # type: ignore[misc]
+    def generic(self, args: Any, kws: Any) -> Any:
+        return signature(LANE, LANE) if args == (LANE,) and not kws else None
+
+
+@lower_builtin(operator.neg, LANE)
+def _negative(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.fsub(ir.Constant(_VECTOR, [0.0] * LANES), args[0])
+
+
+def _address(context: Any, builder: Any, kind: Any, array: Any, index: Any, of: Any) -> Any:
+    """Pointer to the group `index` of a contiguous array."""
+    struct = context.make_array(kind)(context, builder, array)
+    start = builder.bitcast(struct.data, of.as_pointer())
+    return builder.gep(start, [index])
+
+
+@intrinsic
+def load(typing: Any, array: Any, index: Any) -> Any:
+    """Group `index` of a contiguous array of floats."""
+    sig = LANE(array, types.intp)
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        place = _address(context, builder, sig.args[0], *args, _VECTOR)
+        return builder.load(place, align=8)
+
+    return sig, code
+
+
+@intrinsic
+def store(typing: Any, array: Any, index: Any, value: Any) -> Any:
+    """Write group `index` of a contiguous array of floats."""
+    sig = types.void(array, types.intp, LANE)
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        place = _address(context, builder, sig.args[0], *args[:2], _VECTOR)
+        builder.store(args[2], place, align=8)
+        return context.get_dummy_value()
+
+    return sig, code
+
+
+@intrinsic
+def splat(typing: Any, value: Any) -> Any:
+    """A number in every lane."""
+    sig = LANE(types.float64)
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return _spread(context, builder, args[0], types.float64)
+
+    return sig, code
+
+
+@intrinsic
+def where(typing: Any, mask: Any, a: Any, b: Any) -> Any:
+    """Lanes of `a` where the mask holds, else of `b`."""
+    sig = LANE(MASK, *(v if v is LANE else types.float64 for v in (a, b)))
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        a, b = (
+            _spread(context, builder, v, t) for v, t in zip(args[1:], sig.args[1:], strict=True)
+        )
+        return builder.select(args[0], a, b)
+
+    return sig, code
+
+
+@intrinsic
+def some(typing: Any, mask: Any) -> Any:
+    """Whether a mask holds in any lane."""
+    sig = types.boolean(MASK)
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        byte = builder.bitcast(args[0], ir.IntType(LANES))
+        return builder.icmp_unsigned("!=", byte, ir.Constant(ir.IntType(LANES), 0))
+
+    return sig, code
+
+
+def _unary(emit: Any) -> Any:
+    """An elementwise function whose code is `emit(builder, value)`."""
+
+    @intrinsic
+    def function(typing: Any, value: Any) -> Any:
+        def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            return emit(builder, args[0])
+
+        return LANE(LANE), code
+
+    return function
+
+
+def _called(name: str) -> Any:
+    """An elementwise function that is an LLVM intrinsic."""
+
+    def emit(builder: Any, value: Any) -> Any:
+        full = f"llvm.{name}.v{LANES}f64"
+        there = builder.module.globals.get(full)
+        kind = ir.FunctionType(_VECTOR, [_VECTOR])
+        return builder.call(there or ir.Function(builder.module, kind, full), [value])
+
+    return _unary(emit)
+
+
+def _words(value: int) -> Any:
+    return ir.Constant(_BITS, [value] * LANES)
+
+
+def _exponent_code(builder: Any, value: Any) -> Any:
+    bits = builder.lshr(builder.bitcast(value, _BITS), _words(52))
+    return builder.sitofp(builder.sub(bits, _words(1023)), _VECTOR)
+
+
+def _mantissa_code(builder: Any, value: Any) -> Any:
+    bits = builder.and_(builder.bitcast(value, _BITS), _words((1 << 52) - 1))
+    return builder.bitcast(builder.or_(bits, _words(1023 << 52)), _VECTOR)
+
+
+def _power_code(builder: Any, value: Any) -> Any:
+    bits = builder.add(builder.fptosi(value, _BITS), _words(1023))
+    return builder.bitcast(builder.shl(bits, _words(52)), _VECTOR)
+
+
+root = _called("sqrt")
+absolute = _called("fabs")
+whole = _called("floor")
+_exponent = _unary(_exponent_code)
+_mantissa = _unary(_mantissa_code)
+_power_of_two = _unary(_power_code)
+
+
+def _gathered(per_lane: bool) -> Any:
+    """Function that reads an array at eight places."""
+
+    @intrinsic
+    def function(typing: Any, array: Any, places: Any) -> Any:
+        def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            struct = context.make_array(sig.args[0])(context, builder, args[0])
+            places = builder.fptosi(args[1], _BITS)
+            if per_lane:
+                own = ir.Constant(_BITS, list(range(LANES)))
+                places = builder.add(builder.shl(places, _words(LANES.bit_length() - 1)), own)
+            start = _everywhere(builder, builder.ptrtoint(struct.data, _WORD), _BITS)
+            places = builder.add(start, builder.shl(places, _words(3)))
+            pointers = ir.VectorType(_DOUBLE.as_pointer(), LANES)
+            kind = ir.FunctionType(_VECTOR, [pointers, ir.IntType(32), _TRUTH, _VECTOR])
+            name = f"llvm.masked.gather.v{LANES}f64.v{LANES}p0"
+            there = builder.module.globals.get(name) or ir.Function(builder.module, kind, name)
+            every, rest = ir.Constant(_TRUTH, [1] * LANES), ir.Constant(_VECTOR, ir.Undefined)
+            return builder.call(there, [builder.inttoptr(places, pointers), _index(8), every, rest])
+
+        return LANE(array, LANE), code
+
+    return function
+
+
+pick = _gathered(True)
+"""pick(array, groups): lane l of group groups[l]."""
+
+entries = _gathered(False)
+"""entries(array, places): number places[l] of the array in lane l."""
+
+
+@intrinsic
+def transpose(typing: Any, array: Any, index: Any, step: Any, out: Any, place: Any) -> Any:
+    """Turn the groups index + k * step of an array into the columns of the groups place + k."""
+    sig = types.void(array, types.intp, types.intp, out, types.intp)
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        rows = []
+        for k in range(LANES):
+            group = builder.add(args[1], builder.mul(args[2], ir.Constant(_WORD, k)))
+            at = _address(context, builder, sig.args[0], args[0], group, _VECTOR)
+            rows.append(builder.load(at, align=8))
+        for half in (4, 2, 1):
+            upper = [j if not j & half else LANES + j - half for j in range(LANES)]
+            lower = [j + half if not j & half else LANES + j for j in range(LANES)]
+            for i in (i for i in range(LANES) if not i & half):
+                pair = rows[i], rows[i + half]
+                rows[i], rows[i + half] = (
+                    builder.shuffle_vector(
+                        *pair, ir.Constant(ir.VectorType(ir.IntType(32), LANES), order)
+                    )
+                    for order in (upper, lower)
+                )
+        for k, row in enumerate(rows):
+            group = builder.add(args[4], ir.Constant(_WORD, k))
+            at = _address(context, builder, sig.args[3], args[3], group, _VECTOR)
+            builder.store(row, at, align=8)
+        return context.get_dummy_value()
+
+    return sig, code
+
+
+_SHORT = {"cache": True, "fastmath": FAST, "nogil": True, "error_model": "numpy"}
+
+
+@njit(**_SHORT)
+def least(a, b):
+    """Smaller of two in each lane; the second where the first is not a number."""
+    return where(a < b, a, b)
+
+
+@njit(**_SHORT)
+def most(a, b):
+    """Larger of two in each lane; the second where the first is not a number."""
+    return where(a > b, a, b)
+
+
+@njit(**_SHORT)
+def between(value, low, high):
+    """Value kept between two; the lower where it is not a number."""
+    return least(most(value, low), high)
+
+
+@njit(**_SHORT)
+def exponential(x):
+    """e to the power of every lane, for |x| < 700."""
+    n = whole(x * 1.4426950408889634 + 0.5)
+    r = x - n * 0.6931471805599453
+    s = splat(1.0 / 39916800)
+    for k in range(10, -1, -1):
+        s = s * r + _INVERSE_FACTORIALS[k]
+    return s * _power_of_two(n)
+
+
+@njit(**_SHORT)
+def logarithm(x):
+    """Natural logarithm of positive numbers."""
+    e, m = _exponent(x), _mantissa(x)
+    above = m > 1.4142135623730951
+    e, m = where(above, e + 1.0, e), where(above, 0.5 * m, m)
+    z = (m - 1.0) / (m + 1.0)
+    q = z * z
+    s = splat(2.0 / 17)
+    for k in range(15, 0, -2):
+        s = s * q + 2.0 / k
+    return e * 0.6931471805599453 + z * s
+
+
+@njit(**_SHORT)
+def sine_cosine(x):
+    """Sine and cosine for |x| < 2."""
+    h = 0.5 * x
+    q = h * h
+    s, c = splat(0.0), splat(0.0)
+    for k in range(6, -1, -1):
+        s = s * q + _SINES[k]
+        c = c * q + _COSINES[k]
+    s *= h
+    return 2.0 * s * c, 1.0 - 2.0 * s * s
+
+
+@njit(**_SHORT)
+def add(array, index, value):
+    """Add to group `index` of an array."""
+    store(array, index, load(array, index) + value)
+
+
+@njit(cache=True, nogil=True)
+def groups(count):
+    """Working space of `count` groups, at the start of a cache line."""
+    space = np.zeros((count + 1) * LANES)
+    first = (-(space.ctypes.data // 8)) % LANES
+    return space[first : first + count * LANES]
