@@ -116,15 +116,14 @@ def _log_ratio(inner, outer):
 def carried_on(filling, last, levels, basin, p, columns):
     """Force, stiffness and area beyond the levels `last`: planforms on rays.
 
-    The ratios of stiffness and area of the two descriptions at the last trusted level fade as the
-    basin fills; the force is the integral of the stiffness. Without a trusted level (-1) the
-    planforms stand alone, from a paraboloid.
+    The ratio of the areas of the two descriptions at the last trusted level fades as the basin
+    fills; the stiffness is that of the planforms at once, and the force its integral. Without a
+    trusted level (-1) the planforms stand alone, from a paraboloid.
     """
     count = levels.size
     known = last >= 0.0
     begin = most(last, splat(0.0))
-    at, punch = pick(filling, 4.0 * begin), pick(filling, 4.0 * begin + 1.0)
-    stiff = where(known, _log_ratio(pick(columns, count + begin), punch), 0.0)
+    at = pick(filling, 4.0 * begin)
     spread = where(known, _log_ratio(pick(columns, 2 * count + begin), at), 0.0)
     room = where(known, most(basin - at, 1e-9 * basin), 1.0)
     stiffness = where(known, load(columns, count), load(filling, 1))
@@ -137,10 +136,9 @@ def carried_on(filling, last, levels, basin, p, columns):
         beyond = begin < 1.0 * i
         full, punch = load(filling, 4 * i), load(filling, 4 * i + 1)
         fade = between((basin - full) / room, splat(0.0), splat(1.0))
-        carried = punch * exponential(stiff * fade)
         spot = full * exponential(spread * fade)
         before = stiffness
-        stiffness = most(where(beyond, carried, load(columns, count + i)), stiffness)
+        stiffness = most(where(beyond, punch, load(columns, count + i)), stiffness)
         area = most(least(where(beyond, spot, load(columns, 2 * count + i)), basin), area)
         low, high = levels[i - 1], levels[i]
         # stiffness linear in the level u over d = u*u

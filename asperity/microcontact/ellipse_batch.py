@@ -38,8 +38,10 @@ _BELOW, _ABOVE = 10, 6
 """The levels are spaced in proportion up to `_TURN`, where most expansions have ended, and evenly
 beyond, where the basins fill; a finer grading moves mean force and area by 0.2 and 0.5 %."""
 
-_ORDER = 0
-"""Harmonic whose edge operator carries a contour on along its ray."""
+_ORDERS = (0, 1)
+"""Harmonics whose edge operators, in the mean, carry a contour on along its ray. Round parts of a
+profile go with the first, its lobes with higher ones: with the first alone the contacts of rough
+summits are 2 to 5 % too large at equal force, with the second alone too small at equal approach."""
 
 _FIRST = 8
 """Newton steps at the smallest approach; every other one needs a single evaluation."""
@@ -88,6 +90,15 @@ def _resampling(nodes: int, p: float) -> tuple[Array, Array, NDArray[np.int64], 
     return u, u**p, i, np.stack(weights, axis=1)
 
 
+def _along_rays(m: float, samples: int) -> Array:
+    """Mean of the edge operators of `_ORDERS`, scaled so that they agree on a paraboloid."""
+    operators = [edge_weights(m, samples, order) for order in _ORDERS]
+    scale = operators[0].sum(axis=1, keepdims=True)
+    return np.asarray(
+        np.mean([scale / w.sum(axis=1, keepdims=True) * w for w in operators], axis=0)
+    )
+
+
 @lru_cache(maxsize=8)
 def _rules(m: float, rays: int, samples: int, nodes: int) -> tuple[Any, ...]:
     """Everything of `tabulate_rows` that all profiles share, but the modulus."""
@@ -107,7 +118,7 @@ def _rules(m: float, rays: int, samples: int, nodes: int) -> tuple[Any, ...]:
         ),
         _fine_rows(tables.rows),
         tables.moments,
-        np.ascontiguousarray(edge_weights(m, samples, _ORDER).T),
+        np.ascontiguousarray(_along_rays(m, samples).T),
         punch,
         _resampling(nodes, 3 + m),
     )  # fmt: skip

@@ -11,7 +11,13 @@ from asperity.microcontact import _basin_kernels, _fit_kernels, _polynomial_kern
 from asperity.microcontact._directions import place
 from asperity.microcontact._ellipse_kernels import SHAPE, STATES
 from asperity.microcontact._lanes import LANES, groups, load, splat, store
-from asperity.microcontact.ellipse_batch import _resampling, _rules, _stencils, levels_of
+from asperity.microcontact.ellipse_batch import (
+    _along_rays,
+    _resampling,
+    _rules,
+    _stencils,
+    levels_of,
+)
 from asperity.microcontact.ellipse_tables import monomials
 from asperity.microcontact.fit import fit_rules
 from asperity.microcontact.ray_moments import edge_weights
@@ -117,6 +123,13 @@ def _filled(q, weights, weight, direction, edge, levels, m):
     return out.reshape(levels.size, 4, LANES)[..., 3]
 
 
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+def test_the_operator_along_rays_knows_paraboloids(m):
+    """q = const gives the approach q a^2 2 / (1 + m), at every radius."""
+    found = _along_rays(m, 17) @ np.full(17, 0.7)
+    np.testing.assert_allclose(found, 0.7 * 2 / (1 + m), rtol=1e-10)
+
+
 def test_basins_fill_ray_by_ray():
     """Each ray stops where the root of its edge operator next reaches that of the approach."""
     rays, nodes, m = 16, 17, 0.0
@@ -178,7 +191,7 @@ def _carried(filling, last, levels, basin, p, columns):
 
 
 def test_planforms_carry_the_contact_on():
-    """Beyond the trusted levels: the filling, scaled where both meet, and its integral."""
+    """Beyond the trusted levels: areas scaled where both meet, stiffness and its integral."""
     levels, p, last, basin = levels_of(24), 3.0, 6, 1.0
     n = levels.size
     columns = np.zeros((5, n))
@@ -187,10 +200,9 @@ def test_planforms_carry_the_contact_on():
     filling[:, 0], filling[:, 1] = np.minimum(1.1 * levels**2, basin), 0.8 * levels
     expected = columns.copy()
     fade = np.clip((basin - filling[:, 0]) / (basin - filling[last, 0]), 0, 1)
-    stiff = columns[1, last] / filling[last, 1]
     spread = columns[2, last] / filling[last, 0]
     for i in range(last + 1, n):
-        expected[1, i] = filling[i, 1] * stiff ** fade[i]
+        expected[1, i] = max(filling[i, 1], expected[1, i - 1])
         expected[2, i] = min(filling[i, 0] * spread ** fade[i], basin)
         u = np.linspace(levels[i - 1], levels[i], 4001)
         k = np.interp(u, levels[i - 1 : i + 1], expected[1, i - 1 : i + 1])
