@@ -8,10 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .interaction.deflection import deflection, widening
 from .interaction.operator import Interaction
 from .interaction.state import Problem
+from .microcontact.flags import Flag
 
 if TYPE_CHECKING:
+    from .interaction.solver import Solution
+    from .microcontact.table import LawTable
     from .population import Population
 
 __all__ = ["Candidates", "Listing"]
@@ -151,3 +155,13 @@ class Listing:
         x, y = population.table.centre_at(closed, approach)
         away = np.hypot(x - self.offset[0][closed], y - self.offset[1][closed])
         return bool(law.force @ away > STRAY * (law.force @ np.sqrt(law.area / np.pi)))
+
+    def areas(self, table: LawTable, solution: Solution) -> Array:
+        """Contact areas [m^2], wider where contacts stand beside rough summits, shape (n,)."""
+        law, problem = solution.laws, self.problem
+        if not (problem.deflects and hasattr(table, "flags_at")):
+            return law.area
+        beyond = table.flags_at(self.index, solution.approach) & Flag.BEYOND_RADIUS
+        body, lean = problem.plan.footprints, problem.lean
+        _, aside = deflection(body, law, solution.approach, solution.tilt, lean)
+        return law.area * widening(law, aside, (beyond > 0) & (law.force > 0))

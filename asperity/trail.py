@@ -203,7 +203,7 @@ class Trail:
         approach[index] = solution.approach
         force[index] = solution.laws.force
         stiffness[index] = solution.laws.stiffness
-        area[index] = solution.laws.area
+        area[index] = self.listing.areas(self.population.table, solution)
         pressure = float(solution.laws.force.sum()) / self.population.nominal_area
         point = Point(solution.separation, pressure, index, values)
         trail = replace(self, points=(*self.points[1 - MEMORY :], point))
@@ -241,7 +241,7 @@ class Trail:
             stiffness=stiffness,
             area=area,
             mean_pressure=load / population.nominal_area,
-            contact_area=float(solution.laws.area.sum()),
+            contact_area=float(area.sum()),
             active=int(np.count_nonzero(solution.approach)),
             filled_share=filled / load if load > 0 else 0.0,
             residual=solution.residual,

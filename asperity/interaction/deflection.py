@@ -10,10 +10,17 @@ from .footprint import Footprints
 from .laws import Evaluated
 from .operator import ROUND
 
-__all__ = ["LARGEST_SHIFT", "deflection"]
+__all__ = ["LARGEST_SHIFT", "deflection", "widening"]
 
 LARGEST_SHIFT = 0.7
 """Bound of the shift over the contact radius: farther off the paraboloid is no guide."""
+
+WIDER = 1.3
+"""Growth of the contact area with the square of the shift over the contact radius, at equal force,
+beside summits that are no paraboloid up to the contour."""
+
+WIDEST = 0.16
+"""Square of the shift over the radius beyond which the area does not grow further."""
 
 
 def deflection(
@@ -65,3 +72,31 @@ def deflection(
         aside,
     )
     return gain, aside
+
+
+def widening(
+    law: Evaluated, aside: NDArray[np.float64], outgrown: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    """Contact area beside the summit over that about it, at the same force, shape (n,).
+
+    Parameters
+    ----------
+    law
+        Laws of the contacts.
+    aside
+        Their shifts [m], shape (n, 2).
+    outgrown
+        Contacts that reach beyond the paraboloid of their summit, shape (n,).
+
+    Notes
+    -----
+    A paraboloid is as curved beside its summit as on it; a rough summit is flatter there, and the
+    same force spreads further. To second order the growth is that of the square of the shift: of
+    f = r^2/(2R) (1 - r^2/l^2) the mean curvature at distance s falls by 4 s^2/l^2, and with it the
+    area rises by (8/3) s^2/l^2. Among contacts that have outgrown their expansion the scale l goes
+    with the contact radius, and `WIDER` was found from boundary elements, contact by contact: 1.25
+    to 1.43 for cut-offs from 4 to 32 pixels and roll-offs of 8 to 32 cut-offs.
+    """
+    square = np.pi * (aside * aside).sum(axis=1)
+    share = np.divide(square, law.area, out=np.zeros(len(square)), where=outgrown & (square > 0))
+    return np.asarray(1.0 + WIDER * np.minimum(share, WIDEST))

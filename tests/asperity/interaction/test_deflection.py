@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from standin import HertzTable, random_population
 
-from asperity.interaction.deflection import LARGEST_SHIFT
+from asperity.interaction.deflection import LARGEST_SHIFT, WIDER, WIDEST, widening
 from asperity.interaction.footprint import Footprints
 from asperity.interaction.laws import Laws
 from asperity.interaction.operator import Interaction
@@ -125,3 +125,15 @@ def test_deflection_raises_the_load(m):
     )
     assert not still.reason and not moving.reason and moving.residual <= 1e-4
     assert 1.0 < moving.laws.force.sum() / still.laws.force.sum() < 1.3
+
+
+def test_contacts_beside_rough_summits_are_wider():
+    table = HertzTable(np.full(4, 0.1), np.full(4, 0.01))
+    laws = Laws(table, Footprints(1.0))(np.full(4, 1e-3))
+    radius = np.sqrt(laws.area / np.pi)
+    aside = np.outer([0.2, 0.2, 0.1, 3.0], [0.6, 0.8]) * radius[:, None]
+    rough = np.array([False, True, True, True])
+    grown = widening(laws, aside, rough) - 1
+    assert grown[0] == 0.0
+    np.testing.assert_allclose(grown[1:], WIDER * np.array([0.04, 0.01, WIDEST]), rtol=1e-12)
+    assert (widening(laws, np.zeros((4, 2)), rough) == 1.0).all()
