@@ -70,12 +70,12 @@ def cheap_run(
         boundary=boundary,
     )
     seconds = time.perf_counter() - start
-    loaded = reference.mean_pressure > 0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        area = (curve.contact_area / reference.contact_area - 1.0)[loaded]
-        shifted = load_at_separation(curve, reference.separation)[loaded]
+    loaded = reference.converged & (reference.mean_pressure > 0)
+    judged = loaded & curve.converged
+    area = curve.contact_area[judged] / reference.contact_area[judged] - 1.0
+    separation = (curve.separation - reference.separation)[judged] / hm.rms_height
+    shifted = load_at_separation(curve, reference.separation[loaded])
     load = shifted / reference.mean_pressure[loaded] - 1.0
-    separation = (curve.separation - reference.separation)[loaded] / hm.rms_height
     errors = (rms(load), rms(area), rms(separation))
     return ("bem", *grid, LOOSE_TOLERANCE, seconds, *errors)
 

@@ -42,7 +42,7 @@ def separation_figure(comparison: Comparison) -> str:
     """Mean pressure over separation, both models."""
 
     def draw(figure: Figure) -> None:
-        _curves(figure, comparison, "separation", "mean_pressure", yscale="log")
+        _curves(figure, comparison, "separation", "mean_pressure", "y")
 
     return _svg(draw, CURVE_SIZE)
 
@@ -51,7 +51,7 @@ def area_figure(comparison: Comparison) -> str:
     """Real contact area fraction over mean pressure, both models."""
 
     def draw(figure: Figure) -> None:
-        _curves(figure, comparison, "mean_pressure", "area_fraction", xscale="log", yscale="log")
+        _curves(figure, comparison, "mean_pressure", "area_fraction", "x", "y")
 
     return _svg(draw, CURVE_SIZE)
 
@@ -92,7 +92,7 @@ def pareto_figure(comparison: Comparison) -> str:
             (panels[1], "area_error", "area at equal load"),
         ):
             _scatter(axes, comparison, name)
-            axes.set(xscale="log", yscale="log", xlabel="run time [s]", title=title)
+            axes.set(xlabel="run time [s]", title=title, **_logarithmic(axes, "x", "y"))
             axes.margins(0.18)
             axes.xaxis.set_minor_formatter(NullFormatter())
             axes.yaxis.set_minor_formatter(NullFormatter())
@@ -121,15 +121,21 @@ def _scatter(axes: Any, comparison: Comparison, name: str) -> None:
             )
 
 
-def _curves(figure: Figure, comparison: Comparison, x: str, y: str, **scales: str) -> None:
+def _curves(figure: Figure, comparison: Comparison, x: str, y: str, *logarithmic: str) -> None:
     axes = figure.add_subplot()
     for curve, color, marker, label in (
         (comparison.reference, BEM_COLOR, "o", "boundary elements"),
         (comparison.model, MODEL_COLOR, "D", "microcontacts"),
     ):
         _points(axes, curve, getattr(curve, x), getattr(curve, y), color, marker, label)
-    axes.set(xlabel=LABELS[x], ylabel=LABELS[y], **scales)
+    axes.set(xlabel=LABELS[x], ylabel=LABELS[y], **_logarithmic(axes, *logarithmic))
     axes.legend()
+
+
+def _logarithmic(axes: Any, *names: str) -> dict[str, str]:
+    """Scales for `Axes.set`; none where nothing was drawn, which no logarithm can show."""
+    drawn = any(len(line.get_xdata()) for line in axes.lines)
+    return {f"{name}scale": "log" for name in names} if drawn else {}
 
 
 def _points(

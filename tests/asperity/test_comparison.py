@@ -12,6 +12,7 @@ import asperity
 from asperity.baseline import coarse_grids, load_at_separation
 from asperity.comparison import Comparison
 from asperity.errors import InputError
+from asperity.plan import make_plan
 from surfaces import self_affine
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
@@ -93,6 +94,38 @@ def test_report_marks_what_did_not_converge(comparison, tmp_path):
     text = (tmp_path / "r.html").read_text()
     assert text.count('class="flag"') == 1
     assert "contacts fill the cell" in text
+
+
+def test_nothing_that_can_be_judged_is_said_so(tmp_path):
+    """Nearly full contact, where the model refuses every point."""
+    hm = self_affine((30, 40), (3e-4, 8e-4), hurst=0.8, rms_slope=0.1, cutoff=1.2e-4, seed=1)
+    found = asperity.compare(hm, STEEL, pressures=[1e12])
+    assert not found.converged
+    assert "can be judged" in found.verdict() and "nan" not in found.verdict()
+    assert np.isnan(found.table["separation_error"]).all()
+    found.to_html(tmp_path / "r.html")
+    assert (tmp_path / "r.html").read_text().count("<svg") == 4
+
+
+def test_points_that_are_not_judged_are_counted(comparison):
+    table = comparison.table.copy()
+    table["area_error"][1] = np.nan
+    text = dataclasses.replace(comparison, table=table).verdict()
+    assert "At 2 of 3 load points" in text
+
+
+def test_the_plan_is_timed_after_compilation_on_a_map_without_stored_means(monkeypatch):
+    steps = []
+
+    def plan(hm, *given, **chosen):
+        steps.append("plan with means" if "roughness" in vars(hm) else "plan")
+        return make_plan(hm, *given, **chosen)
+
+    hm = self_affine((60, 80), (6e-4, 8e-4), hurst=0.8, rms_slope=0.1, cutoff=6e-5)
+    monkeypatch.setattr("asperity.comparison.make_plan", plan)
+    monkeypatch.setattr("asperity.comparison._compile", lambda *_: steps.append("compile"))
+    asperity.compare(hm, STEEL, pressures=[1e8], tolerance=1e-3)
+    assert steps[-2:] == ["compile", "plan"]
 
 
 def test_microcontacts_carry_the_load(comparison):
