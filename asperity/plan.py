@@ -177,7 +177,8 @@ def _lowest_height(
     """Height under which no summit is expected to touch, relative to the mean plane."""
     sample = hm.heights[:: _stride(hm), :: _stride(hm)].ravel() - hm.roughness.mean
     if kind == "separation":
-        candidate = float(values.min()) - 0.5 * hm.roughness.rms_height
+        highest = hm.roughness.highest - hm.roughness.mean
+        candidate = min(float(values.min()), highest) - 0.5 * hm.roughness.rms_height
     else:
         area = expected_area_fraction(hm, material, float(values.max()))
         share = _SPARE_SHARE + _DEPTH * area

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import fft
 
 from . import _threads
+from ._memory import require_memory
 from .errors import SurfaceError
 from .heightmap import HeightMap
 
@@ -90,12 +91,16 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
         left out, not folded back.
     """
     _require_full(hm, "resampling")
-    wanted = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,))
+    try:
+        wanted = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,))
+    except (TypeError, ValueError):
+        wanted = np.zeros(2)
     if not (wanted > 0).all():
-        raise SurfaceError(f"spacing is {spacing!r}; both pixel sizes must be positive")
+        raise SurfaceError(f"spacing is {spacing!r}; give two positive pixel sizes (dy, dx) in m")
     ny, nx = (max(1, round(length / d)) for length, d in zip(hm.size, wanted, strict=True))
     if min(ny, nx) < 3:
         raise SurfaceError(f"pixels of {wanted[0]:g} x {wanted[1]:g} m leave {ny} x {nx} points")
+    require_memory(32 * ny * nx, f"a map of {ny} x {nx} points", "take larger pixels")
     heights = hm.heights
     for axis, count in ((1, nx), (0, ny)):
         heights = _resample_axis(heights, count, axis, hm.periodic)
@@ -106,8 +111,12 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
 def crop(hm: HeightMap, rows: tuple[int, int], columns: tuple[int, int]) -> HeightMap:
     """Cut out a rectangle of pixels, first and one past last; the result is not periodic."""
     for span, count, what in ((rows, hm.shape[0], "rows"), (columns, hm.shape[1], "columns")):
-        if not 0 <= span[0] < span[1] <= count:
-            raise SurfaceError(f"{what} {span[0]} to {span[1]} are not inside 0 to {count}")
+        whole = np.shape(span) == (2,) and all(isinstance(n, int | np.integer) for n in span)
+        if not (whole and 0 <= span[0] < span[1] <= count):
+            raise SurfaceError(
+                f"{what} {span} are not inside 0 to {count}; give two whole numbers, first and "
+                "one past last"
+            )
     step = {"step": "crop", "rows": list(rows), "columns": list(columns)}
     heights = hm.heights[slice(*rows), slice(*columns)]
     return hm.replace(heights=heights, periodic=False, step=step)

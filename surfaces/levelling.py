@@ -18,6 +18,7 @@ _TERMS = {"mean": 1, "plane": 3, "quadratic": 6, "cylinder": 6}
 _REJECT = 6.0
 _MAD_TO_SIGMA = 1.4826
 _ROUNDS = 20
+_ROUNDING = 1e-13
 
 
 def level(hm: HeightMap, form: str = "plane") -> HeightMap:
@@ -42,7 +43,8 @@ def level(hm: HeightMap, form: str = "plane") -> HeightMap:
     A form is fitted to block medians first; then points further than 6 robust standard deviations
     (1.4826 times the median absolute deviation) are left out and the rest is fitted by least
     squares, until the selection no longer changes. Without spikes this is the plain least-squares
-    form. A periodic map has no tilt or form: only its mean is taken out.
+    form. A periodic map has no tilt or form: only its mean is taken out. Where nothing but rounding
+    is left, the heights are zero.
     """
     if form not in FORMS:
         raise SurfaceError(f"level is {form!r}; it must be None or one of {', '.join(FORMS)}")
@@ -72,6 +74,8 @@ def level(hm: HeightMap, form: str = "plane") -> HeightMap:
         kept = inside
     levelled = (z - _evaluate(coefficients, v, u)) * scale
     levelled[~present] = np.nan
+    if np.nanmax(np.abs(levelled)) <= _ROUNDING * max(abs(shift), scale):
+        levelled[present] = 0.0
     step = {"step": "level", "form": form, "left_out": int(present.sum() - kept.sum())}
     step |= _described(coefficients * scale, shift, hm.size, form)
     return hm.replace(heights=levelled, step=step)

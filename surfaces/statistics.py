@@ -18,10 +18,11 @@ from .levelling import level
 from .spectrum import SpectralMoments, power_spectrum
 from .spectrum_fit import SpectrumFit, fit_spectrum
 
-__all__ = ["Statistics", "describe", "gradients"]
+__all__ = ["Statistics", "describe", "gradients", "unit_warning"]
 
 _RESOLVED = 0.1
 _TILTED = 0.01
+_SLOPES = (1e-6, 10.0)
 _BLOCK = 200_000  # points
 
 
@@ -102,9 +103,9 @@ def describe(hm: HeightMap) -> Statistics:
         If the map is constant.
     """
     z = hm.heights[np.isfinite(hm.heights)]
-    z = z - z.mean()
-    if not z.any():
+    if np.ptp(z) == 0.0:
         raise SurfaceError("the map is constant; it has no roughness")
+    z = z - z.mean()
     square = z * z
     sq = float(np.sqrt(np.mean(square)))
     heights = {
@@ -120,7 +121,7 @@ def describe(hm: HeightMap) -> Statistics:
     hybrid = {"Sdq": slope, "Sdr": _developed(hm), "curvature": curvature}
     curve = bearing_curve(hm)
     moments, fit = None, None
-    warnings = _tilt_warning(hm, sq)
+    warnings = [*_tilt_warning(hm, sq), *unit_warning(slope)]
     if hm.missing:
         share = 100 * hm.missing / hm.heights.size
         warnings.append(f"{share:.3g} % of the points are missing: no spectrum; fill them first")
@@ -224,6 +225,13 @@ def _tilt_warning(hm: HeightMap, sq: float) -> list[str]:
     if share < _TILTED:
         return []
     return [f"a plane makes up {100 * share:.3g} % of the variance: level the map first"]
+
+
+def unit_warning(slope: float) -> list[str]:
+    """A slope that no measured surface has: heights or pixels in another unit than stated."""
+    if _SLOPES[0] < slope < _SLOPES[1]:
+        return []
+    return [f"the rms slope is {slope:.2g}: check the unit of the heights and the pixel size"]
 
 
 def _resolution_warning(moments: SpectralMoments, slope: float, curvature: float) -> list[str]:

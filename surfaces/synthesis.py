@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ._memory import require_memory
 from .errors import InputError
 from .heightmap import HeightMap
 
@@ -73,7 +74,11 @@ def self_affine(
     ny, nx = _checked_shape(shape)
     ly, lx = _checked_size(size)
     _check(0.0 <= hurst <= 1.0, f"hurst is {hurst}; it must lie between 0 and 1")
-    _check(anisotropy >= 1.0, f"anisotropy is {anisotropy}; it must be at least 1")
+    _check(
+        1.0 <= anisotropy < np.inf, f"anisotropy is {anisotropy}; it must be at least 1, and finite"
+    )
+    _check(np.isfinite(angle), f"angle is {angle}; it must be a number of radians")
+    _check(int(seed) == seed >= 0, f"seed is {seed}; it must be a whole number, not negative")
     for name, wavelength in (("rolloff", rolloff), ("cutoff", cutoff)):
         _check(
             wavelength is None or wavelength > 0.0,
@@ -84,7 +89,11 @@ def self_affine(
         "give either rms_slope or rms_height, and not both",
     )
     target = rms_slope if rms_height is None else rms_height
-    _check(target is not None and target > 0.0, f"the rms value is {target}; it must be positive")
+    _check(
+        target is not None and 0.0 < target < np.inf,
+        f"the rms value is {target}; it must be positive and finite",
+    )
+    require_memory(80 * ny * nx, f"a map of {ny} x {nx} points", "make it smaller")
 
     fy = np.asarray(np.fft.fftfreq(ny, 1.0 / ny)[:, None] / ly, np.float64)
     fx = np.asarray(np.arange(nx // 2 + 1)[None, :] / lx, np.float64)
@@ -151,12 +160,14 @@ def _amplitude(
 
 
 def _checked_shape(shape: tuple[int, int]) -> tuple[int, int]:
+    _check(np.shape(shape) == (2,), f"shape is {shape}; give the numbers of points (ny, nx)")
     ny, nx = (int(n) for n in shape)
     _check(min(ny, nx) >= 3, f"shape is {tuple(shape)}; both axes need at least 3 points")
     return ny, nx
 
 
 def _checked_size(size: tuple[float, float]) -> tuple[float, float]:
+    _check(np.shape(size) == (2,), f"size is {size}; give the lengths (Ly, Lx) in m")
     ly, lx = (float(length) for length in size)
     _check(
         0.0 < ly < np.inf and 0.0 < lx < np.inf,

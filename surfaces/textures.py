@@ -143,6 +143,8 @@ def turned(
     settings = _settings(locals())
     if not 0.0 < feed <= 2.0 * nose_radius:
         raise InputError(f"feed is {feed}; it must be positive and at most twice the nose radius")
+    if not roughness >= 0.0:
+        raise InputError(f"roughness is {roughness}; it must be a height of at least 0 m")
     count = max(1, round(size[0] / feed))
     width = size[0] / count
     y = (np.arange(shape[0]) + 0.5) * size[0] / shape[0]
@@ -190,6 +192,11 @@ def two_scale(
         raise InputError(
             f"coarse is {coarse}, fine is {fine} and width is {width}; give coarse > fine > 0 "
             "and width > 1"
+        )
+    if not (0.0 <= coarse_height < np.inf and 0.0 <= fine_height < np.inf):
+        raise InputError(
+            f"coarse_height is {coarse_height} and fine_height {fine_height}; both are rms heights "
+            "of at least 0 m"
         )
     settings = _settings(locals())
     heights = np.zeros(shape)

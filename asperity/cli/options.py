@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -106,6 +107,7 @@ def add_load_options(parser: argparse.ArgumentParser) -> None:
 def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     """Read the map and prepare it as the options ask; refuse what no model can use."""
     import surfaces
+    from surfaces.statistics import unit_warning
 
     spacing = args.spacing
     if spacing is not None:
@@ -123,6 +125,8 @@ def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     hm = prepared(hm, args)
     if np.ptp(hm.heights) == 0.0:
         raise SurfaceError(f"{Path(file).name} is constant: a flat map has no peaks to touch")
+    for warning in unit_warning(hm.roughness.rms_slope):
+        sys.stderr.write(f"asperity {args.command}: {Path(file).name}: {warning}\n")
     return hm if hm.name else hm.replace(name=Path(file).stem)
 
 

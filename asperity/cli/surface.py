@@ -123,16 +123,17 @@ def _convert(path: Path, args: argparse.Namespace) -> bool:
 
 
 def _prepare(path: Path, args: argparse.Namespace) -> bool:
-    hm = prepared(_read(path, args), args, crop=False)
-    _tell_steps(hm, path)
-    _save(hm, path, args)
+    _save(_read_and_prepared(path, args), path, args)
     return True
 
 
-def _tell_steps(hm: surfaces.HeightMap, path: Path) -> None:
-    for step in hm.history:
-        if step.get("step") != "read":
-            tqdm.write(f"{path}: {_told(step)}", file=sys.stderr)
+def _read_and_prepared(path: Path, args: argparse.Namespace) -> surfaces.HeightMap:
+    """The map after the options of `add_preparation`, each step told as it is recorded."""
+    before = _read(path, args)
+    hm = prepared(before, args, crop=False)
+    for step in hm.history[len(before.history) :]:
+        tqdm.write(f"{path}: {_told(step)}", file=sys.stderr)
+    return hm
 
 
 def prepared(
@@ -207,8 +208,7 @@ def _generate(args: argparse.Namespace) -> int:
 
 
 def _peaks(path: Path, args: argparse.Namespace) -> bool:
-    hm = prepared(_read(path, args), args, crop=False)
-    _tell_steps(hm, path)
+    hm = _read_and_prepared(path, args)
     if hm.rms_height == 0.0:
         raise InputError(f"{path}: the map is constant; a flat map has no peaks")
     peaks = surfaces.segment(

@@ -148,6 +148,12 @@ def test_zero_load_is_first_touch(rough):
     assert curve.separation[0] >= curve.separation[1]
 
 
+def test_a_separation_above_the_surface_carries_nothing(rough):
+    curve = asperity.contact_curve(rough, STEEL, separations=[1.0, 1e3])
+    assert curve.converged.all()
+    assert not curve.load.any() and not curve.contacts.any()
+
+
 def test_map_and_table_hold_the_same_area(rough):
     plan = make_plan(rough, STEEL)
     run = solve_contacts(rough, STEEL, plan, pressures=default_pressures(rough, STEEL)[-3:])

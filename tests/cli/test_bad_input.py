@@ -71,6 +71,19 @@ def test_constant_map(command, folder, capsys):
     assert "constant" in refusal([command, "flat.h5", *STEEL], capsys)
 
 
+def test_a_map_that_is_a_plane_leaves_nothing_to_touch(folder, capsys):
+    heights = np.mgrid[:16, :20][0] * 1e-8
+    surfaces.write(surfaces.HeightMap(heights, (1e-6, 2e-6)), folder / "tilted.h5")
+    assert "constant" in refusal(["curve", "tilted.h5", *STEEL], capsys)
+
+
+def test_heights_in_another_unit_than_stated_are_noticed(folder, capsys):
+    hm = good_map()
+    surfaces.write(hm.replace(heights=1e6 * hm.heights), folder / "micrometres.h5")
+    assert main(["plan", "micrometres.h5", *STEEL]) == 0
+    assert "micrometres.h5: the rms slope is 9.3e+04: check the unit" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("command", MODELS)
 def test_two_by_two_map(command, folder, capsys):
     write_raw(folder / "tiny.h5", np.zeros((2, 2)), spacing=(1e-6, 1e-6), unit="m")
@@ -85,8 +98,8 @@ def test_two_by_two_map(command, folder, capsys):
         (["--pressure=-1e6:1e7:3"], "positive"),
         (["--E", "-210e9"], "E must be positive"),
         (["--bandpass", "-1e-6", "1e-3"], "wavelengths -1e-06 to 0.001 m"),
-        (["--crop", "-5", "10", "0", "10"], "rows -5 to 10"),
-        (["--resample", "-1e-6"], "must be positive"),
+        (["--crop", "-5", "10", "0", "10"], "rows (-5, 10) are not inside"),
+        (["--resample", "-1e-6"], "two positive pixel sizes"),
         (["--pressure", "a:b:c"], "LO:HI:N"),
         (["--pressure", "1e6", "--separation", "1e-6"], "not allowed"),
         (["--bogus"], "unrecognized arguments: --bogus"),

@@ -258,3 +258,30 @@ def test_missing_points_stop_what_needs_a_full_map() -> None:
     for options in ({"bandpass": (None, 1e-4)}, {"periodic": "mirror"}):
         with pytest.raises(SurfaceError, match=r"heights\[3, 4\] is missing .*--fill harmonic"):
             surfaces.prepare(hm.replace(heights=heights), fill=None, **options)
+
+
+def test_nothing_is_left_of_a_map_that_is_the_form_itself() -> None:
+    """Not the rounding of the fit, which would look like a rough surface of 1e-22 m."""
+    y, x = np.mgrid[:40, :57] * 1e-6
+    for heights in (0.01 * y, 0.2 * x - 0.1 * y + 3e-3, np.full(x.shape, 0.7)):
+        levelled = surfaces.level(surfaces.HeightMap(heights, (1e-6, 2e-6)), "plane")
+        assert not levelled.heights.any()
+    rough = surfaces.HeightMap(np.hypot(x, y) * 1e-6 + 1e-3, (1e-6, 2e-6))
+    assert surfaces.level(rough, "plane").rms_height > 1e-12
+
+
+@pytest.mark.parametrize(
+    ("change", "match"),
+    [
+        (lambda hm: surfaces.prepare(hm, bandpass=1e-5), "shortest, longest"),
+        (lambda hm: surfaces.resample(hm, (1e-6, 2e-6, 3e-6)), "two positive pixel sizes"),
+        (lambda hm: surfaces.resample(hm, "fine"), "two positive pixel sizes"),
+        (lambda hm: surfaces.resample(hm, 1e-13), r"GB of memory .* take larger pixels"),
+        (lambda hm: surfaces.crop(hm, (0.5, 10), (0, 10)), "whole numbers"),
+        (lambda hm: surfaces.crop(hm, None, (0, 10)), "whole numbers"),
+    ],
+)
+def test_arguments_that_name_no_length_or_pixel(change, match: str) -> None:
+    y, x = np.mgrid[:40, :57] * 1e-6
+    with pytest.raises(SurfaceError, match=match):
+        change(surfaces.HeightMap(np.hypot(x, y), (1e-6, 2e-6)))

@@ -147,7 +147,18 @@ def test_warnings_name_what_is_wrong() -> None:
     assert "warning" in str(found)
 
 
+@pytest.mark.parametrize("factor", [1e6, 1e-6])
+def test_heights_in_another_unit_than_stated_are_noticed(factor: float) -> None:
+    hm = surfaces.self_affine((40, 60), (1e-4, 3e-4), hurst=0.8, rms_slope=0.1, cutoff=2e-5)
+    assert not any("unit" in text for text in surfaces.describe(hm).warnings)
+    wrong = hm.replace(heights=factor * hm.heights)
+    assert any("check the unit" in text for text in surfaces.describe(wrong).warnings)
+
+
 def test_a_constant_map_is_refused() -> None:
+    """Also one whose mean is not its height, by rounding."""
+    with pytest.raises(SurfaceError, match="constant"):
+        surfaces.describe(surfaces.HeightMap(np.full((10, 12), 1e-6), 1e-6))
     with pytest.raises(SurfaceError, match="constant"):
         surfaces.describe(surfaces.HeightMap(np.ones((4, 5)), 1.0))
 

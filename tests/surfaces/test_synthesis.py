@@ -94,6 +94,14 @@ def test_seed_names_the_surface():
         ({"anisotropy": 0.5}, "anisotropy is 0.5"),
         ({"shape": (2, 20)}, "shape is"),
         ({"size": (0.0, 1.0)}, "size is"),
+        ({"shape": 20}, r"points \(ny, nx\)"),
+        ({"size": 1.0}, r"lengths \(Ly, Lx\)"),
+        ({"shape": (10**6, 10**7)}, "GB of memory"),
+        ({"seed": -1}, "seed is -1"),
+        ({"seed": 1.5}, "seed is 1.5"),
+        ({"anisotropy": 4.0, "angle": np.nan}, "angle is nan"),
+        ({"anisotropy": np.inf}, "anisotropy is inf"),
+        ({"rms_slope": np.inf}, "positive and finite"),
     ],
 )
 def test_wrong_input_is_refused_in_one_sentence(changes, message):

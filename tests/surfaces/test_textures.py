@@ -87,6 +87,13 @@ def test_refusals():
         textures.turned(SHAPE, SIZE, feed=0.3, nose_radius=0.1)
     with pytest.raises(surfaces.InputError, match="coarse > fine"):
         textures.two_scale(SHAPE, SIZE, coarse=0.1, fine=0.2, coarse_height=1, fine_height=1)
+    with pytest.raises(surfaces.InputError, match="roughness is -1"):
+        textures.turned(SHAPE, SIZE, feed=0.1, nose_radius=0.1, roughness=-1.0)
+    for height in (-1.0, np.nan):
+        with pytest.raises(surfaces.InputError, match="rms heights"):
+            textures.two_scale(
+                SHAPE, SIZE, coarse=0.2, fine=0.1, coarse_height=height, fine_height=1
+            )
     flat = surfaces.HeightMap(np.eye(5), 1.0)
     with pytest.raises(surfaces.InputError, match="periodic map"):
         textures.redistribute(flat, np.sort)
