@@ -29,7 +29,7 @@ ROOM = 1.3
 SAMPLE = 1000
 """Contacts of which the widest footprint and the mean distance are estimated."""
 
-STRAY = 0.03
+STRAY = 0.05
 """Mean distance of contacts from their centres, over their radius, at which they may stay."""
 
 
@@ -141,9 +141,10 @@ class Listing:
         )
         return cls(problem, index, listed, offset)
 
-    def lacks(self, candidates: Candidates) -> bool:
-        """Whether a candidate that overlaps is not listed."""
-        return bool((~self.listed[candidates.rows] & (candidates.overlap > 0)).any())
+    def lacks(self, candidates: Candidates, some: float = 0.0) -> bool:
+        """Whether more than `some` candidates that overlap are not listed."""
+        missing = ~self.listed[candidates.rows] & (candidates.overlap > 0)
+        return bool(np.count_nonzero(missing) > some)
 
     def strayed(self, population: Population, closed: Rows, approach: Array) -> bool:
         """Whether contacts are too far from the centres of their laws for the plan to hold."""

@@ -35,6 +35,9 @@ MAX_PLACED = 4
 BLIND = 0.1
 """Tolerance of the first solve of all, whose lists and centres are guessed."""
 
+LACKING = 0.05
+"""Contacts that a list may lack after a solve, over the closed ones and the tolerance."""
+
 MAX_SEARCH = 40
 """Separations tried to reach a mean pressure."""
 
@@ -103,7 +106,9 @@ class Trail:
             near = Candidates.of(population, trail.field, separation, 1.0)
             closed = values[:, 0] > 0
             astray = listing.strayed(population, rows[closed], values[closed, 0])
-            if not (blind or astray or listing.lacks(near)):
+            # those that only just touch carry less than their share of the load
+            few = LACKING * tolerance * np.count_nonzero(closed)
+            if not (blind or astray or listing.lacks(near, few)):
                 break
             listing = None
         return trail._state(solution, values, steps, products)

@@ -42,9 +42,7 @@ class Step:
         self.own = self.stiffness = residual.stiffness[rows]
         self.base, self.force = residual.base[rows], residual.force[rows]
         approach = state.approach[rows]
-        # a contact that overlaps still keeps a tenth of its approach; one that does not may open
-        self.lower = np.where(self.wanted > 0, 0.1 * approach, 0.0)
-        self.upper = approach + np.maximum(2 * approach, np.abs(residual.error[rows]))
+        self.lower, self.upper = _bounds(approach, self.wanted, residual.error[rows])
 
     def approach(self, change: Array) -> Array:
         """Approach [m] after a change [N] of the forces, by the power law that a contact follows at
@@ -81,6 +79,7 @@ class Step:
         after.stiffness = np.where(closed, found.stiffness, self.stiffness)
         after.base = np.where(closed, approach, self.base)
         after.force = np.where(closed, found.force, self.force)
+        after.lower, after.upper = _bounds(approach, approach + error, error)
         self.tangent.stiffen(1 / after.stiffness - 1 / self.stiffness)
         constant, start = 0.0, None
         if load is not None:
@@ -97,3 +96,10 @@ class Step:
         )
         constant += solved.constant
         return after, change + solved.solution, constant, solved.products + 1
+
+
+def _bounds(approach: Array, wanted: Array, error: Array) -> tuple[Array, Array]:
+    """Approaches [m] within which a step stays: a contact that overlaps still keeps a tenth of its
+    approach, one that does not may open."""
+    lower = np.where(wanted > 0, 0.1 * approach, 0.0)
+    return lower, approach + np.maximum(2 * approach, np.abs(error))
