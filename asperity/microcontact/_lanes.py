@@ -18,6 +18,7 @@ from numba import njit, types
 from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, models, register_model
+from numpy.typing import NDArray
 
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 """Rearranged sums; infinities and NaN keep their meaning."""
@@ -385,3 +386,20 @@ def groups(count):
     space = np.zeros((count + 1) * LANES)
     first = (-(space.ctypes.data // 8)) % LANES
     return space[first : first + count * LANES]
+
+
+@njit(cache=True, nogil=True)
+def spread_rows(source, rows, out, space):
+    """Rows of an array of whole groups (`packed`), one in every lane; `space` is eight groups."""
+    width = source.shape[1] // LANES
+    for k in range(width):
+        for lane in range(LANES):
+            store(space, lane, load(source, rows[lane] * width + k))
+        transpose(space, 0, 1, out, k * LANES)
+
+
+def packed(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """One row per profile, lengthened by zeros to whole groups."""
+    rows = np.ascontiguousarray(values).reshape(len(values), -1)
+    spare = -rows.shape[1] % LANES
+    return np.pad(rows, ((0, 0), (0, spare))) if spare else rows

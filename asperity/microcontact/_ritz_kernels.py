@@ -1,6 +1,7 @@
-"""Numba kernels of the Barber-Fabrikant functional on free rays inside a basin.
+"""Numba kernels of the Barber-Fabrikant functional on free rays inside basins.
 
-Units inside: one length and one height per profile, modulus 1.
+Units inside: one length and one height per profile, modulus 1. Eight profiles are done at once:
+arrays are groups of eight numbers, one per profile (`_lanes`).
 """
 
 from __future__ import annotations
@@ -10,93 +11,150 @@ import math
 import numpy as np
 from numba import njit
 
-from ._lanes import FAST
+from ._lanes import (
+    FAST,
+    LANES,
+    absolute,
+    between,
+    exponential,
+    groups,
+    least,
+    load,
+    logarithm,
+    most,
+    pick,
+    root,
+    some,
+    splat,
+    spread_rows,
+    store,
+    where,
+    whole,
+)
+
+_TRIES, _NEAR, _STILL = 6, 2e-3, 1e-4
+"""Newton steps of a ray at most, the relative step and the relative change that end a search."""
 
 
-@njit(cache=True, fastmath=FAST, nogil=True)
-def moment(table, p, x):
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def _moment(table, first, radii, x):
     """Moment h and x dh/dx at x = a/edge; equispaced table from 0, local cubics."""
-    last = table.shape[1] - 1
-    y = x * last
-    i = min(max(int(y), 1), last - 2)
+    y = x * (radii - 1.0)
+    i = between(whole(y), splat(1.0), splat(radii - 3.0))
     u = y - i
-    v0, v1, v2, v3 = table[p, i - 1], table[p, i], table[p, i + 1], table[p, i + 2]
-    c1 = -v0 / 3 - 0.5 * v1 + v2 - v3 / 6
+    i += 1.0 * first
+    v0, v1, v2, v3 = (
+        pick(table, i - 1.0), pick(table, i), pick(table, i + 1.0), pick(table, i + 2.0)
+    )  # fmt: skip
+    c1 = v2 - v0 * (1 / 3) - 0.5 * v1 - v3 * (1 / 6)
     c2 = 0.5 * (v0 + v2) - v1
-    c3 = (v3 - v0) / 6 + 0.5 * (v1 - v2)
-    return v1 + u * (c1 + u * (c2 + u * c3)), (c1 + u * (2 * c2 + 3 * u * c3)) * y
+    c3 = (v3 - v0) * (1 / 6) + 0.5 * (v1 - v2)
+    return v1 + u * (c1 + u * (c2 + u * c3)), (c1 + u * (2.0 * c2 + 3.0 * u * c3)) * y
 
 
-@njit(cache=True, fastmath=FAST, nogil=True)
-def _march(moments, weight, edge, levels, m, rounds, out):
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def _power(x, exponent):
+    """x to a power of which the frequent ones are known."""
+    if exponent == 0.0:
+        return splat(1.0)
+    if exponent == 1.0:
+        return x
+    return exponential(exponent * logarithm(x))
+
+
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def _longest(moments, first, radii, start, edge, d, multiplier, m, going):
+    """Radius of a ray at its maximum, from `start` on, where the mask holds."""
+    x = start
+    for _ in range(_TRIES):
+        g, dg = _moment(moments, first, radii, x / edge)
+        tail = (1 - m) * multiplier * _power(x, -m)
+        h = (2 * d / (1 + m)) * x - x * x * x * (4.0 * g + dg) - tail
+        slope = 2 * d / (1 + m) - x * x * (12.0 * g + 7.0 * dg)
+        if m != 0.0:
+            slope += m * tail / x
+        # on the rising branch of h the ray has not reached its maximum yet
+        step = where(slope > -0.1 * d, 0.2 * x, -h / slope)
+        step = between(step, -0.25 * x, 0.25 * x)
+        x = where(going, least(x + step, edge), x)
+        going = going & (absolute(step) >= _NEAR * x)
+        if not some(going):
+            break
+    return x
+
+
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def _march(moments, rays, radii, weight, edge, levels, m, rounds, a, out):
     """Maximise the functional over free rays a <= edge at the approaches levels**2.
 
-    out: force, punch stiffness, area, filled share of the angle.
+    out: force, punch stiffness, area, filled share of the angle at every level.
     """
-    rays = edge.size
-    a = np.empty(rays)
     d0 = levels[0] ** 2
     for p in range(rays):
-        a[p] = min(math.sqrt(d0 / ((1 + m) * (3 + m) * moments[p, 0])), edge[p])
-    multiplier = -1.0
+        first = (1 + m) * (3 + m) * load(moments, p * radii)
+        store(a, p, least(root(d0 / first), load(edge, p)))
+    multiplier = splat(-1.0)
     for level in range(levels.size):
         d = levels[level] ** 2
         if level > 0:
             growth = levels[level] / levels[level - 1]
             for p in range(rays):
-                a[p] = min(a[p] * growth, edge[p])
+                store(a, p, least(load(a, p) * growth, load(edge, p)))
             multiplier *= growth ** (3 + m)
-        force = 0.0
+        going = splat(0.0) < 1.0
         for _ in range(rounds):
-            if multiplier > 0.0:
-                for p in range(rays):
-                    x = a[p]
-                    for _try in range(6):
-                        g, dg = moment(moments, p, x / edge[p])
-                        tail = (1 - m) * multiplier * x ** (-m) if m != 0.0 else multiplier
-                        h = 2 * d * x / (1 + m) - x**3 * (4 * g + dg) - tail
-                        slope = 2 * d / (1 + m) - x * x * (12 * g + 7 * dg) + m * tail / x
-                        # on the rising branch of h the ray has not reached its maximum yet
-                        step = 0.2 * x if slope > -0.1 * d else -h / slope
-                        step = min(max(step, -0.25 * x), 0.25 * x)
-                        x = min(x + step, edge[p])
-                        if abs(step) < 2e-3 * x:
-                            break
-                    a[p] = x
-            load, around, area, filled = 0.0, 0.0, 0.0, 0.0
+            load_, around, area, filled = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+            moving = going & (multiplier > 0.0)
             for p in range(rays):
-                x = a[p]
-                g, dg = moment(moments, p, x / edge[p])
-                square = weight[p] * x * x
-                load += square * (d / (1 + m) - x * x * g)
-                around += weight[p] * x ** (1 - m)
+                x, end, w = load(a, p), load(edge, p), load(weight, p)
+                if some(moving):
+                    x = _longest(moments, p * radii, radii, x, end, d, multiplier, m, moving)
+                    store(a, p, x)
+                g, _ = _moment(moments, p * radii, radii, x / end)
+                square = w * x * x
+                load_ += square * (d / (1 + m) - x * x * g)
+                around += w * _power(x, 1 - m)
                 area += 0.5 * square
-                if x >= edge[p]:
-                    filled += weight[p]
+                filled += where(x >= end, w, 0.0)
             before = multiplier
-            multiplier = load / around
-            force = 2 * multiplier
-            change = abs(multiplier - before) / max(abs(multiplier), 1e-300)
-            if change < 1e-4:
+            multiplier = load_ / around
+            change = absolute(multiplier - before)
+            going = going & (change >= _STILL * most(absolute(multiplier), splat(1e-300)))
+            if not some(going):
                 break
-        out[level, 0] = force
-        out[level, 1] = 4 * area / ((1 + m) * around)
-        out[level, 2] = area
-        out[level, 3] = filled / (2 * math.pi)
+        store(out, 4 * level, 2.0 * multiplier)
+        store(out, 4 * level + 1, 4.0 * area / ((1 + m) * around))
+        store(out, 4 * level + 2, area)
+        store(out, 4 * level + 3, filled * (0.5 / math.pi))
 
 
-@njit(cache=True, fastmath=FAST, nogil=True)
-def march_rays(begin, end, q, weights, weight, edge, length, height, levels, m, rounds, out):
-    """Profiles [begin, end): fills out (n, levels, 4)."""
-    rays, nodes = q.shape[1:]
-    radii = weights.shape[0]
-    moments = np.empty((rays, radii))
-    for i in range(begin, end):
-        scale = length[i] ** 2 / height[i]
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def march_rays(begin, end, profiles, weights, levels, m, rounds, out):
+    """Profiles [begin, end): fills out (n, levels, 4).
+
+    `profiles` holds, one profile per row of whole groups (`packed`), q, the weights and the
+    lengths of the rays; and how many rays there are, and the unit of q.
+    """
+    q, weight, edge, rays, scale = profiles
+    radii, nodes = weights.shape
+    who, block, unit = np.empty(LANES, np.int64), groups(LANES), groups(1)
+    own, own_weight, own_edge = groups(q.shape[1]), groups(weight.shape[1]), groups(edge.shape[1])
+    moments, a, found = groups(rays * radii), groups(rays), groups(levels.size * 4)
+    for i in range(begin, end, LANES):
+        for lane in range(LANES):
+            who[lane] = min(i + lane, end - 1)
+            unit[lane] = scale[who[lane]]
+        spread_rows(q, who, own, block)
+        spread_rows(weight, who, own_weight, block)
+        spread_rows(edge, who, own_edge, block)
         for p in range(rays):
             for j in range(radii):
-                s = 0.0
+                s = splat(0.0)
                 for k in range(nodes):
-                    s += weights[j, k] * q[i, p, k]
-                moments[p, j] = s * scale
-        _march(moments, weight[i], edge[i], levels, m, rounds, out[i])
+                    s += weights[j, k] * load(own, p * nodes + k)
+                store(moments, p * radii + j, s * load(unit, 0))
+        _march(moments, rays, radii, own_weight, own_edge, levels, m, rounds, a, found)
+        for lane in range(min(LANES, end - i)):
+            for level in range(levels.size):
+                for k in range(4):
+                    out[i + lane, level, k] = found[(4 * level + k) * LANES + lane]

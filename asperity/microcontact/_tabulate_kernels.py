@@ -10,7 +10,7 @@ from numba import njit
 from ._basin_kernels import basin_space, fill
 from ._ellipse_kernels import SHAPE, STATES, march, march_space
 from ._fit_kernels import FITS, fit_one, fit_space
-from ._lanes import FAST, LANES, groups, load, store, transpose
+from ._lanes import FAST, LANES, groups, load, spread_rows
 from ._polynomial_kernels import TERMS
 from ._row_kernels import carried_on, expanded_levels, marked, resampled, row_space
 
@@ -59,15 +59,6 @@ def _usable(coefs):
     return coefs[coefs.shape[0] - 1, 5] > 0.0
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
-def _spread_rows(source, width, rows, out, space):
-    """Rows of an array of `width` groups each, one in every lane."""
-    for k in range(width):
-        for lane in range(LANES):
-            store(space, lane, load(source, rows[lane] * width + k))
-        transpose(space, 0, 1, out, k * LANES)
-
-
 @njit(cache=True, nogil=True, error_model="numpy")
 def _write(made, nodes, lane, length, angle, units, n, out):
     """Row n of the table from a lane of the finished rows, in `units`."""
@@ -89,7 +80,7 @@ def tabulate_rows(
     begin, end, profiles, rules, levels, settings, rows, moments, weights, punch, resampling, out
 ):  # fmt: skip
     """Table rows of the profiles [begin, end); `ellipse_batch._rules` makes most arguments."""
-    phis, angles, all_weights, curvatures, edges, qs, valid, packed = profiles
+    phis, angles, all_weights, curvatures, edges, qs, valid, rows_of_q = profiles
     radii, rings, image, skews, matrices, members, count, logs = rules
     u, powers, stencils = levels
     m, modulus, steps, grid, start, inverse = settings
@@ -103,7 +94,7 @@ def tabulate_rows(
     direction, edge = np.empty((2, rays)), np.empty(rays)
     who, scales = np.zeros(LANES, np.int64), groups(4)
     fits, directions, edge_lanes = groups(FITS * TERMS), groups(2 * rays), groups(rays)
-    q, weight_lanes, block = groups(packed.shape[1]), groups(rays), groups(LANES)
+    q, weight_lanes, block = groups(rows_of_q.shape[1]), groups(rays), groups(LANES)
     state, shape, filling = groups(u.size * STATES), groups(SHAPE), groups(4 * u.size)
     taken = 0
     for i in range(begin, end):
@@ -141,7 +132,7 @@ def tabulate_rows(
             fits, logs[1], FITS, edge_lanes, rays, load(scales, 3), u, steps, m, rows, grid,
             moments, state, shape, marching,
         )  # fmt: skip
-        _spread_rows(packed, packed.shape[1] // LANES, who, q, block)
+        spread_rows(rows_of_q, who, q, block)
         lengths, basins = load(scales, 0), load(scales, 2)
         fill(
             q, samples, weights, weight_lanes, directions, edge_lanes, rays,

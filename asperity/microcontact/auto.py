@@ -91,7 +91,8 @@ def tabulate(
     if not wrong.size:
         return table
     second = ritz.tabulate(profiles.rows(wrong), material, nodes=nodes)
-    return _merged(table, wrong, second, ratio[wrong])
+    _replace(table, wrong, second, ratio[wrong])
+    return table
 
 
 def _worst_ratio(
@@ -105,15 +106,10 @@ def _worst_ratio(
     return np.asarray(np.maximum(ratio, 1 / ratio).max(axis=1))
 
 
-def _merged(table: LawTable, rows: NDArray[np.int64], second: LawTable, ratio: Array) -> LawTable:
-    """`table` with its `rows` replaced by those of `second`."""
-    columns = {}
+def _replace(table: LawTable, rows: NDArray[np.int64], second: LawTable, ratio: Array) -> None:
+    """Put `second` in the place of the `rows` of a table that nobody else holds."""
     for name in ("reach", "force", "stiffness", "area", "flags"):
-        columns[name] = getattr(table, name).copy()
-        columns[name][rows] = getattr(second, name)
-    spread = table.spread.copy()
-    spread[rows] = np.maximum(spread[rows], np.minimum(ratio - 1, 1.0)[:, None])
+        getattr(table, name)[rows] = getattr(second, name)
+    table.spread[rows] = np.maximum(table.spread[rows], np.minimum(ratio - 1, 1.0)[:, None])
     if table.centre is not None:
-        columns["centre"] = table.centre.copy()
-        columns["centre"][rows] = 0.0
-    return replace(table, spread=spread, **columns)
+        table.centre[rows] = 0.0

@@ -160,6 +160,7 @@ def tabulate(
     nodes
         Intervals of the table.
     """
+    from ._lanes import packed
     from ._tabulate_kernels import tabulate_rows
 
     n = len(profiles.edge)
@@ -170,9 +171,7 @@ def tabulate(
         np.ascontiguousarray(getattr(profiles, name))
         for name in ("phi", "angle", "weight", "curvature", "edge", "q", "valid")
     )
-    packed = samples[5].reshape(n, -1)
-    if packed.shape[1] % LANES:
-        packed = np.pad(packed, ((0, 0), (0, -packed.shape[1] % LANES)))
+    samples = (*samples, packed(profiles.q))
     reach = np.zeros(n)
     force, stiffness, area, spread = np.zeros((4, n, nodes + 1))
     flags, centre = np.zeros((n, nodes + 1), np.uint8), np.zeros((n, nodes + 1, 2))
@@ -180,7 +179,7 @@ def tabulate(
     out = (reach, force, stiffness, area, flags, spread, centre)
     _threads.run(
         lambda a, b: tabulate_rows(
-            a, b, (*samples, packed), rules, levels, settings, *tables, resampling, out
+            a, b, samples, rules, levels, settings, *tables, resampling, out
         ),
         _threads.blocks(n, 32),
     )
