@@ -14,7 +14,10 @@ if TYPE_CHECKING:
     from .comparison import Comparison as Comparison
     from .comparison import compare as compare
     from .conductance import constriction_conductance as constriction_conductance
+    from .contact_sizes import size_distribution as size_distribution
+    from .curve import ContactRun as ContactRun
     from .curve import contact_curve as contact_curve
+    from .curve import solve_contacts as solve_contacts
     from .errors import ConvergenceError as ConvergenceError
     from .errors import InputError as InputError
     from .errors import ModelRangeError as ModelRangeError
@@ -52,8 +55,8 @@ _HOME = {
     "BemSolution": "bem.solution",
     "Comparison": "comparison",
     "ContactCurve": "results",
+    "ContactRun": "curve",
     "ConvergenceError": "errors",
-    "friction_curve": "friction",
     "FrictionCurve": "friction",
     "FlatPunch": "microcontact.punch",
     "HalfSpace": "material",
@@ -71,11 +74,14 @@ _HOME = {
     "constriction_conductance": "conductance",
     "contact_curve": "curve",
     "flat_punch": "microcontact.punch",
+    "friction_curve": "friction",
     "indent": "indentation",
     "indent_bem": "indentation_bem",
     "make_plan": "plan",
     "partial_slip": "microcontact.friction",
     "set_threads": "threads",
+    "size_distribution": "contact_sizes",
+    "solve_contacts": "curve",
     "tangential_modulus": "microcontact.friction",
     "viscoelastic_indent": "microcontact.viscoelastic",
 }

@@ -17,7 +17,14 @@ from surfaces.heightmap import HeightMap
 from surfaces.segmentation import segment
 from surfaces.summits import locate_summits
 
-from .contacts import adjoining, aspect_ratio, patch_count
+from .contacts import (
+    adjoining,
+    aspect_ratio,
+    contact_map,
+    microcontacts,
+    patch_count,
+    pressure_map,
+)
 from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, terms
 from .loadpoints import checked_loads
 from .microcontact.growing import GrowingTable
@@ -144,6 +151,18 @@ class ContactRun:
     bodies: Asperities
     states: tuple[PopulationState, ...]
 
+    def microcontacts(self, point: int = -1) -> NDArray[np.void]:
+        """Table of the contacts that carry load at a load point, see `contacts.microcontacts`."""
+        return microcontacts(self.bodies, self.states[point])
+
+    def contact_map(self, point: int = -1) -> NDArray[np.bool_]:
+        """Pixels in contact at a load point, shape (ny, nx)."""
+        return contact_map(self.bodies, self.states[point])
+
+    def pressure_map(self, point: int = -1) -> NDArray[np.float64]:
+        """Pressure [Pa] of every pixel at a load point, shape (ny, nx)."""
+        return pressure_map(self.bodies, self.states[point])
+
 
 def contact_curve(
     hm: HeightMap,
@@ -226,7 +245,7 @@ def contact_curve(
 def solve_contacts(
     hm: HeightMap,
     material: HalfSpace,
-    plan: Plan,
+    plan: Plan | None = None,
     *,
     pressures: ArrayLike | None = None,
     separations: ArrayLike | None = None,
@@ -235,9 +254,13 @@ def solve_contacts(
 ) -> ContactRun:
     """Run `contact_curve` by a plan and keep the bodies and states (for maps and tables).
 
+    Arguments are those of `contact_curve`; without a plan one is made with its defaults.
+
     The points are solved from light to heavy, so that each starts from the last.  Where a contact
     came near the height below which nothing was segmented, the whole map is taken instead.
     """
+    if plan is None:
+        plan = make_plan(hm, material, pressures=pressures, separations=separations)
     kind, values = checked_loads(hm, material, pressures, separations)
     _threads.aside(lambda: hm.digest)  # wanted at the end; it needs one thread only
     bodies = Asperities.of(hm, material, plan)

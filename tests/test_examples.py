@@ -65,6 +65,15 @@ def test_one_contact(tmp_path):
     assert abs(resolved) < min(expected, abs(published) / 4)
 
 
+def test_beyond_the_curve(tmp_path):
+    text = run("07_beyond_the_curve.py", tmp_path)
+    assert len(re.findall(r" carr(?:y|ies) 1\.000000 of the load", text)) == 2
+    conductance = re.search(r"conductance (\S+) S", text)
+    assert conductance is not None
+    assert float(conductance[1]) == pytest.approx(1.545e10, rel=0.03)
+    assert (tmp_path / "contact.vti").is_file()
+
+
 def test_figures_of_the_paper(tmp_path):
     """A coarse run of the script that regenerates them: contours, errors, pressure."""
     from runpy import run_path

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from asperity.cli import options, output
+from asperity.cli import derived, options, output
 
 EPILOG = """example:
   asperity bem scan.h5 --E 210e9 --nu 0.3 --pressure 1e6:5e8:10 --tolerance 1e-6
@@ -20,12 +20,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_tolerance_option(parser)
     output.add_output_options(parser)
     output.add_fields_option(parser, "pressure and gap")
+    derived.add_derived_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Solve, write the results file and print the curve."""
-    output.require_outputs(args.results, args.csv, args.fields, inputs=[args.file])
+    output.require_outputs(args.results, args.csv, args.fields, args.slip, inputs=[args.file])
     material, loads = options.material(args), options.loads(args)
+    derived.require_derivable(material, args)
     hm = options.load_surface(args.file, args)
     from asperity.bem.curve import bem_curve
 
@@ -40,9 +42,9 @@ def run(args: argparse.Namespace) -> int:
     curve = output.solve_and_keep(
         solve, hm, material, loads, args.results, "bem", request, args.resume
     )
-    if args.fields:
+    if args.fields and output.last_converged(curve, args):
         _write_fields(hm, material, settings, curve, args.fields)
-    return output.finish(curve, args)
+    return output.finish(curve, material, args)
 
 
 def _write_fields(hm, material, settings, curve, path) -> None:  # type: ignore[no-untyped-def]

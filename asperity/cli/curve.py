@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import argparse
 
-from asperity.cli import options, output
+from asperity.cli import derived, options, output
 
-EPILOG = """example:
+EPILOG = """examples:
   asperity curve scan.h5 --E 210e9 --nu 0.3 --pressure 1e6:5e8:30
+  asperity curve scan.h5 --E 210e9 --contacts contacts.csv --sizes sizes.csv --fields last.vti
+  asperity curve scan.h5 --E 210e9 --resistivity 1e-7 1e-7 --friction 0.3 --slip slip.csv
 """
 
 
@@ -20,14 +22,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_model_options(parser)
     output.add_output_options(parser)
     parser.add_argument("--contacts", metavar="CSV", help="table of the microcontacts, last point")
+    parser.add_argument("--sizes", metavar="CSV", help="contacts by their area, last point")
     output.add_fields_option(parser, "pressure and contact")
+    derived.add_derived_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Solve, write the results file and print the curve."""
-    targets = args.results, args.csv, args.contacts, args.fields
+    targets = args.results, args.csv, args.contacts, args.sizes, args.fields, args.slip
     output.require_outputs(*targets, inputs=[args.file])
     material, loads = options.material(args), options.loads(args)
+    derived.require_derivable(material, args)
     hm = options.load_surface(args.file, args)
     from asperity.compilation import compile_ahead
     from asperity.curve import contact_curve
@@ -45,23 +50,25 @@ def run(args: argparse.Namespace) -> int:
     curve = output.solve_and_keep(
         solve, hm, material, loads, args.results, "asperity", request, args.resume
     )
-    if args.contacts or args.fields:
+    shown = args.contacts or args.sizes or args.fields
+    if shown and output.last_converged(curve, args):
         _write_last_point(hm, material, plan, curve, args)
-    return output.finish(curve, args)
+    return output.finish(curve, material, args)
 
 
 def _write_last_point(hm, material, plan, curve, args) -> None:  # type: ignore[no-untyped-def]
-    from asperity.contacts import contact_map, microcontacts, pressure_map
+    from asperity.contact_sizes import size_distribution
     from asperity.curve import solve_contacts
     from asperity.paraview import write_vti
     from asperity.storage import write_csv
     from asperity.tables import columns
 
-    last = solve_contacts(hm, material, plan, separations=curve.separation[-1:])
-    point = last.bodies, last.states[0]
+    last = solve_contacts(hm, material, plan, pressures=curve.mean_pressure[-1:])
+    table = last.microcontacts()
     if args.contacts:
-        table = microcontacts(*point)
         write_csv(args.contacts, columns(table))
+    if args.sizes:
+        write_csv(args.sizes, columns(size_distribution(table["area"])))
     if args.fields:
-        fields = {"pressure": pressure_map(*point), "contact": contact_map(*point)}
+        fields = {"pressure": last.pressure_map(), "contact": last.contact_map()}
         write_vti(args.fields, fields, hm.spacing)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import sys
 import tempfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from asperity.cli import derived
 from asperity.cli.main import EXIT_NOT_CONVERGED, EXIT_OK
 from asperity.errors import InputError
 from asperity.results import POINT_FIELDS, ContactCurve
@@ -25,6 +27,7 @@ __all__ = [
     "bar",
     "exit_code",
     "finish",
+    "last_converged",
     "named",
     "request_of",
     "require_distinct",
@@ -111,15 +114,29 @@ def request_of(
     }
 
 
-def finish(curve: ContactCurve, args: argparse.Namespace) -> int:
-    """Write the CSV where asked, print the curve, and give the exit code."""
+def finish(curve: ContactCurve, material: HalfSpace, args: argparse.Namespace) -> int:
+    """Write the CSV where asked, print the curve and what follows from it, give the exit code."""
     from asperity.storage import write_csv
 
+    more = derived.conductance(curve, args)
     if args.csv:
-        write_csv(args.csv, {name: getattr(curve, name) for name in POINT_FIELDS})
+        extra = {k: v for k, v in curve.extra.items() if k == "area_error_estimate"}
+        write_csv(args.csv, {name: getattr(curve, name) for name in POINT_FIELDS} | extra | more)
     print(curve)
+    for name, values in more.items():
+        print(f"{name}     {' '.join(f'{value:.4g}' for value in values)}")
     print(f"results         {args.results}")
+    if args.slip:
+        derived.write_slip(curve, material, args)
     return exit_code([curve])
+
+
+def last_converged(curve: ContactCurve, args: argparse.Namespace) -> bool:
+    """Whether the last load point can be shown; says so where it cannot."""
+    if not curve.converged[-1]:
+        text = "the last load point did not converge: no table and no field of it is written"
+        sys.stderr.write(f"asperity {args.command}: {text}\n")
+    return bool(curve.converged[-1])
 
 
 def exit_code(curves: Iterable[ContactCurve]) -> int:

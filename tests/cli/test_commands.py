@@ -92,6 +92,50 @@ def test_contacts_as_a_table(folder):
     assert table["force"].sum() == pytest.approx(curve.load[-1], rel=5e-3)
 
 
+def test_sizes_of_the_contacts_are_those_of_the_table(folder):
+    options = ["--pressure", "1e8", "--contacts", "t.csv", "--sizes", "s.csv"]
+    assert main(["curve", "rough.h5", *STEEL, *options]) == 0
+    table, sizes = (np.genfromtxt(n, delimiter=",", names=True) for n in ("t.csv", "s.csv"))
+    assert sizes["contacts"].sum() == len(table)
+    assert sizes["area_share"].sum() == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("command", ["curve", "bem"])
+def test_conductance_and_partial_slip_from_the_curve(command, folder, capsys):
+    options = ["--pressure", "1e7:1e8:4", "--csv", "c.csv", "--resistivity", "1e-7", "3e-7"]
+    options += ["--friction", "0.3", "--slip", "slip.csv"]
+    assert main([command, "rough.h5", *STEEL, *options]) == 0
+    assert "conductance" in capsys.readouterr().out
+    table, slip = (np.genfromtxt(n, delimiter=",", names=True) for n in ("c.csv", "slip.csv"))
+    modulus = 210e9 / (1 - 0.3**2)
+    np.testing.assert_allclose(table["conductance"], 2 * table["stiffness"] / (modulus * 4e-7))
+    assert slip["shear"][0] == pytest.approx(0.0, abs=1.0)
+    assert slip["shear"][-1] == pytest.approx(0.3 * 9e7, rel=1e-2)
+    assert (np.diff(slip["displacement"]) > 0).all()
+
+
+@pytest.mark.parametrize("command", ["curve", "bem"])
+@pytest.mark.parametrize(
+    ("options", "match"),
+    [
+        (["--E", "1e9", "--m", "0.3", "--resistivity", "1", "1"], "homogeneous"),
+        (["--E", "1e9", "--friction", "0.3"], "--slip CSV"),
+        (["--modulus", "1e9", "--friction", "0.3", "--slip", "s.csv"], "needs --E"),
+    ],
+)
+def test_what_does_not_follow_from_the_curve(command, options, match, folder, capsys):
+    assert main([command, "rough.h5", *options]) == 2
+    assert match in capsys.readouterr().err
+    assert not (folder / "results.h5").exists()
+
+
+def test_a_last_point_that_failed_is_not_written(folder, capsys):
+    options = ["--pressure", "1e8,1e13", "--contacts", "t.csv", "--fields", "f.vti"]
+    assert main(["curve", "rough.h5", *STEEL, *options]) == 1
+    assert "did not converge: no table" in capsys.readouterr().err
+    assert not {"t.csv", "f.vti"} & {p.name for p in folder.iterdir()}
+
+
 @pytest.mark.parametrize("command", ["curve", "bem"])
 def test_fields_for_paraview_carry_the_load(command, folder):
     options = ["--pressure", "1e8,2e8", "--fields", "f.vti"]

@@ -1,0 +1,66 @@
+"""What follows from a normal contact curve, on request: conductance and partial slip."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+import numpy as np
+
+from asperity.errors import InputError
+from asperity.results import ContactCurve
+
+__all__ = ["add_derived_options", "conductance", "require_derivable", "write_slip"]
+
+
+def add_derived_options(parser: argparse.ArgumentParser) -> None:
+    """Options for what the normal curve tells beyond itself."""
+    group = parser.add_argument_group("from the curve (homogeneous bodies)")
+    group.add_argument(
+        "--resistivity",
+        nargs=2,
+        type=float,
+        metavar=("RHO1", "RHO2"),
+        help="of both bodies [Ohm m] or [m K/W]: constriction conductance, printed and in the CSV",
+    )
+    group.add_argument(
+        "--friction", type=float, metavar="MU", help="coefficient of friction, for --slip"
+    )
+    group.add_argument(
+        "--slip", metavar="CSV", help="shear against tangential displacement under the last load"
+    )
+
+
+def require_derivable(material: Any, args: argparse.Namespace) -> None:
+    """Refuse, before any work, what does not follow from the curve of this material."""
+    if (args.friction is None) != (args.slip is None):
+        raise InputError("partial slip needs both --friction MU and --slip CSV")
+    if material.m != 0.0 and (args.resistivity or args.slip):
+        raise InputError("--resistivity and --slip hold for homogeneous bodies, --m 0")
+    if args.slip and material.E is None:
+        raise InputError("--slip needs --E and --nu in place of --modulus")
+
+
+def conductance(curve: ContactCurve, args: argparse.Namespace) -> dict[str, Any]:
+    """Column of the conductance per nominal area, if it was asked for."""
+    from asperity.conductance import constriction_conductance
+
+    if args.resistivity is None:
+        return {}
+    return {"conductance": constriction_conductance(curve, resistivity=tuple(args.resistivity))}
+
+
+def write_slip(curve: ContactCurve, material: Any, args: argparse.Namespace) -> None:
+    """Write the partial-slip curve under the last load, against a rigid partner."""
+    from asperity.friction import friction_curve
+    from asperity.microcontact.friction import tangential_modulus
+    from asperity.storage import write_csv
+
+    slip = friction_curve(
+        curve,
+        float(curve.mean_pressure[-1]),
+        friction=args.friction,
+        modulus_ratio=material.modulus / tangential_modulus(material),
+    )
+    names = ("displacement", "shear", "stick_area_fraction")
+    write_csv(args.slip, {name: np.asarray(getattr(slip, name)) for name in names})

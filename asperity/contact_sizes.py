@@ -1,0 +1,51 @@
+"""How many contacts there are of which size."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import InputError
+from .tables import structured
+
+__all__ = ["size_distribution"]
+
+
+def size_distribution(area: ArrayLike, *, bins: int = 20) -> NDArray[np.void]:
+    """Contacts by area, in bins that grow by a constant factor.
+
+    Parameters
+    ----------
+    area
+        Contact areas [m^2], shape (n,), positive: the column ``area`` of the table of
+        microcontacts, or the spots of a boundary-element solution.
+    bins
+        Number of bins between the smallest and the largest area, at least 1.
+
+    Returns
+    -------
+    Structured array, one row per bin: lower, upper [m^2], contacts [-], and area_share [-], the
+    share of these contacts in the whole contact area. No row without contacts.
+
+    Raises
+    ------
+    InputError
+        If an area is not positive and finite, or there is no bin.
+    """
+    sizes = np.asarray(area, dtype=np.float64).ravel()
+    if not ((sizes > 0).all() and np.isfinite(sizes).all()) or bins < 1:
+        raise InputError("contact areas must be positive and finite, bins at least 1")
+    edges = np.empty(0)
+    if sizes.size:
+        edges = np.geomspace(sizes.min() * (1 - 1e-9), sizes.max() * (1 + 1e-9), bins + 1)
+    place = np.searchsorted(edges, sizes, side="right") - 1
+    rows = max(len(edges) - 1, 0)
+    share = np.bincount(place, weights=sizes, minlength=rows) / max(sizes.sum(), 1e-300)
+    return structured(
+        {
+            "lower": edges[:-1],
+            "upper": edges[1:],
+            "contacts": np.bincount(place, minlength=rows),
+            "area_share": share,
+        }
+    )

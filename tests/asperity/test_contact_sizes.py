@@ -1,0 +1,39 @@
+"""Distribution of contact sizes: nothing is lost, and a power law shows as one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asperity import size_distribution
+from asperity.errors import InputError
+
+
+def test_every_contact_is_in_one_bin_and_all_the_area_is_shared():
+    area = np.random.default_rng(1).lognormal(-25, 2, 500)
+    table = size_distribution(area, bins=7)
+    assert len(table) == 7 and table["contacts"].sum() == 500
+    assert table["area_share"].sum() == pytest.approx(1.0)
+    np.testing.assert_allclose(table["upper"][:-1], table["lower"][1:])
+    inside = (area >= table["lower"][3]) & (area < table["upper"][3])
+    assert table["contacts"][3] == np.count_nonzero(inside)
+    assert table["area_share"][3] == pytest.approx(area[inside].sum() / area.sum())
+
+
+def test_power_law_has_its_exponent():
+    """n(A) ~ A^-2 puts half as many contacts into each bin twice as wide."""
+    area = 1.0 / (1.0 - np.linspace(0, 1 - 2.0**-10, 100_001))
+    contacts = size_distribution(area, bins=10)["contacts"]
+    np.testing.assert_allclose(contacts[1:] / contacts[:-1], 0.5, rtol=0.02)
+
+
+@pytest.mark.parametrize(("area", "rows"), [([], 0), ([2.0], 4), ([2.0, 2.0], 4)])
+def test_few_and_equal_contacts(area, rows):
+    table = size_distribution(area, bins=4)
+    assert len(table) == rows and table["contacts"].sum() == len(area)
+
+
+@pytest.mark.parametrize(("area", "bins"), [([-1.0], 3), ([np.nan], 3), ([1.0], 0)])
+def test_what_is_no_area_or_no_bin(area, bins):
+    with pytest.raises(InputError, match="positive"):
+        size_distribution(area, bins=bins)
