@@ -73,28 +73,26 @@ def tabulate(
     range the table is bounded (F2 <= F/2, the area between half and twice that of the circle) and
     flagged `CONTOUR_DOUBTFUL`. A profile that is marked as unresolved is used as it is given.
     """
-    from ._kernels import expand_profiles
+    from ._circle_kernels import QUANTITIES, expand_profiles
+    from ._lanes import packed
 
     m = material.m
     fractions = _OVERSHOOT * np.linspace(_SMALLEST, 1.0, radii) ** _GRADING
     top = np.sqrt(0.5 * np.sum(profiles.weight * profiles.edge**2, axis=1) / np.pi)
     t, weights = gauss_jacobi(m, points)
     usable = np.all(np.isfinite(profiles.q), axis=(1, 2)) & np.all(profiles.edge > 0, axis=1)
-    inputs = (
-        np.ascontiguousarray(profiles.phi),
-        np.ascontiguousarray(profiles.weight),
-        np.ascontiguousarray(profiles.edge),
-        np.ascontiguousarray(profiles.q),
+    rays = (
+        *(packed(values) for values in (profiles.phi, profiles.weight, profiles.edge, profiles.q)),
+        profiles.phi.shape[1],
+        profiles.t.size,
         usable,
         top,
-        fractions,
-        t,
-        _rules(m, t, weights),
-        m + (1 - m) * np.arange(_HARMONICS + 2.0),
     )
+    harmonics = m + (1 - m) * np.arange(_HARMONICS + 2.0)
+    inputs = (rays, fractions, t, _radial(t, weights), harmonics, m)
 
     def block(start: int, stop: int) -> LawTable:
-        rows, own = np.zeros((stop - start, radii, 11)), slice(start, stop)
+        rows, own = np.zeros((stop - start, radii, QUANTITIES)), slice(start, stop)
         expand_profiles(start, stop, *inputs, rows)
         return _assemble(rows, top[own], fractions, material, law, nodes, usable[own])
 
@@ -106,15 +104,10 @@ def tabulate(
     return joined([table for tables in parts for table in tables])
 
 
-def _rules(m: float, t: Array, weights: Array) -> Array:
-    """Radial weights of f, r f' and r^2 f'' for n = 0 ... N + 1, for G~ and for a D'."""
-    rules = np.zeros((3, _HARMONICS + 4, t.size))
-    for n in range(_HARMONICS + 2):
-        rules[1, n] = weights * t ** (n + 1)
-        rules[0, n] = (n + 1 + m) * rules[1, n]
-    rules[0, -2] = weights * t
-    rules[1:, -1] = weights / t
-    return np.ascontiguousarray(rules.transpose(1, 0, 2).reshape(_HARMONICS + 4, -1))
+def _radial(t: Array, weights: Array) -> Array:
+    """Radial weights of the operators n = 0 ... N + 1, of G~ and of a D'."""
+    powers = [*range(1, _HARMONICS + 3), 1, -1]
+    return np.stack([weights * t**power for power in powers])
 
 
 def _assemble(
