@@ -215,6 +215,7 @@ def compare(
     law: str = "auto",
     interaction: bool = True,
     boundary: str | None = None,
+    scales: str = "auto",
     tolerance: float = 1e-6,
     plan: Plan | None = None,
     reference: Callable[[], ContactCurve] | None = None,
@@ -224,7 +225,7 @@ def compare(
 
     Parameters
     ----------
-    hm, material, pressures, separations, law, interaction, boundary, plan
+    hm, material, pressures, separations, law, interaction, boundary, scales, plan
         As in `contact_curve`.
     tolerance
         Tolerance of the reference solution.
@@ -251,7 +252,13 @@ def compare(
     say = progress if progress is not None else lambda label: None
     kind, values = checked_loads(hm, material, pressures, separations)
     loads: dict[str, Any] = {"pressures" if kind == "pressure" else "separations": values}
-    chosen: dict[str, Any] = {"law": law, "interaction": interaction, "boundary": boundary, **loads}
+    chosen: dict[str, Any] = {
+        "law": law,
+        "interaction": interaction,
+        "boundary": boundary,
+        "scales": scales,
+        **loads,
+    }
     first = make_plan(hm, material, **chosen) if plan is None else plan
     say("compilation")
     _compile(material, first)
@@ -305,7 +312,7 @@ def _compile(material: HalfSpace, plan: Plan) -> None:
     """Run both models once on a small map, so that no run time holds compilation."""
     compile_ahead(("laws", "bem"), material, plan.boundary)
     small = small_map()
-    whole = dataclasses.replace(plan, above=None, coarse=None)
+    whole = dataclasses.replace(plan, above=None, coarse=None, fine=None)
     loads = default_pressures(small, material, count=2)
     solve_contacts(small, material, whole, pressures=loads)
     bem_curve(small, material, pressures=loads, tolerance=LOOSE_TOLERANCE, boundary=plan.boundary)

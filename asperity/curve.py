@@ -26,6 +26,7 @@ from .contacts import (
     pressure_map,
 )
 from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, terms
+from .fine_points import FinePoint, at_separation, fine_point
 from .loadpoints import checked_loads
 from .microcontact.growing import GrowingTable
 from .microcontact.laws import tabulate
@@ -128,6 +129,13 @@ class Asperities:
         """Short over long axis of the contact on each summit, shape (n,)."""
         return aspect_ratio(self.profiles.curvature)
 
+    def point(self, state: PopulationState) -> FinePoint:
+        """Separation, area and stiffness of the whole surface at a state of its contacts."""
+        if self.plan.fine is None:
+            return FinePoint.plain(state)
+        found = self.hm.roughness
+        return fine_point(self.population, self.plan.fine, state, found.highest - found.mean)
+
     def deep_enough(self, state: PopulationState) -> bool:
         """Whether no contact came near the height below which nothing was segmented."""
         return self.plan.above is None or state.lowest_candidate >= self.plan.above
@@ -174,6 +182,7 @@ def contact_curve(
     interaction: bool = True,
     plan: Plan | None = None,
     boundary: str | None = None,
+    scales: str = "auto",
     progress: Callable[[PopulationState], object] | None = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
 ) -> ContactCurve:
@@ -195,9 +204,12 @@ def contact_curve(
     interaction
         False gives the classical sum of independent contacts.
     plan
-        A plan made before by `make_plan`; overrides `law`, `interaction` and `boundary`.
+        A plan made before by `make_plan`; overrides `law`, `interaction`, `boundary`, `scales`.
     boundary
         "periodic" or "free"; as the map says if None.
+    scales
+        "auto": of a broad random spectrum the finest waves act as a law of the contacts of the
+        others (`asperity.scales`); "all": every summit of the map is a contact.
     progress
         Called with the state of every finished load point.
     checkpoint
@@ -230,6 +242,7 @@ def contact_curve(
             law=law,
             interaction=interaction,
             boundary=boundary,
+            scales=scales,
         )
     return solve_contacts(
         hm,
@@ -266,18 +279,23 @@ def solve_contacts(
     bodies = Asperities.of(hm, material, plan)
     start = time.perf_counter() - sum(bodies.seconds.values())
     states: dict[int, PopulationState] = {}
+    places: dict[int, FinePoint] = {}
     patches: dict[int, int] = {}
-    state = None
+    state, lift = None, 0.0
 
     def curve_of(points: Iterable[int]) -> ContactCurve:
         chosen = list(points)
         solving = time.perf_counter() - start - sum(bodies.seconds.values())
-        return _curve(bodies, [states[i] for i in chosen], [patches[i] for i in chosen], solving)
+        kept = ([those[i] for i in chosen] for those in (states, places, patches))
+        return _curve(bodies, *kept, solving)
 
     bound = TOLERANCE if kind == "pressure" else TOLERANCE / 3
     for i in np.argsort(values if kind == "pressure" else -values, kind="stable").tolist():
         asked = {"mean_pressure" if kind == "pressure" else "separation": float(values[i])}
-        state = bodies.population.solve(**asked, state=state, tolerance=bound)
+        if plan.fine is not None and kind == "separation":
+            state = at_separation(bodies, float(values[i]), lift, state, bound)
+        else:
+            state = bodies.population.solve(**asked, state=state, tolerance=bound)
         if not bodies.deep_enough(state):
             return solve_contacts(
                 hm,
@@ -288,7 +306,8 @@ def solve_contacts(
                 progress=progress,
                 checkpoint=checkpoint,
             )
-        states[i], patches[i] = state, patch_count(bodies, state)
+        states[i], places[i] = state, bodies.point(state)
+        patches[i], lift = patch_count(bodies, state), places[i].separation - state.separation
         if progress is not None:
             progress(state)
         if checkpoint is not None:
@@ -300,6 +319,7 @@ def solve_contacts(
 def _curve(
     bodies: Asperities,
     states: Sequence[PopulationState],
+    places: Sequence[FinePoint],
     patches: Sequence[int],
     solving: float,
 ) -> ContactCurve:
@@ -310,15 +330,15 @@ def _curve(
 
     weaknesses = [terms(bodies, state) for state in states]
     pressure = column("mean_pressure")
-    area = column("contact_area")
+    area = np.array([place.contact_area for place in places])
     return ContactCurve(
-        separation=column("separation"),
+        separation=np.array([place.separation for place in places]),
         mean_pressure=pressure,
         load=pressure * hm.area,
         area_fraction=area / hm.area,
         contact_area=area,
         contacts=np.array(patches),
-        stiffness=column("normal_stiffness"),
+        stiffness=np.array([place.stiffness for place in places]),
         converged=column("converged"),
         residual=column("residual"),
         error_estimate=np.array([estimate(weak, LOAD_WEIGHTS) for weak in weaknesses]),
@@ -329,6 +349,7 @@ def _curve(
             "interaction": plan.interaction,
             "boundary": plan.boundary,
             "above": plan.above,
+            "shortest_wave": None if plan.fine is None else plan.fine.shortest,
             "grid": list(bodies.peaks.labels.shape),
             "modulus": bodies.material.modulus,
             "m": bodies.material.m,

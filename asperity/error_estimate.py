@@ -77,10 +77,12 @@ def terms(bodies: Asperities, state: PopulationState) -> dict[str, float]:
     share = state.force[closed] / state.force.sum()
     table, depth = bodies.population.table, state.approach[closed]
     outgrown = (table.flags_at(closed, depth) & Flag.BEYOND_RADIUS) > 0
-    pixel = bodies.hm.area / bodies.hm.heights.size
+    # with fine waves taken out, the contacts are those of the map that was solved
+    hm = bodies.hm if bodies.plan.fine is None else bodies.plan.coarse
+    pixel = hm.area / hm.heights.size
     steep, shallow = bodies.profiles.curvature[closed].T
     ratio = np.log(steep / np.clip(shallow, 1e-3 * steep, None))
-    crowding, fineness = state.contact_area / bodies.hm.area, _fineness(bodies.hm)
+    crowding, fineness = state.contact_area / bodies.hm.area, _fineness(hm)
     return {
         "few_contacts": float(np.sqrt(share @ share)),
         "filled_share": state.filled_share,

@@ -15,11 +15,15 @@ from surfaces.heightmap import HeightMap
 from .boundary import Boundary, chosen_boundary
 from .errors import InputError, SurfaceError
 from .loadpoints import checked_loads, expected_area_fraction, require_scene, slope_scale
+from .scales import FineScales, split_scales
 
 if TYPE_CHECKING:
     from .material import HalfSpace
 
-__all__ = ["Plan", "make_plan"]
+__all__ = ["SCALES", "Plan", "make_plan"]
+
+SCALES = ("auto", "all")
+"""What may become of the finest waves of a map."""
 
 MODEL_BYTES_PER_POINT = 64
 """Peak memory of the microcontact model per grid point: heights, order, labels, ancestors."""
@@ -61,7 +65,9 @@ class Plan:
     reasons
         One line for each choice.
     coarse
-        The map on a coarser grid that holds it and is solved in its place; None: the map itself.
+        The map on a coarser grid, solved in its place; None: the map itself.
+    fine
+        Law of the waves that the coarser grid does not hold; None if it holds them all.
     seconds
         Time of the decisions [s].
     """
@@ -74,6 +80,7 @@ class Plan:
     memory: int
     reasons: tuple[str, ...]
     coarse: HeightMap | None = field(default=None, repr=False)
+    fine: FineScales | None = None
     seconds: float = field(default=0.0, compare=False)
 
     def __str__(self) -> str:
@@ -89,6 +96,7 @@ def make_plan(
     law: str = "auto",
     interaction: bool = True,
     boundary: str | None = None,
+    scales: str = "auto",
 ) -> Plan:
     """Decide what a run of `contact_curve` needs.
 
@@ -106,6 +114,9 @@ def make_plan(
         False switches elastic interaction off whatever the load.
     boundary
         "periodic" or "free"; as the map says if None.
+    scales
+        "auto": of a broad random spectrum the finest waves act as a law of the contacts of the
+        others (`asperity.scales`); "all": every summit of the map is a contact.
 
     Raises
     ------
@@ -115,6 +126,8 @@ def make_plan(
         If the load points are not usable or the memory would not suffice.
     """
     start = time.perf_counter()
+    if scales not in SCALES:
+        raise InputError(f"scales is {scales!r}; choose one of {', '.join(SCALES)}")
     require_scene(hm, material)
     _require_usable(hm)
     kind, values = checked_loads(hm, material, pressures, separations)
@@ -130,14 +143,14 @@ def make_plan(
     reasons.append(why)
     above, why = _lowest_height(hm, material, kind, values)
     reasons.append(why)
-    coarse, why = _grid(hm)
-    reasons.append(why)
+    coarse, fine, whys = _grid(hm, material, coupled and edge == "periodic", scales)
+    reasons += whys
     memory = MODEL_BYTES_PER_POINT * (hm if coarse is None else coarse).heights.size
     reasons.append(f"memory: about {memory / 2**20:.0f} MiB")
     _require_memory(memory)
     reasons.append("fields: pressure and contours are made on request only")
     seconds = time.perf_counter() - start
-    return Plan(edge, law, graded, coupled, above, memory, tuple(reasons), coarse, seconds)
+    return Plan(edge, law, graded, coupled, above, memory, tuple(reasons), coarse, fine, seconds)
 
 
 def _require_usable(hm: HeightMap) -> None:
@@ -189,14 +202,34 @@ def _lowest_height(
     return candidate, f"segmentation: only the top {100 * top:.0f} % of the heights"
 
 
-def _grid(hm: HeightMap) -> tuple[HeightMap | None, str]:
-    coarse = coarse_map(hm)
-    if coarse is None:
-        return None, f"grid: {hm.shape[0]} x {hm.shape[1]} points, as given"
-    return coarse, (
-        f"grid: {coarse.shape[0]} x {coarse.shape[1]} points hold the map of "
-        f"{hm.shape[0]} x {hm.shape[1]}"
-    )
+def _grid(
+    hm: HeightMap, material: HalfSpace, coupled: bool, scales: str
+) -> tuple[HeightMap | None, FineScales | None, list[str]]:
+    """Map to solve, law of the waves that it leaves out, and why."""
+    shape = f"{hm.shape[0]} x {hm.shape[1]}"
+    split: tuple[HeightMap, FineScales] | str = "scales: all, as asked"
+    if scales == "auto":
+        split = "scales: all, contacts do not interact across a periodic cell"
+        if coupled:
+            split = split_scales(hm, material)
+    if not isinstance(split, str):
+        coarse, fine = split
+        return (
+            coarse,
+            fine,
+            [
+                f"scales: waves shorter than {fine.shortest:.3g} m act as a law of the contacts of "
+                f"the others; they hold {100 * fine.ratio / (1 + fine.ratio):.0f} % of the squared "
+                "slope",
+                f"grid: {coarse.shape[0]} x {coarse.shape[1]} points hold the longer waves of "
+                f"{shape}",
+            ],
+        )
+    held = coarse_map(hm)
+    if held is None:
+        return None, None, [split, f"grid: {shape} points, as given"]
+    holds = f"grid: {held.shape[0]} x {held.shape[1]} points hold the map of {shape}"
+    return held, None, [split, holds]
 
 
 def _stride(hm: HeightMap) -> int:

@@ -62,3 +62,12 @@ class PopulationState:
     normal_stiffness: float
     lowest_candidate: float
     _trail: Trail = field(repr=False)
+
+    @property
+    def response(self) -> NDArray[np.float64]:
+        """Approach that each contact gains per fall of the flat [-], shape (n,)."""
+        gained = np.ones(len(self.force))
+        if self._trail.points:
+            last = self._trail.points[-1]
+            gained[last.rows] = last.values[:, 3]
+        return gained

@@ -80,6 +80,13 @@ def add_model_options(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="the classical sum: contacts do not displace each other",
     )
+    group.add_argument(
+        "--scales",
+        default="auto",
+        choices=["auto", "all"],
+        help="auto: of a broad random spectrum the finest waves act as a law of the contacts of "
+        "the others; all: every summit is a contact (default auto)",
+    )
 
 
 def add_tolerance_option(parser: argparse.ArgumentParser) -> None:
@@ -149,6 +156,7 @@ def model(args: argparse.Namespace) -> dict[str, Any]:
         "law": args.law,
         "interaction": not args.no_interaction,
         "boundary": args.boundary,
+        "scales": args.scales,
     }
 
 

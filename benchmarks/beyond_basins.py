@@ -1,0 +1,172 @@
+"""Ways beyond contacts confined to basins: error and time of each, family by family.
+
+    python benchmarks/beyond_basins.py --seeds 21 22
+    python benchmarks/beyond_basins.py --families "to the pixel" --points 1024
+
+Mean pressures for about 0.4, 2, 8, 15 and 25 % of contact on periodic maps, rms slope 0.1, roll-off
+an eighth of the side. The reference is solved by boundary elements on the map refined twice by its
+own Fourier series. Load error at equal separation (from the separation at equal load), area error
+at equal load, processor seconds of the five loads, map in memory to curve, compiled before.
+
+Ways: contacts at all summits; the finest waves as a law of the contacts of the others
+(`scales="auto"`); boundary elements on the full and on coarser grids; those with the same law of
+the waves that the coarser grid cannot hold; and the ratio of the contact model on the full map and
+on the coarser grid times boundary elements on the coarser grid.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+import asperity
+import surfaces
+from asperity.loadpoints import pressure_scale
+from asperity.scales import FineScales
+
+Array = NDArray[np.float64]
+Result = tuple[Array, Array, float]
+
+LOADS = np.array([0.002, 0.01, 0.04, 0.08, 0.14])
+BODY = asperity.HalfSpace.from_modulus(1.0)
+
+
+def families(points: int, seed: int) -> dict[str, surfaces.HeightMap]:
+    """Maps of pixel size 1."""
+
+    def rough(hurst: float, cutoff: float | None) -> surfaces.HeightMap:
+        return surfaces.self_affine(
+            (points, points),
+            (float(points), float(points)),
+            hurst=hurst,
+            rms_slope=0.1,
+            rolloff=points / 8,
+            cutoff=cutoff,
+            seed=seed,
+        )
+
+    return {
+        "to the pixel H 0.8": rough(0.8, None),
+        "to the pixel H 0.5": rough(0.5, None),
+        "cut-off 4 px H 0.8": rough(0.8, 4.0),
+        "cut-off 32 px H 0.8": rough(0.8, 32.0),
+    }
+
+
+def model(hm: surfaces.HeightMap, pressures: Array, scales: str) -> Result:
+    """Separation, area fraction and time of the contact model."""
+    start = time.process_time()
+    curve = asperity.contact_curve(hm, BODY, pressures=pressures, scales=scales)
+    return curve.separation, curve.area_fraction, time.process_time() - start
+
+
+def elements(hm: surfaces.HeightMap, pressures: Array, step: int) -> Result:
+    """The same of boundary elements on a grid coarser by `step`."""
+    start = time.process_time()
+    grid = hm if step == 1 else surfaces.resample(hm, step * np.asarray(hm.spacing))
+    curve = asperity.bem_curve(grid, BODY, pressures=pressures, tolerance=1e-2)
+    return curve.separation, curve.area_fraction, time.process_time() - start
+
+
+def elements_and_law(hm: surfaces.HeightMap, pressures: Array, step: int) -> Result | None:
+    """Boundary elements on the coarser grid, and the law of the waves that it cannot hold.
+
+    The law is used with one mean pressure for the whole contact, and its energy differentiated
+    along the curve.
+    """
+    start = time.process_time()
+    fine = lost_waves(hm, step)
+    if fine is None:
+        return None
+    separation, area, _ = elements(hm, pressures, step)
+    share, kept = area, area
+    for _ in range(3):
+        kept = area * np.array(
+            [fine.remaining(p / a, s) for p, a, s in zip(pressures, area, share, strict=True)]
+        )
+        share = 0.5 * (area + kept)
+    stored = area * np.array(
+        [fine.stored(p / a, s) for p, a, s in zip(pressures, area, share, strict=True)]
+    )
+    slope = np.gradient(np.log(stored), np.log(pressures))
+    lift = np.array([fine.lift(s) for s in share]) * stored / pressures * slope
+    return separation + lift, kept, time.process_time() - start
+
+
+def lost_waves(hm: surfaces.HeightMap, step: int) -> FineScales | None:
+    """Law of the waves that a grid coarser by `step` cannot hold."""
+    waves = np.abs(np.fft.fft2(hm.heights) / hm.heights.size) ** 2
+    qy, qx = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(hm.shape, hm.spacing, strict=True))
+    number = np.hypot(qy[:, None], qx)
+    steep = waves * number**2
+    limit = [np.pi / (step * d) * (1 - 1e-9) for d in hm.spacing]
+    lost = (np.abs(qy[:, None]) >= limit[0]) | (np.abs(qx) >= limit[1])
+    slope = float(steep[lost].sum())
+    ratio = slope / float(steep[~lost].sum())
+    if ratio < 0.02:
+        return None
+    energy = float((waves * number)[lost].sum())
+    shortest = 2 * step * max(hm.spacing)
+    return FineScales(shortest, ratio, 0.25 * BODY.modulus**2 * slope, 0.25 * BODY.modulus * energy)
+
+
+def ratio_of_models(hm: surfaces.HeightMap, pressures: Array, step: int) -> Result:
+    """Boundary elements on the coarser grid times the ratio of the model on both maps."""
+    coarse = surfaces.resample(hm, step * np.asarray(hm.spacing))
+    parts = (
+        elements(hm, pressures, step),
+        model(hm, pressures, "all"),
+        model(coarse, pressures, "all"),
+    )
+    (s0, a0, _), (s1, a1, _), (s2, a2, _) = parts
+    return s0 + s1 - s2, a0 * a1 / a2, sum(part[2] for part in parts)
+
+
+WAYS: dict[str, Callable[[surfaces.HeightMap, Array], Result | None]] = {
+    "contacts, all summits": lambda hm, p: model(hm, p, "all"),
+    "contacts, law of fine waves": lambda hm, p: model(hm, p, "auto"),
+    "ratio of models, grid / 2": lambda hm, p: ratio_of_models(hm, p, 2),
+    "elements": lambda hm, p: elements(hm, p, 1),
+    "elements, grid / 2": lambda hm, p: elements(hm, p, 2),
+    "elements, grid / 4": lambda hm, p: elements(hm, p, 4),
+    "elements / 2, law of fine waves": lambda hm, p: elements_and_law(hm, p, 2),
+    "elements / 4, law of fine waves": lambda hm, p: elements_and_law(hm, p, 4),
+}
+
+
+def main() -> None:
+    """Run all ways on all families and print one line for each."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--points", type=int, default=512)
+    parser.add_argument("--seeds", type=int, nargs="+", default=[21])
+    parser.add_argument("--families", nargs="*", default=[], help="parts of family names")
+    args = parser.parse_args()
+    small = families(128, 1)["to the pixel H 0.8"]
+    for way in WAYS.values():
+        way(small, LOADS[:2] * pressure_scale(small, BODY))
+    for seed in args.seeds:
+        for name, hm in families(args.points, seed).items():
+            if args.families and not any(part in name for part in args.families):
+                continue
+            pressures = LOADS * pressure_scale(hm, BODY)
+            refined = surfaces.resample(hm, 0.5 * np.asarray(hm.spacing))
+            exact = asperity.bem_curve(refined, BODY, pressures=pressures, tolerance=1e-4)
+            fall = -np.gradient(exact.separation, np.log(pressures))
+            area = " ".join(f"{100 * a:.1f}" for a in exact.area_fraction)
+            print(f"{name}, seed {seed}: contact {area} %")
+            for way, run in WAYS.items():
+                found = run(hm, pressures)
+                if found is None:
+                    continue
+                load = np.expm1((found[0] - exact.separation) / fall)
+                errors = (load, found[1] / exact.area_fraction - 1)
+                loads, areas = (" ".join(f"{100 * e:+6.1f}" for e in error) for error in errors)
+                print(f"  {way:32s} load {loads}   area {areas}   {found[2]:.2f} s")
+
+
+if __name__ == "__main__":
+    main()

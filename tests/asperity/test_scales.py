@@ -1,0 +1,204 @@
+"""Fine waves as a law of contacts: closed forms, what they rest on, and boundary elements."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
+from scipy.special import erf, exp1
+
+import asperity
+import surfaces
+from asperity.curve import Asperities, solve_contacts
+from asperity.errors import InputError
+from asperity.loadpoints import pressure_scale
+from asperity.plan import make_plan
+from asperity.scales import FineScales, split_scales
+from surfaces import HeightMap, self_affine
+
+STEEL = asperity.HalfSpace.from_modulus(2e11)
+FINE = FineScales(shortest=1e-6, ratio=1.0, variance=4e18, energy=3e2)
+
+
+def broad(shape=(240, 288), seed=3, **more) -> HeightMap:
+    """A spectrum that reaches the pixel, on pixels that are not square."""
+    size = (shape[0] * 1.0e-6, shape[1] * 0.8e-6)
+    given = {"hurst": 0.8, "rms_slope": 0.1, "rolloff": 0.25 * size[1], **more}
+    return self_affine(shape, size, seed=seed, **given)
+
+
+@pytest.fixture(scope="module")
+def rough() -> HeightMap:
+    return broad()
+
+
+@pytest.fixture(scope="module")
+def loads(rough) -> np.ndarray:
+    return np.array([3e-3, 1e-2, 3e-2, 6e-2]) * pressure_scale(rough, STEEL)
+
+
+@pytest.mark.parametrize("pressure", [2e7, 3e8, 2e9, 3e10])
+@pytest.mark.parametrize("share", [0.0, 0.4])
+def test_closed_forms_are_means_over_rayleighs_distribution(pressure, share):
+    scale = np.sqrt(2 / np.pi) * pressure
+    spread = (FINE.spread + (1 - FINE.spread) * share**2) * FINE.variance
+
+    def mean(law):
+        def weighed(t):
+            return t * np.exp(-0.5 * t * t) * law(t * scale / np.sqrt(2 * spread))
+
+        return quad(weighed, 0, 1, epsrel=1e-9)[0] + quad(weighed, 1, 12, epsrel=1e-9)[0]
+
+    def energy(x):
+        return erf(x) + (x * exp1(x * x) / np.sqrt(np.pi) if 0 < x < 20 else 0.0)
+
+    assert FINE.remaining(pressure, share) == pytest.approx(mean(erf), rel=1e-6)
+    assert FINE.stored(pressure, share) == pytest.approx(FINE.energy * mean(energy), rel=1e-6)
+
+
+def test_pressed_hard_all_is_closed_and_all_energy_stored():
+    assert FINE.remaining(1e14, 0.1) == pytest.approx(1.0, abs=1e-8)
+    assert FINE.stored(1e14, 0.1) == pytest.approx(FINE.energy, rel=1e-6)
+    assert FINE.lift(1.0) == 1.0
+
+
+@settings(deadline=None, derandomize=True, max_examples=20)
+@given(st.floats(1e6, 1e11), st.floats(0.0, 0.9))
+def test_more_pressure_closes_more_and_stores_more(pressure, share):
+    pair = np.array([pressure, 1.1 * pressure])
+    closed, stored = FINE.remaining(pair, share), FINE.stored(pair, share)
+    assert 0 < closed[0] < closed[1] <= 1
+    assert 0 < stored[0] < stored[1] <= FINE.energy
+    assert FINE.remaining(pressure, share) >= FINE.remaining(pressure, min(share + 0.1, 1.0))
+
+
+def test_the_map_is_the_band_of_longer_waves(rough):
+    coarse, fine = split_scales(rough, STEEL)
+    shell = 1 / max(rough.size)
+    edge = 1 / (1 / fine.shortest + 0.5 * shell)
+    band = surfaces.resample(surfaces.bandpass(rough, shortest=edge), coarse.spacing)
+    assert band.shape == coarse.shape and coarse.heights.size < 0.5 * rough.heights.size
+    np.testing.assert_allclose(coarse.heights, band.heights, atol=1e-9 * rough.rms_height)
+
+
+def test_slopes_and_energy_are_those_of_the_waves_left_out(rough):
+    _, fine = split_scales(rough, STEEL)
+    waves = np.fft.fft2(rough.heights) / rough.heights.size
+    qy, qx = (
+        2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(rough.shape, rough.spacing, strict=True)
+    )
+    q = np.hypot(qy[:, None], qx)
+    shell = 2 * np.pi / max(rough.size)
+    left = np.rint(q / shell) > np.rint(2 * np.pi / fine.shortest / shell)
+    slope = (q**2 * np.abs(waves) ** 2)[left].sum()
+    energy = (q * np.abs(waves) ** 2)[left].sum()
+    assert fine.variance == pytest.approx(STEEL.modulus**2 / 4 * slope, rel=1e-9)
+    assert fine.energy == pytest.approx(STEEL.modulus / 4 * energy, rel=1e-9)
+    longer = (q**2 * np.abs(waves) ** 2)[~left].sum()
+    assert fine.ratio == pytest.approx(slope / longer, rel=1e-9)
+
+
+def test_maps_that_keep_all_their_summits():
+    def why(hm, body=STEEL):
+        found = split_scales(hm, body)
+        assert isinstance(found, str)
+        return found
+
+    rough = broad()
+    assert "homogeneous" in why(rough, asperity.HalfSpace.from_modulus(2e11, m=0.3))
+    assert "periodic" in why(dataclasses.replace(rough, periodic=False))
+    assert "narrow" in why(broad(cutoff=1.2e-5))
+    assert "direction" in why(broad(anisotropy=4.0))
+    spikes = rough.heights.copy()
+    spikes[::40, ::40] += 4 * rough.rms_height
+    assert "not random" in why(rough.replace(heights=spikes))
+    assert make_plan(rough, STEEL, scales="all").fine is None
+    assert make_plan(rough, STEEL, interaction=False).fine is None
+    assert make_plan(rough, STEEL, boundary="free").fine is None
+    with pytest.raises(InputError, match="choose one of auto, all"):
+        make_plan(rough, STEEL, scales="coarse")
+
+
+def test_the_plan_says_so(rough):
+    plan = make_plan(rough, STEEL)
+    assert plan.fine is not None
+    assert "act as a law of the contacts" in str(plan)
+    assert "points hold the longer waves of 240 x 288" in str(plan)
+
+
+def test_both_controls_agree(rough, loads):
+    plan = make_plan(rough, STEEL, pressures=loads)
+    by_load = asperity.contact_curve(rough, STEEL, pressures=loads, plan=plan)
+    by_gap = asperity.contact_curve(rough, STEEL, separations=by_load.separation, plan=plan)
+    assert by_load.converged.all() and by_gap.converged.all()
+    np.testing.assert_allclose(by_gap.mean_pressure, loads, rtol=1e-2)
+    np.testing.assert_allclose(by_gap.contact_area, by_load.contact_area, rtol=1e-2)
+
+
+def test_the_lift_is_the_slope_of_the_energy(rough, loads):
+    """It is factor * d(sum Phi)/dF, and the stiffness is the slope of the curve."""
+    near = loads[2] * np.array([0.97, 1.0, 1.03])
+    plan = make_plan(rough, STEEL, pressures=near)
+    bodies = Asperities.of(rough, STEEL, plan)
+    states = [bodies.population.solve(mean_pressure=p, tolerance=1e-4) for p in near]
+    points = [bodies.point(state) for state in states]
+    fine = plan.fine
+    state = states[1]
+    share = state.contact_area / rough.area
+    closed = state.force > 0
+    kept = fine.remaining(state.force[closed] / state.area[closed], share)
+    share = 0.5 * (share + float(state.area[closed] @ kept) / rough.area)
+
+    def energy(state):
+        closed = state.force > 0
+        pressure = state.force[closed] / state.area[closed]
+        return float(state.area[closed] @ fine.stored(pressure, share))
+
+    rise = energy(states[2]) - energy(states[0])
+    lift = rise / (states[2].force.sum() - states[0].force.sum()) * fine.lift(share)
+    assert points[1].separation - state.separation == pytest.approx(lift, rel=0.03)
+    slope = (near[2] - near[0]) / (points[0].separation - points[2].separation)
+    assert points[1].stiffness == pytest.approx(slope, rel=0.1)
+
+
+def test_the_flat_stands_no_higher_than_the_highest_point(rough):
+    curve = asperity.contact_curve(rough, STEEL, pressures=[0.0, 1e-9 * STEEL.modulus])
+    top = float(rough.heights.max() - rough.heights.mean())
+    assert curve.separation[0] == pytest.approx(top)
+    assert curve.contact_area[0] == 0.0 and curve.separation[1] <= top
+    above = asperity.contact_curve(rough, STEEL, separations=[1.2 * top, 1.01 * top])
+    np.testing.assert_array_equal(above.mean_pressure, 0.0)
+
+
+def test_lengths_and_modulus_only_scale(rough, loads):
+    small = HeightMap(1e6 * rough.heights, tuple(1e6 * d for d in rough.spacing), periodic=True)
+    body = asperity.HalfSpace.from_modulus(1.0)
+    one = asperity.contact_curve(rough, STEEL, pressures=loads[:2])
+    other = asperity.contact_curve(small, body, pressures=loads[:2] / STEEL.modulus)
+    np.testing.assert_allclose(other.area_fraction, one.area_fraction, rtol=1e-3)
+    np.testing.assert_allclose(1e-6 * other.separation, one.separation, rtol=1e-3)
+
+
+def test_nearer_to_boundary_elements_than_with_all_summits(rough, loads):
+    refined = surfaces.resample(rough, np.asarray(rough.spacing) / 2)
+    exact = asperity.bem_curve(refined, STEEL, pressures=loads, tolerance=1e-4)
+    auto, every = (
+        asperity.contact_curve(rough, STEEL, pressures=loads, scales=scales)
+        for scales in ("auto", "all")
+    )
+    heavy = asperity.contact_curve(rough, STEEL, separations=exact.separation)
+    error = auto.contact_area / exact.contact_area - 1
+    assert np.abs(error).max() < 0.06
+    assert np.abs(error[2:]).max() < np.abs(every.contact_area / exact.contact_area - 1)[2:].max()
+    assert np.abs(heavy.mean_pressure / loads - 1).max() < 0.06
+
+
+def test_states_are_of_the_longer_waves(rough, loads):
+    plan = make_plan(rough, STEEL, pressures=loads)
+    run = solve_contacts(rough, STEEL, plan, pressures=loads)
+    for state, area in zip(run.states, run.curve.contact_area, strict=True):
+        assert 0 < area < state.contact_area
