@@ -132,9 +132,13 @@ class Comparison:
         if rival is None:
             return text + "No loose boundary-element run was as accurate."
         ratio = float(rival["seconds"] / ours["seconds"])
-        speed = f"{ratio:.2g} times faster" if ratio >= 1 else f"{1 / ratio:.2g} times slower"
+        speed = (
+            f"{ratio:.2g} times faster than" if ratio >= 1 else f"{1 / ratio:.2g} times slower than"
+        )
+        if 0.95 < ratio < 1.05:
+            speed = "as fast as"
         return text + (
-            f"The model is {speed} than the fastest boundary-element run at least as accurate "
+            f"The model is {speed} the fastest boundary-element run at least as accurate "
             f"({rival['ny']} x {rival['nx']} points, tolerance {rival['tolerance']:.0e}, "
             f"{rival['seconds']:.2g} s)."
         )

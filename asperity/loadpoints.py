@@ -29,7 +29,7 @@ AREA_OVER_LOAD = 2.0
 Molinari & Robbins 2004; Putignano, Afferrante, Carbone & Demelio 2012)."""
 
 
-def require_scene(hm: HeightMap, material: HalfSpace) -> None:
+def require_scene(hm: object, material: object) -> None:
     """Refuse what is no height map or no half-space, such as a bare array or a bare modulus.
 
     Raises

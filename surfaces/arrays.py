@@ -113,8 +113,24 @@ def read_text(
             stated["spacing"] = [float(word) for word in re.split(r"[,\s]+", stated["spacing"])]
         except ValueError:
             raise FileFormatError(f"{path}: spacing = {stated['spacing']} is not DY DX") from None
+    heights = np.vstack(rows)
+    if _is_list_of_points(heights):
+        raise FileFormatError(
+            f"{path}: three columns of which two run over a grid look like x, y, z; write the "
+            "heights as the rows of a map"
+        )
     stated["periodic"] = str(stated.get("periodic", "")).lower() in ("true", "1", "yes")
-    return _as_map(np.vstack(rows), path, unit, spacing, stated)
+    return _as_map(heights, path, unit, spacing, stated)
+
+
+def _is_list_of_points(table: NDArray[np.float64]) -> bool:
+    """Whether a table of three columns holds each pair of values of the first two once."""
+    if table.shape[1] != 3 or len(table) < 9:
+        return False
+    first, second = (len(np.unique(column)) for column in table[:, :2].T)
+    return min(first, second) >= 3 and first * second == len(
+        np.unique(table[:, :2], axis=0)
+    ) == len(table)
 
 
 def write_npz(hm: HeightMap, path: Path) -> None:
@@ -133,7 +149,8 @@ def write_npz(hm: HeightMap, path: Path) -> None:
 def write_text(hm: HeightMap, path: Path) -> None:
     """Write heights [m] as rows of numbers below comment lines with spacing and unit."""
     dy, dx = hm.spacing
-    header = f"unit = m\nspacing = {dy!r} {dx!r}\nperiodic = {hm.periodic}\nname = {hm.name}"
+    name = " ".join(hm.name.split())
+    header = f"unit = m\nspacing = {dy!r} {dx!r}\nperiodic = {hm.periodic}\nname = {name}"
     separator = "," if path.suffix.lower() == ".csv" else " "
     with replacing(path) as part:
         np.savetxt(

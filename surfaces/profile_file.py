@@ -34,7 +34,7 @@ def read_profile(path: str | Path) -> PolarProfile:
     ----------
     path
         HDF5 file with ``r`` [m] (n_r,), ``phi`` [rad] (n_phi,) and ``f`` [m] (n_r, n_phi), or any
-        surface file that `surfaces.read` takes.
+        surface file that `surfaces.read` takes; a map that is not periodic loses its tilt first.
 
     Raises
     ------
@@ -66,10 +66,11 @@ def _column(file: Any, key: str, name: str) -> NDArray[np.float64]:
 
 def _highest_peak(path: str | Path) -> PolarProfile:
     from .formats import read
+    from .levelling import level
     from .segmentation import segment
     from .summits import fit_profiles
 
-    hm = read(path)
+    hm = level(read(path), "plane")
     peaks = segment(hm)
     if len(peaks) == 0:
         raise FileFormatError(f"{Path(path).name}: the map has no peak")

@@ -249,7 +249,7 @@ def _resolution_warning(moments: SpectralMoments, slope: float, curvature: float
                 else ("above", "there are spikes, or the border differs from the middle")
             )
             found.append(
-                f"rms {name} by finite differences is {100 * abs(short):.2g} % {where} the "
+                f"rms {name} by finite differences is {100 * abs(short):.0f} % {where} the "
                 f"spectral one: {why}"
             )
     return found

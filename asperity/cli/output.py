@@ -147,7 +147,9 @@ def exit_code(curves: Iterable[ContactCurve]) -> int:
 def require_outputs(*files: str | Path | None, inputs: Iterable[str | Path] = ()) -> None:
     """Refuse, before any work, files that cannot be written or would replace one another."""
     taken = {Path(file).resolve(): f"would replace the input {file}" for file in inputs}
-    for file in filter(None, files):
+    for file in files:
+        if not file:
+            continue
         place = Path(file).resolve()
         if place in taken:
             raise InputError(f"{file} {taken[place]}; give every output a name of its own")

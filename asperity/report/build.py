@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,11 @@ if TYPE_CHECKING:
 __all__ = ["write_report"]
 
 
+def _number(value: float, form: str) -> str:
+    """A number as text, a dash where there is none."""
+    return format(value, form) if math.isfinite(value) else "–"
+
+
 def write_report(comparison: Comparison, path: str | os.PathLike[str]) -> None:
     """Write the report of a comparison as one HTML file that needs nothing else."""
     environment = jinja2.Environment(
@@ -27,8 +33,9 @@ def write_report(comparison: Comparison, path: str | os.PathLike[str]) -> None:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["percent"] = lambda value: f"{100 * value:+.2f}"
-    environment.filters["short"] = lambda value: f"{value:.4g}"
+    environment.filters["short"] = lambda value: _number(value, ".4g")
+    environment.filters["number"] = _number
+    environment.filters["percent"] = lambda value, form="+.2f": _number(100 * value, form)
     text = environment.get_template("template.html.j2").render(
         comparison=comparison,
         about=comparison.about,

@@ -94,6 +94,14 @@ def test_the_highest_peak_of_a_map_is_a_profile(tmp_path):
     assert profile(3e-6, np.pi / 2) == pytest.approx(18e-9, rel=1e-3)
 
 
+def test_the_highest_peak_is_that_of_the_map_without_its_tilt(tmp_path):
+    y, x = np.mgrid[0:48, 0:64] * 1e-6
+    bump = -((x - 30e-6) ** 2 + 2 * (y - 22e-6) ** 2) * 1e3
+    write(HeightMap(np.maximum(bump, -2e-7) + 0.3 * x, (1e-6, 1e-6)), tmp_path / "tilted.h5")
+    profile = read_profile(tmp_path / "tilted.h5")
+    assert profile(3e-6, 0.0) == pytest.approx(9e-9, rel=0.1)
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [

@@ -60,6 +60,14 @@ def test_what_is_written_is_read(tmp_path: Path, suffix: str) -> None:
     assert back.digest == sample().digest and back.name == "sample"
 
 
+@pytest.mark.parametrize("suffix", [".h5", ".npz", ".csv", ".txt"])
+def test_any_name_comes_back_and_states_nothing_else(tmp_path: Path, suffix: str) -> None:
+    hm = sample().replace(name="µ–日本\nspacing = 1 1")
+    surfaces.write(hm, tmp_path / f"map{suffix}")
+    back = surfaces.read(tmp_path / f"map{suffix}")
+    assert back.digest == hm.digest and back.name.split() == hm.name.split()
+
+
 @pytest.mark.parametrize("suffix", [".h5", ".npz", ".csv"])
 def test_rectangles(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"map{suffix}"
@@ -123,6 +131,10 @@ def test_text_comments_may_state_units(tmp_path: Path) -> None:
         ("# only a comment\n\n", "no rows of numbers"),
         ("1 2\n3 4\n", "at least 3 points"),
         ("inf 2 3\n4 5 6\n7 8 9\n", "infinite"),
+        (
+            "".join(f"{i} {2 * j} {i * j}\n" for i in range(3) for j in range(4)),
+            "look like x, y, z",
+        ),
     ],
 )
 def test_bad_text(tmp_path: Path, text: str, message: str) -> None:
