@@ -275,6 +275,7 @@ def solve_contacts(
     if plan is None:
         plan = make_plan(hm, material, pressures=pressures, separations=separations)
     kind, values = checked_loads(hm, material, pressures, separations)
+    plan.require_scene_of(hm, material)
     _threads.aside(lambda: hm.digest)  # wanted at the end; it needs one thread only
     bodies = Asperities.of(hm, material, plan)
     start = time.perf_counter() - sum(bodies.seconds.values())

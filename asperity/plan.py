@@ -70,6 +70,8 @@ class Plan:
         Law of the waves that the coarser grid does not hold; None if it holds them all.
     seconds
         Time of the decisions [s].
+    scene
+        The map and the material that it was made for.
     """
 
     boundary: Boundary
@@ -82,6 +84,27 @@ class Plan:
     coarse: HeightMap | None = field(default=None, repr=False)
     fine: FineScales | None = None
     seconds: float = field(default=0.0, compare=False)
+    scene: tuple[HeightMap, HalfSpace] | None = field(default=None, repr=False, compare=False)
+
+    def require_scene_of(self, hm: HeightMap, material: HalfSpace) -> None:
+        """Refuse the plan for a map or material whose coarser grid or fine law it does not hold.
+
+        Raises
+        ------
+        InputError
+            If the results would be those of another scene.
+        """
+        if self.coarse is None or self.scene is None:
+            return
+        planned, body = self.scene
+        same = planned is hm or (
+            planned.spacing == hm.spacing and np.array_equal(planned.heights, hm.heights)
+        )
+        if not same or (self.fine is not None and body != material):
+            raise InputError(
+                f"the plan was made for another {'material' if same else 'map'}; make one for this "
+                "with asperity.make_plan"
+            )
 
     def __str__(self) -> str:
         return "\n".join(self.reasons)
@@ -150,7 +173,19 @@ def make_plan(
     _require_memory(memory)
     reasons.append("fields: pressure and contours are made on request only")
     seconds = time.perf_counter() - start
-    return Plan(edge, law, graded, coupled, above, memory, tuple(reasons), coarse, fine, seconds)
+    return Plan(
+        edge,
+        law,
+        graded,
+        coupled,
+        above,
+        memory,
+        tuple(reasons),
+        coarse,
+        fine,
+        seconds,
+        (hm, material),
+    )
 
 
 def _require_usable(hm: HeightMap) -> None:

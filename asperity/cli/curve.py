@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 
 from asperity.cli import derived, options, output
 
@@ -63,6 +64,9 @@ def _write_last_point(hm, material, plan, curve, args) -> None:  # type: ignore[
     from asperity.storage import write_csv
     from asperity.tables import columns
 
+    if plan.fine is not None:
+        text = "contacts are those of the longer waves; --scales all shows every summit's"
+        sys.stderr.write(f"asperity curve: {text}\n")
     last = solve_contacts(hm, material, plan, pressures=curve.mean_pressure[-1:])
     table = last.microcontacts()
     if args.contacts:

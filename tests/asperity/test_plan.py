@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from asperity import contact_curve
 from asperity.errors import InputError, SurfaceError
 from asperity.loadpoints import pressure_scale
 from asperity.material import HalfSpace
@@ -63,6 +64,16 @@ def test_smooth_maps_are_solved_on_fewer_points(rough):
     plan = make_plan(smooth, STEEL)
     assert plan.coarse is not None
     assert "108 x 80 points hold the map of 240 x 180" in str(plan)
+
+
+def test_a_plan_is_not_used_for_another_map(rough):
+    smooth = self_affine((240, 180), (1e-3, 1e-3), hurst=0.8, rms_slope=0.1, cutoff=1e-4, seed=4)
+    plan = make_plan(smooth, STEEL)
+    curve = contact_curve(smooth.replace(name="the same"), STEEL, pressures=[1e8], plan=plan)
+    assert curve.converged.all()
+    for other in (smooth.replace(heights=2 * smooth.heights), rough):
+        with pytest.raises(InputError, match="for another map"):
+            contact_curve(other, STEEL, pressures=[1e8], plan=plan)
 
 
 def test_maps_that_no_model_can_use(rough):
