@@ -1,170 +1,179 @@
 # mypy: disallow-untyped-defs=False
-"""Kernel of the profiles: rays from the summits to the edges of their basins."""
+"""Kernel of the profiles: rays from the summits to the edges of their basins.
+
+Many rays go on side by side, so that the surface is evaluated at many points at once: one point
+costs half as much then as on its own.
+"""
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
-from numba import njit
+from numba import from_dtype, njit
 
-from ._climb import FLATTEST, RIM, SUMMIT, nearest, wrapped
-from ._spline import evaluate
+from ._climb import FLATTEST
+from ._spline_form import LANES, TAPS, ray_places, spline_values
 
-_MOST_SAMPLES = 512
 _BEYOND = 1.1  # rays run on beyond their basin by this factor: see fit_profiles
-_FOLD = 1.7  # half a paraboloid at the border carries 0.77 of the load, on 0.58 of the area (BEM)
-_TINY = 1e-300
-_NARROWEST = math.sqrt(1.0 / 8.0)  # least aspect of the ellipse on which the rays are spread
+_TOGETHER = 64  # rays
+_CHUNK = 8  # groups of samples
+
+_RAY = from_dtype(
+    np.dtype(
+        [
+            ("peak", np.int64),
+            ("y", np.float64),  # summit [pixels]
+            ("x", np.float64),
+            ("z", np.float64),
+            ("way_y", np.float64),  # step of one pixel
+            ("way_x", np.float64),
+            ("end", np.float64),  # length, or what limits it [steps]
+            ("top", np.int64),  # number of the highest sample
+            ("high", np.float64),  # it, and the samples before and after it
+            ("before", np.float64),
+            ("after", np.float64),
+            ("latest", np.float64),
+            ("outside", np.int64),  # samples in a row that lie in another basin
+        ]
+    )
+)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def aspect_of(k1, k2):
-    """Aspect of the ellipse on which the rays are spread: the root of that of the contact."""
-    return max((k2 / k1) ** (1.0 / 3.0), _NARROWEST)
+def _look(
+    flat, cell, rays, live, groups, radii, first, nodes, corners, rest, weights, pixels, out
+):  # fmt: skip
+    """Heights and pixels at `groups` times LANES of the `radii` of each ray of `live`.
 
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _folded(way, fold):
-    """Component of a ray; across a border it always leads inwards, and further."""
-    return fold * abs(way) if fold != 0.0 else way
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _edge(flat, width, labels, owner, periodic, dip, n, y0, x0, z0, step_y, step_x, radii, fs):
-    """Length of a ray of peak n: to the first local maximum of f, or to its limit.
-
-    `step_y` and `step_x` lead one pixel on, `radii` and the length are in units of that; `fs` is
-    room for the samples.
+    The radii from `first` on, in steps; if `nodes`, in shares of the length of the ray.
     """
-    ny, nx = labels.shape
-    limit = np.inf
-    if periodic:  # half-way to the image of the summit
-        limit = min(0.5 * ny / max(abs(step_y), _TINY), 0.5 * nx / max(abs(step_x), _TINY))
-    top, outside, last = 0, 0, 0
-    fs[0] = 0.0
-    for m in range(1, radii.size):
-        y, x = y0 + radii[m] * step_y, x0 + radii[m] * step_x
-        if periodic:
-            y, x = wrapped(y, ny), wrapped(x, nx)
-        elif not (-0.5 <= y < ny - 0.5 and -0.5 <= x < nx - 0.5):
+    for start in range(0, live.size * groups, _CHUNK):
+        stop = min(start + _CHUNK, live.size * groups)
+        for group in range(start, stop):
+            ray = rays[live[group // groups]]
+            most = np.inf if nodes else max(1.0, 1.1 * ray.end, ray.end + 0.5)
+            ray_places(
+                ray.y, ray.x, ray.way_y, ray.way_x, ray.end if nodes else 1.0, most, radii,
+                first + group % groups * LANES, cell, corners, rest, weights, pixels,
+                (group - start) * LANES, group * LANES,
+            )  # fmt: skip
+        for group in range(start, stop):
+            at = (group - start) * LANES
+            spline_values(flat, int(cell[5]), corners, at, weights, rest, out, group * LANES)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _march(flat, cell, labels, owner, dip, rays, live, radii, corners, rest, weights, pixels, zs):
+    """Find the `end` of the rays of `live`: the first local maximum of f, or their limit.
+
+    LANES samples of each ray are taken at once, as long as it goes on.
+    """
+    going = live.size
+    for first in range(1, radii.size, LANES):
+        _look(
+            flat, cell, rays, live[:going], 1, radii, first, False, corners, rest, weights, pixels,
+            zs,
+        )  # fmt: skip
+        count, going = going, 0
+        for k in range(count):
+            ray = rays[live[k]]
+            f, high, top, outside = ray.latest, ray.high, ray.top, ray.outside
+            for i in range(LANES):
+                pixel = pixels[k * LANES + i]
+                if pixel < 0:
+                    break
+                m = first + i
+                previous, f = f, ray.z - zs[k * LANES + i]
+                if m == 1 or f > high:
+                    ray.before, high, ray.after, top = previous, f, np.nan, m
+                else:
+                    ray.after = f if m == top + 1 else ray.after
+                    if f <= high - dip:
+                        break
+                label = labels[pixel]
+                own = label == ray.peak or label < 0 or owner[label] == ray.peak
+                outside = 0 if own else outside + 1
+                if outside == 2:
+                    ray.end = min(ray.end, _BEYOND * 0.5 * (radii[m - 2] + radii[m - 1]))
+                if radii[m] > ray.end:
+                    break
+            else:
+                live[going] = live[k]
+                going += 1
+            ray.latest, ray.high, ray.top, ray.outside = f, high, top, outside
+        if going == 0:
             break
-        last = m
-        fs[m] = z0 - evaluate(flat, width, y, x)
-        label = labels[nearest(y, ny), nearest(x, nx)]
-        outside = 0 if label == n or label < 0 or owner[label] == n else outside + 1
-        if m == 1 or fs[m] > fs[top]:
-            top = m
-        elif fs[m] <= fs[top] - dip:
-            break
-        if outside == 2:
-            limit = min(limit, _BEYOND * 0.5 * (radii[m - 2] + radii[m - 1]))
-        if radii[m] > limit:
-            break
-    edge = radii[top]
-    if 0 < top < last:  # the vertex of the parabola through the highest sample
-        left, right = radii[top] - radii[top - 1], radii[top + 1] - radii[top]
-        up = (fs[top] - fs[top - 1]) / left
-        down = (fs[top] - fs[top + 1]) / right
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _crest(ray, radii):
+    """Where f is highest: at the vertex of the parabola through the highest of its samples."""
+    edge = radii[ray.top]
+    if ray.top > 0:
+        left, right = edge - radii[ray.top - 1], radii[ray.top + 1] - edge
+        up, down = (ray.high - ray.before) / left, (ray.high - ray.after) / right
         if up + down > 0.0:
             edge += 0.5 * (up * right - down * left) / (up + down)
-    return max(min(edge, limit), 0.5)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def fan(count, aspect, cosines, sines, weights):
-    """Directions and quadrature weights of the rays of one peak, in the frame of its ellipse.
-
-    Equal steps of the parameter of the ellipse of semi-axes 1 and `aspect`; `cosines` and `sines`
-    hold those of the parameter on entry and those of the directions on return.
-    """
-    total = 0.0
-    for p in range(count):
-        u, v = cosines[p], aspect * sines[p]
-        inverse = 1.0 / (u * u + v * v)
-        length = math.sqrt(inverse)
-        cosines[p], sines[p] = u * length, v * length
-        weights[p] = inverse
-        total += inverse
-    for p in range(count):
-        weights[p] *= 2.0 * math.pi / total
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _steps():
-    """Radii [pixels] at which the rays are looked at: steps of half a pixel that grow with it."""
-    radii = np.zeros(_MOST_SAMPLES)
-    radii[1] = 1.0
-    for m in range(2, _MOST_SAMPLES):
-        radii[m] = radii[m - 1] + max(0.5, 0.1 * radii[m - 1])
-    return radii
+    return max(min(edge, ray.end), 0.5)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def fit(
-    flat, width, labels, owner, periodic, spacing, row, col, pixels, dip, places, kinds, height,
-    curvature, angle, rows, order, phi, weight, edge, q, start, stop,
+    flat, cell, labels, owner, dip, peak, y, x, z, way_y, way_x, pixel, limit, radii, shares, tip,
+    slot, edge, q,
 ):  # fmt: skip
-    """Fill the rays of the peaks ``rows[order[start:stop]]``; see `surfaces.profiles.Profiles`."""
-    ny, nx = labels.shape
-    dy, dx = spacing
-    rays, nodes = q.shape[1:]
-    steps_x, steps_y = np.empty(rays), np.empty(rays)
-    for p in range(rays):
-        steps_x[p] = math.cos(2.0 * math.pi * p / rays)
-        steps_y[p] = math.sin(2.0 * math.pi * p / rays)
-    along, across = np.empty(rays), np.empty(rays)
-    shares, inverse_squares = np.zeros(nodes), np.ones(nodes)
-    for j in range(1, nodes):
-        shares[j] = j / (nodes - 1.0)
-        inverse_squares[j] = 1.0 / (shares[j] * shares[j])
-    radii = _steps()
-    fs = np.empty(_MOST_SAMPLES)
-    for rank in range(start, stop):
-        k = order[rank]
-        n = rows[k]
-        y0, x0, z0 = places[n, 0], places[n, 1], height[n]
-        k1, k2 = curvature[n, 0], curvature[n, 1]
-        fold_y, fold_x = 0.0, 0.0
-        if kinds[n] == RIM:
-            fold_y = _FOLD if row[n] == 0 else (-_FOLD if row[n] == ny - 1 else 0.0)
-            fold_x = _FOLD if col[n] == 0 else (-_FOLD if col[n] == nx - 1 else 0.0)
-        for p in range(rays):
-            along[p], across[p] = steps_x[p], steps_y[p]
-        fan(rays, aspect_of(k1, k2), along, across, weight[k])
-        axis_x, axis_y = math.cos(angle[n]), math.sin(angle[n])
-        for p in range(rays):
-            # the rays p and -p lie symmetric about the axis
-            turn = math.atan2(across[p], along[p]) if 2 * p <= rays else angle[n] - phi[k, rays - p]
-            phi[k, p] = angle[n] + turn
-            q[k, p, 0] = 0.5 * (k2 * along[p] * along[p] + k1 * across[p] * across[p])
-        if kinds[n] > 0:  # the basin of another peak
-            for p in range(rays):
-                edge[k, p] = math.sqrt(pixels[n] * dy * dx / math.pi)
-                for j in range(1, nodes):
-                    q[k, p, j] = q[k, p, 0]
-            continue
-        for p in range(rays):
-            to_y = _folded((along[p] * axis_y + across[p] * axis_x) / dy, fold_y)
-            to_x = _folded((along[p] * axis_x - across[p] * axis_y) / dx, fold_x)
-            pixel = 1.0 / max(abs(to_y), abs(to_x))
-            way_y, way_x = to_y * pixel, to_x * pixel
-            end = _edge(
-                flat, width, labels, owner, periodic, dip, n, y0, x0, z0, way_y, way_x, radii, fs
-            )
-            edge[k, p] = end * pixel
-            square = edge[k, p] * edge[k, p]
-            inverse, least = 1.0 / square, FLATTEST * q[k, p, 0] * square
-            last = 0.0
-            for j in range(1, nodes):
-                r = end * shares[j]
-                y, x = y0 + r * way_y, x0 + r * way_x
-                if periodic:
-                    y, x = wrapped(y, ny), wrapped(x, nx)
-                f = z0 - evaluate(flat, width, y, x)
-                floor = least * shares[j] * shares[j]
-                last = f if f > last else last
-                last = floor if floor > last else last
-                q[k, p, j] = last * inverse * inverse_squares[j]
-            if kinds[n] != SUMMIT:
-                q[k, p, 0] = q[k, p, 1]
+    """Fill the lengths and nodes of the rays of some peaks; see `surfaces.profiles.Profiles`.
+
+    Parameters
+    ----------
+    flat, cell
+        Coefficients of the surface, and what `ray_places` needs of the map.
+    labels, owner, dip
+        Basin of each pixel (flat), the peak that stands for each peak, and how far f may fall.
+    peak, y, x, z
+        Number and summit [pixels; m] of each peak, shape (n,).
+    way_y, way_x, pixel, limit
+        Steps of one pixel, their length [m], and how many there may be, shape (n, rays).
+    radii, shares
+        Numbers of steps to look at, and nodes in shares of the length.
+    tip
+        Half the curvatures along the rays, shape (n, rays).
+    slot, edge, q
+        Row of each peak in the lengths [m] and the nodes.
+    """
+    count, nodes = q.shape[1:]
+    groups = shares.size // LANES
+    rays, live = np.empty(_TOGETHER, _RAY), np.empty(_TOGETHER, np.int64)
+    zs = np.empty(_TOGETHER * shares.size)
+    pixels, corners = np.empty(zs.size, np.int64), np.empty(_CHUNK * LANES, np.int64)
+    rest, weights = np.empty(_CHUNK * LANES), np.empty(_CHUNK * LANES * TAPS)
+    squares = shares * shares
+    inverses = 1.0 / squares
+    for start in range(0, peak.size * count, _TOGETHER):
+        used = min(_TOGETHER, peak.size * count - start)
+        for k in range(used):
+            n, p = (start + k) // count, (start + k) % count
+            ray, live[k] = rays[k], k
+            ray.peak, ray.y, ray.x, ray.z = peak[n], y[n], x[n], z[n]
+            ray.way_y, ray.way_x, ray.end = way_y[n, p], way_x[n, p], limit[n, p]
+            ray.high, ray.latest, ray.top, ray.outside = 0.0, 0.0, 0, 0
+        _march(
+            flat, cell, labels, owner, dip, rays, live[:used], radii, corners, rest, weights,
+            pixels, zs,
+        )  # fmt: skip
+        for k in range(used):
+            rays[k].end, live[k] = _crest(rays[k], radii), k
+        _look(
+            flat, cell, rays, live[:used], groups, shares, 0, True, corners, rest, weights, pixels,
+            zs,
+        )  # fmt: skip
+        for k in range(used):
+            n, p = (start + k) // count, (start + k) % count
+            row = slot[n]
+            length = rays[k].end * pixel[n, p]
+            edge[row, p] = length
+            f, scale = 0.0, 1.0 / (length * length)
+            least = FLATTEST * tip[n, p] * length * length
+            q[row, p, 0] = tip[n, p]
+            for j in range(nodes - 1):
+                f = max(f, rays[k].z - zs[k * shares.size + j], least * squares[j])
+                q[row, p, j + 1] = f * scale * inverses[j]

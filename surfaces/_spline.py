@@ -16,14 +16,14 @@ from numba import njit
 from numpy.typing import NDArray
 
 from . import _threads
-from ._spline_form import spline_expansion, spline_value
+from ._spline_form import spline_expansion
 
-__all__ = ["PAD", "coefficients", "evaluate", "evaluate_all", "expand"]
+__all__ = ["PAD", "coefficients", "evaluate_all", "expand"]
 
 PAD = 25
 _POLE_1 = -0.43057534709997379
 _POLE_2 = -0.043096288203264654
-_LANES = 16
+_LINES = 16
 
 
 def coefficients(heights: NDArray[np.float64], periodic: bool) -> NDArray[np.float64]:
@@ -49,11 +49,11 @@ def _filter_lines(flat, m, along, across, periodic, start, stop):
 
     `along` and `across` are the strides inside a line and from one line to the next.
     """
-    buffer = np.empty((m + 2 * PAD, _LANES))
-    first = np.zeros(_LANES)
-    second = np.zeros(_LANES)
-    for left in range(start, stop, _LANES):
-        lanes = min(_LANES, stop - left)
+    buffer = np.empty((m + 2 * PAD, _LINES))
+    first = np.zeros(_LINES)
+    second = np.zeros(_LINES)
+    for left in range(start, stop, _LINES):
+        lanes = min(_LINES, stop - left)
         for i in range(PAD, PAD + m):
             for k in range(lanes):
                 buffer[i, k] = flat[i * along + (left + k) * across]
@@ -71,19 +71,19 @@ def _filter_lines(flat, m, along, across, periodic, start, stop):
                         b = buffer[edge + way, k]
                         c = buffer[edge + 2 * way, k]
                         buffer[place, k] = a + ghost * (a - b) + bend * (a - 2.0 * b + c)
-        for k in range(_LANES):
+        for k in range(_LINES):
             first[k] = 120.0 * buffer[0, k] / (1.0 - _POLE_1)
             second[k] = first[k] / (1.0 - _POLE_2)
         for i in range(m + 2 * PAD):
-            for k in range(_LANES):
+            for k in range(_LINES):
                 first[k] = 120.0 * buffer[i, k] + _POLE_1 * first[k]
                 second[k] = first[k] + _POLE_2 * second[k]
                 buffer[i, k] = second[k]
-        for k in range(_LANES):
+        for k in range(_LINES):
             first[k] = -_POLE_1 * second[k] / (1.0 - _POLE_1)
             second[k] = -_POLE_2 * first[k] / (1.0 - _POLE_2)
         for i in range(m + 2 * PAD - 1, -1, -1):
-            for k in range(_LANES):
+            for k in range(_LINES):
                 first[k] = _POLE_1 * (first[k] - buffer[i, k])
                 second[k] = _POLE_2 * (second[k] - first[k])
                 buffer[i, k] = second[k]
@@ -93,28 +93,20 @@ def _filter_lines(flat, m, along, across, periodic, start, stop):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def evaluate(flat, width, y, x):
-    """Height at the pixel coordinates (y, x), anywhere within PAD - 5 pixels of the map.
+def expand(flat, width, y, x):
+    """Height, gradient and second derivatives (h, h_y, h_x, h_yy, h_xy, h_xx) per pixel.
 
-    `flat` holds the coefficients row by row, `width` in a row.
+    At the pixel coordinates (y, x), anywhere within PAD - 5 pixels of the map. `flat` holds the
+    coefficients row by row, `width` in a row.
     """
     row = math.floor(y)
     col = math.floor(x)
     corner = (row + PAD - 2) * width + col + PAD - 2
-    return spline_value(flat, corner, width, y - row, x - col)
+    return spline_expansion(flat, corner, width, y - row, x - col)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def evaluate_all(flat, width, ys, xs, out):
     """Heights at several points."""
     for k in range(ys.size):
-        out[k] = evaluate(flat, width, ys[k], xs[k])
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def expand(flat, width, y, x):
-    """Height, gradient and second derivatives (h, h_y, h_x, h_yy, h_xy, h_xx) per pixel."""
-    row = math.floor(y)
-    col = math.floor(x)
-    corner = (row + PAD - 2) * width + col + PAD - 2
-    return spline_expansion(flat, corner, width, y - row, x - col)
+        out[k] = expand(flat, width, ys[k], xs[k])[0]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _rays
+from ._fans import aspect_of
 from .polar import PolarProfile
 
 __all__ = ["Profiles"]
@@ -100,7 +100,7 @@ class Profiles:
         from scipy.interpolate import CubicSpline
 
         rays = self.phi.shape[1]
-        aspect = _rays.aspect_of(*self.curvature[i])
+        aspect = float(aspect_of(self.curvature[i]))
         node = 2 * np.pi * np.arange(rays) / rays
         phi = 2 * np.pi * np.arange(angles) / angles
         turn = phi - self.angle[i]

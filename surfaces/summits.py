@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _climb, _rays, _spline, _threads
+from . import _climb, _spline, _threads
+from ._fans import Fans
 from .errors import InputError, SurfaceError
 from .heightmap import HeightMap
 from .peaks import Peaks
@@ -27,7 +28,8 @@ class Summits:
     """Summits of n peaks, one row of every array per peak; their rays are sampled by `rows`.
 
     The arrays are those of `Profiles` that need no rays. At light loads most peaks never touch,
-    and their rays would cost more than all the rest.
+    and their rays would cost more than all the rest. Beside them stands what rays are made of: the
+    peaks, the map, the coefficients of its spline, the summits [pixels] and how they were found.
     """
 
     x: Array
@@ -39,11 +41,11 @@ class Summits:
     border: NDArray[np.bool_]
     valid: NDArray[np.bool_]
     owner: NDArray[np.int64]
-    _peaks: Peaks = field(repr=False)
-    _hm: HeightMap = field(repr=False)
-    _spline: Array = field(repr=False)
-    _places: Array = field(repr=False)
-    _kinds: NDArray[np.int64] = field(repr=False)
+    peaks: Peaks = field(repr=False)
+    hm: HeightMap = field(repr=False)
+    spline: Array = field(repr=False)
+    places: Array = field(repr=False)
+    kinds: NDArray[np.int64] = field(repr=False)
 
     def __len__(self) -> int:
         return int(self.x.size)
@@ -67,23 +69,13 @@ class Summits:
         """
         if rays < 4 or nodes < 4:
             raise InputError(f"rays is {rays} and nodes is {nodes}; give at least 4 of each")
-        count, peaks, hm = len(index), self._peaks, self._hm
-        phi, weight, edge = (np.empty((count, rays)) for _ in range(3))
-        q = np.empty((count, rays, nodes))
-        near = _near(peaks.row[index], peaks.col[index])
-        _threads.run(
-            lambda a, b: _rays.fit(
-                self._spline.ravel(), self._spline.shape[1], peaks.labels, self.owner,
-                hm.periodic, hm.spacing, peaks.row, peaks.col, self.pixels, peaks.min_prominence,
-                self._places, self._kinds, self.height, self.curvature, self.angle, index, near,
-                phi, weight, edge, q, a, b,
-            ),
-            _threads.blocks(count, 64),
-        )  # fmt: skip
+        fans = Fans(self, index, rays, nodes)
+        near = _near(self.peaks.row[index], self.peaks.col[index])
+        _threads.run(lambda a, b: fans.fill(near[a:b]), _threads.blocks(len(index), 64))
         names = ("x", "y", "height", "curvature", "angle", "pixels", "border", "valid", "owner")
         own: dict[str, Any] = {name: getattr(self, name)[index] for name in names}
         t = np.linspace(0.0, 1.0, nodes)
-        return Profiles(phi=phi, weight=weight, edge=edge, t=t, q=q, **own)
+        return Profiles(phi=fans.phi, weight=fans.weight, edge=fans.edge, t=t, q=fans.q, **own)
 
 
 def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
