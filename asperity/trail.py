@@ -133,7 +133,10 @@ class Trail:
         if not population.interaction:
             return self._search(pressure, tolerance, state)
         found = self.at(self._forecast(pressure, state), tolerance, pressure)
-        return found if found.converged else self._search(pressure, tolerance, state)
+        if found.converged:
+            return found
+        searched = self._search(pressure, tolerance, state)
+        return searched if searched.converged or searched.residual < found.residual else found
 
     def _forecast(self, pressure: float, state: PopulationState | None) -> float:
         """Separation [m] at a mean pressure, from the points solved before."""

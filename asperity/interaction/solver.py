@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -44,7 +45,7 @@ SUFFICIENT = 1e-4
 ROUGH = 0.03
 """Residual above which the laws are taken anew within a step."""
 
-FORCING = 0.1
+FORCING = 0.2
 """Relative accuracy of the linear solve of a step."""
 
 RESPONSE = 0.1
@@ -170,6 +171,9 @@ def descend(
             start=None if load is None else _shared(missing, compliance, tangent),
             held=load is not None,
         )
+        if not math.isfinite(solved.constant):
+            reason = f"the step from a residual of {error:.1e} is not finite"
+            break
         separation += solved.constant
         residual.raised(-solved.constant)
         move = Step(problem, state, residual, tangent)
@@ -248,8 +252,18 @@ def _finished(
     shares[rows] = solved.solution * tangent.compliance
     # stationary in the solution, so that its error counts twice
     slope = float(solved.solution @ (1 + solved.residual))
-    products = found.products + solved.products
-    return replace(found, slope=slope, shares=shares, products=products)
+    found = replace(found, slope=slope, shares=shares, products=found.products + solved.products)
+    if load is None or found.reason or not slope > 0:
+        return found
+    fall = (load - float(found.laws.force.sum())) / slope
+    approach = np.where(found.approach > 0, np.maximum(found.approach + fall * shares, 0.0), 0.0)
+    return replace(
+        found,
+        separation=found.separation - fall,
+        approach=approach,
+        wanted=found.wanted + fall,
+        laws=problem.laws(approach),
+    )
 
 
 def _tangent(problem: Problem, residual: Residual) -> Tangent:
@@ -292,7 +306,7 @@ def _forcing(residual: float, tolerance: float) -> float:
     """Relative accuracy of the linear solve: no better than the step deserves."""
     if not 0.0 < residual < ROUGH:
         return FORCING
-    return min(FORCING, max(0.02, 0.5 * tolerance / residual))
+    return min(0.5 * FORCING, max(0.02, 0.5 * tolerance / residual))
 
 
 def _line_search(
