@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asperity.indentation import Indentation
 from asperity.material import HalfSpace
-from surfaces.polar import PolarProfile, PowerSumProfile
+from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 
 from .basis import basis_of
 from .branch import RisingBranch
 from .ellipse_batch import NODES, tabulate
-from .ellipse_expansion import ANGLES, DEGREE, Expansion, Gap, expand, fit_points, fitted
+from .ellipse_expansion import DEGREE
+from .ellipse_search import SHARP, Search, Solved
 from .ellipse_tables import monomials, pressure_operator
 from .flags import Flag
 from .validity import profile_flags
@@ -25,21 +25,16 @@ __all__ = ["NODES", "EllipseState", "indent", "solve_ellipse", "tabulate"]
 Array = NDArray[np.float64]
 
 _ANGLES = 720
-_NEWTON = 30
-_STILL = 1e-5
-_STEP = 0.01
-"""Logarithmic step of the approach for the stiffness."""
-
-_SHARP = 0.005
-"""Misfit of the polynomial over the approach above which a tip is sharp: its ellipse stays about
-the summit, since powers of the distance from there describe what the polynomial leaves."""
-
 _DOUBTFUL = 0.5
 """Displacement of the contour, or ratio of the third- to the second-order force, beyond which the
 expansion is flagged."""
 
-_SECOND, _LOCAL, _BEYOND, _OPERATOR = 0.02, 0.1, 3.0, 0.15
+_BEYOND, _FOURTH, _THIRD, _SECOND, _FAR, _OPERATOR = 1.5, 0.25, 0.15, 0.02, 0.6, 0.15
 """Factors of the expected error; `docs/laws.md` says how they were chosen and judged."""
+
+_LAST = 0.5
+"""Share of the last order of the contour that is taken: its orders alternate, and half of the last
+stands for it and those that follow (Euler)."""
 
 _RESIDUE = 0.005
 """rms error of the representation of f over the approach beyond which it is flagged."""
@@ -54,8 +49,8 @@ class EllipseState:
     force, stiffness, area
         F [N], dF/dd [N/m], contact area [m^2].
     parts
-        Force of the elliptic punch alone, its second- and its third-order part, and the estimate
-        of the rest [N].
+        Force of the elliptic punch alone, its parts of second, third and fourth order, and the
+        estimate of the rest [N].
     axes
         Semi-axes a, b [m] and the turn of a from the x axis [rad].
     centre
@@ -74,7 +69,7 @@ class EllipseState:
     force: float
     stiffness: float
     area: float
-    parts: tuple[float, float, float, float]
+    parts: tuple[float, ...]
     axes: tuple[float, float, float]
     centre: tuple[float, float]
     displacement: Array
@@ -86,29 +81,51 @@ class EllipseState:
     @property
     def expected_error(self) -> float:
         """Relative error of the force to be expected: the next order, and what the fit misses."""
-        _, second, third, beyond = (abs(part / self.force) for part in self.parts)
-        ratio = min(third / second, 1.0) if second > 0 else 0.0
+        _, second, third, fourth, beyond = (abs(part / self.force) for part in self.parts)
         narrow = min(abs(np.log(self.axes[1] / self.axes[0])), 1.0)
-        series = (ratio + _LOCAL) * third + _BEYOND * beyond
-        return float(series + _SECOND * second + _OPERATOR * narrow * self.misfit + self.residue)
+        series = _BEYOND * beyond + _FOURTH * fourth + _THIRD * third
+        series += (_SECOND + _FAR * self.widest**2) * second
+        return float(series + _OPERATOR * narrow * self.misfit + self.residue)
 
     @property
     def sharp(self) -> bool:
         """Whether f has a tip or edges that no polynomial describes."""
-        return self.misfit > _SHARP
+        return self.misfit > SHARP
 
     @property
     def doubtful(self) -> bool:
         """Whether the expansion has been carried too far, or f is not represented."""
-        _, second, third, _ = self.parts
-        far = self.widest > _DOUBTFUL or abs(third) > _DOUBTFUL * abs(second) + 1e-3 * self.force
+        _, second, third, fourth, _ = self.parts
+        far = (
+            self.widest > _DOUBTFUL
+            or abs(third + fourth) > _DOUBTFUL * abs(second) + 1e-3 * self.force
+        )
         return far or self.residue > _RESIDUE
+
+    def scaled(self, ratio: float, k: float, m: float) -> EllipseState:
+        """The similar contact of a body r^k psi(phi) at `ratio` times the approach."""
+        length = ratio ** (1 / k)
+        force = ratio * length ** (1 + m)
+        a, b, turn = self.axes
+        return replace(
+            self,
+            force=self.force * force,
+            stiffness=self.stiffness * length ** (1 + m),
+            area=self.area * length**2,
+            parts=tuple(part * force for part in self.parts),
+            axes=(a * length, b * length, turn),
+            centre=(self.centre[0] * length, self.centre[1] * length),
+            coefs=self.coefs * ratio,
+        )
 
     def boundary(self, phi: Array) -> Array:
         """Boundary a(phi) [m] about the summit."""
         a, b, turn = self.axes
-        t = 2 * np.pi * np.arange(4 * _ANGLES) / (4 * _ANGLES)
-        grown = 1 + self._displacement(t)
+        count = 4 * _ANGLES
+        t = 2 * np.pi * np.arange(count) / count
+        spectrum = np.fft.rfft(self.displacement) * (count / self.displacement.size)
+        spectrum[-1] /= 2
+        grown = 1 + np.fft.irfft(spectrum, count)
         x, y = a * np.cos(t) * grown, b * np.sin(t) * grown
         c, s = np.cos(turn), np.sin(turn)
         x, y = self.centre[0] + c * x - s * y, self.centre[1] + s * x + c * y
@@ -149,44 +166,6 @@ class EllipseState:
         return np.asarray((waves @ (twice * amplitudes)).real)
 
 
-class _Ellipse(NamedTuple):
-    """Semi-axes [m], turn [rad] and centre [m]."""
-
-    a: float
-    b: float
-    turn: float
-    x: float
-    y: float
-
-    def places(self, xi: Array, eta: Array) -> tuple[Array, Array]:
-        """Places (r, phi) of scaled coordinates."""
-        c, s = np.cos(self.turn), np.sin(self.turn)
-        x = self.x + c * self.a * xi - s * self.b * eta
-        y = self.y + s * self.a * xi + c * self.b * eta
-        return np.hypot(x, y), np.arctan2(y, x)
-
-    def moved(self, step: Array) -> _Ellipse:
-        """Ellipse whose boundary is displaced by `step` over the modes of `_MODES`."""
-        step = np.clip(step, -0.3, 0.3)
-        shear = 2 * step[2] / (self.a / self.b + self.b / self.a)
-        strain = np.array([[1 + step[0], shear], [shear, 1 + step[1]]])
-        c, s = np.cos(self.turn), np.sin(self.turn)
-        axes, size, _ = np.linalg.svd(np.array([[c, -s], [s, c]]) @ strain * [self.a, self.b])
-        x, y = step[3] * self.a, step[4] * self.b
-        turn = np.arctan2(axes[1, 0], axes[0, 0])
-        return _Ellipse(
-            float(size[0]),
-            float(size[1]),
-            float(turn),
-            self.x + c * x - s * y,
-            self.y + s * x + c * y,
-        )
-
-
-_T = 2 * np.pi * np.arange(ANGLES) / ANGLES
-_MODES = np.stack([np.cos(_T) ** 2, np.sin(_T) ** 2, np.sin(2 * _T), np.cos(_T), np.sin(_T)])
-
-
 def solve_ellipse(
     profile: PowerSumProfile | PolarProfile, material: HalfSpace, approach: float, start: float
 ) -> EllipseState | None:
@@ -205,81 +184,73 @@ def solve_ellipse(
 
     Notes
     -----
-    Newton steps of the exact force of the elliptic punch, f fitted again on every ellipse. The
-    stiffness is a difference of the force.
+    The expansion is made about the ellipse of the contour that the one about the best ellipse
+    gives. The stiffness is that of a power law, or a difference of the force.
     """
-    m = material.m
-    first, free = _first_ellipse(profile, start, approach)
-    solved = _optimum(profile, approach, m, first, free)
-    if solved is None:
+    search = Search(profile, material.m, approach, start)
+    best = search.optimum(search.first, approach)
+    if best is None:
         return None
-    best, gap, one = solved
-    around = [
-        _optimum(profile, approach * np.exp(k * _STEP), m, best, free) for k in (-2, -1, 1, 2)
-    ]
-    forces = [np.nan if near is None else near[2].force for near in around]
-    slope = float(np.dot(forces, [1.0, -8.0, 8.0, -1.0])) / (12 * _STEP * approach)
+    solved = search.solved(best, approach)
+    if isinstance(profile, PowerLawProfile):
+        power = 1 + (1 + material.m) / profile.k
+    else:
+        power = search.power(best, approach)
+    return _state(solved, material, approach, power, _cornered(profile))
+
+
+def _states(
+    profile: PowerSumProfile | PolarProfile, material: HalfSpace, depth: Array, start: Array
+) -> list[EllipseState | None]:
+    """Contacts at several approaches; those of a power law are all similar to the first."""
+    states: list[EllipseState | None] = []
+    first: tuple[float, EllipseState] | None = None
+    for d, a in zip(depth, start, strict=True):
+        if not (np.isfinite(a) and a > 0):
+            states.append(None)
+        elif first is not None and isinstance(profile, PowerLawProfile):
+            states.append(first[1].scaled(float(d) / first[0], profile.k, material.m))
+        else:
+            one = solve_ellipse(profile, material, float(d), float(a))
+            first = None if one is None else (float(d), one)
+            states.append(one)
+    return states
+
+
+def _cornered(profile: PowerSumProfile | PolarProfile) -> bool:
+    """Whether the section has kinks."""
+    return len(getattr(profile, "corners", ())) > 0
+
+
+def _state(
+    solved: Solved, material: HalfSpace, approach: float, power: float, kinked: bool
+) -> EllipseState:
+    (a, b, turn, x, y), gap, one, widest = solved
     unit = material.modulus
     coefs = -gap.polynomial
     coefs[0] += approach
-    mean = float(one.squared.mean())
-    second = one.squared - 1 - 2 * one.shift**2
-    if len(getattr(profile, "corners", ())):
-        second = 2 * one.shift  # at a kink the second order rings and cuts the corner
-    grown = np.exp(np.clip(second, -3.0, 3.0))
+    e1, e2, e3 = one.contour
+    # logarithm of the squared contour; at a kink the higher orders ring and cut the corner
+    grown = e1 if kinked else e1 + e2 - e1**2 / 2 + _LAST * (e3 - e1 * e2 + e1**3 / 3)
+    grown = np.exp(np.clip(grown, -3.0, 3.0))
+    mean = float((1 + e1 + e2 + _LAST * e3).mean())
     if 0.5 < mean < 2:
         grown *= mean / grown.mean()
     return EllipseState(
         force=unit * one.force,
-        stiffness=unit * slope,
-        area=float(np.pi * best.a * best.b * grown.mean()),
-        parts=(unit * one.lower, unit * one.second, unit * one.third, unit * one.beyond),
-        axes=(best.a, best.b, best.turn),
-        centre=(best.x, best.y),
+        stiffness=unit * one.force * power / approach,
+        area=float(np.pi * a * b * grown.mean()),
+        parts=tuple(
+            unit * part for part in (one.lower, one.second, one.third, one.fourth, one.beyond)
+        ),
+        axes=(a, b, turn),
+        centre=(x, y),
         displacement=np.sqrt(grown) - 1,
-        widest=float(np.abs(one.shift).max()),
+        widest=widest,
         coefs=coefs,
         misfit=gap.misfit / approach,
         residue=gap.residue / approach,
     )
-
-
-def _optimum(
-    profile: PowerSumProfile | PolarProfile, approach: float, m: float, start: _Ellipse, free: bool
-) -> tuple[_Ellipse, Gap, Expansion] | None:
-    """Ellipse of the largest force of the elliptic punch, its centre `free` or held."""
-    xi, eta, _, _ = fit_points(DEGREE)
-    best = start
-    modes = _MODES if free else _MODES[:3]
-    for _ in range(_NEWTON):
-        gap = fitted(np.asarray(profile(*best.places(xi, eta))))
-        one = expand(gap, approach, best.a, best.b, m)
-        if not (np.isfinite(one.lower) and one.level > 0):
-            return None
-        step = np.zeros(5)
-        weighted = modes * one.weight
-        step[: len(modes)] = np.linalg.solve(weighted @ modes.T, weighted @ one.shift)
-        if np.abs(step).max() < _STILL:
-            return best, gap, one
-        best = best.moved(step)
-    return (best, gap, one) if np.abs(step).max() < 1e-2 and one.lower > 0 else None
-
-
-def _first_ellipse(
-    profile: PowerSumProfile | PolarProfile, radius: float, approach: float
-) -> tuple[_Ellipse, bool]:
-    """Ellipse of the Hertzian aspect about the summit, a circle about a sharp one, and whether
-    its centre is free."""
-    xi, eta, _, _ = fit_points(DEGREE)
-    circle = _Ellipse(radius, radius, 0.0, 0.0, 0.0)
-    gap = fitted(np.asarray(profile(*circle.places(xi, eta))))
-    c = gap.polynomial
-    values, axes = np.linalg.eigh([[c[3], 0.5 * c[4]], [0.5 * c[4], c[5]]])
-    if gap.misfit > _SHARP * approach or not values[1] > 0:
-        return circle, gap.misfit <= _SHARP * approach
-    root = float(np.clip(values[0] / values[1], 1e-3, 1.0)) ** 0.315
-    turn = float(np.arctan2(axes[1, 0], axes[0, 0]))
-    return _Ellipse(radius / root, radius * root, turn, 0.0, 0.0), True
 
 
 def indent(
@@ -297,10 +268,7 @@ def indent(
 
     depth = approach.ravel()
     start = RisingBranch(basis_of(profile, material.m)).radius(depth)
-    states = [
-        solve_ellipse(profile, material, float(d), float(a)) if np.isfinite(a) and a > 0 else None
-        for d, a in zip(depth, start, strict=True)
-    ]
+    states = _states(profile, material, depth, start)
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
 
     def rows(values: list[Array | float | None], empty: Array) -> Array:

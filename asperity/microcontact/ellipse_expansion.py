@@ -1,23 +1,10 @@
-"""Third-order expansion of one contact about an ellipse, for every profile and every grading.
+"""Fourth-order expansion of one contact about an ellipse, for every profile and every grading.
 
 On an ellipse ``rho < 1`` the displacement d - f leaves the edge amplitude P(t) of the pressure
-``(1 - rho^2)^((m-1)/2)``; Q and Q2 are minus its first and second derivatives with the logarithm of
-the size. With y = 1 - rho^2 the true pressure is ``(y + eta)^((1+m)/2)`` times a power series in
-y + eta, where 1 + eta is the square of the displaced contour. Expanded in eta it must be, order by
-order, the pressure of d - f on the ellipse plus fields that leave no displacement: those of
-exponent (m-3)/2 belong one to each Fourier mode, and R turns their values at the edge into the
-amplitude (m-1)/2 that goes with them. With x = P/Q, w = gamma^(m-1), s the mean radius:
-
-    eta = 2 x + (m-1) [R(P x) - 2 x R P]/Q + x^2 (2 - Q2/Q) - 2 x q/Q
-    F   = F_ellipse + pi/2 P* s^(1+m) int w P x dt + F3
-    F3  = pi P* s^(1+m) int w x { (m-1)/3 R(P x) - (m-1)/2 x R P + x^2/3 (Q - Q2/2) - x q/2
-          + (m-1)/6 P (R x + x - x' gamma'/gamma) } dt
-
-Here Q is the mean over t and q what deviates from it (on the ellipse of a paraboloid Q is
-uniform), so that P and q are of first order.
-
-On the circle R = -n/2 for the harmonic n, the second-order force is that of the harmonic-resolved
-theory, and the area, pi a b <1 + eta>, is the one that it takes from dF/dd = stiffness.
+``(1 - rho^2)^((m-1)/2)``; Q, Q2, Q3 are minus its derivatives with the logarithm of the size
+(of alternating sign: f is multiplied by its degree). P is small on an ellipse near the contact, and
+so is what deviates in Q, Q2 from their means over t: both count as first order.
+`ellipse_series` holds the expansion itself.
 """
 
 from __future__ import annotations
@@ -30,16 +17,9 @@ from numpy.typing import NDArray
 
 from asperity.transforms import kappa
 
-from .ellipse_tables import (
-    LOG_RATIO,
-    edge_slopes,
-    ellipse_tables,
-    fourier_moments,
-    monomials,
-    product_weights,
-)
+from .ellipse_tables import LOG_RATIO, ellipse_tables, monomials
 
-__all__ = ["ANGLES", "DEGREE", "Expansion", "Gap", "expand", "fit_points", "fitted"]
+__all__ = ["ANGLES", "DEGREE", "Edge", "Gap", "between", "edge_of", "fit_points", "fitted"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -55,12 +35,6 @@ _CUT = 1e-7
 
 _REGION = 1.08
 """Size of the ellipse on which f is fitted over that of the contact."""
-
-_SERIES_END = 0.5
-"""Largest ratio of the third- to the second-order part that is continued."""
-
-_SLOPES = 12
-"""Fourier modes of which R is exact on the ellipse; the higher ones are local."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,47 +58,42 @@ class Gap:
 
 
 @dataclass(frozen=True, eq=False)
-class Expansion:
-    """Expansion about one ellipse, in units of the modulus.
+class Edge:
+    """What the displacement d - f leaves at the edge of one ellipse, in units of the modulus.
 
     Attributes
     ----------
-    lower, second, third
-        Force of the elliptic punch, and its second- and third-order parts.
-    stiffer
-        What 1/(1 + q/Q) adds to the second-order part beyond 1 - q/Q where q is positive.
-    level
-        Q [m].
-    shift
-        First-order displacement x of the contour at equispaced parameters t.
+    m, axes
+        Exponent of the grading; semi-axes a, b [m].
+    lower
+        Force of the elliptic punch.
+    scale
+        Factor of ``int w P dt`` in the change of the force: ``pi P* s^(1+m)``.
+    amplitude
+        P [m] at equispaced parameters t.
+    slopes
+        Edge amplitudes of f times its degree to the power 1, 2, 3 [m], shape (3, ANGLES).
     weight
-        Quadrature weights of ``gamma^(m-1)``.
-    squared
-        1 + eta: square of the displaced contour over the ellipse.
+        Quadrature weights of ``w = gamma^(m-1)``.
     """
 
+    m: float
+    axes: tuple[float, float]
     lower: float
-    second: float
-    third: float
-    stiffer: float
-    level: float
-    shift: Array
+    scale: float
+    amplitude: Array
+    slopes: Array
     weight: Array
-    squared: Array
 
     @property
-    def beyond(self) -> float:
-        """Estimate of the part beyond the third order: `stiffer`, and half of what continues the
-        series of the parts geometrically."""
-        if not self.second > 0:
-            return self.stiffer
-        ratio = min(abs(self.third) / self.second, _SERIES_END)
-        return self.stiffer + 0.5 * self.third * ratio / (1 - ratio)
+    def level(self) -> float:
+        """Mean of Q [m]."""
+        return float(self.weight @ self.slopes[0] / self.weight.sum())
 
     @property
-    def force(self) -> float:
-        """Force, to third order and the estimate of the rest."""
-        return self.lower + self.second + self.third + self.beyond
+    def shift(self) -> Array:
+        """First-order displacement x = P/Q of the contour."""
+        return self.amplitude / self.level
 
 
 @lru_cache(maxsize=4)
@@ -171,84 +140,52 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values * values)))
 
 
-def expand(gap: Gap, approach: float, a: float, b: float, m: float) -> Expansion:
-    """Expansion about the ellipse of semi-axes `a`, `b` on which `gap` was fitted."""
+def edge_of(gap: Gap, approach: float, a: float, b: float, m: float) -> Edge:
+    """Edge amplitudes on the ellipse of semi-axes `a`, `b` on which `gap` was fitted."""
     tables = ellipse_tables(m, DEGREE)
-    row = _between(tables.rows, np.log(b / a))
+    row = between(tables.rows, np.log(b / a))
     quarter = DEGREE + 1
     count = tables.order.size
     table = row[: count * quarter].reshape(count, quarter)
     unit, punch = float(table[0, 0]), float(row[count * quarter + quarter])
     i, j = monomials(DEGREE)
-    k = tables.order
-    mean = float(gap.polynomial @ tables.moments)
     full = table[:, _FOLD] * _SIGN_X ** i[:, None] * _SIGN_Y ** j[:, None]
-    c = gap.polynomial
-    poly = _resampled(np.stack([c, k * c, k * k * c]) @ full)
-    order = np.arange(gap.rest.shape[0])[:, None]
-    rest = gap.rest * kappa(m, _POWERS + order) / np.pi
-    waves = np.stack([rest.sum(axis=1), rest @ _POWERS, rest @ _POWERS**2])
-    waves[:, 1:] /= 2
-    edge = poly + np.fft.irfft(waves * ANGLES, ANGLES, axis=1)
-    mean += float((gap.rest[0].real * _punch_mean(m, _POWERS)).sum())
-    amplitude, slope, bend = unit * approach - edge[0], edge[1], edge[2]
-
+    waves = _resampled((gap.polynomial * tables.order ** _ORDERS[:, None]) @ full)
+    factor, punch_mean = _rest_factors(m)
+    rest = (gap.rest * factor[: len(gap.rest)]) @ (_POWERS ** _ORDERS[:, None]).T
+    rest[1:] /= 2
+    waves += rest.T * ANGLES
+    edge = np.fft.irfft(waves, ANGLES, axis=1)
+    mean = gap.polynomial @ tables.moments + gap.rest[0].real @ punch_mean
     size = np.sqrt(a * b)
-    ratio = b / a
-    fine = 2 * np.pi * np.arange(4096) / 4096
-    widths = (ratio * np.cos(fine) ** 2 + np.sin(fine) ** 2 / ratio) ** ((m - 1) / 2)
-    weight = product_weights(fourier_moments(widths, ANGLES // 2 + 1), ANGLES, 2 * np.pi)
-    reach = _EdgeSlope(m, ratio)
-    level = float(weight @ slope / weight.sum())
-    uneven = slope - level
-    x = amplitude / level
-    turn = reach(np.stack([amplitude, amplitude * x, x]))
-    scale = np.pi * size ** (1 + m) * unit
-    curved = x - reach.bend * _derivative(x)
-    cubic = (m - 1) * (turn[1] / 3 - x * turn[0] / 2) + x * x / 3 * (level - bend / 2)
-    u = uneven / level
-    cubic += (m - 1) / 6 * amplitude * (turn[2] + curved) - amplitude * u / 2
-    stiffer = np.maximum(u, 0) ** 2 / (1 + np.maximum(u, 0))
-    eta = 2 * x * (1 - u) + x * x * (2 - bend / level)
-    eta += (m - 1) * (turn[1] - 2 * x * turn[0]) / level
-    return Expansion(
-        lower=punch * size ** (1 + m) * (approach - mean),
-        second=float(scale / 2 * (weight @ (amplitude * x))),
-        third=float(scale * (weight @ (x * cubic))),
-        stiffer=float(scale / 2 * (weight @ (x * amplitude * stiffer))),
-        level=level,
-        shift=x,
-        weight=weight,
-        squared=1 + eta,
+    return Edge(
+        m=m,
+        axes=(a, b),
+        lower=float(punch * size ** (1 + m) * (approach - mean)),
+        scale=float(np.pi * size ** (1 + m) * unit),
+        amplitude=unit * approach - edge[0],
+        slopes=edge[1:],
+        weight=_edge_weight(m, b / a),
     )
 
 
-class _EdgeSlope:
-    """The operator R of one axis ratio on functions of t, shape (..., ANGLES)."""
-
-    def __init__(self, m: float, ratio: float) -> None:
-        rows = edge_slopes(m, _SLOPES)
-        matrix = _between(rows.reshape(rows.shape[0], -1), np.log(ratio))
-        self._matrix = matrix.reshape(2, _SLOPES + 1, _SLOPES + 1)
-        self._matrix[:, 0] *= 2  # a mode is two entries of the transform, the mean is one
-        t = 2 * np.pi * np.arange(ANGLES) / ANGLES
-        width = ratio * np.cos(t) ** 2 + np.sin(t) ** 2 / ratio
-        self._width = np.sqrt(width)
-        self.bend = np.sin(2 * t) * (1 / ratio - ratio) / (2 * width)
-
-    def __call__(self, values: Array) -> Array:
-        waves = np.fft.rfft(values, axis=-1)
-        low, high = waves[..., : _SLOPES + 1], waves.copy()
-        high[..., : _SLOPES + 1] = 0
-        cosine, sine = self._matrix
-        out = np.zeros_like(waves)
-        out[..., : _SLOPES + 1] = low.real @ cosine.T + 1j * (low.imag @ sine.T)
-        local = np.fft.rfft(np.fft.irfft(high, ANGLES) / self._width)
-        local *= -0.5 * np.arange(local.shape[-1])
-        return np.asarray(np.fft.irfft(out, ANGLES) + np.fft.irfft(local, ANGLES) / self._width)
+def _edge_weight(m: float, ratio: float) -> Array:
+    """Weights at the parameters t, exact for trigonometric polynomials times gamma^(m-1)."""
+    widths = (ratio * _FINE_COSINE + (1 - _FINE_COSINE) / ratio) ** ((m - 1) / 2)
+    moments = np.zeros(ANGLES // 2 + 1)
+    moments[::2] = np.fft.rfft(widths).real[: ANGLES // 4 + 1] / widths.size
+    return np.asarray(2 * np.pi * np.fft.irfft(moments, ANGLES))
 
 
-def _between(rows: Array, position: float) -> Array:
+@lru_cache(maxsize=8)
+def _rest_factors(m: float) -> tuple[Array, Array]:
+    """Edge amplitude of ``rho^k e^(i n t)`` on the circle, shape (n, k), and mean of rho^k under
+    the pressure of the flat punch."""
+    order = np.arange(ANGLES // 2 + 1)[:, None]
+    return kappa(m, _POWERS + order) / np.pi, kappa(m, _POWERS) / (_POWERS + 1 + m) * (1 + m)
+
+
+def between(rows: Array, position: float) -> Array:
     """Row at a logarithm of the axis ratio, by local cubics."""
     first, last, count = LOG_RATIO
     place = min(max((position - first) / (last - first) * (count - 1), 1.0), count - 2.001)
@@ -265,24 +202,17 @@ def _between(rows: Array, position: float) -> Array:
     return np.asarray(share @ rows[i - 1 : i + 3])
 
 
-def _punch_mean(m: float, k: NDArray[np.int64]) -> Array:
-    """Mean of rho^k under the pressure of the flat punch."""
-    return kappa(m, k) / (k + 1 + m) * (1 + m)
-
-
-def _resampled(values: Array) -> Array:
-    """Trigonometric polynomials given at 4 DEGREE equispaced points, at ANGLES of them."""
+def _resampled(values: Array) -> Complex:
+    """Transforms, for ANGLES points, of trigonometric polynomials at 4 DEGREE equispaced ones."""
     waves = np.fft.rfft(values, axis=-1)
-    waves[..., DEGREE + 1 :] = 0
-    return np.asarray(np.fft.irfft(waves, ANGLES, axis=-1) * (ANGLES / values.shape[-1]))
-
-
-def _derivative(values: Array) -> Array:
-    waves = np.fft.rfft(values)
-    return np.fft.irfft(1j * np.arange(waves.size) * waves, ANGLES)
+    out = np.zeros((*values.shape[:-1], ANGLES // 2 + 1), dtype=complex)
+    out[..., : DEGREE + 1] = waves[..., : DEGREE + 1] * (ANGLES / values.shape[-1])
+    return out
 
 
 _NODE = np.arange(4 * DEGREE)
 _FOLD = np.abs(np.mod(_NODE + DEGREE, 2 * DEGREE) - DEGREE)
 _SIGN_X = np.where((_NODE > DEGREE) & (_NODE < 3 * DEGREE), -1.0, 1.0)
 _SIGN_Y = np.where(_NODE > 2 * DEGREE, -1.0, 1.0)
+_ORDERS = np.arange(4)
+_FINE_COSINE = np.cos(np.pi * np.arange(2048) / 2048) ** 2

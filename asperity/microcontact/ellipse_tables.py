@@ -291,7 +291,7 @@ def pressure_operator(m: float, ratio: float, degree: int = DEGREE) -> Array:
 
 @lru_cache(maxsize=8)
 def edge_slopes(m: float, degree: int) -> Array:
-    """Operator R of the fields (1 - rho**2)**((m-3)/2) without displacement, in Fourier modes.
+    """Edge of the fields (1 - rho**2)**((m-3)/2) without displacement, in Fourier modes.
 
     Parameters
     ----------
@@ -304,8 +304,9 @@ def edge_slopes(m: float, degree: int) -> Array:
     -------
     NDArray
         Per ln(b/a) of the tables the matrices from the modes cos k t (first) and sin k t (second)
-        of the polynomial's value at the edge to those of ``-1/2 d/drho`` there, shape
-        (ratios, 2, degree + 1, degree + 1); ``-k/2`` on the circle.
+        of the polynomial's value at the edge to those of its first and second coefficient in
+        powers of ``1 - rho**2`` there, shape (ratios, 2, 2, degree + 1, degree + 1), the
+        coefficient first; ``-k/2`` and ``k (k - 2)/8`` on the circle.
     """
     ratio = np.exp(np.linspace(*LOG_RATIO))
     lower = _operator(
@@ -317,7 +318,7 @@ def edge_slopes(m: float, degree: int) -> Array:
     count = 4 * (degree + 1)
     t = np.arange(count) * 2 * np.pi / count
     edge = np.cos(t) ** i[:, None] * np.sin(t) ** j[:, None]
-    out = np.zeros((ratio.size, 2, degree + 1, degree + 1))
+    out = np.zeros((ratio.size, 2, 2, degree + 1, degree + 1))
     for kind, (form, first) in enumerate(((0, 0), (1, 2), (0, 1), (1, 1))):
         rows = np.flatnonzero(parity == kind)
         number = np.arange(first, degree + 1, 2)
@@ -329,11 +330,12 @@ def edge_slopes(m: float, degree: int) -> Array:
         )
         right = np.concatenate([np.zeros((rows.size, number.size)), modes])
         solution = np.linalg.pinv(system, rcond=1e-12) @ right
-        slope = np.einsum("rt,brk->btk", -0.5 * edge[rows] * order[rows, None], solution)
         norm = np.sum(modes * modes, axis=0)
-        out[:, form, number[:, None], number] = np.swapaxes(
-            np.einsum("btk,tl->bkl", slope, modes) / norm, 1, 2
-        )
+        for which, factor in enumerate((-order / 2, order * (order - 2) / 8)):
+            inner = np.einsum("rt,brk->btk", edge[rows] * factor[rows, None], solution)
+            out[:, which, form, number[:, None], number] = np.swapaxes(
+                np.einsum("btk,tl->bkl", inner, modes) / norm, 1, 2
+            )
     return out
 
 

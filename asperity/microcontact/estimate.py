@@ -9,10 +9,10 @@ __all__ = ["expected_error"]
 
 Array = NDArray[np.float64]
 
-_QUADRATIC = 8.0
+_QUADRATIC = 11.0
 _OPERATORS = 1.0
-_CUBIC = 0.5
-_FIRST = 1.2
+_CUBIC = 1.0
+_FIRST = 1.4
 
 
 def expected_error(first: Array, resolved: Array, published: Array, law: str) -> Array:
@@ -29,7 +29,7 @@ def expected_error(first: Array, resolved: Array, published: Array, law: str) ->
 
     Notes
     -----
-    With x = F2/F: 1.2 x + 8 x^2 for "paper", x^(3/2)/2 + 8 x^2 + |difference of the two F2| / F
+    With x = F2/F: 1.4 x + 11 x^2 for "paper", x^(3/2) + 11 x^2 + |difference of the two F2| / F
     for "harmonic". The forms are those of the next orders; the factors cover 95 % of the
     boundary-element errors of polygonal, rounded, irregular and elliptic bodies and of summits of
     rough maps, and are judged on others (`docs/laws.md`).

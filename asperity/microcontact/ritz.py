@@ -48,8 +48,9 @@ _REACH = 7.0
 _WIDEST = 4.0
 """Logarithm of the root of the largest aspect of an ellipse."""
 
-_SPREAD = 1.5
-"""Expected error over what the free rays add to the ellipse."""
+_SPREAD, _OFFSET = 1.5, 0.25
+"""Factors of the expected error: of what the free rays add to the ellipse, and of the square of
+the distance between the contact's centre and the origin over its radius."""
 
 _SMALLEST = 8.0
 """Logarithm of the limit over the smallest ellipse."""
@@ -163,6 +164,12 @@ def indent(
     flags[~np.isfinite(force)] |= np.uint8(Flag.TURNING)
     touching = force > 0
     spread = np.where(touching, (force - lower) / np.where(touching, force, 1.0), 0.0)
+    centre = np.mean(rays**3 * np.exp(1j * phi), axis=1) * 2 * np.pi / 3
+    offset = (
+        np.abs(centre)
+        / np.where(touching, area, 1.0)
+        / np.sqrt(np.where(touching, area, 1.0) / np.pi)
+    )
 
     def contour(angle: Array) -> Array:
         return np.stack([np.interp(angle, phi, row, period=2 * np.pi) for row in rays])
@@ -179,7 +186,7 @@ def indent(
         radius=np.sqrt(area / np.pi).reshape(approach.shape),
         stiffness=stiffness.reshape(approach.shape),
         flags=flags.reshape(approach.shape),
-        error_estimate=_SPREAD * np.abs(spread).reshape(approach.shape),
+        error_estimate=(_SPREAD * np.abs(spread) + _OFFSET * offset**2).reshape(approach.shape),
         contour_function=contour,
         pressure_function=pressure,
     )
