@@ -150,6 +150,7 @@ def bem_curve(
         return ContactProblem(grid, mat, tolerance=tolerance, boundary=boundary, threads=threads)
 
     problem = planned()
+    problem.prescribed(**{kind: float(values.min())})  # the one that can be refused: at once
     prepared = time.perf_counter()
     solved: dict[int, CurvePoint] = {}
     turn = threading.Lock()

@@ -74,7 +74,7 @@ class ContactProblem:
         self.level = Level(hm.heights, exact)
 
     def prescribed(
-        self, pressure: float | None, separation: float | None
+        self, pressure: float | None = None, separation: float | None = None
     ) -> tuple[float, float | None]:
         """Mean of p~ [m], and the level of u - h in the contact [m] if that is prescribed."""
         if (pressure is None) == (separation is None):

@@ -81,7 +81,9 @@ def test_report_stands_alone(comparison, tmp_path):
     assert all(link.startswith("data:") for link in links)
     assert "<script" not in text
     assert comparison.verdict()[:40] in text
-    assert f"± {100 * comparison.model.error_estimate[0]:.1f}" in text
+    model = comparison.model
+    for stated in (model.error_estimate, model.extra["area_error_estimate"]):
+        assert f"± {100 * stated[0]:.1f}" in text
 
 
 def test_report_marks_what_did_not_converge(comparison, tmp_path):

@@ -8,6 +8,7 @@ from bem_support import rough
 
 from asperity import HalfSpace, bem_curve, bem_solve
 from asperity.bem.curve import curve_stiffness
+from asperity.errors import InputError
 
 BODY = HalfSpace.from_modulus(1.0)
 
@@ -71,6 +72,14 @@ def test_prescribed_separations():
     forward = bem_curve(hm, BODY, pressures=[0.01, 0.05])
     back = bem_curve(hm, BODY, separations=forward.separation)
     np.testing.assert_allclose(back.mean_pressure, forward.mean_pressure, rtol=1e-3)
+
+
+def test_an_unusable_separation_is_refused_before_the_work():
+    """Nothing is solved for the sake of points that would be lost with the refusal."""
+    seen = []
+    with pytest.raises(InputError, match="it is the mean gap"):
+        bem_curve(rough((30, 40)), BODY, separations=[0.05, -0.01], progress=seen.append)
+    assert not seen
 
 
 def test_secant_saves_transforms():
