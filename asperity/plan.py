@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from surfaces._memory import available_bytes
 from surfaces.coarsening import coarse_map
 from surfaces.heightmap import HeightMap
 
@@ -272,20 +273,9 @@ def _stride(hm: HeightMap) -> int:
 
 
 def _require_memory(needed: int) -> None:
-    available = _available_memory()
-    if available is not None and needed > 0.9 * available:
+    available = available_bytes()
+    if needed > 0.9 * available:
         raise InputError(
             f"the run needs about {needed / 2**30:.1f} GiB and {available / 2**30:.1f} GiB are "
             "free; crop or resample the map"
         )
-
-
-def _available_memory() -> int | None:
-    try:
-        with open("/proc/meminfo") as handle:
-            for line in handle:
-                if line.startswith("MemAvailable"):
-                    return int(line.split()[1]) * 1024
-    except OSError:
-        pass
-    return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+from surfaces._memory import available_bytes
 
 from ..boundary import Boundary
 from ..errors import InputError
@@ -21,25 +21,9 @@ def estimated_bytes(shape: tuple[int, int], boundary: Boundary) -> int:
     return _BYTES_PER_POINT[boundary] * shape[0] * shape[1]
 
 
-def available_bytes() -> int | None:
-    """Memory that the machine can still give [bytes], if it says so."""
-    try:
-        with open("/proc/meminfo") as file:
-            for line in file:
-                if line.startswith("MemAvailable:"):
-                    return int(line.split()[1]) * 1024
-    except OSError:
-        pass
-    try:
-        return os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    except (AttributeError, OSError, ValueError):
-        return None
-
-
 def fits(shape: tuple[int, int], boundary: Boundary, copies: int) -> bool:
     """Whether several solutions at the same time fit in the memory that is available."""
-    free = available_bytes()
-    return free is None or copies * estimated_bytes(shape, boundary) <= free
+    return copies * estimated_bytes(shape, boundary) <= available_bytes()
 
 
 def require_memory(shape: tuple[int, int], boundary: Boundary) -> None:
@@ -51,7 +35,7 @@ def require_memory(shape: tuple[int, int], boundary: Boundary) -> None:
         If the estimate exceeds the memory that is available.
     """
     need, free = estimated_bytes(shape, boundary), available_bytes()
-    if free is not None and need > free:
+    if need > free:
         raise InputError(
             f"a {boundary} grid of {shape[0]} x {shape[1]} needs about {need / 2**30:.1f} GiB and "
             f"{free / 2**30:.1f} GiB are available; use a coarser map or bem_curve(accuracy=...)"

@@ -76,6 +76,12 @@ def test_a_plan_is_not_used_for_another_map(rough):
             contact_curve(other, STEEL, pressures=[1e8], plan=plan)
 
 
+def test_what_does_not_fit_into_the_memory_is_refused(rough, monkeypatch):
+    monkeypatch.setattr("asperity.plan.available_bytes", lambda: 10_000)
+    with pytest.raises(InputError, match="crop or resample"):
+        make_plan(rough, STEEL)
+
+
 def test_maps_that_no_model_can_use(rough):
     holed = rough.heights.copy()
     holed[3, 5] = np.nan

@@ -90,5 +90,4 @@ def test_memory_is_estimated_and_refused(monkeypatch):
     with pytest.raises(errors.InputError, match=r"needs about .* GiB are available"):
         bem_curve(rough((20, 24)), BODY, pressures=[0.1])
     assert memory.estimated_bytes((10, 10), "free") > memory.estimated_bytes((10, 10), "periodic")
-    monkeypatch.setattr(memory, "available_bytes", lambda: None)
-    memory.require_memory((10**6, 10**6), "free")
+    assert not memory.fits((20, 24), "free", 1)
