@@ -190,12 +190,13 @@ def make_plan(
 
 
 def _require_usable(hm: HeightMap) -> None:
-    if hm.missing:
+    found = hm.roughness
+    if found.missing:
         raise SurfaceError(
-            f"the map has {hm.missing} missing points of {hm.heights.size}; "
+            f"the map has {found.missing} missing points of {hm.heights.size}; "
             'fill them with surfaces.prepare(hm, fill="harmonic")'
         )
-    if hm.roughness.lowest == hm.roughness.highest:
+    if found.lowest == found.highest:
         raise SurfaceError("the map is constant: a flat map has no peaks to touch")
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from . import _spline
+from . import _spline, _threads
 from .filtering import resample
 from .heightmap import HeightMap
 
@@ -64,7 +65,7 @@ def coarse_map(hm: HeightMap) -> HeightMap | None:
     ]
     if min(turns) < _SMOOTH:
         return None
-    wave = min(shortest_wave(hm, axis) for axis in (0, 1))
+    wave = min(_threads.each(functools.partial(shortest_wave, hm), (0, 1)))
     ratio = max(_POINTS / wave, _FEWEST / min(hm.shape))
     if ratio > _WORTH_IT:
         return None
@@ -109,8 +110,9 @@ def _holds(coarse: HeightMap, hm: HeightMap) -> bool:
 def _highest(heights: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Row and column of the highest point of each block."""
     ny, nx = (n // _BLOCKS for n in heights.shape)
-    blocks = heights[: ny * _BLOCKS, : nx * _BLOCKS].reshape(_BLOCKS, ny, _BLOCKS, nx)
-    place = blocks.transpose(0, 2, 1, 3).reshape(_BLOCKS, _BLOCKS, ny * nx).argmax(axis=2)
-    rows = place // nx + ny * np.arange(_BLOCKS)[:, None]
-    cols = place % nx + nx * np.arange(_BLOCKS)[None, :]
-    return rows.ravel(), cols.ravel()
+    lines = heights[: ny * _BLOCKS, : nx * _BLOCKS].reshape(_BLOCKS, ny, _BLOCKS * nx)
+    first = np.arange(_BLOCKS)
+    tops = lines.max(axis=1).reshape(_BLOCKS, _BLOCKS, nx)  # of the columns of each block
+    cols = tops.argmax(axis=2) + nx * first
+    inside = lines[first[:, None, None], np.arange(ny)[:, None], cols[:, None, :]]
+    return (inside.argmax(axis=1) + ny * first[:, None]).ravel(), cols.ravel()

@@ -100,10 +100,12 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
     ny, nx = (max(1, round(length / d)) for length, d in zip(hm.size, wanted, strict=True))
     if min(ny, nx) < 3:
         raise SurfaceError(f"pixels of {wanted[0]:g} x {wanted[1]:g} m leave {ny} x {nx} points")
-    require_memory(32 * ny * nx, f"a map of {ny} x {nx} points", "take larger pixels")
-    heights = hm.heights
-    for axis, count in ((1, nx), (0, ny)):
-        heights = _resample_axis(heights, count, axis, hm.periodic)
+    needed = 24 * ny * nx + 8 * hm.shape[0] * nx
+    require_memory(needed, f"a map of {ny} x {nx} points", "take larger pixels")
+    if hm.periodic:
+        heights = _resample_waves(hm.heights, ny, nx)
+    else:
+        heights = _resample_cosines(_resample_cosines(hm.heights, nx, 1), ny, 0)
     step = {"step": "resample", "from": list(hm.shape), "to": [ny, nx]}
     return hm.replace(heights=heights, spacing=(hm.size[0] / ny, hm.size[1] / nx), step=step)
 
@@ -181,41 +183,56 @@ def _frequencies(hm: HeightMap) -> tuple[NDArray[np.float64], NDArray[np.float64
     return np.arange(ny) / (2 * ny * dy), np.arange(nx) / (2 * nx * dx)
 
 
-def _resample_axis(
-    heights: NDArray[np.float64], count: int, axis: int, periodic: bool
-) -> NDArray[np.float64]:
-    """Trigonometric interpolation to `count` cell centres of the same length."""
+def _resample_cosines(heights: NDArray[np.float64], count: int, axis: int) -> NDArray[np.float64]:
+    """Interpolation by cosines to `count` cell centres of the same length."""
     old = heights.shape[axis]
     if count == old:
         return heights
     kept = min(old, count)
     moved = np.moveaxis(heights, axis, -1)
-    if not periodic:
-        spectrum = np.zeros((*moved.shape[:-1], count))
-        spectrum[..., :kept] = fft.dct(moved, axis=-1)[..., :kept] * (count / old)
-        return np.ascontiguousarray(np.moveaxis(fft.idct(spectrum, axis=-1), -1, axis))
-    lines = np.ascontiguousarray(moved)
-    out = np.empty((len(lines), count))
-    _threads.run(
-        lambda first, last: _resample_lines(lines, out, kept, first, last),
-        _threads.blocks(len(lines), _BLOCK),
-    )
-    return np.ascontiguousarray(np.moveaxis(out, -1, axis))
+    spectrum = np.zeros((*moved.shape[:-1], count))
+    spectrum[..., :kept] = fft.dct(moved, axis=-1)[..., :kept] * (count / old)
+    return np.ascontiguousarray(np.moveaxis(fft.idct(spectrum, axis=-1), -1, axis))
 
 
-def _resample_lines(
-    lines: NDArray[np.float64], out: NDArray[np.float64], kept: int, first: int, last: int
-) -> None:
-    """Fill the lines [first, last) of `out` with the periodic lines on other cell centres."""
-    old, count, half = lines.shape[1], out.shape[1], kept // 2 + 1
-    shift = np.exp(1j * np.pi * np.arange(half) * (1.0 / count - 1.0 / old)) * (count / old)
-    if kept % 2 == 0:
+def _resample_waves(heights: NDArray[np.float64], ny: int, nx: int) -> NDArray[np.float64]:
+    """Trigonometric interpolation to the cell centres of (ny, nx) pixels.
+
+    Rows first; of the columns only those of waves that are kept are transformed.
+    """
+    down, across = _moved(heights.shape[0], ny), _moved(heights.shape[1], nx)
+    rows = np.empty((len(heights), across.size), np.complex128)
+    waves = np.zeros((ny, nx // 2 + 1), np.complex128)
+    out = np.empty((ny, nx))
+
+    def forth(first: int, last: int) -> None:
+        for start in range(first, last, _BLOCK):
+            some = slice(start, min(start + _BLOCK, last))
+            rows[some] = fft.rfft(heights[some], axis=1)[:, : across.size] * across
+
+    def columns(first: int, last: int) -> None:
+        spectrum = fft.fft(rows[:, first:last], axis=0)
+        kept = np.zeros((ny, last - first), np.complex128)
+        kept[: down.size] = spectrum[: down.size] * down[:, None]
+        kept[1 - down.size :] = spectrum[1 - down.size :] * down[:0:-1, None].conj()
+        waves[:, first:last] = fft.ifft(kept, axis=0)
+
+    def back(first: int, last: int) -> None:
+        out[first:last] = fft.irfft(waves[first:last], n=nx, axis=1)
+
+    for step, count in ((forth, len(heights)), (columns, across.size), (back, ny)):
+        _threads.run(step, _threads.blocks(count, _BLOCK))
+    return out
+
+
+def _moved(old: int, count: int) -> NDArray[np.complex128]:
+    """Factors of the waves kept when `old` cell centres become `count` on the same length."""
+    kept = min(old, count)
+    waves = np.arange(kept // 2 + 1)
+    shift = np.exp(1j * np.pi * waves * (1.0 / count - 1.0 / old)) * (count / old)
+    if kept % 2 == 0 and count != old:
         shift[-1] = 0.0
-    for start in range(first, last, _BLOCK):
-        stop = min(start + _BLOCK, last)
-        spectrum = np.zeros((stop - start, count // 2 + 1), dtype=np.complex128)
-        spectrum[:, :half] = fft.rfft(lines[start:stop], axis=1)[:, :half] * shift
-        out[start:stop] = fft.irfft(spectrum, n=count, axis=1)
+    return shift
 
 
 def _window(places: NDArray[np.float64], length: float, strip: float) -> NDArray[np.float64]:

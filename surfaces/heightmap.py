@@ -91,6 +91,8 @@ class HeightMap:
     @functools.cached_property
     def missing(self) -> int:
         """Number of missing points."""
+        if "roughness" in vars(self):
+            return self.roughness.missing
         return int(np.count_nonzero(np.isnan(self.heights)))
 
     @property
