@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from surfaces.heightmap import HeightMap
 
+from .outlines import outlines
 from .population import PopulationState
 from .tables import structured
 
@@ -37,18 +38,26 @@ def microcontacts(bodies: Asperities, state: PopulationState) -> NDArray[np.void
     Structured array with x, y, height [m], approach [m], force [N], area [m^2], radius [m] (of the
     circle of equal area), semi_major, semi_minor [m], angle [rad] (of the long axis, from x
     towards y), mean_pressure [Pa], peak_pressure [Pa] (of the elliptic contact, (3 + m)/2 times
-    the mean), peak (row in the segmentation).
+    the mean), peak (row in the segmentation), centre_x, centre_y [m] (of the contact, as its law
+    gives it), flags (bits of `asperity.microcontact.Flag`), estimate (relative error of the force
+    that the law expects of itself), filled (share of the directions in which the contact fills its
+    basin), radii [m] (about the summit along 16 equispaced directions from x towards y, see
+    `asperity.outlines`).
     """
     active = np.flatnonzero(state.force > 0)
     profiles = bodies.profiles
     major, minor = _semi_axes(bodies, state)
-    area = state.area[active]
+    area, approach = state.area[active], state.approach[active]
+    table, depth = bodies.population.table, np.maximum(approach, 0.0)
+    offset_x, offset_y = table.centre_at(active, depth)
+    sampled = profiles.rows(active)
+    radii, filled = outlines(sampled, depth, area, bodies.aspect[active], bodies.material.m)
     return structured(
         {
             "x": profiles.x[active],
             "y": profiles.y[active],
             "height": bodies.population.height[active],
-            "approach": state.approach[active],
+            "approach": approach,
             "force": state.force[active],
             "area": area,
             "radius": np.sqrt(area / np.pi),
@@ -58,6 +67,12 @@ def microcontacts(bodies: Asperities, state: PopulationState) -> NDArray[np.void
             "mean_pressure": state.force[active] / area,
             "peak_pressure": 0.5 * (3.0 + bodies.material.m) * state.force[active] / area,
             "peak": active,
+            "centre_x": profiles.x[active] + offset_x,
+            "centre_y": profiles.y[active] + offset_y,
+            "flags": table.flags_at(active, depth),
+            "estimate": np.abs(table.spread_at(active, depth)),
+            "filled": filled,
+            "radii": radii,
         }
     )
 

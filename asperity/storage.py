@@ -12,7 +12,7 @@ from __future__ import annotations
 import csv
 import json
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -129,11 +129,23 @@ def read_results(path: str | os.PathLike[str]) -> ResultFile:
 
 
 def write_csv(path: str | os.PathLike[str], columns: Mapping[str, Any]) -> None:
-    """Write columns of equal length to a comma-separated file with a header line."""
+    """Write columns of equal length to a comma-separated file with a header line.
+
+    A column of several numbers per row becomes several columns, ``name_0``, ``name_1``, ...
+    """
+    columns = dict(_flat(columns))
     with replacing(path) as partial, open(partial, "w", newline="") as handle:
         writer = csv.writer(handle)
         writer.writerow(columns)
         writer.writerows(zip(*(np.asarray(c).tolist() for c in columns.values()), strict=True))
+
+
+def _flat(columns: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    for name, column in columns.items():
+        if np.ndim(column) == 2:
+            yield from ((f"{name}_{i}", part) for i, part in enumerate(np.transpose(column)))
+        else:
+            yield name, column
 
 
 def _write_curve(group: h5py.Group, curve: ContactCurve) -> None:

@@ -309,7 +309,7 @@ def indent(
         approach=approach,
         force=force,
         contact_area=shaped("area"),
-        radius=(p * stiffness / (2 * material.modulus)) ** (1 / p),
+        radius=(p * np.maximum(stiffness, 0.0) / (2 * material.modulus)) ** (1 / p),
         stiffness=stiffness,
         flags=flags,
         error_estimate=shaped("expected_error"),

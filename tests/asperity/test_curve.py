@@ -166,6 +166,32 @@ def test_map_and_table_hold_the_same_area(rough):
         )
 
 
+def test_table_says_where_contacts_lie_and_how_far_to_trust_them(rough):
+    """Radii of a paraboloid are those of its circle; on a rough map outlines hold the area, and
+    only contacts that fill part of their basin are cut off."""
+    hm = paraboloid(1e-3)
+    separation = [-hm.heights.mean() - 2e-7]
+    run = solve_contacts(
+        hm, STEEL, make_plan(hm, STEEL, separations=separation), separations=separation
+    )
+    table = microcontacts(run.bodies, run.states[0])
+    np.testing.assert_allclose(table["radii"][0], table["radius"][0], rtol=2e-3)
+    assert table["flags"][0] == 0 and table["filled"][0] == 0 and table["estimate"][0] < 1e-3
+    np.testing.assert_allclose(table["centre_x"], table["x"], atol=1e-8)
+
+    run = solve_contacts(
+        rough, STEEL, make_plan(rough, STEEL), pressures=default_pressures(rough, STEEL)[-2:]
+    )
+    table = microcontacts(run.bodies, run.states[-1])
+    radii = table["radii"]
+    assert radii.shape == (len(table), 16) and (radii > 0).all()
+    enclosed = np.pi * np.mean(radii**2, axis=1)
+    loose = table["filled"] == 0
+    np.testing.assert_allclose(np.median(enclosed[loose] / table["area"][loose]), 1, atol=0.02)
+    assert (table["filled"] <= 1).all() and (table["filled"] > 0).any()
+    assert (table["estimate"] >= 0).all() and np.isfinite(table["estimate"]).all()
+
+
 def test_pressure_map_carries_the_load_of_the_contacts_it_resolves():
     hm = paraboloid(1e-3)
     separation = [-hm.heights.mean() - 2e-7]
