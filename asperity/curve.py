@@ -42,7 +42,7 @@ __all__ = ["Asperities", "ContactRun", "contact_curve", "solve_contacts"]
 
 TOLERANCE = 3e-2
 """Bound on the residual under a load before its last Newton step, whose effect on load and area is
-a tenth of it or less (docs/interaction.md); a third at a separation, where no load is held."""
+a tenth of it or less (docs/interaction.md); a tenth at a separation, where none follows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -290,7 +290,7 @@ def solve_contacts(
         kept = ([those[i] for i in chosen] for those in (states, places, patches))
         return _curve(bodies, *kept, solving)
 
-    bound = TOLERANCE if kind == "pressure" else TOLERANCE / 3
+    bound = TOLERANCE if kind == "pressure" else TOLERANCE / 10
     for i in np.argsort(values if kind == "pressure" else -values, kind="stable").tolist():
         asked = {"mean_pressure" if kind == "pressure" else "separation": float(values[i])}
         if plan.fine is not None and kind == "separation":

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -39,8 +41,6 @@ class PopulationState:
         Whether the point can be used, and one sentence if it cannot.
     iterations, products
         Newton steps and applications of the interaction.
-    normal_stiffness
-        Minus the slope of mean pressure over separation [Pa/m], by the tangent matrix.
     lowest_candidate
         Height [m] above which a summit can touch in the field of the others.
     """
@@ -59,15 +59,23 @@ class PopulationState:
     reason: str
     iterations: int
     products: int
-    normal_stiffness: float
     lowest_candidate: float
     _trail: Trail = field(repr=False)
+    _answer: Callable[[], tuple[float, NDArray[np.float64]]] = field(repr=False)
+
+    @functools.cached_property
+    def _answered(self) -> tuple[float, NDArray[np.float64]]:
+        return self._answer()
+
+    @property
+    def normal_stiffness(self) -> float:
+        """Minus the slope of mean pressure over separation [Pa/m], by the tangent matrix."""
+        return self._answered[0]
 
     @property
     def response(self) -> NDArray[np.float64]:
         """Approach that each contact gains per fall of the flat [-], shape (n,)."""
         gained = np.ones(len(self.force))
         if self._trail.points:
-            last = self._trail.points[-1]
-            gained[last.rows] = last.values[:, 3]
+            gained[self._trail.points[-1].rows] = self._answered[1]
         return gained

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -221,9 +223,21 @@ class Trail:
         population = self.population
         approach = np.maximum(population.height - separation, 0.0)
         laws = population.laws(approach)
-        still = np.zeros((len(approach), 2))
-        slope = float(laws.stiffness.sum())
-        done = Solution(separation, approach, approach, laws, still, 0.0, 0, 0, "", slope)
+        still, slope = np.zeros((len(approach), 2)), float(laws.stiffness.sum())
+        shares = np.ones(len(approach))
+        done = Solution(
+            separation,
+            approach,
+            approach,
+            laws,
+            still,
+            0.0,
+            0,
+            0,
+            "",
+            shares,
+            lambda: (slope, shares),
+        )
         trail = replace(self, listing=None)
         return trail._pack(approach, laws.force, laws.stiffness, laws.area, done, 0, 0)
 
@@ -257,7 +271,14 @@ class Trail:
             reason=solution.reason,
             iterations=steps,
             products=products,
-            normal_stiffness=solution.slope / population.nominal_area,
             lowest_candidate=solution.separation + 1.1 * lowest,
             _trail=self,
+            _answer=functools.partial(_per_area, solution.answer, population.nominal_area),
         )
+
+
+def _per_area(
+    answer: Callable[[], tuple[float, NDArray[np.float64]]], area: float
+) -> tuple[float, NDArray[np.float64]]:
+    slope, shares = answer()
+    return slope / area, shares

@@ -240,7 +240,7 @@ def cost() -> None:
                 for separation in np.linspace(top, low, 50):
                     wall, busy = time.perf_counter(), time.process_time()
                     state = bodies.solve(
-                        separation=float(separation), state=state, tolerance=TOLERANCE / 3
+                        separation=float(separation), state=state, tolerance=TOLERANCE / 10
                     )
                     rows.append(
                         (time.perf_counter() - wall, time.process_time() - busy, state.products)

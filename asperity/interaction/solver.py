@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+import functools
 import math
-from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _state_kernels
+from .finish import FORCING, Solution, answer, finished, shared, tangent_of
 from .gradients import conjugate_gradients
-from .laws import Evaluated
 from .residual import Residual
 from .state import Problem, State
 from .step import Step
-from .tangent import Tangent
 
 __all__ = ["Solution", "conjugate_gradients", "descend"]
 
@@ -45,54 +44,7 @@ SUFFICIENT = 1e-4
 ROUGH = 0.03
 """Residual above which the laws are taken anew within a step."""
 
-FORCING = 0.2
-"""Relative accuracy of the linear solve of a step."""
-
-RESPONSE = 0.1
-"""The same of the response to a fall of the plane; twice as many digits of its sum are right."""
-
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Solution:
-    """What `descend` reached.
-
-    Attributes
-    ----------
-    separation
-        Separation s [m] of the point.
-    approach
-        Approach d [m] of each contact, zero where it is open.
-    wanted
-        z - s - u [m]: the approach where the contact is closed, minus the gap where it is open.
-    laws
-        Laws at the approach.
-    tilt
-        Gradients [-] of the displacement at this point, shape (n, 2).
-    residual
-        sum |r_i| k_i over sum F_i, an upper estimate of the relative error of the load.
-    steps, products
-        Newton steps, and applications of the interaction in all.
-    reason
-        "" if converged.
-    slope
-        Minus the slope of the load over the separation [N/m].
-    shares
-        Approach that each contact gains per fall of the plane [-], shape (n,).
-    """
-
-    separation: float
-    approach: Array
-    wanted: Array
-    laws: Evaluated
-    tilt: Array
-    residual: float
-    steps: int
-    products: int
-    reason: str
-    slope: float = 0.0
-    shares: Array | float = 1.0
 
 
 def descend(
@@ -163,12 +115,12 @@ def descend(
         tilt = tilt + (share if step >= EARLY else 1.0) * (state.field.tilt - tilt)
         last = behind
         residual.raised(held - state.risen)
-        tangent = _tangent(problem, residual)
+        tangent = tangent_of(problem, residual)
         solved = conjugate_gradients(
             tangent,
             residual.error[residual.active],
             tolerance=_forcing(residual.relative, tolerance),
-            start=None if load is None else _shared(missing, compliance, tangent),
+            start=None if load is None else shared(missing, compliance, tangent),
             held=load is not None,
         )
         if not math.isfinite(solved.constant):
@@ -204,77 +156,10 @@ def descend(
         step,
         products,
         reason,
+        np.broadcast_to(compliance, start.shape),
+        functools.partial(answer, problem, residual, compliance),
     )
-    return _finished(problem, state, residual, found, load, compliance)
-
-
-def _finished(
-    problem: Problem,
-    state: State,
-    residual: Residual,
-    found: Solution,
-    load: float | None,
-    compliance: Array | float,
-) -> Solution:
-    """The last Newton step, taken if the residual is small without a look at what it leaves, and
-    the response to a fall of the plane, by the same tangent."""
-    tangent = _tangent(problem, residual)
-    rows = tangent.index
-    if not len(rows):
-        return found
-    response = _shared(None, compliance, tangent)
-    if not found.reason:
-        missing = 0.0 if load is None else load - float(state.laws.force.sum())
-        move, error = Step(problem, state, residual, tangent), residual.error[rows]
-        solved = conjugate_gradients(
-            tangent,
-            error,
-            tolerance=FORCING,
-            start=None if load is None else missing / response.sum() * response,
-            held=load is not None,
-        )
-        constant, change = solved.constant, solved.solution
-        approach, wanted = np.zeros(len(state.approach)), residual.wanted - constant
-        approach[rows] = move.approach(change)
-        wanted[rows] = move.wanted_after(constant, change, error - solved.residual)
-        found = replace(
-            found,
-            separation=found.separation + constant,
-            approach=approach,
-            wanted=wanted,
-            laws=problem.laws(approach),
-            products=found.products + solved.products,
-        )
-    # footprints that grow would make it too soft
-    tangent.stiffen(1 / residual.stiffness[rows] - tangent.compliance)
-    solved = conjugate_gradients(tangent, np.ones(len(rows)), tolerance=RESPONSE, start=response)
-    shares = np.ones(len(state.approach))
-    shares[rows] = solved.solution * tangent.compliance
-    # stationary in the solution, so that its error counts twice
-    slope = float(solved.solution @ (1 + solved.residual))
-    found = replace(found, slope=slope, shares=shares, products=found.products + solved.products)
-    if load is None or found.reason or not slope > 0:
-        return found
-    fall = (load - float(found.laws.force.sum())) / slope
-    approach = np.where(found.approach > 0, np.maximum(found.approach + fall * shares, 0.0), 0.0)
-    return replace(
-        found,
-        separation=found.separation - fall,
-        approach=approach,
-        wanted=found.wanted + fall,
-        laws=problem.laws(approach),
-    )
-
-
-def _tangent(problem: Problem, residual: Residual) -> Tangent:
-    return Tangent(problem.plan, residual.active, residual.stiffness, residual.extra, problem.form)
-
-
-def _shared(missing: float | None, compliance: Array | float, tangent: Tangent) -> Array:
-    """A missing load [N] as the contacts will share it; per fall of the plane [N/m] if None."""
-    shares = np.broadcast_to(compliance, tangent.plan.order.shape)[tangent.index]
-    shares = shares / tangent.compliance
-    return shares if missing is None else missing / float(shares.sum()) * shares
+    return found if load is None or reason else finished(problem, state, residual, found, load)
 
 
 def _relaxed(
