@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from .microcontact.punch import flat_punch as flat_punch
     from .microcontact.viscoelastic import Relaxation as Relaxation
     from .microcontact.viscoelastic import viscoelastic_indent as viscoelastic_indent
+    from .paraview import write_vti as write_vti
     from .plan import Plan as Plan
     from .plan import make_plan as make_plan
     from .population import Population as Population
@@ -84,6 +85,7 @@ _HOME = {
     "solve_contacts": "curve",
     "tangential_modulus": "microcontact.friction",
     "viscoelastic_indent": "microcontact.viscoelastic",
+    "write_vti": "paraview",
 }
 
 __all__ = sorted(_HOME)

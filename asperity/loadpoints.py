@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces.heightmap import HeightMap
+from surfaces.heightmap import HeightMap, require_map
 
 from .errors import InputError
 
@@ -37,11 +37,7 @@ def require_scene(hm: object, material: object) -> None:
     InputError
         Saying what to give instead.
     """
-    if not isinstance(hm, HeightMap):
-        raise InputError(
-            f"a surfaces.HeightMap is needed, not {type(hm).__name__}: "
-            "surfaces.HeightMap(heights, (dy, dx)) or surfaces.read(path)"
-        )
+    require_map(hm)
     if not (hasattr(material, "modulus") and hasattr(material, "m")):
         raise InputError(
             f"an asperity.HalfSpace is needed, not {type(material).__name__}: "

@@ -202,7 +202,8 @@ class ContactCurve:
 
     def select(self, points: ArrayLike) -> ContactCurve:
         """The curve of some load points (indices or a mask), in that order."""
-        index = np.arange(len(self))[np.asarray(points)]
+        chosen = np.asarray(points)
+        index = np.arange(len(self))[chosen if chosen.size else []]
         return dataclasses.replace(
             self,
             **{name: getattr(self, name)[index] for name in POINT_FIELDS},

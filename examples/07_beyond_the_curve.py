@@ -2,7 +2,6 @@
 
 import asperity
 import surfaces
-from asperity.paraview import write_vti
 
 hm = surfaces.self_affine(
     (180, 240), (0.9e-3, 1.2e-3), hurst=0.8, rms_slope=0.1, rolloff=2e-4, cutoff=3.2e-5, seed=7
@@ -18,7 +17,7 @@ print(f"the strongest is at x = {strongest['x']:.3g} m, y = {strongest['y']:.3g}
 
 pressure = run.pressure_map()  # (ny, nx) [Pa]
 print(f"the pressure field carries {pressure.mean() / curve.mean_pressure[-1]:.6f} of the load")
-write_vti("contact.vti", {"pressure": pressure, "contact": run.contact_map()}, hm.spacing)
+asperity.write_vti("contact.vti", {"pressure": pressure, "contact": run.contact_map()}, hm.spacing)
 
 sizes = asperity.size_distribution(table["area"], bins=8)
 print(f"contacts per bin of area: {sizes['contacts'].tolist()}")

@@ -9,7 +9,7 @@ from pathlib import Path
 from numpy.typing import ArrayLike
 
 from .errors import FileFormatError, InputError, SurfaceError
-from .heightmap import HeightMap
+from .heightmap import HeightMap, require_map
 
 __all__ = ["read", "write"]
 
@@ -101,6 +101,7 @@ def write(hm: HeightMap, path: str | os.PathLike[str], *, dtype: str = "float64"
     InputError
         If the format cannot hold a height map with its units, or the file cannot be written.
     """
+    require_map(hm)
     path = Path(path)
     if path.suffix.lower() in _HDF5:
         from .hdf5_write import write_blocks

@@ -15,6 +15,7 @@ from ._container import HEIGHTS
 from ._schema import SCHEMA, plain
 from ._writing import replacing
 from .errors import InputError, SurfaceError
+from .heightmap import checked_spacing
 
 __all__ = ["write_blocks"]
 
@@ -52,10 +53,14 @@ def write_blocks(
     Raises
     ------
     InputError
-        If the blocks do not fill the shape, the dtype is another, or the file cannot be written.
+        If the shape or the spacing is that of no map, the blocks do not fill it or hold infinities,
+        the dtype is another, or the file cannot be written.
     """
     if dtype not in ("float64", "float32"):
         raise InputError(f"dtype is {dtype!r}; heights are stored as float64 or float32")
+    if len(shape) != 2 or min(shape) < 3:
+        raise SurfaceError(f"shape is {shape}; a height map needs two axes of at least 3 points")
+    spacing = checked_spacing(spacing)
     steps = [dict(step) for step in history]
     with replacing(path) as part, h5py.File(part, "w", libver=("v110", "v110")) as file:
         heights = file.create_dataset(
@@ -91,6 +96,8 @@ def _whole_chunks(
     for block in blocks:
         rows = np.asarray(block, dtype=np.float64)
         row = written + len(held)
+        if np.isinf(rows).any():
+            raise SurfaceError(f"block at row {row} holds infinite heights; mark missing with NaN")
         if rows.ndim != 2 or rows.shape[1] != shape[1] or row + len(rows) > shape[0]:
             raise SurfaceError(f"block at row {row} has shape {rows.shape} in a map of {shape}")
         held = np.concatenate([held, rows]) if len(held) else rows

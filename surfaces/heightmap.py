@@ -17,7 +17,7 @@ from .errors import SurfaceError
 if TYPE_CHECKING:
     from .roughness import Roughness
 
-__all__ = ["HeightMap"]
+__all__ = ["HeightMap", "checked_spacing", "require_map"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,9 @@ class HeightMap:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "heights", _checked_heights(self.heights))
-        object.__setattr__(self, "spacing", _checked_spacing(self.spacing))
+        object.__setattr__(self, "spacing", checked_spacing(self.spacing))
+        if not isinstance(self.periodic, bool | np.bool_):
+            raise SurfaceError(f"periodic is {self.periodic!r}; it must be True or False")
         object.__setattr__(self, "history", tuple(dict(step) for step in self.history))
 
     @property
@@ -155,7 +157,8 @@ def _checked_heights(heights: Any) -> NDArray[np.float64]:
     return array
 
 
-def _checked_spacing(spacing: Any) -> tuple[float, float]:
+def checked_spacing(spacing: Any) -> tuple[float, float]:
+    """Pixel size (dy, dx) [m], both positive and finite, from a pair or one number."""
     try:
         pair = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,))
     except (TypeError, ValueError):
@@ -165,3 +168,12 @@ def _checked_spacing(spacing: Any) -> tuple[float, float]:
             f"spacing is {tuple(pair.tolist())}; both pixel sizes (dy, dx) must be positive"
         )
     return float(pair[0]), float(pair[1])
+
+
+def require_map(hm: object) -> None:
+    """Refuse what is no height map, such as a bare array, and say how to make one."""
+    if not isinstance(hm, HeightMap):
+        raise SurfaceError(
+            f"a surfaces.HeightMap is needed, not {type(hm).__name__}: "
+            "surfaces.HeightMap(heights, (dy, dx)) or surfaces.read(path)"
+        )

@@ -6,7 +6,7 @@ import numpy as np
 
 from . import filling, filtering, levelling
 from .errors import SurfaceError
-from .heightmap import HeightMap
+from .heightmap import HeightMap, require_map
 from .outliers import mark_outliers
 
 __all__ = ["prepare"]
@@ -52,6 +52,7 @@ def prepare(
     SurfaceError
         If an option is unknown, or too many points are missing.
     """
+    require_map(hm)
     if fill not in (None, "harmonic"):
         raise SurfaceError(f"fill is {fill!r}; it must be None or harmonic")
     if not 0.0 <= fill_limit < 1.0:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from .bearing import bearing_curve
 from .correlation import Texture, autocorrelation, texture
 from .errors import SurfaceError
-from .heightmap import HeightMap
+from .heightmap import HeightMap, require_map
 from .levelling import level
 from .spectrum import SpectralMoments, power_spectrum
 from .spectrum_fit import SpectrumFit, fit_spectrum
@@ -102,6 +102,7 @@ def describe(hm: HeightMap) -> Statistics:
     SurfaceError
         If the map is constant.
     """
+    require_map(hm)
     z = hm.heights[np.isfinite(hm.heights)]
     if np.ptp(z) == 0.0:
         raise SurfaceError("the map is constant; it has no roughness")

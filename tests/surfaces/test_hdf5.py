@@ -138,6 +138,21 @@ def test_too_few_rows_are_refused(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("shape", "spacing", "match"),
+    [
+        ((2, 4), SPACING, "3 points"),
+        ((3, 4), (1e-6, -1e-6), "pixel size"),
+        ((3, 4), SPACING, "inf"),
+    ],
+)
+def test_what_could_not_be_read_again_is_not_written(tmp_path: Path, shape, spacing, match) -> None:
+    blocks = [np.zeros((2, 4)), np.full((1, 4), np.inf)]
+    with pytest.raises(SurfaceError, match=match):
+        surfaces.write_blocks(tmp_path / "b.h5", shape, spacing, blocks)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_missing_folder_is_one_sentence(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot be written"):
         surfaces.write(bumps(), tmp_path / "none" / "b.h5")

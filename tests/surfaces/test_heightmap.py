@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surfaces import HeightMap, SurfaceError
+from surfaces import HeightMap, SurfaceError, describe, prepare, write
 
 GRID = np.arange(20.0).reshape(4, 5)
 
@@ -45,3 +45,16 @@ def test_what_is_no_map_of_heights(heights, match):
 def test_what_is_no_pixel_size(spacing):
     with pytest.raises(SurfaceError, match="pixel size"):
         HeightMap(GRID, spacing)
+
+
+@pytest.mark.parametrize("periodic", ["no", 1, None])
+def test_periodic_is_true_or_false(periodic):
+    """Not a text, which would be true whatever it says."""
+    with pytest.raises(SurfaceError, match="periodic is"):
+        HeightMap(GRID, 1e-6, periodic=periodic)
+
+
+@pytest.mark.parametrize("use", [prepare, describe, lambda hm: write(hm, "map.h5")])
+def test_a_bare_array_is_no_map(use):
+    with pytest.raises(SurfaceError, match=r"HeightMap is needed, not ndarray: .*\(dy, dx\)"):
+        use(GRID)
