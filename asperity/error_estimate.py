@@ -35,10 +35,10 @@ TERMS = (
 )
 """Names of the terms, see `terms`."""
 
-LOAD_WEIGHTS = (0.0064, 0.1442, 0.0, 0.0, 0.0579, 0.0, 0.0079, 0.0967, 0.3397, 0.5974)
+LOAD_WEIGHTS = (0.0258, 0.0811, 0.7111, 0.0, 0.0542, 0.0, 0.0, 0.089, 0.227, 0.5864)
 """Weights of the terms for the load at equal separation."""
 
-AREA_WEIGHTS = (0.0786, 0.6484, 1.1364, 0.0219, 0.0, 0.0159, 0.0539, 0.0, 0.0, 0.0)
+AREA_WEIGHTS = (0.1656, 0.0197, 0.2648, 0.0, 0.0, 0.0001, 0.065, 0.0415, 0.0, 2.1687)
 """Weights of the terms for the contact area at equal load."""
 
 

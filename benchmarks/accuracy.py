@@ -6,8 +6,8 @@
 
 Families: isotropic with the cut-off at 4, 8, 16, 32 pixels and Hurst exponents 0.5, 0.8, 0.9,
 anisotropic 4:1, plateau-honed, and graded m = +-0.3. Those with --measured-like resemble measured
-maps: spectra to the pixel, noise, spikes, lay on a form, steps, few summits, tapered borders. Ten
-mean pressures from about 0.1 % to 15 % of contact.
+maps: spectra to the pixel, noise, spikes, lay on a form, steps, few summits (smooth, steep, blunt),
+tapered borders. Ten mean pressures from about 0.1 % to 15 % of contact.
 
 The reference is solved on the map refined twice by its own Fourier series: the surface that the
 model sees, too. Columns: family, seed, area_fraction (reference, corrected), load_error at equal
@@ -103,7 +103,15 @@ def measured_like(points: int, seed: int) -> dict[str, surfaces.HeightMap]:
         "steps": tapered(np.mean(near, axis=0)),
         "few summits": tapered(rough(12.0, float(points)).heights),
         "few summits, fine": tapered(rough(5.0, float(points)).heights),
+        "few summits, smooth": tapered(rough(24.0, float(points)).heights),
+        "few summits, steep": tapered(_steepened(rough(10.0, float(points)))),
+        "few summits, blunt": tapered(-_steepened(rough(10.0, float(points)))),
     }
+
+
+def _steepened(hm: surfaces.HeightMap) -> NDArray[np.float64]:
+    """Heights of a map whose high parts are drawn out and whose low ones are pressed together."""
+    return hm.rms_height * np.exp((hm.heights - hm.heights.mean()) / hm.rms_height)
 
 
 def curves(
@@ -167,7 +175,11 @@ def scenes(args: argparse.Namespace) -> list[tuple[str, int, surfaces.HeightMap,
     for seed in args.seeds:
         if args.measured_like:
             found = measured_like(args.points, seed)
-            out += [(name, seed, hm, 0.0) for name, hm in found.items()]
+            out += [
+                (name, seed, hm, 0.0)
+                for name, hm in found.items()
+                if not args.families or any(part in name for part in args.families)
+            ]
         else:
             out += [
                 (name, seed, surface(args.points, seed, recipe), recipe.get("m", 0.0))
