@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import fft
 
-from surfaces._threads import threads
+from surfaces._threads import blocks, run, threads
 from surfaces.heightmap import HeightMap
 
 if TYPE_CHECKING:
@@ -145,30 +145,24 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
     if any(abs(value - 3.0) > KURTOSIS for value in _kurtosis(hm)):
         return "scales: all, the finest waves are not random, so that no law holds for all of them"
     waves = fft.rfft2(hm.heights, workers=threads())
-    number, power, aside = _spectrum(waves, hm)
-    shells = 2.0 * np.pi / max(hm.size)
-    shell = np.rint(number / shells).astype(np.int64)
-    amount = np.bincount(shell.ravel(), power.ravel())
-    q = shells * np.arange(amount.size)
-    m0, m2, m4 = (np.cumsum(amount * q**n) / c for n, c in ((0, 1.0), (2, 2.0), (4, 8.0 / 3.0)))
-    breadth = np.divide(m0 * m4, m2**2, out=np.zeros(m2.size), where=m2 > 0.0)
+    shell, sums = _shells(waves, hm)
+    m0, energy, m2, m4, aside = np.cumsum(sums, axis=0).T
+    breadth = np.divide(1.5 * m0 * m4, m2**2, out=np.zeros(m2.size), where=m2 > 0.0)
     last = int(np.argmax(breadth > BROADEST))
     if breadth[-1] < WORTH_IT * BROADEST or last == 0:
         return "scales: all, the spectrum is narrow enough for a contact at each summit"
-    fine = shell > last
-    steep = power * number**2
-    total, lost = float(steep.sum()), float(steep[fine].sum())
-    if abs(float((steep * aside)[fine].sum())) > ANISOTROPY * lost:
+    lost = float(m2[-1] - m2[last])
+    if abs(aside[-1] - aside[last]) > ANISOTROPY * lost:
         return "scales: all, the finest waves have a direction, for which there is no law"
-    shortest = 2.0 * np.pi / (shells * last)
-    coarse = _without(waves, fine, hm, shortest)
+    shortest = 2.0 * np.pi / (shell * last)
+    coarse = _without(waves, (last + 0.5) * shell, hm, shortest)
     if coarse is None:
         return "scales: all, the map is too small to take its finest waves out"
     return coarse, FineScales(
         shortest=shortest,
-        ratio=lost / (total - lost),
+        ratio=lost / float(m2[last]),
         variance=0.25 * material.modulus**2 * lost,
-        energy=0.25 * material.modulus * float((power * number)[fine].sum()),
+        energy=0.25 * material.modulus * float(energy[-1] - energy[last]),
     )
 
 
@@ -183,26 +177,33 @@ def _kurtosis(hm: HeightMap) -> tuple[float, float]:
     return found[0], found[1]
 
 
-def _spectrum(waves: NDArray[np.complex128], hm: HeightMap) -> tuple[Array, Array, Array]:
-    """Wave numbers [1/m], mean squares [m^2] and (qx^2 - qy^2) / q^2 of the waves of a map."""
+def _shells(waves: NDArray[np.complex128], hm: HeightMap) -> tuple[float, Array]:
+    """Width [1/m] of the shells of equal wave number, and their sums (`shell_sums`)."""
+    from ._scale_kernels import shell_sums
+
+    qy, qx = _numbers(hm)
+    width = 2.0 * np.pi / max(hm.size)
+    count = int(np.hypot(np.abs(qy).max(), qx.max()) / width + 0.5) + 1
+    waves[0, 0] = 0.0
+
+    def part(first: int, last: int) -> Array:
+        out = np.zeros((count, 5))
+        shell_sums(waves[first:last], qy[first:last], qx, width, hm.shape[1] % 2 == 0, out)
+        return out
+
+    return width, np.sum(run(part, blocks(len(qy), 64)), axis=0) / hm.heights.size**2
+
+
+def _numbers(hm: HeightMap) -> tuple[Array, Array]:
+    """Wave numbers [1/m] of the rows and columns of the real transform of a map."""
     (ny, nx), (dy, dx) = hm.shape, hm.spacing
-    qy = 2.0 * np.pi * fft.fftfreq(ny, dy)[:, None]
-    qx = 2.0 * np.pi * fft.rfftfreq(nx, dx)
-    power = np.square(waves.real) + np.square(waves.imag)
-    power *= 2.0 / hm.heights.size**2
-    power[:, 0] *= 0.5
-    if nx % 2 == 0:
-        power[:, -1] *= 0.5
-    power[0, 0] = 0.0
-    square = qy**2 + qx**2
-    aside = (qx**2 - qy**2) / np.maximum(square, np.finfo(float).tiny)
-    return np.sqrt(square), power, aside
+    return 2.0 * np.pi * fft.fftfreq(ny, dy), 2.0 * np.pi * fft.rfftfreq(nx, dx)
 
 
 def _without(
-    waves: NDArray[np.complex128], fine: NDArray[np.bool_], hm: HeightMap, shortest: float
+    waves: NDArray[np.complex128], limit: float, hm: HeightMap, shortest: float
 ) -> HeightMap | None:
-    """The map of the waves that are not fine, on the coarsest grid that holds it."""
+    """The map of the waves up to the number `limit`, on the coarsest grid that holds it."""
     shape = [
         min(n, fft.next_fast_len(int(np.ceil(POINTS * length / shortest)), real=True))
         for n, length in zip(hm.shape, hm.size, strict=True)
@@ -210,17 +211,19 @@ def _without(
     if min(shape) < FEWEST:
         return None
     ny, nx = shape
-    kept = np.where(fine, 0.0, waves)
-    half = (ny - 1) // 2
+    half, width = (ny - 1) // 2, (nx - 1) // 2 + 1
     rows = np.r_[0 : half + 1, hm.shape[0] - half : hm.shape[0]]
+    qy, qx = _numbers(hm)
     held = np.zeros((ny, nx // 2 + 1), complex)
-    width = (nx - 1) // 2 + 1
-    held[np.r_[0 : half + 1, ny - half : ny], :width] = kept[rows, :width]
+    held[np.r_[0 : half + 1, ny - half : ny], :width] = np.where(
+        np.hypot(qy[rows, None], qx[:width]) < limit, waves[rows, :width], 0.0
+    )
     # pixel centres: the coarse grid begins half a coarse pixel from the border
     y = fft.fftfreq(ny)[:, None] * (1.0 - ny / hm.shape[0]) * np.pi
     x = fft.rfftfreq(nx) * (1.0 - nx / hm.shape[1]) * np.pi
     held *= np.exp(1j * (y + x))
     heights = fft.irfft2(held, s=(ny, nx), workers=threads())
     heights *= ny * nx / hm.heights.size
+    heights += hm.roughness.mean
     step = {"step": "bandpass", "shortest": shortest, "to": [ny, nx]}
     return hm.replace(heights=heights, spacing=(hm.size[0] / ny, hm.size[1] / nx), step=step)
