@@ -31,6 +31,10 @@ BROADEST = 10.0
 WORTH_IT = 2.5
 """Breadth over `BROADEST` from which on the finest waves are taken out."""
 
+COARSE = (3.0, 0.2, 1.2)
+"""Waves shorter than so many pixels that hold more than this share of the squared slope leave the
+summits themselves uncertain; then from this breadth over `BROADEST` on."""
+
 POINTS = 4.0
 """Points of the coarse grid per shortest wave that is kept."""
 
@@ -139,8 +143,8 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
     found = hm.roughness
     slope, bend = np.asarray(found.slope), np.asarray(found.curvature)
     rough = found.rms_height**2 * np.mean(bend**2) / np.mean(slope**2) ** 2
-    # differences between neighbors halve the breadth of a spectrum that reaches the pixel
-    if 2.0 * rough < WORTH_IT * BROADEST:
+    # differences between neighbors see less of the breadth of a spectrum that reaches the pixel
+    if 1.3 * rough < COARSE[2] * BROADEST:
         return "scales: all, the spectrum is narrow enough for a contact at each summit"
     if any(abs(value - 3.0) > KURTOSIS for value in _kurtosis(hm)):
         return "scales: all, the finest waves are not random, so that no law holds for all of them"
@@ -149,7 +153,9 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
     m0, energy, m2, m4, aside = np.cumsum(sums, axis=0).T
     breadth = np.divide(1.5 * m0 * m4, m2**2, out=np.zeros(m2.size), where=m2 > 0.0)
     last = int(np.argmax(breadth > BROADEST))
-    if breadth[-1] < WORTH_IT * BROADEST or last == 0:
+    resolved = min(int(2.0 * np.pi / (COARSE[0] * max(hm.spacing)) / shell), m2.size - 1)
+    uncertain = m2[resolved] < (1.0 - COARSE[1]) * m2[-1]
+    if breadth[-1] < (COARSE[2] if uncertain else WORTH_IT) * BROADEST or last == 0:
         return "scales: all, the spectrum is narrow enough for a contact at each summit"
     lost = float(m2[-1] - m2[last])
     if abs(aside[-1] - aside[last]) > ANISOTROPY * lost:
