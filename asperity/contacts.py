@@ -42,7 +42,8 @@ def microcontacts(bodies: Asperities, state: PopulationState) -> NDArray[np.void
     gives it), flags (bits of `asperity.microcontact.Flag`), estimate (relative error of the force
     that the law expects of itself), filled (share of the directions in which the contact fills its
     basin), radii [m] (about the summit along 16 equispaced directions from x towards y, see
-    `asperity.outlines`).
+    `asperity.outlines`), closed_area [m^2] (what touches within the contact; less than its area
+    where the finest waves act as a law of the contacts of the others, `asperity.scales`).
     """
     active = np.flatnonzero(state.force > 0)
     profiles = bodies.profiles
@@ -73,6 +74,7 @@ def microcontacts(bodies: Asperities, state: PopulationState) -> NDArray[np.void
             "estimate": np.abs(table.spread_at(active, depth)),
             "filled": filled,
             "radii": radii,
+            "closed_area": bodies.closed_area(state)[active],
         }
     )
 

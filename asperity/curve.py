@@ -26,7 +26,7 @@ from .contacts import (
     pressure_map,
 )
 from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, terms
-from .fine_points import FinePoint, at_separation, fine_point
+from .fine_points import FinePoint, at_separation, closed_area, fine_point
 from .loadpoints import checked_loads
 from .microcontact.growing import GrowingTable
 from .microcontact.laws import tabulate
@@ -135,6 +135,12 @@ class Asperities:
             return FinePoint.plain(state)
         found = self.hm.roughness
         return fine_point(self.population, self.plan.fine, state, found.highest - found.mean)
+
+    def closed_area(self, state: PopulationState) -> NDArray[np.float64]:
+        """Area [m^2] that touches within each contact, shape (n,)."""
+        if self.plan.fine is None:
+            return state.area
+        return closed_area(self.plan.fine, state, self.population.nominal_area)
 
     def deep_enough(self, state: PopulationState) -> bool:
         """Whether no contact came near the height below which nothing was segmented."""

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from .curve import Asperities
     from .population import Population, PopulationState
     from .scales import FineScales
 
-__all__ = ["FinePoint", "at_separation", "fine_point"]
+__all__ = ["FinePoint", "at_separation", "closed_area", "fine_point"]
 
 STEP = 0.02
 """Change of the load, relative, over which energies are compared."""
@@ -72,15 +73,11 @@ def fine_point(
         top = float(population.height[population.falling[0]])
         return FinePoint(max(state.separation, highest + state.separation - top), 0.0, 0.0)
     nominal, law = population.nominal_area, population.laws.rows(closed)
-    pressure = state.force[closed] / state.area[closed]
-
-    def remaining(share: float) -> float:
-        return float(state.area[closed] @ fine.remaining(pressure, share))
-
-    share = state.contact_area / nominal
-    share = 0.5 * (share + remaining(share) / nominal)
-    area = remaining(share)
+    area = float(closed_area(fine, state, nominal).sum())
+    share = 0.5 * (state.contact_area + area) / nominal
     stiffness, gained = state.normal_stiffness, state.response[closed]
+    if not stiffness > 0.0:  # a failed solve, marked as such
+        return FinePoint(state.separation, area, stiffness)
     fall = STEP * state.mean_pressure / stiffness
 
     def energy(step: float) -> tuple[float, float]:
@@ -95,6 +92,22 @@ def fine_point(
     change = factor * ((high - middle) / (more - load) - (middle - low) / (load - less))
     compliance = 1.0 / stiffness - change / (0.5 * (more - less)) * nominal
     return FinePoint(min(state.separation + lift, highest), area, 1.0 / compliance)
+
+
+def closed_area(fine: FineScales, state: PopulationState, nominal: float) -> NDArray[np.float64]:
+    """Area [m^2] of each contact that the fine waves leave closed, shape (n,).
+
+    `nominal` is the area of the cell [m^2].
+    """
+    closed = state.force > 0
+    area = np.zeros(len(state.force))
+    area[closed] = state.area[closed]
+    pressure = state.force[closed] / area[closed]
+    share = state.contact_area / nominal
+    for _ in range(2):
+        area[closed] = state.area[closed] * fine.remaining(pressure, share)
+        share = 0.5 * (state.contact_area + float(area.sum())) / nominal
+    return area
 
 
 def at_separation(

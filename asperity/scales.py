@@ -177,7 +177,7 @@ def _kurtosis(hm: HeightMap) -> tuple[float, float]:
     found = []
     for axis in (0, 1):
         lines = hm.heights if axis else hm.heights.T
-        lines = lines[:: max(1, lines.shape[0] // 512)]
+        lines = lines[:: max(1, lines.shape[0] // 128)]
         bend = np.square(2.0 * lines - np.roll(lines, 1, 1) - np.roll(lines, -1, 1))
         found.append(float(np.mean(bend**2) / np.mean(bend) ** 2))
     return found[0], found[1]

@@ -13,6 +13,7 @@ from scipy.special import erf, exp1
 
 import asperity
 import surfaces
+from asperity.cli.main import main
 from asperity.curve import Asperities, solve_contacts
 from asperity.errors import InputError
 from asperity.loadpoints import pressure_scale
@@ -200,5 +201,23 @@ def test_nearer_to_boundary_elements_than_with_all_summits(rough, loads):
 def test_states_are_of_the_longer_waves(rough, loads):
     plan = make_plan(rough, STEEL, pressures=loads)
     run = solve_contacts(rough, STEEL, plan, pressures=loads)
-    for state, area in zip(run.states, run.curve.contact_area, strict=True):
-        assert 0 < area < state.contact_area
+    for point, area in enumerate(run.curve.contact_area):
+        table = run.microcontacts(point)
+        assert table["closed_area"].sum() == pytest.approx(area, rel=1e-9)
+        assert (table["closed_area"] < table["area"]).all()
+        assert table["area"].sum() == pytest.approx(run.states[point].contact_area, rel=1e-9)
+        force = run.curve.mean_pressure[point] * rough.area
+        assert table["force"].sum() == pytest.approx(force, rel=1e-9)
+
+
+def test_from_the_command_line(rough, tmp_path, capsys):
+    file, results = tmp_path / "rough.h5", tmp_path / "results.h5"
+    surfaces.write(rough, file)
+    body = ["--modulus", "2e11", "--pressure", "1e8,4e8"]
+    assert main(["plan", str(file), *body]) == 0
+    assert "act as a law of the contacts" in capsys.readouterr().out
+    for scales, waves in (("auto", True), ("all", False)):
+        asked = ["--scales", scales, "--results", str(results)]
+        assert main(["curve", str(file), *body, *asked]) == 0
+        curve = asperity.ContactCurve.from_hdf5(results, "asperity")
+        assert (curve.settings["shortest_wave"] is not None) == waves
