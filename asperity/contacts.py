@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.heightmap import HeightMap
-
 from .outlines import outlines
 from .population import PopulationState
 from .tables import structured
@@ -114,7 +112,7 @@ def _covered(
     peak = np.where(labels >= 0, profiles.owner[labels], 0)
     rows, cols = np.nonzero((labels >= 0) & (state.force[peak] > 0))
     own = peak[rows, cols]
-    dy, dx = _offset(hm, hm.y[rows] - profiles.y[own], hm.x[cols] - profiles.x[own])
+    dy, dx = _offset(bodies, hm.y[rows] - profiles.y[own], hm.x[cols] - profiles.x[own])
     distance = _scaled_distance(dy, dx, profiles.angle[own], major[own], minor[own])
     inside = distance < 1.0
     pixel, own, distance = (rows * hm.shape[1] + cols)[inside], own[inside], distance[inside]
@@ -140,12 +138,12 @@ def patch_count(bodies: Asperities, state: PopulationState) -> int:
 def adjoining(bodies: Asperities) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Pairs of summits whose basins adjoin, (n, 2), and the way y, x [m] from the first to the
     second, (n, 2)."""
-    hm, profiles = bodies.hm, bodies.profiles
+    profiles = bodies.profiles
     pairs = profiles.owner[bodies.peaks.neighbors]
     pairs = pairs[pairs[:, 0] != pairs[:, 1]]
     first, second = pairs.T
     way = _offset(
-        hm, profiles.y[second] - profiles.y[first], profiles.x[second] - profiles.x[first]
+        bodies, profiles.y[second] - profiles.y[first], profiles.x[second] - profiles.x[first]
     )
     return pairs, np.stack(way, axis=1)
 
@@ -157,12 +155,12 @@ def aspect_ratio(curvature: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _offset(
-    hm: HeightMap, dy: NDArray[np.float64], dx: NDArray[np.float64]
+    bodies: Asperities, dy: NDArray[np.float64], dx: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The shortest of the offsets [m] that a periodic map allows."""
-    if not hm.periodic:
+    """The shortest of the offsets [m] that a map without a border allows."""
+    if not (bodies.hm.periodic and bodies.plan.boundary == "periodic"):
         return dy, dx
-    ly, lx = hm.size
+    ly, lx = bodies.hm.size
     return dy - ly * np.round(dy / ly), dx - lx * np.round(dx / lx)
 
 

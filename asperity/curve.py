@@ -76,6 +76,8 @@ class Asperities:
         start = clock()
         mean = hm.roughness.mean
         solved = hm if plan.coarse is None else plan.coarse
+        if plan.boundary == "free" and solved.periodic:
+            solved = solved.replace(periodic=False)  # a finite punch is cut at its border
         peaks = segment(solved, above=None if plan.above is None else plan.above + mean)
         seconds["segmentation"] = clock() - start
         start = clock()

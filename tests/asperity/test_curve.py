@@ -100,6 +100,17 @@ def test_adding_a_constant_and_shifting_change_nothing(rough):
     np.testing.assert_allclose(again.separation, curve.separation, rtol=2e-3, atol=1e-10)
 
 
+def test_a_free_boundary_cuts_a_periodic_map_at_its_border(rough):
+    """Half a summit at the border is half a punch; its other half is not there to carry."""
+    loads = default_pressures(rough, STEEL, count=3)
+    whole = solve_contacts(rough, STEEL, make_plan(rough, STEEL, boundary="free"), pressures=loads)
+    cut = rough.replace(periodic=False)
+    other = solve_contacts(cut, STEEL, make_plan(cut, STEEL), pressures=loads)
+    np.testing.assert_array_equal(whole.curve.separation, other.curve.separation)
+    np.testing.assert_array_equal(whole.curve.contacts, other.curve.contacts)
+    np.testing.assert_array_equal(whole.pressure_map(), other.pressure_map())
+
+
 def test_interaction_opens_the_surface(rough):
     """On a half-space at rest far away, neighbours only ever push each other away."""
     case = {"separations": [1.0 * rough.rms_height], "boundary": "free"}
