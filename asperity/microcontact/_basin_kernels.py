@@ -63,8 +63,11 @@ def _ray_radius(shape, cx, cy):
 
 
 @njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
-def _planform(radius, weight, direction, rays, m, punch, start, inverse, out, place_):
+def _planform(radius, weight, direction, rays, m, punch, out, place_):
     """Area, stiffness and centre of planforms on rays, in four groups of `out`.
+
+    `punch` holds the stiffnesses of unit punches over the logarithm of their axis ratio, the first
+    of these and the inverse of their step.
 
     The stiffness is that of the ellipse of equal area and second moments, times the first
     correction for the other harmonics.
@@ -91,14 +94,15 @@ def _planform(radius, weight, direction, rays, m, punch, start, inverse, out, pl
     half = root(bend * bend + xy * xy)
     large, small = mean + half, most(mean - half, 2e-12 * mean)
     inertia = large * small * (4 * math.pi * unit) * (4 * math.pi * unit)
+    stiffness, start, inverse = punch
     x = (0.5 * logarithm(small / large) - start) * inverse
-    x = between(x, splat(1.0), splat(punch.size - 2.001))
+    x = between(x, splat(1.0), splat(stiffness.size - 2.001))
     i = whole(x)
     u = x - i
-    k = entries(punch, i - 1.0) * (u * (u - 1.0) * (u - 2.0) * (-1 / 6))
-    k += entries(punch, i) * ((u + 1.0) * (u - 1.0) * (u - 2.0) * 0.5)
-    k -= entries(punch, i + 1.0) * ((u + 1.0) * u * (u - 2.0) * 0.5)
-    k += entries(punch, i + 2.0) * ((u + 1.0) * u * (u - 1.0) * (1 / 6))
+    k = entries(stiffness, i - 1.0) * (u * (u - 1.0) * (u - 2.0) * (-1 / 6))
+    k += entries(stiffness, i) * ((u + 1.0) * (u - 1.0) * (u - 2.0) * 0.5)
+    k -= entries(stiffness, i + 1.0) * ((u + 1.0) * u * (u - 2.0) * 0.5)
+    k += entries(stiffness, i + 2.0) * ((u + 1.0) * u * (u - 1.0) * (1 / 6))
     k *= exponential((0.5 + 0.5 * m) * logarithm(area * (1 / math.pi)))
     store(out, place_, area)
     excess = between(inertia - 1.0, splat(0.0), splat(1.0))
@@ -132,7 +136,7 @@ def _operator(q, first, nodes, weights, unit, out):
 @njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
 def fill(
     q, nodes, weights, weight, direction, edge, rays, scale, shape, state, last, levels, m, punch,
-    start, inverse, out, space,
+    out, space,
 ):  # fmt: skip
     """Area, stiffness and centre (levels, 4) of planforms from the levels `last` on.
 
@@ -181,7 +185,7 @@ def fill(
             store(out, 4 * level + k, splat(0.0))
     for level in range(earliest, levels.size):
         _planform(
-            radius[level * rays * LANES :], weight, direction, rays, m, punch, start, inverse, out,
+            radius[level * rays * LANES :], weight, direction, rays, m, punch, out,
             4 * level,
         )  # fmt: skip
     for level in range(levels.size):

@@ -8,20 +8,20 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from numba import njit
 
 from ._contour_kernels import FIELDS, NODES, amplitudes, displace, limits, second_order
+from ._fit_kernels import FITS
 from ._lanes import (
     FAST,
     LANES,
     absolute,
-    add,
     between,
+    entries,
     exponential,
     groups,
-    least,
     load,
-    logarithm,
     most,
     sine_cosine,
     some,
@@ -54,22 +54,13 @@ _SLOPE, _BEFORE, _USED, _STEP = 5, 10, 15, 20
 """Groups of the poses: the present one, its slopes, that at the level before, the one that the
 functional was evaluated at, and the Newton step."""
 
+SHAPE_ROW = -(-SHAPE // LANES) * LANES
+"""Numbers of a contour in whole groups."""
 
-@njit(cache=True, nogil=True)
-def march_space():
-    """Working groups of `march`: poses, local polynomial, its values, fields of the contour,
-    displacements and their limits, and a system of five."""
-    return (
-        groups(25),
-        groups(TERMS),
-        groups(2 * TERMS),
-        groups(LANES * FIELDS),
-        groups(LANES * FIELDS),
-        groups(4 * NODES),
-        groups(4 * NODES),
-        groups(25),
-        groups(1),
-    )
+_STRETCH, _SMALLEST, _LEVEL, _ROUND, _FIRST, _LAST, _ALIVE = 0, 1, 2, 3, 4, 5, 6
+_SINGLE = 7
+"""Single numbers of a profile in its lane: ratio of the rays, shortest ray, level, Newton steps
+made at it, first and last trusted level, and 1 while it is followed."""
 
 
 @njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
@@ -108,141 +99,210 @@ def _values(coefs, a, b, depth, moments, out):
     return mean
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
-def _start(fit, depth, m, pose):
-    """Ellipses of the paraboloids in the smallest fits."""
-    along, across = most(load(fit, 3), splat(1e-300)), most(load(fit, 5), splat(1e-30))
-    ratio = most(0.63 * logarithm(along / across), splat(-math.log(40.0)))
-    across = logarithm(across)
-    mean = across + 0.5 / 0.63 * ratio
-    size = 0.5 * (math.log(0.5 * depth * (1 + m)) - mean)
-    store(pose, 0, size - 0.5 * ratio)
-    store(pose, 1, size + 0.5 * ratio)
-    for i in range(2, 5):
-        store(pose, i, splat(0.0))
+@njit(cache=True, nogil=True)
+def _march_space(rays):
+    """Working groups of `march_rows`: poses, local polynomial, its values, fields of the contour,
+    displacements and their limits, a system of five and numbers of table rows; the profiles in the
+    lanes: polynomials, edges, contours and single numbers."""
+    return (
+        (
+            groups(25), groups(TERMS), groups(2 * TERMS), groups(LANES * FIELDS),
+            groups(LANES * FIELDS), groups(4 * NODES), groups(4 * NODES), groups(25), groups(1),
+        ),
+        (groups(FITS * TERMS), groups(rays), groups(SHAPE), groups(_SINGLE)),
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True)
+def _enter(lane, k, coefs, frames, scales, rays, pose, present):
+    """Put profile k into a lane, at its first ellipse."""
+    fits, edge, _, single = present
+    for i in range(FITS * TERMS):
+        fits[i * LANES + lane] = coefs[k, i]
+    for p in range(rays):
+        edge[p * LANES + lane] = frames[k, 2 * rays + p]
+    for i in range(5):
+        first = scales[k, 4 + i] if i < 2 else 0.0
+        pose[i * LANES + lane] = first
+        pose[(_USED + i) * LANES + lane] = first
+        pose[(_SLOPE + i) * LANES + lane] = 0.5 if i < 2 else 0.0
+    single[_STRETCH * LANES + lane] = scales[k, 3]
+    single[_SMALLEST * LANES + lane] = scales[k, 6]
+    single[_LEVEL * LANES + lane] = 0.0
+    single[_ROUND * LANES + lane] = 0.0
+    single[_FIRST * LANES + lane] = -1.0
+    single[_LAST * LANES + lane] = -1.0
+    single[_ALIVE * LANES + lane] = 1.0
 
 
 @njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
-def march(
-    fit, shrink, fits, edge, rays, stretch, levels, most_steps, m, rows, grid, moments, state,
-    shape, space,
-):  # fmt: skip
-    """Follow eight profiles through the approaches levels**2.
+def march_rows(coefs, frames, scales, rays, levels, steps, m, rows, grid, moments, found):
+    """Follow profiles through the approaches levels**2, each lane at its own pace.
 
-    Fills the groups of state (levels, STATES), and of `shape` (SHAPE) with the contours at the
-    last trusted levels. `most_steps` Newton steps at most before the first trusted level; a profile
-    ends at the first level after it that is not trusted. Returns the first and the last trusted
-    levels, -1 for both where there are none.
+    Fills rows of the states (levels * STATES), of the contours at the last trusted levels, and of
+    the first and the last trusted level, -1 for both where there is none. `steps` Newton steps at
+    most before the first trusted level; a profile ends at the first level after it that is not
+    trusted. A lane whose profile has ended takes the next one; profiles whose last scale is zero
+    are left out.
 
     The functional is evaluated on the nearest ellipse whose axis ratio is in the tables: the error
     is of third order in half of their spacing.
     """
-    pose, local, values, own, fields, X, limit, system, number = space
-    start, step, count = grid
-    smallest = splat(1e300)
-    for p in range(rays):
-        smallest = least(smallest, load(edge, p))
-    _start(fit[(fits - 1) * TERMS * LANES :], levels[0] ** 2, m, pose)
-    for i in range(5):
-        store(pose, _SLOPE + i, splat(0.5 if i < 2 else 0.0))
-    first, last = splat(-1.0), splat(-1.0)
-    alive = first < 0.0
-    for level in range(levels.size):
-        d, growth = levels[level] ** 2, 1.0
-        if level > 0:
-            growth = 2 * math.log(levels[level] / levels[level - 1])
-            for i in range(5):
-                add(pose, i, load(pose, _SLOPE + i) * growth)
-        for i in range(5):
-            store(pose, _USED + i, load(pose, i))
+    states, shapes, ends = found
+    shrink, start, step, count = grid
+    n, size = len(scales), levels.size
+    work, present = _march_space(rays)
+    pose, local, values, own, fields, X, limit, system, number = work
+    fits, edge, shape, single = present
+    depths, growths = levels * levels, np.zeros(size)
+    for level in range(1, size):
+        growths[level] = 2 * math.log(levels[level] / levels[level - 1])
+    who = np.zeros(LANES, np.int64)
+    following = 0
+    state, recorded = groups(STATES), groups(2)
+    for lane in range(LANES):
+        while following < n and scales[following, LANES - 1] == 0.0:
+            following += 1
+        if following < n:
+            _enter(lane, following, coefs, frames, scales, rays, pose, present)
+            who[lane] = following
+            following += 1
+        elif lane > 0:
+            _enter(lane, who[0], coefs, frames, scales, rays, pose, present)
+            single[_ALIVE * LANES + lane] = 0.0
+        else:
+            return
+    while True:
+        alive = load(single, _ALIVE) > 0.0
+        if not some(alive):
+            break
+        level, first = load(single, _LEVEL), load(single, _FIRST)
+        d = entries(depths, level)
+        rounds = load(single, _ROUND) + 1.0
+        store(single, _ROUND, rounds)
+        along, across = load(pose, _USED), load(pose, _USED + 1)
+        middle = 0.5 * (along + across)
+        nearest = (across - along - start) / step + 0.5
+        nearest = whole(between(nearest, splat(0.0), splat(count)))
+        store(number, 0, nearest)
+        half = 0.5 * (start + step * nearest)
+        along, across = middle - half, middle + half
+        a, b, power = exponential(along), exponential(across), exponential((1 + m) * middle)
+        x0, y0 = load(pose, _USED + 3), load(pose, _USED + 4)
+        hs, hc = sine_cosine(0.5 * load(pose, _USED + 2))
+        ts, tc = 2.0 * hs * hc, 1.0 - 2.0 * hs * hs
+        _mixed(fits, FITS, between(middle / shrink - 1.0, splat(0.0), splat(FITS - 1.0)), local)
+        move(x0, y0, ts, hs / hc, local)
+        mean = _values(local, a, b, d, moments, values)
+        amplitudes(values, rows, number, own, fields)
+        confined = 1.6 * most(a, b) + absolute(x0) + absolute(y0) > load(single, _SMALLEST)
+        for i in range(4 * NODES):
+            store(limit, i, splat(1e300))
+        if some(confined & alive):
+            stretch = load(single, _STRETCH)
+            limits(edge, rays, stretch, x0, y0, tc, ts, a, b, confined, limit)
+        gain, shift, total, push, free, widest, contour, slide = displace(
+            fields, limit, X, system, pose[_STEP * LANES :]
+        )
+        punch = load(fields, 9 * LANES + 1) * power
+        edge_of_one = load(fields, 9 * LANES)
+        scale = math.pi * power * edge_of_one
+        force = -punch * mean
+        filled = total - free
+        small = (widest <= WIDEST) & (absolute(scale * gain) <= SHARE * force)
+        small = small & (filled <= CONFINED * total)
+        solve(system, pose[_STEP * LANES :])
+        still = _advance(pose, along, across, a, b, tc, ts)
         known = first >= 0.0
-        active = alive
-        rounds = 0.0
-        while True:
-            rounds += 1.0
-            along, across = load(pose, _USED), load(pose, _USED + 1)
-            middle = 0.5 * (along + across)
-            nearest = (across - along - start) / step + 0.5
-            nearest = whole(between(nearest, splat(0.0), splat(count)))
-            store(number, 0, nearest)
-            half = 0.5 * (start + step * nearest)
-            along, across = middle - half, middle + half
-            a, b, power = exponential(along), exponential(across), exponential((1 + m) * middle)
-            x0, y0 = load(pose, _USED + 3), load(pose, _USED + 4)
-            hs, hc = sine_cosine(0.5 * load(pose, _USED + 2))
-            ts, tc = 2.0 * hs * hc, 1.0 - 2.0 * hs * hs
-            _mixed(fit, fits, between(middle / shrink - 1.0, splat(0.0), splat(fits - 1.0)), local)
-            move(x0, y0, ts, hs / hc, local)
-            mean = _values(local, a, b, d, moments, values)
-            amplitudes(values, rows, number, own, fields)
-            confined = 1.6 * most(a, b) + absolute(x0) + absolute(y0) > smallest
-            for i in range(4 * NODES):
-                store(limit, i, splat(1e300))
-            if some(confined & alive):
-                limits(edge, rays, stretch, x0, y0, tc, ts, a, b, confined, limit)
-            gain, shift, total, push, free, widest, contour, slide = displace(
-                fields, limit, X, system, pose[_STEP * LANES :]
-            )
-            punch = load(fields, 9 * LANES + 1) * power
-            edge_of_one = load(fields, 9 * LANES)
-            scale = math.pi * power * edge_of_one
-            force = -punch * mean
-            filled = total - free
-            small = (widest <= WIDEST) & (absolute(scale * gain) <= SHARE * force)
-            small = small & (filled <= CONFINED * total)
-            solve(system, pose[_STEP * LANES :])
-            for i in range(5):
-                store(pose, _STEP + i, between(load(pose, _STEP + i), splat(-0.4), splat(0.4)))
-            arm = 0.5 * (a / b - b / a)
-            twist = between(load(pose, _STEP + 2) / arm, splat(-0.3), splat(0.3))
-            twist = where(absolute(arm) >= 0.15, twist, 0.0)
-            along += load(pose, _STEP)
-            across += load(pose, _STEP + 1)
-            still = absolute(along - load(pose, _USED)) + absolute(across - load(pose, _USED + 1))
-            still += absolute(twist) + absolute(load(pose, _STEP + 3))
-            still += absolute(load(pose, _STEP + 4))
-            sx, sy = load(pose, _STEP + 3) * a, load(pose, _STEP + 4) * b
-            store(pose, 0, along)
-            store(pose, 1, across)
-            store(pose, 2, load(pose, _USED + 2) + twist)
-            store(pose, 3, x0 + tc * sx - ts * sy)
-            store(pose, 4, y0 + ts * sx + tc * sy)
-            enough = where(known, splat(_AGAIN), most_steps) <= rounds
-            active = active & ~((still < _STILL) | (known & small) | enough)
-            if not some(active):
-                break
-            for i in range(5):
-                store(pose, _USED + i, where(active, load(pose, i), load(pose, _USED + i)))
+        enough = where(known, splat(1.0 * _AGAIN), 1.0 * steps) <= rounds
+        stop = alive & ((still < _STILL) | (known & small) | enough)
+        for i in range(5):
+            store(pose, _USED + i, where(stop, load(pose, _USED + i), load(pose, i)))
+        if not some(stop):
+            continue
         second = second_order(X, rows, number, own, fields)
         gain += push / total * second
         disk, share = math.pi * a * b, scale * gain / force
-        o = level * STATES
-        store(state, o, force + scale * gain)
-        store(state, o + 1, punch + scale * edge_of_one * (shift + second))
-        store(state, o + 2, scale * edge_of_one * free)
-        store(state, o + 3, disk)
-        store(state, o + 4, disk * contour)
-        store(state, o + 5, 2.0 * disk * slide)
-        store(state, o + 6, share)
-        store(state, o + 7, x0)
-        store(state, o + 8, y0)
+        store(state, 0, force + scale * gain)
+        store(state, 1, punch + scale * edge_of_one * (shift + second))
+        store(state, 2, scale * edge_of_one * free)
+        store(state, 3, disk)
+        store(state, 4, disk * contour)
+        # change of the area with a uniform displacement of the free part
+        store(state, 5, 2.0 * disk * slide)
+        store(state, 6, share)
+        store(state, 7, x0)
+        store(state, 8, y0)
         trusted = (widest <= WIDEST) & (absolute(share) <= SHARE) & (filled <= CONFINED * total)
-        trusted = trusted & (force > 0.0) & alive
+        trusted = trusted & (force > 0.0) & stop
         _keep(shape, trusted, a, b, x0, y0, load(pose, _USED + 2), X)
-        for i in range(5):
-            if level > 0:
-                change = load(pose, i) - load(pose, _BEFORE + i)
-                store(pose, _SLOPE + i, change / growth)
-            store(pose, _BEFORE + i, load(pose, i))
-        first = where(trusted & (first < 0.0), splat(1.0 * level), first)
-        last = where(trusted, splat(1.0 * level), last)
-        if level <= levels.size // 2:
-            alive = alive & (trusted | (first < 0.0))
-        else:
-            alive = trusted
-        if not some(alive):
-            break
-    return first, last
+        first = where(trusted & (first < 0.0), level, first)
+        store(single, _FIRST, first)
+        store(single, _LAST, where(trusted, level, load(single, _LAST)))
+        early = (first < 0.0) & (level <= 1.0 * (size // 2))
+        going = stop & (trusted | early) & (level < size - 1.0)
+        _predict(pose, stop, going, level, growths)
+        store(single, _LEVEL, where(going, level + 1.0, level))
+        store(single, _ROUND, where(stop, splat(0.0), rounds))
+        store(recorded, 0, where(stop, splat(1.0), 0.0))
+        store(recorded, 1, where(stop & ~going, splat(1.0), 0.0))
+        store(number, 0, level)
+        for lane in range(LANES):
+            if recorded[lane] == 0.0:
+                continue
+            k, at = who[lane], int(number[lane]) * STATES
+            for i in range(STATES):
+                states[k, at + i] = state[i * LANES + lane]
+            if recorded[LANES + lane] == 0.0:
+                continue
+            for i in range(SHAPE):
+                shapes[k, i] = shape[i * LANES + lane]
+            ends[k, 0] = single[_FIRST * LANES + lane]
+            ends[k, 1] = single[_LAST * LANES + lane]
+            while following < n and scales[following, LANES - 1] == 0.0:
+                following += 1
+            if following < n:
+                _enter(lane, following, coefs, frames, scales, rays, pose, present)
+                who[lane] = following
+                following += 1
+            else:
+                single[_ALIVE * LANES + lane] = 0.0
+
+
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def _advance(pose, along, across, a, b, tc, ts):
+    """Newton step from the pose that was used, about the semi-axes a, b; returns its size."""
+    for i in range(5):
+        store(pose, _STEP + i, between(load(pose, _STEP + i), splat(-0.4), splat(0.4)))
+    arm = 0.5 * (a / b - b / a)
+    twist = between(load(pose, _STEP + 2) / arm, splat(-0.3), splat(0.3))
+    twist = where(absolute(arm) >= 0.15, twist, 0.0)
+    along += load(pose, _STEP)
+    across += load(pose, _STEP + 1)
+    still = absolute(along - load(pose, _USED)) + absolute(across - load(pose, _USED + 1))
+    still += absolute(twist) + absolute(load(pose, _STEP + 3)) + absolute(load(pose, _STEP + 4))
+    sx, sy = load(pose, _STEP + 3) * a, load(pose, _STEP + 4) * b
+    store(pose, 0, along)
+    store(pose, 1, across)
+    store(pose, 2, load(pose, _USED + 2) + twist)
+    store(pose, 3, load(pose, _USED + 3) + tc * sx - ts * sy)
+    store(pose, 4, load(pose, _USED + 4) + ts * sx + tc * sy)
+    return still
+
+
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def _predict(pose, stop, going, level, growths):
+    """Slopes of the poses over the logarithm of the approach, and poses at the next levels."""
+    growth = entries(growths, level)
+    later = stop & (level > 0.0)
+    following = entries(growths, where(going, level + 1.0, level))
+    for i in range(5):
+        present, before = load(pose, i), load(pose, _BEFORE + i)
+        slope = where(later, (present - before) / growth, load(pose, _SLOPE + i))
+        store(pose, _SLOPE + i, slope)
+        store(pose, _BEFORE + i, where(stop, present, before))
+        used = load(pose, _USED + i)
+        store(pose, _USED + i, where(going, present + slope * following, used))
 
 
 @njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")

@@ -398,6 +398,31 @@ def spread_rows(source, rows, out, space):
         transpose(space, 0, 1, out, k * LANES)
 
 
+@njit(cache=True, nogil=True)
+def collect_rows(source, target, rows, count, space):
+    """The first `count` lanes as rows of an array of whole groups; `space` is eight groups."""
+    width = target.shape[1] // LANES
+    for k in range(width):
+        transpose(source, k * LANES, 1, space, 0)
+        for lane in range(count):
+            store(target, rows[lane] * width + k, load(space, lane))
+
+
+@njit(cache=True, nogil=True)
+def ordered(keys, highest):
+    """Places of whole numbers from 0 to `highest` in rising order."""
+    begin = np.zeros(highest + 2, np.int64)
+    for key in keys:
+        begin[key + 1] += 1
+    for key in range(highest + 1):
+        begin[key + 1] += begin[key]
+    order = np.empty(keys.size, np.int64)
+    for i in range(keys.size):
+        order[begin[keys[i]]] = i
+        begin[keys[i]] += 1
+    return order
+
+
 def packed(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """One row per profile, lengthened by zeros to whole groups."""
     rows = np.ascontiguousarray(values).reshape(len(values), -1)

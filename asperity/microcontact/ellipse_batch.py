@@ -48,6 +48,9 @@ _FIRST = 8
 
 _STENCIL = 5
 
+_BLOCK = 256
+"""Profiles followed at a time: what is kept of them stays in the cache."""
+
 _RATIOS = 1536
 """Axis ratios at which the functional is evaluated."""
 
@@ -101,26 +104,27 @@ def _along_rays(m: float, samples: int) -> Array:
 
 @lru_cache(maxsize=8)
 def _rules(m: float, rays: int, samples: int, nodes: int) -> tuple[Any, ...]:
-    """Everything of `tabulate_rows` that all profiles share, but the modulus."""
+    """What all profiles share in `fit_rows`, `march_rows` and `tabulate_rows`, but the modulus."""
     tables, fit = ellipse_tables(m), fit_rules(rays)
     first, last, count = LOG_RATIO
     u = levels_of(nodes)
-    punch = np.ascontiguousarray(tables.rows[:, tables.order.size * 8 + 8])
+    punch = np.ascontiguousarray(tables.rows[:, tables.order.size * LANES + LANES])
     return (
         (
-            fit.radii, fit.rings, fit.image, fit.skew, fit.matrices, fit.members, fit.count,
-            fit.logs,
+            fit.skew,
+            (fit.radii, fit.rings, fit.image, fit.matrices, fit.members, fit.count),
+        ),
+        (
+            _FIRST, m, _fine_rows(tables.rows),
+            (float(fit.logs[1]), first, (last - first) / (_RATIOS - 1), _RATIOS - 1.0),
+            tables.moments,
         ),
         (u, u ** (3 + m), _stencils(nodes)),
         (
-            _FIRST, (first, (last - first) / (_RATIOS - 1), _RATIOS - 1), first,
-            (count - 1) / (last - first),
+            np.ascontiguousarray(_along_rays(m, samples).T),
+            (punch, first, (count - 1) / (last - first)),
+            _resampling(nodes, 3 + m),
         ),
-        _fine_rows(tables.rows),
-        tables.moments,
-        np.ascontiguousarray(_along_rays(m, samples).T),
-        punch,
-        _resampling(nodes, 3 + m),
     )  # fmt: skip
 
 
@@ -160,29 +164,40 @@ def tabulate(
     nodes
         Intervals of the table.
     """
+    from ._ellipse_kernels import SHAPE_ROW, STATES, march_rows
+    from ._fit_kernels import FITS
+    from ._frame_kernels import SCALES, fit_rows
     from ._lanes import packed
+    from ._polynomial_kernels import TERMS
     from ._tabulate_kernels import tabulate_rows
 
-    n = len(profiles.edge)
-    rules, levels, search, *tables, resampling = _rules(
-        material.m, profiles.phi.shape[1], profiles.t.size, nodes
-    )
-    samples = tuple(
-        np.ascontiguousarray(getattr(profiles, name))
-        for name in ("phi", "angle", "weight", "curvature", "edge", "q", "valid")
-    )
-    samples = (*samples, packed(profiles.q))
+    n, rays = profiles.phi.shape
+    m = material.m
+    fitting, marching, levels, rows = _rules(m, rays, profiles.t.size, nodes)
+    samples = (
+        packed(profiles.phi), profiles.angle, packed(profiles.weight), profiles.curvature,
+        packed(profiles.edge), packed(profiles.q), profiles.valid, rays, profiles.t.size,
+    )  # fmt: skip
     reach = np.zeros(n)
     force, stiffness, area, spread = np.zeros((4, n, nodes + 1))
     flags, centre = np.zeros((n, nodes + 1), np.uint8), np.zeros((n, nodes + 1, 2))
-    settings = (material.m, material.modulus, *search)
     out = (reach, force, stiffness, area, flags, spread, centre)
-    _threads.run(
-        lambda a, b: tabulate_rows(
-            a, b, samples, rules, levels, settings, *tables, resampling, out
-        ),
-        _threads.blocks(n, 32),
-    )
+    u = levels[0]
+    widths = (4 * rays, FITS * TERMS, SCALES, u.size * STATES, SHAPE_ROW, LANES)
+
+    def part(begin: int, end: int) -> None:
+        space = [np.zeros((_BLOCK, -(-width // LANES) * LANES)) for width in widths]
+        for start in range(begin, end, _BLOCK):
+            stop = min(start + _BLOCK, end)
+            frames, coefs, scales, *found = (array[: stop - start] for array in space)
+            fit_rows(start, stop, samples, fitting, u[0] ** 2, m, frames, coefs, scales)
+            march_rows(coefs, frames, scales, rays, u, *marching, tuple(found))
+            tabulate_rows(
+                start, samples, frames, scales, tuple(found), levels, m, material.modulus, *rows,
+                out,
+            )  # fmt: skip
+
+    _threads.run(part, _threads.blocks(n, 32))
     return LawTable(
         reach, force, stiffness, area, flags, spread, exponent=3 + material.m, law=law,
         centre=centre,

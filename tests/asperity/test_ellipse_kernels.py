@@ -73,6 +73,15 @@ def test_small_systems():
     np.testing.assert_allclose(vector.reshape(5, LANES).T, expected)
 
 
+@njit
+def _fit(q, nodes, edge, height, reach, wide, rules, number, out):
+    space = _fit_kernels.fit_space(
+        edge.size // LANES, rules[0].size, rules[2].shape[0] * rules[1].shape[1]
+    )
+    scale = splat(0.25 / height)
+    _fit_kernels.fit(q, nodes, edge, scale, reach, wide, rules, number, out, space)
+
+
 def test_nested_fits_find_a_polynomial():
     """f of degree 4 on stretched rays comes back from every nested fit."""
     rules, rays, nodes = fit_rules(16), 16, 17
@@ -89,36 +98,34 @@ def test_nested_fits_find_a_polynomial():
     r = edge[:, None] * np.linspace(0, 1, nodes)
     x, y = direction[0, :, None], direction[1, :, None]
     q = sum(c * x**i * y**j * r ** (i + j - 2) for c, i, j in zip(coefs, *POWERS, strict=True) if c)
-    found = np.zeros((_fit_kernels.FITS, POWERS.shape[1]))
-    space = _fit_kernels.fit_space(
-        rays, rules.radii.size, rules.matrices.shape[2], rules.matrices.shape[3]
-    )
-    _fit_kernels.fit_one(
-        q, edge, 2.0, reach, wide, rules.radii, rules.rings, rules.image, rules.matrices[number],
-        rules.members, rules.count, found, space,
+    out = np.zeros(_fit_kernels.FITS * POWERS.shape[1] * LANES)
+    fitting = (
+        rules.radii, rules.rings, rules.image, rules.matrices, rules.members, rules.count
     )  # fmt: skip
+    _fit(lanes(q), nodes, lanes(edge), 2.0, lanes(reach), lanes(1 / wide), fitting, number, out)
+    found = out.reshape(_fit_kernels.FITS, -1, LANES)[..., 6]
     length = 0.9
     expected = coefs * length**degree / 2.0
     np.testing.assert_allclose(found, np.tile(expected, (len(found), 1)), atol=1e-7)
 
 
 @njit
-def _fill(q, nodes, weights, weight, direction, edge, rays, scale, levels, m, punch, grid, out):
+def _fill(q, nodes, weights, weight, direction, edge, rays, scale, levels, m, punch, out):
     shape, state = groups(SHAPE), groups(levels.size * STATES)
     _basin_kernels.fill(
         q, nodes, weights, weight, direction, edge, rays, splat(scale), shape, state, splat(-1.0),
-        levels, m, punch, grid[0], grid[1], out, _basin_kernels.basin_space(rays, levels.size),
+        levels, m, punch, out, _basin_kernels.basin_space(rays, levels.size),
     )  # fmt: skip
 
 
 def _filled(q, weights, weight, direction, edge, levels, m):
     """Planforms of one profile without a trusted contour, unit of q 0.3."""
     rays, nodes = q.shape
-    _, _, (_, _, *grid), *_, punch, _ = _rules(m, rays, nodes, 24)
+    _, punch, _ = _rules(m, rays, nodes, 24)[-1]
     out = np.zeros(levels.size * 4 * LANES)
     _fill(
         lanes(q), nodes, weights, lanes(weight), lanes(direction), lanes(edge), rays, 0.3, levels,
-        m, punch, tuple(grid), out,
+        m, punch, out,
     )  # fmt: skip
     return out.reshape(levels.size, 4, LANES)[..., 3]
 

@@ -1,0 +1,180 @@
+"""Numba kernel of the frames and fits of a block of profiles."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from ._fit_kernels import FITS, fit, fit_space, usable
+from ._lanes import (
+    FAST,
+    LANES,
+    between,
+    collect_rows,
+    exponential,
+    groups,
+    least,
+    load,
+    logarithm,
+    most,
+    ordered,
+    root,
+    sine_cosine,
+    splat,
+    spread_rows,
+    store,
+    where,
+    whole,
+)
+from ._polynomial_kernels import TERMS
+
+SMALLEST_RATIO = 1 / 40
+"""Least axis ratio of the ellipses on which a summit is fitted."""
+
+SCALES = LANES
+"""Numbers of a profile: length, height, area of the basin in squared lengths, ratio of the rays,
+semi-axes of the first ellipse as logarithms, shortest ray, and 1 where there is a usable fit."""
+
+_POWER = 0.63
+"""The axis ratio of a Hertzian contact is about this power of the ratio of curvatures."""
+
+
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def _frame(phi, angle, weight, large, small, edge, q, nodes, skews, rays, scales, frame, wide):
+    """Length, height, ratio of the rays and number of the base ellipse of profiles.
+
+    Fills, in groups, `frame` with the directions of the rays in the axes of the summit, their
+    lengths, and their lengths in the ellipse of semi-axes 1/`wide`; and all `scales` but the
+    semi-axes and the last. Returns the numbers. The ellipse has about the axis ratio of the
+    Hertzian contact; the largest fit reaches 1.1 times the rms distance of the basin edge in units
+    of it.
+    """
+    ray = rays // 8
+    for p in range(rays):
+        turn = load(phi, p) - angle
+        turn -= (2 * math.pi) * whole(turn * (0.5 / math.pi) + 0.5)
+        s, c = sine_cosine(0.5 * turn)
+        store(frame, p, 1.0 - 2.0 * s * s)
+        store(frame, rays + p, 2.0 * s * c)
+    stretch = math.tan(2 * math.pi * ray / rays) * load(frame, ray) / load(frame, rays + ray)
+    ratio = between(small / large, splat(0.0), splat(1.0))
+    ratio = most(_POWER * logarithm(most(ratio, splat(1e-300))), splat(math.log(SMALLEST_RATIO)))
+    ratio = where(large > 0.0, ratio, 0.0)
+    step = math.log(skews[1] / skews[0])
+    number = whole(-(ratio + logarithm(stretch) + math.log(skews[0])) * (1 / step) + 0.5)
+    number = between(number, splat(0.0), splat(skews.size - 1.0))
+    across = root(skews[0] * exponential(step * number) * stretch)
+    along = 1.0 / across
+    square, top = splat(0.0), splat(0.0)
+    for p in range(rays):
+        cx, cy, length = load(frame, p) * along, load(frame, rays + p) * across, load(edge, p)
+        unit = cx * cx + cy * cy
+        square += length * length * unit
+        store(frame, 3 * rays + p, 1.0 / root(unit))
+        top = most(load(q, p * nodes + nodes - 1) * length * length, top)
+    length = 1.1 * root(square * (1 / rays))
+    inverse = 1.0 / length
+    basin, smallest = splat(0.0), splat(1e300)
+    for p in range(rays):
+        own = load(edge, p) * inverse
+        store(frame, 2 * rays + p, own)
+        store(frame, 3 * rays + p, load(frame, 3 * rays + p) * length)
+        basin += 0.5 * load(weight, p) * own * own
+        smallest = least(own, smallest)
+    store(scales, 0, length)
+    store(scales, 1, 2.0 * top)
+    store(scales, 2, basin)
+    store(scales, 3, stretch)
+    store(scales, 6, smallest)
+    store(wide, 0, along)
+    store(wide, 1, across)
+    return number
+
+
+@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+def _first_ellipse(coefs, depth, m, scales):
+    """Logarithms of the semi-axes for the paraboloids in the smallest fits."""
+    o = (FITS - 1) * TERMS
+    along, across = most(load(coefs, o + 3), splat(1e-300)), most(load(coefs, o + 5), splat(1e-30))
+    ratio = most(_POWER * logarithm(along / across), splat(math.log(SMALLEST_RATIO)))
+    mean = logarithm(across) + (0.5 / _POWER) * ratio
+    size = 0.5 * (math.log(0.5 * depth * (1 + m)) - mean)
+    store(scales, 4, size - 0.5 * ratio)
+    store(scales, 5, size + 0.5 * ratio)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fit_rows(begin, end, profiles, rules, depth, m, frames, coefs, scales):
+    """Frames (rows of directions, lengths and reaches of the rays), fits and scales of profiles.
+
+    Row 0 of the results belongs to the profile `begin`; the last of the `scales` is zero where a
+    profile has no usable fit. `depth` is the smallest approach.
+    """
+    phis, angles, weights, curvatures, edges, qs, valid, rays, nodes = profiles
+    skews, fitting = rules
+    n = end - begin
+    block, who = groups(LANES), np.zeros(LANES, np.int64)
+    phi, weight, edge = groups(phis.shape[1]), groups(weights.shape[1]), groups(edges.shape[1])
+    q, frame = groups(qs.shape[1]), groups(frames.shape[1])
+    own, wide, numbers = groups(SCALES), groups(2), groups(1)
+    fits, single = groups(coefs.shape[1]), groups(3)
+    space = fit_space(rays, fitting[0].size, fitting[3].shape[3])
+    axes, number = np.zeros((n, 2)), np.zeros(n, np.int64)
+    for i in range(0, n, LANES):
+        count = min(LANES, n - i)
+        for lane in range(LANES):
+            k = begin + i + min(lane, count - 1)
+            who[lane] = k
+            single[lane], single[LANES + lane] = angles[k], curvatures[k, 0]
+            single[2 * LANES + lane] = curvatures[k, 1]
+        spread_rows(phis, who, phi, block)
+        spread_rows(weights, who, weight, block)
+        spread_rows(edges, who, edge, block)
+        spread_rows(qs, who, q, block)
+        found = _frame(
+            phi, load(single, 0), weight, load(single, 1), load(single, 2), edge, q, nodes, skews,
+            rays, own, frame, wide,
+        )  # fmt: skip
+        store(numbers, 0, found)
+        for lane in range(LANES):
+            who[lane] = i + lane
+        collect_rows(frame, frames, who, count, block)
+        collect_rows(own, scales, who, count, block)
+        for lane in range(count):
+            k = i + lane
+            axes[k, 0], axes[k, 1] = wide[lane], wide[LANES + lane]
+            fine = valid[begin + k] and scales[k, 0] > 0.0 and scales[k, 1] > 0.0
+            number[k] = int(numbers[lane]) if fine else skews.size
+            scales[k, LANES - 1] = 0.0
+    order = ordered(number, skews.size)
+    taken = 0
+    for i in range(n):
+        k = order[i]
+        if number[k] == skews.size:
+            break
+        for lane in range(taken, LANES):
+            who[lane] = k
+        taken += 1
+        if taken < LANES and i + 1 < n and number[order[i + 1]] == number[k]:
+            continue
+        for lane in range(LANES):
+            wide[lane], wide[LANES + lane] = axes[who[lane], 0], axes[who[lane], 1]
+        spread_rows(frames, who, frame, block)
+        spread_rows(scales, who, own, block)
+        for lane in range(LANES):
+            who[lane] += begin
+        spread_rows(edges, who, edge, block)
+        spread_rows(qs, who, q, block)
+        for lane in range(LANES):
+            who[lane] -= begin
+        fit(
+            q, nodes, edge, 0.25 / load(own, 1), frame[3 * rays * LANES :], wide, fitting,
+            number[k], fits, space,
+        )  # fmt: skip
+        _first_ellipse(fits, depth, m, own)
+        store(own, SCALES - 1, usable(fits))
+        collect_rows(fits, coefs, who, taken, block)
+        collect_rows(own, scales, who, taken, block)
+        taken = 0
