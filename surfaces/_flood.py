@@ -202,49 +202,79 @@ def drain_plateaus(flat, shape, periodic, link, flats):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def follow(link, runs):
-    """Replace the links of the pixels of all runs by the label at the end of their way up."""
-    for run in range(runs.shape[0]):
-        for p in range(runs[run, 0], runs[run, 1]):
-            q = p
-            while link[q] < 0:
-                q = -2 - link[q]
-            label = link[q]
-            q = p
-            while link[q] < 0:
-                up = -2 - link[q]
-                link[q] = label
-                q = up
+    """Replace the links of the pixels of all runs by the label at the end of their way up.
+
+    Each pixel takes over what its target holds, forwards and then backwards through the runs: a way
+    that turns back at most once is at its end then. The few others are followed pixel by pixel.
+    """
+    count = runs.shape[0]
+    for sweep in range(3):
+        for k in range(count):
+            run = count - 1 - k if sweep == 1 else k
+            first, last = runs[run, 0], runs[run, 1]
+            for step in range(last - first):
+                p = last - 1 - step if sweep == 1 else first + step
+                q = link[p]
+                if sweep < 2:
+                    link[p] = link[-2 - q if q < 0 else p]
+                    continue
+                while q < 0:
+                    q = link[-2 - q]
+                link[p] = q
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def touching(heights, labels, periodic, counts, runs):
     """Add the pixels of each basin, and find the highest pass between touching basins, in the runs.
 
-    Adds to the `counts` (n,); returns the pairs as ``low * n + high`` and their passes. The
-    pairs of a run are listed without a branch, since where basins touch cannot be foreseen, a
-    repeated one once, and then met in a hash table that doubles when half full.
+    Adds to the `counts` (n,); returns pairs as ``low * n + high`` and their passes. A pair may
+    occur several times: those met last are held in a table where each pair has one place, and
+    leave it for the list when another pair needs that place. Nothing branches on where basins
+    touch, since that cannot be foreseen: pixels on an edge are collected first, then their pairs,
+    a repeated one once.
     """
     ny, nx = heights.shape
     n = counts.size
+    size = 1024
+    while size < 4 * nx:
+        size *= 2
+    held = np.zeros(size, np.int64)  # 0 marks a free place: no pair (0, 0) occurs
+    tops = np.empty(size)
     used = 0
-    keys = np.zeros(1024, np.int64)  # 0 marks a free slot: no pair (0, 0) occurs
-    passes = np.empty(1024)
+    keys, passes = np.empty(2 * size, np.int64), np.empty(2 * size)
+    mixed = np.empty(nx, np.uint8)
+    mixed[0] = mixed[nx - 1] = 1
+    places = np.empty(nx + 1, np.int64)
     listed = np.empty(4 * nx + 2, np.int64)
     levels = np.empty(4 * nx + 2)
+    one = np.uint64(1)
     for run in range(runs.shape[0]):
         i = runs[run, 0] // nx
+        first, last = runs[run, 0] - i * nx, runs[run, 1] - i * nx
         low = i + 1 if i + 1 < ny else (0 if periodic else i)
+        for j in range(np.uint64(max(first, 1)), np.uint64(min(last, nx - 1))):
+            a = labels[i, j]
+            mixed[j] = (
+                (labels[i, j + one] != a)
+                | (labels[low, j - one] != a)
+                | (labels[low, j] != a)
+                | (labels[low, j + one] != a)
+            )
+        edges = 0
+        for j in range(first, last):
+            places[edges] = j
+            edges += mixed[j]
         found = 0
         listed[0] = -1
-        for j in range(runs[run, 0] - i * nx, runs[run, 1] - i * nx):
+        for edge in range(edges):
+            j = places[edge]
             a = np.int64(labels[i, j])
             z = heights[i, j]
-            counts[a] += 1
             west = j - 1 if j > 0 else (nx - 1 if periodic else j)
             east = j + 1 if j + 1 < nx else (0 if periodic else j)
-            same = (labels[i, east] == a) & (labels[low, j] == a)
-            if same & (labels[low, west] == a) & (labels[low, east] == a):
-                continue
+            ends = (labels[i, east] != a) | (j + 1 == last)
+            counts[a] += j + 1 - first if ends else 0
+            first = j + 1 if ends else first
             for k in range(4):
                 row = i if k == 0 else low
                 col = west if k == 1 else (j if k == 2 else east)
@@ -254,50 +284,35 @@ def touching(heights, labels, periodic, counts, runs):
                 key = min(a, b) * n + max(a, b)
                 again = key == listed[found]
                 place = found if again else found + 1
-                last = levels[found] if again else -np.inf
+                top = levels[found] if again else -np.inf
                 listed[place] = key
-                levels[place] = z_pass if z_pass > last else last
+                levels[place] = z_pass if z_pass > top else top
                 found = place if (b >= 0) & (b != a) else found
+        if used + found + size > keys.size:
+            keys, passes = _doubled(keys, passes, used)
         for m in range(1, found + 1):
-            slot = _slot(keys, listed[m])
-            if keys[slot] == listed[m]:
-                passes[slot] = levels[m] if levels[m] > passes[slot] else passes[slot]
+            key, level = listed[m], levels[m]
+            mixed_key = np.uint64(key) * np.uint64(0x9E3779B97F4A7C15)
+            slot = np.int64(mixed_key >> np.uint64(24)) & (size - 1)
+            if held[slot] == key:
+                tops[slot] = level if level > tops[slot] else tops[slot]
                 continue
-            keys[slot] = listed[m]
-            passes[slot] = levels[m]
-            used += 1
-            if 2 * used > keys.size:
-                keys, passes = _doubled(keys, passes)
-    found = 0
-    for slot in range(keys.size):
-        if keys[slot] != 0:
-            keys[found] = keys[slot]
-            passes[found] = passes[slot]
-            found += 1
-    return keys[:found], passes[:found]
+            keys[used], passes[used] = held[slot], tops[slot]
+            used += held[slot] != 0
+            held[slot], tops[slot] = key, level
+    for slot in range(size):
+        keys[used], passes[used] = held[slot], tops[slot]
+        used += held[slot] != 0
+    return keys[:used], passes[:used]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _slot(keys, key):
-    """Where a key stands in a table (its size is a power of two), or the free slot for it."""
-    mixed = np.uint64(key) * np.uint64(0x9E3779B97F4A7C15)
-    slot = np.int64(mixed >> np.uint64(24)) & (keys.size - 1)
-    while keys[slot] != key and keys[slot] != 0:
-        slot = (slot + 1) & (keys.size - 1)
-    return slot
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _doubled(keys, passes):
-    """The same table with twice the room."""
-    new_keys = np.zeros(2 * keys.size, np.int64)
-    new_passes = np.empty(2 * keys.size)
-    for old in range(keys.size):
-        if keys[old] != 0:
-            slot = _slot(new_keys, keys[old])
-            new_keys[slot] = keys[old]
-            new_passes[slot] = passes[old]
-    return new_keys, new_passes
+def _doubled(keys, passes, used):
+    """The same lists with twice the room."""
+    more_keys, more_passes = np.empty(2 * keys.size, np.int64), np.empty(2 * keys.size)
+    for k in range(used):
+        more_keys[k], more_passes[k] = keys[k], passes[k]
+    return more_keys, more_passes
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

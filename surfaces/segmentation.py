@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,7 +13,6 @@ from .peaks import Peaks
 __all__ = ["segment"]
 
 _LEAST_ROWS = 64
-_PART = 2**19  # pixels whose touching pairs are met in one table, which stays in the cache
 _MOST_PIXELS = 2**31 - 4  # links are kept in 32 bits
 
 
@@ -184,19 +181,13 @@ def _passes(
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
     """Pixels per basin, touching pairs (k, 2) in order, and the highest pass of each."""
 
-    def listed(some: NDArray[np.int32]) -> tuple[NDArray[np.int64], list[Any]]:
-        counts = np.zeros(n, np.int64)
-        parts = max(1, int(np.sum(some[:, 1] - some[:, 0]) // _PART))
-        return counts, [
-            _flood.touching(heights, labels, periodic, counts, part)
-            for part in np.array_split(some, parts)
-        ]
-
-    found = _threads.each(listed, runs)
-    counts = np.sum([part[0] for part in found], axis=0)
-    pairs = [pair for part in found for pair in part[1]]
-    keys = np.concatenate([pair[0] for pair in pairs])
-    return counts, *_unique_pairs(keys, np.concatenate([pair[1] for pair in pairs]), n)
+    counts = [np.zeros(n, np.int64) for _ in runs]
+    found = _threads.each(
+        lambda part: _flood.touching(heights, labels, periodic, counts[part], runs[part]),
+        range(len(runs)),
+    )
+    keys, passes = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    return np.sum(counts, axis=0), *_unique_pairs(keys, passes, n)
 
 
 def _unique_pairs(
