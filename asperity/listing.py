@@ -121,13 +121,14 @@ class Listing:
         some = slice(None, None, 1 + len(closed) // SAMPLE)
         law = population.laws.rows(closed[some])(ROOM * approach[some])
         variance = population.footprints.variance(law.stiffness)
+        most = int(0.98 * max(len(variance) - 1, 0))
         plan = Interaction(
             y,
             x,
             population.cell,
             population.boundary,
             population.footprints,
-            widest=float(np.quantile(variance, 0.98)) if len(closed) else 0.0,
+            widest=float(np.partition(variance, most)[most]) if len(closed) else 0.0,
         )
         index = index[plan.order]
         listed = np.zeros(len(population), bool)

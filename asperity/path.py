@@ -68,10 +68,16 @@ def weights(place: float, known: list[float]) -> NDArray[np.float64]:
     if count == 1:
         return np.ones(1)
     if count > 2 and len(set(known)) == count:
-        x = np.array(known)
-        share = [np.prod((place - np.delete(x, i)) / (x[i] - np.delete(x, i))) for i in range(3)]
+        a, b, c = known
+        share = np.array(
+            [
+                (place - b) * (place - c) / ((a - b) * (a - c)),
+                (place - a) * (place - c) / ((b - a) * (b - c)),
+                (place - a) * (place - b) / ((c - a) * (c - b)),
+            ]
+        )
         if np.abs(share).max() <= STEEPEST:
-            return np.array(share)
+            return share
     before, last = known[-2:]
     ratio = 0.0 if before == last else (place - last) / (last - before)
     ratio = min(max(ratio, -1.5), 1.5)

@@ -40,6 +40,9 @@ BLIND = 0.1
 LACKING = 0.05
 """Contacts that a list may lack after a solve, over the closed ones and the tolerance."""
 
+CROWDED = 0.3
+"""Contact area over nominal area beyond which a load that does not come out is refused."""
+
 MAX_SEARCH = 40
 """Separations tried to reach a mean pressure."""
 
@@ -137,6 +140,13 @@ class Trail:
         found = self.at(self._forecast(pressure, state), tolerance, pressure)
         if found.converged:
             return found
+        share = found.contact_area / population.nominal_area
+        if share > CROWDED:
+            reason = (
+                f"contacts fill {100 * share:.0f} % of the nominal area and do not settle "
+                f"({found.reason}): they are too crowded to be separate"
+            )
+            return replace(found, reason=reason)
         searched = self._search(pressure, tolerance, state)
         return searched if searched.converged or searched.residual < found.residual else found
 
