@@ -15,7 +15,7 @@ from .material import HalfSpace
 from .microcontact.flags import INVALID, Flag
 from .microcontact.laws import law_module
 
-__all__ = ["Indentation", "indent"]
+__all__ = ["Indentation", "checked_body", "indent"]
 
 Array = NDArray[np.float64]
 
@@ -171,7 +171,8 @@ def indent(
     Raises
     ------
     InputError
-        If neither or both of approach and load are given, or one is not finite.
+        If neither or both of approach and load are given, one is not finite, or profile or
+        material are something else.
     ModelRangeError
         If the law has no solution for the load.
 
@@ -182,6 +183,7 @@ def indent(
     >>> bool(abs(one.force - 4 / 3 * 0.01**1.5) < 1e-12)
     True
     """
+    checked_body(profile, material)
     if (approach is None) == (load is None):
         raise InputError("give either approach or load")
     solve: Callable[..., Indentation] | None = getattr(law_module(law), "indent", None)
@@ -223,7 +225,22 @@ def _by_load(
 
 
 def _finite(values: ArrayLike | None, name: str) -> Array:
-    array = np.asarray(values, dtype=float)
+    try:
+        array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        array = np.full(1, np.nan)
     if array.ndim > 1 or not np.all(np.isfinite(array)):
         raise InputError(f"{name} must be a finite number or a one-dimensional array of them")
     return array
+
+
+def checked_body(profile: object, material: object) -> None:
+    """Refuse what is no profile or no half-space."""
+    if not isinstance(profile, PolarProfile | PowerSumProfile):
+        kinds = "PowerLawProfile, PolynomialProfile, PolarProfile, or of surfaces.shapes"
+        raise InputError(f"profile must be one of surfaces ({kinds}), got {type(profile).__name__}")
+    if not isinstance(material, HalfSpace):
+        text = "give asperity.HalfSpace(E, nu) or HalfSpace.from_modulus(E*)"
+        raise InputError(
+            f"the material must be a half-space, got {type(material).__name__}: {text}"
+        )

@@ -11,7 +11,7 @@ from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .bem.single import BemIndentation, FirstGuess
 from .bem.single import indent_bem as solve_bem
-from .errors import ModelRangeError
+from .errors import InputError, ModelRangeError
 from .indentation import Indentation, indent
 from .material import HalfSpace
 
@@ -53,14 +53,23 @@ def indent_bem(
     ------
     InputError
         If neither or both of approach and load are given, one is not positive, the grid is too
-        small, or the profile never rises to the approach.
+        small, the profile never rises to the approach, or profile or material are something else.
 
     Notes
     -----
     The pressure of the approximate solution is the first iterate on the coarse grid that places
     the fine one; the answer depends on it within the tolerance only.
     """
-    values = np.atleast_1d(np.asarray(load if approach is None else approach, dtype=float))
+    given = load if approach is None else approach
+    try:
+        values = np.atleast_1d(np.asarray(given, dtype=float))
+    except (TypeError, ValueError):
+        raise InputError("approach or load must be a positive number or several") from None
+    if not callable(profile):
+        raise InputError(f"profile must be a gap f(r, phi), got {type(profile).__name__}")
+    if not isinstance(mat, HalfSpace):
+        text = "give asperity.HalfSpace(E, nu) or HalfSpace.from_modulus(E*)"
+        raise InputError(f"the material must be a half-space, got {type(mat).__name__}: {text}")
     name = "load" if approach is None else "approach"
     usable = np.isfinite(values) & (values > 0)
     guesses: list[FirstGuess | None] = []

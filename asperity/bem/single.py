@@ -149,31 +149,13 @@ def indent_bem(
     tolerance: float = 1e-6,
     guesses: Sequence[FirstGuess | None] = (),
 ) -> BemIndentation:
-    """Indentation of a half-space by one rigid profile: force, area, contour and pressure.
+    """`asperity.indent_bem`, which says what the rest is, from given starts.
 
     Parameters
     ----------
-    profile
-        Gap at first touch f(r, phi) [m], zero at the summit and growing on every ray.
-    mat
-        Elastic half-space, homogeneous or graded.
-    approach
-        Rigid-body approach d [m], positive, a number or shape (n,).
-    load
-        Normal force [N] in place of the approach; the approach is then part of the solution.
-    grid
-        Points per axis, 16 or more; the grid is fitted to the contact.
-    tolerance
-        Bound on each entry of the certificate [-].
     guesses
         An approximate contact for each approach or load, or None where there is none: the first
         pressure of the coarse grid, from which the fine one starts.
-
-    Raises
-    ------
-    InputError
-        If neither or both of approach and load are given, one is not positive, the grid is too
-        small, or the profile never rises to the approach.
     """
     if grid < 16:
         raise InputError(f"grid is {grid}; give at least 16 points per axis")
@@ -320,10 +302,12 @@ def _section_box(profile: Profile, approach: float) -> tuple[float, float, float
         if np.isfinite(radius) and high.max() > 8.0 * radius:
             break
         if not short.all() and high.max() > _WIDEST * high.min():
-            raise InputError(
-                f"the profile does not rise to the approach {approach:g} m on every ray; "
-                "give a profile that grows outwards"
-            )
+            break
+    if short.all() or high.max() > _WIDEST * high.min():
+        raise InputError(
+            f"the profile does not rise to the approach {approach:g} m on every ray; "
+            "give a profile that grows outwards"
+        )
     for _ in range(60):
         middle = 0.5 * (low + high)
         short = np.asarray(profile(middle, phi)) < approach

@@ -79,7 +79,9 @@ def _profile(args: argparse.Namespace) -> tuple[Any, str]:
         from surfaces.profile_file import read_profile
 
         return read_profile(args.file), Path(args.file).name
-    return _shape(args.shape, args.k, args.scale), f"{args.shape}, k = {args.k:g}"
+    body = _shape(args.shape, args.k, args.scale)
+    named = "" if args.shape in ("cone", "paraboloid", "bent") else f", k = {args.k:g}"
+    return body, args.shape + named
 
 
 def _shape(text: str, k: float, scale: float) -> Any:
@@ -87,8 +89,12 @@ def _shape(text: str, k: float, scale: float) -> Any:
     from surfaces import PowerLawProfile, PowerSumProfile, shapes
 
     name, *rest = text.split(":")
+    if not (np.isfinite(scale) and scale > 0):
+        raise InputError(f"--scale must be positive, got {scale:g}")
     try:
         numbers = [float(word) for word in rest]
+        if name in ("polygon", "cosine", "rounded", "convex") and numbers[0] % 1:
+            raise InputError(f"--shape {text}: the number of sides must be whole")
         if name == "polygon":
             return shapes.polygon(int(numbers[0]), k, scale=scale)
         if name == "cosine":
@@ -102,6 +108,8 @@ def _shape(text: str, k: float, scale: float) -> Any:
             return shapes.bent_body(curvature=scale)
         if name == "ellipse":
             ratio = numbers[0]
+            if not (np.isfinite(ratio) and ratio > 0):
+                raise InputError(f"--shape {text}: the ratio of curvatures must be positive")
             body = PowerLawProfile(
                 k, lambda p: scale * (np.cos(p) ** 2 + ratio * np.sin(p) ** 2) ** (k / 2)
             )

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asperity import HalfSpace, indent_bem
+from asperity import HalfSpace, InputError, indent_bem
 from asperity.bem.single import FirstGuess
 from asperity.bem.single import indent_bem as solve_bem
 from asperity.indentation_bem import first_guess
-from surfaces import PolynomialProfile, shapes
+from surfaces import PolynomialProfile, PowerLawProfile, shapes
 
 
 @pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
@@ -60,3 +60,21 @@ def test_thin_corners_are_not_cut_off():
     contact = found.solutions[-1].contact
     assert found.valid
     assert not contact[[0, -1]].any() and not contact[:, [0, -1]].any()
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda m: indent_bem("cone", m, 1.0), "profile must be a gap"),
+        (
+            lambda m: indent_bem(PowerLawProfile(2, 1.0), 1e9, 1.0),
+            "must be a half-space, got float",
+        ),
+        (lambda m: indent_bem(PowerLawProfile(2, 1.0), m, "deep"), "positive number or several"),
+        (lambda m: indent_bem(PowerLawProfile(1, -1.0), m, 1.0), "does not rise to the approach"),
+        (lambda m: indent_bem(PowerLawProfile(1, 0.0), m, 1.0), "does not rise to the approach"),
+    ],
+)
+def test_what_is_no_contact_is_refused_in_one_sentence(call, words):
+    with pytest.raises(InputError, match=words):
+        call(HalfSpace.from_modulus(1.0))

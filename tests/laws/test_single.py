@@ -245,6 +245,11 @@ def test_a_contact_beyond_the_sampled_radius_is_flagged():
         (lambda b, m: indent(b, m), InputError, "either approach or load"),
         (lambda b, m: indent(b, m, 1.0, load=1.0), InputError, "either approach or load"),
         (lambda b, m: indent(b, m, np.nan), InputError, "approach must be a finite"),
+        (lambda b, m: indent(b, m, "deep"), InputError, "approach must be a finite"),
+        (lambda b, m: indent(b, m, 1j), InputError, "approach must be a finite"),
+        (lambda b, m: indent(b, m, np.ones((2, 2))), InputError, "one-dimensional"),
+        (lambda b, m: indent("cone", m, 1.0), InputError, "profile must be one of surfaces"),
+        (lambda b, m: indent(b, 1e9, 1.0), InputError, "material must be a half-space, got float"),
         (lambda b, m: indent(b, m, load=-1.0), InputError, "load must be positive"),
         (lambda b, m: indent(wavy(1), m, 0.1, law="hertz"), ModelRangeError, "has no curvature"),
         (
