@@ -164,6 +164,9 @@ class PolarProfile:
         Equispaced angles [rad] over one turn, shape (n_phi,), at least 4.
     f
         Gap f(r, phi) [m], shape (n_r, n_phi).
+    edge
+        Radius [m] along each angle at which the basin of the summit ends, shape (n_phi,): beyond it
+        f is a continuation, not the body. None where the whole table is the body.
 
     Raises
     ------
@@ -182,6 +185,7 @@ class PolarProfile:
     r: Array
     phi: Array
     f: Array
+    edge: Array | None = None
 
     def __post_init__(self) -> None:
         r, phi, f = (np.array(a, dtype=float) for a in (self.r, self.phi, self.f))
@@ -197,8 +201,12 @@ class PolarProfile:
             r, f = np.append(0.0, r), np.vstack([np.zeros(phi.size), f])
         if r.size < 4 or r[0] != 0 or np.any(np.diff(r) <= 0):
             raise InputError("r must hold at least 4 increasing radii, none negative")
-        for name, value in (("r", r), ("phi", phi), ("f", f - f[0])):
-            value.setflags(write=False)
+        edge = None if self.edge is None else np.array(self.edge, dtype=float)
+        if edge is not None and not (edge.shape == phi.shape and np.all(edge > 0)):
+            raise InputError(f"edge must hold a positive radius per angle, shape ({phi.size},)")
+        for name, value in (("r", r), ("phi", phi), ("f", f - f[0]), ("edge", edge)):
+            if value is not None:
+                value.setflags(write=False)
             object.__setattr__(self, name, value)
 
     @property

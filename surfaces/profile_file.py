@@ -18,12 +18,14 @@ _SCHEMA = "profile/1"
 
 
 def write_profile(profile: PolarProfile, path: str | Path) -> None:
-    """Write a profile: datasets ``r``, ``phi``, ``f`` with their units, schema "profile/1"."""
+    """Write a profile: datasets ``r``, ``phi``, ``f``, ``edge`` with units, schema "profile/1"."""
     import h5py
 
     with replacing(path) as part, h5py.File(part, "w") as file:
         file.attrs["schema"] = _SCHEMA
-        for name, unit in (("r", "m"), ("phi", "rad"), ("f", "m")):
+        for name, unit in (("r", "m"), ("phi", "rad"), ("f", "m"), ("edge", "m")):
+            if getattr(profile, name) is None:
+                continue
             file.create_dataset(name, data=getattr(profile, name)).attrs["unit"] = unit
 
 
@@ -50,7 +52,8 @@ def read_profile(path: str | Path) -> PolarProfile:
         try:
             with h5py.File(path, "r") as file:
                 if "heights" not in file:
-                    return PolarProfile(*(_column(file, key, name) for key in ("r", "phi", "f")))
+                    keys = ("r", "phi", "f", *(["edge"] if "edge" in file else []))
+                    return PolarProfile(*(_column(file, key, name) for key in keys))
         except (OSError, KeyError, TypeError, RuntimeError) as error:
             raise FileFormatError(f"{name}: cannot be read ({error}); is it cut off?") from None
     return _highest_peak(path)

@@ -114,7 +114,9 @@ class Profiles:
         )
         f = np.zeros((r.size, angles))
         f[1:] = np.maximum(np.einsum("kp,pjk->jk", share, scaled), 0.5 * scaled.min(axis=0))
-        return PolarProfile(r, phi, np.maximum.accumulate(f, axis=0))
+        edge = np.interp(at, node, self.edge[i] * np.sqrt(_square(node, aspect)), period=2 * np.pi)
+        edge /= np.sqrt(_square(at, aspect))
+        return PolarProfile(r, phi, np.maximum.accumulate(f, axis=0), edge)
 
     def _along(self, i: int, p: int, r: Array) -> Array:
         """Gap at radii `r` of one ray, continued beyond its edge."""

@@ -167,4 +167,7 @@ def _driven(args: argparse.Namespace, profile: Any) -> tuple[str, list[float]]:
     if args.shape is not None:
         return "approach", [1.0]
     turn = 2 * np.pi * np.arange(64) / 64
-    return "approach", [float(np.min(profile(profile.radius / 2, turn)))]
+    end = profile.radius if profile.edge is None else profile.edge
+    return "approach", [
+        float(np.min(profile(end / 2, turn if profile.edge is None else profile.phi)))
+    ]

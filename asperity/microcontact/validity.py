@@ -46,6 +46,11 @@ def profile_flags(
     flags = np.zeros(approach.shape, dtype=np.uint8)
     reach = np.max(np.nan_to_num(contour), axis=1)
     flags[reach > profile.radius] |= np.uint8(Flag.BEYOND_RADIUS)
+    if isinstance(profile, PolarProfile) and profile.edge is not None:
+        end = np.interp(phi, profile.phi, profile.edge, period=2 * np.pi)
+        flags[np.any(contour > end, axis=1)] |= np.uint8(Flag.BEYOND_RADIUS)
+        saddle = np.min(profile(profile.edge, profile.phi))
+        flags[approach > saddle] |= np.uint8(Flag.SECOND_SUMMIT)
     if not np.max(reach, initial=0.0) > 0:
         return flags
     last = profile.radius if np.isfinite(profile.radius) else _FARTHEST * float(np.max(reach))

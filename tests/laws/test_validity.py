@@ -9,7 +9,14 @@ import pytest
 
 from asperity import HalfSpace, indent
 from asperity.microcontact import Flag
-from surfaces import PolarProfile, PowerLawProfile, PowerSumProfile
+from surfaces import (
+    HeightMap,
+    PolarProfile,
+    PowerLawProfile,
+    PowerSumProfile,
+    fit_profiles,
+    segment,
+)
 
 LAWS = ["hertz", "paper", "harmonic", "ellipse", "ritz", "auto"]
 TIPS = ["paper", "harmonic", "ellipse", "ritz", "auto"]
@@ -115,3 +122,19 @@ def test_no_warning_far_out_of_range():
         for law in LAWS:
             flags, _ = flags_of(profile, [1e-9, 1e3], law)
             assert flags[1]
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_neighbour_of_a_summit_cut_from_a_map(law):
+    """Two bumps with a saddle between: the lower the saddle, the deeper the contact may go."""
+    y, x = np.mgrid[0:60, 0:90] * np.array([1.1e-6, 1e-6])[:, None, None]
+    bumps = [
+        h - ((x - x0) ** 2 + (y - 33e-6) ** 2) / 40e-6 for h, x0 in ((0, 30e-6), (-1e-6, 52e-6))
+    ]
+    hm = HeightMap(np.maximum(*bumps), (1.1e-6, 1e-6))
+    profile = fit_profiles(hm, segment(hm)).profile(0)
+    saddle = float(np.min(profile(profile.edge, profile.phi)))
+    assert saddle == pytest.approx(3.54e-6, rel=0.1)
+    one = indent(profile, BODY, np.array([0.5, 2.0]) * saddle, law=law)
+    assert not one.flags[0] & Flag.SECOND_SUMMIT and one.valid[0]
+    assert one.flags[1] & Flag.SECOND_SUMMIT and not one.valid[1]
