@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from asperity.cli import output
+from asperity.errors import InputError
 
 EPILOG = """example:
   asperity demo --folder demo
@@ -13,6 +14,7 @@ EPILOG = """example:
 
 POINTS, SIZE = 256, 1e-3
 STEEL, POISSON = 210e9, 0.3
+NAME = "demo"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,7 +36,10 @@ def run(args: argparse.Namespace) -> int:
     surface, results, report = (
         folder / name for name in ("surface.h5", "results.h5", "report.html")
     )
+    output.make_folder(folder)
     output.require_outputs(surface, results, report)
+    if surface.exists() and surfaces.read(surface).name != NAME:
+        raise InputError(f"{surface} is there and not of the demo; give another --folder")
     hm = surfaces.self_affine(
         (POINTS, POINTS),
         (SIZE, SIZE),
@@ -43,7 +48,7 @@ def run(args: argparse.Namespace) -> int:
         rolloff=SIZE / 8,
         cutoff=SIZE * 8 / POINTS,
         seed=args.seed,
-    ).replace(name="demo")
+    ).replace(name=NAME)
     surfaces.write(hm, surface)
     shown, advance = output.bar(None, "demo")
     with shown:

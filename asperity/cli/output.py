@@ -28,6 +28,7 @@ __all__ = [
     "exit_code",
     "finish",
     "last_converged",
+    "make_folder",
     "named",
     "request_of",
     "require_distinct",
@@ -163,6 +164,14 @@ def require_outputs(*files: str | Path | None, inputs: Iterable[str | Path] = ()
         except OSError as error:
             raise InputError(f"{file}: cannot be written ({error.strerror})") from error
         taken[place] = "is named for two outputs"
+
+
+def make_folder(folder: str | Path) -> None:
+    """Make a folder for results, with those around it, where it does not exist."""
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made ({error.strerror})") from error
 
 
 def require_distinct(files: Iterable[Path]) -> None:

@@ -167,10 +167,7 @@ def _require_targets(files: Sequence[Path], args: argparse.Namespace) -> None:
             raise InputError("say where to write: -o FILE for one input, --folder DIR for several")
         if args.folder is not None:
             output.require_distinct(files)
-            try:
-                Path(args.folder).mkdir(parents=True, exist_ok=True)
-            except OSError as error:
-                raise InputError(f"{args.folder}: cannot be made ({error.strerror})") from error
+            output.make_folder(args.folder)
             named += [_target(path, args) for path in files]
     output.require_outputs(*named, inputs=files)
 

@@ -191,9 +191,16 @@ def test_plan_runs_nothing(folder, capsys):
 
 
 def test_demo(folder, capsys):
-    assert main(["demo", "--folder", str(folder)]) == 0
+    """Into a folder that it makes; the surface of somebody else is not replaced."""
+    assert main(["demo", "--folder", "new/demo"]) == 0
     assert "The model is" in capsys.readouterr().out
-    assert {"surface.h5", "results.h5", "report.html"} <= {p.name for p in folder.iterdir()}
+    made = {p.name for p in (folder / "new" / "demo").iterdir()}
+    assert made == {"surface.h5", "results.h5", "report.html"}
+    (folder / "rough.h5").rename(folder / "surface.h5")
+    before = (folder / "surface.h5").read_bytes()
+    assert main(["demo"]) == 2
+    assert "not of the demo" in capsys.readouterr().err
+    assert (folder / "surface.h5").read_bytes() == before
 
 
 def test_every_measured_map_goes_from_file_to_curve(measured, folder, capsys):
