@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.cli.surface import add_preparation, prepared
+from asperity.cli.surface import prepared, read_map
+from asperity.cli.surface_options import add_preparation, add_reading
 from asperity.errors import InputError, SurfaceError
 from surfaces.heightmap import HeightMap
 
@@ -36,18 +37,8 @@ def add_surface_options(parser: argparse.ArgumentParser, *, several: bool = Fals
         metavar="FILE",
         help="surface file" + ("s or globs" if several else ""),
     )
-    reading = parser.add_argument_group("reading")
-    reading.add_argument("--dataset", help="name of the dataset in a foreign HDF5 file")
-    reading.add_argument("--unit", help="unit of the heights where the file has none (m, um, nm)")
-    reading.add_argument(
-        "--spacing",
-        nargs="+",
-        type=float,
-        metavar="D",
-        help="pixel size dy dx [m] where the file has none",
-    )
-    add_preparation(parser)
-    parser.set_defaults(level=None, fill="none")
+    add_reading(parser)
+    add_preparation(parser, fill="none")
     parser.add_argument(
         "--boundary",
         choices=["periodic", "free"],
@@ -113,22 +104,14 @@ def add_load_options(parser: argparse.ArgumentParser) -> None:
 
 def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     """Read the map and prepare it as the options ask; refuse what no model can use."""
-    import surfaces
     from surfaces.statistics import unit_warning
 
-    spacing = args.spacing
-    if spacing is not None:
-        if len(spacing) > 2:
-            raise InputError(f"--spacing takes one or two numbers, got {len(spacing)}")
-        spacing = (spacing[0], spacing[-1])
-    hm = surfaces.read(file, dataset=args.dataset, unit=args.unit, spacing=spacing)
+    hm = read_map(Path(file), args)
     if hm.missing and args.fill == "none":
         raise SurfaceError(
             f"{Path(file).name} has {hm.missing} missing points of {hm.heights.size}; "
             "pass --fill harmonic"
         )
-    if args.level is None:
-        args = argparse.Namespace(**{**vars(args), "level": "none" if hm.periodic else "plane"})
     hm = prepared(hm, args)
     if np.ptp(hm.heights) == 0.0:
         raise SurfaceError(f"{Path(file).name} is constant: a flat map has no peaks to touch")

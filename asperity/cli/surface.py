@@ -14,10 +14,10 @@ from tqdm import tqdm
 
 import surfaces
 from asperity.cli import output
-from asperity.cli.surface_options import PARAMETERS, add_arguments, add_preparation
+from asperity.cli.surface_options import PARAMETERS, add_arguments
 from surfaces.errors import AsperityError, InputError
 
-__all__ = ["add_arguments", "add_preparation", "expand", "prepared", "run"]
+__all__ = ["add_arguments", "expand", "prepared", "read_map", "run"]
 
 Work = Callable[[Path, argparse.Namespace], bool]
 
@@ -65,7 +65,8 @@ def expand(patterns: Sequence[str]) -> list[Path]:
     return [Path(name) for name in dict.fromkeys(names)]
 
 
-def _read(path: Path, args: argparse.Namespace) -> surfaces.HeightMap:
+def read_map(path: Path, args: argparse.Namespace) -> surfaces.HeightMap:
+    """The map, or the part of it that ``--crop`` keeps, as the options of `add_reading` say."""
     crop = getattr(args, "crop", None)
     return surfaces.read(
         path,
@@ -86,7 +87,7 @@ def _pair(values: Sequence[float] | None, option: str) -> tuple[float, float] | 
 
 
 def _info(path: Path, args: argparse.Namespace) -> bool:
-    hm = _read(path, args)
+    hm = read_map(path, args)
     (ny, nx), (dy, dx), (length_y, length_x) = hm.shape, hm.spacing, hm.size
     lines = [
         f"points      {ny} x {nx} (y, x), {hm.missing} missing",
@@ -118,7 +119,7 @@ def _validate(path: Path, args: argparse.Namespace) -> bool:
 
 
 def _convert(path: Path, args: argparse.Namespace) -> bool:
-    _save(_read(path, args), path, args)
+    _save(read_map(path, args), path, args)
     return True
 
 
@@ -129,26 +130,22 @@ def _prepare(path: Path, args: argparse.Namespace) -> bool:
 
 def _read_and_prepared(path: Path, args: argparse.Namespace) -> surfaces.HeightMap:
     """The map after the options of `add_preparation`, each step told as it is recorded."""
-    before = _read(path, args)
-    hm = prepared(before, args, crop=False)
+    before = read_map(path, args)
+    hm = prepared(before, args)
     for step in hm.history[len(before.history) :]:
         tqdm.write(f"{path}: {_told(step)}", file=sys.stderr)
     return hm
 
 
-def prepared(
-    hm: surfaces.HeightMap, args: argparse.Namespace, *, crop: bool = True
-) -> surfaces.HeightMap:
-    """The map after the options of `add_preparation`; `crop` is False where the read did that."""
-    if args.crop and crop:
-        top, bottom, left, right = args.crop
-        hm = surfaces.crop(hm, (top, bottom), (left, right))
+def prepared(hm: surfaces.HeightMap, args: argparse.Namespace) -> surfaces.HeightMap:
+    """The map after the options of `add_preparation`, but for the crop, which the read did."""
+    level = args.level or ("none" if hm.periodic else "plane")
     band = args.bandpass
     if band is not None:
         band = (band[0] or None, band[1] if math.isfinite(band[1]) else None)
     hm = surfaces.prepare(
         hm,
-        level=None if args.level == "none" else args.level,
+        level=None if level == "none" else level,
         fill=None if args.fill == "none" else args.fill,
         outliers=args.outliers,
         bandpass=band,

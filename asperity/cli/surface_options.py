@@ -79,17 +79,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     finding.add_argument("-o", "--output", metavar="CSV", help="write all peaks as CSV")
 
 
+def add_reading(parser: argparse.ArgumentParser) -> None:
+    """Options that say what a file does not."""
+    group = parser.add_argument_group("reading")
+    group.add_argument("--dataset", metavar="NAME", help="name of the heights in the file")
+    group.add_argument("--unit", help="unit of the heights where the file states none (m, um, nm)")
+    group.add_argument(
+        "--spacing", type=float, nargs="+", metavar="D", help="pixel size DY DX [m], if not stated"
+    )
+
+
 def add_preparation(parser: argparse.ArgumentParser, *, fill: str = "harmonic") -> None:
     """Options of `surfaces.prepare`, and of cropping and resampling."""
     parser = parser.add_argument_group("preparation")  # type: ignore[assignment]
     parser.add_argument(
         "--level",
         choices=["none", "mean", "plane", "quadratic", "cylinder"],
-        default="plane",
-        help="form to take out (default: plane)",
+        help="form to take out (default: plane; a periodic map stays as it is)",
     )
     parser.add_argument(
-        "--fill", choices=["none", "harmonic"], default=fill, help=f"missing points ({fill})"
+        "--fill",
+        choices=["none", "harmonic"],
+        default=fill,
+        help=f"missing points (default: {fill})",
     )
     parser.add_argument(
         "--fill-limit", type=float, default=0.1, metavar="F", help="largest fraction to fill (0.1)"
@@ -132,11 +144,7 @@ def _command(
 
 def _files(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", nargs="+", metavar="FILE", help="files or glob patterns")
-    parser.add_argument("--dataset", metavar="NAME", help="name of the heights in the file")
-    parser.add_argument("--unit", help="unit of the heights where the file states none")
-    parser.add_argument(
-        "--spacing", type=float, nargs="+", metavar="D", help="pixel size DY DX [m], if not stated"
-    )
+    add_reading(parser)
 
 
 def _outputs(parser: argparse.ArgumentParser) -> None:

@@ -98,7 +98,7 @@ def test_two_by_two_map(command, folder, capsys):
         (["--pressure=-1e6:1e7:3"], "positive"),
         (["--E", "-210e9"], "E must be positive"),
         (["--bandpass", "-1e-6", "1e-3"], "wavelengths -1e-06 to 0.001 m"),
-        (["--crop", "-5", "10", "0", "10"], "rows (-5, 10) are not inside"),
+        (["--crop", "-5", "10", "0", "10"], "rows -5 to 10 are not inside"),
         (["--resample", "-1e-6"], "two positive pixel sizes"),
         (["--pressure", "a:b:c"], "LO:HI:N"),
         (["--pressure", "1e6", "--separation", "1e-6"], "not allowed"),
