@@ -111,7 +111,7 @@ def _newton(e):
     concave.
     """
     mean, shear, cross = 0.5 * (e[3] + e[5]), 0.5 * (e[3] - e[5]), e[4]
-    half = math.hypot(shear, cross)
+    half = math.sqrt(shear * shear + cross * cross)
     size = abs(mean) + half
     high, low = mean + half, mean - half
     if high < -1e-6 * size:

@@ -22,6 +22,8 @@ from numba.extending import intrinsic
 from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 
+from ._lanes import sum_lanes
+
 __all__ = ["LANES", "TAPS", "ray_places", "spline_expansion", "spline_values"]
 
 LANES = 8
@@ -238,23 +240,6 @@ def _lane_sums(builder: Any, vectors: list[Any]) -> Any:
     return vectors[0]
 
 
-def _total(builder: Any, values: Any) -> Any:
-    """Sum of the lanes of one vector, pairwise."""
-    lanes = LANES
-    while lanes > 1:
-        lanes //= 2
-        nothing = ir.Constant(values.type, ir.Undefined)
-        low, high = (
-            ir.Constant(ir.VectorType(_INDEX, lanes), list(range(start, start + lanes)))
-            for start in (0, lanes)
-        )
-        values = builder.fadd(
-            builder.shuffle_vector(values, nothing, low),
-            builder.shuffle_vector(values, nothing, high),
-        )
-    return builder.extract_element(values, ir.Constant(_INDEX, 0))
-
-
 @intrinsic
 def spline_expansion(typing: Any, flat: Any, corner: Any, width: Any, t_y: Any, t_x: Any) -> Any:
     """Value and derivatives per pixel (h, h_y, h_x, h_yy, h_xy, h_xx) at one point.
@@ -280,7 +265,7 @@ def spline_expansion(typing: Any, flat: Any, corner: Any, width: Any, t_y: Any, 
                 for k, share in enumerate(shares)
             ]
             place = builder.add(place, width)
-        results = [_total(builder, builder.fmul(sums[a], across[b])) for a, b in _EXPANSION]
+        results = [sum_lanes(builder, builder.fmul(sums[a], across[b])) for a, b in _EXPANSION]
         return cgutils.pack_array(builder, results)  # type: ignore[no-untyped-call]
 
     arguments = (flat, types.intp, types.intp, types.float64, types.float64)

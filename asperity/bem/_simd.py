@@ -15,6 +15,8 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from surfaces._lanes import sum_lanes
+
 __all__ = [
     "LANES",
     "RADIUS",
@@ -164,30 +166,12 @@ def _points(radius: int) -> Any:
                 for i, offset in enumerate(offsets):
                     values = _vector_load(builder, data, builder.add(offset, shift))
                     sums[i] = builder.call(fma, [values, taps, sums[i]])
-            result = [_sum_lanes(builder, total) for total in sums]
+            result = [sum_lanes(builder, total) for total in sums]
             return cgutils.pack_array(builder, result)  # type: ignore[no-untyped-call]
 
         return signature, codegen
 
     return sums_of_points
-
-
-def _sum_lanes(builder: Any, vector: Any) -> Any:
-    """Sum of the lanes of one vector, pairwise."""
-    lanes = vector.type.count
-    index = ir.IntType(32)
-    while lanes > 1:
-        lanes //= 2
-        nothing = ir.Constant(vector.type, ir.Undefined)
-        low, high = (
-            ir.Constant(ir.VectorType(index, lanes), list(range(start, start + lanes)))
-            for start in (0, lanes)
-        )
-        vector = builder.fadd(
-            builder.shuffle_vector(vector, nothing, low),
-            builder.shuffle_vector(vector, nothing, high),
-        )
-    return builder.extract_element(vector, ir.Constant(index, 0))
 
 
 tile = _tile(RADIUS)
