@@ -63,7 +63,7 @@ def deflection(
         law.force,
         law.stiffness,
         approach,
-        tilt,
+        np.ascontiguousarray(tilt),
         np.tile(ROUND, (len(approach), 1)) if lean is None else lean,
         footprints.modulus,
         footprints.power,
