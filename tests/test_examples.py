@@ -65,6 +65,11 @@ def test_one_contact(tmp_path):
     assert abs(resolved) < min(expected, abs(published) / 4)
 
 
+def test_picture(tmp_path):
+    assert "The model is" in run("06_picture.py", tmp_path)
+    assert (tmp_path / "contact.png").stat().st_size > 20_000
+
+
 def test_beyond_the_curve(tmp_path):
     text = run("07_beyond_the_curve.py", tmp_path)
     assert len(re.findall(r" carr(?:y|ies) 1\.000000 of the load", text)) == 2

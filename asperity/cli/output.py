@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from asperity import __version__
 from asperity.cli import derived
 from asperity.cli.main import EXIT_NOT_CONVERGED, EXIT_OK
 from asperity.errors import InputError
@@ -106,6 +107,7 @@ def request_of(
 ) -> dict[str, Any]:
     """Facts that an interrupted run and the one that goes on with it must share."""
     return {
+        "version": __version__,
         "command": args.command,
         "kind of load points": "pressure" if args.separation is None else "separation",
         "input": hm.digest,

@@ -63,6 +63,15 @@ def test_curve_commands_resume(command, folder, capsys):
     assert "kind of load points changed" in capsys.readouterr().err
 
 
+def test_another_version_starts_anew(folder, monkeypatch, capsys):
+    """What it would add may be another model, or lack what the file holds."""
+    arguments = ["curve", "rough.h5", *STEEL, "--pressure", "1e8", "--resume"]
+    assert main(arguments) == 0
+    monkeypatch.setattr("asperity.cli.output.__version__", "0.0.1")
+    assert main(arguments) == 2
+    assert "version changed" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("command", ["curve", "bem"])
 def test_a_finished_run_is_not_solved_again(command, folder, monkeypatch):
     arguments = [command, "rough.h5", *STEEL, "--pressure", "5e7:4e8:4", "--resume"]
