@@ -145,6 +145,8 @@ class ContactCurve:
         -------
         CurvePoint
             Values interpolated by monotone cubics in log pressure, scalar for a scalar question.
+            Of points that came out in the wrong order, with a separation that does not fall, the
+            heavier is left out.
 
         Raises
         ------
@@ -262,12 +264,14 @@ class ContactCurve:
                 return "unknown"
             return f"{finite.min():.3g} .. {finite.max():.3g}{unit}"
 
+        stated = self.extra.get("area_error_estimate")
+        area = "" if stated is None else f" in load, {span(stated, '')} in area"
         lines = [
             f"contact curve   {self.model}, {len(self)} points, {good} converged",
             f"separation      {span(self.separation, ' m')}",
             f"mean pressure   {span(self.mean_pressure, ' Pa')}   load {span(self.load, ' N')}",
             f"area fraction   {span(self.area_fraction, '')}   contacts {span(self.contacts, '')}",
-            f"error estimate  {span(self.error_estimate, '')}",
+            f"error estimate  {span(self.error_estimate, '')}{area}",
             f"residual        {span(self.residual, '')}",
             f"seconds         {sum(self.seconds.values()):.3g} ("
             + ", ".join(f"{stage} {value:.2g}" for stage, value in self.seconds.items())

@@ -136,7 +136,7 @@ def _checked_heights(heights: Any) -> NDArray[np.float64]:
         if np.iscomplexobj(heights):
             raise TypeError("they are complex")
         if isinstance(heights, np.ma.MaskedArray):
-            heights = heights.astype(np.float64).filled(np.nan)
+            heights = np.ma.filled(heights.astype(np.float64), np.nan)
         array = np.array(heights, dtype=np.float64, order="C")
     except (TypeError, ValueError) as error:
         raise SurfaceError(f"heights are not an array of real numbers: {error}") from error

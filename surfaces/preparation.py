@@ -57,7 +57,7 @@ def prepare(
         raise SurfaceError(f"fill is {fill!r}; it must be None or harmonic")
     if not 0.0 <= fill_limit < 1.0:
         raise SurfaceError(f"fill_limit is {fill_limit}; it is a fraction from 0 to below 1")
-    if bandpass is not None and np.shape(bandpass) != (2,):
+    if bandpass is not None and np.shape(np.asarray(bandpass, dtype=object)) != (2,):
         raise SurfaceError(f"bandpass is {bandpass!r}; give (shortest, longest) wavelength in m")
     if level is not None:
         hm = levelling.level(hm, level)
