@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from .errors import InputError
 from .results import ContactCurve
 
-__all__ = ["constriction_conductance"]
+__all__ = ["constriction_conductance", "total_resistivity"]
 
 
 def constriction_conductance(
@@ -46,9 +46,20 @@ def constriction_conductance(
         modulus = curve.settings.get("modulus")
     if modulus is None or not 0 < modulus < np.inf:
         raise InputError(f"the composite modulus is {modulus} Pa; it must be positive and finite")
+    return 2.0 * curve.stiffness / (modulus * total_resistivity(resistivity))
+
+
+def total_resistivity(resistivity: tuple[float, float]) -> float:
+    """Sum of the resistivities of both bodies, checked.
+
+    Raises
+    ------
+    InputError
+        If there are not two numbers, one is negative, or the sum is not positive and finite.
+    """
     if np.shape(resistivity) != (2,):
         raise InputError(f"resistivity is {resistivity!r}; give one number for each of two bodies")
     total = float(sum(resistivity))
     if not (min(resistivity) >= 0 and 0 < total < np.inf):
         raise InputError("resistivities must not be negative, their sum positive and finite")
-    return 2.0 * curve.stiffness / (modulus * total)
+    return total

@@ -27,7 +27,7 @@ def run(args: argparse.Namespace) -> int:
     """Solve, write the results file and print the curve."""
     output.require_outputs(args.results, args.csv, args.fields, args.slip, inputs=[args.file])
     material, loads = options.material(args), options.loads(args)
-    derived.require_derivable(material, args)
+    derived.require_derivable(material, loads, args)
     hm = options.load_surface(args.file, args)
     from asperity.bem.curve import bem_curve
 

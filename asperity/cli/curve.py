@@ -33,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
     targets = args.results, args.csv, args.contacts, args.sizes, args.fields, args.slip
     output.require_outputs(*targets, inputs=[args.file])
     material, loads = options.material(args), options.loads(args)
-    derived.require_derivable(material, args)
+    derived.require_derivable(material, loads, args)
     hm = options.load_surface(args.file, args)
     from asperity.compilation import compile_ahead
     from asperity.curve import contact_curve

@@ -27,11 +27,11 @@ def add_derived_options(parser: argparse.ArgumentParser) -> None:
         "--friction", type=float, metavar="MU", help="coefficient of friction, for --slip"
     )
     group.add_argument(
-        "--slip", metavar="CSV", help="shear against tangential displacement under the last load"
+        "--slip", metavar="CSV", help="shear against tangential displacement, heaviest load"
     )
 
 
-def require_derivable(material: Any, args: argparse.Namespace) -> None:
+def require_derivable(material: Any, loads: dict[str, Any], args: argparse.Namespace) -> None:
     """Refuse, before any work, what does not follow from the curve of this material."""
     if (args.friction is None) != (args.slip is None):
         raise InputError("partial slip needs both --friction MU and --slip CSV")
@@ -39,6 +39,14 @@ def require_derivable(material: Any, args: argparse.Namespace) -> None:
         raise InputError("--resistivity and --slip hold for homogeneous bodies, --m 0")
     if args.slip and material.E is None:
         raise InputError("--slip needs --E and --nu in place of --modulus")
+    if args.slip and not 0 < args.friction < np.inf:
+        raise InputError(f"--friction is {args.friction}; it must be positive and finite")
+    if args.slip and any(len(values) < 2 for values in loads.values()):
+        raise InputError("--slip needs lighter load points beside the heaviest, such as LO:HI:10")
+    if args.resistivity:
+        from asperity.conductance import total_resistivity
+
+        total_resistivity(tuple(args.resistivity))
 
 
 def conductance(curve: ContactCurve, args: argparse.Namespace) -> dict[str, Any]:
@@ -51,14 +59,14 @@ def conductance(curve: ContactCurve, args: argparse.Namespace) -> dict[str, Any]
 
 
 def write_slip(curve: ContactCurve, material: Any, args: argparse.Namespace) -> None:
-    """Write the partial-slip curve under the last load, against a rigid partner."""
+    """Write the partial-slip curve under the heaviest load, against a rigid partner."""
     from asperity.friction import friction_curve
     from asperity.microcontact.friction import tangential_modulus
     from asperity.storage import write_csv
 
     slip = friction_curve(
         curve,
-        float(curve.mean_pressure[-1]),
+        float(curve.mean_pressure[curve.converged].max(initial=0.0)),
         friction=args.friction,
         modulus_ratio=material.modulus / tangential_modulus(material),
     )

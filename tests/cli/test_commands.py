@@ -111,7 +111,7 @@ def test_sizes_of_the_contacts_are_those_of_the_table(folder):
 
 @pytest.mark.parametrize("command", ["curve", "bem"])
 def test_conductance_and_partial_slip_from_the_curve(command, folder, capsys):
-    options = ["--pressure", "1e7:1e8:4", "--csv", "c.csv", "--resistivity", "1e-7", "3e-7"]
+    options = ["--pressure", "1e8:1e7:4", "--csv", "c.csv", "--resistivity", "1e-7", "3e-7"]
     options += ["--friction", "0.3", "--slip", "slip.csv"]
     assert main([command, "rough.h5", *STEEL, *options]) == 0
     assert "conductance" in capsys.readouterr().out
@@ -130,6 +130,9 @@ def test_conductance_and_partial_slip_from_the_curve(command, folder, capsys):
         (["--E", "1e9", "--m", "0.3", "--resistivity", "1", "1"], "homogeneous"),
         (["--E", "1e9", "--friction", "0.3"], "--slip CSV"),
         (["--modulus", "1e9", "--friction", "0.3", "--slip", "s.csv"], "needs --E"),
+        (["--E", "1e9", "--friction", "nan", "--slip", "s.csv"], "positive and finite"),
+        (["--E", "1e9", "--friction", "1", "--slip", "s.csv", "--pressure", "1e8"], "lighter"),
+        (["--E", "1e9", "--resistivity", "-1", "2"], "must not be negative"),
     ],
 )
 def test_what_does_not_follow_from_the_curve(command, options, match, folder, capsys):
