@@ -17,19 +17,21 @@ def sums(heights, start, first, last):
     """
     ny, nx = heights.shape
     out = np.zeros(13)
-    out[0], out[1] = np.inf, -np.inf
+    lows, highs = np.empty(nx), np.empty(nx)  # of the columns, which the vectorizer takes at once
+    for j in range(nx):
+        lows[j], highs[j] = np.inf, -np.inf
     for i in range(first, last):
-        low, high, count, total, square = np.inf, -np.inf, 0.0, 0.0, 0.0
+        count, total, square = 0.0, 0.0, 0.0
         for j in range(nx):
-            z = heights[i, j] - start
+            z = heights[i, j]
+            lows[j] = z if z < lows[j] else lows[j]
+            highs[j] = z if z > highs[j] else highs[j]
+            z -= start
             there = z == z
             z = z if there else 0.0
             count += 1.0 if there else 0.0
             total += z
             square += z * z
-            low = heights[i, j] if heights[i, j] < low else low
-            high = heights[i, j] if heights[i, j] > high else high
-        out[0], out[1] = min(out[0], low), max(out[1], high)
         out[2] += count
         out[3] += total
         out[4] += square
@@ -47,6 +49,9 @@ def sums(heights, start, first, last):
         number, square = _bends(heights[i, : nx - 2], heights[i, 1 : nx - 1], heights[i, 2:])
         out[11] += number
         out[12] += square
+    out[0], out[1] = lows[0], highs[0]
+    for j in range(1, nx):
+        out[0], out[1] = min(out[0], lows[j]), max(out[1], highs[j])
     return out
 
 
