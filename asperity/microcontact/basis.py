@@ -105,6 +105,7 @@ class TableBasis:
         self.orders = np.arange(1, count + 1)
         turn = np.exp(-1j * self.orders * profile.phi[0])
         self._mean = spectrum[..., 0].real / 2
+        self._last: tuple[tuple[bytes, int, int], Array] | None = None
         self.harmonics = spectrum[..., 1 : count + 1] * turn
 
     def depth(self, a: Array, order: int = 0) -> Array:
@@ -138,15 +139,22 @@ class TableBasis:
 
     def _integrate(self, a: Array, cubics: NDArray[Any], n: NDArray[np.int64]) -> NDArray[Any]:
         """Sum over segments and powers of ``c_j a^j int t^(n+1+j) w dt``, shape (k, n.size)."""
-        edges = np.minimum(np.append(self.nodes, np.inf), a[:, None]) / a[:, None]
         lowest = int(n.min())
-        table = moments(self.m, edges, np.arange(lowest + 1, int(n.max()) + 5))
+        table = self._moments(a, lowest, int(n.max()))
         powers = (a[:, None] / self.nodes[-1]) ** np.arange(4)
         out = np.zeros((a.size, n.size), dtype=cubics.dtype)
         for j in range(4):
             weights = table[..., n - lowest + j] * powers[:, j, None, None]
             out += np.einsum("ksn,sn->kn", weights, cubics[:, j])
         return out
+
+    def _moments(self, a: Array, lowest: int, highest: int) -> Array:
+        """Moments of the segments at radii a; the last are kept, for D and its derivatives."""
+        key = (a.tobytes(), lowest, highest)
+        if self._last is None or self._last[0] != key:
+            edges = np.minimum(np.append(self.nodes, np.inf), a[:, None]) / a[:, None]
+            self._last = key, moments(self.m, edges, np.arange(lowest + 1, highest + 5))
+        return self._last[1]
 
     @cached_property
     def _kinks(self) -> Array:
