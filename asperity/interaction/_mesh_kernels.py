@@ -11,26 +11,35 @@ import math
 import numpy as np
 from numba import njit
 
+LANES = {"reassoc", "contract", "nsz"}
+
 
 @njit(inline="always")
-def _weights(t, w, d, c):  # type: ignore[no-untyped-def]
+def _weights(t):  # type: ignore[no-untyped-def]
     """Cubic B-spline weights of the four nodes about a point, their first and second slopes."""
     s = 1.0 - t
-    w[0] = s * s * s / 6.0
-    w[1] = (3.0 * t - 6.0) * t * t / 6.0 + 4.0 / 6.0
-    w[2] = (3.0 * s - 6.0) * s * s / 6.0 + 4.0 / 6.0
-    w[3] = t * t * t / 6.0
-    d[0] = -0.5 * s * s
-    d[1] = (1.5 * t - 2.0) * t
-    d[2] = 0.5 + (1.0 - 1.5 * t) * t
-    d[3] = 0.5 * t * t
-    c[0] = s
-    c[1] = 3.0 * t - 2.0
-    c[2] = 1.0 - 3.0 * t
-    c[3] = t
+    w = (
+        s * s * s / 6.0,
+        (3.0 * t - 6.0) * t * t / 6.0 + 4.0 / 6.0,
+        (3.0 * s - 6.0) * s * s / 6.0 + 4.0 / 6.0,
+        t * t * t / 6.0,
+    )
+    d = (-0.5 * s * s, (1.5 * t - 2.0) * t, 0.5 + (1.0 - 1.5 * t) * t, 0.5 * t * t)
+    return w, d, (s, 3.0 * t - 2.0, 1.0 - 3.0 * t, t)
 
 
-@njit(cache=True, nogil=True)
+@njit(inline="always")
+def _lines(first, count):  # type: ignore[no-untyped-def]
+    """Four lines of the mesh from the first on."""
+    a = np.uint64(first)
+    last = np.uint64(count)
+    b = a + np.uint64(1) if a + np.uint64(1) < last else a + np.uint64(1) - last
+    c = a + np.uint64(2) if a + np.uint64(2) < last else a + np.uint64(2) - last
+    d = a + np.uint64(3) if a + np.uint64(3) < last else a + np.uint64(3) - last
+    return a, b, c, d
+
+
+@njit(cache=True, nogil=True, fastmath=LANES)
 def deposit(rows, y, x, force, variance, cap, dipole, per_step, grid):  # type: ignore[no-untyped-def]
     """Spread sources on the meshes `grid` (1 or 2, my, mx).
 
@@ -41,128 +50,139 @@ def deposit(rows, y, x, force, variance, cap, dipole, per_step, grid):  # type: 
     moves = grid.shape[0] > 1
     my, mx = grid.shape[1:]
     ny, nx = per_step
-    wy, dy, cy, wx, dx, cx = np.empty((6, 4))
+    one = np.uint64(1)
     for i in range(rows[0], rows[1]):
         f = force[i]
         if f == 0.0:
             continue
         iy = int(y[i] * ny)
         ix = int(x[i] * nx)
-        _weights(y[i] * ny - iy, wy, dy, cy)
-        _weights(x[i] * nx - ix, wx, dx, cx)
+        wy, dy, cy = _weights(y[i] * ny - iy)
+        wx, dx, cx = _weights(x[i] * nx - ix)
+        lines = _lines(iy, my)
+        columns = _lines(ix, mx)
         half = 0.5 * min(variance[i], cap)
-        inner = ix + 4 <= mx
         for a in range(4):
-            row = (iy + a) % my
             value = f * (wy[a] + half * ny * ny * cy[a])
             bent = f * half * nx * nx * wy[a]
-            if inner:
+            for b in range(4):
+                grid[0, lines[a], columns[b]] += value * wx[b] + bent * cx[b]
+        if moves:
+            along = dipole[i, 0] * ny
+            across = dipole[i, 1] * nx
+            for a in range(4):
                 for b in range(4):
-                    grid[0, row, ix + b] += value * wx[b] + bent * cx[b]
-            else:
-                for b in range(4):
-                    grid[0, row, (ix + b) % mx] += value * wx[b] + bent * cx[b]
-            if moves:
-                along = dipole[i, 0] * ny * dy[a]
-                across = dipole[i, 1] * nx * wy[a]
-                for b in range(4):
-                    grid[1, row, (ix + b) % mx] += along * wx[b] + across * dx[b]
+                    change = along * dy[a] * wx[b] + across * wy[a] * dx[b]
+                    grid[one, lines[a], columns[b]] += change
 
 
-@njit(cache=True, nogil=True)
-def gather(rows, y, x, force, variance, cap, own, per_step, grid, part, out):  # type: ignore[no-untyped-def]
+@njit(cache=True, nogil=True, fastmath=LANES)
+def gather(  # type: ignore[no-untyped-def]
+    rows,
+    y,
+    x,
+    force,
+    variance,
+    cap,
+    own,
+    per_step,
+    scale,
+    grid,
+    part,
+    value,
+    slope,
+    tilt,
+    moved,
+    longer,
+):
     """Sum of the mesh part, less what each point does to itself there, and the near `part`s.
 
-    Into `out` (n, 6): v0, v1, the gradient by y and x, and the field of the shifts; the last three
+    Into `value`, `slope`, `tilt` (n, 2), `moved` and `longer`, times `scale` (3): of lengths, of
+    slopes over variance, and of gradients; the last three
     only if there is a second mesh.
     """
     moves = grid.shape[0] > 1
     my, mx = grid.shape[1:]
     ny, nx = per_step
     f0, f1, f2 = own
-    wy, dy, cy, wx, dx, cx = np.empty((6, 4))
+    one = np.uint64(1)
     for i in range(rows[0], rows[1]):
         iy = int(y[i] * ny)
         ix = int(x[i] * nx)
-        _weights(y[i] * ny - iy, wy, dy, cy)
-        _weights(x[i] * nx - ix, wx, dx, cx)
-        value = 0.0
-        bent = 0.0
-        along = 0.0
-        across = 0.0
-        moved = 0.0
-        inner = ix + 4 <= mx
-        for a in range(4):
-            row = (iy + a) % my
-            p = 0.0
-            q = 0.0
-            s = 0.0
-            for b in range(4):
-                column = ix + b if inner else (ix + b) % mx
-                here = grid[0, row, column]
-                p += wx[b] * here
-                q += cx[b] * here
-                s += dx[b] * here
-                if moves:
-                    moved += wy[a] * wx[b] * grid[1, row, column]
-            value += wy[a] * p
-            bent += ny * ny * cy[a] * p + nx * nx * wy[a] * q
-            along += dy[a] * p
-            across += wy[a] * s
+        wy, dy, cy = _weights(y[i] * ny - iy)
+        wx, dx, cx = _weights(x[i] * nx - ix)
+        lines = _lines(iy, my)
+        columns = _lines(ix, mx)
+        level, bent, along, across, other = 0.0, 0.0, 0.0, 0.0, 0.0
+        for b in range(4):
+            p, q, r = 0.0, 0.0, 0.0
+            for a in range(4):
+                here = grid[0, lines[a], columns[b]]
+                p += wy[a] * here
+                q += cy[a] * here
+                r += dy[a] * here
+            level += wx[b] * p
+            bent += ny * ny * wx[b] * q + nx * nx * cx[b] * p
+            along += wx[b] * r
+            across += dx[b] * p
         held = min(variance[i], cap)
         bent *= 0.5
-        value += held * bent - force[i] * (f0 + held * (f1 + 0.25 * held * f2))
-        slope = bent - force[i] * (0.5 * f1 + 0.25 * held * f2) if variance[i] < cap else 0.0
+        level += held * bent - force[i] * (f0 + held * (f1 + 0.25 * held * f2))
+        bent = bent - force[i] * (0.5 * f1 + 0.25 * held * f2) if variance[i] < cap else 0.0
         for c in range(part.shape[0]):
-            value += part[c, i, 0]
-            slope += part[c, i, 1]
-        out[i, 0] = value
-        out[i, 1] = slope
+            level += part[c, i, 0]
+            bent += part[c, i, 1]
+        value[i] = scale[0] * level
+        slope[i] = scale[1] * bent
         if moves:
+            for b in range(4):
+                p = 0.0
+                for a in range(4):
+                    p += wy[a] * grid[one, lines[a], columns[b]]
+                other += wx[b] * p
             along *= ny
             across *= nx
-            longer = 0.0
+            extra = 0.0
             for c in range(part.shape[0]):
                 along += part[c, i, 2]
                 across += part[c, i, 3]
-                moved += part[c, i, 4]
-                longer += part[c, i, 5]
-            out[i, 2] = along
-            out[i, 3] = across
-            out[i, 4] = moved
-            out[i, 5] = longer
+                other += part[c, i, 4]
+                extra += part[c, i, 5]
+            tilt[i, 0] = scale[2] * along
+            tilt[i, 1] = scale[2] * across
+            moved[i] = scale[0] * other
+            longer[i] = scale[0] * extra
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=LANES)
 def sample(y, x, per_step, grid, out):  # type: ignore[no-untyped-def]
     """Mesh potential at any points."""
     my, mx = grid.shape
-    wy, dy, cy, wx, dx, cx = np.empty((6, 4))
     for i in range(y.size):
         iy = int(y[i] * per_step[0])
         ix = int(x[i] * per_step[1])
-        _weights(y[i] * per_step[0] - iy, wy, dy, cy)
-        _weights(x[i] * per_step[1] - ix, wx, dx, cx)
+        wy, _, _ = _weights(y[i] * per_step[0] - iy)
+        wx, _, _ = _weights(x[i] * per_step[1] - ix)
+        lines = _lines(iy, my)
+        columns = _lines(ix, mx)
         value = 0.0
         for a in range(4):
-            row = (iy + a) % my
             for b in range(4):
-                value += wy[a] * wx[b] * grid[row, (ix + b) % mx]
+                value += wy[a] * wx[b] * grid[lines[a], columns[b]]
         out[i] = value
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=LANES)
 def spline(rows, index, y, x, variance, cap, per_step, place, weight):  # type: ignore[no-untyped-def]
     """First line and column (n, 2) and the 16 weights (n, 4, 4) of spread forces at the points
     `index`, as `deposit` and `gather` apply them."""
     ny, nx = per_step
-    wy, dy, cy, wx, dx, cx = np.empty((6, 4))
     for k in range(rows[0], rows[1]):
         i = index[k]
         iy = int(y[i] * ny)
         ix = int(x[i] * nx)
-        _weights(y[i] * ny - iy, wy, dy, cy)
-        _weights(x[i] * nx - ix, wx, dx, cx)
+        wy, _, cy = _weights(y[i] * ny - iy)
+        wx, _, cx = _weights(x[i] * nx - ix)
         half = 0.5 * min(variance[k], cap)
         place[k, 0] = iy
         place[k, 1] = ix

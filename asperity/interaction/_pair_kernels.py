@@ -1,298 +1,258 @@
-"""Compiled loops over near pairs: cell lists, fields and the tangent matrix."""
+"""Compiled loops over near pairs: displacements and gradients."""
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
-from numba import njit
+from numba import carray, njit
 
+from ._lane_kernels import (
+    BEND,
+    BOTH,
+    CROSS,
+    FLAT,
+    INVERSE,
+    LANES,
+    LEVEL,
+    NEGLIGIBLE,
+    NEXT,
+    ONCE,
+    PULL,
+    PULL_COLUMN,
+    PULL_ROW,
+    ROOT,
+    SKEW,
+    STEEP,
+    TINY,
+    TO_COLUMN,
+    TO_ROW,
+    TWICE,
+    WIDE,
+    ZERO,
+    long_pairs,
+    look,
+    set_doubt,
+    set_powers,
+    set_reach,
+    smooth,
+    whole_lanes,
+)
+from ._scratch import BLOCK, COLUMNS, doubles, floats, places
 from .footprint import PAIR_NODES
-
-BEADS, SHARES = np.polynomial.hermite_e.hermegauss(4)
-SHARES = SHARES / SHARES.sum()
-ROUNDEST = 0.1
-NEGLIGIBLE = 0.02
 
 
 @njit(inline="always")
-def _beside(place, step, count, wrap):  # type: ignore[no-untyped-def]
-    """Neighbouring line of cells, -1 if there is none or it has been met."""
-    if count == 1:
-        return 0 if step == 0 else -1
-    other = place + step
-    if other < 0 or other >= count:
-        return (other + count) % count if wrap else -1
-    return other
+def _exact(count, s, d, row, column, dy, dx, variance, power):  # type: ignore[no-untyped-def]
+    """R^(-p/2) and 1/R in double precision, into `d` and its second half: energies are compared
+    over steps that single precision does not resolve."""
+    if power == 1.0:
+        for k in range(count):
+            r2 = np.float64(dy[k]) * dy[k] + np.float64(dx[k]) * dx[k] + TINY
+            reach = r2 + (variance[np.uint64(row[k])] + variance[np.uint64(column[k])])
+            root = np.float64(s[k + ROOT])
+            root = root * (1.5 - 0.5 * reach * root * root)
+            d[k] = root
+            d[k + NEXT] = root * root
+    else:
+        for k in range(count):
+            r2 = np.float64(dy[k]) * dy[k] + np.float64(dx[k]) * dx[k] + TINY
+            reach = r2 + (variance[np.uint64(row[k])] + variance[np.uint64(column[k])])
+            d[k] = reach ** (-0.5 * power)
+            d[k + NEXT] = 1.0 / reach
 
 
-@njit(cache=True, nogil=True)
-def most_pairs(start, cells, wrap, rows):  # type: ignore[no-untyped-def]
-    """Pairs of points in the same or neighbouring cells, for the rows of cells."""
-    ncy, ncx = cells
-    total = 0
-    for cy in range(rows[0], rows[1]):
-        for cx in range(ncx):
-            home = cy * ncx + cx
-            own = start[home + 1] - start[home]
-            total += own * (own - 1) // 2
-            for oy in range(-1, 2):
-                by = _beside(cy, oy, ncy, wrap)
-                for ox in range(-1, 2):
-                    bx = _beside(cx, ox, ncx, wrap)
-                    other = by * ncx + bx
-                    if by >= 0 and bx >= 0 and other > home:
-                        total += own * (start[other + 1] - start[other])
-    return total
+@njit(inline="always")
+def _add_long(count, listed, lack, force, dipole, out):  # type: ignore[no-untyped-def]
+    """Add what listed pairs lack to both of their points."""
+    for k in range(count):
+        if lack[3, k] <= NEGLIGIBLE:
+            continue
+        i = np.uint64(listed[0, k])
+        j = np.uint64(listed[1, k])
+        fi = force[i]
+        fj = force[j]
+        full = np.float64(lack[0, k])
+        gy = np.float64(lack[1, k])
+        gx = np.float64(lack[2, k])
+        out[i, 2] += fj * gy
+        out[i, 3] += fj * gx
+        out[i, 4] -= dipole[j, 0] * gy + dipole[j, 1] * gx
+        out[i, 5] += fj * full
+        out[j, 2] -= fi * gy
+        out[j, 3] -= fi * gx
+        out[j, 4] += dipole[i, 0] * gy + dipole[i, 1] * gx
+        out[j, 5] += fi * full
 
 
-@njit(cache=True, nogil=True)
-def half_list(y, x, start, cells, size, wrap, cut, rows, k, far, far_scale, ptr, col, pair):  # type: ignore[no-untyped-def]
-    """Pairs of points i < j closer than sqrt(cut) for the rows [rows[0], rows[1]) of cells.
-
-    Points are sorted by cell, bounded by `start`; `size` is the extent (Ly, Lx) and `wrap` says
-    whether it repeats. From place k on, fills `col` with j and `pair` with y_i - y_j, x_i - x_j and
-    the columns of `far` at r^2; `ptr` (n, 2) bounds the pairs of each i. With empty `col` the pairs
-    are counted only. Returns the place after the last.
-    """
-    ncy, ncx = cells
-    fill = col.size > 0
-    last = far.shape[0] - 2
-    half_y = 0.5 * size[0] if wrap else math.inf
-    half_x = 0.5 * size[1] if wrap else math.inf
-    for cy in range(rows[0], rows[1]):
-        for cx in range(ncx):
-            home = cy * ncx + cx
-            for i in range(np.uint64(start[home]), np.uint64(start[home + 1])):
-                ptr[i, 0] = k
-                for oy in range(-1, 2):
-                    by = _beside(cy, oy, ncy, wrap)
-                    for ox in range(-1, 2):
-                        bx = _beside(cx, ox, ncx, wrap)
-                        other = by * ncx + bx
-                        if by < 0 or bx < 0 or other < home:
-                            continue
-                        first = i + np.uint64(1) if other == home else np.uint64(start[other])
-                        for j in range(first, np.uint64(start[other + 1])):
-                            dy = y[i] - y[j]
-                            dx = x[i] - x[j]
-                            if abs(dy) > half_y:
-                                dy -= math.copysign(size[0], dy)
-                            if abs(dx) > half_x:
-                                dx -= math.copysign(size[1], dx)
-                            r2 = dy * dy + dx * dx
-                            if r2 >= cut:
-                                continue
-                            k += 1
-                            if not fill:
-                                continue
-                            e = np.uint64(k - 1)
-                            col[e] = j
-                            pair[e, 0] = dy
-                            pair[e, 1] = dx
-                            place = r2 * far_scale
-                            c = np.uint64(min(int(place), last))
-                            t = place - c
-                            for q in range(5):
-                                low = far[c, q]
-                                pair[e, q + 2] = low + t * (far[c + np.uint64(1), q] - low)
-                ptr[i, 1] = k
-    return k
+@njit(inline="always")
+def _fill(i, k, stop, ptr, row):  # type: ignore[no-untyped-def]
+    """Write the row of each pair of the block that starts at pair k of row i into `row`; returns
+    the number of pairs, and the row and pair after the last. A block ends before a gap."""
+    count = np.uint64(0)
+    size = np.uint64(BLOCK // 2)
+    while True:
+        end = np.uint64(ptr[i, 1])
+        take = min(end - k, size - count)
+        for t in range(count, count + take):
+            row[t] = np.int32(i)
+        count += take
+        k += take
+        if k < end:
+            return count, i, k
+        i += np.uint64(1)
+        if i == stop:
+            return count, i, k
+        k = np.uint64(ptr[i, 0])
+        if k != end or count == size:
+            return count, i, k
 
 
-@njit(nogil=True)
-def _round(r2, both, shape, power):  # type: ignore[no-untyped-def]
-    """Kernel of two round footprints, and its slope over the distance by the distance."""
-    inverse = 1.0 / (r2 + both)
-    w = both * inverse * PAIR_NODES
-    c = min(int(w), PAIR_NODES - 1)
-    t = w - c
-    root = math.sqrt(inverse) if power == 1.0 else inverse ** (0.5 * power)
-    value = (shape[c, 0] + t * (shape[c + 1, 0] - shape[c, 0])) * root
-    pull = (shape[c, 2] + t * (shape[c + 1, 2] - shape[c, 2])) * root * inverse
-    return value, pull
-
-
-@njit(nogil=True)
-def _long(dy, dx, yy, xx, xy, shape, power):  # type: ignore[no-untyped-def]
-    """Kernel of two footprints with the sum of moments yy, xx, xy, and its gradient.
-
-    A Gaussian of moments l1 > l2 is taken as round ones of variance max(l2, `ROUNDEST` l1) at the
-    four Gauss nodes of the rest along its long axis: within 1 % of the kernel for two contacts of
-    2:1 that touch, 8 % for two of 4:1 side by side.
-    """
-    skew = 0.5 * (xx - yy)
-    half = math.sqrt(skew * skew + xy * xy)
-    large = 0.5 * (xx + yy) + half
-    width = max(large - 2.0 * half, ROUNDEST * large)
-    reach = math.sqrt(large - width)
-    turn = skew / half
-    ex = math.sqrt(max(0.5 * (1.0 + turn), 0.0)) * reach
-    ey = math.copysign(math.sqrt(max(0.5 * (1.0 - turn), 0.0)), xy) * reach
-    value, gy, gx = 0.0, 0.0, 0.0
-    for b in range(BEADS.size):
-        by = dy + BEADS[b] * ey
-        bx = dx + BEADS[b] * ex
-        part, pull = _round(by * by + bx * bx, width, shape, power)
-        value += SHARES[b] * part
-        gy += SHARES[b] * pull * by
-        gx += SHARES[b] * pull * bx
-    return value, gy, gx
-
-
-@njit(nogil=True)
-def _differs(yy, xx, xy, reach):  # type: ignore[no-untyped-def]
-    """Whether moments differ from round ones by more than a share of r^2 + S^2."""
-    limit = NEGLIGIBLE * reach
-    return 0.25 * (xx - yy) * (xx - yy) + xy * xy > limit * limit
-
-
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=LANES)
 def near_fields(  # type: ignore[no-untyped-def]
-    rows, force, variance, growth, form, dipole, moves, cap, ptr, col, pair, shape, power, out
+    rows,
+    force,
+    exact,
+    variance,
+    wide,
+    skew,
+    form,
+    dipole,
+    moves,
+    cap,
+    ptr,
+    col,
+    pair,
+    value_table,
+    shape,
+    far,
+    beads,
+    power,
+    out,
 ):
     """Near pairs of the rows, both ways, into `out` (n, 6): v0, v1, gradient, field of shifts, and
     what v0 lacks for footprints that are not round.
 
     The energy of the pair (i, j) is F_i F_j N(r; m_i, m_j); v0_i = sum F_j N and
     v1_i = sum F_j dN/dm_i. The smooth part that is subtracted takes variances up to `cap` only,
-    as the mesh does. Gradients are those of footprints wider by half the `growth` of both contacts,
-    the mean of receiver and source, of moments `form` (n, 3), yy, xx, xy, over their variance.
-    They, the field of forces times shifts `dipole` (n, 2) and the last column are made only if
-    `moves`.
+    as the mesh does. `variance` is in single precision, as are all arrays of pairs, and `exact` the
+    same in double. Gradients are those of footprints of variance `wide` (the mean of receiver and
+    source), of moments `form` (3, n), yy, xx, xy, over their variance, which differ from round ones
+    by `skew` (n,). They, the field of forces times shifts `dipole` (n, 2) and the last column are
+    made only if `moves`.
     """
-    nodes = float(shape.shape[0] - 1)
     out[:] = 0.0
-    one = np.uint64(1)
-    for i in range(np.uint64(rows[0]), np.uint64(rows[1])):
-        a0 = 0.0
-        a1 = 0.0
-        a2 = 0.0
-        a3 = 0.0
-        a4 = 0.0
-        a5 = 0.0
-        fi = force[i]
-        loaded = fi != 0.0
-        mi = variance[i]
-        vi = min(mi, cap)
-        wi = 1.0 if mi < cap else 0.0
-        for k in range(np.uint64(ptr[i, 0]), np.uint64(ptr[i, 1])):
-            j = np.uint64(col[k])
-            fj = force[j]
-            if not loaded and fj == 0.0:
-                continue
-            mj = variance[j]
-            vj = min(mj, cap)
-            wj = 1.0 if mj < cap else 0.0
-            dy = pair[k, 0]
-            dx = pair[k, 1]
-            r2 = dy * dy + dx * dx
-            both = mi + mj
-            inverse = 1.0 / (r2 + both)
-            w = both * inverse * nodes
-            c = np.uint64(min(int(w), PAIR_NODES - 1))
-            t = w - c
-            root = math.sqrt(inverse) if power == 1.0 else inverse ** (0.5 * power)
-            bend = 0.5 * pair[k, 3]
-            cross = 0.25 * pair[k, 4]
-            value = (
-                (shape[c, 0] + t * (shape[c + one, 0] - shape[c, 0])) * root
-                - pair[k, 2]
-                - (vi + vj) * bend
-                - vi * vj * cross
-            )
-            slope = (shape[c, 1] + t * (shape[c + one, 1] - shape[c, 1])) * root * inverse
-            a0 += fj * value
-            a1 += fj * (slope - wi * (bend + vj * cross))
-            out[j, 0] += fi * value
-            out[j, 1] += fi * (slope - wj * (bend + vi * cross))
+    s = carray(floats(), (COLUMNS * BLOCK,))
+    d = carray(doubles(), (2 * BLOCK,))
+    row = carray(places(), (BLOCK,))
+    listed = np.zeros((2, BLOCK), np.int32)
+    away = np.ones((2, BLOCK), np.float32)
+    lack = np.empty((4, BLOCK), np.float32)
+    whole = cap
+    cap = np.float32(cap)
+    a = np.float32(0.5 * power)
+    i = np.uint64(rows[0])
+    stop = np.uint64(rows[1])
+    if i >= stop:
+        return
+    e = np.uint64(ptr[i, 0])
+    held = np.uint64(0)
+    while i < stop:
+        begin = e
+        count, i, e = _fill(i, e, stop, ptr, row)
+        lanes = whole_lanes(count)
+        column = col[begin : begin + lanes]
+        dy = pair[0][begin : begin + lanes]
+        dx = pair[1][begin : begin + lanes]
+        set_reach(lanes, s, BOTH, row, column, dy, dx, variance)
+        set_powers(lanes, s, ROOT, power)
+        _exact(lanes, s, d, row, column, dy, dx, exact, power)
+        for k in range(lanes):
+            vi = variance[np.uint64(row[k])]
+            vj = variance[np.uint64(column[k])]
+            ci = min(vi, cap)
+            cj = min(vj, cap)
+            value, bend, cross, pull, turn = smooth(dy[k] * dy[k] + dx[k] * dx[k], far, a)
+            inverse = s[k + INVERSE]
+            slope = look(shape, 2, s[k + BOTH] * inverse) * s[k + ROOT] * inverse
+            s[k + TO_ROW] = slope - (bend + cj * cross if vi < cap else ZERO)
+            s[k + TO_COLUMN] = slope - (bend + ci * cross if vj < cap else ZERO)
+            s[k + LEVEL] = value
+            s[k + ONCE] = bend
+            s[k + TWICE] = cross
+            s[k + BEND] = pull
+            s[k + CROSS] = turn
+        for k in range(lanes):
+            vi = exact[np.uint64(row[k])]
+            vj = exact[np.uint64(column[k])]
+            ci = min(vi, whole)
+            cj = min(vj, whole)
+            place = (vi + vj) * d[k + NEXT] * PAIR_NODES
+            c = np.uint64(np.int32(place))
+            value = value_table[0, c] + (place - c) * value_table[1, c]
+            d[k] = value * d[k] - s[k + LEVEL] - (ci + cj) * s[k + ONCE] - ci * cj * s[k + TWICE]
+        if moves:
+            set_reach(lanes, s, WIDE, row, column, dy, dx, wide)
+            set_doubt(lanes, s, row, column, STEEP, skew)
+            set_powers(lanes, s, STEEP, power)
+            for k in range(lanes):
+                inverse = s[k + FLAT]
+                pull = look(shape, 4, s[k + WIDE] * inverse) * s[k + STEEP] * inverse - s[k + BEND]
+                turn = s[k + CROSS]
+                s[k + PULL] = pull
+                s[k + PULL_ROW] = pull - min(variance[np.uint64(column[k])], cap) * turn
+                s[k + PULL_COLUMN] = pull - min(variance[np.uint64(row[k])], cap) * turn
+        k = np.uint64(0)
+        while k < count:
+            h = np.uint64(row[k])
+            last = min(count, np.uint64(ptr[h, 1]) - begin)
+            fi = force[h]
+            a0, a1, a2, a3, a4 = 0.0, 0.0, 0.0, 0.0, 0.0
             if moves:
-                here = mi + 0.5 * growth[i]
-                there = mj + 0.5 * growth[j]
-                both = here + there
-                inverse = 1.0 / (r2 + both)
-                w = both * inverse * nodes
-                c = np.uint64(min(int(w), PAIR_NODES - 1))
-                t = w - c
-                root = math.sqrt(inverse) if power == 1.0 else inverse ** (0.5 * power)
-                pull = (shape[c, 2] + t * (shape[c + one, 2] - shape[c, 2])) * root * inverse
-                gy = pull * dy
-                gx = pull * dx
-                yy = here * form[i, 0] + there * form[j, 0]
-                xx = here * form[i, 1] + there * form[j, 1]
-                xy = here * form[i, 2] + there * form[j, 2]
-                if _differs(yy, xx, xy, r2 + both):
-                    full, gy, gx = _long(dy, dx, yy, xx, xy, shape, power)
-                    full -= (shape[c, 0] + t * (shape[c + one, 0] - shape[c, 0])) * root
-                    a5 += fj * full
-                    out[j, 5] += fi * full
-                gy -= pair[k, 5] * dy
-                gx -= pair[k, 5] * dx
-                bend = 0.5 * pair[k, 6]
-                a2 += fj * (gy - vj * bend * dy)
-                a3 += fj * (gx - vj * bend * dx)
-                a4 -= dipole[j, 0] * gy + dipole[j, 1] * gx
-                out[j, 2] -= fi * (gy - vi * bend * dy)
-                out[j, 3] -= fi * (gx - vi * bend * dx)
-                out[j, 4] += dipole[i, 0] * gy + dipole[i, 1] * gx
-        out[i, 0] += a0
-        out[i, 1] += a1
-        out[i, 2] += a2
-        out[i, 3] += a3
-        out[i, 4] += a4
-        out[i, 5] += a5
-
-
-@njit(cache=True, nogil=True)
-def tangent_list(rows, ptr, col, pair, rank, variance, form, cap, shape, power, tptr, tcol, tval):  # type: ignore[no-untyped-def]
-    """Pairs of active points (rank >= 0) of the rows and their tangent values, from the place of
-    the first row on; `variance` and the moments `form` (n, 3) run over the active points."""
-    nodes = float(shape.shape[0] - 1)
-    one = np.uint64(1)
-    place = np.uint64(ptr[rows[0], 0]) if rows[1] > rows[0] else np.uint64(0)
-    for i in range(np.uint64(rows[0]), np.uint64(rows[1])):
-        if rank[i] < 0:
+                py = dipole[h, 0]
+                px = dipole[h, 1]
+                for t in range(k, last):
+                    j = np.uint64(column[t])
+                    fj = force[j]
+                    value = d[t]
+                    by = np.float64(dy[t])
+                    bx = np.float64(dx[t])
+                    pull = np.float64(s[t + PULL])
+                    to_row = fj * s[t + PULL_ROW]
+                    to_column = fi * s[t + PULL_COLUMN]
+                    a0 += fj * value
+                    a1 += fj * s[t + TO_ROW]
+                    a2 += to_row * by
+                    a3 += to_row * bx
+                    a4 -= (dipole[j, 0] * by + dipole[j, 1] * bx) * pull
+                    out[j, 0] += fi * value
+                    out[j, 1] += fi * s[t + TO_COLUMN]
+                    out[j, 2] -= to_column * by
+                    out[j, 3] -= to_column * bx
+                    out[j, 4] += (py * by + px * bx) * pull
+            else:
+                for t in range(k, last):
+                    j = np.uint64(column[t])
+                    fj = force[j]
+                    value = d[t]
+                    a0 += fj * value
+                    a1 += fj * s[t + TO_ROW]
+                    out[j, 0] += fi * value
+                    out[j, 1] += fi * s[t + TO_COLUMN]
+            out[h, 0] += a0
+            out[h, 1] += a1
+            out[h, 2] += a2
+            out[h, 3] += a3
+            out[h, 4] += a4
+            k = last
+        if not moves:
             continue
-        here = np.uint64(rank[i])
-        mi = variance[here]
-        vi = min(mi, cap)
-        tptr[here, 0] = place
-        for e in range(np.uint64(ptr[i, 0]), np.uint64(ptr[i, 1])):
-            other = rank[np.uint64(col[e])]
-            if other < 0:
-                continue
-            there = np.uint64(other)
-            mj = variance[there]
-            vj = min(mj, cap)
-            spread = mi + mj
-            reach = pair[e, 0] * pair[e, 0] + pair[e, 1] * pair[e, 1] + spread
-            inverse = 1.0 / reach
-            w = spread * inverse * nodes
-            c = np.uint64(min(int(w), PAIR_NODES - 1))
-            root = math.sqrt(inverse) if power == 1.0 else inverse ** (0.5 * power)
-            value = (shape[c, 0] + (w - c) * (shape[c + one, 0] - shape[c, 0])) * root
-            yy = form[here, 0] + form[there, 0]
-            xx = form[here, 1] + form[there, 1]
-            xy = form[here, 2] + form[there, 2]
-            if _differs(yy, xx, xy, reach):
-                value = _long(pair[e, 0], pair[e, 1], yy, xx, xy, shape, power)[0]
-            tcol[place] = there
-            tval[place] = (
-                value - pair[e, 2] - 0.5 * (vi + vj) * pair[e, 3] - 0.25 * vi * vj * pair[e, 4]
-            )
-            place += one
-        tptr[here, 1] = place
-
-
-@njit(cache=True, nogil=True)
-def near_tangent(rows, tptr, tcol, tval, v, out):  # type: ignore[no-untyped-def]
-    """Near pairs of the tangent matrix times v, both ways."""
-    out[:] = 0.0
-    for i in range(np.uint64(rows[0]), np.uint64(rows[1])):
-        total = 0.0
-        own = v[i]
-        for k in range(np.uint64(tptr[i, 0]), np.uint64(tptr[i, 1])):
-            j = np.uint64(tcol[k])
-            total += tval[k] * v[j]
-            out[j] += tval[k] * own
-        out[i] += total
+        for k in range(count):
+            if s[k + SKEW] > ZERO:
+                listed[0, held] = row[k]
+                listed[1, held] = column[k]
+                away[0, held] = dy[k]
+                away[1, held] = dx[k]
+                held += np.uint64(1)
+        if held > BLOCK // 2 or i == stop:
+            long_pairs(held, listed, away, wide, form, shape, beads, power, lack)
+            _add_long(held, listed, lack, force, dipole, out)
+            held = np.uint64(0)

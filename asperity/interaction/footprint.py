@@ -7,16 +7,17 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import gamma, gammainc, hyp1f1, rgamma
 
-__all__ = ["FLOOR", "Footprints", "at_origin", "far_table", "pair_table"]
+__all__ = ["FLOOR", "Footprints", "at_origin", "pair_table", "smooth_polynomials"]
 
 FLOOR = 0.02
 """Share of a contact's own compliance that is kept outside its footprint (delta)."""
 
 PAIR_NODES = 2048
-FAR_NODES = 2048
+SMOOTH_DEGREE = 12
 
 
 @dataclass(frozen=True)
@@ -143,30 +144,27 @@ def pair_table(m: float) -> NDArray[np.float64]:
 
 
 @functools.lru_cache(maxsize=16)
-def far_table(m: float, limit: float) -> NDArray[np.float64]:
-    """Smooth part of the point kernel and its Laplacians at equispaced x = (r/eta)^2.
-
-    Parameters
-    ----------
-    m
-        Exponent of the grading.
-    limit
-        Largest x.
+def smooth_polynomials(m: float, limit: float) -> NDArray[np.float64]:
+    """Smooth part of the point kernel for x = (r/eta)^2 up to `limit`.
 
     Returns
     -------
-    table
-        f, eta^2 Laplacian f, eta^4 Laplacian^2 f, and eta^2 f'/r, eta^4 (Laplacian f)'/r, in units
-        of C_m eta^-p, shape (nodes + 1, 5).
+    coefficients
+        Polynomials in x - limit/2 for e = exp(-x)/Gamma(a) and for g_2, shape (2,
+        `SMOOTH_DEGREE` + 1), lowest power first, within 2e-7 for `limit` = 4.
 
     Notes
     -----
-    Ewald split of q^(m-1) = 1/Gamma((1-m)/2) int_0^inf t^(-(1+m)/2) exp(-q^2 t) dt at t = eta^2/4.
-    The smooth part has the symbol Lambda(q) Q((1-m)/2, q^2 eta^2 / 4) and the shape
-    f = C_m eta^-p x^(-a) P(a, x), a = p/2, with the incomplete gamma functions P and Q = 1 - P.
+    g_k is the k-th derivative of g_0 = x^(-a) P(a, x) by x, a = p/2 (`smooth_part`); the lower ones
+    follow from it without loss: g_1 = -(x g_2 + e) / (a + 1), g_0 = (e - x g_1) / a.
     """
-    x = np.linspace(0.0, limit, FAR_NODES + 1)
-    return np.stack(smooth_part(m, x), axis=1)
+    a, count = (1 + m) / 2, 4 * SMOOTH_DEGREE
+    t = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+    x = limit * (1 + t) / 2
+    edge = np.exp(-x) / gamma(a)
+    second = (edge - smooth_part(m, x)[4] / 8) / a
+    fits = (chebyshev.cheb2poly(chebyshev.chebfit(t, f, SMOOTH_DEGREE)) for f in (edge, second))
+    return np.stack(list(fits)) * (2 / limit) ** np.arange(SMOOTH_DEGREE + 1)
 
 
 @functools.lru_cache(maxsize=16)
@@ -177,7 +175,20 @@ def at_origin(m: float) -> tuple[float, float, float]:
 
 
 def smooth_part(m: float, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-    """The columns of `far_table` at any x = (r/eta)^2."""
+    """Smooth part of the point kernel at x = (r/eta)^2.
+
+    Returns
+    -------
+    columns
+        f, eta^2 Laplacian f, eta^4 Laplacian^2 f, and eta^2 f'/r, eta^4 (Laplacian f)'/r, in units
+        of C_m eta^-p, each like x.
+
+    Notes
+    -----
+    Ewald split of q^(m-1) = 1/Gamma((1-m)/2) int_0^inf t^(-(1+m)/2) exp(-q^2 t) dt at t = eta^2/4.
+    The smooth part has the symbol Lambda(q) Q((1-m)/2, q^2 eta^2 / 4) and the shape
+    f = C_m eta^-p x^(-a) P(a, x), a = p/2, with the incomplete gamma functions P and Q = 1 - P.
+    """
     a = (1 + m) / 2
     near = x < 0.5
     safe = np.where(near, 1.0, x)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 from typing import NamedTuple
@@ -12,8 +13,8 @@ from numpy.typing import NDArray
 from surfaces._threads import each
 
 from ..threads import threads
-from . import _mesh_kernels, _pair_kernels
-from .footprint import Footprints, at_origin, far_table, pair_table
+from . import _list_kernels, _mesh_kernels, _pair_kernels
+from .footprint import Footprints, at_origin, pair_table, smooth_polynomials
 from .mesh import Mesh
 
 __all__ = ["CAP", "Field", "Interaction", "run"]
@@ -44,8 +45,13 @@ CROWDED = 200
 """Pairs of points in neighboring cells, for each point, from which on near pairs are counted before
 their memory is taken."""
 
-PAIR_DATA = 7
-"""Numbers kept of each pair: its distance along both axes, and a row of `far_table`."""
+
+SLACK = 8
+"""Places behind the last pair that whole vectors may read."""
+
+BEADS = np.stack(np.polynomial.hermite_e.hermegauss(4)).astype(np.float32)
+BEADS[1] /= BEADS[1].sum()
+"""Gauss nodes and weights along an elongated footprint."""
 
 
 class Field(NamedTuple):
@@ -155,11 +161,11 @@ class Interaction:
         self.y, self.x = y[self.order], x[self.order]
         start = np.searchsorted(place[self.order], np.arange(cells[0] * cells[1] + 1))
         self.ptr, self.col, self.pair = _near_pairs(
-            self.y, self.x, start, cells, size, periodic, cut, footprints.m
+            self.y, self.x, start, cells, size, periodic, cut
         )
         self.size, self.wrap, self.cut = size, periodic, cut
         self.mesh = Mesh(footprints, size, periodic=periodic, nodes=nodes)
-        self.shape = pair_table(footprints.m)
+        self.value_table, self.shape, self.far = _tables(footprints.m, cut * cut)
         self.own = at_origin(footprints.m)
         self.scale = footprints.point * self.eta**-footprints.power
         counts = self.ptr[:, 1] - self.ptr[:, 0]
@@ -167,10 +173,11 @@ class Interaction:
         self.rows = _chunks(counts)
         self.part = np.zeros((len(self.rows), len(y), 6))
         self.grids = np.zeros((len(self.rows), 2, *self.mesh.shape))
-        self.tangent_col = np.empty(len(self.col), np.uint32)
-        self.tangent_value = np.empty(len(self.col), np.float32)
+        self.tangent_col = np.empty(len(self.col) + 1, np.int32)
+        self.tangent_value = np.empty(len(self.col) + 1, np.float32)
         self.smooth = np.zeros(self.mesh.shape)
         self.round = np.tile(ROUND, (len(y), 1))
+        self.form = (np.empty(0), np.empty(0), np.empty(0, np.float32))
 
     def field(
         self,
@@ -197,11 +204,13 @@ class Interaction:
         """
         n, moves = len(force), moment is not None
         m = variance / self.eta**2
-        grown = m if growth is None else growth / self.eta**2
+        wide = m if growth is None else m + growth * (0.5 / self.eta**2)
         dipole = np.zeros((1, 2)) if moment is None else moment / self.eta
         grids = self.grids[:, : 1 + moves]
-        form = self.round if form is None else form
-        out = np.zeros((n, 6))
+        skew, form = self.shaped(wide, form)
+        pairs = m, m.astype(np.float32), wide.astype(np.float32), skew, form
+        scale = self.scale * np.array([1.0, self.eta**-2, 1 / self.eta])
+        found = Field(np.empty(n), np.empty(n), np.zeros((n, 2)), np.zeros(n), np.zeros(n))
 
         def sources(c: int, rows: NDArray[np.int64]) -> None:
             place = self.y, self.x, force, m, CAP, dipole, self.mesh.per_step
@@ -209,32 +218,42 @@ class Interaction:
             _pair_kernels.near_fields(
                 rows,
                 force,
-                m,
-                grown,
-                form,
+                *pairs,
                 dipole,
                 moves,
                 CAP,
                 self.ptr,
                 self.col,
                 self.pair,
+                self.value_table,
                 self.shape,
+                self.far,
+                BEADS,
                 self.footprints.power,
                 self.part[c],
             )
 
         def receivers(_: int, rows: NDArray[np.int64]) -> None:
-            place = self.y, self.x, force, m, CAP, self.own, self.mesh.per_step
-            _mesh_kernels.gather(rows, *place, smooth, self.part, out)
+            place = self.y, self.x, force, m, CAP, self.own, self.mesh.per_step, scale
+            _mesh_kernels.gather(rows, *place, smooth, self.part, *found)
 
         run(sources, self.rows)
         smooth = self.mesh.convolve(grids[0] if len(grids) == 1 else grids.sum(axis=0))
         self.smooth = smooth[0]
         run(receivers, self.rows)
-        out *= self.scale
-        out[:, 1] /= self.eta**2
-        out[:, 2:4] /= self.eta
-        return Field(out[:, 0], out[:, 1], out[:, 2:4], out[:, 4], out[:, 5])
+        return found
+
+    def shaped(
+        self, variance: NDArray[np.float64], form: NDArray[np.float64] | None
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """What near pairs read of footprints of moments `form` over their variance [eta^2]: half
+        the difference of their principal moments, shape (n,), and `form` by components, (3, n)."""
+        form = self.round if form is None else form
+        if form is not self.form[0]:
+            skew = np.hypot(0.5 * (form[:, 1] - form[:, 0]), form[:, 2])
+            self.form = form, skew, form.T.astype(np.float32, order="C")
+        _, skew, parts = self.form
+        return (variance * skew).astype(np.float32), parts
 
     def potential(self, y: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacement [m] of the last field at any places [m], shape (n,), without near contacts.
@@ -259,6 +278,25 @@ class Interaction:
         return float(self.scale * min(0.0, float(self.smooth.min())))
 
 
+@functools.lru_cache(maxsize=16)
+def _tables(
+    m: float, limit: float
+) -> tuple[NDArray[np.float64], NDArray[np.float32], NDArray[np.float32]]:
+    """What the near pairs read of the kernel.
+
+    Columns of `pair_table`, each followed by its rise from node to node: the first in double
+    precision, shape (2, nodes + 1), all in single, (6, nodes + 1); and `smooth_polynomials` in
+    single precision, followed by a row that starts with the place about which they are expanded.
+    """
+    table = pair_table(m).T
+    rise = np.diff(table, axis=1, append=table[:, -1:])
+    shape = np.stack((table, rise), axis=1).reshape(6, -1)
+    value = shape[:2].copy()
+    far = smooth_polynomials(m, limit)
+    far = np.concatenate((far, np.full((1, far.shape[1]), limit / 2)))
+    return value, shape.astype(np.float32), far.astype(np.float32)
+
+
 def run(loop: Callable[[int, NDArray[np.int64]], None], rows: NDArray[np.int64]) -> None:
     """Call loop(c, rows[c]) for every chunk of rows, on as many threads."""
     each(lambda c: loop(c, rows[c]), range(len(rows)))
@@ -272,24 +310,21 @@ def _near_pairs(
     size: tuple[float, float],
     wrap: bool,
     cut: float,
-    m: float,
-) -> tuple[NDArray[np.int64], NDArray[np.uint32], NDArray[np.float32]]:
-    """Pairs i < j within the cut-off: bounds (n, 2), columns, and the data of each pair."""
-    far = far_table(m, cut * cut)
-    scale = (len(far) - 1) / cut**2
+) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float32]]:
+    """Pairs i < j within the cut-off: bounds (n, 2), columns, distances by y and x (2, pairs)."""
     count = max(1, min(threads(), len(y) // 2000, cells[0]))
     edges = np.linspace(0, cells[0], count + 1).astype(np.int64)
     rows = np.stack((edges[:-1], edges[1:]), axis=1)
     ptr = np.zeros((len(y), 2), np.int64)
-    col, pair = np.empty(0, np.uint32), np.empty((0, PAIR_DATA), np.float32)
+    col, pair = np.empty(0, np.int32), np.empty((2, 0), np.float32)
     first = np.zeros(len(rows) + 1, np.int64)
     room = np.zeros(len(rows), np.int64)
 
     def find(c: int, part: NDArray[np.int64]) -> None:
-        place = y, x, start, cells, size, wrap, cut * cut, part, first[c], far, scale
-        room[c] = _pair_kernels.half_list(*place, ptr, col, pair)
+        place = y, x, start, cells, size, wrap, cut * cut, part, first[c]
+        room[c] = _list_kernels.half_list(*place, ptr, col, pair)
 
-    most = [_pair_kernels.most_pairs(start, cells, wrap, part) for part in rows]
+    most = [_list_kernels.most_pairs(start, cells, wrap, part) for part in rows]
     if sum(most) > CROWDED * len(y):
         run(find, rows)
     else:
@@ -297,7 +332,8 @@ def _near_pairs(
         room[:] = most
     first[1:] = np.cumsum(room)
     if first[-1]:
-        col, pair = np.empty(first[-1], np.uint32), np.empty((first[-1], PAIR_DATA), np.float32)
+        room_all = first[-1] + SLACK
+        col, pair = np.zeros(room_all, np.int32), np.zeros((2, room_all), np.float32)
         run(find, rows)
     return ptr, col, pair
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _mesh_kernels, _pair_kernels
-from .operator import CAP, ROUND, Interaction, run
+from . import _mesh_kernels, _tangent_kernels
+from .operator import BEADS, CAP, Interaction, run
 
 __all__ = ["Tangent"]
 
@@ -54,8 +54,9 @@ class Tangent:
         f0, f1, f2 = plan.own
         held = np.minimum(variance, CAP)
         self.diagonal = self.compliance / plan.scale - f0 - held * (f1 + 0.25 * held * f2)
-        form = np.tile(ROUND, (n, 1)) if form is None else form[self.index]
-        moments = variance[:, None] * form
+        all_variance = np.zeros(len(active))
+        all_variance[self.index] = variance
+        shapes = all_variance.astype(np.float32), *plan.shaped(all_variance, form)
         rows = np.searchsorted(self.index, plan.rows)
         self.rows = rows if n * plan.pairs > PAIRS_PER_THREAD * len(active) else np.array([[0, n]])
         self.ptr = np.zeros((n, 2), np.int64)
@@ -76,16 +77,17 @@ class Tangent:
                 self.place,
                 self.weight,
             )
-            _pair_kernels.tangent_list(
+            _tangent_kernels.tangent_list(
                 part,
                 plan.ptr,
                 plan.col,
                 plan.pair,
                 rank,
-                variance,
-                moments,
+                *shapes,
                 CAP,
                 plan.shape,
+                plan.far,
+                BEADS,
                 plan.footprints.power,
                 self.ptr,
                 self.col,
@@ -108,7 +110,9 @@ class Tangent:
 
         def sources(c: int, rows: NDArray[np.int64]) -> None:
             _mesh_kernels.spread(rows, self.place, self.weight, vector, self.grids[c])
-            _pair_kernels.near_tangent(rows, self.ptr, self.col, self.value, vector, self.part[c])
+            _tangent_kernels.near_tangent(
+                rows, self.ptr, self.col, self.value, vector, self.part[c]
+            )
 
         def receivers(_: int, rows: NDArray[np.int64]) -> None:
             _mesh_kernels.collect(

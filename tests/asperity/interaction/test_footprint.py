@@ -10,9 +10,9 @@ from scipy.special import gammaincc, i0e, j0
 from asperity.interaction.footprint import (
     FLOOR,
     Footprints,
-    far_table,
     pair_table,
     smooth_part,
+    smooth_polynomials,
 )
 
 EXPONENTS = (-0.5, -0.3, 0.0, 0.3, 0.8)
@@ -99,7 +99,22 @@ def test_pair_table_holds_value_and_slopes(m):
 
 
 @pytest.mark.parametrize("m", EXPONENTS)
-def test_tables_are_fine_enough_for_linear_interpolation(m):
-    for table, bound in ((pair_table(m), 3e-5), (far_table(m, 4.0), 3e-5)):
-        middle = 0.5 * (table[:-2] + table[2:]) - table[1:-1]
-        assert np.abs(middle / 4).max() < bound * np.abs(table).max()
+def test_table_is_fine_enough_for_linear_interpolation(m):
+    table = pair_table(m)
+    middle = 0.5 * (table[:-2] + table[2:]) - table[1:-1]
+    assert np.abs(middle / 4).max() < 3e-5 * np.abs(table).max()
+
+
+@pytest.mark.parametrize("m", EXPONENTS)
+@pytest.mark.parametrize(("limit", "bound"), [(4.0, 1e-8), (12.25, 1e-4)])
+def test_polynomials_give_the_smooth_part(m, limit, bound):
+    x, a = np.linspace(0.0, limit, 301), (1 + m) / 2
+    edge, second = (
+        np.polynomial.Polynomial(c)(x - limit / 2) for c in smooth_polynomials(m, limit)
+    )
+    first = -(x * second + edge) / (a + 1)
+    f = (edge - x * first) / a
+    laplacian, slope = -4 * (a * first + edge), -8 * (a * second - edge)
+    twice = 16 * (a * (a + 1) * second + (1 - a - x) * edge)
+    for got, wanted in zip((f, laplacian, twice, 2 * first, slope), smooth_part(m, x), strict=True):
+        np.testing.assert_allclose(got, wanted, atol=bound * np.abs(wanted).max())

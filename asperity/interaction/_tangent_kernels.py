@@ -1,0 +1,140 @@
+"""Compiled loops over near pairs: the tangent matrix."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import carray, njit
+
+from ._lane_kernels import (
+    BOTH,
+    DX,
+    DY,
+    INVERSE,
+    LANES,
+    NEGLIGIBLE,
+    NEXT,
+    ROOT,
+    SKEW,
+    VALUE,
+    ZERO,
+    long_pairs,
+    look,
+    set_doubt,
+    set_powers,
+    set_reach,
+    smooth,
+    whole_lanes,
+)
+from ._scratch import BLOCK, COLUMNS, floats, places
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=LANES)
+def tangent_list(  # type: ignore[no-untyped-def]
+    rows,
+    ptr,
+    col,
+    pair,
+    rank,
+    variance,
+    skew,
+    form,
+    cap,
+    shape,
+    far,
+    beads,
+    power,
+    tptr,
+    tcol,
+    tval,
+):
+    """Pairs of active points (rank >= 0) of the rows and their tangent values, from the place of
+    the first row on; `variance`, `skew` and `form` as for `near_fields`."""
+    s = carray(floats(), (COLUMNS * BLOCK,))
+    row = carray(places(), (BLOCK,))
+    column = carray(places(), (BLOCK,))
+    listed = np.zeros((2, BLOCK), np.int32)
+    away = np.ones((2, BLOCK), np.float32)
+    lack = np.empty((4, BLOCK), np.float32)
+    target = np.empty(BLOCK, np.int32)
+    dy = s[DY : DY + NEXT]
+    dx = s[DX : DX + NEXT]
+    cap = np.float32(cap)
+    a = np.float32(0.5 * power)
+    i = np.uint64(rows[0])
+    stop = np.uint64(rows[1])
+    if i >= stop:
+        return
+    e = np.uint64(ptr[i, 0])
+    place = e
+    held = np.uint64(0)
+    while i < stop:
+        count = np.uint64(0)
+        while i < stop and count < BLOCK // 2:
+            if rank[i] >= 0:
+                here = np.uint64(rank[i])
+                if e == np.uint64(ptr[i, 0]):
+                    tptr[here, 0] = place
+                end = min(np.uint64(ptr[i, 1]), e + NEXT // np.uint64(2))
+                for t in range(e, end):
+                    j = np.uint64(col[t])
+                    tcol[place] = rank[j]
+                    row[count] = np.int32(i)
+                    column[count] = col[t]
+                    s[count + DY] = pair[0, t]
+                    s[count + DX] = pair[1, t]
+                    kept = np.uint64(rank[j] >= 0)
+                    count += kept
+                    place += kept
+                tptr[here, 1] = place
+                e = end
+                if e < np.uint64(ptr[i, 1]):
+                    continue
+            i += np.uint64(1)
+            if i < stop:
+                e = np.uint64(ptr[i, 0])
+        first = place - count
+        lanes = whole_lanes(count)
+        set_reach(lanes, s, BOTH, row, column, dy, dx, variance)
+        set_doubt(lanes, s, row, column, ROOT, skew)
+        set_powers(lanes, s, ROOT, power)
+        for k in range(lanes):
+            ci = min(variance[np.uint64(row[k])], cap)
+            cj = min(variance[np.uint64(column[k])], cap)
+            value, bend, cross, _, _ = smooth(dy[k] * dy[k] + dx[k] * dx[k], far, a)
+            w = s[k + BOTH] * s[k + INVERSE]
+            near = look(shape, 0, w) * s[k + ROOT]
+            s[k + VALUE] = near - value - (ci + cj) * bend - ci * cj * cross
+        k = np.uint64(0)
+        while True:
+            while k < count and held < BLOCK:
+                tval[first + k] = s[k + VALUE]
+                if s[k + SKEW] > ZERO:
+                    listed[0, held] = row[k]
+                    listed[1, held] = column[k]
+                    away[0, held] = dy[k]
+                    away[1, held] = dx[k]
+                    target[held] = np.int32(first + k)
+                    held += np.uint64(1)
+                k += np.uint64(1)
+            if held == BLOCK or i == stop:
+                long_pairs(held, listed, away, variance, form, shape, beads, power, lack)
+                for q in range(held):
+                    if lack[3, q] > NEGLIGIBLE:
+                        tval[np.uint64(target[q])] += lack[0, q]
+                held = np.uint64(0)
+            if k == count:
+                break
+
+
+@njit(cache=True, nogil=True)
+def near_tangent(rows, tptr, tcol, tval, v, out):  # type: ignore[no-untyped-def]
+    """Near pairs of the tangent matrix times v, both ways."""
+    out[:] = 0.0
+    for i in range(np.uint64(rows[0]), np.uint64(rows[1])):
+        total = 0.0
+        own = v[i]
+        for k in range(np.uint64(tptr[i, 0]), np.uint64(tptr[i, 1])):
+            j = np.uint64(tcol[k])
+            total += tval[k] * v[j]
+            out[j] += tval[k] * own
+        out[i] += total
