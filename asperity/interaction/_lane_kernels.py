@@ -19,7 +19,8 @@ ROUNDEST = np.float32(0.1)
 NEGLIGIBLE = np.float32(0.02)
 LANES = {"reassoc", "contract", "nsz", "arcp", "afn"}
 ZERO, ONE, HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
-TINY = np.float32(1e-30)
+TINY = np.float32(1e-12)
+"""Least R [eta^2]: two summits may lie at one place."""
 
 # columns of the scratch; the last line: for listed pairs
 NEXT = np.uint64(BLOCK)
@@ -38,9 +39,16 @@ def whole_lanes(count):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
+def within(place, end):  # type: ignore[no-untyped-def]
+    """A place in a table; its end for what is no number."""
+    place = place if place < end else end
+    return place if place > 0 * end else 0 * end
+
+
+@njit(inline="always")
 def look(shape, column, w):  # type: ignore[no-untyped-def]
     """Column of the table at w in [0, 1], linear between nodes."""
-    place = w * np.float32(PAIR_NODES)
+    place = within(w * np.float32(PAIR_NODES), np.float32(PAIR_NODES))
     c = np.uint64(np.int32(place))
     return shape[column, c] + (place - np.float32(c)) * shape[column + 1, c]
 

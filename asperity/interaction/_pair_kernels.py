@@ -35,6 +35,7 @@ from ._lane_kernels import (
     set_reach,
     smooth,
     whole_lanes,
+    within,
 )
 from ._scratch import BLOCK, COLUMNS, doubles, floats, places
 from .footprint import PAIR_NODES
@@ -185,7 +186,7 @@ def near_fields(  # type: ignore[no-untyped-def]
             vj = exact[np.uint64(column[k])]
             ci = min(vi, whole)
             cj = min(vj, whole)
-            place = (vi + vj) * d[k + NEXT] * PAIR_NODES
+            place = within((vi + vj) * d[k + NEXT] * PAIR_NODES, 1.0 * PAIR_NODES)
             c = np.uint64(np.int32(place))
             value = value_table[0, c] + (place - c) * value_table[1, c]
             d[k] = value * d[k] - s[k + LEVEL] - (ci + cj) * s[k + ONCE] - ci * cj * s[k + TWICE]

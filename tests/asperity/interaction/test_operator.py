@@ -145,3 +145,17 @@ def test_field_does_not_change_when_the_cell_moves(m):
         fields.append(back)
     size = np.ptp(fields[0])
     assert np.abs(fields[0] - fields[1]).max() < 5e-3 * size
+
+
+@pytest.mark.parametrize("m", [0.0, 0.5])
+def test_open_summits_at_one_place_have_a_field(m):
+    y, x, k = scene(30, m, 2)
+    y[3], x[3], k[3], k[7] = y[7], x[7], 0.0, 0.0
+    f = Footprints(1.0, m)
+    plan = Interaction(y, x, CELL, "periodic", f)
+    k = k[plan.order]
+    moment = np.zeros((len(k), 2))
+    field = plan.field(k, f.variance(k), 0.4 * f.variance(k), moment)
+    assert all(np.isfinite(part).all() for part in field)
+    twins = plan.order.argsort()[[3, 7]]
+    assert np.ptp(field.value[twins]) < 1e-12 * np.abs(field.value).max()
