@@ -23,6 +23,9 @@ FORCING = 0.2
 RESPONSE = 0.1
 """The same of the answer to a fall of the plane; twice as many digits of its sum are right."""
 
+FALLS = 2
+"""Small falls of the plane that bring a point to its load."""
+
 Array = NDArray[np.float64]
 
 
@@ -75,19 +78,16 @@ def finished(
     tangent = tangent_of(problem, residual)
     rows, error = tangent.index, residual.error[tangent.index]
     move = Step(problem, state, residual, tangent)
-    missing = load - float(state.laws.force.sum())
-    solved = conjugate_gradients(
-        tangent, error, tolerance=FORCING, start=shared(missing, found.shares, tangent), held=True
-    )
+    solved = conjugate_gradients(tangent, error, tolerance=FORCING, held=True)
     approach, wanted = np.zeros(len(state.approach)), residual.wanted - solved.constant
     approach[rows] = move.approach(solved.solution)
     wanted[rows] = move.wanted_after(solved.constant, solved.solution, error - solved.residual)
     separation = found.separation + solved.constant
     slope, shares, products = _answer(tangent, residual, found.shares)
-    if slope > 0:
+    for _ in range(FALLS if slope > 0 else 0):
         fall = (load - float(move.laws(approach[rows]).force.sum())) / slope
-        approach[rows] += np.where(approach[rows] > 0, fall * shares[rows], 0.0)
-        np.maximum(approach, 0.0, out=approach)
+        closed = approach > 0
+        approach[closed] = np.maximum(approach + fall * shares, 0.5 * approach)[closed]
         separation, wanted = separation - fall, wanted + fall
     return replace(
         found,

@@ -105,6 +105,9 @@ def descend(
         error, wrong = residual.relative + state.lag, abs(missing) / (load or 1.0)
         if error <= tolerance and wrong <= 0.5 * tolerance:
             break
+        if load is not None and not residual.active.any():
+            reason = "no contact is left to carry the load"
+            break
         if step == limit:
             reason = f"{limit} Newton steps left a residual of {error:.1e}"
             break
