@@ -7,6 +7,7 @@ one per profile (`_lanes`).
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from numba import njit
 
@@ -111,8 +112,7 @@ def _planform(radius, weight, direction, rays, m, punch, out, place_):
     store(out, place_ + 3, my)
 
 
-@njit(cache=True, nogil=True)
-def basin_space(rays, levels):
+def basin_space(rays: int, levels: int) -> tuple[Any, ...]:
     """Working groups of `fill`: the edge operator along a ray and its rising part, and radii."""
     return groups(CELLS + 1), groups(CELLS + 1), groups(levels * rays)
 

@@ -6,6 +6,7 @@ Arrays are groups of eight numbers, one per profile (`_lanes`).
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -162,8 +163,16 @@ def _reduced(applied, rays, cosine, sine, share, harmonics, waves, row, place):
     store(row, place + 9, largest)
 
 
+def circle_space(rays: int, samples: int, count: int) -> tuple[Any, ...]:
+    """Working groups of `expand_profiles` for `count` harmonics, the mean among them."""
+    row = -(-rays // LANES) * LANES
+    own = (LANES, row, row, row, -(-rays * samples // LANES) * LANES, rays * (samples + 2))
+    angular = (count * rays, count * rays, (count + 4) * rays, 2 * count, 1, QUANTITIES)
+    return tuple(map(groups, own)), tuple(map(groups, angular))
+
+
 @njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
-def expand_profiles(begin, end, profiles, fractions, nodes, radial, harmonics, m, out):
+def expand_profiles(begin, end, profiles, fractions, nodes, radial, harmonics, m, out, space):
     """Approach, its slope, mean profile and squared edge amplitudes at a grid of radii.
 
     Fills, for the contacts [begin, end) and the radii ``top[i] * fractions[l]``, rows of: 0 D,
@@ -178,12 +187,9 @@ def expand_profiles(begin, end, profiles, fractions, nodes, radial, harmonics, m
     """
     phis, weights, edges, qs, rays, samples, valid, top = profiles
     count = harmonics.size - 1
-    who, block = np.zeros(LANES, np.int64), groups(LANES)
-    phi, share, edge = groups(phis.shape[1]), groups(weights.shape[1]), groups(edges.shape[1])
-    rows, q = groups(qs.shape[1]), groups(rays * (samples + 2))
-    cosine, sine = groups(count * rays), groups(count * rays)
-    applied, waves = groups((count + 4) * rays), groups(2 * count)
-    highest, row = groups(1), groups(QUANTITIES)
+    who = np.zeros(LANES, np.int64)
+    (block, phi, share, edge, rows, q), angular = space
+    cosine, sine, applied, waves, highest, row = angular
     taken = 0
     for i in range(begin, end):
         if valid[i]:

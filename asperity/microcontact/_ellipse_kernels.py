@@ -7,6 +7,7 @@ one per profile (`_lanes`).
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -99,18 +100,16 @@ def _values(coefs, a, b, depth, moments, out):
     return mean
 
 
-@njit(cache=True, nogil=True)
-def _march_space(rays):
-    """Working groups of `march_rows`: poses, local polynomial, its values, fields of the contour,
-    displacements and their limits, a system of five and numbers of table rows; the profiles in the
-    lanes: polynomials, edges, contours and single numbers."""
-    return (
-        (
-            groups(25), groups(TERMS), groups(2 * TERMS), groups(LANES * FIELDS),
-            groups(LANES * FIELDS), groups(4 * NODES), groups(4 * NODES), groups(25), groups(1),
-        ),
-        (groups(FITS * TERMS), groups(rays), groups(SHAPE), groups(_SINGLE)),
-    )  # fmt: skip
+def march_space(rays: int) -> tuple[Any, ...]:
+    """Working groups of `march_rows`.
+
+    Poses, local polynomial, its values, fields of the contour, displacements and their limits, a
+    system of five and numbers of table rows; the profiles in the lanes: polynomials, edges,
+    contours and single numbers; a state, and which lanes have one.
+    """
+    pose = (25, TERMS, 2 * TERMS, LANES * FIELDS, LANES * FIELDS, 4 * NODES, 4 * NODES, 25, 1)
+    present = (FITS * TERMS, rays, SHAPE, _SINGLE)
+    return tuple(tuple(map(groups, counts)) for counts in (pose, present, (STATES, 2)))
 
 
 @njit(cache=True, nogil=True)
@@ -136,7 +135,9 @@ def _enter(lane, k, coefs, frames, scales, rays, pose, present):
 
 
 @njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
-def march_rows(coefs, frames, scales, rays, levels, steps, m, rows, grid, moments, found):
+def march_rows(
+    coefs, frames, scales, rays, levels, steps, m, rows, grid, moments, found, space
+):  # fmt: skip
     """Follow profiles through the approaches levels**2, each lane at its own pace.
 
     Fills rows of the states (levels * STATES), of the contours at the last trusted levels, and of
@@ -151,7 +152,7 @@ def march_rows(coefs, frames, scales, rays, levels, steps, m, rows, grid, moment
     states, shapes, ends = found
     shrink, start, step, count = grid
     n, size = len(scales), levels.size
-    work, present = _march_space(rays)
+    work, present, (state, recorded) = space
     pose, local, values, own, fields, X, limit, system, number = work
     fits, edge, shape, single = present
     depths, growths = levels * levels, np.zeros(size)
@@ -159,7 +160,6 @@ def march_rows(coefs, frames, scales, rays, levels, steps, m, rows, grid, moment
         growths[level] = 2 * math.log(levels[level] / levels[level - 1])
     who = np.zeros(LANES, np.int64)
     following = 0
-    state, recorded = groups(STATES), groups(2)
     for lane in range(LANES):
         while following < n and scales[following, LANES - 1] == 0.0:
             following += 1

@@ -6,6 +6,8 @@ eight numbers, one per profile (`_lanes`).
 
 from __future__ import annotations
 
+from typing import Any
+
 from numba import njit
 
 from ._lanes import (
@@ -69,8 +71,7 @@ def _sample(q, rays, nodes, edge, reach, radii, scale, out):
             store(out, at, where(inside, load(out, at), value))
 
 
-@njit(cache=True, nogil=True)
-def fit_space(rays, radii, points):
+def fit_space(rays: int, radii: int, points: int) -> tuple[Any, ...]:
     """Working groups of `fit`: samples, their parity classes and powers of the semi-axes."""
     return groups(rays * radii), groups(4 * points * FITS), groups(2 * (DEGREE + 1))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -105,8 +106,22 @@ def _first_ellipse(coefs, depth, m, scales):
     store(scales, 5, size + 0.5 * ratio)
 
 
+def frame_space(rays: int, nodes: int, rules: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Working groups of `fit_rows`.
+
+    A block, directions, weights, lengths and nodes of the rays; frames, scales, semi-axes, numbers
+    of base ellipses, fits and single numbers; those of `fit`.
+    """
+    radii, rings, image = rules[1][:3]
+    row = -(-rays // LANES)
+    samples = (LANES, row * LANES, row * LANES, row * LANES, -(-rays * nodes // LANES) * LANES)
+    own = (4 * rays, SCALES, 2, 1, -(-FITS * TERMS // LANES) * LANES, 3)
+    fitting = fit_space(rays, radii.size, image.shape[0] * rings.shape[1])
+    return tuple(map(groups, samples)), tuple(map(groups, own)), fitting
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
-def fit_rows(begin, end, profiles, rules, depth, m, frames, coefs, scales):
+def fit_rows(begin, end, profiles, rules, depth, m, frames, coefs, scales, space):
     """Frames (rows of directions, lengths and reaches of the rays), fits and scales of profiles.
 
     Row 0 of the results belongs to the profile `begin`; the last of the `scales` is zero where a
@@ -115,12 +130,8 @@ def fit_rows(begin, end, profiles, rules, depth, m, frames, coefs, scales):
     phis, angles, weights, curvatures, edges, qs, valid, rays, nodes = profiles
     skews, fitting = rules
     n = end - begin
-    block, who = groups(LANES), np.zeros(LANES, np.int64)
-    phi, weight, edge = groups(phis.shape[1]), groups(weights.shape[1]), groups(edges.shape[1])
-    q, frame = groups(qs.shape[1]), groups(frames.shape[1])
-    own, wide, numbers = groups(SCALES), groups(2), groups(1)
-    fits, single = groups(coefs.shape[1]), groups(3)
-    space = fit_space(rays, fitting[0].size, fitting[3].shape[3])
+    (block, phi, weight, edge, q), (frame, own, wide, numbers, fits, single), working = space
+    who, chosen = np.zeros(LANES, np.int64), np.zeros(LANES, np.int64)
     axes, number = np.zeros((n, 2)), np.zeros(n, np.int64)
     for i in range(0, n, LANES):
         count = min(LANES, n - i)
@@ -129,10 +140,8 @@ def fit_rows(begin, end, profiles, rules, depth, m, frames, coefs, scales):
             who[lane] = k
             single[lane], single[LANES + lane] = angles[k], curvatures[k, 0]
             single[2 * LANES + lane] = curvatures[k, 1]
-        spread_rows(phis, who, phi, block)
-        spread_rows(weights, who, weight, block)
-        spread_rows(edges, who, edge, block)
-        spread_rows(qs, who, q, block)
+        for source, target in ((phis, phi), (weights, weight), (edges, edge), (qs, q)):
+            spread_rows(source, who, target, block)
         found = _frame(
             phi, load(single, 0), weight, load(single, 1), load(single, 2), edge, q, nodes, skews,
             rays, own, frame, wide,
@@ -140,8 +149,8 @@ def fit_rows(begin, end, profiles, rules, depth, m, frames, coefs, scales):
         store(numbers, 0, found)
         for lane in range(LANES):
             who[lane] = i + lane
-        collect_rows(frame, frames, who, count, block)
-        collect_rows(own, scales, who, count, block)
+        for source, rows in ((frame, frames), (own, scales)):
+            collect_rows(source, rows, who, count, block)
         for lane in range(count):
             k = i + lane
             axes[k, 0], axes[k, 1] = wide[lane], wide[LANES + lane]
@@ -161,20 +170,17 @@ def fit_rows(begin, end, profiles, rules, depth, m, frames, coefs, scales):
             continue
         for lane in range(LANES):
             wide[lane], wide[LANES + lane] = axes[who[lane], 0], axes[who[lane], 1]
-        spread_rows(frames, who, frame, block)
-        spread_rows(scales, who, own, block)
-        for lane in range(LANES):
-            who[lane] += begin
-        spread_rows(edges, who, edge, block)
-        spread_rows(qs, who, q, block)
-        for lane in range(LANES):
-            who[lane] -= begin
+            chosen[lane] = begin + who[lane]
+        for source, at, target in (
+            (frames, who, frame), (scales, who, own), (edges, chosen, edge), (qs, chosen, q)
+        ):  # fmt: skip
+            spread_rows(source, at, target, block)
         fit(
             q, nodes, edge, 0.25 / load(own, 1), frame[3 * rays * LANES :], wide, fitting,
-            number[k], fits, space,
+            number[k], fits, working,
         )  # fmt: skip
         _first_ellipse(fits, depth, m, own)
         store(own, SCALES - 1, usable(fits))
-        collect_rows(fits, coefs, who, taken, block)
-        collect_rows(own, scales, who, taken, block)
+        for source, rows in ((fits, coefs), (own, scales)):
+            collect_rows(source, rows, who, taken, block)
         taken = 0

@@ -381,14 +381,6 @@ def add(array, index, value):
 
 
 @njit(cache=True, nogil=True)
-def groups(count):
-    """Working space of `count` groups, at the start of a cache line."""
-    space = np.zeros((count + 1) * LANES)
-    first = (-(space.ctypes.data // 8)) % LANES
-    return space[first : first + count * LANES]
-
-
-@njit(cache=True, nogil=True)
 def spread_rows(source, rows, out, space):
     """Rows of an array of whole groups (`packed`), one in every lane; `space` is eight groups."""
     width = source.shape[1] // LANES
@@ -421,6 +413,13 @@ def ordered(keys, highest):
         order[begin[keys[i]]] = i
         begin[keys[i]] += 1
     return order
+
+
+def groups(count: int) -> NDArray[np.float64]:
+    """Working space of `count` groups, at the start of a cache line."""
+    space = np.zeros((count + 1) * LANES)
+    first = (-(space.ctypes.data // 8)) % LANES
+    return space[first : first + count * LANES]
 
 
 def packed(values: NDArray[np.float64]) -> NDArray[np.float64]:

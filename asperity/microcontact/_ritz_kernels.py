@@ -7,6 +7,7 @@ arrays are groups of eight numbers, one per profile (`_lanes`).
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -128,8 +129,16 @@ def _march(moments, rays, radii, weight, edge, levels, m, rounds, a, out):
         store(out, 4 * level + 3, filled * (0.5 / math.pi))
 
 
+def ray_space(rays: int, nodes: int, radii: int, levels: int) -> tuple[Any, ...]:
+    """Working groups of `march_rays`: a block and units, q, weights and lengths of the rays, their
+    moments, radii and results."""
+    row = -(-rays // LANES) * LANES
+    own = (-(-rays * nodes // LANES) * LANES, row, row)
+    return tuple(map(groups, (LANES, 1, *own, rays * radii, rays, 4 * levels)))
+
+
 @njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
-def march_rays(begin, end, profiles, weights, levels, m, rounds, out):
+def march_rays(begin, end, profiles, weights, levels, m, rounds, out, space):
     """Profiles [begin, end): fills out (n, levels, 4).
 
     `profiles` holds, one profile per row of whole groups (`packed`), q, the weights and the
@@ -137,9 +146,8 @@ def march_rays(begin, end, profiles, weights, levels, m, rounds, out):
     """
     q, weight, edge, rays, scale = profiles
     radii, nodes = weights.shape
-    who, block, unit = np.empty(LANES, np.int64), groups(LANES), groups(1)
-    own, own_weight, own_edge = groups(q.shape[1]), groups(weight.shape[1]), groups(edge.shape[1])
-    moments, a, found = groups(rays * radii), groups(rays), groups(levels.size * 4)
+    block, unit, own, own_weight, own_edge, moments, a, found = space
+    who = np.empty(LANES, np.int64)
     for i in range(begin, end, LANES):
         for lane in range(LANES):
             who[lane] = min(i + lane, end - 1)

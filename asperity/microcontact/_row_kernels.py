@@ -7,6 +7,8 @@ working space.
 
 from __future__ import annotations
 
+from typing import Any
+
 from numba import njit
 
 from ._ellipse_kernels import STATES
@@ -38,8 +40,7 @@ _UNTRUSTED = 0.05
 """Spread beyond the trusted levels."""
 
 
-@njit(cache=True, nogil=True)
-def row_space(levels, nodes):
+def row_space(levels: int, nodes: int) -> tuple[Any, ...]:
     """Groups of the columns over the levels, and of the finished rows."""
     return groups(5 * levels), groups(MADE * nodes)
 

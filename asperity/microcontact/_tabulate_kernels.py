@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
 
 from ._basin_kernels import basin_space, fill
+from ._ellipse_kernels import SHAPE_ROW, STATES
 from ._lanes import LANES, groups, load, ordered, spread_rows
 from ._row_kernels import carried_on, expanded_levels, marked, resampled, row_space
 
@@ -28,9 +30,28 @@ def _write(made, nodes, lane, length, angle, units, n, out):
         centre[n, j + 1, 0], centre[n, j + 1, 1] = c * x - s * y, s * x + c * y
 
 
+def table_space(rays: int, samples: int, levels: int, nodes: int) -> tuple[Any, ...]:
+    """Working groups of `tabulate_rows`.
+
+    A block; nodes and weights of the rays, frames, scales, states, contours and trusted levels; the
+    planforms and what they are made with; the columns and the rows.
+    """
+    row = -(-rays // LANES) * LANES
+    counts = (-(-rays * samples // LANES) * LANES, row, 4 * rays, LANES)
+    states = (-(-levels * STATES // LANES) * LANES, SHAPE_ROW, LANES)
+    return (
+        groups(LANES),
+        tuple(map(groups, counts)),
+        tuple(map(groups, states)),
+        (groups(4 * levels), basin_space(rays, levels)),
+        row_space(levels, nodes),
+    )
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def tabulate_rows(
-    begin, profiles, frames, scales, found, levels, m, modulus, weights, punch, resampling, out
+    begin, profiles, frames, scales, found, levels, m, modulus, weights, punch, resampling, out,
+    space,
 ):  # fmt: skip
     """Table rows of the profiles from `begin` on, of which `frames`, `scales` and `found` tell.
 
@@ -41,12 +62,9 @@ def tabulate_rows(
     u, powers, stencils = levels
     states, shapes, ends = found
     n, p, nodes = len(scales), 3 + m, resampling[0].size
-    block, who, own = groups(LANES), np.zeros(LANES, np.int64), np.zeros(LANES, np.int64)
-    q, weight, frame = groups(qs.shape[1]), groups(all_weights.shape[1]), groups(frames.shape[1])
-    scale, end = groups(LANES), groups(LANES)
-    state, shape = groups(states.shape[1]), groups(shapes.shape[1])
-    filling, filling_in = groups(4 * u.size), basin_space(rays, u.size)
-    columns, made = row_space(u.size, nodes)
+    who, own = np.zeros(LANES, np.int64), np.zeros(LANES, np.int64)
+    block, (q, weight, frame, scale), (state, shape, end), (filling, filling_in), lines = space
+    columns, made = lines
     keys = np.zeros(n, np.int64)
     for k in range(n):
         keys[k] = 1 + int(ends[k, 1]) if scales[k, LANES - 1] > 0.0 else u.size + 1
@@ -58,13 +76,11 @@ def tabulate_rows(
         for lane in range(LANES):
             own[lane] = order[min(i + lane, count - 1)]
             who[lane] = begin + own[lane]
-        spread_rows(qs, who, q, block)
-        spread_rows(all_weights, who, weight, block)
-        spread_rows(frames, own, frame, block)
-        spread_rows(scales, own, scale, block)
-        spread_rows(states, own, state, block)
-        spread_rows(shapes, own, shape, block)
-        spread_rows(ends, own, end, block)
+        for source, at, target in (
+            (qs, who, q), (all_weights, who, weight), (frames, own, frame), (scales, own, scale),
+            (states, own, state), (shapes, own, shape), (ends, own, end),
+        ):  # fmt: skip
+            spread_rows(source, at, target, block)
         first, last = load(end, 0), load(end, 1)
         lengths, basins = load(scale, 0), load(scale, 2)
         fill(

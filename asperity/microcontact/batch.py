@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,7 +73,7 @@ def tabulate(
     range the table is bounded (F2 <= F/2, the area between half and twice that of the circle) and
     flagged `CONTOUR_DOUBTFUL`. A profile that is marked as unresolved is used as it is given.
     """
-    from ._circle_kernels import QUANTITIES, expand_profiles
+    from ._circle_kernels import QUANTITIES, circle_space, expand_profiles
     from ._lanes import packed
 
     m = material.m
@@ -91,14 +91,15 @@ def tabulate(
     harmonics = m + (1 - m) * np.arange(_HARMONICS + 2.0)
     inputs = (rays, fractions, t, _radial(t, weights), harmonics, m)
 
-    def block(start: int, stop: int) -> LawTable:
+    def block(start: int, stop: int, space: tuple[Any, ...]) -> LawTable:
         rows, own = np.zeros((stop - start, radii, QUANTITIES)), slice(start, stop)
-        expand_profiles(start, stop, *inputs, rows)
+        expand_profiles(start, stop, *inputs, rows, space)
         return _assemble(rows, top[own], fractions, material, law, nodes, usable[own])
 
     def part(start: int, stop: int) -> list[LawTable]:
         bounds = [*range(start, max(stop, start + 1), _BLOCK), stop]
-        return [block(a, b) for a, b in itertools.pairwise(bounds)]
+        space = circle_space(*profiles.q.shape[1:], _HARMONICS + 1)
+        return [block(a, b, space) for a, b in itertools.pairwise(bounds)]
 
     parts = _threads.run(part, _threads.blocks(top.size, 64))
     return joined([table for tables in parts for table in tables])

@@ -164,12 +164,12 @@ def tabulate(
     nodes
         Intervals of the table.
     """
-    from ._ellipse_kernels import SHAPE_ROW, STATES, march_rows
+    from ._ellipse_kernels import SHAPE_ROW, STATES, march_rows, march_space
     from ._fit_kernels import FITS
-    from ._frame_kernels import SCALES, fit_rows
+    from ._frame_kernels import SCALES, fit_rows, frame_space
     from ._lanes import packed
     from ._polynomial_kernels import TERMS
-    from ._tabulate_kernels import tabulate_rows
+    from ._tabulate_kernels import table_space, tabulate_rows
 
     n, rays = profiles.phi.shape
     m = material.m
@@ -187,14 +187,17 @@ def tabulate(
 
     def part(begin: int, end: int) -> None:
         space = [np.zeros((_BLOCK, -(-width // LANES) * LANES)) for width in widths]
+        fit_work = frame_space(rays, profiles.t.size, fitting)
+        march_work = march_space(rays)
+        row_work = table_space(rays, profiles.t.size, u.size, nodes)
         for start in range(begin, end, _BLOCK):
             stop = min(start + _BLOCK, end)
             frames, coefs, scales, *found = (array[: stop - start] for array in space)
-            fit_rows(start, stop, samples, fitting, u[0] ** 2, m, frames, coefs, scales)
-            march_rows(coefs, frames, scales, rays, u, *marching, tuple(found))
+            fit_rows(start, stop, samples, fitting, u[0] ** 2, m, frames, coefs, scales, fit_work)
+            march_rows(coefs, frames, scales, rays, u, *marching, tuple(found), march_work)
             tabulate_rows(
                 start, samples, frames, scales, tuple(found), levels, m, material.modulus, *rows,
-                out,
+                out, row_work,
             )  # fmt: skip
 
     _threads.run(part, _threads.blocks(n, 32))

@@ -243,7 +243,7 @@ def _march(
 ) -> tuple[Array, Array, Array, Array]:
     """Reach [m], units of length and height [m], and force, stiffness, area, filled share."""
     from ._lanes import packed
-    from ._ritz_kernels import march_rays
+    from ._ritz_kernels import march_rays, ray_space
 
     length = profiles.edge.max(axis=1, initial=0.0)
     height = 2.0 * (profiles.q[:, :, -1] * profiles.edge**2).max(axis=1, initial=0.0)
@@ -258,8 +258,10 @@ def _march(
         length**2 / height,
     )
     weights = moment_weights(m, profiles.t.size, 0)
-    _threads.run(
-        lambda a, b: march_rays(a, b, inputs, weights, levels, m, rounds, out),
-        _threads.blocks(length.size, 64),
-    )
+
+    def part(begin: int, end: int) -> None:
+        space = ray_space(*profiles.q.shape[1:], weights.shape[0], levels.size)
+        march_rays(begin, end, inputs, weights, levels, m, rounds, out, space)
+
+    _threads.run(part, _threads.blocks(length.size, 64))
     return np.where(valid, height, 0.0), length, height, out

@@ -74,10 +74,7 @@ def test_small_systems():
 
 
 @njit
-def _fit(q, nodes, edge, height, reach, wide, rules, number, out):
-    space = _fit_kernels.fit_space(
-        edge.size // LANES, rules[0].size, rules[2].shape[0] * rules[1].shape[1]
-    )
+def _fit(q, nodes, edge, height, reach, wide, rules, number, out, space):
     scale = splat(0.25 / height)
     _fit_kernels.fit(q, nodes, edge, scale, reach, wide, rules, number, out, space)
 
@@ -102,7 +99,11 @@ def test_nested_fits_find_a_polynomial():
     fitting = (
         rules.radii, rules.rings, rules.image, rules.matrices, rules.members, rules.count
     )  # fmt: skip
-    _fit(lanes(q), nodes, lanes(edge), 2.0, lanes(reach), lanes(1 / wide), fitting, number, out)
+    space = _fit_kernels.fit_space(rays, rules.radii.size, len(rules.image) * len(rules.rings[0]))
+    _fit(
+        lanes(q), nodes, lanes(edge), 2.0, lanes(reach), lanes(1 / wide), fitting, number, out,
+        space,
+    )  # fmt: skip
     found = out.reshape(_fit_kernels.FITS, -1, LANES)[..., 6]
     length = 0.9
     expected = coefs * length**degree / 2.0
@@ -110,11 +111,11 @@ def test_nested_fits_find_a_polynomial():
 
 
 @njit
-def _fill(q, nodes, weights, weight, direction, edge, rays, scale, levels, m, punch, out):
-    shape, state = groups(SHAPE), groups(levels.size * STATES)
+def _fill(q, nodes, weights, weight, direction, edge, rays, scale, levels, m, punch, out, own):
+    shape, state, space = own
     _basin_kernels.fill(
         q, nodes, weights, weight, direction, edge, rays, splat(scale), shape, state, splat(-1.0),
-        levels, m, punch, out, _basin_kernels.basin_space(rays, levels.size),
+        levels, m, punch, out, space,
     )  # fmt: skip
 
 
@@ -123,9 +124,11 @@ def _filled(q, weights, weight, direction, edge, levels, m):
     rays, nodes = q.shape
     _, punch, _ = _rules(m, rays, nodes, 24)[-1]
     out = np.zeros(levels.size * 4 * LANES)
+    space = _basin_kernels.basin_space(rays, levels.size)
+    own = groups(SHAPE), groups(levels.size * STATES), space
     _fill(
         lanes(q), nodes, weights, lanes(weight), lanes(direction), lanes(edge), rays, 0.3, levels,
-        m, punch, out,
+        m, punch, out, own,
     )  # fmt: skip
     return out.reshape(levels.size, 4, LANES)[..., 3]
 
