@@ -25,15 +25,17 @@ __all__ = ["FineScales", "split_scales"]
 
 Array = NDArray[np.float64]
 
-BROADEST = 10.0
+BROADEST = 14.0
 """Breadth m0 m4 / m2^2 of the spectrum up to which basins are left as they are."""
 
-WORTH_IT = 2.5
+WORTH_IT = 1.8
 """Breadth over `BROADEST` from which on the finest waves are taken out."""
 
-COARSE = (3.0, 0.2, 1.2)
-"""Waves shorter than so many pixels that hold more than this share of the squared slope leave the
-summits themselves uncertain; then from this breadth over `BROADEST` on."""
+UNRESOLVED = (3.0, 0.2)
+"""Waves shorter than so many pixels are taken out of any spectrum in which they hold more than this
+share of the squared slope: their summits are uncertain."""
+
+NARROW = "scales: all, the spectrum is narrow enough for a contact at each summit"
 
 POINTS = 4.0
 """Points of the coarse grid per shortest wave that is kept."""
@@ -135,28 +137,31 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
     Notes
     -----
     Waves are added from the longest on until the breadth m0 m4 / m2^2 of the spectrum (Nayak's
-    parameter) reaches `BROADEST`. The law holds for random waves without direction: a kurtosis
-    of second differences far from 3 shows spikes, steps, worn plateaus and a border that fades.
+    parameter) reaches `BROADEST`, and none shorter than `UNRESOLVED` pixels. The law holds for
+    random waves without direction: a kurtosis of second differences far from 3 shows spikes, steps,
+    worn plateaus and a border that fades.
     """
     if not hm.periodic or material.m != 0.0:
         return "scales: all, the law of fine waves is for periodic maps on a homogeneous body"
     found = hm.roughness
     slope, bend = np.asarray(found.slope), np.asarray(found.curvature)
     rough = found.rms_height**2 * np.mean(bend**2) / np.mean(slope**2) ** 2
-    # differences between neighbors see less of the breadth of a spectrum that reaches the pixel
-    if 1.3 * rough < COARSE[2] * BROADEST:
-        return "scales: all, the spectrum is narrow enough for a contact at each summit"
+    fineness = np.sum((bend * hm.spacing) ** 2) / (4.0 * np.sum(slope**2))
+    # differences between neighbors see half the breadth of a spectrum that reaches the pixel, and
+    # a quarter of the squared slope is lost over two pixels if it ends at four
+    if 2.5 * rough < WORTH_IT * BROADEST and fineness < 0.25:
+        return NARROW
     if any(abs(value - 3.0) > KURTOSIS for value in _kurtosis(hm)):
         return "scales: all, the finest waves are not random, so that no law holds for all of them"
     waves = fft.rfft2(hm.heights, workers=threads())
     shell, sums = _shells(waves, hm)
     m0, energy, m2, m4, aside = np.cumsum(sums, axis=0).T
     breadth = np.divide(1.5 * m0 * m4, m2**2, out=np.zeros(m2.size), where=m2 > 0.0)
-    last = int(np.argmax(breadth > BROADEST))
-    resolved = min(int(2.0 * np.pi / (COARSE[0] * max(hm.spacing)) / shell), m2.size - 1)
-    uncertain = m2[resolved] < (1.0 - COARSE[1]) * m2[-1]
-    if breadth[-1] < (COARSE[2] if uncertain else WORTH_IT) * BROADEST or last == 0:
-        return "scales: all, the spectrum is narrow enough for a contact at each summit"
+    last = int(np.argmax(breadth > BROADEST))  # 0 if it never is
+    resolved = min(int(2.0 * np.pi / (UNRESOLVED[0] * max(hm.spacing)) / shell), m2.size - 1)
+    if m2[resolved] > (1.0 - UNRESOLVED[1]) * m2[-1] and breadth[-1] < WORTH_IT * BROADEST:
+        return NARROW
+    last = min(last or resolved, resolved)
     lost = float(m2[-1] - m2[last])
     if abs(aside[-1] - aside[last]) > ANISOTROPY * lost:
         return "scales: all, the finest waves have a direction, for which there is no law"
