@@ -424,6 +424,6 @@ def groups(count: int) -> NDArray[np.float64]:
 
 def packed(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """One row per profile, lengthened by zeros to whole groups."""
-    rows = np.ascontiguousarray(values).reshape(len(values), -1)
+    rows = np.ascontiguousarray(values).reshape(len(values), math.prod(values.shape[1:]))
     spare = -rows.shape[1] % LANES
     return np.pad(rows, ((0, 0), (0, spare))) if spare else rows

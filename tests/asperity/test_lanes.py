@@ -94,3 +94,11 @@ def test_working_space_starts_a_cache_line():
     for count in (1, 3, 40):
         space = _lanes.groups(count)
         assert space.size == count * LANES and space.ctypes.data % 64 == 0
+
+
+def test_rows_of_whole_groups():
+    values = RNG.normal(size=(3, 2, 5))
+    rows = _lanes.packed(values)
+    np.testing.assert_array_equal(rows[:, :10], values.reshape(3, 10))
+    assert rows.shape == (3, 16) and not rows[:, 10:].any()
+    assert _lanes.packed(values[:0]).shape == (0, 16)
