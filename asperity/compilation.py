@@ -79,22 +79,20 @@ def _sum_of_contacts(material: HalfSpace, boundary: Boundary) -> None:
     contact_curve(hm, material, pressures=loads, law="hertz", boundary=boundary)
 
 
-def _field(material: HalfSpace, boundary: Boundary) -> None:
-    """Field of a few contacts, which a sum of contacts needs late."""
+def _lists(material: HalfSpace, boundary: Boundary) -> None:
+    """Lists of a few contacts, which a sum of contacts needs late."""
     from .interaction.footprint import Footprints
     from .interaction.operator import Interaction
 
     y, x = np.random.default_rng(0).uniform(0.0, 1.0, (2, 50))
-    one, still = np.ones(len(y)), np.zeros((len(y), 2))
-    plan = Interaction(y, x, (1.0, 1.0), boundary, Footprints(material.modulus, material.m))
-    plan.field(one, 1e-4 * one, 1e-4 * one, still, plan.round)
+    Interaction(y, x, (1.0, 1.0), boundary, Footprints(material.modulus, material.m))
 
 
 def _laws(material: HalfSpace, boundary: Boundary) -> None:
-    """Law tables of paraboloids, by every law that "auto" can take; a field before."""
+    """Law tables of paraboloids, by every law that "auto" can take; lists before."""
     from .microcontact.laws import tabulate
 
-    _field(material, boundary)
+    _lists(material, boundary)
     rays, nodes, count = 16, 17, 2
     turn = 2 * np.pi * np.arange(rays) / rays
     profiles = Profiles(
