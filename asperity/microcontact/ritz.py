@@ -3,7 +3,8 @@
 F[a] = 2 E / J int [d a^2 / (1+m) - a^2 G~(a, phi)] dphi, J = int a^(1-m) dphi (equations 10, 15),
 first over ellipses with a shift, then over every ray. The functional is exact for ellipses about
 their centre only: over free rays it is maximised too far where contacts are elongated (+2.6 % in
-force at a curvature ratio of 10, +8.5 % at 30), and its value depends on the origin.
+force at a curvature ratio of 10, +8.5 % at 30), and its value depends on the origin. Where the free
+rays do not settle, the best ellipse stands.
 """
 
 from __future__ import annotations
@@ -110,12 +111,13 @@ class _Functional:
         start = np.array([np.log(radius), 0.0, 0.0, 0.0, 0.0])
         found = minimize(
             lambda p: -self(self.ellipse(p))[0], start, method="Nelder-Mead",
-            options={"xatol": 1e-5, "fatol": 1e-10 * self(self.ellipse(start))[0], "maxiter": 2000},
+            options={"xatol": 1e-7, "fatol": 1e-13 * self(self.ellipse(start))[0], "maxiter": 2000},
         )  # fmt: skip
         return -float(found.fun), self.ellipse(found.x)
 
-    def best_rays(self, start: Array) -> tuple[float, Array]:
-        """Stationary value over free rays near a start, every ray on its outer branch."""
+    def best_rays(self, start: Array) -> tuple[float, Array, bool]:
+        """Stationary value over free rays near a start, every ray on its outer branch, the rays,
+        and whether they settled: on narrow contacts they change branches for ever."""
         m, a, rows = self.m, start.copy(), np.arange(start.size)
         value = self(a)[0]
         for _ in range(_STEPS):
@@ -130,8 +132,8 @@ class _Functional:
             change = self(a)[0] - value
             value += 0.7 * change
             if abs(change) < 1e-12 * value and np.abs(step).max() < 1e-7 * a.max():
-                break
-        return self(a)[0], a
+                return self(a)[0], a, True
+        return self(a)[0], a, False
 
 
 def indent(
@@ -146,12 +148,14 @@ def indent(
     start = RisingBranch(basis_of(profile, m)).radius(depth)
     rays = np.full((depth.size, _RAYS), np.nan)
     rays[depth <= 0] = 0.0
-    force, lower = np.where(depth > 0, np.nan, 0.0), np.where(depth > 0, np.nan, 0.0)
+    force, lower, free = np.where(depth > 0, np.nan, np.zeros((3, depth.size)))
     stopped = np.zeros(depth.size, dtype=bool)
     for i in np.flatnonzero(np.isfinite(start) & (start > 0)):
         functional = _Functional.of(profile, m, float(depth[i]), float(start[i]))
         lower[i], first = functional.best_ellipse(float(start[i]))
-        force[i], rays[i] = functional.best_rays(first)
+        free[i], rays[i], settled = functional.best_rays(first)
+        force[i] = free[i] if settled else lower[i]
+        rays[i] = rays[i] if settled else first
         stopped[i] = np.max(rays[i]) >= functional.limit
     phi = 2 * np.pi * np.arange(_RAYS) / _RAYS
     area = np.pi * np.mean(rays**2, axis=1)
@@ -163,7 +167,7 @@ def indent(
     flags[stopped] |= np.uint8(Flag.BEYOND_RADIUS)
     flags[~np.isfinite(force)] |= np.uint8(Flag.TURNING)
     touching = force > 0
-    spread = np.where(touching, (force - lower) / np.where(touching, force, 1.0), 0.0)
+    spread = np.where(touching, (free - lower) / np.where(touching, force, 1.0), 0.0)
     centre = np.mean(rays**3 * np.exp(1j * phi), axis=1) * 2 * np.pi / 3
     offset = (
         np.abs(centre)
