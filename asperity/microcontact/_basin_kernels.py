@@ -14,13 +14,13 @@ from numba import njit
 from ._contour_kernels import NODES
 from ._directions import place
 from ._ellipse_kernels import STATES
+from ._lane_layout import groups
 from ._lanes import (
     FAST,
     LANES,
     between,
     entries,
     exponential,
-    groups,
     least,
     load,
     logarithm,

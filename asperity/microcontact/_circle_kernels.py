@@ -11,18 +11,17 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from ._lane_layout import groups, spread_rows
 from ._lanes import (
     FAST,
     LANES,
     add,
-    groups,
     least,
     load,
     most,
     pick,
     sine_cosine,
     splat,
-    spread_rows,
     store,
     where,
     whole,

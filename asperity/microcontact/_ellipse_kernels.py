@@ -14,6 +14,7 @@ from numba import njit
 
 from ._contour_kernels import FIELDS, NODES, amplitudes, displace, limits, second_order
 from ._fit_kernels import FITS
+from ._lane_layout import groups
 from ._lanes import (
     FAST,
     LANES,
@@ -21,7 +22,6 @@ from ._lanes import (
     between,
     entries,
     exponential,
-    groups,
     load,
     most,
     sine_cosine,

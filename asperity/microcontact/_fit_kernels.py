@@ -10,20 +10,8 @@ from typing import Any
 
 from numba import njit
 
-from ._lanes import (
-    FAST,
-    between,
-    groups,
-    least,
-    load,
-    most,
-    pick,
-    some,
-    splat,
-    store,
-    where,
-    whole,
-)
+from ._lane_layout import groups
+from ._lanes import FAST, between, least, load, most, pick, some, splat, store, where, whole
 from ._polynomial_kernels import TERMS
 from .ellipse_tables import DEGREE
 

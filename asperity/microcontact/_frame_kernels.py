@@ -9,22 +9,19 @@ import numpy as np
 from numba import njit
 
 from ._fit_kernels import FITS, fit, fit_space, usable
+from ._lane_layout import collect_rows, groups, ordered, spread_rows
 from ._lanes import (
     FAST,
     LANES,
     between,
-    collect_rows,
     exponential,
-    groups,
     least,
     load,
     logarithm,
     most,
-    ordered,
     root,
     sine_cosine,
     splat,
-    spread_rows,
     store,
     where,
     whole,

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from ._lane_layout import groups, spread_rows
 from ._lanes import (
     FAST,
     LANES,
     absolute,
     between,
     exponential,
-    groups,
     least,
     load,
     logarithm,
@@ -27,7 +27,6 @@ from ._lanes import (
     root,
     some,
     splat,
-    spread_rows,
     store,
     where,
     whole,

@@ -12,13 +12,13 @@ from typing import Any
 from numba import njit
 
 from ._ellipse_kernels import STATES
+from ._lane_layout import groups
 from ._lanes import (
     FAST,
     absolute,
     between,
     entries,
     exponential,
-    groups,
     least,
     load,
     logarithm,

@@ -10,7 +10,8 @@ from numba import njit
 
 from ._basin_kernels import basin_space, fill
 from ._ellipse_kernels import SHAPE_ROW, STATES
-from ._lanes import LANES, groups, load, ordered, spread_rows
+from ._lane_layout import groups, ordered, spread_rows
+from ._lanes import LANES, load
 from ._row_kernels import carried_on, expanded_levels, marked, resampled, row_space
 
 

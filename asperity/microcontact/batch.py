@@ -74,7 +74,7 @@ def tabulate(
     flagged `CONTOUR_DOUBTFUL`. A profile that is marked as unresolved is used as it is given.
     """
     from ._circle_kernels import QUANTITIES, circle_space, expand_profiles
-    from ._lanes import packed
+    from ._lane_layout import packed
 
     m = material.m
     fractions = _OVERSHOOT * np.linspace(_SMALLEST, 1.0, radii) ** _GRADING

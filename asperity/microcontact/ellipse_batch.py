@@ -167,7 +167,7 @@ def tabulate(
     from ._ellipse_kernels import SHAPE_ROW, STATES, march_rows, march_space
     from ._fit_kernels import FITS
     from ._frame_kernels import SCALES, fit_rows, frame_space
-    from ._lanes import packed
+    from ._lane_layout import packed
     from ._polynomial_kernels import TERMS
     from ._tabulate_kernels import table_space, tabulate_rows
 

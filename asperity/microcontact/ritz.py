@@ -246,7 +246,7 @@ def _march(
     profiles: Profiles, m: float, levels: Array, rounds: int
 ) -> tuple[Array, Array, Array, Array]:
     """Reach [m], units of length and height [m], and force, stiffness, area, filled share."""
-    from ._lanes import packed
+    from ._lane_layout import packed
     from ._ritz_kernels import march_rays, ray_space
 
     length = profiles.edge.max(axis=1, initial=0.0)

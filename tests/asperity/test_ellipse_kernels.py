@@ -10,7 +10,8 @@ from scipy.interpolate import CubicHermiteSpline
 from asperity.microcontact import _basin_kernels, _fit_kernels, _polynomial_kernels, _row_kernels
 from asperity.microcontact._directions import place
 from asperity.microcontact._ellipse_kernels import SHAPE, STATES
-from asperity.microcontact._lanes import LANES, groups, load, splat, store
+from asperity.microcontact._lane_layout import groups
+from asperity.microcontact._lanes import LANES, load, splat, store
 from asperity.microcontact.ellipse_batch import (
     _along_rays,
     _resampling,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from asperity.microcontact import _lanes
+from asperity.microcontact import _lane_layout, _lanes
 from asperity.microcontact._lanes import LANES, load, store, where
 
 RNG = np.random.default_rng(3)
@@ -92,13 +92,13 @@ def test_places_and_columns():
 
 def test_working_space_starts_a_cache_line():
     for count in (1, 3, 40):
-        space = _lanes.groups(count)
+        space = _lane_layout.groups(count)
         assert space.size == count * LANES and space.ctypes.data % 64 == 0
 
 
 def test_rows_of_whole_groups():
     values = RNG.normal(size=(3, 2, 5))
-    rows = _lanes.packed(values)
+    rows = _lane_layout.packed(values)
     np.testing.assert_array_equal(rows[:, :10], values.reshape(3, 10))
     assert rows.shape == (3, 16) and not rows[:, 10:].any()
-    assert _lanes.packed(values[:0]).shape == (0, 16)
+    assert _lane_layout.packed(values[:0]).shape == (0, 16)
