@@ -8,7 +8,7 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True)
-def shell_sums(waves, qy, qx, width, even, out):  # type: ignore[no-untyped-def]
+def shell_sums(waves, qy, qx, width, even, out):
     """Add to `out` (shells, 5) the sums of |h|^2 times 1, q, q^2, q^4 and qx^2 - qy^2.
 
     `waves` are rows of a real transform, of wave numbers `qy` and `qx`; `even` says that its last

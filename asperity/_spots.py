@@ -9,7 +9,7 @@ from numba import njit
 
 
 @njit(inline="always")
-def _share(dy, dx, angle, area, aspect):  # type: ignore[no-untyped-def]
+def _share(dy, dx, angle, area, aspect):
     """Radius of an ellipse over the distance, in the direction of a point."""
     c = math.cos(angle)
     s = math.sin(angle)
@@ -19,7 +19,7 @@ def _share(dy, dx, angle, area, aspect):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def spots(pairs, offset, area, angle, aspect):  # type: ignore[no-untyped-def]
+def spots(pairs, offset, area, angle, aspect):
     """Number of separate spots of the contacts with an `area`; two of a pair that meet are one.
 
     `offset` (n, 2) is the way y, x from the first to the second of each pair, `angle` the direction

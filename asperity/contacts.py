@@ -99,7 +99,8 @@ def pressure_map(bodies: Asperities, state: PopulationState) -> NDArray[np.float
     size = bodies.hm.spacing[0] * bodies.hm.spacing[1]
     share = state.force[own] * shape / (carried[own] * size)
     ny, nx = bodies.hm.shape
-    return np.bincount(pixel, weights=share, minlength=ny * nx).reshape(ny, nx)
+    pressure = np.bincount(pixel, weights=share, minlength=ny * nx)
+    return pressure.astype(float, copy=False).reshape(ny, nx)
 
 
 def _covered(

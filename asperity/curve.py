@@ -35,6 +35,9 @@ from .population import Population, PopulationState
 from .results import ContactCurve
 
 if TYPE_CHECKING:
+    from surfaces.peaks import Peaks
+    from surfaces.summits import Summits
+
     from .material import HalfSpace
     from .microcontact.table import LawTable
 
@@ -64,8 +67,8 @@ class Asperities:
     hm: HeightMap
     material: HalfSpace
     plan: Plan
-    peaks: Any
-    profiles: Any
+    peaks: Peaks
+    profiles: Summits
     population: Population
     seconds: dict[str, float]
 
@@ -295,8 +298,13 @@ def solve_contacts(
     def curve_of(points: Iterable[int]) -> ContactCurve:
         chosen = list(points)
         solving = time.perf_counter() - start - sum(bodies.seconds.values())
-        kept = ([those[i] for i in chosen] for those in (states, places, patches))
-        return _curve(bodies, *kept, solving)
+        return _curve(
+            bodies,
+            [states[i] for i in chosen],
+            [places[i] for i in chosen],
+            [patches[i] for i in chosen],
+            solving,
+        )
 
     bound = TOLERANCE if kind == "pressure" else TOLERANCE / 10
     for i in np.argsort(values if kind == "pressure" else -values, kind="stable").tolist():

@@ -133,8 +133,8 @@ def at_separation(
         As in `Population.solve`.
     """
     place, last = separation - lift, None
+    state = bodies.population.solve(separation=place, state=state, tolerance=tolerance)
     for _ in range(MAX_TRIES):
-        state = bodies.population.solve(separation=place, state=state, tolerance=tolerance)
         found = bodies.point(state)
         error = separation - found.separation
         close = abs(error) * found.stiffness <= CLOSE * state.mean_pressure
@@ -147,4 +147,5 @@ def at_separation(
             step = error * min(max(secant / error, 0.2), 3.0)
         last = place, error
         place += step
+        state = bodies.population.solve(separation=place, state=state, tolerance=tolerance)
     return state

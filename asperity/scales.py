@@ -111,7 +111,7 @@ class FineScales:
 
     def lift(self, share: float) -> float:
         """Factor over the first order of the lift where the share of area P is closed."""
-        return 1.0 + LIFT[0] * (1.0 - share) ** LIFT[1]
+        return float(1.0 + LIFT[0] * (1.0 - share) ** LIFT[1])
 
     def _opening(self, pressure: ArrayLike, share: float) -> Array:
         """sqrt(b)."""

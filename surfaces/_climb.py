@@ -1,4 +1,3 @@
-# mypy: disallow-untyped-defs=False
 """Kernels of the summits: the climb to the sub-pixel maximum, and the curvatures there."""
 
 from __future__ import annotations

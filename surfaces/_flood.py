@@ -1,4 +1,3 @@
-# mypy: disallow-untyped-defs=False
 """Kernels of the segmentation: steepest ascent, plateaus, basins, saddles, merging.
 
 The pointer map ``link`` (int32, flat) holds one number per pixel:

@@ -1,4 +1,3 @@
-# mypy: disallow-untyped-defs=False
 """Kernel of the profiles: rays from the summits to the edges of their basins.
 
 Many rays go on side by side, so that the surface is evaluated at many points at once: one point

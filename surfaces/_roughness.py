@@ -1,4 +1,3 @@
-# mypy: disallow-untyped-defs=False
 """Kernel of the means over a map."""
 
 from __future__ import annotations

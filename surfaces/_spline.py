@@ -1,4 +1,3 @@
-# mypy: disallow-untyped-defs=False
 """Quintic B-spline interpolation of a map: coefficients once, then values and derivatives.
 
 The coefficients lie in a padded array: pixel (i, j) has index (i + PAD, j + PAD). The padding

@@ -124,7 +124,7 @@ def ray_places(
             for k in range(7)
         )
         half = ir.Constant(_VECTOR, [0.5] * LANES)
-        floor = cgutils.get_or_insert_function(  # type: ignore[no-untyped-call]
+        floor = cgutils.get_or_insert_function(
             builder.module, ir.FunctionType(_VECTOR, [_VECTOR]), f"llvm.floor.v{LANES}f64"
         )
 
@@ -175,7 +175,7 @@ def ray_places(
 
     real, place = types.float64, types.intp
     kinds = (real, real, real, real, real, real, radii, place, cell, corners, rest, weights, pixels)
-    return types.void(*kinds, place, place), codegen  # type: ignore[no-untyped-call]
+    return types.void(*kinds, place, place), codegen
 
 
 @intrinsic
@@ -217,7 +217,7 @@ def spline_values(
         return context.get_dummy_value()
 
     place = types.intp
-    return types.void(flat, place, corners, place, weights, t, out, place), codegen  # type: ignore[no-untyped-call]
+    return types.void(flat, place, corners, place, weights, t, out, place), codegen
 
 
 def _lane_sums(builder: Any, vectors: list[Any]) -> Any:
@@ -266,7 +266,7 @@ def spline_expansion(typing: Any, flat: Any, corner: Any, width: Any, t_y: Any, 
             ]
             place = builder.add(place, width)
         results = [sum_lanes(builder, builder.fmul(sums[a], across[b])) for a, b in _EXPANSION]
-        return cgutils.pack_array(builder, results)  # type: ignore[no-untyped-call]
+        return cgutils.pack_array(builder, results)
 
     arguments = (flat, types.intp, types.intp, types.float64, types.float64)
-    return types.UniTuple(types.float64, len(_EXPANSION))(*arguments), codegen  # type: ignore[no-untyped-call]
+    return types.UniTuple(types.float64, len(_EXPANSION))(*arguments), codegen

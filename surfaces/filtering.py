@@ -229,7 +229,8 @@ def _moved(old: int, count: int) -> NDArray[np.complex128]:
     """Factors of the waves kept when `old` cell centres become `count` on the same length."""
     kept = min(old, count)
     waves = np.arange(kept // 2 + 1)
-    shift = np.exp(1j * np.pi * waves * (1.0 / count - 1.0 / old)) * (count / old)
+    turn = 1j * np.pi * waves * (1.0 / count - 1.0 / old)
+    shift: NDArray[np.complex128] = np.exp(turn) * (count / old)
     if kept % 2 == 0 and count != old:
         shift[-1] = 0.0
     return shift

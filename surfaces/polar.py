@@ -147,6 +147,7 @@ class PolynomialProfile(PowerSumProfile):
         table = np.zeros(np.max(list(self.coefficients), axis=0) + 1)
         for power, value in self.coefficients.items():
             table[power] = value
+        r, phi = np.asarray(r, float), np.asarray(phi, float)
         x, y = r * np.cos(phi), r * np.sin(phi)
         return np.asarray(np.polynomial.polynomial.polyval2d(x, y, table))
 

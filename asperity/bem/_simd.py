@@ -43,7 +43,7 @@ def _vector_load(builder: Any, base: Any, offset: Any) -> Any:
 
 def _multiply_add(builder: Any) -> Any:
     vector = ir.VectorType(ir.FloatType(), LANES)
-    return cgutils.get_or_insert_function(  # type: ignore[no-untyped-call]
+    return cgutils.get_or_insert_function(
         builder.module,
         ir.FunctionType(vector, [vector, vector, vector]),
         f"llvm.fma.v{LANES}f32",
@@ -148,7 +148,7 @@ def _points(radius: int) -> Any:
         the stencil, from 7 points before its center on.
         """
         place = types.intp
-        signature = types.UniTuple(types.float32, _POINTS)(  # type: ignore[no-untyped-call]
+        signature = types.UniTuple(types.float32, _POINTS)(
             grid, place, place, place, place, place, weights
         )
 
@@ -167,7 +167,7 @@ def _points(radius: int) -> Any:
                     values = _vector_load(builder, data, builder.add(offset, shift))
                     sums[i] = builder.call(fma, [values, taps, sums[i]])
             result = [sum_lanes(builder, total) for total in sums]
-            return cgutils.pack_array(builder, result)  # type: ignore[no-untyped-call]
+            return cgutils.pack_array(builder, result)
 
         return signature, codegen
 

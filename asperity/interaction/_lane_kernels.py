@@ -33,20 +33,20 @@ WIDTH, EY, EX, LONG, OVER, FULL, GY, GX, DIFFERS = _AT
 
 
 @njit(inline="always")
-def whole_lanes(count):  # type: ignore[no-untyped-def]
+def whole_lanes(count):
     """Whole vectors of `count` elements; what lies beyond in them is made and not used."""
     return (count + np.uint64(7)) // np.uint64(8) * np.uint64(8)
 
 
 @njit(inline="always")
-def within(place, end):  # type: ignore[no-untyped-def]
+def within(place, end):
     """A place in a table; its end for what is no number."""
     place = place if place < end else end
     return place if place > 0 * end else 0 * end
 
 
 @njit(inline="always")
-def look(shape, column, w):  # type: ignore[no-untyped-def]
+def look(shape, column, w):
     """Column of the table at w in [0, 1], linear between nodes."""
     place = within(w * np.float32(PAIR_NODES), np.float32(PAIR_NODES))
     c = np.uint64(np.int32(place))
@@ -54,7 +54,7 @@ def look(shape, column, w):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def smooth(r2, far, a):  # type: ignore[no-untyped-def]
+def smooth(r2, far, a):
     """Columns of `smooth_part`, the Laplacians by their shares in the expansion: f, 1/2 and 1/4 of
     the first two Laplacians, f'/r, and 1/2 of the slope of the first over r."""
     u = r2 - far[2, 0]
@@ -73,7 +73,7 @@ def smooth(r2, far, a):  # type: ignore[no-untyped-def]
 
 
 @njit(nogil=True)
-def _graded_powers(count, s, at, power):  # type: ignore[no-untyped-def]
+def _graded_powers(count, s, at, power):
     """`set_powers` on graded half-spaces."""
     half = -0.5 * power
     for k in range(at, at + count):
@@ -83,7 +83,7 @@ def _graded_powers(count, s, at, power):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def set_powers(count, s, at, power):  # type: ignore[no-untyped-def]
+def set_powers(count, s, at, power):
     """Replace R in the column `at` of the scratch by R^(-p/2), and the next column by 1/R."""
     if power != 1.0:
         _graded_powers(count, s, at, power)
@@ -95,7 +95,7 @@ def set_powers(count, s, at, power):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def set_reach(count, s, at, row, column, dy, dx, variance):  # type: ignore[no-untyped-def]
+def set_reach(count, s, at, row, column, dy, dx, variance):
     """S^2 and R of the pairs of a block, in the columns `at` and the next."""
     for k in range(count):
         both = variance[np.uint64(row[k])] + variance[np.uint64(column[k])]
@@ -104,7 +104,7 @@ def set_reach(count, s, at, row, column, dy, dx, variance):  # type: ignore[no-u
 
 
 @njit(inline="always")
-def set_doubt(count, s, row, column, reach, skew):  # type: ignore[no-untyped-def]
+def set_doubt(count, s, row, column, reach, skew):
     """Column `SKEW`, positive where a pair may differ from a round one by more than `NEGLIGIBLE`;
     the column `reach` holds R."""
     for k in range(count):
@@ -113,7 +113,7 @@ def set_doubt(count, s, row, column, reach, skew):  # type: ignore[no-untyped-de
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=LANES)
-def long_pairs(count, listed, away, wide, form, shape, beads, power, lack):  # type: ignore[no-untyped-def]
+def long_pairs(count, listed, away, wide, form, shape, beads, power, lack):
     """What listed pairs of footprints i, j (2, n), `away` (2, n) from each other, lack for not
     being round, into `lack` (4, n): value, gradient by y and x, and by how much their moments
     differ from round ones over R.

@@ -11,7 +11,7 @@ GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
 
 
 @njit(inline="always")
-def _raise(base, power):  # type: ignore[no-untyped-def]
+def _raise(base, power):
     """base^power, the powers of the homogeneous body by products."""
     if power == 3.0:
         return base * base * base
@@ -21,7 +21,7 @@ def _raise(base, power):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def evaluate(index, approach, reach, power, table, force, stiffness, area, energy, moment, growth):  # type: ignore[no-untyped-def]
+def evaluate(index, approach, reach, power, table, force, stiffness, area, energy, moment, growth):
     """Laws at the given approaches; `Laws` says what the rows of `table` hold."""
     steps = table.shape[1]
     for i in range(approach.size):
@@ -65,7 +65,7 @@ def evaluate(index, approach, reach, power, table, force, stiffness, area, energ
 
 
 @njit(cache=True, nogil=True)
-def convex(place, force):  # type: ignore[no-untyped-def]
+def convex(place, force):
     """Replace each row of `force` by the largest convex function below it (lower hull)."""
     nodes = place.size
     stack = np.empty(nodes, np.int64)
@@ -88,7 +88,7 @@ def convex(place, force):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def _cubic(left, right, left_slope, right_slope):  # type: ignore[no-untyped-def]
+def _cubic(left, right, left_slope, right_slope):
     rise = right - left
     return (
         left,
@@ -99,7 +99,7 @@ def _cubic(left, right, left_slope, right_slope):  # type: ignore[no-untyped-def
 
 
 @njit(inline="always")
-def _slope(e0, e1, e2, e3, power, v):  # type: ignore[no-untyped-def]
+def _slope(e0, e1, e2, e3, power, v):
     """dF/dv of F = v^p (e0 + e1 v + e2 v^2 + e3 v^3)."""
     s = e0 + v * (e1 + v * (e2 + v * e3))
     ds = e1 + v * (2.0 * e2 + 3.0 * v * e3)
@@ -107,7 +107,7 @@ def _slope(e0, e1, e2, e3, power, v):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def _primitive(e0, e1, e2, e3, power, v):  # type: ignore[no-untyped-def]
+def _primitive(e0, e1, e2, e3, power, v):
     """Integral of F v dv from 0."""
     q = power + 2.0
     series = e0 / q + v * (e1 / (q + 1.0) + v * (e2 / (q + 2.0) + v * e3 / (q + 3.0)))
@@ -115,7 +115,7 @@ def _primitive(e0, e1, e2, e3, power, v):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def tabulate(rows, reach, force, stiffness, area, power, factor, exponent, table):  # type: ignore[no-untyped-def]
+def tabulate(rows, reach, force, stiffness, area, power, factor, exponent, table):
     """Fill the rows of `table` (see `Laws`) from sound nodal values.
 
     The nodal values run over `rows`, `table` over all contacts; a footprint has the variance

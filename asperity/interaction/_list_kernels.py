@@ -9,7 +9,7 @@ from numba import njit
 
 
 @njit(inline="always")
-def _beside(place, step, count, wrap):  # type: ignore[no-untyped-def]
+def _beside(place, step, count, wrap):
     """Neighbouring line of cells, -1 if there is none or it has been met."""
     if count == 1:
         return 0 if step == 0 else -1
@@ -20,7 +20,7 @@ def _beside(place, step, count, wrap):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def most_pairs(start, cells, wrap, rows):  # type: ignore[no-untyped-def]
+def most_pairs(start, cells, wrap, rows):
     """Pairs of points in the same or neighbouring cells, for the rows of cells."""
     ncy, ncx = cells
     total = 0
@@ -40,7 +40,7 @@ def most_pairs(start, cells, wrap, rows):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def half_list(y, x, start, cells, size, wrap, cut, rows, k, ptr, col, pair):  # type: ignore[no-untyped-def]
+def half_list(y, x, start, cells, size, wrap, cut, rows, k, ptr, col, pair):
     """Pairs of points i < j closer than sqrt(cut) for the rows [rows[0], rows[1]) of cells.
 
     Points are sorted by cell, bounded by `start`; `size` is the extent (Ly, Lx) and `wrap` says

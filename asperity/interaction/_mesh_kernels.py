@@ -15,7 +15,7 @@ LANES = {"reassoc", "contract", "nsz"}
 
 
 @njit(inline="always")
-def _weights(t):  # type: ignore[no-untyped-def]
+def _weights(t):
     """Cubic B-spline weights of the four nodes about a point, their first and second slopes."""
     s = 1.0 - t
     w = (
@@ -29,7 +29,7 @@ def _weights(t):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def _lines(first, count):  # type: ignore[no-untyped-def]
+def _lines(first, count):
     """Four lines of the mesh from the first on."""
     a = np.uint64(first)
     last = np.uint64(count)
@@ -40,7 +40,7 @@ def _lines(first, count):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, fastmath=LANES)
-def deposit(rows, y, x, force, variance, cap, dipole, per_step, grid):  # type: ignore[no-untyped-def]
+def deposit(rows, y, x, force, variance, cap, dipole, per_step, grid):
     """Spread sources on the meshes `grid` (1 or 2, my, mx).
 
     First mesh: forces with half their variance, up to `cap`, times the Laplacian; second mesh, if
@@ -77,7 +77,7 @@ def deposit(rows, y, x, force, variance, cap, dipole, per_step, grid):  # type: 
 
 
 @njit(cache=True, nogil=True, fastmath=LANES)
-def gather(  # type: ignore[no-untyped-def]
+def gather(
     rows,
     y,
     x,
@@ -155,7 +155,7 @@ def gather(  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, fastmath=LANES)
-def sample(y, x, per_step, grid, out):  # type: ignore[no-untyped-def]
+def sample(y, x, per_step, grid, out):
     """Mesh potential at any points."""
     my, mx = grid.shape
     for i in range(y.size):
@@ -173,7 +173,7 @@ def sample(y, x, per_step, grid, out):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, fastmath=LANES)
-def spline(rows, index, y, x, variance, cap, per_step, place, weight):  # type: ignore[no-untyped-def]
+def spline(rows, index, y, x, variance, cap, per_step, place, weight):
     """First line and column (n, 2) and the 16 weights (n, 4, 4) of spread forces at the points
     `index`, as `deposit` and `gather` apply them."""
     ny, nx = per_step
@@ -194,7 +194,7 @@ def spline(rows, index, y, x, variance, cap, per_step, place, weight):  # type: 
 
 
 @njit(cache=True, nogil=True)
-def spread(rows, place, weight, vector, grid):  # type: ignore[no-untyped-def]
+def spread(rows, place, weight, vector, grid):
     """Forces `vector` on the mesh by stored weights."""
     grid[:] = 0.0
     my, mx = grid.shape
@@ -215,7 +215,7 @@ def spread(rows, place, weight, vector, grid):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def collect(rows, place, weight, vector, grid, diagonal, part, scale, out):  # type: ignore[no-untyped-def]
+def collect(rows, place, weight, vector, grid, diagonal, part, scale, out):
     """scale (diagonal vector + mesh potential by stored weights + near `part`s), into `out`."""
     my, mx = grid.shape
     for k in range(rows[0], rows[1]):
@@ -239,7 +239,7 @@ def collect(rows, place, weight, vector, grid, diagonal, part, scale, out):  # t
 
 
 @njit(cache=True, nogil=True)
-def smooth_symbol(qy, qx, along, across, power, table, scale, out):  # type: ignore[no-untyped-def]
+def smooth_symbol(qy, qx, along, across, power, table, scale, out):
     """Product of `along`, `across` and q^-power times the table, read at scale q^power."""
     last = table.size - 2
     for a in range(qy.size):

@@ -42,7 +42,7 @@ from .footprint import PAIR_NODES
 
 
 @njit(inline="always")
-def _exact(count, s, d, row, column, dy, dx, variance, power):  # type: ignore[no-untyped-def]
+def _exact(count, s, d, row, column, dy, dx, variance, power):
     """R^(-p/2) and 1/R in double precision, into `d` and its second half: energies are compared
     over steps that single precision does not resolve."""
     if power == 1.0:
@@ -62,7 +62,7 @@ def _exact(count, s, d, row, column, dy, dx, variance, power):  # type: ignore[n
 
 
 @njit(inline="always")
-def _add_long(count, listed, lack, force, dipole, out):  # type: ignore[no-untyped-def]
+def _add_long(count, listed, lack, force, dipole, out):
     """Add what listed pairs lack to both of their points."""
     for k in range(count):
         if lack[3, k] <= NEGLIGIBLE:
@@ -85,7 +85,7 @@ def _add_long(count, listed, lack, force, dipole, out):  # type: ignore[no-untyp
 
 
 @njit(inline="always")
-def _fill(i, k, stop, ptr, row):  # type: ignore[no-untyped-def]
+def _fill(i, k, stop, ptr, row):
     """Write the row of each pair of the block that starts at pair k of row i into `row`; returns
     the number of pairs, and the row and pair after the last. A block ends before a gap."""
     count = np.uint64(0)
@@ -108,7 +108,7 @@ def _fill(i, k, stop, ptr, row):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=LANES)
-def near_fields(  # type: ignore[no-untyped-def]
+def near_fields(
     rows,
     force,
     exact,

@@ -8,7 +8,7 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True)
-def deflect(force, stiffness, approach, tilt, lean, modulus, power, limit, gain, aside):  # type: ignore[no-untyped-def]
+def deflect(force, stiffness, approach, tilt, lean, modulus, power, limit, gain, aside):
     """Height gained and shift (n, 2) of each contact; `deflection` has the formulas."""
     for i in range(force.size):
         bound = 0.5 * limit * limit * power * approach[i]
@@ -30,7 +30,7 @@ def deflect(force, stiffness, approach, tilt, lean, modulus, power, limit, gain,
 
 
 @njit(cache=True, nogil=True)
-def lag(force, stiffness, tilt, aside, fresh, moved, gain):  # type: ignore[no-untyped-def]
+def lag(force, stiffness, tilt, aside, fresh, moved, gain):
     """Share of the load that the difference between `aside` and `fresh` can make."""
     whole = 0.0
     change = 0.0
@@ -51,7 +51,7 @@ def lag(force, stiffness, tilt, aside, fresh, moved, gain):  # type: ignore[no-u
 
 
 @njit(cache=True, nogil=True)
-def balance(stiffness, error):  # type: ignore[no-untyped-def]
+def balance(stiffness, error):
     """Mean of the errors, weighted by stiffness."""
     total = 0.0
     moment = 0.0
@@ -62,7 +62,7 @@ def balance(stiffness, error):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def size(stiffness, error):  # type: ignore[no-untyped-def]
+def size(stiffness, error):
     """Sum of stiffness times size of error."""
     total = 0.0
     for i in range(error.size):
@@ -71,7 +71,7 @@ def size(stiffness, error):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def fall(gap, error, force, approach, value, work, force1, approach1, value1, work1):  # type: ignore[no-untyped-def]
+def fall(gap, error, force, approach, value, work, force1, approach1, value1, work1):
     """Change of energy from one point to another (1) at one gap, minus the work of the errors along
     it, and the size of the energies."""
     change = 0.0

@@ -29,7 +29,7 @@ from ._scratch import BLOCK, COLUMNS, floats, places
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=LANES)
-def tangent_list(  # type: ignore[no-untyped-def]
+def tangent_list(
     rows,
     ptr,
     col,
@@ -127,7 +127,7 @@ def tangent_list(  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def near_tangent(rows, tptr, tcol, tval, v, out):  # type: ignore[no-untyped-def]
+def near_tangent(rows, tptr, tcol, tval, v, out):
     """Near pairs of the tangent matrix times v, both ways."""
     out[:] = 0.0
     for i in range(np.uint64(rows[0]), np.uint64(rows[1])):

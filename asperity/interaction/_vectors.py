@@ -6,7 +6,7 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True)
-def weigh(stiffness, residual, held):  # type: ignore[no-untyped-def]
+def weigh(stiffness, residual, held):
     """sum k (r - c)^2 and c: the mean of r weighted by k if the sum is held, else zero."""
     square = 0.0
     first = 0.0
@@ -23,7 +23,7 @@ def weigh(stiffness, residual, held):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def advance(length, direction, image, solution, residual):  # type: ignore[no-untyped-def]
+def advance(length, direction, image, solution, residual):
     """One step of conjugate gradients along `direction` with the matrix's `image` of it."""
     for i in range(solution.size):
         solution[i] += length * direction[i]
@@ -31,14 +31,14 @@ def advance(length, direction, image, solution, residual):  # type: ignore[no-un
 
 
 @njit(cache=True, nogil=True)
-def redirect(ratio, stiffness, residual, mean, direction):  # type: ignore[no-untyped-def]
+def redirect(ratio, stiffness, residual, mean, direction):
     """New direction: scaled residual, less its mean, plus `ratio` times the old one."""
     for i in range(direction.size):
         direction[i] = stiffness[i] * (residual[i] - mean) + ratio * direction[i]
 
 
 @njit(cache=True, nogil=True)
-def dot(a, b):  # type: ignore[no-untyped-def]
+def dot(a, b):
     """Scalar product, in one thread."""
     total = 0.0
     for i in range(a.size):

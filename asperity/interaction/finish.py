@@ -132,6 +132,6 @@ def tangent_of(problem: Problem, residual: Residual) -> Tangent:
 
 def shared(missing: float | None, compliance: Array | float, tangent: Tangent) -> Array:
     """A missing load [N] as the contacts will share it; per fall of the plane [N/m] if None."""
-    shares = np.broadcast_to(compliance, tangent.plan.order.shape)[tangent.index]
+    shares: Array = np.broadcast_to(compliance, tangent.plan.order.shape)[tangent.index]
     shares = shares / tangent.compliance
     return shares if missing is None else missing / float(shares.sum()) * shares

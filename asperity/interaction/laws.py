@@ -18,6 +18,9 @@ __all__ = ["BLOCK", "FILLED", "STIFFEST", "Evaluated", "Growing", "LawNodes", "L
 BLOCK = 256
 """Laws made at least at a time, on demand."""
 
+WHOLE = 400
+"""Laws left to make up to which all are made at once: several small batches would cost more."""
+
 FILLED = 0.5
 """Contact area over that at reach, the whole basin, beyond which a contact counts as filled."""
 
@@ -28,10 +31,17 @@ STIFFEST = 1.5
 class LawNodes(Protocol):
     """What the solver reads of a table of contact laws (`asperity.microcontact.table`)."""
 
-    reach: NDArray[np.float64]
-    force: NDArray[np.float64]
-    stiffness: NDArray[np.float64]
-    area: NDArray[np.float64]
+    @property
+    def reach(self) -> NDArray[np.float64]: ...
+
+    @property
+    def force(self) -> NDArray[np.float64]: ...
+
+    @property
+    def stiffness(self) -> NDArray[np.float64]: ...
+
+    @property
+    def area(self) -> NDArray[np.float64]: ...
 
     @property
     def exponent(self) -> float: ...
@@ -207,6 +217,8 @@ class _Store:
         """Make the rows that are missing."""
         rows = rows[~self.ready[rows]]
         if rows.size and self.growing is not None:
+            left = np.flatnonzero(~self.ready)
+            rows = left if len(left) <= WHOLE else rows
             self.growing.ensure(rows)
             self._add(np.unique(rows), self.growing.table)
 

@@ -207,8 +207,8 @@ class Interaction:
         wide = m if growth is None else m + growth * (0.5 / self.eta**2)
         dipole = np.zeros((1, 2)) if moment is None else moment / self.eta
         grids = self.grids[:, : 1 + moves]
-        skew, form = self.shaped(wide, form)
-        pairs = m, m.astype(np.float32), wide.astype(np.float32), skew, form
+        skew, shape = self.shaped(wide, form)
+        pairs = m, m.astype(np.float32), wide.astype(np.float32), skew, shape
         scale = self.scale * np.array([1.0, self.eta**-2, 1 / self.eta])
         found = Field(np.empty(n), np.empty(n), np.zeros((n, 2)), np.zeros(n), np.zeros(n))
 

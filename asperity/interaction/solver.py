@@ -149,7 +149,7 @@ def descend(
             reason = f"no step lowers the energy, residual {residual.relative:.1e}"
             break
         state = found
-    found = Solution(
+    solution = Solution(
         separation,
         state.approach,
         residual.wanted,
@@ -162,7 +162,9 @@ def descend(
         np.broadcast_to(compliance, start.shape),
         functools.partial(answer, problem, residual, compliance),
     )
-    return found if load is None or reason else finished(problem, state, residual, found, load)
+    if load is None or reason:
+        return solution
+    return finished(problem, state, residual, solution, load)
 
 
 def _relaxed(

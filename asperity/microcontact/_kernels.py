@@ -11,7 +11,7 @@ __all__ = ["evaluate_table", "resample"]
 
 
 @njit(cache=True, nogil=True)
-def evaluate_table(rows, approach, reach, force, stiffness, area, p):  # type: ignore[no-untyped-def]
+def evaluate_table(rows, approach, reach, force, stiffness, area, p):
     """Force, its derivative and area at `approach`; see `LawTable`."""
     n = rows.size
     intervals = force.shape[1] - 1
@@ -58,7 +58,7 @@ def evaluate_table(rows, approach, reach, force, stiffness, area, p):  # type: i
 
 
 @njit(cache=True, nogil=True)
-def resample(u, ratios, flags, good, basin, intervals, p):  # type: ignore[no-untyped-def]
+def resample(u, ratios, flags, good, basin, intervals, p):
     """Columns of the law table from values over rising ``u = sqrt(approach)``.
 
     `ratios` holds force/u^p, area/u^2 and spread, shape (3, peaks, radii); between the radii they
@@ -112,7 +112,7 @@ def resample(u, ratios, flags, good, basin, intervals, p):  # type: ignore[no-un
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _lagrange(u, base, x, w, dw):  # type: ignore[no-untyped-def]
+def _lagrange(u, base, x, w, dw):
     """Weights of the value and of the slope at x of the cubic through four nodes."""
     for k in range(4):
         below, product, slope = 1.0, 1.0, 0.0

@@ -1,4 +1,3 @@
-# mypy: disallow-untyped-defs=False
 """Arrays of groups of eight: working space, and rows of eight profiles turned into lanes."""
 
 from __future__ import annotations

@@ -34,7 +34,7 @@ _COSINES = np.array([(-1.0) ** k / math.factorial(2 * k) for k in range(7)])
 _TRUTH = ir.VectorType(ir.IntType(1), LANES)
 
 
-class _Vector(types.Type):  # type: ignore[misc]
+class _Vector(types.Type):
     """Numba type of eight numbers or of eight truths."""
 
 
@@ -43,7 +43,7 @@ MASK = _Vector("Mask")
 
 
 @register_model(_Vector)
-class _Model(models.PrimitiveModel):  # type: ignore[misc]
+class _Model(models.PrimitiveModel):
     def __init__(self, manager: Any, kind: Any) -> None:
         super().__init__(manager, kind, _VECTOR if kind is LANE else _TRUTH)
 
@@ -69,7 +69,7 @@ def _index(i: int) -> Any:
 def _binary(function: Any, result: Any, emit: Any) -> None:
     """Typing and code of an operator between vectors, or a vector and a number."""
 
-    class Typing(AbstractTemplate):  # type: ignore[misc]
+    class Typing(AbstractTemplate):
         def generic(self, args: Any, kws: Any) -> Any:
             if len(args) == 2 and LANE in args and not kws:
                 if all(a is LANE or isinstance(a, types.Float | types.Integer) for a in args):
@@ -101,7 +101,7 @@ for _function, _sign in (
 
 
 def _logical(function: Any, emit: Any) -> None:
-    class Typing(AbstractTemplate):  # type: ignore[misc]
+    class Typing(AbstractTemplate):
         def generic(self, args: Any, kws: Any) -> Any:
             if not kws and all(a is MASK for a in args):
                 return signature(MASK, *args)
@@ -120,7 +120,7 @@ _logical(operator.invert, lambda builder, a: builder.not_(a))
 
 
 @infer_global(operator.neg)
-class _Negative(AbstractTemplate):  # type: ignore[misc]
+class _Negative(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
         return signature(LANE, LANE) if args == (LANE,) and not kws else None
 

@@ -98,7 +98,8 @@ def tabulate(
 
     def part(start: int, stop: int) -> list[LawTable]:
         bounds = [*range(start, max(stop, start + 1), _BLOCK), stop]
-        space = circle_space(*profiles.q.shape[1:], _HARMONICS + 1)
+        shape = profiles.q.shape
+        space = circle_space(shape[1], shape[2], _HARMONICS + 1)
         return [block(a, b, space) for a, b in itertools.pairwise(bounds)]
 
     parts = _threads.run(part, _threads.blocks(top.size, 64))

@@ -192,11 +192,12 @@ def tabulate(
         row_work = table_space(rays, profiles.t.size, u.size, nodes)
         for start in range(begin, end, _BLOCK):
             stop = min(start + _BLOCK, end)
-            frames, coefs, scales, *found = (array[: stop - start] for array in space)
+            frames, coefs, scales, *rest = (array[: stop - start] for array in space)
             fit_rows(start, stop, samples, fitting, u[0] ** 2, m, frames, coefs, scales, fit_work)
-            march_rows(coefs, frames, scales, rays, u, *marching, tuple(found), march_work)
-            tabulate_rows(
-                start, samples, frames, scales, tuple(found), levels, m, material.modulus, *rows,
+            found = tuple(rest)
+            march_rows(coefs, frames, scales, rays, u, *marching, found, march_work)  # type: ignore[call-arg]
+            tabulate_rows(  # type: ignore[call-arg]
+                start, samples, frames, scales, found, levels, m, material.modulus, *rows,
                 out, row_work,
             )  # fmt: skip
 

@@ -126,7 +126,8 @@ def expand(edge: Edge) -> Expansion:
     inner = s4 + b / (b - 1) * (low4 - by_low4)
     inner += b / (b - 2) * (lowest - by_lowest - fields.lower(lowest, by_lowest, b))
     work = np.stack([s2, s3 + b / (b - 1) * (low3 - by_low3), inner]) @ edge.weight
-    return Expansion(edge.lower, *(edge.scale / (2 * b) * work), np.stack([e1, e2, e3]))
+    second, third, fourth = (edge.scale / (2 * b) * work).tolist()
+    return Expansion(edge.lower, second, third, fourth, np.stack([e1, e2, e3]))
 
 
 def _binomial(top: float, count: int) -> float:

@@ -264,7 +264,8 @@ def _march(
     weights = moment_weights(m, profiles.t.size, 0)
 
     def part(begin: int, end: int) -> None:
-        space = ray_space(*profiles.q.shape[1:], weights.shape[0], levels.size)
+        shape = profiles.q.shape
+        space = ray_space(shape[1], shape[2], weights.shape[0], levels.size)
         march_rays(begin, end, inputs, weights, levels, m, rounds, out, space)
 
     _threads.run(part, _threads.blocks(length.size, 64))

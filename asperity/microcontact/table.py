@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -149,7 +150,7 @@ def joined(tables: Sequence[LawTable]) -> LawTable:
     """One table of the rows of several of one law."""
     if len(tables) == 1:
         return tables[0]
-    columns = {}
+    columns: dict[str, Any] = {}
     for field in fields(LawTable):
         values = [getattr(table, field.name) for table in tables]
         if isinstance(values[0], np.ndarray):
