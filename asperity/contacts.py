@@ -14,7 +14,14 @@ from .tables import structured
 if TYPE_CHECKING:
     from .curve import Asperities
 
-__all__ = ["contact_map", "microcontacts", "patch_count", "pressure_map"]
+__all__ = [
+    "adjoining",
+    "aspect_ratio",
+    "contact_map",
+    "microcontacts",
+    "patch_count",
+    "pressure_map",
+]
 
 ASPECT_EXPONENT = 0.63
 """Axis ratio of an elliptic contact from the ratio of curvatures, b/a = (k2/k1)^0.63: fits exact

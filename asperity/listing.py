@@ -14,7 +14,7 @@ from .interaction.state import Problem
 from .microcontact.flags import Flag
 
 if TYPE_CHECKING:
-    from .interaction.solver import Solution
+    from .interaction.finish import Solution
     from .microcontact.table import LawTable
     from .population import Population
 

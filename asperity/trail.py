@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .interaction.finish import Solution
 from .interaction.operator import Interaction
-from .interaction.solver import Solution, descend
+from .interaction.solver import descend
 from .listing import Candidates, Listing
 from .path import MEMORY, Point, forecast, weights
 from .states import PopulationState

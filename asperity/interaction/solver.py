@@ -15,7 +15,7 @@ from .residual import Residual
 from .state import Problem, State
 from .step import Step
 
-__all__ = ["Solution", "conjugate_gradients", "descend"]
+__all__ = ["descend"]
 
 MAX_STEPS = 60
 MAX_LOADED_STEPS = 30

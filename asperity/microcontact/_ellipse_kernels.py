@@ -161,8 +161,7 @@ def march_rows(
     who = np.zeros(LANES, np.int64)
     following = 0
     for lane in range(LANES):
-        while following < n and scales[following, LANES - 1] == 0.0:
-            following += 1
+        following = _usable_from(following, scales)
         if following < n:
             _enter(lane, following, coefs, frames, scales, rays, pose, present)
             who[lane] = following
@@ -259,14 +258,21 @@ def march_rows(
                 shapes[k, i] = shape[i * LANES + lane]
             ends[k, 0] = single[_FIRST * LANES + lane]
             ends[k, 1] = single[_LAST * LANES + lane]
-            while following < n and scales[following, LANES - 1] == 0.0:
-                following += 1
+            following = _usable_from(following, scales)
             if following < n:
                 _enter(lane, following, coefs, frames, scales, rays, pose, present)
                 who[lane] = following
                 following += 1
             else:
                 single[_ALIVE * LANES + lane] = 0.0
+
+
+@njit(cache=True, nogil=True)
+def _usable_from(k, scales):
+    """First profile with a fit from number k on, or their number."""
+    while k < len(scales) and scales[k, LANES - 1] == 0.0:
+        k += 1
+    return k
 
 
 @njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")

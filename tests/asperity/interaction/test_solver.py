@@ -7,9 +7,10 @@ import pytest
 from standin import HertzTable, random_population
 
 from asperity.interaction.footprint import Footprints
+from asperity.interaction.gradients import conjugate_gradients
 from asperity.interaction.laws import Laws
 from asperity.interaction.operator import Interaction
-from asperity.interaction.solver import conjugate_gradients, descend
+from asperity.interaction.solver import descend
 from asperity.interaction.state import Problem, State
 from asperity.interaction.tangent import Tangent
 
