@@ -4,7 +4,7 @@ F[a] = 2 E / J int [d a^2 / (1+m) - a^2 G~(a, phi)] dphi, J = int a^(1-m) dphi (
 first over ellipses with a shift, then over every ray. The functional is exact for ellipses about
 their centre only: over free rays it is maximised too far where contacts are elongated (+2.6 % in
 force at a curvature ratio of 10, +8.5 % at 30), and its value depends on the origin. Where the free
-rays do not settle, an ellipse nearly as good stands.
+rays of a narrow contact do not settle, an ellipse nearly as good stands.
 """
 
 from __future__ import annotations
@@ -53,9 +53,9 @@ _SPREAD, _OFFSET = 1.5, 0.25
 """Factors of the expected error: of what the free rays add to the ellipse, and of the square of
 the distance between the contact's centre and the origin over its radius."""
 
-_NEAR = 0.9
-"""Value of the best ellipse over that of the free rays from which on it stands for rays that do not
-settle; below, the contact is no ellipse."""
+_NEAR, _NARROW = 0.9, 0.35
+"""Value of the best ellipse over that of the free rays, and half the logarithm of its axis ratio,
+from which on it stands for rays that do not settle; below, the contact is no narrow ellipse."""
 
 _SMALLEST = 8.0
 """Logarithm of the limit over the smallest ellipse."""
@@ -172,7 +172,8 @@ def indent(
         lower[i], found = functional.best_ellipse(float(start[i]))
         free[i], rays[i], settled = functional.best_rays(functional.ellipse(found))
         force[i] = free[i]
-        if not settled and _NEAR * free[i] < lower[i] < free[i]:
+        narrow = np.hypot(found[1], found[2]) > _NARROW
+        if not settled and narrow and _NEAR * free[i] < lower[i] < free[i]:
             force[i], found = functional.refined_ellipse(found)
             rays[i] = functional.ellipse(found)
         stopped[i] = np.max(rays[i]) >= functional.limit
