@@ -7,6 +7,7 @@ side: each in a process of its own, which runs that part once on a tiny scene.
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -44,9 +45,13 @@ def compile_ahead(parts: Sequence[str], material: HalfSpace, boundary: Boundary)
     """
     if not _cold():
         return
+    # a copy of the package in the working folder would be compiled instead of this one
+    home = str(Path(__file__).parents[1])
+    paths = os.pathsep.join(filter(None, (home, os.environ.get("PYTHONPATH"))))
     children = [
         subprocess.Popen(
-            [sys.executable, "-m", __name__, part, repr(material.m), boundary],
+            [sys.executable, "-P", "-m", __name__, part, repr(material.m), boundary],
+            env={**os.environ, "PYTHONPATH": paths},
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
