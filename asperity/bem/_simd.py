@@ -15,7 +15,16 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from surfaces._lanes import sum_lanes
+from surfaces._vectors import (
+    constant,
+    data_of,
+    everywhere,
+    load,
+    multiply_add,
+    shuffled,
+    store,
+    sum_lanes,
+)
 
 __all__ = [
     "LANES",
@@ -32,26 +41,7 @@ SHORT_RADIUS = 4
 LANES = 16
 _HALF = LANES // 2
 _POINTS = 4
-
-
-def _vector_load(builder: Any, base: Any, offset: Any) -> Any:
-    """The 16 lanes that start at an offset."""
-    vector = ir.VectorType(ir.FloatType(), LANES)
-    pointer = builder.bitcast(builder.gep(base, [offset]), ir.PointerType(vector))
-    return builder.load(pointer, align=4, typ=vector)
-
-
-def _multiply_add(builder: Any) -> Any:
-    vector = ir.VectorType(ir.FloatType(), LANES)
-    return cgutils.get_or_insert_function(
-        builder.module,
-        ir.FunctionType(vector, [vector, vector, vector]),
-        f"llvm.fma.v{LANES}f32",
-    )
-
-
-def _data(context: Any, builder: Any, kind: Any, array: Any) -> Any:
-    return context.make_array(kind)(context, builder, array).data
+_VECTOR = ir.VectorType(ir.FloatType(), LANES)
 
 
 def _tile(radius: int) -> Any:
@@ -71,27 +61,26 @@ def _tile(radius: int) -> Any:
 
         def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             grid, place, stride, weights, sums = arguments
-            data = _data(context, builder, signature.args[0], grid)
-            table = _data(context, builder, signature.args[3], weights)
-            fma = _multiply_add(builder)
+            data = data_of(context, builder, signature.args[0], grid)
+            table = data_of(context, builder, signature.args[3], weights)
             folded = _folded_rows(builder, data, place, stride, radius)
             total = None
             for distance in range(radius + 1):
                 left = right = None
                 for row in range(radius + 1):
                     place_of = ir.Constant(place.type, row * (radius + 1) + distance)
-                    weight = _spread(builder, builder.load(builder.gep(table, [place_of])))
+                    weight = builder.load(builder.gep(table, [place_of]))
+                    weight = everywhere(builder, weight, LANES)
                     if left is None:
                         left, right = (builder.fmul(half, weight) for half in folded[row])
                     else:
-                        left = builder.call(fma, [folded[row][0], weight, left])
-                        right = builder.call(fma, [folded[row][1], weight, right])
+                        left = multiply_add(builder, folded[row][0], weight, left)
+                        right = multiply_add(builder, folded[row][1], weight, right)
                 for shift in sorted({-distance, distance}):
                     part = _shifted(builder, left, right, shift)
                     total = part if total is None else builder.fadd(total, part)
-            out = _data(context, builder, signature.args[4], sums)
-            pointer = builder.bitcast(out, ir.PointerType(ir.VectorType(ir.FloatType(), LANES)))
-            builder.store(total, pointer, align=4)
+            out = data_of(context, builder, signature.args[4], sums)
+            store(builder, total, out, ir.Constant(place.type, 0))
             return context.get_dummy_value()
 
         return signature, codegen
@@ -103,14 +92,14 @@ def _folded_rows(builder: Any, data: Any, place: Any, stride: Any, radius: int) 
     """Sums of the rows at each distance from the tile, in two vectors from 8 points before it."""
     begin = builder.sub(place, ir.Constant(place.type, _HALF))
     halves = (begin, builder.add(begin, ir.Constant(place.type, LANES)))
-    folded = [tuple(_vector_load(builder, data, half) for half in halves)]
+    folded = [tuple(load(builder, data, half, _VECTOR) for half in halves)]
     for row in range(1, radius + 1):
         shift = builder.mul(stride, ir.Constant(stride.type, row))
         folded.append(
             tuple(
                 builder.fadd(
-                    _vector_load(builder, data, builder.add(half, shift)),
-                    _vector_load(builder, data, builder.sub(half, shift)),
+                    load(builder, data, builder.add(half, shift), _VECTOR),
+                    load(builder, data, builder.sub(half, shift), _VECTOR),
                 )
                 for half in halves
             )
@@ -118,21 +107,10 @@ def _folded_rows(builder: Any, data: Any, place: Any, stride: Any, radius: int) 
     return folded
 
 
-def _spread(builder: Any, scalar: Any) -> Any:
-    """The scalar in every lane."""
-    vector = ir.VectorType(ir.FloatType(), LANES)
-    first = builder.insert_element(
-        ir.Constant(vector, ir.Undefined), scalar, ir.Constant(ir.IntType(32), 0)
-    )
-    zeros = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
-    return builder.shuffle_vector(first, ir.Constant(vector, ir.Undefined), zeros)
-
-
 def _shifted(builder: Any, left: Any, right: Any, shift: int) -> Any:
     """The 16 lanes of a pair of vectors that start `shift` from its middle."""
-    lanes = [_HALF + shift + lane for lane in range(LANES)]
-    mask = ir.Constant(ir.VectorType(ir.IntType(32), LANES), lanes)
-    return builder.shuffle_vector(left, right, mask)
+    first = _HALF + shift
+    return shuffled(builder, left, right, range(first, first + LANES))
 
 
 def _points(radius: int) -> Any:
@@ -154,18 +132,16 @@ def _points(radius: int) -> Any:
 
         def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             grid, *offsets, stride, weights = arguments
-            data = _data(context, builder, signature.args[0], grid)
-            table = _data(context, builder, signature.args[-1], weights)
-            fma = _multiply_add(builder)
-            zero = ir.Constant(ir.VectorType(ir.FloatType(), LANES), [0.0] * LANES)
-            sums = [zero] * _POINTS
+            data = data_of(context, builder, signature.args[0], grid)
+            table = data_of(context, builder, signature.args[-1], weights)
+            sums = [constant(_VECTOR, 0.0)] * _POINTS
             for row in range(2 * radius + 1):
-                taps = _vector_load(builder, table, ir.Constant(stride.type, row * LANES))
+                taps = load(builder, table, ir.Constant(stride.type, row * LANES), _VECTOR)
                 shift = builder.mul(stride, ir.Constant(stride.type, row - radius))
                 shift = builder.sub(shift, ir.Constant(stride.type, RADIUS))
                 for i, offset in enumerate(offsets):
-                    values = _vector_load(builder, data, builder.add(offset, shift))
-                    sums[i] = builder.call(fma, [values, taps, sums[i]])
+                    values = load(builder, data, builder.add(offset, shift), _VECTOR)
+                    sums[i] = multiply_add(builder, values, taps, sums[i])
             result = [sum_lanes(builder, total) for total in sums]
             return cgutils.pack_array(builder, result)
 

@@ -19,6 +19,8 @@ from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, models, register_model
 
+from surfaces import _vectors as vectors
+
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 """Rearranged sums; infinities and NaN keep their meaning."""
 
@@ -26,8 +28,8 @@ LANES = 8
 """Numbers in a vector."""
 
 
-_DOUBLE, _WORD = ir.DoubleType(), ir.IntType(64)
-_VECTOR, _BITS = ir.VectorType(_DOUBLE, LANES), ir.VectorType(_WORD, LANES)
+_WORD = ir.IntType(64)
+_VECTOR, _BITS = ir.VectorType(ir.DoubleType(), LANES), ir.VectorType(_WORD, LANES)
 _INVERSE_FACTORIALS = np.array([1 / math.factorial(k) for k in range(11)])
 _SINES = np.array([(-1.0) ** k / math.factorial(2 * k + 1) for k in range(7)])
 _COSINES = np.array([(-1.0) ** k / math.factorial(2 * k) for k in range(7)])
@@ -52,18 +54,7 @@ def _spread(context: Any, builder: Any, value: Any, kind: Any) -> Any:
     """The vector itself, or a number in every lane."""
     if kind is LANE:
         return value
-    return _everywhere(builder, context.cast(builder, value, kind, types.float64), _VECTOR)
-
-
-def _everywhere(builder: Any, value: Any, kind: Any) -> Any:
-    """One value in every lane of a vector of that kind."""
-    rest = ir.Constant(kind, ir.Undefined)
-    order = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
-    return builder.shuffle_vector(builder.insert_element(rest, value, _index(0)), rest, order)
-
-
-def _index(i: int) -> Any:
-    return ir.Constant(ir.IntType(32), i)
+    return vectors.everywhere(builder, context.cast(builder, value, kind, types.float64), LANES)
 
 
 def _binary(function: Any, result: Any, emit: Any) -> None:
@@ -127,14 +118,12 @@ class _Negative(AbstractTemplate):
 
 @lower_builtin(operator.neg, LANE)
 def _negative(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    return builder.fsub(ir.Constant(_VECTOR, [0.0] * LANES), args[0])
+    return builder.fsub(vectors.constant(_VECTOR, 0.0), args[0])
 
 
-def _address(context: Any, builder: Any, kind: Any, array: Any, index: Any, of: Any) -> Any:
-    """Pointer to the group `index` of a contiguous array."""
-    struct = context.make_array(kind)(context, builder, array)
-    start = builder.bitcast(struct.data, of.as_pointer())
-    return builder.gep(start, [index])
+def _first(builder: Any, group: Any) -> Any:
+    """Place of the first number of a group."""
+    return builder.mul(group, ir.Constant(group.type, LANES))
 
 
 @intrinsic
@@ -143,8 +132,8 @@ def load(typing: Any, array: Any, index: Any) -> Any:
     sig = LANE(array, types.intp)
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        place = _address(context, builder, sig.args[0], *args, _VECTOR)
-        return builder.load(place, align=8)
+        data = vectors.data_of(context, builder, sig.args[0], args[0])
+        return vectors.load(builder, data, _first(builder, args[1]), _VECTOR)
 
     return sig, code
 
@@ -155,8 +144,8 @@ def store(typing: Any, array: Any, index: Any, value: Any) -> Any:
     sig = types.void(array, types.intp, LANE)
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        place = _address(context, builder, sig.args[0], *args[:2], _VECTOR)
-        builder.store(args[2], place, align=8)
+        data = vectors.data_of(context, builder, sig.args[0], args[0])
+        vectors.store(builder, args[2], data, _first(builder, args[1]))
         return context.get_dummy_value()
 
     return sig, code
@@ -215,17 +204,11 @@ def _unary(emit: Any) -> Any:
 def _called(name: str) -> Any:
     """An elementwise function that is an LLVM intrinsic."""
 
-    def emit(builder: Any, value: Any) -> Any:
-        full = f"llvm.{name}.v{LANES}f64"
-        there = builder.module.globals.get(full)
-        kind = ir.FunctionType(_VECTOR, [_VECTOR])
-        return builder.call(there or ir.Function(builder.module, kind, full), [value])
-
-    return _unary(emit)
+    return _unary(lambda builder, value: vectors.instruction(builder, name, value))
 
 
 def _words(value: int) -> Any:
-    return ir.Constant(_BITS, [value] * LANES)
+    return vectors.constant(_BITS, value)
 
 
 def _exponent_code(builder: Any, value: Any) -> Any:
@@ -257,19 +240,12 @@ def _gathered(per_lane: bool) -> Any:
     @intrinsic
     def function(typing: Any, array: Any, places: Any) -> Any:
         def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            struct = context.make_array(sig.args[0])(context, builder, args[0])
+            data = vectors.data_of(context, builder, sig.args[0], args[0])
             places = builder.fptosi(args[1], _BITS)
             if per_lane:
                 own = ir.Constant(_BITS, list(range(LANES)))
-                places = builder.add(builder.shl(places, _words(LANES.bit_length() - 1)), own)
-            start = _everywhere(builder, builder.ptrtoint(struct.data, _WORD), _BITS)
-            places = builder.add(start, builder.shl(places, _words(3)))
-            pointers = ir.VectorType(_DOUBLE.as_pointer(), LANES)
-            kind = ir.FunctionType(_VECTOR, [pointers, ir.IntType(32), _TRUTH, _VECTOR])
-            name = f"llvm.masked.gather.v{LANES}f64.v{LANES}p0"
-            there = builder.module.globals.get(name) or ir.Function(builder.module, kind, name)
-            every, rest = ir.Constant(_TRUTH, [1] * LANES), ir.Constant(_VECTOR, ir.Undefined)
-            return builder.call(there, [builder.inttoptr(places, pointers), _index(8), every, rest])
+                places = builder.add(builder.mul(places, _words(LANES)), own)
+            return vectors.gathered(builder, data, places, _VECTOR)
 
         return LANE(array, LANE), code
 
@@ -289,26 +265,16 @@ def transpose(typing: Any, array: Any, index: Any, step: Any, out: Any, place: A
     sig = types.void(array, types.intp, types.intp, out, types.intp)
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        rows = []
-        for k in range(LANES):
-            group = builder.add(args[1], builder.mul(args[2], ir.Constant(_WORD, k)))
-            at = _address(context, builder, sig.args[0], args[0], group, _VECTOR)
-            rows.append(builder.load(at, align=8))
-        for half in (4, 2, 1):
-            upper = [j if not j & half else LANES + j - half for j in range(LANES)]
-            lower = [j + half if not j & half else LANES + j for j in range(LANES)]
-            for i in (i for i in range(LANES) if not i & half):
-                pair = rows[i], rows[i + half]
-                rows[i], rows[i + half] = (
-                    builder.shuffle_vector(
-                        *pair, ir.Constant(ir.VectorType(ir.IntType(32), LANES), order)
-                    )
-                    for order in (upper, lower)
-                )
-        for k, row in enumerate(rows):
-            group = builder.add(args[4], ir.Constant(_WORD, k))
-            at = _address(context, builder, sig.args[3], args[3], group, _VECTOR)
-            builder.store(row, at, align=8)
+        source = vectors.data_of(context, builder, sig.args[0], args[0])
+        target = vectors.data_of(context, builder, sig.args[3], args[3])
+        rows, group = [], args[1]
+        for _ in range(LANES):
+            rows.append(vectors.load(builder, source, _first(builder, group), _VECTOR))
+            group = builder.add(group, args[2])
+        group = args[4]
+        for row in vectors.transposed(builder, rows):
+            vectors.store(builder, row, target, _first(builder, group))
+            group = builder.add(group, ir.Constant(_WORD, 1))
         return context.get_dummy_value()
 
     return sig, code
