@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
-LANES = {"reassoc", "contract", "nsz"}
+FAST = {"reassoc", "contract", "nsz"}
 
 
 @njit(inline="always")
@@ -39,7 +39,7 @@ def _lines(first, count):
     return a, b, c, d
 
 
-@njit(cache=True, nogil=True, fastmath=LANES)
+@njit(cache=True, nogil=True, fastmath=FAST)
 def deposit(rows, y, x, force, variance, cap, dipole, per_step, grid):
     """Spread sources on the meshes `grid` (1 or 2, my, mx).
 
@@ -76,7 +76,7 @@ def deposit(rows, y, x, force, variance, cap, dipole, per_step, grid):
                     grid[one, lines[a], columns[b]] += change
 
 
-@njit(cache=True, nogil=True, fastmath=LANES)
+@njit(cache=True, nogil=True, fastmath=FAST)
 def gather(
     rows,
     y,
@@ -154,7 +154,7 @@ def gather(
             longer[i] = scale[0] * extra
 
 
-@njit(cache=True, nogil=True, fastmath=LANES)
+@njit(cache=True, nogil=True, fastmath=FAST)
 def sample(y, x, per_step, grid, out):
     """Mesh potential at any points."""
     my, mx = grid.shape
@@ -172,7 +172,7 @@ def sample(y, x, per_step, grid, out):
         out[i] = value
 
 
-@njit(cache=True, nogil=True, fastmath=LANES)
+@njit(cache=True, nogil=True, fastmath=FAST)
 def spline(rows, index, y, x, variance, cap, per_step, place, weight):
     """First line and column (n, 2) and the 16 weights (n, 4, 4) of spread forces at the points
     `index`, as `deposit` and `gather` apply them."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numba import carray, njit
 
-from ._lane_kernels import (
+from ._block_kernels import (
     BEND,
     BOTH,
     CROSS,
+    FAST,
     FLAT,
     INVERSE,
-    LANES,
     LEVEL,
     NEGLIGIBLE,
     NEXT,
@@ -107,7 +107,7 @@ def _fill(i, k, stop, ptr, row):
             return count, i, k
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=LANES)
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
 def near_fields(
     rows,
     force,

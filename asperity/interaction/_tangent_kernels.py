@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numba import carray, njit
 
-from ._lane_kernels import (
+from ._block_kernels import (
     BOTH,
     DX,
     DY,
+    FAST,
     INVERSE,
-    LANES,
     NEGLIGIBLE,
     NEXT,
     ROOT,
@@ -28,7 +28,7 @@ from ._lane_kernels import (
 from ._scratch import BLOCK, COLUMNS, floats, places
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=LANES)
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
 def tangent_list(
     rows,
     ptr,

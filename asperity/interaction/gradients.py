@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _vectors
+from . import _gradient_kernels as kernels
 from .tangent import Tangent
 
 __all__ = ["Solved", "conjugate_gradients"]
@@ -50,27 +50,27 @@ def conjugate_gradients(
     """
     stiffness = 1 / matrix.compliance
     solution, residual, count = np.zeros(len(right)), right.copy(), 0
-    product, mean = _vectors.weigh(stiffness, residual, held)
+    product, mean = kernels.weigh(stiffness, residual, held)
     goal = tolerance**2 * product
     if start is not None and start.any():
         solution, count = start.copy(), 1
         image = matrix(start)
         residual -= image
         if held:
-            goal = max(goal, tolerance**2 * _vectors.weigh(stiffness, image, held)[0])
-        product, mean = _vectors.weigh(stiffness, residual, held)
+            goal = max(goal, tolerance**2 * kernels.weigh(stiffness, image, held)[0])
+        product, mean = kernels.weigh(stiffness, residual, held)
     direction, last = np.zeros(len(right)), math.inf
     while product > goal and count < limit:
-        _vectors.redirect(product / last, stiffness, residual, mean, direction)
+        kernels.redirect(product / last, stiffness, residual, mean, direction)
         image = matrix(direction)
-        curvature = _vectors.dot(direction, image)
+        curvature = kernels.dot(direction, image)
         if curvature <= 0.0:
             # pairs of elongated footprints are approximate, and the matrix with them
             solution = solution if solution.any() else direction
             break
         length = product / curvature
         last = product
-        _vectors.advance(length, direction, image, solution, residual)
-        product, mean = _vectors.weigh(stiffness, residual, held)
+        kernels.advance(length, direction, image, solution, residual)
+        product, mean = kernels.weigh(stiffness, residual, held)
         count += 1
     return Solved(solution, residual, mean, count)

@@ -17,7 +17,7 @@ from .footprint import PAIR_NODES, SMOOTH_DEGREE
 
 ROUNDEST = np.float32(0.1)
 NEGLIGIBLE = np.float32(0.02)
-LANES = {"reassoc", "contract", "nsz", "arcp", "afn"}
+FAST = {"reassoc", "contract", "nsz", "arcp", "afn"}
 ZERO, ONE, HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
 TINY = np.float32(1e-12)
 """Least R [eta^2]: two summits may lie at one place."""
@@ -112,7 +112,7 @@ def set_doubt(count, s, row, column, reach, skew):
         s[k + SKEW] = both - NEGLIGIBLE * s[k + reach]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=LANES)
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
 def long_pairs(count, listed, away, wide, form, shape, beads, power, lack):
     """What listed pairs of footprints i, j (2, n), `away` (2, n) from each other, lack for not
     being round, into `lack` (4, n): value, gradient by y and x, and by how much their moments
