@@ -14,26 +14,9 @@ from numba import njit
 from ._contour_kernels import NODES
 from ._directions import place
 from ._ellipse_kernels import STATES
+from ._lane_functions import between, exponential, least, logarithm, most, sine_cosine
 from ._lane_layout import groups
-from ._lanes import (
-    FAST,
-    LANES,
-    between,
-    entries,
-    exponential,
-    least,
-    load,
-    logarithm,
-    most,
-    pick,
-    root,
-    sine_cosine,
-    some,
-    splat,
-    store,
-    where,
-    whole,
-)
+from ._lanes import FAST, LANES, entries, load, pick, root, some, splat, store, where, whole
 
 CELLS = 24
 """Cells of a ray between which the root of its edge operator is linear."""

@@ -11,21 +11,9 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from ._lane_functions import least, most, sine_cosine
 from ._lane_layout import groups, spread_rows
-from ._lanes import (
-    FAST,
-    LANES,
-    add,
-    least,
-    load,
-    most,
-    pick,
-    sine_cosine,
-    splat,
-    store,
-    where,
-    whole,
-)
+from ._lanes import FAST, LANES, add, load, pick, splat, store, where, whole
 
 QUANTITIES = 11
 """Numbers at every radius, see `expand_profiles`."""

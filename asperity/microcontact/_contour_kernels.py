@@ -11,15 +11,13 @@ import numpy as np
 from numba import njit
 
 from ._directions import place
+from ._lane_functions import between, least, most
 from ._lanes import (
     FAST,
     LANES,
     absolute,
     add,
-    between,
-    least,
     load,
-    most,
     pick,
     root,
     splat,

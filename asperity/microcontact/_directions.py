@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from numba import njit
 
-from ._lanes import FAST, absolute, most, splat, where
+from ._lane_functions import most
+from ._lanes import FAST, absolute, splat, where
 
 
 @njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")

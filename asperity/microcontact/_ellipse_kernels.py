@@ -14,23 +14,9 @@ from numba import njit
 
 from ._contour_kernels import FIELDS, NODES, amplitudes, displace, limits, second_order
 from ._fit_kernels import FITS
+from ._lane_functions import between, exponential, most, sine_cosine
 from ._lane_layout import groups
-from ._lanes import (
-    FAST,
-    LANES,
-    absolute,
-    between,
-    entries,
-    exponential,
-    load,
-    most,
-    sine_cosine,
-    some,
-    splat,
-    store,
-    where,
-    whole,
-)
+from ._lanes import FAST, LANES, absolute, entries, load, some, splat, store, where, whole
 from ._polynomial_kernels import TERMS, move, solve
 from .ellipse_tables import DEGREE
 

@@ -10,8 +10,9 @@ from typing import Any
 
 from numba import njit
 
+from ._lane_functions import between, least, most
 from ._lane_layout import groups
-from ._lanes import FAST, between, least, load, most, pick, some, splat, store, where, whole
+from ._lanes import FAST, load, pick, some, splat, store, where, whole
 from ._polynomial_kernels import TERMS
 from .ellipse_tables import DEGREE
 

@@ -9,23 +9,9 @@ import numpy as np
 from numba import njit
 
 from ._fit_kernels import FITS, fit, fit_space, usable
+from ._lane_functions import between, exponential, least, logarithm, most, sine_cosine
 from ._lane_layout import collect_rows, groups, ordered, spread_rows
-from ._lanes import (
-    FAST,
-    LANES,
-    between,
-    exponential,
-    least,
-    load,
-    logarithm,
-    most,
-    root,
-    sine_cosine,
-    splat,
-    store,
-    where,
-    whole,
-)
+from ._lanes import FAST, LANES, load, root, splat, store, where, whole
 from ._polynomial_kernels import TERMS
 
 SMALLEST_RATIO = 1 / 40

@@ -12,25 +12,9 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from ._lane_functions import between, exponential, least, logarithm, most
 from ._lane_layout import groups, spread_rows
-from ._lanes import (
-    FAST,
-    LANES,
-    absolute,
-    between,
-    exponential,
-    least,
-    load,
-    logarithm,
-    most,
-    pick,
-    root,
-    some,
-    splat,
-    store,
-    where,
-    whole,
-)
+from ._lanes import FAST, LANES, absolute, load, pick, root, some, splat, store, where, whole
 
 _TRIES, _NEAR, _STILL = 6, 2e-3, 1e-4
 """Newton steps of a ray at most, the relative step and the relative change that end a search."""

@@ -12,22 +12,9 @@ from typing import Any
 from numba import njit
 
 from ._ellipse_kernels import STATES
+from ._lane_functions import between, exponential, least, logarithm, most
 from ._lane_layout import groups
-from ._lanes import (
-    FAST,
-    absolute,
-    between,
-    entries,
-    exponential,
-    least,
-    load,
-    logarithm,
-    most,
-    pick,
-    splat,
-    store,
-    where,
-)
+from ._lanes import FAST, absolute, entries, load, pick, splat, store, where
 
 WIDTH = 5
 """Levels from which a slope is taken at most."""

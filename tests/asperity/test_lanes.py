@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from asperity.microcontact import _lane_layout, _lanes
+from asperity.microcontact import _lane_functions, _lane_layout, _lanes
 from asperity.microcontact._lanes import LANES, load, store, where
 
 RNG = np.random.default_rng(3)
@@ -22,9 +22,9 @@ def _arithmetic(a, b, out):
     store(out, 1, -x)
     mask = (x > y) & ~(y < 0.5) | (x <= -1.0)
     store(out, 2, where(mask, x, 7))
-    store(out, 3, _lanes.least(x, y))
-    store(out, 4, _lanes.most(x, y))
-    store(out, 5, _lanes.between(x, load(out, 7), y))
+    store(out, 3, _lane_functions.least(x, y))
+    store(out, 4, _lane_functions.most(x, y))
+    store(out, 5, _lane_functions.between(x, load(out, 7), y))
     return _lanes.some(x >= 1e3), _lanes.some(x < 1e3)
 
 
@@ -43,9 +43,9 @@ def test_arithmetic_and_choice():
 @njit
 def _functions(a, out):
     x = load(a, 0)
-    store(out, 0, _lanes.exponential(x))
-    store(out, 1, _lanes.logarithm(_lanes.absolute(x)))
-    s, c = _lanes.sine_cosine(x * 0.1)
+    store(out, 0, _lane_functions.exponential(x))
+    store(out, 1, _lane_functions.logarithm(_lanes.absolute(x)))
+    s, c = _lane_functions.sine_cosine(x * 0.1)
     store(out, 2, s)
     store(out, 3, c)
     store(out, 4, _lanes.root(_lanes.absolute(x)))
@@ -64,7 +64,7 @@ def test_functions():
 @njit
 def _bounded(a, out):
     x = load(a, 0)
-    store(out, 0, _lanes.between(x, _lanes.splat(1.0), _lanes.splat(2.0)))
+    store(out, 0, _lane_functions.between(x, _lanes.splat(1.0), _lanes.splat(2.0)))
 
 
 def test_what_is_no_number_stays_inside_the_bounds():
