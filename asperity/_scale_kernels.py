@@ -8,27 +8,37 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True)
-def shell_sums(waves, qy, qx, width, even, out):
-    """Add to `out` (shells, 5) the sums of |h|^2 times 1, q, q^2, q^4 and qx^2 - qy^2.
+def shell_sums(waves, qy, qx, width, even, metric, m, out):
+    """Add to `out` (shells, 8) sums of |h|^2 over the waves of each shell.
 
-    `waves` are rows of a real transform, of wave numbers `qy` and `qx`; `even` says that its last
-    column stands for itself, as the first does, and the others for their mirror images too. A wave
-    belongs to the shell nearest to q / `width`.
+    They are those of 1, k^2, k^4, q^2, qx^2 - qy^2, 2 qx qy, q^(1 - m) and q^(2 - 2 m), with
+    k^2 = xx qx^2 + 2 xy qx qy + yy qy^2 and `metric` = (xx, xy, yy). `waves` are rows of a real
+    transform, of wave numbers `qy` and `qx`; `even` says that its last column stands for itself,
+    as the first does, and the others for their mirror images too. A wave belongs to the shell
+    nearest to k / `width`.
     """
     last = waves.shape[1] - 1
+    xx, xy, yy = metric
     for i in range(waves.shape[0]):
-        y2 = qy[i] * qy[i]
+        y = qy[i]
         for j in range(last + 1):
             wave = waves[i, j]
             power = wave.real * wave.real + wave.imag * wave.imag
             if 0 < j and not (even and j == last):
                 power *= 2.0
-            x2 = qx[j] * qx[j]
+            x = qx[j]
+            x2, y2, cross = x * x, y * y, 2.0 * x * y
             square = x2 + y2
-            q = math.sqrt(square)
-            row = out[int(q / width + 0.5)]
+            stretched = xx * x2 + xy * cross + yy * y2
+            root = math.sqrt(square)
+            if m != 0.0 and square > 0.0:
+                root = root ** (1.0 - m)
+            row = out[int(math.sqrt(stretched) / width + 0.5)]
             row[0] += power
-            row[1] += power * q
-            row[2] += power * square
-            row[3] += power * square * square
+            row[1] += power * stretched
+            row[2] += power * stretched * stretched
+            row[3] += power * square
             row[4] += power * (x2 - y2)
+            row[5] += power * cross
+            row[6] += power * root
+            row[7] += power * root * root

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from .curve import Asperities
+    from .fine_scales import FineScales
     from .population import Population, PopulationState
-    from .scales import FineScales
 
 __all__ = ["FinePoint", "at_separation", "closed_area", "fine_point"]
 

@@ -15,8 +15,9 @@ from surfaces.heightmap import HeightMap
 
 from .boundary import Boundary, chosen_boundary
 from .errors import InputError, SurfaceError
+from .fine_scales import FineScales
 from .loadpoints import checked_loads, expected_area_fraction, require_scene, slope_scale
-from .scales import FineScales, split_scales
+from .scales import split_scales
 
 if TYPE_CHECKING:
     from .material import HalfSpace

@@ -8,20 +8,22 @@ contacts the short waves leave part of the area open and lift the flat.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy import fft
+from scipy.special import gamma
 
 from surfaces._threads import blocks, run, threads
 from surfaces.heightmap import HeightMap
 
+from .fine_scales import FineScales
+
 if TYPE_CHECKING:
     from .material import HalfSpace
 
-__all__ = ["FineScales", "split_scales"]
+__all__ = ["split_scales"]
 
 Array = NDArray[np.float64]
 
@@ -46,78 +48,13 @@ FEWEST = 64
 KURTOSIS = 0.25
 """How far the kurtosis of the fine heights may be from 3, that of random waves."""
 
-ANISOTROPY = 0.2
-"""Largest anisotropy (sx^2 - sy^2) / (sx^2 + sy^2) of the slopes of the fine waves."""
+LAY = (0.2, 0.92)
+"""Anisotropy (s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes s1, s2 of a map: from the first
+on waves are told apart by their lengths along and across the lay, above the second there is no law
+(0.6 at 2:1, 0.88 at 4:1)."""
 
-SPREAD = (0.50, 0.13)
-"""Share of the pressure of the fine waves in full contact that spreads the pressure of a contact
-about to open: the first for few fine waves, the sum where their slope is far above the others'."""
-
-LIFT = (0.18, 5.0)
-"""How far the flat is lifted over the first-order value: 1 + c (1 - A/A0)^n."""
-
-
-@dataclass(frozen=True)
-class FineScales:
-    """Random waves too short for contacts of their own, within the contacts of the longer ones.
-
-    Parameters
-    ----------
-    shortest
-        Shortest wave [m] that was kept for contacts.
-    ratio
-        Squared slope of the fine waves over that of the longer ones.
-    variance
-        Variance V [Pa^2] of the pressure that presses the fine waves flat.
-    energy
-        Elastic energy e per area [J/m^2] of that.
-
-    Notes
-    -----
-    In full contact a wave h_q has the pressure E* q h_q / 2: V = E*^2/4 <|grad h|^2> and
-    e = E*/4 sum q |h_q|^2. The fine waves spread the pressures of a contact, which leave it where
-    they come to zero (Persson 2001). Those of a rough contact of mean pressure p follow Rayleigh's
-    distribution of scale s = sqrt(2/pi) p; of its area there remains, and per area is stored,
-
-        A/A0 = 1 / sqrt(1 + b),   Phi = e arsinh(sqrt(b)) / sqrt(b),   b = g V / s^2,
-
-    Phi = int u dp being the complementary energy of the local gap u. Contacts about to open spread
-    less than V: g = g0 + (1 - g0) P^2, with P the share of the nominal area in contact, here the
-    mean of that with and without the fine waves; Wang & Mueser (2017) have g0 = 5/9, boundary
-    elements give 0.50 to 0.63 (`SPREAD`). To first order in the fine waves a load F lifts the flat
-    by d(sum Phi)/dF; boundary elements give the factor 1 + c (1 - P)^n, c and n in `LIFT`. Both
-    were found without microcontacts, from the pressures of solutions of the longer waves, for Hurst
-    exponents 0.5 to 0.9 and one to four octaves (docs/accuracy.md).
-    """
-
-    shortest: float
-    ratio: float
-    variance: float
-    energy: float
-
-    @property
-    def spread(self) -> float:
-        """g0 [-]."""
-        return SPREAD[0] + SPREAD[1] * self.ratio / (1.0 + self.ratio)
-
-    def remaining(self, pressure: ArrayLike, share: float) -> Array:
-        """Share of the area of contacts of mean pressure p [Pa] that stays closed; `share` is P."""
-        return np.asarray(1.0 / np.sqrt(1.0 + self._opening(pressure, share) ** 2))
-
-    def stored(self, pressure: ArrayLike, share: float) -> Array:
-        """Complementary energy per area [J/m^2] of contacts of mean pressure p [Pa]."""
-        root = self._opening(pressure, share)
-        return np.asarray(self.energy * np.arcsinh(root) / root)
-
-    def lift(self, share: float) -> float:
-        """Factor over the first order of the lift where the share of area P is closed."""
-        return float(1.0 + LIFT[0] * (1.0 - share) ** LIFT[1])
-
-    def _opening(self, pressure: ArrayLike, share: float) -> Array:
-        """sqrt(b)."""
-        spread = self.spread + (1.0 - self.spread) * share**2
-        scale = np.sqrt(2.0 / np.pi) * np.maximum(np.asarray(pressure, float), 1e-300)
-        return np.asarray(np.sqrt(spread * self.variance) / scale)
+GRADED = 0.5
+"""Largest |m| for which there is a law."""
 
 
 def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineScales] | str:
@@ -137,12 +74,13 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
     Notes
     -----
     Waves are added from the longest on until the breadth m0 m4 / m2^2 of the spectrum (Nayak's
-    parameter) reaches `BROADEST`, and none shorter than `UNRESOLVED` pixels. The law holds for
-    random waves without direction: a kurtosis of second differences far from 3 shows spikes, steps,
+    parameter) reaches `BROADEST`, and none shorter than `UNRESOLVED` pixels. With lay the order and
+    the breadth are those of the map stretched until its slope is the same in all directions. The
+    law holds for random waves: a kurtosis of second differences far from 3 shows spikes, steps,
     worn plateaus and a border that fades.
     """
-    if not hm.periodic or material.m != 0.0:
-        return "scales: all, the law of fine waves is for periodic maps on a homogeneous body"
+    if not hm.periodic or abs(material.m) > GRADED:
+        return f"scales: all, the law of fine waves is for periodic maps and |m| <= {GRADED:g}"
     found = hm.roughness
     slope, bend = np.asarray(found.slope), np.asarray(found.curvature)
     rough = found.rms_height**2 * np.mean(bend**2) / np.mean(slope**2) ** 2
@@ -154,26 +92,38 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
     if any(abs(value - 3.0) > KURTOSIS for value in _kurtosis(hm)):
         return "scales: all, the finest waves are not random, so that no law holds for all of them"
     waves = fft.rfft2(hm.heights, workers=threads())
-    shell, sums = _shells(waves, hm)
-    m0, energy, m2, m4, aside = np.cumsum(sums, axis=0).T
+    stretch = np.eye(2)
+    shell, sums = _shells(waves, hm, material.m, stretch)
+    lay = _lay(sums[-1])
+    if lay > LAY[1]:
+        return "scales: all, the waves have nearly one direction, for which there is no law"
+    if lay > LAY[0]:
+        stretch = _evened(sums[-1])
+        shell, sums = _shells(waves, hm, material.m, stretch)
+    m0, m2, m4 = sums[:, :3].T
     breadth = np.divide(1.5 * m0 * m4, m2**2, out=np.zeros(m2.size), where=m2 > 0.0)
     last = int(np.argmax(breadth > BROADEST))  # 0 if it never is
-    resolved = min(int(2.0 * np.pi / (UNRESOLVED[0] * max(hm.spacing)) / shell), m2.size - 1)
-    if m2[resolved] > (1.0 - UNRESOLVED[1]) * m2[-1] and breadth[-1] < WORTH_IT * BROADEST:
+    reach = np.sqrt(np.diag(np.linalg.inv(stretch @ stretch)))  # largest qy, qx where k = 1
+    most = 2.0 * np.pi / (UNRESOLVED[0] * np.max(reach * hm.spacing))
+    resolved = min(int(most / shell), m2.size - 1)
+    steep = sums[:, 3]
+    if steep[resolved] > (1.0 - UNRESOLVED[1]) * steep[-1] and breadth[-1] < WORTH_IT * BROADEST:
         return NARROW
     last = min(last or resolved, resolved)
-    lost = float(m2[-1] - m2[last])
-    if abs(aside[-1] - aside[last]) > ANISOTROPY * lost:
-        return "scales: all, the finest waves have a direction, for which there is no law"
-    shortest = 2.0 * np.pi / (shell * last)
-    coarse = _without(waves, (last + 0.5) * shell, hm, shortest)
+    limit = (last + 0.5) * shell
+    coarse = _without(waves, limit, hm, stretch, 2.0 * np.pi / (shell * last * reach))
     if coarse is None:
         return "scales: all, the map is too small to take its finest waves out"
+    lost = sums[-1] - sums[last]
+    compliance = 2.0 ** (1.0 - material.m) * np.pi / gamma(0.5 * (1.0 + material.m)) ** 2
+    stiffness = material.modulus / compliance
     return coarse, FineScales(
-        shortest=shortest,
-        ratio=lost / float(m2[last]),
-        variance=0.25 * material.modulus**2 * lost,
-        energy=0.25 * material.modulus * float(energy[-1] - energy[last]),
+        shortest=2.0 * np.pi / (shell * last),
+        ratio=float(lost[7] / sums[last, 7]),
+        variance=float(stiffness**2 * lost[7]),
+        energy=float(0.5 * stiffness * lost[6]),
+        m=material.m,
+        evenness=float(np.sqrt(1.0 - _lay(lost) ** 2)),
     )
 
 
@@ -188,21 +138,45 @@ def _kurtosis(hm: HeightMap) -> tuple[float, float]:
     return found[0], found[1]
 
 
-def _shells(waves: NDArray[np.complex128], hm: HeightMap) -> tuple[float, Array]:
-    """Width [1/m] of the shells of equal wave number, and their sums (`shell_sums`)."""
+def _shells(
+    waves: NDArray[np.complex128], hm: HeightMap, m: float, stretch: Array
+) -> tuple[float, Array]:
+    """Width [1/m] of the shells of equal wave number, and their running sums (`shell_sums`).
+
+    `stretch` is the map of (qy, qx) to the wave numbers by which they are told apart.
+    """
     from ._scale_kernels import shell_sums
 
     qy, qx = _numbers(hm)
     width = 2.0 * np.pi / max(hm.size)
-    count = int(np.hypot(np.abs(qy).max(), qx.max()) / width + 0.5) + 1
+    (yy, xy), (_, xx) = stretch @ stretch
+    longest = np.sqrt(
+        yy * qy.min() ** 2 + 2.0 * abs(xy) * abs(qy.min()) * qx[-1] + xx * qx[-1] ** 2
+    )
+    count = int(longest / width + 0.5) + 1
     waves[0, 0] = 0.0
+    metric = float(xx), float(xy), float(yy)
 
     def part(first: int, last: int) -> Array:
-        out = np.zeros((count, 5))
-        shell_sums(waves[first:last], qy[first:last], qx, width, hm.shape[1] % 2 == 0, out)
+        out = np.zeros((count, 8))
+        even = hm.shape[1] % 2 == 0
+        shell_sums(waves[first:last], qy[first:last], qx, width, even, metric, m, out)
         return out
 
-    return width, np.sum(run(part, blocks(len(qy), 64)), axis=0) / hm.heights.size**2
+    found = np.sum(run(part, blocks(len(qy), 64)), axis=0) / hm.heights.size**2
+    return width, np.cumsum(found, axis=0)
+
+
+def _lay(sums: Array) -> float:
+    """(s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes."""
+    return float(np.hypot(sums[4], sums[5]) / sums[3])
+
+
+def _evened(sums: Array) -> Array:
+    """Symmetric map of (qy, qx), of determinant 1, for which the slopes have no direction."""
+    square, aside, cross = sums[3:6]
+    values, axes = np.linalg.eigh([[square - aside, cross], [cross, square + aside]])
+    return np.asarray(axes * (np.sqrt(np.prod(values)) / values) ** 0.5 @ axes.T)
 
 
 def _numbers(hm: HeightMap) -> tuple[Array, Array]:
@@ -212,12 +186,15 @@ def _numbers(hm: HeightMap) -> tuple[Array, Array]:
 
 
 def _without(
-    waves: NDArray[np.complex128], limit: float, hm: HeightMap, shortest: float
+    waves: NDArray[np.complex128], limit: float, hm: HeightMap, stretch: Array, shortest: Array
 ) -> HeightMap | None:
-    """The map of the waves up to the number `limit`, on the coarsest grid that holds it."""
+    """The map of the waves up to the number `limit`, on the coarsest grid that holds it.
+
+    `shortest` are their lengths [m] along y and x.
+    """
     shape = [
-        min(n, fft.next_fast_len(int(np.ceil(POINTS * length / shortest)), real=True))
-        for n, length in zip(hm.shape, hm.size, strict=True)
+        min(n, fft.next_fast_len(int(np.ceil(POINTS * length / wave)), real=True))
+        for n, length, wave in zip(hm.shape, hm.size, shortest, strict=True)
     ]
     if min(shape) < FEWEST:
         return None
@@ -225,9 +202,11 @@ def _without(
     half, width = (ny - 1) // 2, (nx - 1) // 2 + 1
     rows = np.r_[0 : half + 1, hm.shape[0] - half : hm.shape[0]]
     qy, qx = _numbers(hm)
+    y, x = qy[rows, None], qx[:width]
+    stretched = np.hypot(*(a * y + b * x for a, b in stretch))
     held = np.zeros((ny, nx // 2 + 1), complex)
     held[np.r_[0 : half + 1, ny - half : ny], :width] = np.where(
-        np.hypot(qy[rows, None], qx[:width]) < limit, waves[rows, :width], 0.0
+        stretched < limit, waves[rows, :width], 0.0
     )
     # pixel centres: the coarse grid begins half a coarse pixel from the border
     y = fft.fftfreq(ny)[:, None] * (1.0 - ny / hm.shape[0]) * np.pi
@@ -236,5 +215,5 @@ def _without(
     heights = fft.irfft2(held, s=(ny, nx), workers=threads())
     heights *= ny * nx / hm.heights.size
     heights += hm.roughness.mean
-    step = {"step": "bandpass", "shortest": shortest, "to": [ny, nx]}
+    step = {"step": "bandpass", "shortest": float(np.sqrt(np.prod(shortest))), "to": [ny, nx]}
     return hm.replace(heights=heights, spacing=(hm.size[0] / ny, hm.size[1] / nx), step=step)
