@@ -17,7 +17,7 @@ from .baseline import LOOSE_TOLERANCE, cheap_run, coarse_grids, rms
 from .bem.curve import bem_curve
 from .bem.solve import bem_solve
 from .compilation import compile_ahead, small_map
-from .contacts import contact_map, microcontacts
+from .contacts import microcontacts
 from .curve import solve_contacts
 from .errors import InputError
 from .loadpoints import checked_loads, default_pressures, slope_scale
@@ -295,7 +295,7 @@ def compare(
         tolerance=tolerance,
         boundary=plan.boundary,
     )
-    maps = {"bem": solution.contact, "asperity": contact_map(run.bodies, run.states[point])}
+    maps = {"bem": solution.contact, "asperity": run.contact_map(point)}
     union = np.count_nonzero(maps["bem"] | maps["asperity"])
     both = np.count_nonzero(maps["bem"] & maps["asperity"])
     return Comparison(

@@ -1,4 +1,4 @@
-"""The microcontacts of one load point: a table, and the map of where they lie."""
+"""The microcontacts of one load point: a table, their ellipses, and their number."""
 
 from __future__ import annotations
 
@@ -17,10 +17,9 @@ if TYPE_CHECKING:
 __all__ = [
     "adjoining",
     "aspect_ratio",
-    "contact_map",
+    "ellipses",
     "microcontacts",
     "patch_count",
-    "pressure_map",
 ]
 
 ASPECT_EXPONENT = 0.63
@@ -84,39 +83,20 @@ def microcontacts(bodies: Asperities, state: PopulationState) -> NDArray[np.void
     )
 
 
-def contact_map(bodies: Asperities, state: PopulationState) -> NDArray[np.bool_]:
-    """Pixels in contact, shape (ny, nx): an ellipse for each contact, clipped to its basin.
-
-    A contact that covers no pixel's centre has the pixel of its summit.
-    """
-    touching = np.zeros(bodies.hm.shape, bool)
-    touching.flat[_covered(bodies, state)[0]] = True
-    return touching
-
-
-def pressure_map(bodies: Asperities, state: PopulationState) -> NDArray[np.float64]:
-    """Pressure [Pa] of every pixel, shape (ny, nx), zero outside the contacts.
-
-    Each contact has the pressure of the elliptic contact of its force and area,
-    ``p_0 (1 - rho^2)^((1+m)/2)`` (theory 7.4), rescaled so that the pixels carry its force.
-    """
-    pixel, own, distance = _covered(bodies, state)
-    shape = (1.0 - distance**2) ** (0.5 * (1.0 + bodies.material.m))
-    carried = np.bincount(own, weights=shape, minlength=len(state.force))
-    size = bodies.hm.spacing[0] * bodies.hm.spacing[1]
-    share = state.force[own] * shape / (carried[own] * size)
-    ny, nx = bodies.hm.shape
-    pressure = np.bincount(pixel, weights=share, minlength=ny * nx)
-    return pressure.astype(float, copy=False).reshape(ny, nx)
-
-
-def _covered(
+def ellipses(
     bodies: Asperities, state: PopulationState
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-    """Pixels under contacts (flat index), whose they are, and where: distance over radius, < 1."""
-    hm, profiles = bodies.hm, bodies.profiles
+    """Pixels of the solved grid under elliptic contacts, clipped to their basins.
+
+    Returns
+    -------
+    pixel, own, distance
+        Flat index of each pixel, whose contact it is, and its distance from the summit over the
+        ellipse's radius there, < 1. A contact that covers no pixel's centre has that of its summit.
+    """
+    hm, profiles = bodies.solved, bodies.profiles
     major, minor = _semi_axes(bodies, state)
-    labels = bodies.labels
+    labels = bodies.peaks.labels
     peak = np.where(labels >= 0, profiles.owner[labels], 0)
     rows, cols = np.nonzero((labels >= 0) & (state.force[peak] > 0))
     own = peak[rows, cols]

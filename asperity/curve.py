@@ -17,15 +17,9 @@ from surfaces.heightmap import HeightMap
 from surfaces.segmentation import segment
 from surfaces.summits import locate_summits
 
-from .contacts import (
-    adjoining,
-    aspect_ratio,
-    contact_map,
-    microcontacts,
-    patch_count,
-    pressure_map,
-)
+from .contacts import adjoining, aspect_ratio, microcontacts, patch_count
 from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, terms
+from .fields import contact_map, pressure_map
 from .fine_points import FinePoint, at_separation, closed_area, fine_point
 from .loadpoints import checked_loads
 from .microcontact.growing import GrowingTable
@@ -113,6 +107,11 @@ class Asperities:
         return cls(hm, material, plan, peaks, profiles, population, seconds)
 
     @property
+    def solved(self) -> HeightMap:
+        """The map whose summits are the contacts: on fewer points where the plan says so."""
+        return self.hm if self.plan.coarse is None else self.plan.coarse
+
+    @property
     def labels(self) -> NDArray[np.int32]:
         """Peak whose basin holds each pixel of the map, shape (ny, nx); -1 where not flooded."""
         labels = self.peaks.labels
@@ -173,6 +172,12 @@ class ContactRun:
     def microcontacts(self, point: int = -1) -> NDArray[np.void]:
         """Table of the contacts that carry load at a load point, see `contacts.microcontacts`."""
         return microcontacts(self.bodies, self.states[point])
+
+    def spots(self, point: int = -1) -> NDArray[np.void]:
+        """Table of the separate spots at a load point, see `spots.spot_table`."""
+        from .spots import spot_table
+
+        return spot_table(self.bodies, self.states[point])
 
     def contact_map(self, point: int = -1) -> NDArray[np.bool_]:
         """Pixels in contact at a load point, shape (ny, nx)."""

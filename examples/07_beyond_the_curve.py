@@ -19,8 +19,9 @@ pressure = run.pressure_map()  # (ny, nx) [Pa]
 print(f"the pressure field carries {pressure.mean() / curve.mean_pressure[-1]:.6f} of the load")
 asperity.write_vti("contact.vti", {"pressure": pressure, "contact": run.contact_map()}, hm.spacing)
 
-sizes = asperity.size_distribution(table["area"], bins=8)
-print(f"contacts per bin of area: {sizes['contacts'].tolist()}")
+spots = run.spots()  # contacts that meet are one spot
+sizes = asperity.size_distribution(spots["area"], bins=8)
+print(f"{len(spots)} spots, per bin of area: {sizes['contacts'].tolist()}")
 
 print(f"stiffness {curve.stiffness[-1]:.4g} Pa/m")
 conductance = asperity.constriction_conductance(curve, resistivity=(1e-7, 1e-7))

@@ -9,7 +9,7 @@ from asperity.cli import derived, options, output
 
 EPILOG = """examples:
   asperity curve scan.h5 --E 210e9 --nu 0.3 --pressure 1e6:5e8:30
-  asperity curve scan.h5 --E 210e9 --contacts contacts.csv --sizes sizes.csv --fields last.vti
+  asperity curve scan.h5 --E 210e9 --contacts contacts.csv --spots spots.csv --fields last.vti
   asperity curve scan.h5 --E 210e9 --resistivity 1e-7 1e-7 --friction 0.3 --slip slip.csv
 """
 
@@ -23,15 +23,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_model_options(parser)
     output.add_output_options(parser)
     parser.add_argument("--contacts", metavar="CSV", help="table of the microcontacts, last point")
-    parser.add_argument("--sizes", metavar="CSV", help="contacts by their area, last point")
+    parser.add_argument("--spots", metavar="CSV", help="table of the separate spots, last point")
+    parser.add_argument("--sizes", metavar="CSV", help="spots by their area, last point")
     output.add_fields_option(parser, "pressure and contact")
     derived.add_derived_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Solve, write the results file and print the curve."""
-    targets = args.results, args.csv, args.contacts, args.sizes, args.fields, args.slip
-    output.require_outputs(*targets, inputs=[args.file])
+    tables = args.contacts, args.spots, args.sizes, args.fields
+    output.require_outputs(args.results, args.csv, args.slip, *tables, inputs=[args.file])
     material, loads = options.material(args), options.loads(args)
     derived.require_derivable(material, loads, args)
     hm = options.load_surface(args.file, args)
@@ -51,8 +52,7 @@ def run(args: argparse.Namespace) -> int:
     curve = output.solve_and_keep(
         solve, hm, material, loads, args.results, "asperity", request, args.resume
     )
-    shown = args.contacts or args.sizes or args.fields
-    if shown and output.last_converged(curve, args):
+    if any(tables) and output.last_converged(curve, args):
         _write_last_point(hm, material, plan, curve, args)
     return output.finish(curve, material, args)
 
@@ -64,15 +64,18 @@ def _write_last_point(hm, material, plan, curve, args) -> None:  # type: ignore[
     from asperity.storage import write_csv
     from asperity.tables import columns
 
-    if plan.fine is not None:
-        text = "contacts are those of the longer waves; --scales all shows every summit's"
-        sys.stderr.write(f"asperity curve: {text}\n")
     last = solve_contacts(hm, material, plan, pressures=curve.mean_pressure[-1:])
-    table = last.microcontacts()
     if args.contacts:
-        write_csv(args.contacts, columns(table))
-    if args.sizes:
-        write_csv(args.sizes, columns(size_distribution(table["area"])))
+        if plan.fine is not None:
+            text = "contacts are of the longer waves; fine ones part them into spots (--spots)"
+            sys.stderr.write(f"asperity curve: {text}\n")
+        write_csv(args.contacts, columns(last.microcontacts()))
+    if args.spots or args.sizes:
+        spots = last.spots()
+        if args.spots:
+            write_csv(args.spots, columns(spots))
+        if args.sizes:
+            write_csv(args.sizes, columns(size_distribution(spots["area"])))
     if args.fields:
-        fields = {"pressure": last.pressure_map(), "contact": last.contact_map()}
-        write_vti(args.fields, fields, hm.spacing)
+        pressure = last.pressure_map()
+        write_vti(args.fields, {"pressure": pressure, "contact": pressure > 0}, hm.spacing)

@@ -136,7 +136,7 @@ def test_no_folder_for_the_results_is_found_before_the_work(command, folder, cap
 
 
 OUTPUTS = {
-    "curve": ["-o", "--csv", "--contacts", "--fields"],
+    "curve": ["-o", "--csv", "--contacts", "--spots", "--sizes", "--fields"],
     "bem": ["-o", "--csv", "--fields"],
     "compare": ["-o", "--csv", "--report"],
     "indent": ["--picture"],

@@ -101,8 +101,8 @@ def test_contacts_as_a_table(folder):
     assert table["force"].sum() == pytest.approx(curve.load[-1], rel=5e-3)
 
 
-def test_sizes_of_the_contacts_are_those_of_the_table(folder):
-    options = ["--pressure", "1e8", "--contacts", "t.csv", "--sizes", "s.csv"]
+def test_sizes_of_the_spots_are_those_of_the_table(folder):
+    options = ["--pressure", "1e8", "--spots", "t.csv", "--sizes", "s.csv"]
     assert main(["curve", "rough.h5", *STEEL, *options]) == 0
     table, sizes = (np.genfromtxt(n, delimiter=",", names=True) for n in ("t.csv", "s.csv"))
     assert sizes["contacts"].sum() == len(table)

@@ -1,0 +1,243 @@
+"""Where a surface touches and how hard it presses there, of one load point of its contacts.
+
+The contacts of a state have forces and areas; their shapes are found here: pixels are taken where
+the gap asks for them, each contact keeping its own force and area.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from surfaces._threads import threads
+from surfaces.filtering import resample
+
+from .contacts import ellipses
+from .interaction.footprint import Footprints
+
+if TYPE_CHECKING:
+    from surfaces.heightmap import HeightMap
+
+    from .curve import Asperities
+    from .population import PopulationState
+
+__all__ = ["contact_map", "pressure_map"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+ROUNDS = 3
+"""Corrections of the pressure by the gap it leaves; more change little."""
+
+STEP = 0.7
+"""Share of each correction that is made: whole ones swing (Hertz: by 2 to 4 % of the peak)."""
+
+
+def contact_map(bodies: Asperities, state: PopulationState) -> NDArray[np.bool_]:
+    """Pixels in contact, shape (ny, nx): those under pressure, see `pressure_map`."""
+    return pressure_map(bodies, state) > 0
+
+
+def pressure_map(bodies: Asperities, state: PopulationState) -> Array:
+    """Pressure [Pa] of every pixel, shape (ny, nx), zero outside the contacts.
+
+    Parameters
+    ----------
+    bodies
+        The surface taken apart.
+    state
+        One load point.
+
+    Notes
+    -----
+    Each contact begins with the pressure of the elliptic contact of its force and area. With the
+    displacement u = K p of all of them, the gap g = u - h leaves in each contact the correction
+    p - 0.7 K^-1 g, K^-1 ~ q^(1-m) acting on the gap in contact alone; beside it a gap weighs as
+    pressure by the K^-1 of the wave number sqrt(m4/m2) of the map. A contact takes the pixels of
+    its basin that stand highest in this field, as many as fill its area (one at least), and its
+    pressure is the height over the next pixel, scaled to its force. Then follows the next round.
+
+    Where the finest waves act as a law of the contacts (`asperity.scales`), the pressure that would
+    press them flat, K^-1 h, is added, times sqrt(g0) as in that law, to first order in them
+    (Persson 2001), and the pixels fill the area that stays closed. Pressure rises as the root from
+    the edges of the spots that this leaves: sqrt(x^2 + 2 s x) over the height x, with the standard
+    deviation s of what was added. The last round is of the whole map.
+    """
+    solved, whole = bodies.solved, bodies.hm
+    if not state.active:
+        return np.zeros(whole.shape)
+    grid = _Grid.of(bodies, state, solved, bodies.peaks.labels)
+    pressure = _start(bodies, state)
+    for _ in range(ROUNDS):
+        pressure = grid.pressed(grid.wanted(pressure, grid.beside), state.area, state.force)
+    if solved is whole:
+        return pressure
+    beside, fine, spread = grid.beside, 0.0, 0.0
+    full = _Grid.of(bodies, state, whole, bodies.labels)
+    if bodies.plan.fine is not None:
+        left = whole.heights - resample(solved, whole.spacing).heights
+        fine = np.sqrt(bodies.plan.fine.spread) * full.pressed_flat(left)
+        spread = float(np.std(fine))
+        beside = spread / float(np.std(left))
+    area = bodies.closed_area(state)
+    field = _periodic_cubic(grid.wanted(pressure, beside), whole.shape) + fine
+    pressure = full.pressed(field, area, state.force, spread)
+    return full.pressed(full.wanted(pressure, full.beside), area, state.force, spread)
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """The half-space and the basins of the contacts that carry load, on the points of a map.
+
+    On a free body transforms are padded to twice the size: the images there lift the contacts, but
+    are too far to tilt them.
+
+    Attributes
+    ----------
+    hm
+        The map.
+    padded, number
+        Shape of the transforms, and their wave numbers [1/m].
+    symbol, m
+        A wave of pressure p displaces by symbol q^(m-1) p.
+    closed
+        The contacts with load, shape (c,).
+    pixel, own
+        Flat index of each pixel of their basins, shape (k,), in their order, and its contact.
+    first
+        The first pixel of each, shape (c,).
+    """
+
+    hm: HeightMap
+    padded: tuple[int, int]
+    number: Array
+    symbol: float
+    m: float
+    closed: Index
+    pixel: Index
+    own: Index
+    first: Index
+
+    @classmethod
+    def of(
+        cls, bodies: Asperities, state: PopulationState, hm: HeightMap, labels: NDArray[np.int32]
+    ) -> _Grid:
+        """Of a map with the peak whose basin holds each pixel."""
+        free, body = bodies.plan.boundary == "free", bodies.material
+        ny, nx = (fft.next_fast_len(2 * n, real=True) if free else n for n in hm.shape)
+        qy, qx = fft.fftfreq(ny, hm.spacing[0]), fft.rfftfreq(nx, hm.spacing[1])
+        number = 2.0 * np.pi * np.hypot(qy[:, None], qx)
+        symbol = Footprints(body.modulus, body.m).symbol
+        owner = np.append(bodies.profiles.owner, len(state.force))[labels.ravel()]
+        pixel = np.flatnonzero(np.append(state.force > 0, False)[owner])
+        pixel = pixel[np.argsort(owner[pixel], kind="stable")]
+        own = owner[pixel]
+        closed, first = np.unique(own, return_index=True)
+        return cls(hm, (ny, nx), number, symbol, body.m, closed, pixel, own, first)
+
+    @property
+    def beside(self) -> float:
+        """Pressure over gap [Pa/m] beside the contacts."""
+        found = self.hm.roughness
+        number = float(np.linalg.norm(found.curvature) / np.linalg.norm(found.slope))
+        return float(number ** (1.0 - self.m) / self.symbol)
+
+    def displaced(self, pressure: Array) -> Array:
+        """Displacement [m] by a pressure [Pa], but for a constant."""
+        number = self.number.copy()
+        number[0, 0] = np.inf
+        return self._through(pressure, self.symbol * number ** (self.m - 1.0))
+
+    def pressed_flat(self, heights: Array) -> Array:
+        """Pressure [Pa] that presses heights [m] flat."""
+        return self._through(heights, self.number ** (1.0 - self.m) / self.symbol)
+
+    def wanted(self, pressure: Array, beside: float) -> Array:
+        """Field [Pa], shape (ny, nx), that stands highest where a contact is to be.
+
+        The gap under each contact is counted from its mean; `beside` [Pa/m] as the property.
+        """
+        gap = self.displaced(pressure) - self.hm.heights
+        gap -= np.average(gap, weights=pressure)
+        own = gap.ravel()[self.pixel]
+        weight = pressure.ravel()[self.pixel]
+        weight = weight + 1e-12 * weight.max()
+        mean = np.add.reduceat(weight * own, self.first) / np.add.reduceat(weight, self.first)
+        gap.flat[self.pixel] = own - self._at_pixels(mean)
+        touching = pressure > 0.0
+        pressed = pressure - STEP * self.pressed_flat(np.where(touching, gap, 0.0))
+        return np.where(touching, pressed, -beside * gap)
+
+    def pressed(self, field: Array, area: Array, force: Array, spread: float = 0.0) -> Array:
+        """Pressure [Pa], shape (ny, nx), of contacts of these areas [m^2] and forces [N].
+
+        They take the pixels that stand highest in the field; `spread` [Pa] is s in `pressure_map`.
+        """
+        size = self.hm.spacing[0] * self.hm.spacing[1]
+        height = field.ravel()[self.pixel]
+        order = np.lexsort((-height, self.own))
+        height = height[order]
+        end = np.append(self.first[1:], len(order))
+        stop = np.minimum(self.first + _whole(area[self.closed] / size), end)
+        level = height[np.minimum(stop, end - 1)]
+        level = np.where(stop == end, np.minimum(level, 0.0), level)
+        over = np.maximum(height - self._at_pixels(level), 0.0)
+        over = np.sqrt(over * (over + 2.0 * spread))
+        over += 1e-9 * over.max() + np.finfo(float).tiny  # equal heights press alike
+        over[np.arange(len(order)) >= self._at_pixels(stop)] = 0.0
+        scale = force[self.closed] / (np.add.reduceat(over, self.first) * size)
+        out = np.zeros(self.hm.shape)
+        out.flat[self.pixel[order]] = over * self._at_pixels(scale)
+        return out
+
+    def _at_pixels(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Values of the contacts, at the pixels of their basins."""
+        return np.repeat(values, np.diff(np.append(self.first, len(self.pixel))))
+
+    def _through(self, field: Array, factor: Array) -> Array:
+        waves = fft.rfft2(field, s=self.padded, workers=threads())
+        waves *= factor
+        found = fft.irfft2(waves, s=self.padded, workers=threads(), overwrite_x=True)
+        return np.asarray(found[: self.hm.shape[0], : self.hm.shape[1]])
+
+
+def _start(bodies: Asperities, state: PopulationState) -> Array:
+    """Pressure [Pa] of elliptic contacts, p_0 (1 - rho^2)^((1+m)/2) (theory 7.4), rescaled so
+    that the pixels carry their forces."""
+    hm = bodies.solved
+    pixel, own, distance = ellipses(bodies, state)
+    shape = (1.0 - distance**2) ** (0.5 * (1.0 + bodies.material.m))
+    carried = np.bincount(own, weights=shape, minlength=len(state.force))
+    share = state.force[own] * shape / (carried[own] * hm.spacing[0] * hm.spacing[1])
+    pressure = np.bincount(pixel, weights=share, minlength=hm.heights.size)
+    return pressure.astype(float, copy=False).reshape(hm.shape)
+
+
+def _whole(pixels: Array) -> Index:
+    """Pixels of each contact, one at least; what rounding takes from one is given to the next."""
+    beyond = np.rint(np.cumsum(np.maximum(pixels - 1.0, 0.0))).astype(np.int64)
+    return np.asarray(1 + np.diff(beyond, prepend=0))
+
+
+def _periodic_cubic(field: Array, shape: tuple[int, int]) -> Array:
+    """A periodic field on the pixels of another grid, by cubics through its pixels."""
+    for axis in (0, 1):
+        count = field.shape[axis]
+        place = (np.arange(shape[axis]) + 0.5) * (count / shape[axis]) - 0.5
+        base = np.floor(place).astype(int)
+        t = (place - base).reshape(-1, *[1] * (1 - axis))
+        weights = (
+            t * ((2.0 - t) * t - 1.0) / 2.0,
+            (t * t * (3.0 * t - 5.0) + 2.0) / 2.0,
+            t * ((4.0 - 3.0 * t) * t + 1.0) / 2.0,
+            t * t * (t - 1.0) / 2.0,
+        )
+        field = sum(
+            weight * np.take(field, (base + step) % count, axis)
+            for step, weight in enumerate(weights, -1)
+        )
+    return field

@@ -1,0 +1,72 @@
+"""The separate spots of a load point: where contacts meet they are one, fine waves part them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .bem.contact_map import label_patches
+from .fields import pressure_map
+from .tables import structured
+
+if TYPE_CHECKING:
+    from .curve import Asperities
+    from .population import PopulationState
+
+__all__ = ["spot_table"]
+
+
+def spot_table(bodies: Asperities, state: PopulationState) -> NDArray[np.void]:
+    """Table of the spots of the contact map (edge neighbors, as of boundary elements).
+
+    Parameters
+    ----------
+    bodies
+        The surface taken apart.
+    state
+        One load point.
+
+    Returns
+    -------
+    Structured array, largest spot first, with x, y [m] (centre of the pressure), area [m^2],
+    force [N], mean_pressure, peak_pressure [Pa] and pixels [-]. Forces add up to the load, areas
+    to the contact area of the curve: the pixels of a contact share its area, so that spots of
+    contacts smaller than a pixel have less than one.
+    """
+    hm = bodies.hm
+    pressure = pressure_map(bodies, state)
+    labels, count = label_patches(pressure > 0, periodic=bodies.plan.boundary == "periodic")
+    pixel = np.flatnonzero(labels)
+    own, force = labels.flat[pixel] - 1, pressure.flat[pixel] * (hm.spacing[0] * hm.spacing[1])
+    contact = bodies.profiles.owner[bodies.labels.flat[pixel]]
+    of_contact = np.bincount(contact, minlength=len(state.force))
+    share = bodies.closed_area(state)[contact] / of_contact[contact]
+
+    def total(values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.bincount(own, weights=values, minlength=count).astype(float, copy=False)
+
+    # strongest pixel of each spot, from which its other pixels are counted
+    order = np.lexsort((force, own))
+    top = order[np.searchsorted(own[order], np.arange(count), side="right") - 1]
+    carried, area = total(force), total(share)
+    places = []
+    for step, shape, index in zip(hm.spacing, hm.shape, np.divmod(pixel, hm.shape[1]), strict=True):
+        away = index - index[top][own]
+        if bodies.plan.boundary == "periodic":
+            away -= np.rint(away / shape).astype(np.int64) * shape
+        middle = index[top] + 0.5 + total(force * away) / carried
+        places.append(step * (middle % shape))
+    table = structured(
+        {
+            "x": places[1],
+            "y": places[0],
+            "area": area,
+            "force": carried,
+            "mean_pressure": carried / area,
+            "peak_pressure": pressure.flat[pixel[top]],
+            "pixels": np.bincount(own, minlength=count),
+        }
+    )
+    return table[np.argsort(-area, kind="stable")]

@@ -1,0 +1,177 @@
+"""Contact and pressure maps: closed forms, what is conserved, and boundary elements."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import asperity
+import surfaces
+from asperity.bem.contact_map import label_patches
+from asperity.contacts import ellipses
+from asperity.curve import ContactRun, solve_contacts
+from asperity.fields import pressure_map
+from asperity.loadpoints import pressure_scale
+from asperity.plan import make_plan
+from surfaces import HeightMap, self_affine
+
+STEEL = asperity.HalfSpace.from_modulus(2e11)
+
+
+def map_of(cutoff: float | None, shape=(160, 192), seed=3, **more) -> HeightMap:
+    """A self-affine map on pixels that are not square, its shortest wave in pixels of 1 um."""
+    size = (shape[0] * 1.0e-6, shape[1] * 0.8e-6)
+    return self_affine(
+        shape,
+        size,
+        hurst=0.8,
+        rms_slope=0.1,
+        rolloff=0.25 * size[1],
+        cutoff=cutoff and cutoff * 1e-6,
+        seed=seed,
+        **more,
+    )
+
+
+def run_of(hm: HeightMap, load=(5e-3, 4e-2), body=STEEL, **choices) -> ContactRun:
+    pressures = np.array(load) * pressure_scale(hm, body)
+    plan = make_plan(hm, body, pressures=pressures, **choices)
+    return solve_contacts(hm, body, plan, pressures=pressures)
+
+
+@pytest.fixture(scope="module")
+def broad() -> HeightMap:
+    return map_of(None, (240, 288))
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.3])
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_one_cap_has_the_pressure_of_hertz(m, boundary):
+    ny, nx, dy, dx, radius = 81, 101, 1.2e-6, 1e-6, 1e-3
+    r2 = ((np.arange(ny) - 40) * dy)[:, None] ** 2 + ((np.arange(nx) - 50) * dx) ** 2
+    hm = HeightMap(-r2 / (2 * radius), (dy, dx), periodic=boundary == "periodic")
+    body = asperity.HalfSpace.from_modulus(2e11, m)
+    run = solve_contacts(hm, body, pressures=[2e7 * (1e-5) ** m])
+    pressure, state = run.pressure_map(), run.states[0]
+    shape = np.maximum(1 - r2 * np.pi / state.contact_area, 0) ** (0.5 * (1 + m))
+    exact = 0.5 * (3 + m) * run.curve.load[0] / state.contact_area * shape
+    assert np.abs(pressure - exact).sum() < 0.04 * exact.sum()
+    assert pressure.max() == pytest.approx(exact.max(), rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("cutoff", "choices"),
+    [
+        (None, {}),
+        (None, {"scales": "all"}),
+        (8, {}),
+        (30, {}),
+        (8, {"boundary": "free"}),
+        (8, {"interaction": False}),
+    ],
+)
+def test_each_contact_keeps_its_force_and_its_area(cutoff, choices):
+    hm = map_of(cutoff, (240, 288) if cutoff is None else (160, 192))
+    run = run_of(hm, **choices)
+    size = hm.spacing[0] * hm.spacing[1]
+    for point, state in enumerate(run.states):
+        pressure = run.pressure_map(point)
+        own = np.append(run.bodies.profiles.owner, len(state.force))[run.bodies.labels]
+        carried = np.bincount(own.ravel(), pressure.ravel() * size, len(state.force) + 1)
+        np.testing.assert_allclose(carried[:-1], state.force, rtol=1e-9)
+        pixels = np.bincount(own[pressure > 0], minlength=len(state.force))
+        area = run.bodies.closed_area(state)
+        # no contact has less than a pixel, none more than its basin
+        np.testing.assert_allclose(
+            pixels, np.where(state.force > 0, np.maximum(area / size, 1), 0), atol=1.01, rtol=0.12
+        )
+        np.testing.assert_array_equal(run.contact_map(point), pressure > 0)
+
+
+def test_maps_move_with_the_surface():
+    hm = map_of(8)
+    moved = hm.replace(heights=np.roll(hm.heights, (31, 57), (0, 1)))
+    one, other = run_of(hm), run_of(moved)
+    first, second = np.roll(one.contact_map(), (31, 57), (0, 1)), other.contact_map()
+    assert np.count_nonzero(first & second) > 0.97 * np.count_nonzero(first | second)
+
+
+def test_nothing_touches_at_no_load(broad):
+    run = run_of(broad, load=(0.0, 1e-3))
+    assert not run.pressure_map(0).any() and not run.contact_map(0).any()
+    assert len(run.spots(0)) == 0 and len(run.spots(1)) > 0
+
+
+@pytest.mark.parametrize(
+    ("cutoff", "right", "likeness"), [(None, 0.92, 0.94), (8, 0.95, 0.97), (30, 0.95, 0.97)]
+)
+def test_maps_are_those_of_boundary_elements(broad, cutoff, right, likeness):
+    """Of the pixels in contact so many are right, and the pressures are alike; ellipses about the
+    summits are further off."""
+    hm = broad if cutoff is None else map_of(cutoff)
+    run = run_of(hm)
+    for point, load in enumerate(run.curve.mean_pressure):
+        exact = asperity.bem_solve(hm, STEEL, pressure=load, tolerance=1e-3)
+        mine = run.contact_map(point)
+        hits = np.count_nonzero(mine & exact.contact) / np.count_nonzero(mine)
+        assert hits > right
+        if run.bodies.solved is hm:
+            guess = ellipses(run.bodies, run.states[point])[0]
+            assert hits > np.mean(exact.contact.flat[guess])
+        pressure = run.pressure_map(point)
+        assert np.corrcoef(pressure.ravel(), exact.pressure.ravel())[0, 1] > likeness
+
+
+def test_fewer_points_give_nearly_the_same_maps():
+    hm = map_of(30)
+    run = run_of(hm)
+    assert run.bodies.plan.coarse is not None
+    whole = dataclasses.replace(run.bodies.plan, coarse=None)
+    other = solve_contacts(hm, STEEL, whole, pressures=run.curve.mean_pressure)
+    few, many = run.pressure_map(), other.pressure_map()
+    assert np.abs(few - many).sum() < 0.12 * many.sum()
+
+
+def test_spots_hold_the_load_and_the_area(broad):
+    for hm, choices in ((broad, {}), (map_of(8), {"boundary": "free"})):
+        run = run_of(hm, **choices)
+        for point, state in enumerate(run.states):
+            table = run.spots(point)
+            load = run.curve.mean_pressure[point] * hm.area
+            assert table["force"].sum() == pytest.approx(load, rel=1e-9)
+            area = run.curve.contact_area[point]
+            assert table["area"].sum() == pytest.approx(area, rel=1e-9)
+            assert (np.diff(table["area"]) <= 0).all()
+            assert (table["peak_pressure"] > 0).all()
+            pressure = pressure_map(run.bodies, state)
+            assert table["pixels"].sum() == np.count_nonzero(pressure)
+            assert table["peak_pressure"].max() == pressure.max()
+            strongest = table[table["peak_pressure"].argmax()]
+            row, col = np.unravel_index(pressure.argmax(), hm.shape)
+            near = np.sqrt(strongest["area"])
+            for at, where, length in (
+                (strongest["y"], hm.y[row], hm.size[0]),
+                (strongest["x"], hm.x[col], hm.size[1]),
+            ):
+                away = abs(at - where)
+                assert min(away, length - away) < near and 0 <= at < length
+
+
+def test_fine_waves_part_contacts_into_spots(broad):
+    """About as many as boundary elements find, more than the longer waves have contacts."""
+    run = run_of(broad)
+    assert run.bodies.plan.fine is not None
+    for point, load in enumerate(run.curve.mean_pressure):
+        refined = surfaces.resample(broad, np.asarray(broad.spacing) / 2)
+        exact = asperity.bem_solve(refined, STEEL, pressure=load, tolerance=1e-3)
+        assert len(run.spots(point)) == pytest.approx(exact.contacts, rel=0.25)
+        assert run.states[point].active < exact.contacts
+
+
+def test_a_spot_across_the_seam_is_one(broad):
+    run = run_of(map_of(8))
+    contact = run.contact_map()
+    assert len(run.spots()) == label_patches(contact, periodic=True)[1]
+    assert len(run.spots()) < label_patches(contact, periodic=False)[1]
