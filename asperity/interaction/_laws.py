@@ -21,17 +21,32 @@ def _raise(base, power):
 
 
 @njit(cache=True, nogil=True)
-def evaluate(index, approach, reach, power, table, force, stiffness, area, energy, moment, growth):
-    """Laws at the given approaches; `Laws` says what the rows of `table` hold."""
+def evaluate(
+    rows,
+    index,
+    approach,
+    reach,
+    power,
+    place,
+    table,
+    force,
+    stiffness,
+    area,
+    energy,
+    moment,
+    growth,
+):
+    """Laws at the approaches of the rows [rows[0], rows[1]); `Laws` says what the table holds, and
+    `place` where."""
     steps = table.shape[1]
-    for i in range(approach.size):
+    for i in range(rows[0], rows[1]):
         d = approach[i]
         top = reach[index[i]]
         if d <= 0.0 or top <= 0.0:
             continue
         v = math.sqrt(min(d, top) / top) * steps
         j = min(int(v), steps - 1)
-        row = table[index[i], j]
+        row = table[place[index[i]], j]
         factor = _raise(v, power)
         s = row[0] + v * (row[1] + v * (row[2] + v * row[3]))
         ds = row[1] + v * (2.0 * row[2] + 3.0 * v * row[3])
@@ -115,21 +130,19 @@ def _primitive(e0, e1, e2, e3, power, v):
 
 
 @njit(cache=True, nogil=True)
-def tabulate(rows, reach, force, stiffness, area, power, factor, exponent, table):
+def tabulate(reach, force, stiffness, area, power, factor, exponent, table):
     """Fill the rows of `table` (see `Laws`) from sound nodal values.
 
-    The nodal values run over `rows`, `table` over all contacts; a footprint has the variance
-    (factor k)^exponent. The moment (1/F) int v dF is integrated by Gauss quadrature on each
-    interval, and its slopes are limited so that it grows between the nodes too (Fritsch and
-    Carlson 1980).
+    A footprint has the variance (factor k)^exponent. The moment (1/F) int v dF is integrated by
+    Gauss quadrature on each interval, and its slopes are limited so that it grows between the nodes
+    too (Fritsch and Carlson 1980).
     """
     steps = force.shape[1] - 1
     x, g = GAUSS_NODES, GAUSS_WEIGHTS
     moment = np.zeros(steps + 1)
     bend = np.zeros(steps + 1)
     fall = np.arange(1.0, steps + 1.0) ** -power
-    for r in range(rows.size):
-        i = rows[r]
+    for r in range(reach.size):
         width = 2.0 * reach[r] / (steps * steps)
         s0 = 0.0
         d0 = 0.0
@@ -154,11 +167,11 @@ def tabulate(rows, reach, force, stiffness, area, power, factor, exponent, table
             e1 = c1 - 2.0 * c2 * j + 3.0 * c3 * j * j
             e0 = c0 - c1 * j + c2 * j * j - c3 * j * j * j
             start = width * _primitive(e0, e1, e2, e3, power, float(j))
-            table[i, j, 0] = e0
-            table[i, j, 1] = e1
-            table[i, j, 2] = e2
-            table[i, j, 3] = e3
-            table[i, j, 4] = work - start
+            table[r, j, 0] = e0
+            table[r, j, 1] = e1
+            table[r, j, 2] = e2
+            table[r, j, 3] = e3
+            table[r, j, 4] = work - start
             work += width * _primitive(e0, e1, e2, e3, power, v) - start
             for q in range(5):
                 t = j + 0.5 * (1.0 + x[q])
@@ -169,8 +182,8 @@ def tabulate(rows, reach, force, stiffness, area, power, factor, exponent, table
             slope = _slope(e0, e1, e2, e3, power, v)
             variance = _raise(factor * slope / (width * v), exponent)
             bend[j + 1] = (variance - moment[j + 1]) * slope / load
-            table[i, j, 9] = area[r, j] / (j * j) if j > 0 else area[r, 1]
-            table[i, j, 10] = area[r, j + 1] / (v * v)
+            table[r, j, 9] = area[r, j] / (j * j) if j > 0 else area[r, 1]
+            table[r, j, 10] = area[r, j + 1] / (v * v)
             s0 = s1
             d0 = d1
         for j in range(1, steps + 1):
@@ -179,7 +192,7 @@ def tabulate(rows, reach, force, stiffness, area, power, factor, exponent, table
             bend[j] = min(max(bend[j], 0.0), 3.0 * max(min(before, after), 0.0))
         for j in range(steps):
             c0, c1, c2, c3 = _cubic(moment[j], moment[j + 1], bend[j], bend[j + 1])
-            table[i, j, 5] = c0
-            table[i, j, 6] = c1
-            table[i, j, 7] = c2
-            table[i, j, 8] = c3
+            table[r, j, 5] = c0
+            table[r, j, 6] = c1
+            table[r, j, 7] = c2
+            table[r, j, 8] = c3

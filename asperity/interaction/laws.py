@@ -18,6 +18,9 @@ __all__ = ["BLOCK", "FILLED", "STIFFEST", "Evaluated", "Growing", "LawNodes", "L
 BLOCK = 256
 """Laws made at least at a time, on demand."""
 
+CONTACTS_PER_THREAD = 10_000
+"""Contacts whose laws repay a thread."""
+
 WHOLE = 400
 """Laws left to make up to which all are made at once: several small batches would cost more."""
 
@@ -157,18 +160,23 @@ class Laws:
         out, store = Evaluated(len(approach)), self.store
         if not store.complete:
             store.need(self.index[approach > 0])
-        _laws.evaluate(
-            self.index,
-            approach,
-            store.reach,
-            store.exponent,
-            store.table,
-            out.force,
-            out.stiffness,
-            out.area,
-            out.energy,
-            out.moment,
-            out.growth,
+        run(
+            lambda a, b: _laws.evaluate(
+                (a, b),
+                self.index,
+                approach,
+                store.reach,
+                store.exponent,
+                store.place,
+                store.table,
+                out.force,
+                out.stiffness,
+                out.area,
+                out.energy,
+                out.moment,
+                out.growth,
+            ),
+            blocks(len(approach), CONTACTS_PER_THREAD),
         )
         return out
 
@@ -196,7 +204,11 @@ class Laws:
 
 
 class _Store:
-    """The rows of `Laws`, made all at once or as they are needed."""
+    """The rows of `Laws`, made all at once or as they are needed.
+
+    The table holds them in the order in which they are made, `place` says where: most contacts of
+    a large surface never touch, and memory that is never touched costs nothing.
+    """
 
     def __init__(self, nodes: LawNodes | Growing, footprints: Footprints) -> None:
         self.footprints = footprints
@@ -208,7 +220,8 @@ class _Store:
             n = len(nodes.reach)
         self.reach, self.largest = np.zeros((2, n))
         self.usable, self.repaired, self.ready = np.ones(n, bool), *np.zeros((2, n), bool)
-        self.exponent, self.table = 3.0 + footprints.m, np.zeros((n, 0, 11))
+        self.exponent, self.table = 3.0 + footprints.m, np.empty((n, 0, 11))
+        self.place, self.made = np.zeros(n, np.int32), 0
         self.complete = False
         if self.growing is None:
             self._add(np.arange(n), cast(LawNodes, nodes))
@@ -230,7 +243,7 @@ class _Store:
                 raise InputError(f"law table: {name} holds values that are not finite")
         if not self.table.shape[1]:
             self.exponent = float(nodes.exponent)
-            self.table = np.zeros((len(self.reach), force.shape[1] - 1, 11))
+            self.table = np.empty((len(self.reach), force.shape[1] - 1, 11))
         self.ready[rows] = True
         self.complete = bool(self.ready.all())
         good = (reach > 0) & (force[:, -1] > 0)
@@ -239,17 +252,19 @@ class _Store:
         cap = STIFFEST * self.footprints.punch(np.sqrt(area.max(axis=1) / np.pi))
         force, stiffness, self.repaired[rows] = _sound(reach, force[good], stiffness[good], cap)
         self.reach[rows], self.largest[rows] = reach, area[:, -1]
+        first, self.made = self.made, self.made + len(rows)
+        self.place[rows] = np.arange(first, self.made)
+        table = self.table[first : self.made]
         settings = (1 + FLOOR) * self.footprints.self_factor, 2 / self.footprints.power
         run(
             lambda a, b: _laws.tabulate(
-                rows[a:b],
                 reach[a:b],
                 force[a:b],
                 stiffness[a:b],
                 area[a:b],
                 self.exponent,
                 *settings,
-                self.table,
+                table[a:b],
             ),
             blocks(len(rows), 1000),
         )
