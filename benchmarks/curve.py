@@ -11,8 +11,8 @@ processor time of that run.
 
 from __future__ import annotations
 
+import argparse
 import platform
-import sys
 import time
 
 import numba
@@ -57,5 +57,10 @@ def main(n: int, cutoffs: tuple[float, ...]) -> None:
 
 
 if __name__ == "__main__":
-    numbers = [float(text) for text in sys.argv[1:]]
-    main(int(numbers[0]) if numbers else 1024, tuple(numbers[1:]) or CUTOFFS)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("points", type=int, nargs="?", default=1024, help="points per side")
+    parser.add_argument("cutoffs", type=float, nargs="*", default=CUTOFFS, help="[pixels]")
+    args = parser.parse_args()
+    main(args.points, tuple(args.cutoffs))

@@ -10,8 +10,8 @@ at contacts without flag).
 
 from __future__ import annotations
 
+import argparse
 import platform
-import sys
 import time
 from collections.abc import Callable
 
@@ -74,4 +74,8 @@ def main(laws: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:] or ["hertz", "paper", "harmonic", "ellipse"])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("laws", nargs="*", default=["hertz", "paper", "harmonic", "ellipse"])
+    main(parser.parse_args().laws)

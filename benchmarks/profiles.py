@@ -10,6 +10,8 @@ the whole of their length, for the quintic spline in use and for two usual local
 
 from __future__ import annotations
 
+import argparse
+
 import numpy as np
 from scipy import ndimage
 from scipy.spatial import cKDTree
@@ -103,5 +105,11 @@ def row(cutoff: float) -> None:
 
 
 if __name__ == "__main__":
-    for wavelength in (4.0, 6.0, 8.0, 16.0):
-        row(wavelength)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "cutoffs", type=float, nargs="*", default=[4.0, 6.0, 8.0, 16.0], help="[pixels]"
+    )
+    for cutoff in parser.parse_args().cutoffs:
+        row(cutoff)

@@ -10,8 +10,8 @@ height (on a 256 x 320 cut of the same spectrum), which must be zero.
 
 from __future__ import annotations
 
+import argparse
 import platform
-import sys
 import time
 from collections.abc import Callable
 
@@ -90,4 +90,8 @@ def main(sizes: list[int]) -> None:
 
 
 if __name__ == "__main__":
-    main([int(n) for n in sys.argv[1:]] or [1024, 2048])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("points", type=int, nargs="*", default=[1024, 2048], help="per side")
+    main(parser.parse_args().points)

@@ -6,7 +6,7 @@ per quantity and map: ours, theirs, relative difference. Needs the extra ``asper
 
 from __future__ import annotations
 
-import sys
+import argparse
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -79,4 +79,8 @@ def main(paths: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("maps", nargs="*", help="surface files")
+    main(parser.parse_args().maps)
