@@ -17,7 +17,7 @@ EPILOG = """shapes:
 examples:
   asperity indent --shape polygon:4 --k 1 --m 0.3 --bem
   asperity indent --shape rounded:3:0.3 --k 2 --modulus 1e9 --approach 1e-7 --scale 1e5
-  asperity indent --shape polygon:4 --m 0.3 --load 1 --bem      (compared at equal load)
+  asperity indent --shape polygon:4 --m 0.3 --load 1 --bem  # compared at equal load
   asperity indent profile.h5 --E 210e9 --nu 0.3 --approach 1e-8:1e-7:5
 """
 

@@ -1,0 +1,81 @@
+"""What the pages show can be done: blocks of Python run, commands are understood."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import asperity
+import surfaces
+from asperity.cli.main import COMMANDS, build_parser, main
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+HEADER = r"asperity (?:" + "|".join(COMMANDS) + r") [^\n#`]+"
+
+
+def _blocks(language: str) -> list[tuple[str, str]]:
+    """Page and text of the fenced blocks of a language."""
+    pattern = re.compile(rf"^```{language}\n(.*?)^```", re.MULTILINE | re.DOTALL)
+    return [(page.name, text) for page in PAGES for text in pattern.findall(page.read_text())]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with the files that the pages name."""
+    h5py = pytest.importorskip("h5py")
+    monkeypatch.chdir(tmp_path)
+    hm = surfaces.self_affine(
+        (64, 80), (6.4e-4, 8e-4), hurst=0.8, rms_slope=0.1, rolloff=2e-4, cutoff=6e-5, seed=1
+    )
+    for name in ("scan.h5", "large.h5"):
+        surfaces.write(hm, tmp_path / name)
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["scan/z"] = hm.heights * 1e6
+    material = asperity.HalfSpace(210e9, 0.3)
+    asperity.compare(hm, material, pressures=[1e8, 3e8]).to_hdf5(tmp_path / "results.h5")
+    return tmp_path
+
+
+def test_python_on_the_pages_runs(folder):
+    blocks = [text for name, text in _blocks("python") if name != "README.md"]
+    assert len(blocks) >= 3
+    for text in blocks:
+        rows = np.zeros((2, 4))
+        names = {"shape": (4, 4), "spacing": 1e-6, "blocks": [rows, rows], "asperity": asperity}
+        exec(compile(text, "page", "exec"), names)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_commands_on_the_pages_are_understood(page):
+    for words in _commands(page.read_text()):
+        build_parser(words[0]).parse_args(words)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_examples_of_the_help_are_understood(command, capsys):
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    found = _commands(re.split(r"^examples?:", capsys.readouterr().out, flags=re.M)[1])
+    assert found
+    for words in found:
+        build_parser(words[0]).parse_args(words)
+
+
+def _commands(text: str) -> list[list[str]]:
+    """Arguments of the complete commands in a text: those that name a file or a shape, whole."""
+    found = (shlex.split(line)[1:] for line in re.findall(HEADER, text.replace("\n--", " --")))
+    complete = re.compile(r"\.h5|FILE|--shape|--folder")
+    return [words for words in found if "..." not in words and complete.search(" ".join(words))]
+
+
+def test_commands_of_the_readme_run(folder, capsys):
+    text = "".join(text for name, text in _blocks("sh") if name == "README.md")
+    commands = [words for words in _commands(text) if words[0] != "indent"]
+    assert len(commands) >= 6
+    for words in commands:
+        assert main(words) == 0, (words, capsys.readouterr().err)
