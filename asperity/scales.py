@@ -39,11 +39,12 @@ share of the squared slope: their summits are uncertain."""
 
 NARROW = "scales: all, the spectrum is narrow enough for a contact at each summit"
 
-POINTS = 4.0
-"""Points of the coarse grid per shortest wave that is kept."""
+POINTS = 6.0
+"""Points per shortest wave that is kept: with four the load is 1 to 2 % lower at 10 to 25 % of
+contact, with eight no more than 0.4 % higher."""
 
-FEWEST = 64
-"""Least points of the shorter side of the coarse grid."""
+FEWEST = 96
+"""Least points of the shorter side of the grid of the longer waves."""
 
 KURTOSIS = 0.25
 """How far the kurtosis of the fine heights may be from 3, that of random waves."""
@@ -58,7 +59,7 @@ GRADED = 0.5
 
 
 def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineScales] | str:
-    """A map without its finest waves, on a grid that holds it, and the law of those.
+    """A map without its finest waves, on a grid that holds it well, and the law of those.
 
     Parameters
     ----------
@@ -188,18 +189,18 @@ def _numbers(hm: HeightMap) -> tuple[Array, Array]:
 def _without(
     waves: NDArray[np.complex128], limit: float, hm: HeightMap, stretch: Array, shortest: Array
 ) -> HeightMap | None:
-    """The map of the waves up to the number `limit`, on the coarsest grid that holds it.
+    """The map of the waves up to the number `limit`, on a grid of `POINTS` per shortest wave.
 
     `shortest` are their lengths [m] along y and x.
     """
     shape = [
-        min(n, fft.next_fast_len(int(np.ceil(POINTS * length / wave)), real=True))
-        for n, length, wave in zip(hm.shape, hm.size, shortest, strict=True)
+        fft.next_fast_len(int(np.ceil(POINTS * length / wave)), real=True)
+        for length, wave in zip(hm.size, shortest, strict=True)
     ]
     if min(shape) < FEWEST:
         return None
     ny, nx = shape
-    half, width = (ny - 1) // 2, (nx - 1) // 2 + 1
+    half, width = (min(ny, hm.shape[0]) - 1) // 2, (min(nx, hm.shape[1]) - 1) // 2 + 1
     rows = np.r_[0 : half + 1, hm.shape[0] - half : hm.shape[0]]
     qy, qx = _numbers(hm)
     y, x = qy[rows, None], qx[:width]
