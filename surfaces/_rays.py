@@ -10,11 +10,15 @@ import numpy as np
 from numba import from_dtype, njit
 
 from ._climb import FLATTEST
-from ._spline_form import LANES, TAPS, ray_places, spline_values
+from ._ray_form import ray_places, ray_signs, rising_nodes
+from ._spline_form import LANES, TAPS, spline_values
 
 _BEYOND = 1.1  # rays run on beyond their basin by this factor: see fit_profiles
 _TOGETHER = 64  # rays
 _CHUNK = 8  # groups of samples
+_ALL = 2**LANES - 1
+_LOWEST = np.array([LANES] + [(n & -n).bit_length() - 1 for n in range(1, _ALL + 1)])
+_HIGHEST = np.array([n.bit_length() - 1 for n in range(_ALL + 1)])
 
 _RAY = from_dtype(
     np.dtype(
@@ -31,7 +35,7 @@ _RAY = from_dtype(
             ("before", np.float64),
             ("after", np.float64),
             ("latest", np.float64),
-            ("outside", np.int64),  # samples in a row that lie in another basin
+            ("outside", np.int64),  # whether the latest lies in another basin
         ]
     )
 )
@@ -53,7 +57,7 @@ def _look(
             ray_places(
                 ray.y, ray.x, ray.way_y, ray.way_x, ray.end if nodes else 1.0, most, radii,
                 first + group % groups * LANES, cell, corners, rest, weights, pixels,
-                (group - start) * LANES, group * LANES,
+                (group - start) * LANES, -1 if nodes else group * LANES,
             )  # fmt: skip
         for group in range(start, stop):
             at = (group - start) * LANES
@@ -67,40 +71,54 @@ def _march(flat, cell, labels, owner, dip, rays, live, radii, corners, rest, wei
     LANES samples of each ray are taken at once, as long as it goes on.
     """
     going = live.size
+    signs = np.empty(going, np.int64)
     for first in range(1, radii.size, LANES):
         _look(
             flat, cell, rays, live[:going], 1, radii, first, False, corners, rest, weights, pixels,
             zs,
         )  # fmt: skip
+        for k in range(going):  # apart from what branches on it
+            ray = rays[live[k]]
+            signs[k] = ray_signs(
+                zs, k * LANES, ray.z, -np.inf if first == 1 else ray.high, dip, pixels, labels,
+                owner, ray.peak, radii, first, ray.end,
+            )  # fmt: skip
         count, going = going, 0
         for k in range(count):
-            ray = rays[live[k]]
-            f, high, top, outside = ray.latest, ray.high, ray.top, ray.outside
-            for i in range(LANES):
-                pixel = pixels[k * LANES + i]
-                if pixel < 0:
-                    break
-                m = first + i
-                previous, f = f, ray.z - zs[k * LANES + i]
-                if m == 1 or f > high:
-                    ray.before, high, ray.after, top = previous, f, np.nan, m
-                else:
-                    ray.after = f if m == top + 1 else ray.after
-                    if f <= high - dip:
-                        break
-                label = labels[pixel]
-                own = label == ray.peak or label < 0 or owner[label] == ray.peak
-                outside = 0 if own else outside + 1
-                if outside == 2:
-                    ray.end = min(ray.end, _BEYOND * 0.5 * (radii[m - 2] + radii[m - 1]))
-                if radii[m] > ray.end:
-                    break
-            else:
-                live[going] = live[k]
-                going += 1
-            ray.latest, ray.high, ray.top, ray.outside = f, high, top, outside
+            live[going] = live[k]
+            going += _advance(rays[live[k]], signs[k], radii, first, k * LANES, zs)
         if going == 0:
             break
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _advance(ray, signs, radii, first, at, zs):
+    """Take a ray on by the samples from number `first` on; returns whether it goes on.
+
+    What holds at a sample is a bit of a number: whether f `rises` above all before, has `fallen` by
+    the dip, lies in a `foreign` basin, beyond the border (`gone`), or beyond the length (`past`).
+    """
+    rises, fallen, foreign = signs & _ALL, signs >> LANES & _ALL, signs >> 2 * LANES & _ALL
+    gone, past = signs >> 3 * LANES & _ALL, signs >> 4 * LANES
+    stop, inside = _LOWEST[fallen | gone], _LOWEST[past]
+    out = _LOWEST[foreign & (2 * foreign + ray.outside) & _ALL]
+    if out < stop and out <= inside:
+        m = first + out
+        ray.end = min(ray.end, _BEYOND * 0.5 * (radii[m - 2] + radii[m - 1]))
+        while inside > out and radii[first + inside - 1] > ray.end:
+            inside -= 1
+    ended = inside < stop
+    seen = inside + 1 if ended else stop + ((fallen & ~gone) >> stop & 1)
+    last = _HIGHEST[rises & ((1 << seen) - 1)]
+    if last >= 0:
+        ray.before = ray.z - zs[at + last - 1] if last > 0 else ray.latest
+        ray.high, ray.after, ray.top = ray.z - zs[at + last], np.nan, first + last
+    follower = ray.top + 1 - first
+    if 0 <= follower < seen:
+        ray.after = ray.z - zs[at + follower]
+    ray.latest = ray.z - zs[at + LANES - 1]
+    ray.outside = foreign >> (LANES - 1)
+    return not ended and stop == LANES
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -141,20 +159,24 @@ def fit(
     """
     count, nodes = q.shape[1:]
     groups = shares.size // LANES
-    rays, live = np.empty(_TOGETHER, _RAY), np.empty(_TOGETHER, np.int64)
-    zs = np.empty(_TOGETHER * shares.size)
+    together = max(_TOGETHER, count)
+    rays, live = np.empty(together, _RAY), np.empty(together, np.int64)
+    zs = np.empty(together * shares.size)
     pixels, corners = np.empty(zs.size, np.int64), np.empty(_CHUNK * LANES, np.int64)
     rest, weights = np.empty(_CHUNK * LANES), np.empty(_CHUNK * LANES * TAPS)
     squares = shares * shares
     inverses = 1.0 / squares
-    for start in range(0, peak.size * count, _TOGETHER):
-        used = min(_TOGETHER, peak.size * count - start)
-        for k in range(used):
-            n, p = (start + k) // count, (start + k) % count
-            ray, live[k] = rays[k], k
-            ray.peak, ray.y, ray.x, ray.z = peak[n], y[n], x[n], z[n]
-            ray.way_y, ray.way_x, ray.end = way_y[n, p], way_x[n, p], limit[n, p]
-            ray.high, ray.latest, ray.top, ray.outside = 0.0, 0.0, 0, 0
+    peaks = max(1, _TOGETHER // count)
+    for start in range(0, peak.size, peaks):
+        some = min(peaks, peak.size - start)
+        used = some * count
+        for n in range(start, start + some):
+            for p in range(count):
+                k = (n - start) * count + p
+                ray, live[k] = rays[k], k
+                ray.peak, ray.y, ray.x, ray.z = peak[n], y[n], x[n], z[n]
+                ray.way_y, ray.way_x, ray.end = way_y[n, p], way_x[n, p], limit[n, p]
+                ray.high, ray.latest, ray.top, ray.outside = 0.0, 0.0, 0, 0
         _march(
             flat, cell, labels, owner, dip, rays, live[:used], radii, corners, rest, weights,
             pixels, zs,
@@ -165,14 +187,19 @@ def fit(
             flat, cell, rays, live[:used], groups, shares, 0, True, corners, rest, weights, pixels,
             zs,
         )  # fmt: skip
-        for k in range(used):
-            n, p = (start + k) // count, (start + k) % count
+        for n in range(start, start + some):
             row = slot[n]
-            length = rays[k].end * pixel[n, p]
-            edge[row, p] = length
-            f, scale = 0.0, 1.0 / (length * length)
-            least = FLATTEST * tip[n, p] * length * length
-            q[row, p, 0] = tip[n, p]
-            for j in range(nodes - 1):
-                f = max(f, rays[k].z - zs[k * shares.size + j], least * squares[j])
-                q[row, p, j + 1] = f * scale * inverses[j]
+            for p in range(count):
+                k = (n - start) * count + p
+                length = rays[k].end * pixel[n, p]
+                square = length * length
+                edge[row, p] = length
+                q[row, p, 0] = tip[n, p]
+                at, high = k * shares.size, 0.0
+                for group in range(groups):
+                    high = rising_nodes(
+                        zs, at + group * LANES, rays[k].z, FLATTEST * tip[n, p] * square, high,
+                        1.0 / square, squares, inverses, group * LANES,
+                    )  # fmt: skip
+                for j in range(nodes - 1):
+                    q[row, p, j + 1] = zs[at + j]

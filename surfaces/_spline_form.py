@@ -23,10 +23,8 @@ from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 
 from ._vectors import (
-    constant,
     data_of,
     everywhere,
-    instruction,
     load,
     multiply_add,
     shuffled,
@@ -35,13 +33,22 @@ from ._vectors import (
     sums_of_each,
 )
 
-__all__ = ["LANES", "TAPS", "ray_places", "spline_expansion", "spline_values"]
+__all__ = [
+    "LANES",
+    "TAPS",
+    "VECTOR",
+    "WEIGHTS",
+    "entry",
+    "horner",
+    "spline_expansion",
+    "spline_values",
+]
 
 LANES = 8
 TAPS = 6
 _EXPANSION = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 
-_VECTOR = ir.VectorType(ir.DoubleType(), LANES)
+VECTOR = ir.VectorType(ir.DoubleType(), LANES)
 
 
 def _weights() -> NDArray[np.float64]:
@@ -62,14 +69,14 @@ def _weights() -> NDArray[np.float64]:
     return out
 
 
-_WEIGHTS = _weights()
+WEIGHTS = _weights()
 
 
-def _entry(builder: Any, data: Any, place: Any) -> Any:
+def entry(builder: Any, data: Any, place: Any) -> Any:
     return builder.load(builder.gep(data, [place]))
 
 
-def _horner(builder: Any, powers: list[Any], t: Any) -> Any:
+def horner(builder: Any, powers: list[Any], t: Any) -> Any:
     total = powers[-1]
     for power in reversed(powers[:-1]):
         total = multiply_add(builder, total, t, power)
@@ -78,82 +85,8 @@ def _horner(builder: Any, powers: list[Any], t: Any) -> Any:
 
 def _taps(builder: Any, t: Any, order: int = 0) -> Any:
     """Weights of all taps at a fraction that stands in all lanes."""
-    rows = _WEIGHTS[order, : TAPS - order]
-    return _horner(builder, [ir.Constant(_VECTOR, row.tolist()) for row in rows], t)
-
-
-@intrinsic
-def ray_places(
-    typing: Any, y: Any, x: Any, way_y: Any, way_x: Any, scale: Any, most: Any, radii: Any,
-    first: Any, cell: Any, corners: Any, rest: Any, weights: Any, pixels: Any, at: Any, into: Any,
-) -> Any:  # fmt: skip
-    """Eight places on a ray, and what `spline_values` needs there.
-
-    They lie at ``(y, x) + r (way_y, way_x)`` with ``r = min(scale radii[first:], most)``, kept
-    inside the cell or no further out than its margin. Written are `corners` of the coefficients and
-    fractions of a pixel over x in `rest`, from `at` on; eight `weights` over y for each tap, from
-    ``TAPS * at`` on; and the nearest `pixels` (-1 beyond the border), from `into` on. `cell` holds
-    height and width of the map, their inverses (zero if it is not periodic), the margin, the
-    width of the coefficients and the corner of the first pixel.
-    """
-
-    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        y, x, way_y, way_x, scale, most = (everywhere(builder, a, LANES) for a in arguments[:6])
-        first, at, into = (arguments[k] for k in (7, 13, 14))
-        radii, cell, corners, rest, weights, pixels = (
-            data_of(context, builder, signature.args[k], arguments[k])
-            for k in (6, 8, 9, 10, 11, 12)
-        )
-        ny, nx, inverse_y, inverse_x, margin, width, shift = (
-            everywhere(builder, _entry(builder, cell, ir.Constant(first.type, k)), LANES)
-            for k in range(7)
-        )
-        half = constant(_VECTOR, 0.5)
-
-        def least(a: Any, b: Any) -> Any:
-            return builder.select(builder.fcmp_ordered("<", a, b), a, b)
-
-        def whole(value: Any) -> Any:
-            return instruction(builder, "floor", value)
-
-        def inside(value: Any, center: Any, n: Any, inverse: Any) -> Any:
-            return builder.fsub(value, builder.fmul(n, whole(builder.fmul(center, inverse))))
-
-        def place(start: Any, way: Any, n: Any, inverse: Any) -> tuple[Any, Any]:
-            value = least(multiply_add(builder, r, way, start), builder.fadd(n, margin))
-            value = builder.fneg(least(builder.fneg(value), margin))
-            value = inside(value, value, n, inverse)
-            pixel = whole(builder.fadd(value, half))
-            return value, inside(pixel, builder.fadd(pixel, half), n, inverse)
-
-        integers = ir.VectorType(first.type, LANES)
-        r = least(builder.fmul(scale, load(builder, radii, first, _VECTOR)), most)
-        (y, pixel_y), (x, pixel_x) = place(y, way_y, ny, inverse_y), place(x, way_x, nx, inverse_x)
-        there = None
-        for pixel, n in ((pixel_y, ny), (pixel_x, nx)):
-            for test in (
-                builder.fcmp_ordered(">=", pixel, constant(_VECTOR, 0.0)),
-                builder.fcmp_ordered("<", pixel, n),
-            ):
-                there = test if there is None else builder.and_(there, test)
-        pixel = builder.fptosi(multiply_add(builder, pixel_y, nx, pixel_x), integers)
-        nowhere = constant(integers, -1)
-        store(builder, builder.select(there, pixel, nowhere), pixels, into)
-        row, col = whole(y), whole(x)
-        corner = builder.fadd(multiply_add(builder, row, width, col), shift)
-        store(builder, builder.fptosi(corner, integers), corners, at)
-        store(builder, builder.fsub(x, col), rest, at)
-        t = builder.fsub(y, row)
-        offset = builder.mul(at, ir.Constant(at.type, TAPS))
-        for tap in range(TAPS):
-            rows = [constant(_VECTOR, value) for value in _WEIGHTS[0, :, tap].tolist()]
-            store(builder, _horner(builder, rows, t), weights, offset)
-            offset = builder.add(offset, ir.Constant(offset.type, LANES))
-        return context.get_dummy_value()
-
-    real, place = types.float64, types.intp
-    kinds = (real, real, real, real, real, real, radii, place, cell, corners, rest, weights, pixels)
-    return types.void(*kinds, place, place), codegen
+    rows = WEIGHTS[order, : TAPS - order]
+    return horner(builder, [ir.Constant(VECTOR, row.tolist()) for row in rows], t)
 
 
 @intrinsic
@@ -178,18 +111,18 @@ def spline_values(
         products = []
         for lane in range(LANES):
             point = builder.add(first, ir.Constant(first.type, lane))
-            corner = _entry(builder, corners, point)
+            corner = entry(builder, corners, point)
             total = None
             for row in range(TAPS):
                 at = builder.add(shares, ir.Constant(first.type, row * LANES + lane))
-                share = everywhere(builder, _entry(builder, weights, at), LANES)
-                values = load(builder, data, corner, _VECTOR)
+                share = everywhere(builder, entry(builder, weights, at), LANES)
+                values = load(builder, data, corner, VECTOR)
                 if total is None:
                     total = builder.fmul(share, values)
                 else:
                     total = multiply_add(builder, share, values, total)
                 corner = builder.add(corner, width)
-            across = _taps(builder, everywhere(builder, _entry(builder, t, point), LANES))
+            across = _taps(builder, everywhere(builder, entry(builder, t, point), LANES))
             products.append(builder.fmul(total, across))
         store(builder, sums_of_each(builder, products), out, into)
         return context.get_dummy_value()
@@ -214,7 +147,7 @@ def spline_expansion(typing: Any, flat: Any, corner: Any, width: Any, t_y: Any, 
         )
         sums: list[Any] = []
         for row in range(TAPS):
-            values = load(builder, data, place, _VECTOR)
+            values = load(builder, data, place, VECTOR)
             shares = [shuffled(builder, weight, weight, [row] * LANES) for weight in down]
             sums = [
                 multiply_add(builder, share, values, sums[k])
