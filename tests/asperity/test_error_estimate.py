@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import asperity
-from asperity.error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate
+from asperity.error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, terms
 from asperity.loadpoints import default_pressures
-from surfaces import self_affine
+from asperity.microcontact.flags import Flag
+from surfaces import HeightMap, self_affine
 
 
 @pytest.mark.parametrize("weights", [LOAD_WEIGHTS, AREA_WEIGHTS])
@@ -21,7 +24,7 @@ def test_every_weakness_only_adds(weights):
 
 
 def test_true_errors_lie_inside_the_statement_on_surfaces_it_was_not_fitted_on():
-    inside, stated = [], []
+    inside, stated, closed, wide = [], [], [], []
     for seed in (101, 102, 103):
         hm = self_affine(
             (144, 192),
@@ -39,5 +42,75 @@ def test_true_errors_lie_inside_the_statement_on_surfaces_it_was_not_fitted_on()
         error = np.abs(model.mean_pressure / reference.mean_pressure - 1)
         inside += (error <= model.error_estimate).tolist()
         stated += model.error_estimate.tolist()
+        loaded = asperity.contact_curve(hm, steel, pressures=reference.mean_pressure)
+        error = np.abs(loaded.contact_area / reference.contact_area - 1)
+        closed += (error <= loaded.extra["area_error_estimate"]).tolist()
+        wide += loaded.extra["area_error_estimate"].tolist()
     assert np.mean(inside) >= 0.8
     assert max(stated) < 0.15
+    assert np.mean(closed) >= 0.8
+    assert max(wide) < 0.25
+
+
+LINES = np.array([[0.0, 1.0, 3.0, 1.0], [2.0, 0.0, 1.0, -1.0], [1.0, 4.0, 1.0, 5.0]])
+
+
+def weak_point(unit=1.0, force=1.0):
+    """Two contacts, a third that is open: a load point whose terms are known in closed form."""
+    table = SimpleNamespace(
+        flags_at=lambda rows, depth: np.array([Flag.BEYOND_RADIUS, Flag.FILLED, 0])[rows],
+        spread_at=lambda rows, depth: np.array([-0.1, 0.3, 9.0])[rows],
+    )
+    bodies = SimpleNamespace(
+        hm=HeightMap(unit * LINES, (2.0 * unit, 1.0 * unit), periodic=True),
+        plan=SimpleNamespace(coarse=None, fine=None),
+        population=SimpleNamespace(table=table),
+        profiles=SimpleNamespace(curvature=np.array([[2.0, 1.0], [3.0, 3.0], [9.0, 1.0]]) / unit),
+    )
+    state = SimpleNamespace(
+        force=force * np.array([3.0, 1.0, 0.0]),
+        approach=unit * np.array([0.2, 0.1, 0.0]),
+        area=unit**2 * np.array([4.0, 2.0, 0.0]),
+        contact_area=6.0 * unit**2,
+        filled_share=0.25,
+    )
+    return bodies, state
+
+
+def test_terms_of_two_contacts():
+    bend, slope = 0.0, 0.0
+    for axis, step in ((0, 2.0), (1, 1.0)):
+        slope += np.mean(np.diff(LINES, axis=axis) ** 2) / step**2
+        bend += np.mean(np.diff(LINES, 2, axis=axis) ** 2) / step**2
+    found = terms(*weak_point())
+    share, area = np.array([0.75, 0.25]), 24.0
+    assert set(found) == set(TERMS)
+    expected = {
+        "few_contacts": np.hypot(*share),
+        "filled_share": 0.25,
+        "law_spread": share @ [0.1, 0.3],
+        "coarse_contacts": np.sqrt(2.0 / (share @ [4.0, 2.0])),
+        "crowding": 6.0 / area,
+        "elongation": 0.75 * np.log(2.0),
+        "extrapolated": 0.75,
+        "scatter": 0.75,
+        "fineness": bend / (4.0 * slope),
+        "fine_crowding": bend / (4.0 * slope) * np.sqrt(6.0 / area),
+    }
+    assert found == pytest.approx(expected)
+
+
+def test_terms_have_no_units():
+    assert terms(*weak_point(1e-6, 1e3)) == pytest.approx(terms(*weak_point()))
+
+
+def test_with_fine_waves_taken_out_the_terms_are_those_of_the_map_that_was_solved():
+    bodies, state = weak_point()
+    bodies.plan.fine, bodies.plan.coarse = object(), bodies.hm
+    bodies.hm = HeightMap(np.eye(6, 8), (1.0, 0.5), periodic=True)
+    assert terms(bodies, state) == pytest.approx(terms(*weak_point()))
+
+
+def test_nothing_is_weak_without_contact():
+    bodies, state = weak_point(force=0.0)
+    assert set(terms(bodies, state).values()) == {0.0}
