@@ -7,7 +7,7 @@ from numba import njit
 
 @njit(cache=True, nogil=True)
 def weigh(stiffness, residual, held):
-    """sum k (r - c)^2 and c: the mean of r weighted by k if the sum is held, else zero."""
+    """sum k (r - c)^2, c the mean of r weighted by k if the sum is held, else zero."""
     square = 0.0
     first = 0.0
     total = 0.0
@@ -16,10 +16,67 @@ def weigh(stiffness, residual, held):
         total += stiffness[i]
         first += moment
         square += moment * residual[i]
+    return max(square - first * first / total, 0.0) if held else square
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def divide(matrix, right):
+    """Solve matrix X = right, in place, by elimination without a choice of pivots."""
+    count = matrix.shape[0]
+    for p in range(count):
+        pivot = 1.0 / matrix[p, p]
+        for r in range(count):
+            if r == p:
+                continue
+            share = matrix[r, p] * pivot
+            for c in range(count):
+                matrix[r, c] -= share * matrix[p, c]
+            for c in range(count):
+                right[r, c] -= share * right[p, c]
+        for c in range(count):
+            matrix[p, c] *= pivot
+            right[p, c] *= pivot
+
+
+@njit(cache=True, nogil=True)
+def aim(residual, stiffness, cell, inverse, total, held, far):
+    """Preconditioned residual z_i = k_i (r_i + far_c), c the cell of i, its sum zero if held.
+
+    Fills `far` by cells, where `inverse` and `total` are E and K of `Afar`. Returns what `weigh`
+    does, the mean of r weighted by k if held, and the sum of r z.
+    """
+    count = far.size
+    square = 0.0
+    first = 0.0
+    whole = 0.0
+    far[:] = 0.0
+    for i in range(residual.size):
+        moment = stiffness[i] * residual[i]
+        far[cell[i]] += moment
+        square += moment * residual[i]
+    moments = far.copy()
+    product = square
+    response = 0.0
+    answer = 0.0
+    even = far.copy()
+    for c in range(count):
+        first += moments[c]
+        whole += total[c]
+        far[c] = 0.0
+        even[c] = 1.0
+        for e in range(count):
+            far[c] += inverse[c, e] * moments[e]
+            even[c] += inverse[c, e] * total[e]
+        product += moments[c] * far[c]
+        response += moments[c] + total[c] * far[c]
+        answer += total[c] * even[c]
     if not held:
-        return square, 0.0
-    mean = first / total
-    return max(square - mean * first, 0.0), mean
+        return square, 0.0, product
+    shift = response / answer
+    for c in range(count):
+        far[c] -= shift * even[c]
+    mean = first / whole
+    return max(square - mean * first, 0.0), mean, max(product - shift * response, 0.0)
 
 
 @njit(cache=True, nogil=True)
@@ -31,10 +88,10 @@ def advance(length, direction, image, solution, residual):
 
 
 @njit(cache=True, nogil=True)
-def redirect(ratio, stiffness, residual, mean, direction):
-    """New direction: scaled residual, less its mean, plus `ratio` times the old one."""
+def redirect(ratio, stiffness, residual, cell, far, direction):
+    """New direction: the preconditioned residual of `aim` plus `ratio` times the old one."""
     for i in range(direction.size):
-        direction[i] = stiffness[i] * (residual[i] - mean) + ratio * direction[i]
+        direction[i] = stiffness[i] * (residual[i] + far[cell[i]]) + ratio * direction[i]
 
 
 @njit(cache=True, nogil=True)

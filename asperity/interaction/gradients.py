@@ -32,14 +32,15 @@ def conjugate_gradients(
     held: bool = False,
     limit: int = 200,
 ) -> Solved:
-    """Solve `matrix` x = `right`, preconditioned by the contacts' own stiffness.
+    """Solve `matrix` x = `right`, preconditioned by the contacts' own stiffness and, if they are
+    many, by what they do to each other from afar (`Afar`).
 
     Parameters
     ----------
     matrix, right
         Positive definite system.
     tolerance
-        Fall of the preconditioned residual against that of x = 0.
+        Fall of the residual, weighted by stiffness, against that of x = 0.
     start
         First x; zero if None, and then any iterate is a direction of descent.
     held
@@ -48,20 +49,22 @@ def conjugate_gradients(
     limit
         Products spent at most.
     """
-    stiffness = 1 / matrix.compliance
+    stiffness, cell = 1 / matrix.compliance, matrix.cell
+    inverse, total = matrix.plan.afar.inverse(cell, stiffness)
+    far = np.empty(len(total))
+    system = stiffness, cell, inverse, total, held, far
     solution, residual, count = np.zeros(len(right)), right.copy(), 0
-    product, mean = kernels.weigh(stiffness, residual, held)
-    goal = tolerance**2 * product
+    goal = tolerance**2 * kernels.weigh(stiffness, right, held)
     if start is not None and start.any():
         solution, count = start.copy(), 1
         image = matrix(start)
         residual -= image
         if held:
-            goal = max(goal, tolerance**2 * kernels.weigh(stiffness, image, held)[0])
-        product, mean = kernels.weigh(stiffness, residual, held)
+            goal = max(goal, tolerance**2 * kernels.weigh(stiffness, image, held))
     direction, last = np.zeros(len(right)), math.inf
-    while product > goal and count < limit:
-        kernels.redirect(product / last, stiffness, residual, mean, direction)
+    error, mean, product = kernels.aim(residual, *system)
+    while error > goal and count < limit:
+        kernels.redirect(product / last, stiffness, residual, cell, far, direction)
         image = matrix(direction)
         curvature = kernels.dot(direction, image)
         if curvature <= 0.0:
@@ -71,6 +74,6 @@ def conjugate_gradients(
         length = product / curvature
         last = product
         kernels.advance(length, direction, image, solution, residual)
-        product, mean = kernels.weigh(stiffness, residual, held)
+        error, mean, product = kernels.aim(residual, *system)
         count += 1
     return Solved(solution, residual, mean, count)

@@ -39,6 +39,8 @@ class Mesh:
         of the free half-space, on a mesh padded to twice the extent.
     nodes
         Mesh nodes per eta.
+    precision
+        Of masses and results: float32 or float64.
 
     Notes
     -----
@@ -48,28 +50,33 @@ class Mesh:
     """
 
     def __init__(
-        self, footprints: Footprints, size: tuple[float, float], *, periodic: bool, nodes: float
+        self,
+        footprints: Footprints,
+        size: tuple[float, float],
+        *,
+        periodic: bool,
+        nodes: float,
+        precision: type = np.float64,
     ) -> None:
         if periodic:
             self.shape = _lengths(tuple(max(8, math.ceil(nodes * s)) for s in size))
             step = (size[0] / self.shape[0], size[1] / self.shape[1])
-            self.transfer = _periodic_transfer(footprints, size, self.shape)
+            transfer = _periodic_transfer(footprints, size, self.shape)
         else:
             self.shape = _lengths(tuple(2 * (math.ceil(nodes * s) + 4) for s in size))
             step = (1 / nodes, 1 / nodes)
             smooth = scipy.fft.rfft2(_free_samples(footprints, step, self.shape)).real
             across = _correction(self.shape[1])[: smooth.shape[1]]
-            self.transfer = smooth * np.multiply.outer(_correction(self.shape[0]), across)
+            transfer = smooth * np.multiply.outer(_correction(self.shape[0]), across)
         self.per_step = np.array([1 / step[0], 1 / step[1]])
-        self.transfer32 = self.transfer.astype(np.float32)
+        self.transfer: NDArray[np.floating] = transfer.astype(precision, copy=False)
 
     def convolve(self, masses: NDArray[np.floating]) -> NDArray[np.floating]:
-        """Potential at the nodes [C_m eta^-p] of masses at the nodes, in their precision; one mesh
-        or several, shape (..., my, mx)."""
-        transfer = self.transfer if masses.dtype == np.float64 else self.transfer32
-        workers = threads() if transfer.size > NODES_PER_THREAD else 1
+        """Potential at the nodes [C_m eta^-p] of masses at the nodes, one mesh or several, shape
+        (..., my, mx)."""
+        workers = threads() if self.transfer.size > NODES_PER_THREAD else 1
         spectrum = scipy.fft.rfft2(masses, workers=workers)
-        spectrum *= transfer
+        spectrum *= self.transfer
         found = scipy.fft.irfft2(spectrum, s=self.shape, overwrite_x=True, workers=workers)
         return np.asarray(found)
 

@@ -46,6 +46,7 @@ class Tangent:
         self.plan = plan
         self.index = np.flatnonzero(active)
         n = len(self.index)
+        self.cell = plan.afar.cell[self.index]
         rank = np.full(len(active), -1, np.int32)
         rank[self.index] = np.arange(n, dtype=np.int32)
         stiffness = stiffness[self.index]
@@ -62,7 +63,7 @@ class Tangent:
         self.ptr = np.zeros((n, 2), np.int64)
         self.col, self.value = plan.tangent_col, plan.tangent_value
         self.place, self.weight = np.empty((n, 2), np.int32), np.empty((n, 4, 4), np.float32)
-        self.grids = np.zeros((len(self.rows), *plan.mesh.shape), np.float32)
+        self.grids = np.zeros((len(self.rows), *plan.tangent_mesh.shape), np.float32)
         self.part = np.zeros((len(self.rows), n))
 
         def make(c: int, part: NDArray[np.int64]) -> None:
@@ -73,7 +74,7 @@ class Tangent:
                 plan.x,
                 variance,
                 CAP,
-                plan.mesh.per_step,
+                plan.tangent_mesh.per_step,
                 self.place,
                 self.weight,
             )
@@ -128,7 +129,7 @@ class Tangent:
             )
 
         run(sources, self.rows)
-        smooth = self.plan.mesh.convolve(
+        smooth = self.plan.tangent_mesh.convolve(
             self.grids[0] if len(self.grids) == 1 else self.grids.sum(axis=0)
         )
         run(receivers, self.rows)
