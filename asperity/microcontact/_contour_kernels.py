@@ -27,7 +27,7 @@ from ._lanes import (
     whole,
 )
 from ._polynomial_kernels import TERMS
-from .ellipse_tables import DEGREE
+from .galin import DEGREE
 
 NODES = DEGREE + 1
 MODES = DEGREE // 2 + 1

@@ -18,7 +18,7 @@ from ._lane_functions import between, exponential, most, sine_cosine
 from ._lane_layout import groups
 from ._lanes import FAST, LANES, absolute, entries, load, some, splat, store, where, whole
 from ._polynomial_kernels import TERMS, move, solve
-from .ellipse_tables import DEGREE
+from .galin import DEGREE
 
 WIDEST, SHARE, CONFINED = 0.5, 0.05, 0.5
 """Limits of trust: displacement of the contour, share of F2, confined share of the contour."""

@@ -14,7 +14,7 @@ from ._lane_functions import between, least, most
 from ._lane_layout import groups
 from ._lanes import FAST, load, pick, some, splat, store, where, whole
 from ._polynomial_kernels import TERMS
-from .ellipse_tables import DEGREE
+from .galin import DEGREE
 
 FITS = 5
 """Nested fits of a summit."""

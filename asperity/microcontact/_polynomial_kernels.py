@@ -1,7 +1,7 @@
 """Numba kernels of the parts of one Newton step: polynomials moved, a small system.
 
 Everything is done for eight profiles at once (`_lanes`). Coefficients run over the monomials
-x**i y**j of `ellipse_tables.monomials`.
+x**i y**j of `galin.monomials`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from numba import njit
 
 from ._lanes import FAST, load, store
-from .ellipse_tables import DEGREE
+from .galin import DEGREE
 
 TERMS = (DEGREE + 1) * (DEGREE + 2) // 2
 """Number of monomials: a constant, so that the loops unroll."""

@@ -16,8 +16,8 @@ from .branch import RisingBranch
 from .ellipse_batch import NODES, tabulate
 from .ellipse_expansion import DEGREE
 from .ellipse_search import SHARP, Search, Solved
-from .ellipse_tables import monomials, pressure_operator
 from .flags import Flag
+from .galin import monomials, pressure_operator
 from .validity import profile_flags
 
 __all__ = ["NODES", "EllipseState", "indent", "solve_ellipse", "tabulate"]

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from asperity.transforms import kappa
 
-from .ellipse_tables import LOG_RATIO, ellipse_tables, monomials
+from .ellipse_tables import LOG_RATIO, ellipse_tables
+from .galin import monomials
 
 __all__ = ["ANGLES", "DEGREE", "Edge", "Gap", "between", "edge_of", "fit_points", "fitted"]
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from surfaces.errors import InputError
 
-from .ellipse_tables import DEGREE, monomials
+from .galin import DEGREE, monomials
 
 __all__ = ["FitRules", "fit_rules"]
 

@@ -10,7 +10,7 @@ from scipy.special import gamma
 
 from asperity import HalfSpace
 from asperity.microcontact.ellipse import tabulate
-from asperity.microcontact.ellipse_tables import edge_operator, monomials
+from asperity.microcontact.galin import edge_operator, monomials
 from asperity.microcontact.hertz import elliptic_contact
 from surfaces import Profiles
 

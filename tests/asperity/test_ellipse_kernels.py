@@ -19,8 +19,8 @@ from asperity.microcontact.ellipse_batch import (
     _stencils,
     levels_of,
 )
-from asperity.microcontact.ellipse_tables import monomials
 from asperity.microcontact.fit import fit_rules
+from asperity.microcontact.galin import monomials
 from asperity.microcontact.ray_moments import edge_weights
 
 RNG = np.random.default_rng(7)
