@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from .bem.single import BemIndentation as BemIndentation
     from .bem.solution import BemSolution as BemSolution
     from .bem.solve import bem_solve as bem_solve
+    from .both_models import compare as compare
     from .comparison import Comparison as Comparison
-    from .comparison import compare as compare
     from .conductance import constriction_conductance as constriction_conductance
     from .contact_sizes import size_distribution as size_distribution
     from .curve import ContactRun as ContactRun
@@ -71,7 +71,7 @@ _HOME = {
     "Relaxation": "microcontact.viscoelastic",
     "bem_curve": "bem.curve",
     "bem_solve": "bem.solve",
-    "compare": "comparison",
+    "compare": "both_models",
     "constriction_conductance": "conductance",
     "contact_curve": "curve",
     "flat_punch": "microcontact.punch",

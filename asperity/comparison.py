@@ -1,53 +1,19 @@
-"""The microcontact model against the full boundary-element solution, error against run time."""
+"""What two models of the same surface say of each other: errors, run times, verdict."""
 
 from __future__ import annotations
 
-import dataclasses
 import os
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from surfaces.heightmap import HeightMap
-
-from .baseline import LOOSE_TOLERANCE, cheap_run, coarse_grids, rms
-from .bem.curve import bem_curve
-from .bem.solve import bem_solve
-from .compilation import compile_ahead, small_map
-from .contacts import microcontacts
-from .curve import solve_contacts
 from .errors import InputError
-from .loadpoints import checked_loads, default_pressures, slope_scale
-from .plan import Plan, make_plan
 from .results import ContactCurve
 from .storage import ResultFile, read_results, write_results
-from .tables import structured
 
-if TYPE_CHECKING:
-    from .material import HalfSpace
-
-__all__ = ["Comparison", "compare"]
-
-MAP_AREA_FRACTION = 0.03
-"""Contact area fraction near which the contact maps are taken."""
-
-ERRORS = ("load_error", "area_error", "separation_error")
-
-PARETO_TYPE = np.dtype(
-    [
-        ("model", "U16"),
-        ("ny", np.int64),
-        ("nx", np.int64),
-        ("tolerance", np.float64),
-        ("seconds", np.float64),
-        ("load_error", np.float64),
-        ("area_error", np.float64),
-        ("separation_error", np.float64),
-    ]
-)
+__all__ = ["Comparison"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,161 +174,3 @@ class Comparison:
         ]
         lines += [f"  contact-map overlap {self.overlap:.2f}", self.verdict()]
         return "\n".join(lines)
-
-
-def compare(
-    hm: HeightMap,
-    material: HalfSpace,
-    *,
-    pressures: ArrayLike | None = None,
-    separations: ArrayLike | None = None,
-    law: str = "auto",
-    interaction: bool = True,
-    boundary: str | None = None,
-    scales: str = "auto",
-    tolerance: float = 1e-6,
-    plan: Plan | None = None,
-    reference: Callable[[], ContactCurve] | None = None,
-    progress: Callable[[str], object] | None = None,
-) -> Comparison:
-    """Run both models, the cheap boundary-element settings, and measure the distance between them.
-
-    Parameters
-    ----------
-    hm, material, pressures, separations, law, interaction, boundary, scales, plan
-        As in `contact_curve`.
-    tolerance
-        Tolerance of the reference solution.
-    reference
-        Gives the boundary-element curve of this map at these load points and this tolerance, such
-        as one that goes on from an interrupted run; solved here if None.
-    progress
-        Called with a short label as each stage begins.
-
-    Returns
-    -------
-    Comparison
-
-    Raises
-    ------
-    SurfaceError, InputError
-        As in `contact_curve` and `bem_curve`.
-
-    Notes
-    -----
-    The baseline is honest: boundary elements on the full grid and on every coarser grid, with a
-    loose tolerance, by the same solver.  Errors are measured against the full grid at `tolerance`.
-    """
-    say = progress if progress is not None else lambda label: None
-    kind, values = checked_loads(hm, material, pressures, separations)
-    loads: dict[str, Any] = {"pressures" if kind == "pressure" else "separations": values}
-    chosen: dict[str, Any] = {
-        "law": law,
-        "interaction": interaction,
-        "boundary": boundary,
-        "scales": scales,
-        **loads,
-    }
-    first = make_plan(hm, material, **chosen) if plan is None else plan
-    say("compilation")
-    _compile(material, first)
-    if plan is None:  # once more, on a map without stored means: its time belongs to the model
-        plan = make_plan(hm.replace(), material, **chosen)
-    say(f"boundary elements {hm.shape[0]} x {hm.shape[1]}, tolerance {tolerance:.0e}")
-    if reference is None:
-        judge = bem_curve(hm, material, **loads, tolerance=tolerance, boundary=plan.boundary)
-    else:
-        judge = reference()
-    say("microcontact model")
-    run = solve_contacts(hm, material, plan, pressures=judge.mean_pressure)
-    same = solve_contacts(hm, material, plan, separations=judge.separation).curve
-    table = _table(run.curve, same, judge, hm.rms_height)
-    seconds = sum(run.curve.seconds.values())
-    errors = (rms(table[name]) for name in ERRORS)
-    rows = [
-        ("asperity", *run.curve.settings["grid"], np.nan, seconds, *errors),
-        ("bem", *hm.shape, tolerance, sum(judge.seconds.values()), 0.0, 0.0, 0.0),
-    ]
-    for grid in coarse_grids(hm.shape):
-        say(f"boundary elements {grid[0]} x {grid[1]}, tolerance {LOOSE_TOLERANCE:.0e}")
-        rows.append(cheap_run(hm, material, grid, plan.boundary, judge))
-    say("contact maps")
-    point = _map_point(judge)
-    solution = bem_solve(
-        hm,
-        material,
-        pressure=float(judge.mean_pressure[point]),
-        tolerance=tolerance,
-        boundary=plan.boundary,
-    )
-    maps = {"bem": solution.contact, "asperity": run.contact_map(point)}
-    union = np.count_nonzero(maps["bem"] | maps["asperity"])
-    both = np.count_nonzero(maps["bem"] & maps["asperity"])
-    return Comparison(
-        model=run.curve,
-        reference=judge,
-        table=table,
-        pareto=np.array(rows, dtype=PARETO_TYPE),
-        overlap=both / union if union else 1.0,
-        maps=maps,
-        map_point=point,
-        microcontacts=microcontacts(run.bodies, run.states[point]),
-        plan=plan.reasons,
-        about=_about(hm, material),
-    )
-
-
-def _compile(material: HalfSpace, plan: Plan) -> None:
-    """Run both models once on a small map, so that no run time holds compilation."""
-    compile_ahead(("laws", "bem"), material, plan.boundary)
-    small = small_map()
-    whole = dataclasses.replace(plan, above=None, coarse=None, fine=None)
-    loads = default_pressures(small, material, count=2)
-    solve_contacts(small, material, whole, pressures=loads)
-    bem_curve(small, material, pressures=loads, tolerance=LOOSE_TOLERANCE, boundary=plan.boundary)
-
-
-def _map_point(reference: ContactCurve) -> int:
-    """The load point whose contact area fraction is nearest to `MAP_AREA_FRACTION`."""
-    fraction = np.maximum(reference.area_fraction, 1e-12)
-    return int(np.argmin(np.abs(np.log(fraction / MAP_AREA_FRACTION))))
-
-
-def _table(
-    model: ContactCurve, same: ContactCurve, reference: ContactCurve, rms_height: float
-) -> NDArray[np.void]:
-    """Errors per load point: `model` at the reference's loads, `same` at its separations."""
-    loaded = reference.converged & (reference.mean_pressure > 0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        load_error = same.mean_pressure / reference.mean_pressure - 1.0
-        area_error = model.contact_area / reference.contact_area - 1.0
-    apart = (model.separation - reference.separation) / rms_height
-    return structured(
-        {
-            "mean_pressure": reference.mean_pressure,
-            "area_bem": reference.area_fraction,
-            "area_model": model.area_fraction,
-            "separation_bem": reference.separation,
-            "separation_model": model.separation,
-            "load_error": np.where(loaded & same.converged, load_error, np.nan),
-            "area_error": np.where(loaded & model.converged, area_error, np.nan),
-            "separation_error": np.where(loaded & model.converged, apart, np.nan),
-            "contacts_bem": reference.contacts,
-            "contacts_model": model.contacts,
-        }
-    )
-
-
-def _about(hm: HeightMap, material: HalfSpace) -> dict[str, Any]:
-    return {
-        "name": hm.name,
-        "shape": list(hm.shape),
-        "spacing": list(hm.spacing),
-        "periodic": hm.periodic,
-        "rms_height": hm.rms_height,
-        "rms_slope": slope_scale(hm)[0],
-        "history": [dict(step) for step in hm.history],
-        "input": hm.digest,
-        "modulus": material.modulus,
-        "m": material.m,
-    }

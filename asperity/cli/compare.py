@@ -61,7 +61,7 @@ def _targets(file: str, args: argparse.Namespace, several: bool) -> list[str | N
 def _compare_one(file, args, material, loads, targets) -> bool:  # type: ignore[no-untyped-def]
     hm = options.load_surface(file, args)
     from asperity.bem.curve import bem_curve
-    from asperity.comparison import compare
+    from asperity.both_models import compare
     from asperity.storage import write_csv, write_results
     from asperity.tables import columns
 

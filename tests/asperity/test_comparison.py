@@ -125,8 +125,8 @@ def test_the_plan_is_timed_after_compilation_on_a_map_without_stored_means(monke
         return make_plan(hm, *given, **chosen)
 
     hm = self_affine((60, 80), (6e-4, 8e-4), hurst=0.8, rms_slope=0.1, cutoff=6e-5)
-    monkeypatch.setattr("asperity.comparison.make_plan", plan)
-    monkeypatch.setattr("asperity.comparison._compile", lambda *_: steps.append("compile"))
+    monkeypatch.setattr("asperity.both_models.make_plan", plan)
+    monkeypatch.setattr("asperity.both_models._compile", lambda *_: steps.append("compile"))
     asperity.compare(hm, STEEL, pressures=[1e8], tolerance=1e-3)
     assert steps[-2:] == ["compile", "plan"]
 
