@@ -1,4 +1,4 @@
-"""The microcontacts of one load point: a table, their ellipses, and their number."""
+"""The microcontacts of one load point: a table, and their ellipses."""
 
 from __future__ import annotations
 
@@ -15,11 +15,9 @@ if TYPE_CHECKING:
     from .curve import Asperities
 
 __all__ = [
-    "adjoining",
     "aspect_ratio",
     "ellipses",
     "microcontacts",
-    "patch_count",
 ]
 
 ASPECT_EXPONENT = 0.63
@@ -114,26 +112,6 @@ def ellipses(
         np.append(own, lost),
         np.append(distance, np.zeros(len(lost))),
     )
-
-
-def patch_count(bodies: Asperities, state: PopulationState) -> int:
-    """Number of separate spots: contacts of adjoining basins whose contours meet count as one."""
-    from ._spots import spots
-
-    return int(spots(*bodies.adjoining, state.area, bodies.profiles.angle, bodies.aspect))
-
-
-def adjoining(bodies: Asperities) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Pairs of summits whose basins adjoin, (n, 2), and the way y, x [m] from the first to the
-    second, (n, 2)."""
-    profiles = bodies.profiles
-    pairs = profiles.owner[bodies.peaks.neighbors]
-    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
-    first, second = pairs.T
-    way = _offset(
-        bodies, profiles.y[second] - profiles.y[first], profiles.x[second] - profiles.x[first]
-    )
-    return pairs, np.stack(way, axis=1)
 
 
 def aspect_ratio(curvature: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -17,7 +17,7 @@ from surfaces.heightmap import HeightMap
 from surfaces.segmentation import segment
 from surfaces.summits import locate_summits
 
-from .contacts import adjoining, aspect_ratio, microcontacts, patch_count
+from .contacts import aspect_ratio, microcontacts
 from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, terms
 from .fields import contact_map, pressure_map
 from .fine_points import FinePoint, at_separation, closed_area, fine_point
@@ -27,6 +27,7 @@ from .microcontact.laws import tabulate
 from .plan import Plan, make_plan
 from .population import Population, PopulationState
 from .results import ContactCurve
+from .spot_count import passes, spot_count
 
 if TYPE_CHECKING:
     from surfaces.peaks import Peaks
@@ -124,9 +125,9 @@ class Asperities:
         return labels[np.ix_(rows, cols)]
 
     @functools.cached_property
-    def adjoining(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Pairs of summits whose basins adjoin, (n, 2), and the way y, x [m] between them."""
-        return adjoining(self)
+    def passes(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Pairs of summits whose basins adjoin, (n, 2), and how deep [m] the pass lies, (n,)."""
+        return passes(self)
 
     @functools.cached_property
     def aspect(self) -> NDArray[np.float64]:
@@ -329,7 +330,7 @@ def solve_contacts(
                 checkpoint=checkpoint,
             )
         states[i], places[i] = state, bodies.point(state)
-        patches[i], lift = patch_count(bodies, state), places[i].separation - state.separation
+        patches[i], lift = spot_count(bodies, state), places[i].separation - state.separation
         if progress is not None:
             progress(state)
         if checkpoint is not None:

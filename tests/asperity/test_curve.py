@@ -232,20 +232,6 @@ def test_contacts_smaller_than_a_pixel_are_in_the_maps_too(m):
         np.testing.assert_array_equal(contact_map(run.bodies, state), pressure > 0)
 
 
-def test_touching_contours_are_one_patch(rough):
-    """The patches of the model's own contact map, counted in pixels, are its patch count."""
-    from scipy import ndimage
-
-    plan = make_plan(rough, STEEL, boundary="free")
-    run = solve_contacts(
-        rough.replace(periodic=False), STEEL, plan, pressures=default_pressures(rough, STEEL)[3:]
-    )
-    for state, patches in zip(run.states, run.curve.contacts, strict=True):
-        _, counted = ndimage.label(contact_map(run.bodies, state), np.ones((3, 3)))
-        assert patches == pytest.approx(counted, rel=0.1, abs=2)
-        assert patches <= state.active
-
-
 def test_fewer_points_for_a_smooth_map_change_little():
     hm = self_affine(
         (288, 240), (1.2e-3, 1.2e-3), hurst=0.8, rms_slope=0.1, rolloff=4e-4, cutoff=9e-5, seed=8
