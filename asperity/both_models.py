@@ -153,7 +153,7 @@ def _compile(material: HalfSpace, plan: Plan) -> None:
     """Run both models once on a small map, so that no run time holds compilation."""
     compile_ahead(("laws", "bem"), material, plan.boundary)
     small = small_map()
-    whole = dataclasses.replace(plan, above=None, coarse=None, fine=None)
+    whole = dataclasses.replace(plan, above=None, resampled=None, fine=None)
     loads = default_pressures(small, material, count=2)
     solve_contacts(small, material, whole, pressures=loads)
     bem_curve(small, material, pressures=loads, tolerance=LOOSE_TOLERANCE, boundary=plan.boundary)

@@ -73,7 +73,7 @@ class Asperities:
         clock, seconds = time.perf_counter, {"plan": plan.seconds}
         start = clock()
         mean = hm.roughness.mean
-        solved = hm if plan.coarse is None else plan.coarse
+        solved = hm if plan.resampled is None else plan.resampled
         if plan.boundary == "free" and solved.periodic:
             solved = solved.replace(periodic=False)  # a finite punch is cut at its border
         peaks = segment(solved, above=None if plan.above is None else plan.above + mean)
@@ -110,7 +110,7 @@ class Asperities:
     @property
     def solved(self) -> HeightMap:
         """The map whose summits are the contacts: on fewer points where the plan says so."""
-        return self.hm if self.plan.coarse is None else self.plan.coarse
+        return self.hm if self.plan.resampled is None else self.plan.resampled
 
     @property
     def labels(self) -> NDArray[np.int32]:
@@ -226,7 +226,8 @@ def contact_curve(
         "periodic" or "free"; as the map says if None.
     scales
         "auto": of a broad random spectrum the finest waves act as a law of the contacts of the
-        others (`asperity.scales`); "all": every summit of the map is a contact.
+        others (`asperity.scales`), and other maps whose waves reach the pixel are solved on a
+        finer grid (`asperity.pixel_waves`); "all": every summit of the map is a contact.
     progress
         Called with the state of every finished load point.
     checkpoint

@@ -78,7 +78,7 @@ def terms(bodies: Asperities, state: PopulationState) -> dict[str, float]:
     table, depth = bodies.population.table, state.approach[closed]
     outgrown = (table.flags_at(closed, depth) & Flag.BEYOND_RADIUS) > 0
     # with fine waves taken out, the contacts are those of the map that was solved
-    hm = (bodies.plan.coarse if bodies.plan.fine else None) or bodies.hm
+    hm = (bodies.plan.resampled if bodies.plan.fine else None) or bodies.hm
     pixel = hm.area / hm.heights.size
     steep, shallow = bodies.profiles.curvature[closed].T
     ratio = np.log(steep / np.clip(shallow, 1e-3 * steep, None))

@@ -17,6 +17,7 @@ from .boundary import Boundary, chosen_boundary
 from .errors import InputError, SurfaceError
 from .fine_scales import FineScales
 from .loadpoints import checked_loads, expected_area_fraction, require_scene, slope_scale
+from .pixel_waves import refined_map
 from .scales import split_scales
 
 if TYPE_CHECKING:
@@ -66,10 +67,10 @@ class Plan:
         Estimated peak memory [bytes].
     reasons
         One line for each choice.
-    coarse
-        The map on a coarser grid, solved in its place; None: the map itself.
+    resampled
+        The map on another grid, solved in its place; None: the map itself.
     fine
-        Law of the waves that the coarser grid does not hold; None if it holds them all.
+        Law of the waves that this grid does not hold; None if it holds them all.
     seconds
         Time of the decisions [s].
     scene
@@ -83,20 +84,20 @@ class Plan:
     above: float | None
     memory: int
     reasons: tuple[str, ...]
-    coarse: HeightMap | None = field(default=None, repr=False)
+    resampled: HeightMap | None = field(default=None, repr=False)
     fine: FineScales | None = None
     seconds: float = field(default=0.0, compare=False)
     scene: tuple[HeightMap, HalfSpace] | None = field(default=None, repr=False, compare=False)
 
     def require_scene_of(self, hm: HeightMap, material: HalfSpace) -> None:
-        """Refuse the plan for a map or material whose coarser grid or fine law it does not hold.
+        """Refuse the plan for a map or material whose other grid or fine law it does not hold.
 
         Raises
         ------
         InputError
             If the results would be those of another scene.
         """
-        if self.coarse is None or self.scene is None:
+        if self.resampled is None or self.scene is None:
             return
         planned, body = self.scene
         same = planned is hm or (
@@ -141,7 +142,8 @@ def make_plan(
         "periodic" or "free"; as the map says if None.
     scales
         "auto": of a broad random spectrum the finest waves act as a law of the contacts of the
-        others (`asperity.scales`); "all": every summit of the map is a contact.
+        others (`asperity.scales`), and other maps whose waves reach the pixel are solved on a
+        finer grid (`asperity.pixel_waves`); "all": every summit of the map is a contact.
 
     Raises
     ------
@@ -168,9 +170,9 @@ def make_plan(
     reasons.append(why)
     above, why = _lowest_height(hm, material, kind, values)
     reasons.append(why)
-    coarse, fine, whys = _grid(hm, material, coupled and edge == "periodic", scales)
+    resampled, fine, whys = _grid(hm, material, coupled and edge == "periodic", scales)
     reasons += whys
-    memory = MODEL_BYTES_PER_POINT * (hm if coarse is None else coarse).heights.size
+    memory = MODEL_BYTES_PER_POINT * (hm if resampled is None else resampled).heights.size
     reasons.append(f"memory: about {memory / 2**20:.0f} MiB")
     _require_memory(memory)
     reasons.append("fields: pressure and contours are made on request only")
@@ -183,7 +185,7 @@ def make_plan(
         above,
         memory,
         tuple(reasons),
-        coarse,
+        resampled,
         fine,
         seconds,
         (hm, material),
@@ -264,10 +266,17 @@ def _grid(
             ],
         )
     held = coarse_map(hm)
-    if held is None:
-        return None, None, [split, f"grid: {shape} points, as given"]
-    holds = f"grid: {held.shape[0]} x {held.shape[1]} points hold the map of {shape}"
-    return held, None, [split, holds]
+    if held is not None:
+        holds = f"grid: {held.shape[0]} x {held.shape[1]} points hold the map of {shape}"
+        return held, None, [split, holds]
+    finer = refined_map(hm) if scales == "auto" else None
+    if isinstance(finer, HeightMap):
+        holds = (
+            f"grid: {finer.shape[0]} x {finer.shape[1]} points show the summits of {shape}, whose "
+            "waves reach the pixel"
+        )
+        return finer, None, [split, holds]
+    return None, None, [split, f"grid: {shape} points, {finer or 'as given'}"]
 
 
 def _stride(hm: HeightMap) -> int:

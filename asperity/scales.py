@@ -19,6 +19,7 @@ from surfaces._threads import blocks, run, threads
 from surfaces.heightmap import HeightMap
 
 from .fine_scales import FineScales
+from .pixel_waves import fineness, random_waves
 
 if TYPE_CHECKING:
     from .material import HalfSpace
@@ -45,9 +46,6 @@ contact, with eight no more than 0.4 % higher."""
 
 FEWEST = 96
 """Least points of the shorter side of the grid of the longer waves."""
-
-KURTOSIS = 0.25
-"""How far the kurtosis of the fine heights may be from 3, that of random waves."""
 
 LAY = (0.2, 0.92)
 """Anisotropy (s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes s1, s2 of a map: from the first
@@ -85,12 +83,11 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
     found = hm.roughness
     slope, bend = np.asarray(found.slope), np.asarray(found.curvature)
     rough = found.rms_height**2 * np.mean(bend**2) / np.mean(slope**2) ** 2
-    fineness = np.sum((bend * hm.spacing) ** 2) / (4.0 * np.sum(slope**2))
     # differences between neighbors see half the breadth of a spectrum that reaches the pixel, and
     # a quarter of the squared slope is lost over two pixels if it ends at four
-    if 2.5 * rough < WORTH_IT * BROADEST and fineness < 0.25:
+    if 2.5 * rough < WORTH_IT * BROADEST and fineness(hm) < 0.25:
         return NARROW
-    if any(abs(value - 3.0) > KURTOSIS for value in _kurtosis(hm)):
+    if not random_waves(hm):
         return "scales: all, the finest waves are not random, so that no law holds for all of them"
     waves = fft.rfft2(hm.heights, workers=threads())
     stretch = np.eye(2)
@@ -126,17 +123,6 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
         m=material.m,
         evenness=float(np.sqrt(1.0 - _lay(lost) ** 2)),
     )
-
-
-def _kurtosis(hm: HeightMap) -> tuple[float, float]:
-    """Kurtosis of the second differences of a periodic map along y and x."""
-    found = []
-    for axis in (0, 1):
-        lines = hm.heights if axis else hm.heights.T
-        lines = lines[:: max(1, lines.shape[0] // 128)]
-        bend = np.square(2.0 * lines - np.roll(lines, 1, 1) - np.roll(lines, -1, 1))
-        found.append(float(np.mean(bend**2) / np.mean(bend) ** 2))
-    return found[0], found[1]
 
 
 def _shells(

@@ -76,7 +76,8 @@ def add_model_options(parser: argparse.ArgumentParser) -> None:
         default="auto",
         choices=["auto", "all"],
         help="auto: of a broad random spectrum the finest waves act as a law of the contacts of "
-        "the others; all: every summit is a contact (default auto)",
+        "the others, and other maps rough to the pixel are solved on a finer grid; all: every "
+        "summit of the map as it is makes a contact (default auto)",
     )
 
 

@@ -238,12 +238,12 @@ def test_fewer_points_for_a_smooth_map_change_little():
     )
     loads = default_pressures(hm, STEEL, count=3)
     plan = make_plan(hm, STEEL, pressures=loads)
-    assert plan.coarse is not None
+    assert plan.resampled is not None
     few = solve_contacts(hm, STEEL, plan, pressures=loads)
-    many = solve_contacts(hm, STEEL, dataclasses.replace(plan, coarse=None), pressures=loads)
+    many = solve_contacts(hm, STEEL, dataclasses.replace(plan, resampled=None), pressures=loads)
     np.testing.assert_allclose(few.curve.area_fraction, many.curve.area_fraction, rtol=0.02)
     np.testing.assert_allclose(few.curve.separation, many.curve.separation, rtol=5e-3)
-    assert few.curve.settings["grid"] == list(plan.coarse.shape)
+    assert few.curve.settings["grid"] == list(plan.resampled.shape)
     for state, other in zip(few.states, many.states, strict=True):
         mine, full = contact_map(few.bodies, state), contact_map(many.bodies, other)
         assert mine.shape == hm.shape

@@ -63,7 +63,7 @@ def weak_point(unit=1.0, force=1.0):
     )
     bodies = SimpleNamespace(
         hm=HeightMap(unit * LINES, (2.0 * unit, 1.0 * unit), periodic=True),
-        plan=SimpleNamespace(coarse=None, fine=None),
+        plan=SimpleNamespace(resampled=None, fine=None),
         population=SimpleNamespace(table=table),
         profiles=SimpleNamespace(curvature=np.array([[2.0, 1.0], [3.0, 3.0], [9.0, 1.0]]) / unit),
     )
@@ -106,7 +106,7 @@ def test_terms_have_no_units():
 
 def test_with_fine_waves_taken_out_the_terms_are_those_of_the_map_that_was_solved():
     bodies, state = weak_point()
-    bodies.plan.fine, bodies.plan.coarse = object(), bodies.hm
+    bodies.plan.fine, bodies.plan.resampled = object(), bodies.hm
     bodies.hm = HeightMap(np.eye(6, 8), (1.0, 0.5), periodic=True)
     assert terms(bodies, state) == pytest.approx(terms(*weak_point()))
 

@@ -127,8 +127,8 @@ def test_maps_are_those_of_boundary_elements(broad, cutoff, right, likeness):
 def test_fewer_points_give_nearly_the_same_maps():
     hm = map_of(30)
     run = run_of(hm)
-    assert run.bodies.plan.coarse is not None
-    whole = dataclasses.replace(run.bodies.plan, coarse=None)
+    assert run.bodies.plan.resampled is not None
+    whole = dataclasses.replace(run.bodies.plan, resampled=None)
     other = solve_contacts(hm, STEEL, whole, pressures=run.curve.mean_pressure)
     few, many = run.pressure_map(), other.pressure_map()
     assert np.abs(few - many).sum() < 0.12 * many.sum()

@@ -59,11 +59,21 @@ def test_every_choice_has_its_reason(rough):
 
 
 def test_smooth_maps_are_solved_on_fewer_points(rough):
-    assert make_plan(rough, STEEL).coarse is None
     smooth = self_affine((240, 180), (1e-3, 1e-3), hurst=0.8, rms_slope=0.1, cutoff=1e-4, seed=4)
+    assert make_plan(rough, STEEL).resampled is None
     plan = make_plan(smooth, STEEL)
-    assert plan.coarse is not None
+    assert plan.resampled is not None
     assert "108 x 80 points hold the map of 240 x 180" in str(plan)
+
+
+def test_maps_rough_to_the_pixel_are_solved_on_more_points():
+    rough = self_affine((96, 128), (9.6e-4, 1.28e-3), hurst=0.8, rms_slope=0.1, seed=4)
+    for hm in (rough, dataclasses.replace(rough, periodic=False)):
+        plan = make_plan(hm, STEEL, interaction=False)
+        assert plan.resampled is not None
+        assert plan.resampled.shape == tuple(2 * n for n in hm.shape)
+        assert "192 x 256 points show the summits of 96 x 128" in str(plan)
+    assert make_plan(rough, STEEL, scales="all").resampled is None
 
 
 def test_a_plan_is_not_used_for_another_map(rough):
