@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _flood, _threads
+from . import _flood, _saddles, _threads
 from .errors import InputError, SurfaceError
 from .heightmap import HeightMap
 from .peaks import Peaks
@@ -87,7 +87,7 @@ def segment(
 
     height = heights.ravel()[summit]
     order = _falling(passes)
-    saddle, parent, keeper = _flood.merge(
+    saddle, parent, keeper = _saddles.merge(
         height, pairs[order, 0], pairs[order, 1], passes[order], lowest, limit
     )
     kept = np.flatnonzero(keeper == np.arange(summit.size))
@@ -183,7 +183,7 @@ def _passes(
 
     counts = [np.zeros(n, np.int64) for _ in runs]
     found = _threads.each(
-        lambda part: _flood.touching(heights, labels, periodic, counts[part], runs[part]),
+        lambda part: _saddles.touching(heights, labels, periodic, counts[part], runs[part]),
         range(len(runs)),
     )
     keys, passes = (np.concatenate(parts) for parts in zip(*found, strict=True))

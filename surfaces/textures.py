@@ -16,6 +16,9 @@ __all__ = ["ground", "plateau_honed", "redistribute", "turned", "two_scale"]
 
 Array = NDArray[np.float64]
 
+_SCRATCH = 12.0
+"""Length over width of the scratches of a honed surface."""
+
 
 def plateau_honed(
     shape: tuple[int, int],
@@ -57,6 +60,11 @@ def plateau_honed(
     -------
     HeightMap
         Periodic map with negative skewness.
+
+    Raises
+    ------
+    InputError
+        If `plateau` is not in (0, 1], `rms_slope` not positive, or no wave fits the map.
     """
     if not 0.0 < plateau <= 1.0:
         raise InputError(f"plateau is {plateau}; it must be a fraction above 0, at most 1")
@@ -93,7 +101,28 @@ def ground(
 ) -> HeightMap:
     """Ground surface: parallel scratches `length` times as long as wide, and a fine roughness.
 
-    Parameters are those of `plateau_honed`; the scratches run along `angle` [rad].
+    Parameters
+    ----------
+    shape, size, rms_slope, cutoff, rolloff, hurst
+        As in `plateau_honed`.
+    length
+        Length over width of the scratches [-], at least 1.
+    angle
+        Direction of the scratches [rad], counter-clockwise from +x towards +y.
+    fine
+        Rms height of the isotropic roughness relative to that of the scratches [-].
+    seed
+        Seeds are `seed` (roughness) and `seed + 1` (scratches).
+
+    Returns
+    -------
+    HeightMap
+        Periodic map.
+
+    Raises
+    ------
+    InputError
+        If `rms_slope` is not positive or no wave fits the map.
     """
     settings = _settings(locals())
     long = min(size) / 8.0 if rolloff is None else rolloff
@@ -139,6 +168,11 @@ def turned(
     -------
     HeightMap
         Periodic map of ridges along x, each about ``feed**2 / (8 nose_radius)`` high.
+
+    Raises
+    ------
+    InputError
+        If the feed is not positive, the nose too sharp for it, or the roughness negative.
     """
     settings = _settings(locals())
     if not 0.0 < feed <= 2.0 * nose_radius:
@@ -187,6 +221,16 @@ def two_scale(
         Hurst exponent inside the bands.
     seed
         Seeds are `seed` (coarse) and `seed + 1` (fine).
+
+    Returns
+    -------
+    HeightMap
+        Periodic map.
+
+    Raises
+    ------
+    InputError
+        If the bands are not apart, a height is negative, or no wave fits into a band.
     """
     if not (coarse > fine > 0.0 and width > 1.0):
         raise InputError(
@@ -256,9 +300,6 @@ def redistribute(
         ranked[np.argsort(heights, axis=None, kind="stable")] = levels
         heights = ranked.reshape(hm.shape)
     return hm.replace(heights=heights, step={"step": "redistribute", "iterations": iterations})
-
-
-_SCRATCH = 12.0
 
 
 def _settings(arguments: dict[str, Any]) -> dict[str, Any]:

@@ -9,17 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces.heightmap import HeightMap
-
 from ..errors import InputError
 from .certificate import Certificate
 from .kernel import ElasticHalfSpace
+from .profile_map import Profile, map_of, places, sampled, section_box
 from .solution import BemSolution
 from .solve import bem_solve
 
 __all__ = ["BemIndentation", "FirstGuess", "indent_bem"]
-
-Profile = Callable[[Any, Any], Any]
 
 _SCOUT = 64
 _MARGIN = 1.1
@@ -27,9 +24,6 @@ _RAYS = 256
 _TRIALS = 30
 _PLACEMENTS = 4
 """How often the fine grid is widened when the contact reaches its rim."""
-
-_WIDEST = 1e9
-"""Ratio of radii beyond which a ray is taken never to reach the approach."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +130,7 @@ class BemIndentation:
     def _at(
         self, values: NDArray[np.float64], x: ArrayLike, y: ArrayLike, index: int
     ) -> NDArray[np.float64]:
-        return _sampled(values, self.solutions[index].spacing, self.summit[index], x, y)
+        return sampled(values, self.solutions[index].spacing, self.summit[index], x, y)
 
 
 def indent_bem(
@@ -209,13 +203,13 @@ def _one(
         half, middle = 0.5 * _MARGIN * (high - low), 0.5 * (high + low)
         edges += [middle - half - start, middle + half - start]
     for _ in range(_PLACEMENTS):
-        hm, summit = _map_of(profile, tuple(edges), grid)
+        hm, summit = map_of(profile, tuple(edges), grid)
         mean = float(hm.heights.mean())
         prescribed = {"pressure": value / hm.area}
         if name == "approach":
             prescribed = {"separation": -value - mean}
-        x, y = _places(hm, summit)
-        first = _sampled(scout.pressure, scout.spacing, place, x, y)
+        x, y = places(hm, summit)
+        first = sampled(scout.pressure, scout.spacing, place, x, y)
         solution = bem_solve(
             hm, mat, **prescribed, tolerance=tolerance, boundary="free", guess=first
         )
@@ -235,9 +229,9 @@ def _scout(
     profile: Profile, mat: ElasticHalfSpace, approach: float, guess: FirstGuess | None
 ) -> tuple[BemSolution, tuple[float, float]]:
     """Coarse solution in the box of {f < d}."""
-    hm, summit = _map_of(profile, _section_box(profile, approach), _SCOUT)
+    hm, summit = map_of(profile, section_box(profile, approach), _SCOUT)
     level = -approach - float(hm.heights.mean())
-    first = None if guess is None else guess.pressure(*_places(hm, summit))
+    first = None if guess is None else guess.pressure(*places(hm, summit))
     found = bem_solve(hm, mat, separation=level, tolerance=1e-2, boundary="free", guess=first)
     return found, summit
 
@@ -262,68 +256,3 @@ def _scout_load(
         last = point
         depth *= float((load / force) ** (1 / power))
     raise InputError(f"no approach was found that carries {load:g} N; check its unit")
-
-
-def _places(
-    hm: HeightMap, summit: tuple[float, float]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Places (x, y) of the pixels from the summit [m], each of the map's shape."""
-    (dy, dx), (ny, nx) = hm.spacing, hm.shape
-    x, y = (np.arange(nx) + 0.5) * dx - summit[0], (np.arange(ny) + 0.5) * dy - summit[1]
-    px, py = np.meshgrid(x, y)
-    return px, py
-
-
-def _sampled(
-    values: NDArray[np.float64],
-    spacing: tuple[float, float],
-    summit: tuple[float, float],
-    x: ArrayLike,
-    y: ArrayLike,
-) -> NDArray[np.float64]:
-    """A field of a map at places (x, y) [m] from the summit, bilinear between the pixels."""
-    from scipy.ndimage import map_coordinates
-
-    px, py = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
-    place = np.stack([(py + summit[1]) / spacing[0] - 0.5, (px + summit[0]) / spacing[1] - 0.5])
-    return np.asarray(map_coordinates(values, place.reshape(2, -1), order=1)).reshape(px.shape)
-
-
-def _section_box(profile: Profile, approach: float) -> tuple[float, float, float, float]:
-    """Edges (x0, x1, y0, y1) [m] of a box around the section {f < d}, which holds the contact."""
-    phi = np.linspace(0.0, 2.0 * np.pi, _RAYS, endpoint=False)
-    radius = getattr(profile, "radius", np.inf)
-    low, high = np.zeros(_RAYS), np.full(_RAYS, 1e-30 if not np.isfinite(radius) else radius)
-    for _ in range(400):
-        short = np.asarray(profile(high, phi)) < approach
-        if not short.any():
-            break
-        high = np.where(short, 2.0 * high, high)
-        if np.isfinite(radius) and high.max() > 8.0 * radius:
-            break
-        if not short.all() and high.max() > _WIDEST * high.min():
-            break
-    if short.all() or high.max() > _WIDEST * high.min():
-        raise InputError(
-            f"the profile does not rise to the approach {approach:g} m on every ray; "
-            "give a profile that grows outwards"
-        )
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        short = np.asarray(profile(middle, phi)) < approach
-        low, high = np.where(short, middle, low), np.where(short, high, middle)
-    x, y = high * np.cos(phi), high * np.sin(phi)
-    return float(x.min()), float(x.max()), float(y.min()), float(y.max())
-
-
-def _map_of(
-    profile: Profile, box: tuple[float, ...], grid: int
-) -> tuple[HeightMap, tuple[float, float]]:
-    """Height map of the profile in a box, and where its summit lies on it."""
-    x0, x1, y0, y1 = box
-    spacing = ((y1 - y0) / grid, (x1 - x0) / grid)
-    x = x0 + (np.arange(grid) + 0.5) * spacing[1]
-    y = y0 + (np.arange(grid) + 0.5) * spacing[0]
-    px, py = np.meshgrid(x, y)
-    heights = -np.asarray(profile(np.hypot(px, py), np.arctan2(py, px)))
-    return HeightMap(heights, spacing, name="profile"), (-x0, -y0)

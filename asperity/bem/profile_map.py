@@ -1,0 +1,94 @@
+"""A profile f(r, phi) as a height map about its summit, and fields of such a map at any place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from surfaces.heightmap import HeightMap
+
+from ..errors import InputError
+
+__all__ = ["Profile", "map_of", "places", "sampled", "section_box"]
+
+Profile = Callable[[Any, Any], Any]
+"""Gap f(r, phi) [m] between a body and the tangent plane at its summit."""
+
+_RAYS = 256
+
+_WIDEST = 1e9
+"""Ratio of radii beyond which a ray is taken never to reach the approach."""
+
+
+def places(
+    hm: HeightMap, summit: tuple[float, float]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Places (x, y) of the pixels from the summit [m], each of the map's shape."""
+    (dy, dx), (ny, nx) = hm.spacing, hm.shape
+    x, y = (np.arange(nx) + 0.5) * dx - summit[0], (np.arange(ny) + 0.5) * dy - summit[1]
+    px, py = np.meshgrid(x, y)
+    return px, py
+
+
+def sampled(
+    values: NDArray[np.float64],
+    spacing: tuple[float, float],
+    summit: tuple[float, float],
+    x: ArrayLike,
+    y: ArrayLike,
+) -> NDArray[np.float64]:
+    """A field of a map at places (x, y) [m] from the summit, bilinear between the pixels."""
+    from scipy.ndimage import map_coordinates
+
+    px, py = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+    place = np.stack([(py + summit[1]) / spacing[0] - 0.5, (px + summit[0]) / spacing[1] - 0.5])
+    return np.asarray(map_coordinates(values, place.reshape(2, -1), order=1)).reshape(px.shape)
+
+
+def section_box(profile: Profile, approach: float) -> tuple[float, float, float, float]:
+    """Edges (x0, x1, y0, y1) [m] of a box around the section {f < d}, which holds the contact.
+
+    Raises
+    ------
+    InputError
+        If the profile does not rise to the approach on every ray.
+    """
+    phi = np.linspace(0.0, 2.0 * np.pi, _RAYS, endpoint=False)
+    radius = getattr(profile, "radius", np.inf)
+    low, high = np.zeros(_RAYS), np.full(_RAYS, 1e-30 if not np.isfinite(radius) else radius)
+    for _ in range(400):
+        short = np.asarray(profile(high, phi)) < approach
+        if not short.any():
+            break
+        high = np.where(short, 2.0 * high, high)
+        if np.isfinite(radius) and high.max() > 8.0 * radius:
+            break
+        if not short.all() and high.max() > _WIDEST * high.min():
+            break
+    if short.all() or high.max() > _WIDEST * high.min():
+        raise InputError(
+            f"the profile does not rise to the approach {approach:g} m on every ray; "
+            "give a profile that grows outwards"
+        )
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        short = np.asarray(profile(middle, phi)) < approach
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    x, y = high * np.cos(phi), high * np.sin(phi)
+    return float(x.min()), float(x.max()), float(y.min()), float(y.max())
+
+
+def map_of(
+    profile: Profile, box: tuple[float, ...], grid: int
+) -> tuple[HeightMap, tuple[float, float]]:
+    """Height map of the profile in a box, and where its summit lies on it."""
+    x0, x1, y0, y1 = box
+    spacing = ((y1 - y0) / grid, (x1 - x0) / grid)
+    x = x0 + (np.arange(grid) + 0.5) * spacing[1]
+    y = y0 + (np.arange(grid) + 0.5) * spacing[0]
+    px, py = np.meshgrid(x, y)
+    heights = -np.asarray(profile(np.hypot(px, py), np.arctan2(py, px)))
+    return HeightMap(heights, spacing, name="profile"), (-x0, -y0)
