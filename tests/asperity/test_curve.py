@@ -94,11 +94,40 @@ def test_scaling_of_lengths_and_modulus(rough):
 
 def test_adding_a_constant_and_shifting_change_nothing(rough):
     loads = default_pressures(rough, STEEL, count=3)
-    curve = asperity.contact_curve(rough, STEEL, pressures=loads)
+    run = solve_contacts(rough, STEEL, pressures=loads)
     moved = rough.replace(heights=np.roll(rough.heights, (37, -51), axis=(0, 1)) + 1e-5)
-    again = asperity.contact_curve(moved, STEEL, pressures=loads)
-    np.testing.assert_allclose(again.area_fraction, curve.area_fraction, rtol=2e-3)
-    np.testing.assert_allclose(again.separation, curve.separation, rtol=2e-3, atol=1e-10)
+    again = solve_contacts(moved, STEEL, pressures=loads)
+    np.testing.assert_allclose(again.curve.area_fraction, run.curve.area_fraction, rtol=2e-3)
+    np.testing.assert_allclose(again.curve.separation, run.curve.separation, rtol=2e-3, atol=1e-10)
+    np.testing.assert_allclose(again.curve.contacts, run.curve.contacts, atol=1)
+    assert overlap(np.roll(run.contact_map(), (37, -51), axis=(0, 1)), again.contact_map()) > 0.98
+
+
+def test_exchanging_the_axes_exchanges_places_and_turns_angles(rough):
+    loads = default_pressures(rough, STEEL, count=3)
+    run = solve_contacts(rough, STEEL, pressures=loads)
+    turned = rough.replace(heights=rough.heights.T.copy(), spacing=rough.spacing[::-1])
+    again = solve_contacts(turned, STEEL, pressures=loads)
+    np.testing.assert_allclose(again.curve.area_fraction, run.curve.area_fraction, rtol=2e-3)
+    np.testing.assert_allclose(again.curve.stiffness, run.curve.stiffness, rtol=5e-3)
+    np.testing.assert_allclose(again.curve.contacts, run.curve.contacts, atol=1)
+    assert overlap(run.contact_map().T, again.contact_map()) > 0.98
+    one, other = run.microcontacts(), again.microcontacts()
+    assert len(one) == len(other)
+    one, other = one[np.lexsort((one["x"], one["y"]))], other[np.lexsort((other["y"], other["x"]))]
+    for mine, its in (("x", "y"), ("centre_x", "centre_y"), ("centre_y", "centre_x")):
+        np.testing.assert_allclose(one[mine], other[its], atol=1e-8)
+    np.testing.assert_allclose(
+        one["force"], other["force"], rtol=0.02, atol=1e-3 * one["force"].max()
+    )
+    long = one["semi_minor"] < 0.8 * one["semi_major"]
+    apart = np.mod(one["angle"] + other["angle"], np.pi)[long]
+    np.testing.assert_allclose(apart, np.pi / 2, atol=1e-3)
+
+
+def overlap(one, other) -> float:
+    """Intersection over union of two masks."""
+    return np.count_nonzero(one & other) / np.count_nonzero(one | other)
 
 
 def test_a_free_boundary_cuts_a_periodic_map_at_its_border(rough):
