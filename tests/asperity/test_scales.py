@@ -283,3 +283,10 @@ def test_from_the_command_line(rough, tmp_path, capsys):
         assert main(["curve", str(file), *body, *asked]) == 0
         curve = asperity.ContactCurve.from_hdf5(results, "asperity")
         assert (curve.settings["shortest_wave"] is not None) == waves
+
+
+def test_no_wave_shorter_than_three_pixels_is_kept():
+    """A spectrum that is not broad is cut there."""
+    hm = broad(rolloff=2.4e-5)
+    kept = split_scales(hm, STEEL)[1].shortest / max(hm.spacing)
+    assert 3.0 <= kept < 3.1
