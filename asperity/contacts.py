@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .interaction.elongation import ASPECT_EXPONENT
 from .outlines import outlines
 from .population import PopulationState
 from .tables import structured
@@ -19,10 +20,6 @@ __all__ = [
     "ellipses",
     "microcontacts",
 ]
-
-ASPECT_EXPONENT = 0.63
-"""Axis ratio of an elliptic contact from the ratio of curvatures, b/a = (k2/k1)^0.63: fits exact
-Hertz (theory 7.2) within 3 % up to a curvature ratio of 30."""
 
 
 def microcontacts(bodies: Asperities, state: PopulationState) -> NDArray[np.void]:

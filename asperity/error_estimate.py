@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .microcontact.flags import Flag
+from .pixel_waves import fineness
 
 if TYPE_CHECKING:
-    from surfaces.heightmap import HeightMap
-
     from .curve import Asperities
     from .population import PopulationState
 
@@ -66,8 +65,8 @@ def terms(bodies: Asperities, state: PopulationState) -> dict[str, float]:
     scatter
         `few_contacts`, of those contacts alone.
     fineness
-        Share of the squared slope that is lost when heights are taken two pixels apart, not one: 0
-        for a smooth map, 0.25 for a spectrum that ends at about 4 pixels, 0.75 for noise.
+        Share of the squared slope that is lost when heights are taken two pixels apart, not one
+        (`pixel_waves.fineness`).
     fine_crowding
         `fineness` times the root of `crowding`.
     """
@@ -82,7 +81,7 @@ def terms(bodies: Asperities, state: PopulationState) -> dict[str, float]:
     pixel = hm.area / hm.heights.size
     steep, shallow = bodies.profiles.curvature[closed].T
     ratio = np.log(steep / np.clip(shallow, 1e-3 * steep, None))
-    crowding, fineness = state.contact_area / bodies.hm.area, _fineness(hm)
+    crowding, fine = state.contact_area / bodies.hm.area, fineness(hm)
     return {
         "few_contacts": float(np.sqrt(share @ share)),
         "filled_share": state.filled_share,
@@ -92,16 +91,9 @@ def terms(bodies: Asperities, state: PopulationState) -> dict[str, float]:
         "elongation": float(share @ ratio),
         "extrapolated": float(share[outgrown].sum()),
         "scatter": float(np.sqrt(share[outgrown] @ share[outgrown])),
-        "fineness": fineness,
-        "fine_crowding": fineness * float(np.sqrt(crowding)),
+        "fineness": fine,
+        "fine_crowding": fine * float(np.sqrt(crowding)),
     }
-
-
-def _fineness(hm: HeightMap) -> float:
-    """For differences d, d' of neighboring pairs, <(d - d')^2> = 4 <d^2> - <(d + d')^2>."""
-    known = hm.roughness
-    bend = np.asarray(known.curvature) * hm.spacing
-    return float(bend @ bend) / (4 * known.rms_slope**2)
 
 
 def estimate(values: dict[str, float], weights: tuple[float, ...]) -> float:
