@@ -12,6 +12,8 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -21,6 +23,9 @@ from surfaces.profiles import Profiles
 
 from .boundary import Boundary, known_boundary
 from .material import HalfSpace
+
+if TYPE_CHECKING:
+    from surfaces.summits import Summits
 
 __all__ = ["compile_ahead", "small_map"]
 
@@ -118,6 +123,26 @@ def _laws(material: HalfSpace, boundary: Boundary) -> None:
     )
     for law in ("ellipse", "ritz"):
         tabulate(profiles, material, law=law)
+    _basins(material)
+
+
+def _basins(material: HalfSpace) -> None:
+    """Basins pressed alone: none, of a map that was not segmented."""
+    from .microcontact.elements import press
+
+    none = np.zeros(0, np.int64)
+    peaks = SimpleNamespace(labels=np.zeros((4, 4), np.int32), row=none, col=none)
+    summits = SimpleNamespace(
+        hm=HeightMap(np.eye(4), (1.0, 1.0)),
+        peaks=peaks,
+        owner=none,
+        spline=np.zeros((4, 4)),
+        places=np.zeros((0, 2)),
+        height=np.zeros(0),
+        angle=np.zeros(0),
+        curvature=np.zeros((0, 2)),
+    )
+    press(cast("Summits", summits), none, np.zeros((0, 2)), material)
 
 
 def _bem(material: HalfSpace, boundary: Boundary) -> None:

@@ -18,10 +18,12 @@ from surfaces.segmentation import segment
 from surfaces.summits import locate_summits
 
 from .contacts import aspect_ratio, microcontacts
+from .dominant import Ranking
 from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, terms
 from .fields import contact_map, pressure_map
 from .fine_points import FinePoint, at_separation, closed_area, fine_point
 from .loadpoints import checked_loads
+from .microcontact.elements import put
 from .microcontact.growing import GrowingTable
 from .microcontact.laws import tabulate
 from .plan import Plan, make_plan
@@ -82,12 +84,16 @@ class Asperities:
         profiles = locate_summits(solved, peaks)
         seconds["profiles"] = clock() - start
         seconds["laws"] = 0.0
+        ranking = Ranking(profiles)
 
         def laws(rows: NDArray[np.int64]) -> LawTable:
             begun = clock()
             sampled = profiles.rows(rows)
             between = clock()
             table = tabulate(sampled, material, law=plan.law)
+            if plan.law == "auto":
+                chosen = ranking.dominant(rows, table)
+                put(table, chosen, profiles, rows[chosen], material)
             seconds["profiles"] += between - begun
             seconds["laws"] += clock() - between
             return table

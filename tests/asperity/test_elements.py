@@ -1,0 +1,148 @@
+"""Basins pressed alone: exact contacts, whatever the grid, and what a law table makes of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import asperity
+from asperity.dominant import Ranking
+from asperity.microcontact import elements
+from asperity.microcontact.flags import Flag
+from asperity.microcontact.hertz import elliptic_contact
+from asperity.microcontact.laws import tabulate
+from surfaces import HeightMap, resample, segment, self_affine
+from surfaces.summits import Summits, locate_summits
+
+BODY = asperity.HalfSpace.from_modulus(2.0)
+
+
+def summits_of(hm: HeightMap) -> Summits:
+    return locate_summits(hm, segment(hm))
+
+
+def ellipsoid(k1: float, k2: float, angle: float) -> HeightMap:
+    """A paraboloid on pixels that are not square, its summit between them."""
+    ny, nx, dy, dx = 61, 83, 1.3, 0.9
+    y, x = (np.arange(ny) - 29.7)[:, None] * dy, (np.arange(nx) - 41.2) * dx
+    c, s = np.cos(angle), np.sin(angle)
+    gap = 0.5 * (k2 * (c * x + s * y) ** 2 + k1 * (c * y - s * x) ** 2)
+    return HeightMap(-gap, (dy, dx))
+
+
+def lumpy(points: int) -> HeightMap:
+    """One smooth summit with lobes, the same surface at any number of points."""
+    y, x = np.meshgrid(
+        *((np.arange(n) + 0.5) / n - 0.5 for n in (points, points + 12)), indexing="ij"
+    )
+    gap = 3 * x**2 + 8 * y**2 + 9 * x**3 - 25 * x * y**2 + 60 * (x**4 + y**4) + 8 * x * y
+    return HeightMap(-gap, (1.0 / points, 1.0 / (points + 12)))
+
+
+@pytest.mark.parametrize("m", [0.0, 0.4, -0.3])
+@pytest.mark.parametrize(("ratio", "angle"), [(1.0, 0.0), (6.0, 0.5), (25.0, -1.1)])
+def test_ellipsoid(m, ratio, angle):
+    k2 = 0.01
+    body = asperity.HalfSpace.from_modulus(2.0, m=m)
+    depth = np.array([[0.1, 0.7]])
+    found = elements.press(
+        summits_of(ellipsoid(ratio * k2, k2, angle)), np.zeros(1, np.int64), depth, body
+    )[0]
+    exact = elliptic_contact(ratio * k2, k2, depth[0], body)
+    np.testing.assert_allclose(found[:, 0], exact.force, rtol=6e-3)
+    area = np.pi * exact.semi_major * exact.semi_minor
+    np.testing.assert_allclose(found[:, 1], area, rtol=0.03 if m >= 0 else 0.04)
+    np.testing.assert_allclose(found[:, 2:], 0.0, atol=0.02 * np.sqrt(area.max()))
+
+
+def test_lobes_as_the_whole_map_pressed():
+    hm = lumpy(60)
+    fine = resample(hm, np.asarray(hm.spacing) / 4)
+    summits = summits_of(hm)
+    depth = np.array([[0.02, 0.1]])
+    found = elements.press(summits, np.zeros(1, np.int64), depth, BODY)[0]
+    for d, (force, area, *_) in zip(depth[0], found, strict=True):
+        level = summits.height[0] - d - fine.heights.mean()
+        whole = asperity.bem_solve(fine, BODY, separation=level, boundary="free")
+        assert force == pytest.approx(whole.load, rel=5e-3)
+        assert area == pytest.approx(whole.contact_area, rel=0.02)
+
+
+def test_pixels_do_not_matter():
+    depth = np.array([[0.03, 0.08, 0.15]])
+    coarse, fine = (
+        elements.press(summits_of(lumpy(n)), np.zeros(1, np.int64), depth, BODY)[0]
+        for n in (40, 90)
+    )
+    np.testing.assert_allclose(coarse[:, 0], fine[:, 0], rtol=4e-3)
+    np.testing.assert_allclose(coarse[:, 1], fine[:, 1], rtol=0.03)
+
+
+@pytest.fixture(scope="module")
+def rough() -> Summits:
+    return summits_of(
+        self_affine(
+            (96, 128), (96.0, 160.0), hurst=0.8, rms_slope=0.1, rolloff=60.0, cutoff=9.0,
+            anisotropy=3.0, seed=4,
+        )
+    )  # fmt: skip
+
+
+def test_tables_keep_what_the_expansion_describes(rough):
+    rows = np.flatnonzero(rough.valid)[:12]
+    table = tabulate(rough.rows(rows), BODY, law="ellipse")
+    before = {name: getattr(table, name).copy() for name in ("force", "stiffness", "area")}
+    beyond = (table.flags & Flag.BEYOND_RADIUS) > 0
+    slots = np.flatnonzero(beyond.any(axis=1) & (table.reach > 0))
+    assert slots.size
+    elements.put(table, slots, rough, rows[slots], BODY)
+    for slot in range(len(rows)):
+        kept = int(beyond[slot].argmax()) - 1 if slot in slots else table.nodes + 1
+        for name, values in before.items():
+            np.testing.assert_array_equal(getattr(table, name)[slot, :kept], values[slot, :kept])
+    new = table.spread[slots] == elements.SPREAD
+    assert new[:, -1].all()
+    assert (table.force[slots] > 0)[:, 1:].all()
+    assert (np.diff(table.force[slots], axis=1) > 0).all()
+
+
+def test_stiffness_is_the_slope_of_the_force(rough):
+    rows = np.flatnonzero(rough.valid)[:12]
+    table = tabulate(rough.rows(rows), BODY, law="ellipse")
+    slots = np.flatnonzero((table.flags & Flag.BEYOND_RADIUS).any(axis=1) & (table.reach > 0))
+    elements.put(table, slots, rough, rows[slots], BODY)
+    depth = table.reach[slots, None] * np.linspace(0.45, 0.95, 9) ** 2
+    step = 1e-4 * table.reach[slots, None]
+    high, low = (table.evaluate(slots[:, None], depth + s)[0] for s in (step, -step))
+    slope = table.evaluate(slots[:, None], depth)[1]
+    np.testing.assert_allclose((high - low) / (2 * step), slope, rtol=1e-3)
+
+
+def test_few_contacts_are_dominant_whatever_is_asked_for(rough):
+    ranking = Ranking(rough)
+    rows = np.flatnonzero(rough.valid)
+    table = tabulate(rough.rows(rows), BODY, law="ellipse")
+    chosen = ranking.dominant(rows, table)
+    assert 0 < chosen.size < 0.5 * len(rows)
+    part = rows[::3]
+    some = ranking.dominant(part, tabulate(rough.rows(part), BODY, law="ellipse"))
+    np.testing.assert_array_equal(part[some], np.intersect1d(rows[chosen], part))
+    inside = replace(table, flags=np.zeros_like(table.flags))
+    assert ranking.dominant(rows, inside).size == 0
+
+
+def test_load_of_few_long_ridges_comes_out():
+    hm = self_affine(
+        (256, 256), (256.0, 256.0), hurst=0.8, rms_slope=0.1, rolloff=32.0, cutoff=8.0,
+        anisotropy=4.0, seed=13,
+    )  # fmt: skip
+    fine = resample(hm, np.asarray(hm.spacing) / 2)
+    exact = asperity.bem_solve(fine, BODY, pressure=4e-4, tolerance=1e-3)
+    apart, alone = (
+        asperity.contact_curve(hm, BODY, separations=exact.separation, law=law)
+        for law in ("auto", "ellipse")
+    )
+    assert apart.load[0] == pytest.approx(exact.load, rel=0.012)
+    assert abs(alone.load[0] / exact.load - 1) > 0.02
