@@ -18,7 +18,7 @@ from asperity.indentation import Indentation
 from asperity.material import HalfSpace
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from . import ellipse, expansion, ritz
+from . import ellipse, expansion, ritz_batch
 from .flags import Flag
 from .table import LawTable
 
@@ -90,7 +90,7 @@ def tabulate(
     wrong = np.flatnonzero(ratio > GROSS)
     if not wrong.size:
         return table
-    second = ritz.tabulate(profiles.rows(wrong), material, nodes=nodes)
+    second = ritz_batch.tabulate(profiles.rows(wrong), material, nodes=nodes)
     _replace(table, wrong, second, ratio[wrong])
     return table
 
@@ -100,7 +100,7 @@ def _worst_ratio(
 ) -> Array:
     """Largest ratio of the forces of the table and of `ritz`, either way, over a few approaches."""
     first = table.evaluate(rows[:, None], SHARES * table.reach[rows, None])[0]
-    other = ritz.forces(profiles, material, np.sqrt(SHARES))
+    other = ritz_batch.forces(profiles, material, np.sqrt(SHARES))
     usable = (first > 0) & (other > 0)
     ratio = np.divide(first, other, out=np.ones(first.shape), where=usable)
     return np.asarray(np.maximum(ratio, 1 / ratio).max(axis=1))
