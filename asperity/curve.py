@@ -78,7 +78,11 @@ class Asperities:
         solved = hm if plan.resampled is None else plan.resampled
         if plan.boundary == "free" and solved.periodic:
             solved = solved.replace(periodic=False)  # a finite punch is cut at its border
-        peaks = segment(solved, above=None if plan.above is None else plan.above + mean)
+        above = None if plan.above is None else plan.above + mean
+        if above is not None and plan.fine is not None:
+            # the longer waves may stay far below the highest point of all
+            above = min(above, solved.roughness.highest - 0.5 * solved.roughness.rms_height)
+        peaks = segment(solved, above=above)
         seconds["segmentation"] = clock() - start
         start = clock()
         profiles = locate_summits(solved, peaks)
@@ -336,7 +340,8 @@ def solve_contacts(
                 progress=progress,
                 checkpoint=checkpoint,
             )
-        states[i], places[i] = state, bodies.point(state)
+        place = bodies.point(state)
+        states[i], places[i] = _closed_no_further(plan, state, place), place
         patches[i], lift = spot_count(bodies, state), places[i].separation - state.separation
         if progress is not None:
             progress(state)
@@ -344,6 +349,14 @@ def solve_contacts(
             checkpoint(curve_of(states))
     points = range(len(values))
     return ContactRun(curve_of(points), bodies, tuple(states[i] for i in points))
+
+
+def _closed_no_further(plan: Plan, state: PopulationState, place: FinePoint) -> PopulationState:
+    """The state, refused where the mean gap of a periodic surface would be negative."""
+    if place.separation >= 0.0 or plan.boundary == "free" or not plan.interaction:
+        return state
+    reason = "the mean gap would be negative: the contacts overlap too far to be separate"
+    return dataclasses.replace(state, converged=False, reason=state.reason or reason)
 
 
 def _curve(

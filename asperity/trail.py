@@ -50,6 +50,9 @@ MAX_SEARCH = 40
 SEARCH_TOLERANCE = 5e-3
 """Tolerance of a solve on the way to a mean pressure."""
 
+LEVEL = 3e-3
+"""Rise of the flat under more load that rounding explains, over its fall since the first touch."""
+
 
 @dataclass(frozen=True, eq=False)
 class Trail:
@@ -59,6 +62,7 @@ class Trail:
     listing: Listing | None = None
     field: Interaction | None = None
     points: tuple[Point, ...] = ()
+    heaviest: tuple[float, float] | None = None
 
     def at(
         self, separation: float, tolerance: float, pressure: float | None = None
@@ -97,6 +101,7 @@ class Trail:
                     load=load,
                     compliance=np.where(start[listing.index, 3] > 0, start[listing.index, 3], 1.0),
                 )
+                solution = self._ordered(solution, tolerance)
                 if not solution.reason:
                     break
             separation, rows = solution.separation, listing.index
@@ -118,6 +123,25 @@ class Trail:
                 break
             listing = None
         return trail._state(solution, values, steps, products)
+
+    def _ordered(self, solution: Solution, tolerance: float) -> Solution:
+        """The solution, refused if the flat would stand higher than under less load, as above no
+        elastic body: footprints that overlap far can pass their load to each other until few
+        contacts carry it."""
+        if solution.reason or not solution.laws.force.any():
+            return solution
+        load = float(solution.laws.force.sum()) / self.population.nominal_area
+        top = float(self.population.height[self.population.falling[0]])
+        for separation, pressure in ((top, 0.0), self.heaviest or (top, 0.0)):
+            apart = abs(load - pressure) > 2 * tolerance * max(load, pressure)
+            over = (solution.separation - separation) * (1 if load > pressure else -1)
+            if apart and over > LEVEL * (top - separation):
+                reason = (
+                    f"at {load:.3g} Pa the flat would stand higher than under less load: the "
+                    "contacts overlap too far to be separate"
+                )
+                return replace(solution, reason=reason)
+        return solution
 
     def _start(self, separation: float) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Summits with something to start from, and `Point.values` of each."""
@@ -227,7 +251,10 @@ class Trail:
         area[index] = self.listing.areas(self.population.table, solution)
         pressure = float(solution.laws.force.sum()) / self.population.nominal_area
         point = Point(solution.separation, pressure, index, values)
-        trail = replace(self, points=(*self.points[1 - MEMORY :], point))
+        heaviest = self.heaviest
+        if not solution.reason and (heaviest is None or pressure > heaviest[1]):
+            heaviest = solution.separation, pressure
+        trail = replace(self, points=(*self.points[1 - MEMORY :], point), heaviest=heaviest)
         return trail._pack(approach, force, stiffness, area, solution, steps, products)
 
     def _independent(self, separation: float) -> PopulationState:

@@ -82,7 +82,7 @@ class Step:
         after.lower, after.upper = _bounds(approach, approach + error, error)
         self.tangent.stiffen(1 / after.stiffness - 1 / self.stiffness)
         constant, start = 0.0, None
-        if load is not None:
+        if load is not None and closed.any():
             constant = float(_state_kernels.balance(found.stiffness, error))
             missing = load - float(found.force.sum())
             start = missing / float(found.stiffness.sum()) * found.stiffness

@@ -1,0 +1,65 @@
+"""Maps at the edge of what separate contacts can describe: right, or refused with the reason."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asperity
+import surfaces
+from asperity.loadpoints import pressure_scale
+
+
+def _rough(shape, cutoff, *, hurst=0.8, seed=1, **more):
+    size = tuple(float(n) for n in shape)
+    return surfaces.self_affine(
+        shape, size, hurst=hurst, rms_slope=0.1, rolloff=max(size) / 8, cutoff=cutoff, seed=seed,
+        **more,
+    )  # fmt: skip
+
+
+def _curve(hm, m, loads, **options):
+    body = asperity.HalfSpace.from_modulus(1.0, m=m)
+    return asperity.contact_curve(
+        hm, body, pressures=np.asarray(loads) * pressure_scale(hm, body), **options
+    )
+
+
+@pytest.mark.parametrize(
+    ("anisotropy", "angle", "m"), [(10.0, 0.0, -0.3), (10.0, 1.57, 0.0), (20.0, 0.4, -0.3)]
+)
+def test_the_flat_never_rises_with_the_load(anisotropy, angle, m):
+    """Long footprints overlap far along a strong lay; a rise of the flat is no solution."""
+    hm = _rough((128, 160), 12.0, seed=2, anisotropy=anisotropy, angle=angle)
+    curve = _curve(hm, m, np.geomspace(1e-3, 0.3, 11))
+    used = curve.converged
+    assert used[curve.area_fraction < 0.1].all()
+    assert all(reason for reason, good in zip(curve.reasons, used, strict=True) if not good)
+    fall = -np.diff(curve.separation[used])
+    assert (fall > -3e-3 * np.ptp(curve.separation)).all()
+
+
+def test_a_negative_mean_gap_is_refused():
+    x = 2 * np.pi * np.arange(72) / 18
+    hm = surfaces.HeightMap(np.tile(np.cos(x), (64, 1)), (1.0, 1.0), periodic=True)
+    curve = _curve(hm, 0.0, [1e-3, 1e-2, 0.07, 0.15])
+    assert curve.converged[:2].all() and not curve.converged[-1]
+    assert (curve.separation[curve.converged] >= 0).all()
+    assert "mean gap" in curve.reasons[-1] or "overlap" in curve.reasons[-1]
+
+
+def test_no_contact_above_a_map_whose_finest_waves_are_highest():
+    hm = surfaces.HeightMap(
+        np.random.default_rng(3).normal(size=(96, 120)), (1.0, 1.0), periodic=True
+    )
+    body = asperity.HalfSpace.from_modulus(1.0)
+    top = float(np.ptp(hm.heights))
+    curve = asperity.contact_curve(hm, body, separations=[top, 2 * top])
+    assert curve.converged.all() and not curve.load.any() and not curve.contact_area.any()
+
+
+def test_contacts_that_all_open_within_a_step():
+    """The kernel of m = -0.8 hardly decays: a step can lift the flat off every contact."""
+    hm = surfaces.turned((128, 160), (128.0, 160.0), feed=20.0, nose_radius=100.0, seed=1)
+    curve = _curve(hm, -0.8, np.geomspace(1e-5, 0.35, 7))
+    assert all(reason or good for reason, good in zip(curve.reasons, curve.converged, strict=True))
