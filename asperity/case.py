@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -72,7 +72,6 @@ class Case:
     rows: tuple[LawRow, ...]
     reference: BemIndentation | None = None
     reference_seconds: float = np.nan
-    reference_contour: Array = field(default_factory=lambda: np.empty(0))
 
     def row(self, law: str) -> LawRow:
         """Row of the law called `law`."""
@@ -145,7 +144,7 @@ def judge(
         # its tables of one grading are made once per process: no part of the time of a contact
         indent(PowerLawProfile(2.0, 1.0), material, 1.0, law="ellipse")
     rows = tuple(_row(law, profile, material, driven, reference, edge) for law in laws or _EVERY)
-    return Case(profile, material, approach, load, rows, reference, seconds, edge)
+    return Case(profile, material, approach, load, rows, reference, seconds)
 
 
 def _row(
@@ -198,14 +197,10 @@ def draw_case(case: Case, *, title: str = "") -> Figure:
 
 
 def _draw_reference(reference: BemIndentation, axes) -> None:  # type: ignore[no-untyped-def]
-    """Contact of the boundary elements, filled, with its outline found by OpenCV."""
-    import cv2
-
-    mask = (reference.solutions[-1].contact).astype(np.uint8)
-    outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    for line in outlines:
-        column, row = line[:, 0, 0], line[:, 0, 1]
-        axes.fill(reference.x[column], reference.y[row], color="0.85", lw=0, label=None)
+    """Contact of the boundary elements, filled."""
+    for outline in reference.solutions[-1].outlines():
+        x, y = (outline - reference.summit[-1]).T
+        axes.fill(x, y, color="0.85", lw=0, label=None)
     axes.fill([], [], color="0.85", label="boundary elements")
 
 

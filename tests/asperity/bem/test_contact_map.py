@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from asperity import HalfSpace, bem_solve
 from asperity.bem import contact_map
+from surfaces import HeightMap
 
 
 def labels_by_hand(contact, periodic):
@@ -88,3 +90,19 @@ def test_histogram_integrates_to_one():
     assert (density * np.diff(edges)).sum() == pytest.approx(1.0)
     assert edges[0] == 0.0
     assert not contact_map.histogram(np.zeros(5))[0].any()
+
+
+def test_histograms_of_pressure_and_gap():
+    """Under a sphere the density of the pressure p rises as 2 p / p0^2; the mean gap is kept."""
+    ny, nx, dy, dx = 120, 150, 1.0, 0.8
+    y, x = (np.arange(ny) - 59.5) * dy, (np.arange(nx) - 74.5) * dx
+    hm = HeightMap(-(y[:, None] ** 2 + x**2) / 4e4, (dy, dx))
+    solution = bem_solve(hm, HalfSpace.from_modulus(1.0), pressure=8.0 / hm.area, boundary="free")
+    density, edges = solution.pressure_histogram(6)
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    np.testing.assert_allclose(
+        density, 2 * middle / edges[-1] ** 2, rtol=0.1, atol=0.02 / edges[-1]
+    )
+    density, edges = solution.gap_histogram(200)
+    mean = np.sum(density * 0.5 * (edges[1:] ** 2 - edges[:-1] ** 2))
+    assert mean == pytest.approx(solution.gap[~solution.contact].mean(), rel=1e-2)
