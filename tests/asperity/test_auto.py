@@ -37,6 +37,9 @@ def test_a_gross_disagreement_takes_the_law_without_a_polynomial(profiles, monke
     np.testing.assert_array_equal(table.force[taken], other.force[taken])
     np.testing.assert_array_equal(table.reach[taken], other.reach[taken])
     assert (table.spread[taken] >= own.spread[taken]).all()
+    kept = np.setdiff1d(np.arange(len(table)), taken)
+    assert own.centre[taken].any() and not table.centre[taken].any()
+    np.testing.assert_array_equal(table.centre[kept], own.centre[kept])
 
 
 def test_a_noisy_ridge_of_a_measured_map_does_not_carry_everything(measured):
