@@ -59,7 +59,13 @@ class HalfSpace:
 
     @classmethod
     def from_modulus(cls, modulus: float, m: float = 0.0) -> HalfSpace:
-        """Half-space given by its effective modulus E* (or E_m*, [Pa m^-m]) alone."""
+        """Half-space given by its effective modulus E* (or E_m*, [Pa m^-m]) alone.
+
+        Raises
+        ------
+        InputError
+            If the modulus is not positive, or m outside (-1, 1).
+        """
         value = _number(modulus, "modulus")
         if value <= 0:
             raise InputError(f"modulus must be positive, got {value:g} Pa")
@@ -69,7 +75,13 @@ class HalfSpace:
 
     @classmethod
     def pair(cls, first: HalfSpace, second: HalfSpace) -> HalfSpace:
-        """Composite of two deformable bodies, 1/E* = 1/E1* + 1/E2*; the gradings must agree."""
+        """Composite of two deformable bodies, 1/E* = 1/E1* + 1/E2*; the gradings must agree.
+
+        Raises
+        ------
+        InputError
+            If the bodies are not two `HalfSpace`, or their gradings differ.
+        """
         for body in (first, second):
             if not isinstance(body, cls):
                 raise InputError(f"a composite is of two HalfSpace, not {type(body).__name__}")

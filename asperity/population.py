@@ -156,6 +156,11 @@ class Population:
         PopulationState
             Marked as not converged, with the reason, where the solve failed or the contacts fill
             more of the nominal area than the model can describe.
+
+        Raises
+        ------
+        InputError
+            If not just one of separation and mean pressure is given, or a number cannot be used.
         """
         if (separation is None) == (mean_pressure is None):
             raise InputError("give either separation or mean_pressure")

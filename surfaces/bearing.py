@@ -88,6 +88,11 @@ def bearing_curve(hm: HeightMap, points: int = 2001) -> BearingCurve:
         The map, levelled.
     points
         Number of evenly spaced ratios, at least 11.
+
+    Raises
+    ------
+    SurfaceError
+        If `points` is below 11.
     """
     if points < 11:
         raise SurfaceError(f"points is {points}; a bearing curve needs at least 11")

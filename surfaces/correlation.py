@@ -69,6 +69,11 @@ def autocorrelation(hm: HeightMap) -> Autocorrelation:
     hm
         The map, levelled.
 
+    Raises
+    ------
+    SurfaceError
+        If the map is constant.
+
     Notes
     -----
     The mean product of all pairs of points present at each shift, over the variance: around the
@@ -104,6 +109,11 @@ def texture(correlation: Autocorrelation, *, threshold: float = 0.2) -> Texture:
         From `autocorrelation`.
     threshold
         0.2 in ISO 25178-2 [-].
+
+    Raises
+    ------
+    SurfaceError
+        If the threshold is not between 0 and 1.
     """
     if not 0.0 < threshold < 1.0:
         raise SurfaceError(f"threshold is {threshold}; it must lie between 0 and 1")

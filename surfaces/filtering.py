@@ -35,6 +35,11 @@ def bandpass(
     HeightMap
         History step ``bandpass`` with the limits and the rms height [m] before and after.
 
+    Raises
+    ------
+    SurfaceError
+        If points are missing, the limits are crossed, or no wave of the map lies between them.
+
     Notes
     -----
     A sharp cut of the Fourier spectrum for a periodic map. A map that is not periodic is cut in
@@ -89,6 +94,11 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
     HeightMap
         History step ``resample`` with the shapes; wavelengths that the new pixels cannot hold are
         left out, not folded back.
+
+    Raises
+    ------
+    SurfaceError
+        If points are missing, the pixel sizes are not positive, or too few pixels are left.
     """
     _require_full(hm, "resampling")
     try:
@@ -111,7 +121,13 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
 
 
 def crop(hm: HeightMap, rows: tuple[int, int], columns: tuple[int, int]) -> HeightMap:
-    """Cut out a rectangle of pixels, first and one past last; the result is not periodic."""
+    """Cut out a rectangle of pixels, first and one past last; the result is not periodic.
+
+    Raises
+    ------
+    SurfaceError
+        If the rectangle is not inside the map.
+    """
     for span, count, what in ((rows, hm.shape[0], "rows"), (columns, hm.shape[1], "columns")):
         whole = np.shape(span) == (2,) and all(isinstance(n, int | np.integer) for n in span)
         if not (whole and 0 <= span[0] < span[1] <= count):
@@ -144,6 +160,11 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
         History step ``periodic`` with the rms step across the seam and inside the map [m]
         (``seam_step``, ``inner_step``), the rms heights before and after, and the fraction of the
         area that was changed.
+
+    Raises
+    ------
+    SurfaceError
+        If points are missing, `how` is unknown, or the strip is wider than half the map.
     """
     if how not in PERIODIC:
         raise SurfaceError(f"periodic is {how!r}; it must be None or one of {', '.join(PERIODIC)}")

@@ -121,6 +121,11 @@ class SurfaceFile:
         ----------
         rows
             Rows in one block; by default as many as about 32 MiB hold.
+
+        Raises
+        ------
+        InputError
+            If `rows` is below 1.
         """
         step = self._rows_per_block(self.shape[1]) if rows is None else rows
         if step < 1:
@@ -137,6 +142,11 @@ class SurfaceFile:
         ----------
         rows, columns
             First and one-past-last index; None is all.
+
+        Raises
+        ------
+        SurfaceError, FileFormatError
+            If the region is not inside the map, or the heights are damaged.
         """
         top, bottom = _bounds(rows, self.shape[0], "rows")
         left, right = _bounds(columns, self.shape[1], "columns")

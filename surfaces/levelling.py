@@ -38,6 +38,11 @@ def level(hm: HeightMap, form: str = "plane") -> HeightMap:
         The levelled map; history step ``level`` with the coefficients and the count of points
         that the fit left out.
 
+    Raises
+    ------
+    SurfaceError
+        If the form is unknown, or too few points are present to fit it.
+
     Notes
     -----
     A form is fitted to block medians first; then points further than 6 robust standard deviations

@@ -36,6 +36,11 @@ def mark_outliers(hm: HeightMap, threshold: float = 6.0) -> HeightMap:
     HeightMap
         History step ``outliers`` with the smallest limit [m] and the count.
 
+    Raises
+    ------
+    SurfaceError
+        If the threshold is below 3.
+
     Notes
     -----
     The deviation of the map is its ninth decile over 1.6449, that of the surroundings 1.25 times

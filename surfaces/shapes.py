@@ -68,6 +68,11 @@ def rounded_polygon(
         Radius of the corners over the in-radius, 0 (sharp) to 1 (a circle).
     scale
         Gap [m^(1-k)] at r = 1 on a face normal.
+
+    Raises
+    ------
+    InputError
+        If `sides` is below 3, or `corner` not between 0 and 1.
     """
     _sides(sides)
     if not 0 <= corner <= 1:

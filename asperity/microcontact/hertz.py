@@ -67,6 +67,11 @@ def elliptic_contact(
     material
         Half-space.
 
+    Raises
+    ------
+    InputError
+        If a curvature is not positive.
+
     Notes
     -----
     A pressure ``p0 (1 - x^2/a^2 - y^2/b^2)^((1+m)/2)`` leaves a paraboloidal displacement; its
