@@ -286,7 +286,11 @@ def test_from_the_command_line(rough, tmp_path, capsys):
 
 
 def test_no_wave_shorter_than_three_pixels_is_kept():
-    """A spectrum that is not broad is cut there."""
-    hm = broad(rolloff=2.4e-5)
-    kept = split_scales(hm, STEEL)[1].shortest / max(hm.spacing)
-    assert 3.0 <= kept < 3.1
+    """A spectrum that is not broad is cut there if it holds much beyond, else not at all."""
+    for hurst in (0.6, 0.7):
+        hm = broad(rolloff=2.9e-5, hurst=hurst, cutoff=2.2e-6)
+        kept = split_scales(hm, STEEL)[1].shortest / max(hm.spacing)
+        assert 3.0 <= kept < 3.1
+    for hurst, cutoff, rolloff in ((0.8, 2.2e-6, 2.9e-5), (0.9, 2.2e-6, 2.9e-5), (0.8, 3e-6, 6e-5)):
+        found = split_scales(broad(rolloff=rolloff, hurst=hurst, cutoff=cutoff), STEEL)
+        assert isinstance(found, str) and "narrow" in found
