@@ -18,8 +18,8 @@ __all__ = ["SHARE", "Ranking"]
 
 Rows = NDArray[np.int64]
 
-SHARE = 0.01
-"""Share of the load of a contact about to outgrow its expansion from which on it is dominant."""
+SHARE = 0.03
+"""Share of the load, beyond its expansion, from which on a contact is dominant."""
 
 MOST = 400
 """Summits above the flat at which no contact is looked at any more."""
@@ -53,15 +53,16 @@ class Ranking:
     def dominant(self, rows: Rows, table: LawTable) -> Rows:
         """Slots of a law table of the summits `rows` whose law has to be exact."""
         beyond = (table.flags & Flag.BEYOND_RADIUS) > 0
-        first = beyond.argmax(axis=1)
         slots = np.flatnonzero(beyond.any(axis=1) & (table.reach > 0) & self._usable[rows])
-        depth = table.reach[slots] * (first[slots] / table.nodes) ** 2
-        flat = self._summits.height[rows[slots]] - depth
-        near = np.searchsorted(-self._height, -flat) < MOST
-        slots, depth, flat = slots[near], depth[near], flat[near]
-        total = np.maximum(self._height - flat[:, None], 0.0) ** 1.5 @ self._weight
-        own = _weight(self._summits, rows[slots]) * depth**1.5
-        return np.asarray(slots[own > SHARE * total])
+        top, depth = self._summits.height[rows[slots]], table.approach()[slots]
+        first = np.take_along_axis(depth, beyond[slots].argmax(axis=1)[:, None], axis=1)
+        near = np.searchsorted(-self._height, (first[:, 0] - top)) < MOST
+        slots, top, depth = slots[near], top[near], depth[near]
+        flat = top[:, None] - depth
+        total = np.maximum(self._height - flat[:, :, None], 0.0) ** 1.5 @ self._weight
+        own = _weight(self._summits, rows[slots])[:, None] * depth**1.5
+        seen = beyond[slots] & (flat > self._height[-1])
+        return np.asarray(slots[(seen & (own > SHARE * total)).any(axis=1)])
 
 
 def _weight(summits: Summits, rows: Rows) -> NDArray[np.float64]:
