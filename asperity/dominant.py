@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces._climb import PLATEAU
+
 from .microcontact.flags import Flag
 
 if TYPE_CHECKING:
@@ -14,12 +16,15 @@ if TYPE_CHECKING:
 
     from .microcontact.table import LawTable
 
-__all__ = ["SHARE", "Ranking"]
+__all__ = ["SHARE", "SHARE_OF_NONE", "Ranking"]
 
 Rows = NDArray[np.int64]
 
 SHARE = 0.03
 """Share of the load, beyond its expansion, from which on a contact is dominant."""
+
+SHARE_OF_NONE = 0.003
+"""The same of a peak without a summit of its own between the pixels, of which no law holds."""
 
 MOST = 400
 """Summits above the flat at which no contact is looked at any more."""
@@ -47,7 +52,8 @@ class Ranking:
         self._usable = np.zeros(len(summits), bool)
         self._usable[usable] = True
         self._height = summits.height[order[:MOST]]
-        self._weight = _weight(summits, order[:MOST])
+        self._weight = _weight(summits)
+        self._first = self._weight[order[:MOST]]
         self._summits = summits
 
     def dominant(self, rows: Rows, table: LawTable) -> Rows:
@@ -59,12 +65,18 @@ class Ranking:
         near = np.searchsorted(-self._height, (first[:, 0] - top)) < MOST
         slots, top, depth = slots[near], top[near], depth[near]
         flat = top[:, None] - depth
-        total = np.maximum(self._height - flat[:, :, None], 0.0) ** 1.5 @ self._weight
-        own = _weight(self._summits, rows[slots])[:, None] * depth**1.5
+        total = np.maximum(self._height - flat[:, :, None], 0.0) ** 1.5 @ self._first
+        own = self._weight[rows[slots], None] * depth**1.5
         seen = beyond[slots] & (flat > self._height[-1])
-        return np.asarray(slots[(seen & (own > SHARE * total)).any(axis=1)])
+        none = self._summits.kinds[rows[slots], None] == PLATEAU
+        share = np.where(none, SHARE_OF_NONE, SHARE)
+        return np.asarray(slots[(seen & (own > share * total)).any(axis=1)])
 
 
-def _weight(summits: Summits, rows: Rows) -> NDArray[np.float64]:
-    """Root of the mean radius [m^1/2] of summits."""
-    return np.asarray(np.prod(summits.curvature[rows], axis=1) ** -0.25)
+def _weight(summits: Summits) -> NDArray[np.float64]:
+    """Root of the mean radius [m^1/2] of summits, of those that are none that of the others."""
+    weight = np.prod(summits.curvature, axis=1) ** -0.25
+    none = summits.kinds == PLATEAU
+    if none.any() and not none.all():
+        weight[none] = np.median(weight[~none])
+    return np.asarray(weight)

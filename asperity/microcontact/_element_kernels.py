@@ -353,16 +353,18 @@ def press_rows(
             if count > FEW:
                 turn = _turn(heights, pixel_rows, pixel_cols, count, top - depth, spacing)
             c, s = math.cos(turn), math.sin(turn)
-            rim = 0.0 if count <= FEW else max(spacing[0], spacing[1])
-            box[1] = max(rim, TIP * math.sqrt(depth / curvature[peak, 1]))
-            box[3] = max(rim, TIP * math.sqrt(depth / curvature[peak, 0]))
-            box[0], box[2] = -box[1], -box[3]
+            rim = max(spacing[0], spacing[1])
+            box[:] = 0.0
             for k in range(count):
                 y = (pixel_rows[k] - place[0]) * spacing[0]
                 x = (pixel_cols[k] - place[1]) * spacing[1]
                 u, v = c * x + s * y, c * y - s * x
                 box[0], box[1] = min(box[0], u - rim), max(box[1], u + rim)
                 box[2], box[3] = min(box[2], v - rim), max(box[3], v + rim)
+            if count <= FEW:
+                for k in range(4):
+                    tip = TIP * math.sqrt(depth / curvature[peak, 1 - k // 2])
+                    box[k] = min(max(box[k], -tip), tip)
             for _ in range(FITS):
                 size = (box[1] - box[0]) * (box[3] - box[2])
                 nv, nu, hv, hu, kind, u0, v0 = _sample(

@@ -14,6 +14,7 @@ from asperity.microcontact.flags import Flag
 from asperity.microcontact.hertz import elliptic_contact
 from asperity.microcontact.laws import tabulate
 from surfaces import HeightMap, resample, segment, self_affine
+from surfaces._climb import PLATEAU
 from surfaces.summits import Summits, locate_summits
 
 BODY = asperity.HalfSpace.from_modulus(2.0)
@@ -146,3 +147,15 @@ def test_load_of_few_long_ridges_comes_out():
     )
     assert apart.load[0] == pytest.approx(exact.load, rel=0.012)
     assert abs(alone.load[0] / exact.load - 1) > 0.02
+
+
+def test_peaks_without_a_summit_of_their_own_are_pressed_sooner(rough):
+    rows = np.flatnonzero(rough.valid)
+    table = tabulate(rough.rows(rows), BODY, law="ellipse")
+    chosen = Ranking(rough).dominant(rows, table)
+    beyond = (table.flags & Flag.BEYOND_RADIUS).any(axis=1) & (table.reach > 0)
+    other = np.setdiff1d(np.flatnonzero(beyond & ~rough.border[rows]), chosen)[:1]
+    kinds = rough.kinds.copy()
+    kinds[rows[other]] = PLATEAU
+    found = Ranking(replace(rough, kinds=kinds)).dominant(rows, table)
+    np.testing.assert_array_equal(np.setdiff1d(found, chosen), other)
