@@ -14,6 +14,7 @@ from surfaces._threads import each
 
 from ..threads import threads
 from . import _list_kernels, _mesh_kernels, _pair_kernels
+from ._select import LANES
 from .afar import Afar
 from .footprint import Footprints, at_origin, pair_table, smooth_polynomials
 from .mesh import Mesh
@@ -161,11 +162,10 @@ class Interaction:
         y, x = y / self.eta, x / self.eta
         ny, nx = int(size[0] / cut), int(size[1] / cut)
         cells = (ny if ny >= 3 else 1, nx if nx >= 3 else 1)
-        place = np.minimum((y / size[0] * cells[0]).astype(np.int64), cells[0] - 1) * cells[1]
-        place += np.minimum((x / size[1] * cells[1]).astype(np.int64), cells[1] - 1)
-        self.order = np.argsort(place, kind="stable")
+        self.order = np.empty(len(y), np.int64)
+        start = np.empty(cells[0] * cells[1] + 1, np.int64)
+        _list_kernels.by_cell(y, x, size, cells, self.order, start)
         self.y, self.x = y[self.order], x[self.order]
-        start = np.searchsorted(place[self.order], np.arange(cells[0] * cells[1] + 1))
         self.ptr, self.col, self.pair = _near_pairs(
             self.y, self.x, start, cells, size, periodic, cut
         )
@@ -326,20 +326,23 @@ def _near_pairs(
     cut: float,
 ) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float32]]:
     """Pairs i < j within the cut-off: bounds (n, 2), columns, distances by y and x (2, pairs)."""
-    count = max(1, min(threads(), len(y) // 2000, cells[0]))
+    n = len(y)
+    count = max(1, min(threads(), n // 2000, cells[0]))
     edges = np.linspace(0, cells[0], count + 1).astype(np.int64)
     rows = np.stack((edges[:-1], edges[1:]), axis=1)
-    ptr = np.zeros((len(y), 2), np.int64)
+    ptr = np.zeros((n, 2), np.int64)
     col, pair = np.empty(0, np.int32), np.empty((2, 0), np.float32)
     first = np.zeros(len(rows) + 1, np.int64)
     room = np.zeros(len(rows), np.int64)
+
+    y, x = (np.concatenate((place, np.zeros(LANES))) for place in (y, x))
 
     def find(c: int, part: NDArray[np.int64]) -> None:
         place = y, x, start, cells, size, wrap, cut * cut, part, first[c]
         room[c] = _list_kernels.half_list(*place, ptr, col, pair)
 
     most = [_list_kernels.most_pairs(start, cells, wrap, part) for part in rows]
-    if sum(most) > CROWDED * len(y):
+    if sum(most) > CROWDED * n:
         run(find, rows)
     else:
         # memory that is never touched costs nothing
