@@ -21,6 +21,7 @@ LANES = 8
 
 _INDEX, _WORD, _FLOAT, _DOUBLE = ir.IntType(32), ir.IntType(64), ir.FloatType(), ir.DoubleType()
 _TRUTH = ir.VectorType(ir.IntType(1), LANES)
+_INDICES, _FLOATS = ir.VectorType(_INDEX, LANES), ir.VectorType(_FLOAT, LANES)
 
 
 def _compress(builder: Any, vector: Any, data: Any, place: Any, mask: Any) -> None:
@@ -83,19 +84,18 @@ def keep_near(
             half = builder.fmul(period, vectors.constant(doubles, 0.5))
             least = builder.fneg(half)
             above, below = (
-                builder.fcmp_ordered(sign, way, bound) for sign, bound in ((">", half), ("<", least))
+                builder.fcmp_ordered(sign, way, bound)
+                for sign, bound in ((">", half), ("<", least))
             )
             way = builder.select(above, builder.fsub(way, period), way)
             ways.append(builder.select(below, builder.fadd(way, period), way))
-        square = vectors.multiply_add(
-            builder, ways[0], ways[0], builder.fmul(ways[1], ways[1])
-        )
+        square = vectors.multiply_add(builder, ways[0], ways[0], builder.fmul(ways[1], ways[1]))
         near = builder.fcmp_ordered("<", square, vectors.everywhere(builder, cut, LANES))
         numbers = _lanes_from(builder, first)
         end = vectors.everywhere(builder, last, LANES)
         near = builder.and_(near, builder.icmp_signed("<", numbers, end))
-        parts = [builder.trunc(numbers, ir.VectorType(_INDEX, LANES))]
-        parts += [builder.fptrunc(way, ir.VectorType(_FLOAT, LANES)) for way in ways]
+        parts = [builder.trunc(numbers, _INDICES)]
+        parts += [builder.fptrunc(way, _FLOATS) for way in ways]
         for part, kind, array in zip(parts, kinds[7:10], (col, dy, dx), strict=True):
             data = vectors.data_of(context, builder, kind, array)
             _compress(builder, part, data, place, near)

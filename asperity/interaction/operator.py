@@ -19,7 +19,7 @@ from .afar import Afar
 from .footprint import Footprints, at_origin, pair_table, smooth_polynomials
 from .mesh import Mesh
 
-__all__ = ["CAP", "Field", "Interaction", "run"]
+__all__ = ["CAP", "Field", "Interaction", "run", "total"]
 
 NEIGHBOURS = 20
 """Neighbours within the cut-off, on average."""
@@ -252,7 +252,7 @@ class Interaction:
             _mesh_kernels.gather(rows, *place, smooth, self.part, *found)
 
         run(sources, self.rows)
-        smooth = self.mesh.convolve(grids[0] if len(grids) == 1 else grids.sum(axis=0))
+        smooth = self.mesh.convolve(total(grids))
         self.smooth = smooth[0]
         run(receivers, self.rows)
         return found
@@ -309,6 +309,13 @@ def _tables(
     far = smooth_polynomials(m, limit)
     far = np.concatenate((far, np.full((1, far.shape[1]), limit / 2)))
     return value, shape.astype(np.float32), far.astype(np.float32)
+
+
+def total(grids: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Sum of the meshes of all chunks, in the place of the first."""
+    for grid in grids[1:]:
+        grids[0] += grid
+    return np.asarray(grids[0])
 
 
 def run(loop: Callable[[int, NDArray[np.int64]], None], rows: NDArray[np.int64]) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _mesh_kernels, _tangent_kernels
-from .operator import BEADS, CAP, Interaction, run
+from .operator import BEADS, CAP, Interaction, run, total
 
 __all__ = ["Tangent"]
 
@@ -129,8 +129,6 @@ class Tangent:
             )
 
         run(sources, self.rows)
-        smooth = self.plan.tangent_mesh.convolve(
-            self.grids[0] if len(self.grids) == 1 else self.grids.sum(axis=0)
-        )
+        smooth = self.plan.tangent_mesh.convolve(total(self.grids))
         run(receivers, self.rows)
         return out

@@ -79,6 +79,25 @@ def test_field_is_the_dense_sum(m, boundary):
     np.testing.assert_allclose(back[rows], wanted, atol=0.02 * np.abs(wanted).max())
 
 
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize(("n", "neighbours"), [(5, 20), (40, 60), (700, 3), (700, 20), (700, 90)])
+def test_near_pairs_are_all_pairs_within_the_cut_off(n, neighbours, boundary):
+    y, x, _ = scene(n, 0.0, 4)
+    plan = Interaction(y, x, CELL, boundary, Footprints(1.0), neighbours=neighbours)
+    away = np.array([np.subtract.outer(place, place) for place in (plan.y, plan.x)])
+    if boundary == "periodic":
+        size = np.array(plan.size)[:, None, None]
+        away -= size * np.round(away / size)
+    i, j = np.nonzero(np.triu((away**2).sum(axis=0) < plan.cut**2, 1))
+    runs = [np.arange(first, last) for first, last in plan.ptr]
+    row, place = np.repeat(np.arange(n), [len(run) for run in runs]), np.concatenate(runs)
+    order = np.lexsort((plan.col[place], row))
+    row, place = row[order], place[order]
+    assert plan.pairs == len(i)
+    np.testing.assert_array_equal((row, plan.col[place]), (i, j))
+    np.testing.assert_allclose(plan.pair[:, place], away[:, i, j], atol=1e-6)
+
+
 def test_finer_settings_converge_to_the_dense_sum():
     y, x, k = scene(120, 0.0, 8, 0.3)
     f = Footprints(1.0)
