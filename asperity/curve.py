@@ -40,9 +40,12 @@ if TYPE_CHECKING:
 
 __all__ = ["Asperities", "ContactRun", "contact_curve", "solve_contacts"]
 
-TOLERANCE = 3e-2
+TOLERANCE = 5e-2
 """Bound on the residual under a load before its last Newton step, whose effect on load and area is
-a tenth of it or less (docs/interaction.md); a tenth at a separation, where none follows."""
+a tenth of it or less (docs/interaction.md)."""
+
+CLOSE = 3e-3
+"""The same at a separation, where no step follows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -323,7 +326,7 @@ def solve_contacts(
             solving,
         )
 
-    bound = TOLERANCE if kind == "pressure" else TOLERANCE / 10
+    bound = TOLERANCE if kind == "pressure" else CLOSE
     for i in np.argsort(values if kind == "pressure" else -values, kind="stable").tolist():
         asked = {"mean_pressure" if kind == "pressure" else "separation": float(values[i])}
         if plan.fine is not None and kind == "separation":

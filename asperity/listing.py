@@ -29,7 +29,7 @@ ROOM = 1.3
 SAMPLE = 1000
 """Contacts of which the widest footprint and the mean distance are estimated."""
 
-STRAY = 0.05
+STRAY = 0.06
 """Mean distance of contacts from their centres, over their radius, at which they may stay."""
 
 

@@ -23,7 +23,7 @@ import numpy as np
 
 import surfaces
 from asperity import HalfSpace, Population
-from asperity.curve import TOLERANCE
+from asperity.curve import CLOSE, TOLERANCE
 from asperity.interaction.exact import dense_matrix
 from asperity.interaction.footprint import Footprints
 from asperity.interaction.operator import Interaction
@@ -239,9 +239,7 @@ def cost() -> None:
                 state, rows = None, []
                 for separation in np.linspace(top, low, 50):
                     wall, busy = time.perf_counter(), time.process_time()
-                    state = bodies.solve(
-                        separation=float(separation), state=state, tolerance=TOLERANCE / 10
-                    )
+                    state = bodies.solve(separation=float(separation), state=state, tolerance=CLOSE)
                     rows.append(
                         (time.perf_counter() - wall, time.process_time() - busy, state.products)
                     )

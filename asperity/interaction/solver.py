@@ -44,6 +44,9 @@ SUFFICIENT = 1e-4
 ROUGH = 0.03
 """Residual above which the laws are taken anew within a step."""
 
+COARSE = 0.3
+"""Relative accuracy of the linear solve of such a step; half of it after the laws are renewed."""
+
 Array = NDArray[np.float64]
 
 
@@ -135,7 +138,7 @@ def descend(
         products, found = products + solved.products, None
         if residual.relative > ROUGH:
             refined, change, constant, spent = move.refine(
-                solved.solution, tolerance=FORCING, load=load
+                solved.solution, tolerance=0.5 * COARSE, load=load
             )
             residual.raised(-constant)
             found = _taken(problem, state, residual, refined, change, tilt)
@@ -195,7 +198,7 @@ def _balanced(problem: Problem, state: State, separation: float) -> float:
 def _forcing(residual: float, tolerance: float) -> float:
     """Relative accuracy of the linear solve: no better than the step deserves."""
     if not 0.0 < residual < ROUGH:
-        return FORCING
+        return COARSE
     return min(0.5 * FORCING, max(0.02, 0.5 * tolerance / residual))
 
 

@@ -17,6 +17,10 @@ __all__ = ["Step"]
 
 Array = NDArray[np.float64]
 
+SOFT = 1e6
+"""Compliance, over that in the tangent, of contacts that a step has opened: they stay open while
+their neighbors change."""
+
 
 class Step:
     """The active contacts of a state, their displacement linear in the change of their forces.
@@ -80,7 +84,10 @@ class Step:
         after.base = np.where(closed, approach, self.base)
         after.force = np.where(closed, found.force, self.force)
         after.lower, after.upper = _bounds(approach, approach + error, error)
-        self.tangent.stiffen(1 / after.stiffness - 1 / self.stiffness)
+        opened = ~closed & (error <= 0)
+        own = 1 / after.stiffness
+        own[opened] *= SOFT
+        self.tangent.stiffen(own - 1 / self.stiffness)
         constant, start = 0.0, None
         if load is not None and closed.any():
             constant = float(_state_kernels.balance(found.stiffness, error))
@@ -89,7 +96,7 @@ class Step:
         error -= constant
         solved = conjugate_gradients(
             self.tangent,
-            np.where(closed | (error > 0), error, 0.0),
+            np.where(opened, 0.0, error),
             tolerance=tolerance,
             start=start,
             held=load is not None,

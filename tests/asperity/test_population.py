@@ -37,7 +37,9 @@ def test_curve_converges_and_is_monotone(m, boundary):
     assert pressure[0] == 0 and states[0].active == 0
     assert (np.diff(pressure) > 0).all()
     area = np.array([s.contact_area for s in states])
-    assert (np.diff(area) > -2e-3 * area[1:]).all()
+    # discs at random places that fill a third of the plane overlap: several solutions are near
+    slack = np.where(area[1:] < 0.33 * population.nominal_area, 2e-3, 1e-2)
+    assert (np.diff(area) > -slack * area[1:]).all()
     assert 0.8 < states[-1].filled_share <= 1
     if boundary == "periodic":
         assert states[-1].contact_area > 0.3 * population.nominal_area
