@@ -15,6 +15,8 @@ MEMORY = 3
 STEEPEST = 6.0
 """Largest weight of one point in an extrapolation over three: beyond it, noise is magnified."""
 
+Array = NDArray[np.float64]
+
 
 @dataclass(frozen=True, eq=False)
 class Point:
@@ -27,41 +29,45 @@ class Point:
     rows
         Summits that were listed, shape (m,).
     values
-        Of each of these, shape (m, 4): approach [m], or minus the gap where it is open; gradients
-        of the displacement [-]; approach gained per fall of the plane [-].
+        Of each of these, shape (5, m): z - s - u [m], the approach or minus the gap; force [N];
+        two gradients of the displacement [-]; approach gained per fall of the plane [-].
     """
 
     separation: float
     pressure: float
     rows: NDArray[np.int64]
-    values: NDArray[np.float64]
+    values: Array
 
 
-def forecast(
-    points: tuple[Point, ...], separation: float, count: int
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Summits of the last point, shape (m,), of `count` in all, and their `Point.values` at a
-    separation, each from as many points as know it; along the response if there is one point."""
+def forecast(points: tuple[Point, ...], separation: float, count: int) -> Array:
+    """`Point.values` of the summits of the last point, of `count` in all, at a separation, each
+    from as many points as know it; along the response if there is one point."""
     last = points[-1]
-    values = last.values.copy()
     if len(points) == 1:
-        fall = last.separation - separation
-        values[:, 0] += np.where(values[:, 0] > 0, values[:, 3] * fall, 0.0)
-        return last.rows, values
-    known, line = np.ones(len(last.rows), bool), [last.values]
+        values, fall = last.values.copy(), last.separation - separation
+        values[0] += np.where(values[0] > 0, values[4] * fall, 0.0)
+        return values
+    known = np.ones(len(last.rows), bool)
+    share, parts = np.zeros((len(points), len(known))), [last.values]
+    share[-1] = 1.0
     for back in range(2, len(points) + 1):
-        place = np.zeros(count, np.int32)
-        place[points[-back].rows] = np.arange(1, len(points[-back].rows) + 1)
-        place = place[last.rows]
-        known &= place > 0
-        line.insert(0, points[-back].values[place - 1])
-        share = weights(separation, [point.separation for point in points[-back:]])
-        found = sum(w * part for w, part in zip(share, line, strict=True))
-        values[known, :3] = found[known, :3]
-    return last.rows, values
+        other = points[-back]
+        if other.rows is last.rows:
+            parts.insert(0, other.values)
+        else:
+            place = np.full(count, -1, np.int32)
+            place[other.rows] = np.arange(len(other.rows), dtype=np.int32)
+            place = place[last.rows]
+            known = known & (place >= 0)
+            parts.insert(0, other.values[:, place])
+        found = weights(separation, [point.separation for point in points[-back:]])
+        share[-back:] = np.where(known, found[:, None], share[-back:])
+    values = sum(weight * part for weight, part in zip(share, parts, strict=True))
+    values[4] = last.values[4]
+    return values
 
 
-def weights(place: float, known: list[float]) -> NDArray[np.float64]:
+def weights(place: float, known: list[float]) -> Array:
     """Weights of points at `known` places in the value at `place`: the polynomial through up to
     three, the line through the last two if those lie badly, and never far beyond it."""
     count = len(known)

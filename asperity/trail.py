@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .interaction.finish import Solution
+from .interaction.foresight import foreseen
 from .interaction.operator import Interaction
 from .interaction.solver import descend
 from .listing import Candidates, Listing
@@ -73,50 +74,55 @@ class Trail:
             return self._independent(separation)
         trail, steps, products = self, 0, 0
         load = None if pressure is None else pressure * population.nominal_area
-        rows, values = self._start(separation)
+        rows, values = self._start(separation, load)
         growth, spare = DEEPER, SPARE
         if pressure is not None and self.points and self.points[-1].pressure > 0:
             growth, spare = max(1.0, pressure / self.points[-1].pressure), NEW_LOAD
         near = Candidates.of(population, self.field, separation, growth)
-        closed = values[:, 0] > 0
+        closed = values[0] > 0
         listing = self.listing
         if listing is not None and (
-            listing.lacks(near) or listing.strayed(population, rows[closed], values[closed, 0])
+            listing.lacks(near) or listing.strayed(population, rows[closed], values[0, closed])
         ):
             listing = None
         for placed in range(MAX_PLACED + 1):
             blind = not self.points and placed == 0
             if listing is None:
-                closed = values[:, 0] > 0
-                listing = Listing.of(population, near, rows[closed], values[closed, 0], spare)
-            start = np.zeros((len(population), 4))
-            start[rows] = values
+                closed = values[0] > 0
+                listing = Listing.of(population, near, rows[closed], values[0, closed], spare)
+            if rows is not listing.index:
+                start = np.zeros((len(values), len(population)))
+                start[:, rows] = values
+                rows, values = listing.index, start[:, listing.index]
+            start = values
+            approach = start[0]
+            if load is None and placed == 0 and len(self.points) > 1:
+                approach, spent = foreseen(listing.problem, approach, start[1])
+                products += spent
             for problem in listing.problem.simpler():
                 solution = descend(
                     problem,
                     separation,
-                    start[listing.index, 0],
-                    tilt=start[listing.index, 1:3],
+                    approach,
+                    tilt=start[2:4].T,
                     tolerance=max(tolerance, BLIND) if blind else tolerance,
                     load=load,
-                    compliance=np.where(start[listing.index, 3] > 0, start[listing.index, 3], 1.0),
+                    compliance=np.where(start[4] > 0, start[4], 1.0),
                 )
                 solution = self._ordered(solution, tolerance)
                 if not solution.reason:
                     break
-            separation, rows = solution.separation, listing.index
-            steps, products = steps + solution.steps, products + solution.products
-            values = np.empty((len(rows), 4))
-            values[:, 0] = np.where(
-                solution.approach > 0, solution.approach, np.minimum(solution.wanted, 0.0)
+            separation, steps = solution.separation, steps + solution.steps
+            products += solution.products
+            values = np.stack(
+                (solution.wanted, solution.laws.force, *solution.tilt.T, solution.shares)
             )
-            values[:, 1:3], values[:, 3] = solution.tilt, solution.shares
             trail = replace(trail, listing=listing, field=listing.problem.plan)
             if solution.reason or placed == MAX_PLACED:
                 break
             near = Candidates.of(population, trail.field, separation, 1.0)
-            closed = values[:, 0] > 0
-            astray = listing.strayed(population, rows[closed], values[closed, 0])
+            closed = values[0] > 0
+            astray = listing.strayed(population, rows[closed], values[0, closed])
             # those that only just touch carry less than their share of the load
             few = LACKING * tolerance * np.count_nonzero(closed)
             if not (blind or astray or listing.lacks(near, few)):
@@ -143,14 +149,18 @@ class Trail:
                 return replace(solution, reason=reason)
         return solution
 
-    def _start(self, separation: float) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    def _start(
+        self, separation: float, load: float | None
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Summits with something to start from, and `Point.values` of each."""
         population = self.population
         if self.points:
-            return forecast(self.points, separation, len(population))
+            # what differs from a line the contacts themselves put right, if they are not too far
+            known = self.points if load is not None else self.points[-2:]
+            return self.points[-1].rows, forecast(known, separation, len(population))
         rows = population.falling[: np.searchsorted(population.fallen[2], -separation)]
-        values = np.zeros((len(rows), 4))
-        values[:, 0] = 0.5 * (population.height[rows] - separation)
+        values = np.zeros((5, len(rows)))
+        values[0] = 0.5 * (population.height[rows] - separation)
         return rows, values
 
     def under(

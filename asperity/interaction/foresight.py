@@ -1,0 +1,49 @@
+"""A forecast of the contacts, put right between them before its field is taken."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .gradients import conjugate_gradients
+from .state import Problem
+from .tangent import Tangent
+
+__all__ = ["foreseen"]
+
+FORCING = 0.15
+"""Relative accuracy of the linear solve."""
+
+Array = NDArray[np.float64]
+
+
+def foreseen(problem: Problem, wanted: Array, force: Array) -> tuple[Array, int]:
+    """Approaches that agree with the forces of a forecast, and the products spent.
+
+    Parameters
+    ----------
+    problem
+        Contacts.
+    wanted
+        Forecast of z - s - u [m], shape (n,).
+    force
+        Forecast of the forces [N] with the same weights of the same points, shape (n,).
+
+    Notes
+    -----
+    Displacements are linear in the forces but for the growth of the footprints: the forecast of u
+    is right for the forecast of the forces, whether the points before were solved well or not. It
+    is the laws that bend. With F(d) the laws, the approaches that fit are the solution of
+    d = wanted - G (F(d) - force), G the interaction of the contacts: one Newton step of it.
+    """
+    law = problem.laws(wanted)
+    closed = law.force > 0
+    tangent = Tangent(problem.plan, closed, law.stiffness, 0.0, problem.form)
+    rows = tangent.index
+    own, stiffness, base = law.force[rows], law.stiffness[rows], wanted[rows]
+    lacking = own - force[rows]
+    solved = conjugate_gradients(tangent, lacking / stiffness, tolerance=FORCING)
+    approach = np.maximum(wanted, 0.0)
+    grown = np.maximum((force[rows] + solved.solution) / own, 0.0)
+    approach[rows] = base * grown ** np.minimum(own / (stiffness * base), 1.0)
+    return approach, solved.products
