@@ -13,12 +13,15 @@ from .population import PopulationState
 from .tables import structured
 
 if TYPE_CHECKING:
+    from surfaces.heightmap import HeightMap
+
     from .curve import Asperities
 
 __all__ = [
     "aspect_ratio",
     "ellipses",
     "microcontacts",
+    "summit_pixel",
 ]
 
 
@@ -100,15 +103,21 @@ def ellipses(
     inside = distance < 1.0
     pixel, own, distance = (rows * hm.shape[1] + cols)[inside], own[inside], distance[inside]
     lost = np.setdiff1d(np.flatnonzero(state.force > 0), own)
-    row, col = (
-        np.clip(place[lost] / step, 0, count - 1).astype(np.int64)
-        for place, step, count in zip((profiles.y, profiles.x), hm.spacing, hm.shape, strict=True)
-    )
     return (
-        np.append(pixel, row * hm.shape[1] + col),
+        np.append(pixel, summit_pixel(bodies, lost, hm)),
         np.append(own, lost),
         np.append(distance, np.zeros(len(lost))),
     )
+
+
+def summit_pixel(bodies: Asperities, peak: NDArray[np.int64], hm: HeightMap) -> NDArray[np.int64]:
+    """Flat index of the pixel of a map in which a summit lies."""
+    places = bodies.profiles.y[peak], bodies.profiles.x[peak]
+    row, col = (
+        np.clip(place / step, 0, count - 1).astype(np.int64)
+        for place, step, count in zip(places, hm.spacing, hm.shape, strict=True)
+    )
+    return np.asarray(row * hm.shape[1] + col)
 
 
 def aspect_ratio(curvature: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -16,7 +16,7 @@ from scipy import fft
 from surfaces._threads import threads
 from surfaces.filtering import resample
 
-from .contacts import ellipses
+from .contacts import ellipses, summit_pixel
 from .interaction.footprint import Footprints
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .curve import Asperities
     from .population import PopulationState
 
-__all__ = ["contact_map", "pressure_map"]
+__all__ = ["contact_map", "pressed_pixels", "pressure_map"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -38,12 +38,19 @@ STEP = 0.7
 
 
 def contact_map(bodies: Asperities, state: PopulationState) -> NDArray[np.bool_]:
-    """Pixels in contact, shape (ny, nx): those under pressure, see `pressure_map`."""
+    """Pixels in contact, shape (ny, nx): those under pressure, see `pressed_pixels`."""
     return pressure_map(bodies, state) > 0
 
 
 def pressure_map(bodies: Asperities, state: PopulationState) -> Array:
-    """Pressure [Pa] of every pixel, shape (ny, nx), zero outside the contacts.
+    """Pressure [Pa] of every pixel, shape (ny, nx), zero outside the contacts."""
+    pixel, _, pressure = pressed_pixels(bodies, state)
+    found = np.bincount(pixel, weights=pressure, minlength=bodies.hm.heights.size)
+    return np.asarray(found, float).reshape(bodies.hm.shape)
+
+
+def pressed_pixels(bodies: Asperities, state: PopulationState) -> tuple[Index, Index, Array]:
+    """The pixels in contact, whose they are, and their pressures.
 
     Parameters
     ----------
@@ -51,6 +58,12 @@ def pressure_map(bodies: Asperities, state: PopulationState) -> Array:
         The surface taken apart.
     state
         One load point.
+
+    Returns
+    -------
+    pixel, own, pressure
+        Flat index of each pixel, the contact that presses there, and its pressure [Pa]. A contact
+        whose basin has no pixel's centre has the pixel of its summit, with another contact.
 
     Notes
     -----
@@ -69,13 +82,14 @@ def pressure_map(bodies: Asperities, state: PopulationState) -> Array:
     """
     solved, whole = bodies.solved, bodies.hm
     if not state.active:
-        return np.zeros(whole.shape)
+        return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
     grid = _Grid.of(bodies, state, solved, bodies.peaks.labels)
     pressure = _start(bodies, state)
     for _ in range(ROUNDS):
-        pressure = grid.pressed(grid.wanted(pressure, grid.beside), state.area, state.force)
+        pressed = grid.pressed(grid.wanted(pressure, grid.beside), state.area, state.force)
+        pressure = grid.image(pressed)
     if solved is whole:
-        return pressure
+        return pressed
     beside, fine, spread = grid.beside, 0.0, 0.0
     full = _Grid.of(bodies, state, whole, bodies.labels)
     if bodies.plan.fine is not None:
@@ -84,8 +98,9 @@ def pressure_map(bodies: Asperities, state: PopulationState) -> Array:
         spread = float(np.std(fine))
         beside = spread / float(np.std(left))
     area = bodies.closed_area(state)
-    field = _periodic_cubic(grid.wanted(pressure, beside), whole.shape) + fine
-    pressure = full.pressed(field, area, state.force, spread)
+    periodic = bodies.plan.boundary == "periodic"
+    field = _cubic(grid.wanted(pressure, beside), whole.shape, periodic) + fine
+    pressure = full.image(full.pressed(field, area, state.force, spread))
     return full.pressed(full.wanted(pressure, full.beside), area, state.force, spread)
 
 
@@ -134,8 +149,11 @@ class _Grid:
         symbol = Footprints(body.modulus, body.m).symbol
         owner = np.append(bodies.profiles.owner, len(state.force))[labels.ravel()]
         pixel = np.flatnonzero(np.append(state.force > 0, False)[owner])
-        pixel = pixel[np.argsort(owner[pixel], kind="stable")]
-        own = owner[pixel]
+        lost = np.setdiff1d(np.flatnonzero(state.force > 0), owner[pixel])
+        own = np.append(owner[pixel], lost)
+        pixel = np.append(pixel, summit_pixel(bodies, lost, hm))
+        order = np.argsort(own, kind="stable")
+        pixel, own = pixel[order], own[order]
         closed, first = np.unique(own, return_index=True)
         return cls(hm, (ny, nx), number, symbol, body.m, closed, pixel, own, first)
 
@@ -172,10 +190,12 @@ class _Grid:
         pressed = pressure - STEP * self.pressed_flat(np.where(touching, gap, 0.0))
         return np.where(touching, pressed, -beside * gap)
 
-    def pressed(self, field: Array, area: Array, force: Array, spread: float = 0.0) -> Array:
-        """Pressure [Pa], shape (ny, nx), of contacts of these areas [m^2] and forces [N].
+    def pressed(
+        self, field: Array, area: Array, force: Array, spread: float = 0.0
+    ) -> tuple[Index, Index, Array]:
+        """Pixels, whose they are, and pressures [Pa] of contacts of areas [m^2] and forces [N].
 
-        They take the pixels that stand highest in the field; `spread` [Pa] is s in `pressure_map`.
+        They take what stands highest in the field; `spread` [Pa] is s in `pressed_pixels`.
         """
         size = self.hm.spacing[0] * self.hm.spacing[1]
         height = field.ravel()[self.pixel]
@@ -188,11 +208,17 @@ class _Grid:
         over = np.maximum(height - self._at_pixels(level), 0.0)
         over = np.sqrt(over * (over + 2.0 * spread))
         over += 1e-9 * over.max() + np.finfo(float).tiny  # equal heights press alike
-        over[np.arange(len(order)) >= self._at_pixels(stop)] = 0.0
+        taken = np.arange(len(order)) < self._at_pixels(stop)
+        over[~taken] = 0.0
         scale = force[self.closed] / (np.add.reduceat(over, self.first) * size)
-        out = np.zeros(self.hm.shape)
-        out.flat[self.pixel[order]] = over * self._at_pixels(scale)
-        return out
+        over *= self._at_pixels(scale)
+        return self.pixel[order][taken], self.own[taken], over[taken]
+
+    def image(self, pressed: tuple[Index, Index, Array]) -> Array:
+        """Pressure [Pa] on the map, shape (ny, nx)."""
+        pixel, _, pressure = pressed
+        found = np.bincount(pixel, weights=pressure, minlength=self.hm.heights.size)
+        return np.asarray(found, float).reshape(self.hm.shape)
 
     def _at_pixels(self, values: NDArray[Any]) -> NDArray[Any]:
         """Values of the contacts, at the pixels of their basins."""
@@ -223,8 +249,8 @@ def _whole(pixels: Array) -> Index:
     return np.asarray(1 + np.diff(beyond, prepend=0))
 
 
-def _periodic_cubic(field: Array, shape: tuple[int, int]) -> Array:
-    """A periodic field on the pixels of another grid, by cubics through its pixels."""
+def _cubic(field: Array, shape: tuple[int, int], periodic: bool) -> Array:
+    """A field on the pixels of another grid, by cubics through its pixels."""
     for axis in (0, 1):
         count = field.shape[axis]
         place = (np.arange(shape[axis]) + 0.5) * (count / shape[axis]) - 0.5
@@ -237,7 +263,7 @@ def _periodic_cubic(field: Array, shape: tuple[int, int]) -> Array:
             t * t * (t - 1.0) / 2.0,
         )
         field = sum(
-            weight * np.take(field, (base + step) % count, axis)
+            weight * np.take(field, base + step, axis, mode="wrap" if periodic else "clip")
             for step, weight in enumerate(weights, -1)
         )
     return field

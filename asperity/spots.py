@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .bem.contact_map import label_patches
-from .fields import pressure_map
+from .fields import pressed_pixels
 from .tables import structured
 
 if TYPE_CHECKING:
@@ -36,11 +36,11 @@ def spot_table(bodies: Asperities, state: PopulationState) -> NDArray[np.void]:
     contacts smaller than a pixel have less than one.
     """
     hm = bodies.hm
-    pressure = pressure_map(bodies, state)
-    labels, count = label_patches(pressure > 0, periodic=bodies.plan.boundary == "periodic")
-    pixel = np.flatnonzero(labels)
-    own, force = labels.flat[pixel] - 1, pressure.flat[pixel] * (hm.spacing[0] * hm.spacing[1])
-    contact = bodies.profiles.owner[bodies.labels.flat[pixel]]
+    pixel, contact, pressure = pressed_pixels(bodies, state)
+    touching = np.zeros(hm.shape, bool)
+    touching.flat[pixel] = True
+    labels, count = label_patches(touching, periodic=bodies.plan.boundary == "periodic")
+    own, force = labels.flat[pixel] - 1, pressure * (hm.spacing[0] * hm.spacing[1])
     of_contact = np.bincount(contact, minlength=len(state.force))
     share = bodies.closed_area(state)[contact] / of_contact[contact]
 
@@ -51,6 +51,8 @@ def spot_table(bodies: Asperities, state: PopulationState) -> NDArray[np.void]:
     order = np.lexsort((force, own))
     top = order[np.searchsorted(own[order], np.arange(count), side="right") - 1]
     carried, area = total(force), total(share)
+    peak = np.zeros(count)
+    np.maximum.at(peak, own, np.bincount(pixel, weights=pressure)[pixel])
     places = []
     for step, shape, index in zip(hm.spacing, hm.shape, np.divmod(pixel, hm.shape[1]), strict=True):
         away = index - index[top][own]
@@ -65,8 +67,8 @@ def spot_table(bodies: Asperities, state: PopulationState) -> NDArray[np.void]:
             "area": area,
             "force": carried,
             "mean_pressure": carried / area,
-            "peak_pressure": pressure.flat[pixel[top]],
-            "pixels": np.bincount(own, minlength=count),
+            "peak_pressure": peak,
+            "pixels": np.bincount(labels.ravel(), minlength=count + 1)[1:],
         }
     )
     return table[np.argsort(-area, kind="stable")]

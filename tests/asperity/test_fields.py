@@ -12,7 +12,7 @@ import surfaces
 from asperity.bem.contact_map import label_patches
 from asperity.contacts import ellipses
 from asperity.curve import ContactRun, solve_contacts
-from asperity.fields import pressure_map
+from asperity.fields import pressed_pixels
 from asperity.loadpoints import pressure_scale
 from asperity.plan import make_plan
 from surfaces import HeightMap, self_affine
@@ -68,6 +68,7 @@ def test_one_cap_has_the_pressure_of_hertz(m, boundary):
         (None, {"scales": "all"}),
         (8, {}),
         (30, {}),
+        (None, {"boundary": "free"}),
         (8, {"boundary": "free"}),
         (8, {"interaction": False}),
     ],
@@ -77,17 +78,18 @@ def test_each_contact_keeps_its_force_and_its_area(cutoff, choices):
     run = run_of(hm, **choices)
     size = hm.spacing[0] * hm.spacing[1]
     for point, state in enumerate(run.states):
-        pressure = run.pressure_map(point)
-        own = np.append(run.bodies.profiles.owner, len(state.force))[run.bodies.labels]
-        carried = np.bincount(own.ravel(), pressure.ravel() * size, len(state.force) + 1)
-        np.testing.assert_allclose(carried[:-1], state.force, rtol=1e-9)
-        pixels = np.bincount(own[pressure > 0], minlength=len(state.force))
+        pixel, own, pressure = pressed_pixels(run.bodies, state)
+        carried = np.bincount(own, pressure * size, len(state.force))
+        np.testing.assert_allclose(carried, state.force, rtol=1e-9)
+        pixels = np.bincount(own, minlength=len(state.force))
         area = run.bodies.closed_area(state)
         # no contact has less than a pixel, none more than its basin
-        np.testing.assert_allclose(
-            pixels, np.where(state.force > 0, np.maximum(area / size, 1), 0), atol=1.01, rtol=0.12
-        )
-        np.testing.assert_array_equal(run.contact_map(point), pressure > 0)
+        wanted = np.where(state.force > 0, np.maximum(area / size, 1), 0)
+        assert (pixels <= wanted + 1.01).all() and ((pixels > 0) == (state.force > 0)).all()
+        assert pixels.sum() == pytest.approx(wanted.sum(), rel=0.02)
+        field = run.pressure_map(point)
+        np.testing.assert_allclose(np.bincount(pixel, pressure), field.ravel()[: pixel.max() + 1])
+        np.testing.assert_array_equal(run.contact_map(point), field > 0)
 
 
 def test_maps_move_with_the_surface():
@@ -135,9 +137,13 @@ def test_fewer_points_give_nearly_the_same_maps():
 
 
 def test_spots_hold_the_load_and_the_area(broad):
-    for hm, choices in ((broad, {}), (map_of(8), {"boundary": "free"})):
+    for hm, choices in (
+        (broad, {}),
+        (map_of(8), {"boundary": "free"}),
+        (map_of(None), {"boundary": "free"}),
+    ):
         run = run_of(hm, **choices)
-        for point, state in enumerate(run.states):
+        for point in range(2):
             table = run.spots(point)
             load = run.curve.mean_pressure[point] * hm.area
             assert table["force"].sum() == pytest.approx(load, rel=1e-9)
@@ -145,7 +151,7 @@ def test_spots_hold_the_load_and_the_area(broad):
             assert table["area"].sum() == pytest.approx(area, rel=1e-9)
             assert (np.diff(table["area"]) <= 0).all()
             assert (table["peak_pressure"] > 0).all()
-            pressure = pressure_map(run.bodies, state)
+            pressure = run.pressure_map(point)
             assert table["pixels"].sum() == np.count_nonzero(pressure)
             assert table["peak_pressure"].max() == pressure.max()
             strongest = table[table["peak_pressure"].argmax()]
