@@ -29,6 +29,7 @@ from .microcontact.laws import tabulate
 from .plan import Plan, make_plan
 from .population import Population, PopulationState
 from .results import ContactCurve
+from .slope import curve_stiffness
 from .spot_count import passes, spot_count
 
 if TYPE_CHECKING:
@@ -377,14 +378,16 @@ def _curve(
     weaknesses = [terms(bodies, state) for state in states]
     pressure = column("mean_pressure")
     area = np.array([place.contact_area for place in places])
+    separation = np.array([place.separation for place in places])
+    tangent = np.array([place.stiffness for place in places])
     return ContactCurve(
-        separation=np.array([place.separation for place in places]),
+        separation=separation,
         mean_pressure=pressure,
         load=pressure * hm.area,
         area_fraction=area / hm.area,
         contact_area=area,
         contacts=np.array(patches),
-        stiffness=np.array([place.stiffness for place in places]),
+        stiffness=curve_stiffness(pressure, separation, tangent, column("converged")),
         converged=column("converged"),
         residual=column("residual"),
         error_estimate=np.array([estimate(weak, LOAD_WEIGHTS) for weak in weaknesses]),

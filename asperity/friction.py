@@ -81,10 +81,11 @@ def friction_curve(
             "partial slip needs lighter load points as well"
         )
     share = np.linspace(0.0, 1.0, int(points))
-    stick = curve.at(pressure=mean_pressure * (lightest / mean_pressure) ** share)
+    asked = mean_pressure * (lightest / mean_pressure) ** share
+    stick = curve.at(pressure=asked)
     return FrictionCurve(
         displacement=friction * modulus_ratio * (stick.separation - whole.separation),
-        shear=friction * (mean_pressure - stick.mean_pressure),
+        shear=friction * (mean_pressure - asked),
         stick_area_fraction=stick.area_fraction,
         slip_shear=friction * mean_pressure,
     )

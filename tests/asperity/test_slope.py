@@ -1,0 +1,63 @@
+"""Stiffness of a curve from its tangents and its separations."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asperity
+from asperity.loadpoints import pressure_scale
+from asperity.slope import curve_stiffness
+from surfaces import self_affine
+
+
+@pytest.mark.parametrize("power", [1.0, 1.3, 1.5, 4.0])
+def test_power_laws_are_exact_whatever_share_the_tangent_has(power):
+    depth = np.geomspace(0.1, 3.0, 7)[[3, 0, 6, 1, 5, 2, 4]]
+    pressure, exact = depth**power, power * depth ** (power - 1)
+    good = np.ones(7, bool)
+    found = curve_stiffness(pressure, -depth, 0.9 * exact, good)
+    np.testing.assert_allclose(found, exact, rtol=1e-9)
+
+
+def test_a_share_that_changes_is_told_within_a_per_cent():
+    """p = exp(-s): k = p."""
+    pressure = np.geomspace(1e-3, 1e-1, 10)
+    share = 1 - 0.03 * np.log10(pressure / 1e-4)
+    good = np.ones(10, bool)
+    found = curve_stiffness(pressure, -np.log(pressure), share * pressure, good)
+    np.testing.assert_allclose(found[1:-1], pressure[1:-1], rtol=2e-3)
+    np.testing.assert_allclose(found, pressure, rtol=1e-2)
+
+
+def test_failed_lone_and_unloaded_points_keep_their_tangent():
+    pressure = np.array([0.0, 1.0, 2.0, 4.0, 1e4])
+    separation, tangent = -np.log(pressure + 1e-9), 0.8 * pressure
+    separation[2] = np.nan
+    found = curve_stiffness(pressure, separation, tangent, np.array([1, 1, 1, 1, 1], bool))
+    np.testing.assert_array_equal(found[[0, 2, 4]], tangent[[0, 2, 4]])
+    np.testing.assert_allclose(found[[1, 3]], pressure[[1, 3]], rtol=1e-6)
+    failed = curve_stiffness(pressure, separation, tangent, np.array([1, 1, 1, 0, 1], bool))
+    np.testing.assert_array_equal(failed, tangent)
+    assert curve_stiffness(*np.zeros((3, 0)), np.zeros(0, bool)).shape == (0,)
+
+
+def test_noise_of_points_that_lie_close_is_not_raised():
+    pressure = np.geomspace(1.0, 3.0, 60)
+    noise = 2e-3 * np.sin(np.arange(60.0) ** 2)
+    found = curve_stiffness(pressure, -np.log(pressure) + noise, pressure, np.ones(60, bool))
+    np.testing.assert_allclose(found, pressure, rtol=2e-2)
+
+
+@pytest.mark.parametrize(("cutoff", "m"), [(8, 0.0), (8, 0.3), (None, 0.0)])
+def test_stiffness_of_a_curve_is_that_of_boundary_elements(cutoff, m):
+    hm = self_affine(
+        (240, 288), (240.0, 230.4), hurst=0.8, rms_slope=0.1, rolloff=60.0, cutoff=cutoff, seed=3
+    )
+    body = asperity.HalfSpace.from_modulus(1.0, m=m)
+    loads = np.geomspace(4e-3, 4e-2, 5) * pressure_scale(hm, body)
+    curve = asperity.contact_curve(hm, body, pressures=loads)
+    near = loads[2] * np.array([0.95, 1.05])
+    exact = asperity.bem_curve(hm, body, pressures=near, tolerance=1e-5)
+    slope = -np.diff(exact.mean_pressure) / np.diff(exact.separation)
+    assert curve.stiffness[2] == pytest.approx(slope[0], rel=0.05)
