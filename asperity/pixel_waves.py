@@ -11,7 +11,7 @@ import numpy as np
 from surfaces.filtering import resample
 from surfaces.heightmap import HeightMap
 
-__all__ = ["fineness", "kurtosis", "random_waves", "refined_map"]
+__all__ = ["fineness", "kurtosis", "random_waves", "refined_map", "resolution_warning"]
 
 KURTOSIS = 0.25
 """How far the kurtosis of second differences may be from 3, that of random waves."""
@@ -62,6 +62,24 @@ def kurtosis(hm: HeightMap) -> tuple[float, float]:
 def random_waves(hm: HeightMap) -> bool:
     """Whether the finest waves look random: no spikes, steps, worn plateaus, fading border."""
     return all(abs(value - 3.0) <= KURTOSIS for value in kurtosis(hm))
+
+
+def resolution_warning(hm: HeightMap) -> list[str]:
+    """What a map too coarse for its roughness leaves uncertain; empty where its pixels resolve it.
+
+    Parameters
+    ----------
+    hm
+        Height map without missing points.
+    """
+    share = fineness(hm)
+    if share < TO_THE_PIXEL:
+        return []
+    return [
+        "the map is too coarse for its roughness: between one pixel and two "
+        f"{100 * share:.0f} % of the squared slope is lost, so that contact area and number of "
+        "spots depend on the pixel size"
+    ]
 
 
 def refined_map(hm: HeightMap) -> HeightMap | str | None:

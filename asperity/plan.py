@@ -17,7 +17,7 @@ from .boundary import Boundary, chosen_boundary
 from .errors import InputError, SurfaceError
 from .fine_scales import FineScales
 from .loadpoints import checked_loads, expected_area_fraction, require_scene, slope_scale
-from .pixel_waves import refined_map
+from .pixel_waves import refined_map, resolution_warning
 from .scales import split_scales
 
 if TYPE_CHECKING:
@@ -172,6 +172,7 @@ def make_plan(
     reasons.append(why)
     resampled, fine, whys = _grid(hm, material, coupled and edge == "periodic", scales)
     reasons += whys
+    reasons += [f"resolution: {why}" for why in resolution_warning(hm)]
     memory = MODEL_BYTES_PER_POINT * (hm if resampled is None else resampled).heights.size
     reasons.append(f"memory: about {memory / 2**20:.0f} MiB")
     _require_memory(memory)

@@ -105,6 +105,7 @@ def add_load_options(parser: argparse.ArgumentParser) -> None:
 
 def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     """Read the map and prepare it as the options ask; refuse what no model can use."""
+    from asperity.pixel_waves import resolution_warning
     from surfaces.statistics import unit_warning
 
     hm = read_map(Path(file), args)
@@ -116,7 +117,10 @@ def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     hm = prepared(hm, args)
     if np.ptp(hm.heights) == 0.0:
         raise SurfaceError(f"{Path(file).name} is constant: a flat map has no peaks to touch")
-    for warning in unit_warning(hm.roughness.rms_slope):
+    warnings = unit_warning(hm.roughness.rms_slope)
+    if args.command != "plan":  # which has it among its lines
+        warnings += resolution_warning(hm)
+    for warning in warnings:
         sys.stderr.write(f"asperity {args.command}: {Path(file).name}: {warning}\n")
     return hm if hm.name else hm.replace(name=Path(file).stem)
 

@@ -101,6 +101,16 @@ def test_contacts_as_a_table(folder):
     assert table["force"].sum() == pytest.approx(curve.load[-1], rel=5e-3)
 
 
+@pytest.mark.parametrize("command", ["curve", "bem", "plan"])
+def test_a_map_too_coarse_for_its_roughness_is_named_once(command, folder, capsys):
+    fine = surfaces.self_affine((64, 80), (6.4e-4, 8e-4), hurst=0.8, rms_slope=0.1, rolloff=2e-4)
+    surfaces.write(fine, "fine.h5")
+    for name, times in (("fine.h5", 1), ("rough.h5", 0)):
+        assert main([command, name, *STEEL, "--pressure", "1e8"]) == 0
+        said = capsys.readouterr()
+        assert (said.out + said.err).count("too coarse for its roughness") == times
+
+
 def test_sizes_of_the_spots_are_those_of_the_table(folder):
     options = ["--pressure", "1e8", "--spots", "t.csv", "--sizes", "s.csv"]
     assert main(["curve", "rough.h5", *STEEL, *options]) == 0
