@@ -218,6 +218,10 @@ def test_the_lift_is_the_slope_of_the_energy(rough, loads):
     # the tangent of the contacts leaves out how they move aside: both stiffnesses miss that alike
     missed = slope(states) / state.normal_stiffness
     assert points[1].stiffness == pytest.approx(slope(points) / missed, rel=0.02)
+    # what the lift adds to the compliance, to first order in the fine waves
+    lifts = [point.separation - one.separation for point, one in zip(points, states, strict=True)]
+    added = 1 / points[1].stiffness - 1 / state.normal_stiffness
+    assert added == pytest.approx((lifts[0] - lifts[2]) / (near[2] - near[0]), rel=0.6)
 
 
 def test_the_flat_stands_no_higher_than_the_highest_point(rough):
