@@ -62,7 +62,7 @@ def forecast(points: tuple[Point, ...], separation: float, count: int) -> Array:
             parts.insert(0, other.values[:, place])
         found = weights(separation, [point.separation for point in points[-back:]])
         share[-back:] = np.where(known, found[:, None], share[-back:])
-    values = sum(weight * part for weight, part in zip(share, parts, strict=True))
+    values = np.asarray(sum(weight * part for weight, part in zip(share, parts, strict=True)))
     values[4] = last.values[4]
     return values
 

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _mesh_kernels, _tangent_kernels
-from .operator import BEADS, CAP, Interaction, run, total
+from .near import run, total
+from .operator import BEADS, CAP, Interaction
 
 __all__ = ["Tangent"]
 
