@@ -19,9 +19,9 @@ from surfaces.summits import locate_summits
 
 from .contacts import aspect_ratio, microcontacts
 from .dominant import Ranking
-from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, terms
+from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, oddness, terms
 from .fields import contact_map, pressure_map
-from .fine_points import FinePoint, at_separation, closed_area, fine_point
+from .fine_points import FinePoint, at_separation, closed_area, fine_point, without_gap
 from .loadpoints import checked_loads
 from .microcontact.elements import put
 from .microcontact.growing import GrowingTable
@@ -345,22 +345,13 @@ def solve_contacts(
                 checkpoint=checkpoint,
             )
         place = bodies.point(state)
-        states[i], places[i] = _closed_no_further(plan, state, place), place
+        states[i], places[i] = without_gap(plan, state, place), place
         patches[i], lift = spot_count(bodies, state), places[i].separation - state.separation
         if progress is not None:
             progress(state)
         if checkpoint is not None:
             checkpoint(curve_of(states))
-    points = range(len(values))
-    return ContactRun(curve_of(points), bodies, tuple(states[i] for i in points))
-
-
-def _closed_no_further(plan: Plan, state: PopulationState, place: FinePoint) -> PopulationState:
-    """The state, refused where the mean gap of a periodic surface would be negative."""
-    if place.separation >= 0.0 or plan.boundary == "free" or not plan.interaction:
-        return state
-    reason = "the mean gap would be negative: the contacts overlap too far to be separate"
-    return dataclasses.replace(state, converged=False, reason=state.reason or reason)
+    return ContactRun(curve_of(sorted(states)), bodies, tuple(states[i] for i in sorted(states)))
 
 
 def _curve(
@@ -375,7 +366,8 @@ def _curve(
     def column(name: str) -> NDArray[Any]:
         return np.array([getattr(state, name) for state in states])
 
-    weaknesses = [terms(bodies, state) for state in states]
+    odd = oddness(hm)
+    weak = [terms(bodies, state, odd) for state in states]
     pressure = column("mean_pressure")
     area = np.array([place.contact_area for place in places])
     separation = np.array([place.separation for place in places])
@@ -390,7 +382,7 @@ def _curve(
         stiffness=curve_stiffness(pressure, separation, tangent, column("converged")),
         converged=column("converged"),
         residual=column("residual"),
-        error_estimate=np.array([estimate(weak, LOAD_WEIGHTS) for weak in weaknesses]),
+        error_estimate=np.array([estimate(w, LOAD_WEIGHTS) for w in weak]),
         model="asperity",
         seconds={**bodies.seconds, "contact": solving},
         settings={
@@ -407,8 +399,8 @@ def _curve(
         },
         extra={
             "microcontacts": column("active"),
-            "area_error_estimate": np.array([estimate(w, AREA_WEIGHTS) for w in weaknesses]),
-            **{name: np.array([weak[name] for weak in weaknesses]) for name in TERMS},
+            "area_error_estimate": np.array([estimate(w, AREA_WEIGHTS) for w in weak]),
+            **{name: np.array([w[name] for w in weak]) for name in TERMS},
         },
         reasons=tuple(state.reason for state in states),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from .curve import Asperities
     from .fine_scales import FineScales
+    from .plan import Plan
     from .population import Population, PopulationState
 
-__all__ = ["FinePoint", "at_separation", "closed_area", "fine_point"]
+__all__ = ["FinePoint", "at_separation", "closed_area", "fine_point", "without_gap"]
 
 STEP = 0.02
 """Change of the load, relative, over which energies are compared."""
@@ -149,3 +150,11 @@ def at_separation(
         place += step
         state = bodies.population.solve(separation=place, state=state, tolerance=tolerance)
     return state
+
+
+def without_gap(plan: Plan, state: PopulationState, place: FinePoint) -> PopulationState:
+    """The state, refused where the mean gap of a periodic surface would be negative."""
+    if place.separation >= 0.0 or plan.boundary == "free" or not plan.interaction:
+        return state
+    reason = "the mean gap would be negative: the contacts overlap too far to be separate"
+    return replace(state, converged=False, reason=state.reason or reason)

@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, terms
+from asperity.error_estimate import (
+    AREA_WEIGHTS,
+    LOAD_WEIGHTS,
+    TERMS,
+    estimate,
+    oddness,
+    terms,
+)
 from asperity.loadpoints import default_pressures
 from asperity.microcontact.flags import Flag
 from surfaces import HeightMap, self_affine
@@ -65,6 +72,7 @@ def weak_point(unit=1.0, force=1.0):
         hm=HeightMap(unit * LINES, (2.0 * unit, 1.0 * unit), periodic=True),
         plan=SimpleNamespace(resampled=None, fine=None),
         population=SimpleNamespace(table=table),
+        material=SimpleNamespace(m=-0.3),
         profiles=SimpleNamespace(curvature=np.array([[2.0, 1.0], [3.0, 3.0], [9.0, 1.0]]) / unit),
     )
     state = SimpleNamespace(
@@ -74,7 +82,7 @@ def weak_point(unit=1.0, force=1.0):
         contact_area=6.0 * unit**2,
         filled_share=0.25,
     )
-    return bodies, state
+    return bodies, state, 0.5
 
 
 def test_terms_of_two_contacts():
@@ -85,17 +93,21 @@ def test_terms_of_two_contacts():
     found = terms(*weak_point())
     share, area = np.array([0.75, 0.25]), 24.0
     assert set(found) == set(TERMS)
+    few, spread = np.hypot(*share), share @ [0.1, 0.3]
+    coarse = np.sqrt(2.0 / (share @ [4.0, 2.0]))
     expected = {
-        "few_contacts": np.hypot(*share),
-        "filled_share": 0.25,
-        "law_spread": share @ [0.1, 0.3],
-        "coarse_contacts": np.sqrt(2.0 / (share @ [4.0, 2.0])),
+        "few_contacts": few,
+        "coarse_contacts": coarse,
         "crowding": 6.0 / area,
-        "elongation": 0.75 * np.log(2.0),
-        "extrapolated": 0.75,
         "scatter": 0.75,
         "fineness": bend / (4.0 * slope),
         "fine_crowding": bend / (4.0 * slope) * np.sqrt(6.0 / area),
+        "odd_spread": 0.5 * spread,
+        "odd_scatter": 0.5 * 0.75,
+        "few_taken_out": 0.0,
+        "coarse_taken_out": 0.0,
+        "few_elongated": 0.75 * np.log(2.0) * few,
+        "graded_crowding": 0.3 * np.sqrt(6.0 / area),
     }
     assert found == pytest.approx(expected)
 
@@ -105,12 +117,26 @@ def test_terms_have_no_units():
 
 
 def test_with_fine_waves_taken_out_the_terms_are_those_of_the_map_that_was_solved():
-    bodies, state = weak_point()
-    bodies.plan.fine, bodies.plan.resampled = object(), bodies.hm
+    bodies, state, odd = weak_point()
+    bodies.plan.fine, bodies.plan.resampled = SimpleNamespace(ratio=3.0), bodies.hm
     bodies.hm = HeightMap(np.eye(6, 8), (1.0, 0.5), periodic=True)
-    assert terms(bodies, state) == pytest.approx(terms(*weak_point()))
+    found, whole = terms(bodies, state, odd), terms(*weak_point())
+    taken = {name: 0.75 * whole[f"{name}_contacts"] for name in ("few", "coarse")}
+    expected = {**whole, "few_taken_out": taken["few"], "coarse_taken_out": taken["coarse"]}
+    assert found == pytest.approx(expected)
+
+
+def test_random_waves_are_not_odd_and_spikes_are():
+    hm = self_affine(
+        (128, 160), (1.28e-3, 1.6e-3), hurst=0.8, rms_slope=0.1, rolloff=2e-4, cutoff=4e-5, seed=1
+    )
+    spikes = np.zeros(hm.shape)
+    spikes[30, 40] = 20 * hm.rms_height
+    assert oddness(hm) < 0.1
+    assert oddness(hm.replace(heights=hm.heights + spikes)) == 1.0
+    assert 0.0 <= oddness(hm.replace(heights=np.minimum(hm.heights, hm.rms_height))) <= 1.0
 
 
 def test_nothing_is_weak_without_contact():
-    bodies, state = weak_point(force=0.0)
-    assert set(terms(bodies, state).values()) == {0.0}
+    bodies, state, odd = weak_point(force=0.0)
+    assert set(terms(bodies, state, odd).values()) == {0.0}
