@@ -15,7 +15,7 @@ from .tables import structured
 if TYPE_CHECKING:
     from surfaces.heightmap import HeightMap
 
-    from .curve import Asperities
+    from .asperities import Asperities
 
 __all__ = [
     "aspect_ratio",

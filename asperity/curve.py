@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -14,32 +13,23 @@ from numpy.typing import ArrayLike, NDArray
 
 from surfaces import _threads
 from surfaces.heightmap import HeightMap
-from surfaces.segmentation import segment
-from surfaces.summits import locate_summits
 
-from .contacts import aspect_ratio, microcontacts
-from .dominant import Ranking
+from .asperities import Asperities
+from .contacts import microcontacts
 from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, oddness, terms
 from .fields import contact_map, pressure_map
-from .fine_points import FinePoint, at_separation, closed_area, fine_point, without_gap
+from .fine_points import FinePoint, at_separation, without_gap
 from .loadpoints import checked_loads
-from .microcontact.elements import put
-from .microcontact.growing import GrowingTable
-from .microcontact.laws import tabulate
 from .plan import Plan, make_plan
-from .population import Population, PopulationState
+from .population import PopulationState
 from .results import ContactCurve
 from .slope import curve_stiffness
-from .spot_count import passes, spot_count
+from .spot_count import spot_count
 
 if TYPE_CHECKING:
-    from surfaces.peaks import Peaks
-    from surfaces.summits import Summits
-
     from .material import HalfSpace
-    from .microcontact.table import LawTable
 
-__all__ = ["Asperities", "ContactRun", "contact_curve", "solve_contacts"]
+__all__ = ["ContactRun", "contact_curve", "solve_contacts"]
 
 TOLERANCE = 5e-2
 """Bound on the residual under a load before its last Newton step, whose effect on load and area is
@@ -47,123 +37,6 @@ a tenth of it or less (docs/interaction.md)."""
 
 CLOSE = 3e-3
 """The same at a separation, where no step follows."""
-
-
-@dataclass(frozen=True, eq=False)
-class Asperities:
-    """A surface taken apart into peaks, ready to be loaded.
-
-    Attributes
-    ----------
-    hm, material, plan
-        What it was made from.
-    peaks, profiles
-        Segmentation and summits; the rays of a summit are sampled when its law is made.
-    population
-        The microcontacts with their laws and their interaction.
-    seconds
-        Time of each stage [s].
-    """
-
-    hm: HeightMap
-    material: HalfSpace
-    plan: Plan
-    peaks: Peaks
-    profiles: Summits
-    population: Population
-    seconds: dict[str, float]
-
-    @classmethod
-    def of(cls, hm: HeightMap, material: HalfSpace, plan: Plan) -> Asperities:
-        """Segment the map, fit the profiles and tabulate the contact laws."""
-        clock, seconds = time.perf_counter, {"plan": plan.seconds}
-        start = clock()
-        mean = hm.roughness.mean
-        solved = hm if plan.resampled is None else plan.resampled
-        if plan.boundary == "free" and solved.periodic:
-            solved = solved.replace(periodic=False)  # a finite punch is cut at its border
-        above = None if plan.above is None else plan.above + mean
-        if above is not None and plan.fine is not None:
-            # the longer waves may stay far below the highest point of all
-            above = min(above, solved.roughness.highest - 0.5 * solved.roughness.rms_height)
-        peaks = segment(solved, above=above)
-        seconds["segmentation"] = clock() - start
-        start = clock()
-        profiles = locate_summits(solved, peaks)
-        seconds["profiles"] = clock() - start
-        seconds["laws"] = 0.0
-        ranking = Ranking(profiles)
-
-        def laws(rows: NDArray[np.int64]) -> LawTable:
-            begun = clock()
-            sampled = profiles.rows(rows)
-            between = clock()
-            table = tabulate(sampled, material, law=plan.law)
-            if plan.law == "auto":
-                chosen = ranking.dominant(rows, table)
-                put(table, chosen, profiles, rows[chosen], material)
-            seconds["profiles"] += between - begun
-            seconds["laws"] += clock() - between
-            return table
-
-        start = clock()
-        population = Population(
-            x=profiles.x,
-            y=profiles.y,
-            height=profiles.height - mean,
-            table=GrowingTable(len(profiles), laws),
-            cell=hm.size,
-            boundary=plan.boundary,
-            material=material,
-            interaction=plan.interaction,
-            curvature=profiles.curvature,
-            angle=profiles.angle,
-        )
-        return cls(hm, material, plan, peaks, profiles, population, seconds)
-
-    @property
-    def solved(self) -> HeightMap:
-        """The map whose summits are the contacts: on fewer points where the plan says so."""
-        return self.hm if self.plan.resampled is None else self.plan.resampled
-
-    @property
-    def labels(self) -> NDArray[np.int32]:
-        """Peak whose basin holds each pixel of the map, shape (ny, nx); -1 where not flooded."""
-        labels = self.peaks.labels
-        if labels.shape == self.hm.shape:
-            return labels
-        rows, cols = (
-            ((np.arange(n) + 0.5) * (m / n)).astype(np.int64)
-            for n, m in zip(self.hm.shape, labels.shape, strict=True)
-        )
-        return labels[np.ix_(rows, cols)]
-
-    @functools.cached_property
-    def passes(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Pairs of summits whose basins adjoin, (n, 2), and how deep [m] the pass lies, (n,)."""
-        return passes(self)
-
-    @functools.cached_property
-    def aspect(self) -> NDArray[np.float64]:
-        """Short over long axis of the contact on each summit, shape (n,)."""
-        return aspect_ratio(self.profiles.curvature)
-
-    def point(self, state: PopulationState) -> FinePoint:
-        """Separation, area and stiffness of the whole surface at a state of its contacts."""
-        if self.plan.fine is None:
-            return FinePoint.plain(state)
-        found = self.hm.roughness
-        return fine_point(self.population, self.plan.fine, state, found.highest - found.mean)
-
-    def closed_area(self, state: PopulationState) -> NDArray[np.float64]:
-        """Area [m^2] that touches within each contact, shape (n,)."""
-        if self.plan.fine is None:
-            return state.area
-        return closed_area(self.plan.fine, state, self.population.nominal_area)
-
-    def deep_enough(self, state: PopulationState) -> bool:
-        """Whether no contact came near the height below which nothing was segmented."""
-        return self.plan.above is None or state.lowest_candidate >= self.plan.above
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from .pixel_waves import fineness, kurtosis
 if TYPE_CHECKING:
     from surfaces.heightmap import HeightMap
 
-    from .curve import Asperities
+    from .asperities import Asperities
     from .population import PopulationState
 
 __all__ = ["AREA_WEIGHTS", "LOAD_WEIGHTS", "TERMS", "estimate", "terms"]

@@ -22,7 +22,7 @@ from .interaction.footprint import Footprints
 if TYPE_CHECKING:
     from surfaces.heightmap import HeightMap
 
-    from .curve import Asperities
+    from .asperities import Asperities
     from .population import PopulationState
 
 __all__ = ["contact_map", "pressed_pixels", "pressure_map"]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from .curve import Asperities
+    from .asperities import Asperities
     from .fine_scales import FineScales
     from .plan import Plan
     from .population import Population, PopulationState

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .interaction.footprint import Footprints
 
 if TYPE_CHECKING:
-    from .curve import Asperities
+    from .asperities import Asperities
     from .population import PopulationState
 
 __all__ = ["passes", "spot_count"]

@@ -12,7 +12,7 @@ from .fields import pressed_pixels
 from .tables import structured
 
 if TYPE_CHECKING:
-    from .curve import Asperities
+    from .asperities import Asperities
     from .population import PopulationState
 
 __all__ = ["spot_table"]

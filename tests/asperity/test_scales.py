@@ -13,9 +13,10 @@ from scipy.special import erf, exp1
 
 import asperity
 import surfaces
+from asperity.asperities import Asperities
 from asperity.bem.kernel import compliance
 from asperity.cli.main import main
-from asperity.curve import Asperities, solve_contacts
+from asperity.curve import solve_contacts
 from asperity.errors import InputError
 from asperity.fine_scales import FineScales
 from asperity.loadpoints import pressure_scale

@@ -8,7 +8,7 @@ from standin import HertzTable
 
 import asperity
 import surfaces
-from asperity.curve import Asperities
+from asperity.asperities import Asperities
 from asperity.material import HalfSpace
 from asperity.plan import make_plan
 from asperity.population import Population
