@@ -182,6 +182,16 @@ def some(typing: Any, mask: Any) -> Any:
     return sig, code
 
 
+@intrinsic
+def total(typing: Any, value: Any) -> Any:
+    """Sum of the lanes."""
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return vectors.sum_lanes(builder, args[0])
+
+    return types.float64(LANE), code
+
+
 def _unary(emit: Any) -> Any:
     """An elementwise function whose code is `emit(builder, value)`."""
 

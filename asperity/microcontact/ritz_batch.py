@@ -75,7 +75,6 @@ def _march(
     profiles: Profiles, m: float, levels: Array, rounds: int
 ) -> tuple[Array, Array, Array, Array]:
     """Reach [m], units of length and height [m], and force, stiffness, area, filled share."""
-    from ._lane_layout import packed
     from ._ritz_kernels import march_rays, ray_space
 
     length = profiles.edge.max(axis=1, initial=0.0)
@@ -84,18 +83,17 @@ def _march(
     length, height = np.where(valid, length, 1.0), np.where(valid, height, 1.0)
     out = np.zeros((length.size, levels.size, 4))
     inputs = (
-        packed(profiles.q),
-        packed(profiles.weight),
-        packed(profiles.edge / length[:, None]),
-        profiles.edge.shape[1],
+        np.ascontiguousarray(profiles.q),
+        np.ascontiguousarray(profiles.weight),
+        profiles.edge / length[:, None],
         length**2 / height,
     )
-    weights = moment_weights(m, profiles.t.size, 0)
+    rays, nodes = profiles.q.shape[1:]
+    weights = moment_weights(m, nodes, 0)
 
     def part(begin: int, end: int) -> None:
-        shape = profiles.q.shape
-        space = ray_space(shape[1], shape[2], weights.shape[0], levels.size)
+        space = ray_space(rays, nodes, weights.shape[0])
         march_rays(begin, end, inputs, weights, levels, m, rounds, out, space)
 
-    _threads.run(part, _threads.blocks(length.size, 64))
+    _threads.run(part, _threads.blocks(length.size, 4))
     return np.where(valid, height, 0.0), length, height, out
