@@ -8,11 +8,13 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ._spline import expand
+from ._ahead import ask_for
+from ._spline import PAD, expand
 
 FLATTEST = 1e-3  # least ratio of the principal curvatures
 _LOCAL = 1e-4  # largest misfit of the local quartic, relative to the range of its points
 
+_AHEAD = 8  # summits
 SUMMIT, PLATEAU, RIM = 0, -1, -2
 
 
@@ -175,13 +177,18 @@ def summits(
 ):
     """Climb from the peaks ``order[first:last]``: places (n, 2), expansions (n, 6), kinds (n,)."""
     c = np.empty(15)
-    for n in order[first:last]:
+    for k in range(first, last):
+        n = order[k]
+        if k + _AHEAD < last:
+            other = order[k + _AHEAD]
+            ask_for(heights.ravel(), heights.shape[1], row[other] - 2, col[other] - 2, 5, 5)
+            ask_for(flat, width, row[other] + PAD - 3, col[other] + PAD - 3, 8, 8)
         y, x, e, kind = climb(heights, flat, width, labels, periodic, row[n], col[n], n, c)
         places[n, 0] = y
         places[n, 1] = x
         kinds[n] = kind
-        for k in range(6):
-            expansions[n, k] = e[k]
+        for i in range(6):
+            expansions[n, i] = e[i]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -9,8 +9,10 @@ from __future__ import annotations
 import numpy as np
 from numba import from_dtype, njit
 
+from ._ahead import ask_for
 from ._climb import FLATTEST
 from ._ray_form import ray_places, ray_signs, rising_nodes
+from ._spline_filter import PAD
 from ._spline_form import LANES, TAPS, spline_values
 
 _BEYOND = 1.1  # rays run on beyond their basin by this factor: see fit_profiles
@@ -164,6 +166,7 @@ def fit(
     zs = np.empty(together * shares.size)
     pixels, corners = np.empty(zs.size, np.int64), np.empty(_CHUNK * LANES, np.int64)
     rest, weights = np.empty(_CHUNK * LANES), np.empty(_CHUNK * LANES * TAPS)
+    nx, width = int(cell[1]), int(cell[5])
     squares = shares * shares
     inverses = 1.0 / squares
     peaks = max(1, _TOGETHER // count)
@@ -171,6 +174,10 @@ def fit(
         some = min(peaks, peak.size - start)
         used = some * count
         for n in range(start, start + some):
+            if n + peaks < peak.size:
+                row, col = int(y[n + peaks]), int(x[n + peaks])
+                ask_for(flat, width, row + PAD - 6, col + PAD - 6, 14, 14)
+                ask_for(labels, nx, row - 5, col - 5, 11, 11)
             for p in range(count):
                 k = (n - start) * count + p
                 ray, live[k] = rays[k], k

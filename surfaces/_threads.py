@@ -64,7 +64,7 @@ def run(function: Callable[[int, int], Any], parts: list[tuple[int, int]]) -> li
 
 def each(function: Callable[[Any], Any], parts: Sequence[Any]) -> list[Any]:
     """Call ``function(part)`` for every part, at the same time; results in order."""
-    if len(parts) == 1 or threading.current_thread().name.startswith(_NAME):
+    if min(len(parts), threads()) == 1 or threading.current_thread().name.startswith(_NAME):
         return [function(part) for part in parts]
     pool = _pool(len(parts) - 1, os.getpid())
     others = [pool.submit(function, part) for part in parts[1:]]

@@ -21,6 +21,7 @@ __all__ = [
     "instruction",
     "load",
     "multiply_add",
+    "prefetch",
     "shuffled",
     "store",
     "sum_lanes",
@@ -91,6 +92,15 @@ def instruction(builder: Any, name: str, *values: Any) -> Any:
 def multiply_add(builder: Any, a: Any, b: Any, c: Any) -> Any:
     """a b + c, rounded once where the processor can."""
     return instruction(builder, "fmuladd", a, b, c)
+
+
+def prefetch(builder: Any, data: Any, place: Any) -> None:
+    """Ask for the cache line of an element that will be read soon; it need not exist."""
+    number = ir.IntType(32)
+    pointer = builder.bitcast(builder.gep(data, [place]), ir.IntType(8).as_pointer())
+    takes = ir.FunctionType(ir.VoidType(), [pointer.type, number, number, number])
+    read, near, values = (ir.Constant(number, n) for n in (0, 3, 1))
+    _called(builder, "prefetch.p0", takes, pointer, read, near, values)
 
 
 def sum_lanes(builder: Any, vector: Any) -> Any:

@@ -83,12 +83,15 @@ def segment(
     link[summit] = np.arange(summit.size)
     _threads.each(lambda some: _flood.follow(link, some), runs)
     labels = link.reshape(hm.shape)
-    counts, pairs, passes = _passes(heights, labels, hm.periodic, summit.size, runs)
+    counts, keys, tops = _passes(heights, labels, hm.periodic, summit.size, runs)
 
     height = heights.ravel()[summit]
-    order = _falling(passes)
-    saddle, parent, keeper = _saddles.merge(
-        height, pairs[order, 0], pairs[order, 1], passes[order], lowest, limit
+    (pairs, passes), (saddle, parent, keeper) = _threads.each(
+        lambda part: part(),
+        (
+            lambda: _unique_pairs(keys, tops, summit.size),
+            lambda: _merged(height, keys, tops, lowest, limit),
+        ),
     )
     kept = np.flatnonzero(keeper == np.arange(summit.size))
     if kept.size < summit.size:
@@ -122,8 +125,29 @@ def segment(
     )
 
 
-def _falling(values: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Order of falling values, equal ones as they stand (a stable sort of all is slower)."""
+def _merged(
+    height: NDArray[np.float64],
+    keys: NDArray[np.int64],
+    passes: NDArray[np.float64],
+    lowest: float,
+    limit: float,
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
+    """Saddle, parent and keeper of each peak from the passes, of which a pair may have several."""
+    order = _falling(passes, keys)
+    low = keys[order] // height.size
+    saddle, parent, keeper = _saddles.merge(
+        height, low, keys[order] - low * height.size, passes[order], lowest, limit
+    )
+    return saddle, parent, keeper
+
+
+def _falling(
+    values: NDArray[np.float64], keys: NDArray[np.int64] | None = None
+) -> NDArray[np.int64]:
+    """Order of falling values, equal ones by their keys, or as they stand.
+
+    A stable sort of all is slower.
+    """
     order = np.argsort(-values)
     ranked = values[order]
     step = ranked[1:] != ranked[:-1]
@@ -131,7 +155,8 @@ def _falling(values: NDArray[np.float64]) -> NDArray[np.int64]:
     if tied.size:
         group = np.cumsum(step[tied[1:] - 1])
         held = order[tied]
-        order[tied] = held[np.lexsort((held, np.append(0, group)))]
+        rank = held if keys is None else keys[held]
+        order[tied] = held[np.lexsort((rank, np.append(0, group)))]
     return order
 
 
@@ -179,7 +204,7 @@ def _passes(
     n: int,
     runs: list[NDArray[np.int32]],
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-    """Pixels per basin, touching pairs (k, 2) in order, and the highest pass of each."""
+    """Pixels per basin; keys of touching pairs, some several times, and their passes."""
 
     counts = [np.zeros(n, np.int64) for _ in runs]
     found = _threads.each(
@@ -187,7 +212,7 @@ def _passes(
         range(len(runs)),
     )
     keys, passes = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    return np.sum(counts, axis=0), *_unique_pairs(keys, passes, n)
+    return np.sum(counts, axis=0), keys, passes
 
 
 def _unique_pairs(

@@ -9,6 +9,8 @@ samples to its row of the table.
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -50,6 +52,8 @@ _STENCIL = 5
 
 _BLOCK = 256
 """Profiles followed at a time: what is kept of them stays in the cache."""
+
+_KEPT = threading.local()
 
 _RATIOS = 1536
 """Axis ratios at which the functional is evaluated."""
@@ -148,6 +152,14 @@ def _fine_rows(rows: Array) -> Array:
     return out.ravel()
 
 
+def _workspace(key: tuple[Any, ...], make: Callable[[], tuple[Any, ...]]) -> tuple[Any, ...]:
+    """Working groups of this thread, kept for the next call: tables are made in many small ones."""
+    if getattr(_KEPT, "key", None) != key:
+        _KEPT.key, _KEPT.space = key, make()
+    space: tuple[Any, ...] = _KEPT.space
+    return space
+
+
 def tabulate(
     profiles: Profiles, material: HalfSpace, *, law: str = "ellipse", nodes: int = NODES
 ) -> LawTable:
@@ -185,11 +197,16 @@ def tabulate(
     u = levels[0]
     widths = (4 * rays, FITS * TERMS, SCALES, u.size * STATES, SHAPE_ROW, LANES)
 
+    def made() -> tuple[Any, ...]:
+        return (
+            [np.zeros((_BLOCK, -(-width // LANES) * LANES)) for width in widths],
+            frame_space(rays, profiles.t.size, fitting),
+            march_space(rays),
+            table_space(rays, profiles.t.size, u.size, nodes),
+        )
+
     def part(begin: int, end: int) -> None:
-        space = [np.zeros((_BLOCK, -(-width // LANES) * LANES)) for width in widths]
-        fit_work = frame_space(rays, profiles.t.size, fitting)
-        march_work = march_space(rays)
-        row_work = table_space(rays, profiles.t.size, u.size, nodes)
+        space, fit_work, march_work, row_work = _workspace((m, rays, profiles.t.size, nodes), made)
         for start in range(begin, end, _BLOCK):
             stop = min(start + _BLOCK, end)
             frames, coefs, scales, *rest = (array[: stop - start] for array in space)

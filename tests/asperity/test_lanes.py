@@ -50,12 +50,13 @@ def _functions(a, out):
     store(out, 3, c)
     store(out, 4, _lanes.root(_lanes.absolute(x)))
     store(out, 5, _lanes.whole(x))
+    return _lanes.total(x)
 
 
 def test_functions():
     x = RNG.normal(size=LANES) * 6
     out = np.empty((6, LANES))
-    _functions(x, out)
+    np.testing.assert_allclose(_functions(x, out), x.sum(), rtol=1e-13, atol=1e-13)
     expected = np.exp(x), np.log(np.abs(x)), np.sin(x / 10), np.cos(x / 10), np.abs(x) ** 0.5
     np.testing.assert_allclose(out[:5], expected, rtol=2e-14, atol=1e-15)
     np.testing.assert_array_equal(out[5], np.floor(x))

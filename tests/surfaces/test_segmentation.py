@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,6 +11,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 import surfaces
+from surfaces import _threads
 
 
 def rough(shape=(48, 60), size=(1.0, 1.5), **changes):
@@ -245,3 +248,29 @@ def test_refusals():
         surfaces.segment(rough(), wolf=120.0)
     with pytest.raises(surfaces.InputError, match="above is not a number"):
         surfaces.segment(rough(), above=float("nan"))
+
+
+def test_the_number_of_threads_changes_nothing_even_between_equal_heights():
+    """Passes that are equally high are joined by the pair, however the map was shared out."""
+    rng = np.random.default_rng(8)
+    heights = np.round(rng.normal(size=(192, 150)) * 2)
+    hm = surfaces.HeightMap(heights, (1.0, 0.7), periodic=True)
+    try:
+        found = []
+        for count in (1, None):
+            _threads.set_threads(count)
+            found.append(surfaces.segment(hm, min_prominence=1.0))
+    finally:
+        _threads.set_threads(None)
+    for name, one in vars(found[0]).items():
+        assert_array_equal(one, getattr(found[1], name), err_msg=name)
+
+
+def test_one_thread_is_one_thread():
+    names: list[str] = []
+    try:
+        _threads.set_threads(1)
+        _threads.each(lambda _: names.append(threading.current_thread().name), range(3))
+    finally:
+        _threads.set_threads(None)
+    assert names == [threading.current_thread().name] * 3
