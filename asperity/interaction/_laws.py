@@ -20,7 +20,39 @@ def _raise(base, power):
     return base**power
 
 
-@njit(cache=True, nogil=True)
+@njit(inline="always")
+def _cubic(left, right, left_slope, right_slope):
+    rise = right - left
+    return (
+        left,
+        left_slope,
+        3.0 * rise - 2.0 * left_slope - right_slope,
+        left_slope + right_slope - 2.0 * rise,
+    )
+
+
+@njit(inline="always")
+def _about_zero(c0, c1, c2, c3, j):
+    """Coefficients in v of a cubic with these in v - j."""
+    e2 = c2 - 3.0 * c3 * j
+    e1 = c1 - 2.0 * c2 * j + 3.0 * c3 * j * j
+    return c0 - c1 * j + c2 * j * j - c3 * j * j * j, e1, e2, c3
+
+
+@njit(inline="always")
+def _shares(power):
+    """What the powers of v in s contribute to the integral of v^(power + 1) s dv."""
+    return 1.0 / (power + 2.0), 1.0 / (power + 3.0), 1.0 / (power + 4.0), 1.0 / (power + 5.0)
+
+
+@njit(inline="always")
+def _primitive(e0, e1, e2, e3, shares, factor, v):
+    """Integral of F v dv from 0, `factor` being v^power and `shares` those of the power."""
+    q0, q1, q2, q3 = shares
+    return v * v * factor * (e0 * q0 + v * (e1 * q1 + v * (e2 * q2 + v * (e3 * q3))))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def evaluate(
     rows,
     index,
@@ -38,7 +70,8 @@ def evaluate(
 ):
     """Laws at the approaches of the rows [rows[0], rows[1]); `Laws` says what the table holds, and
     `place` where."""
-    steps = table.shape[1]
+    steps = table.shape[1] - 1
+    shares = _shares(power)
     for i in range(rows[0], rows[1]):
         d = approach[i]
         top = reach[index[i]]
@@ -46,23 +79,22 @@ def evaluate(
             continue
         v = math.sqrt(min(d, top) / top) * steps
         j = min(int(v), steps - 1)
-        row = table[place[index[i]], j]
+        here, there = table[place[index[i]], j], table[place[index[i]], j + 1]
+        t = v - j
         factor = _raise(v, power)
-        s = row[0] + v * (row[1] + v * (row[2] + v * row[3]))
-        ds = row[1] + v * (2.0 * row[2] + 3.0 * v * row[3])
+        c0, c1, c2, c3 = _cubic(here[0], there[0], here[1], there[1])
+        e0, e1, e2, e3 = _about_zero(c0, c1, c2, c3, j)
+        s = c0 + t * (c1 + t * (c2 + t * c3))
+        ds = c1 + t * (2.0 * c2 + 3.0 * t * c3)
         f = factor * s
         # dd/dv = 2 top v / steps^2
         width = 2.0 * top / (steps * steps)
         slope = factor * (power * s + v * ds)
         k = slope / (width * max(v * v, 1e-200))
-        q = power + 2.0
-        series = row[0] / q + v * (
-            row[1] / (q + 1.0) + v * (row[2] / (q + 2.0) + v * row[3] / (q + 3.0))
-        )
-        work = row[4] + width * factor * v * v * series
-        t = v - j
-        m = row[5] + t * (row[6] + t * (row[7] + t * row[8]))
-        bend = row[6] + t * (2.0 * row[7] + 3.0 * t * row[8])
+        work = here[2] + width * _primitive(e0, e1, e2, e3, shares, factor, v)
+        m0, m1, m2, m3 = _cubic(here[3], there[3], here[4], there[4])
+        m = m0 + t * (m1 + t * (m2 + t * m3))
+        bend = m1 + t * (2.0 * m2 + 3.0 * t * m3)
         grown = bend * f * v / slope if slope > 0.0 else 0.0
         if d > top:
             over = d - top
@@ -71,7 +103,7 @@ def evaluate(
             m = (m * f + full * k * over) / (f + k * over)
             f += k * over
             grown = full - m
-        area[i] = v * v * (row[9] + t * (row[10] - row[9]))
+        area[i] = v * v * (here[5] + t * (there[5] - here[5]))
         force[i] = f
         stiffness[i] = max(k, 0.05 * f / d)
         energy[i] = work
@@ -103,30 +135,11 @@ def convex(place, force):
 
 
 @njit(inline="always")
-def _cubic(left, right, left_slope, right_slope):
-    rise = right - left
-    return (
-        left,
-        left_slope,
-        3.0 * rise - 2.0 * left_slope - right_slope,
-        left_slope + right_slope - 2.0 * rise,
-    )
-
-
-@njit(inline="always")
 def _slope(e0, e1, e2, e3, power, v):
     """dF/dv of F = v^p (e0 + e1 v + e2 v^2 + e3 v^3)."""
     s = e0 + v * (e1 + v * (e2 + v * e3))
     ds = e1 + v * (2.0 * e2 + 3.0 * v * e3)
     return max(_raise(v, power - 1.0) * (power * s + v * ds), 0.0)
-
-
-@njit(inline="always")
-def _primitive(e0, e1, e2, e3, power, v):
-    """Integral of F v dv from 0."""
-    q = power + 2.0
-    series = e0 / q + v * (e1 / (q + 1.0) + v * (e2 / (q + 2.0) + v * e3 / (q + 3.0)))
-    return v * v * _raise(v, power) * series
 
 
 @njit(cache=True, nogil=True)
@@ -138,6 +151,7 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, table):
     too (Fritsch and Carlson 1980).
     """
     steps = force.shape[1] - 1
+    shares = _shares(power)
     x, g = GAUSS_NODES, GAUSS_WEIGHTS
     moment = np.zeros(steps + 1)
     bend = np.zeros(steps + 1)
@@ -162,17 +176,13 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, table):
                 # a steeper cubic could pass below zero
                 d1 = min(d1, 3.0 * s1)
             c0, c1, c2, c3 = _cubic(s0, s1, d0, d1)
-            e3 = c3
-            e2 = c2 - 3.0 * c3 * j
-            e1 = c1 - 2.0 * c2 * j + 3.0 * c3 * j * j
-            e0 = c0 - c1 * j + c2 * j * j - c3 * j * j * j
-            start = width * _primitive(e0, e1, e2, e3, power, float(j))
-            table[r, j, 0] = e0
-            table[r, j, 1] = e1
-            table[r, j, 2] = e2
-            table[r, j, 3] = e3
-            table[r, j, 4] = work - start
-            work += width * _primitive(e0, e1, e2, e3, power, v) - start
+            e0, e1, e2, e3 = _about_zero(c0, c1, c2, c3, j)
+            below, above = _raise(float(j), power), _raise(v, power)
+            start = width * _primitive(e0, e1, e2, e3, shares, below, float(j))
+            table[r, j, 0] = s0
+            table[r, j, 1] = d0
+            table[r, j, 2] = work - start
+            work += width * _primitive(e0, e1, e2, e3, shares, above, v) - start
             for q in range(5):
                 t = j + 0.5 * (1.0 + x[q])
                 slope = _slope(e0, e1, e2, e3, power, t)
@@ -182,17 +192,17 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, table):
             slope = _slope(e0, e1, e2, e3, power, v)
             variance = _raise(factor * slope / (width * v), exponent)
             bend[j + 1] = (variance - moment[j + 1]) * slope / load
-            table[r, j, 9] = area[r, j] / (j * j) if j > 0 else area[r, 1]
-            table[r, j, 10] = area[r, j + 1] / (v * v)
+            table[r, j + 1, 5] = area[r, j + 1] / (v * v)
             s0 = s1
             d0 = d1
+        table[r, steps, 0] = s0
+        table[r, steps, 1] = d0
+        table[r, steps, 2] = work
+        table[r, 0, 3] = moment[0]
+        table[r, 0, 4] = bend[0]
+        table[r, 0, 5] = area[r, 1]
         for j in range(1, steps + 1):
             before = moment[j] - moment[j - 1]
             after = moment[j + 1] - moment[j] if j < steps else before
-            bend[j] = min(max(bend[j], 0.0), 3.0 * max(min(before, after), 0.0))
-        for j in range(steps):
-            c0, c1, c2, c3 = _cubic(moment[j], moment[j + 1], bend[j], bend[j + 1])
-            table[r, j, 5] = c0
-            table[r, j, 6] = c1
-            table[r, j, 7] = c2
-            table[r, j, 8] = c3
+            table[r, j, 3] = moment[j]
+            table[r, j, 4] = min(max(bend[j], 0.0), 3.0 * max(min(before, after), 0.0))

@@ -15,6 +15,9 @@ from .footprint import FLOOR, Footprints
 
 __all__ = ["BLOCK", "FILLED", "STIFFEST", "Evaluated", "Growing", "LawNodes", "Laws"]
 
+NUMBERS = 6
+"""What the table holds for each node of a law."""
+
 BLOCK = 256
 """Laws made at least at a time, on demand."""
 
@@ -106,8 +109,8 @@ class Laws:
 
     Notes
     -----
-    The table holds 11 numbers for v in [j, j+1]: coefficients of s = e0 + e1 v + e2 v^2 + e3 v^3;
-    the constant of the energy; coefficients of the moment in v - j; area/v^2 at both ends.
+    The table holds 6 numbers for each node v = j: s and its slope ds/dv; the constant of the energy
+    in [j, j+1]; the moment and its slope dm/dv; area/v^2.
 
     s is a cubic Hermite polynomial, linear in the first interval, so that Hertz contacts are exact
     at any grading. The energy is integrated in closed form; the moment is a growing cubic
@@ -220,7 +223,7 @@ class _Store:
             n = len(nodes.reach)
         self.reach, self.largest = np.zeros((2, n))
         self.usable, self.repaired, self.ready = np.ones(n, bool), *np.zeros((2, n), bool)
-        self.exponent, self.table = 3.0 + footprints.m, np.empty((n, 0, 11))
+        self.exponent, self.table = 3.0 + footprints.m, np.empty((n, 0, NUMBERS))
         self.place, self.made = np.zeros(n, np.int32), 0
         self.complete = False
         if self.growing is None:
@@ -243,7 +246,7 @@ class _Store:
                 raise InputError(f"law table: {name} holds values that are not finite")
         if not self.table.shape[1]:
             self.exponent = float(nodes.exponent)
-            self.table = np.empty((len(self.reach), force.shape[1] - 1, 11))
+            self.table = np.empty((len(self.reach), force.shape[1], NUMBERS))
         self.ready[rows] = True
         self.complete = bool(self.ready.all())
         good = (reach > 0) & (force[:, -1] > 0)
