@@ -144,6 +144,7 @@ def near_fields(
     s = carray(floats(), (COLUMNS * BLOCK,))
     d = carray(doubles(), (2 * BLOCK,))
     row = carray(places(), (BLOCK,))
+    row[:] = 0
     listed = np.zeros((2, BLOCK), np.int32)
     away = np.ones((2, BLOCK), np.float32)
     lack = np.empty((4, BLOCK), np.float32)

@@ -52,6 +52,8 @@ def tangent_list(
     s = carray(floats(), (COLUMNS * BLOCK,))
     row = carray(places(), (BLOCK,))
     column = carray(places(), (BLOCK,))
+    row[:] = 0
+    column[:] = 0
     listed = np.zeros((2, BLOCK), np.int32)
     away = np.ones((2, BLOCK), np.float32)
     lack = np.empty((4, BLOCK), np.float32)

@@ -47,7 +47,10 @@ class Afar:
     """
 
     def __init__(self, plan: Interaction) -> None:
-        self.plan, n = plan, len(plan.y)
+        n = len(plan.y)
+        # not the plan itself, whose memory should be free as soon as it is not used
+        self.body, self.wrap = plan.footprints, plan.wrap
+        self.sides = plan.size[0] * plan.eta, plan.size[1] * plan.eta
         self.count = CELLS if n >= MANY else 1
         self.cell = np.zeros(n, np.int32)
         if self.count > 1:
@@ -61,12 +64,12 @@ class Afar:
     def kernel(self) -> NDArray[np.float64]:
         """G_c [m/N], shape (cells, cells): on a free half-space that of a cell of twice the size,
         which repeats."""
-        body, repeats = self.plan.footprints, 1 if self.plan.wrap else 2
+        body, repeats = self.body, 1 if self.wrap else 2
         count = self.count * repeats
         waves = np.fft.fftfreq(count * FINER, 1 / (count * FINER))
-        sides = [size * self.plan.eta * repeats for size in self.plan.size]
+        sides = [side * repeats for side in self.sides]
         q = np.hypot(*np.meshgrid(*(2 * np.pi * waves / side for side in sides), indexing="ij"))
-        q[0, 0] = np.inf if self.plan.wrap else q[0, 1]
+        q[0, 0] = np.inf if self.wrap else q[0, 1]
         evened = np.sinc(waves / count) ** 2
         symbol = body.symbol * q ** (body.m - 1) * np.multiply.outer(evened, evened)
         value = np.fft.ifft2(symbol).real[::FINER, ::FINER] * (len(waves) ** 2 / np.prod(sides))
