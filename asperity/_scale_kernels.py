@@ -32,7 +32,7 @@ def shell_sums(waves, qy, qx, width, even, metric, m, out):
             stretched = xx * x2 + xy * cross + yy * y2
             root = math.sqrt(square)
             if m != 0.0 and square > 0.0:
-                root = root ** (1.0 - m)
+                root = math.exp((1.0 - m) * math.log(root))  # a power slows the loop threefold
             row = out[int(math.sqrt(stretched) / width + 0.5)]
             row[0] += power
             row[1] += power * stretched
