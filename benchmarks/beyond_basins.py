@@ -2,9 +2,11 @@
 
     python benchmarks/beyond_basins.py --seeds 21 22
     python benchmarks/beyond_basins.py --families "to the pixel" --points 1024
+    python benchmarks/beyond_basins.py --families graded lay --ways contacts --seeds 31 32
 
-Mean pressures for about 0.4, 2, 8, 15 and 25 % of contact on periodic maps, rms slope 0.1, roll-off
-an eighth of the side. The reference is solved by boundary elements on the map refined twice by its
+Mean pressures (`--loads`, in units of the pressure that flattens the map) for about 0.4, 2, 8, 15
+and 25 % of contact on periodic maps, rms slope 0.1, roll-off an eighth of the side; graded bodies and
+lay to the pixel. The reference is solved by boundary elements on the map refined twice by its
 own Fourier series. Load error at equal separation (from the separation at equal load), area error
 at equal load, processor seconds of the five loads, map in memory to curve, compiled before.
 
@@ -32,13 +34,13 @@ Array = NDArray[np.float64]
 Result = tuple[Array, Array, float]
 
 LOADS = np.array([0.002, 0.01, 0.04, 0.08, 0.14])
-BODY = asperity.HalfSpace.from_modulus(1.0)
+Body = asperity.HalfSpace
 
 
 def families(points: int, seed: int) -> dict[str, surfaces.HeightMap]:
-    """Maps of pixel size 1."""
+    """Maps of pixel size 1; those of graded bodies are named so (`body_of`)."""
 
-    def rough(hurst: float, cutoff: float | None) -> surfaces.HeightMap:
+    def rough(hurst: float, cutoff: float | None, lay: float = 1.0) -> surfaces.HeightMap:
         return surfaces.self_affine(
             (points, points),
             (float(points), float(points)),
@@ -46,6 +48,7 @@ def families(points: int, seed: int) -> dict[str, surfaces.HeightMap]:
             rms_slope=0.1,
             rolloff=points / 8,
             cutoff=cutoff,
+            anisotropy=lay,
             seed=seed,
         )
 
@@ -54,35 +57,47 @@ def families(points: int, seed: int) -> dict[str, surfaces.HeightMap]:
         "to the pixel H 0.5": rough(0.5, None),
         "cut-off 4 px H 0.8": rough(0.8, 4.0),
         "cut-off 32 px H 0.8": rough(0.8, 32.0),
+        "graded m = 0.3, H 0.8": rough(0.8, None),
+        "graded m = -0.3, H 0.8": rough(0.8, None),
+        "lay 2:1, H 0.8": rough(0.8, None, 2.0),
+        "lay 4:1, H 0.8": rough(0.8, None, 4.0),
     }
 
 
-def model(hm: surfaces.HeightMap, pressures: Array, scales: str) -> Result:
+def body_of(name: str) -> asperity.HalfSpace:
+    """Body of a family."""
+    m = float(name.split("=")[1].split(",")[0]) if name.startswith("graded") else 0.0
+    return asperity.HalfSpace.from_modulus(1.0, m=m)
+
+
+def model(hm: surfaces.HeightMap, body: Body, pressures: Array, scales: str) -> Result:
     """Separation, area fraction and time of the contact model."""
     start = time.process_time()
-    curve = asperity.contact_curve(hm, BODY, pressures=pressures, scales=scales)
+    curve = asperity.contact_curve(hm, body, pressures=pressures, scales=scales)
     return curve.separation, curve.area_fraction, time.process_time() - start
 
 
-def elements(hm: surfaces.HeightMap, pressures: Array, step: int) -> Result:
+def elements(hm: surfaces.HeightMap, body: Body, pressures: Array, step: int) -> Result:
     """The same of boundary elements on a grid coarser by `step`."""
     start = time.process_time()
     grid = hm if step == 1 else surfaces.resample(hm, step * np.asarray(hm.spacing))
-    curve = asperity.bem_curve(grid, BODY, pressures=pressures, tolerance=1e-2)
+    curve = asperity.bem_curve(grid, body, pressures=pressures, tolerance=1e-2)
     return curve.separation, curve.area_fraction, time.process_time() - start
 
 
-def elements_and_law(hm: surfaces.HeightMap, pressures: Array, step: int) -> Result | None:
+def elements_and_law(
+    hm: surfaces.HeightMap, body: Body, pressures: Array, step: int
+) -> Result | None:
     """Boundary elements on the coarser grid, and the law of the waves that it cannot hold.
 
     The law is used with one mean pressure for the whole contact, and its energy differentiated
     along the curve.
     """
     start = time.process_time()
-    fine = lost_waves(hm, step)
+    fine = lost_waves(hm, body, step)
     if fine is None:
         return None
-    separation, area, _ = elements(hm, pressures, step)
+    separation, area, _ = elements(hm, body, pressures, step)
     share, kept = area, area
     for _ in range(3):
         kept = area * np.array(
@@ -97,8 +112,10 @@ def elements_and_law(hm: surfaces.HeightMap, pressures: Array, step: int) -> Res
     return separation + lift, kept, time.process_time() - start
 
 
-def lost_waves(hm: surfaces.HeightMap, step: int) -> FineScales | None:
-    """Law of the waves that a grid coarser by `step` cannot hold."""
+def lost_waves(hm: surfaces.HeightMap, body: Body, step: int) -> FineScales | None:
+    """Law of the waves that a grid coarser by `step` cannot hold, on a homogeneous body."""
+    if body.m != 0.0:
+        return None
     waves = np.abs(np.fft.fft2(hm.heights) / hm.heights.size) ** 2
     qy, qx = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(hm.shape, hm.spacing, strict=True))
     number = np.hypot(qy[:, None], qx)
@@ -111,30 +128,38 @@ def lost_waves(hm: surfaces.HeightMap, step: int) -> FineScales | None:
         return None
     energy = float((waves * number)[lost].sum())
     shortest = 2 * step * max(hm.spacing)
-    return FineScales(shortest, ratio, 0.25 * BODY.modulus**2 * slope, 0.25 * BODY.modulus * energy)
+    aside, cross = (waves * (qx**2 - qy[:, None] ** 2))[lost], (2 * waves * qx * qy[:, None])[lost]
+    lay = float(np.hypot(aside.sum(), cross.sum())) / slope
+    return FineScales(
+        shortest,
+        ratio,
+        0.25 * body.modulus**2 * slope,
+        0.25 * body.modulus * energy,
+        evenness=float(np.sqrt(1.0 - lay**2)),
+    )
 
 
-def ratio_of_models(hm: surfaces.HeightMap, pressures: Array, step: int) -> Result:
+def ratio_of_models(hm: surfaces.HeightMap, body: Body, pressures: Array, step: int) -> Result:
     """Boundary elements on the coarser grid times the ratio of the model on both maps."""
     coarse = surfaces.resample(hm, step * np.asarray(hm.spacing))
     parts = (
-        elements(hm, pressures, step),
-        model(hm, pressures, "all"),
-        model(coarse, pressures, "all"),
+        elements(hm, body, pressures, step),
+        model(hm, body, pressures, "all"),
+        model(coarse, body, pressures, "all"),
     )
     (s0, a0, _), (s1, a1, _), (s2, a2, _) = parts
     return s0 + s1 - s2, a0 * a1 / a2, sum(part[2] for part in parts)
 
 
-WAYS: dict[str, Callable[[surfaces.HeightMap, Array], Result | None]] = {
-    "contacts, all summits": lambda hm, p: model(hm, p, "all"),
-    "contacts, law of fine waves": lambda hm, p: model(hm, p, "auto"),
-    "ratio of models, grid / 2": lambda hm, p: ratio_of_models(hm, p, 2),
-    "elements": lambda hm, p: elements(hm, p, 1),
-    "elements, grid / 2": lambda hm, p: elements(hm, p, 2),
-    "elements, grid / 4": lambda hm, p: elements(hm, p, 4),
-    "elements / 2, law of fine waves": lambda hm, p: elements_and_law(hm, p, 2),
-    "elements / 4, law of fine waves": lambda hm, p: elements_and_law(hm, p, 4),
+WAYS: dict[str, Callable[[surfaces.HeightMap, Body, Array], Result | None]] = {
+    "contacts, all summits": lambda hm, body, p: model(hm, body, p, "all"),
+    "contacts, law of fine waves": lambda hm, body, p: model(hm, body, p, "auto"),
+    "ratio of models, grid / 2": lambda hm, body, p: ratio_of_models(hm, body, p, 2),
+    "elements": lambda hm, body, p: elements(hm, body, p, 1),
+    "elements, grid / 2": lambda hm, body, p: elements(hm, body, p, 2),
+    "elements, grid / 4": lambda hm, body, p: elements(hm, body, p, 4),
+    "elements / 2, law of fine waves": lambda hm, body, p: elements_and_law(hm, body, p, 2),
+    "elements / 4, law of fine waves": lambda hm, body, p: elements_and_law(hm, body, p, 4),
 }
 
 
@@ -144,22 +169,30 @@ def main() -> None:
     parser.add_argument("--points", type=int, default=512)
     parser.add_argument("--seeds", type=int, nargs="+", default=[21])
     parser.add_argument("--families", nargs="*", default=[], help="parts of family names")
+    parser.add_argument("--ways", nargs="*", default=[], help="parts of the names of the ways")
+    parser.add_argument("--loads", type=float, nargs="+", default=LOADS.tolist())
     args = parser.parse_args()
-    small = families(128, 1)["to the pixel H 0.8"]
-    for way in WAYS.values():
-        way(small, LOADS[:2] * pressure_scale(small, BODY))
+    ways = {
+        name: way
+        for name, way in WAYS.items()
+        if not args.ways or any(part in name for part in args.ways)
+    }
+    small, body = families(128, 1)["to the pixel H 0.8"], body_of("")
+    for way in ways.values():
+        way(small, body, LOADS[:2] * pressure_scale(small, body))
     for seed in args.seeds:
         for name, hm in families(args.points, seed).items():
             if args.families and not any(part in name for part in args.families):
                 continue
-            pressures = LOADS * pressure_scale(hm, BODY)
+            body = body_of(name)
+            pressures = np.array(args.loads) * pressure_scale(hm, body)
             refined = surfaces.resample(hm, 0.5 * np.asarray(hm.spacing))
-            exact = asperity.bem_curve(refined, BODY, pressures=pressures, tolerance=1e-4)
+            exact = asperity.bem_curve(refined, body, pressures=pressures, tolerance=1e-4)
             fall = -np.gradient(exact.separation, np.log(pressures))
             area = " ".join(f"{100 * a:.1f}" for a in exact.area_fraction)
             print(f"{name}, seed {seed}: contact {area} %")
-            for way, run in WAYS.items():
-                found = run(hm, pressures)
+            for way, run in ways.items():
+                found = run(hm, body, pressures)
                 if found is None:
                     continue
                 load = np.expm1((found[0] - exact.separation) / fall)
