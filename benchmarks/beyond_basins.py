@@ -5,10 +5,10 @@
     python benchmarks/beyond_basins.py --families graded lay --ways contacts --seeds 31 32
 
 Mean pressures (`--loads`, in units of the pressure that flattens the map) for about 0.4, 2, 8, 15
-and 25 % of contact on periodic maps, rms slope 0.1, roll-off an eighth of the side; graded bodies and
-lay to the pixel. The reference is solved by boundary elements on the map refined twice by its
+and 25 % of contact on periodic maps, rms slope 0.1, roll-off an eighth of the side; graded bodies
+and lay to the pixel. The reference is solved by boundary elements on the map refined twice by its
 own Fourier series. Load error at equal separation (from the separation at equal load), area error
-at equal load, processor seconds of the five loads, map in memory to curve, compiled before.
+at equal load, processor seconds of all loads, map in memory to curve, compiled before.
 
 Ways: contacts at all summits; the finest waves as a law of the contacts of the others
 (`scales="auto"`); boundary elements on the full and on coarser grids; those with the same law of

@@ -10,7 +10,7 @@ import pytest
 import asperity
 import surfaces
 from asperity.loadpoints import pressure_scale
-from asperity.pixel_waves import MOST, fineness, kurtosis, random_waves, refined_map
+from asperity.pixel_waves import FINER, fineness, kurtosis, random_waves, refined_map
 from surfaces import HeightMap, self_affine
 
 BODY = asperity.HalfSpace.from_modulus(1.0)
@@ -60,13 +60,17 @@ def test_only_where_waves_reach_the_pixel():
         assert refined_map(wavy(cutoff=cutoff)) is None
 
 
-def test_a_grid_too_large_is_said(monkeypatch):
-    monkeypatch.setattr("asperity.pixel_waves.MOST", 4 * 160 * 192 - 1)
-    assert "too large" in str(refined_map(wavy()))
-    plan = asperity.make_plan(wavy(), BODY, interaction=False)
+def test_large_maps_are_refined_less_and_it_is_said(monkeypatch):
+    hm, ((ratio, most), (less, more)) = wavy(), FINER
+    assert ratio > less
+    assert ratio**2 * 1024**2 <= most <= less**2 * 2048**2 <= more
+    monkeypatch.setattr("asperity.pixel_waves.FINER", ((2.0, 0), (1.5, 1e6)))
+    assert refined_map(hm).shape == (240, 288)
+    monkeypatch.setattr("asperity.pixel_waves.FINER", ((2.0, 0), (1.5, 0)))
+    assert "takes long" in str(refined_map(hm))
+    plan = asperity.make_plan(hm, BODY, interaction=False)
     assert plan.resampled is None
     assert "160 x 192 points, a finer one would hold" in str(plan)
-    assert MOST >= 2048**2
 
 
 def test_nearer_to_boundary_elements_than_on_the_map_itself():
