@@ -35,7 +35,7 @@ TOLERANCE = 5e-2
 """Bound on the residual under a load before its last Newton step, whose effect on load and area is
 a tenth of it or less (docs/interaction.md)."""
 
-CLOSE = 3e-3
+CLOSE = 4e-3
 """The same at a separation, where no step follows."""
 
 

@@ -58,15 +58,22 @@ class Candidates:
         field: Interaction | None,
         separation: float,
         growth: float,
+        beside: NDArray[np.bool_] | None = None,
     ) -> Candidates:
-        """At a separation; `growth` is how much deeper the field can be where it is negative."""
+        """At a separation; `growth` is how much deeper the field can be where it is negative.
+
+        Summits `beside` those that are wanted are left out, shape (summits,).
+        """
         y, x, depth = population.fallen
         low = growth * (0.0 if field is None else field.lowest)
         end = np.searchsorted(depth, -(separation + 1.1 * low))
-        rows, overlap = population.falling[:end], -separation - depth[:end]
+        rows, y, x, overlap = population.falling[:end], y[:end], x[:end], -separation - depth[:end]
+        if beside is not None:
+            some = np.flatnonzero(~beside[rows])
+            rows, y, x, overlap = rows[some], y[some], x[some], overlap[some]
         if field is None:
             return cls(rows, overlap - 1.1 * low, low)
-        smooth = field.potential(y[:end], x[:end])
+        smooth = field.potential(y, x)
         return cls(rows, overlap - np.minimum(smooth, growth * smooth), low)
 
 
@@ -142,10 +149,18 @@ class Listing:
         )
         return cls(problem, index, listed, offset)
 
-    def lacks(self, candidates: Candidates, some: float = 0.0) -> bool:
-        """Whether more than `some` candidates that overlap are not listed."""
-        missing = ~self.listed[candidates.rows] & (candidates.overlap > 0)
-        return bool(np.count_nonzero(missing) > some)
+    def lacks(
+        self,
+        population: Population,
+        field: Interaction | None,
+        separation: float,
+        growth: float,
+        some: float = 0.0,
+    ) -> bool:
+        """Whether more than `some` candidates that overlap are not listed; arguments as those of
+        `Candidates.of`."""
+        missing = Candidates.of(population, field, separation, growth, self.listed)
+        return bool(np.count_nonzero(missing.overlap > 0) > some)
 
     def strayed(self, population: Population, closed: Rows, approach: Array) -> bool:
         """Whether contacts are too far from the centres of their laws for the plan to hold."""

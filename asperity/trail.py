@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Trail"]
 
-SPARE = 1.3
+SPARE = 1.5
 """Listed summits over those that can touch now, so that lists last for several separations."""
 
 DEEPER = 1.1
@@ -78,17 +78,18 @@ class Trail:
         growth, spare = DEEPER, SPARE
         if pressure is not None and self.points and self.points[-1].pressure > 0:
             growth, spare = max(1.0, pressure / self.points[-1].pressure), NEW_LOAD
-        near = Candidates.of(population, self.field, separation, growth)
         closed = values[0] > 0
         listing = self.listing
         if listing is not None and (
-            listing.lacks(near) or listing.strayed(population, rows[closed], values[0, closed])
+            listing.lacks(population, self.field, separation, growth)
+            or listing.strayed(population, rows[closed], values[0, closed])
         ):
             listing = None
         for placed in range(MAX_PLACED + 1):
             blind = not self.points and placed == 0
             if listing is None:
                 closed = values[0] > 0
+                near = Candidates.of(population, trail.field, separation, growth)
                 listing = Listing.of(population, near, rows[closed], values[0, closed], spare)
             if rows is not listing.index:
                 start = np.zeros((len(values), len(population)))
@@ -120,12 +121,12 @@ class Trail:
             trail = replace(trail, listing=listing, field=listing.problem.plan)
             if solution.reason or placed == MAX_PLACED:
                 break
-            near = Candidates.of(population, trail.field, separation, 1.0)
-            closed = values[0] > 0
+            closed, growth = values[0] > 0, 1.0
             astray = listing.strayed(population, rows[closed], values[0, closed])
             # those that only just touch carry less than their share of the load
             few = LACKING * tolerance * np.count_nonzero(closed)
-            if not (blind or astray or listing.lacks(near, few)):
+            enough = not listing.lacks(population, trail.field, separation, growth, few)
+            if enough and not (blind or astray):
                 break
             listing = None
         return trail._state(solution, values, steps, products)
