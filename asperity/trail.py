@@ -51,7 +51,7 @@ MAX_SEARCH = 40
 SEARCH_TOLERANCE = 5e-3
 """Tolerance of a solve on the way to a mean pressure."""
 
-LEVEL = 3e-3
+LEVEL = 1e-9
 """Rise of the flat under more load that rounding explains, over its fall since the first touch."""
 
 
