@@ -181,3 +181,18 @@ def test_a_spot_across_the_seam_is_one(broad):
     contact = run.contact_map()
     assert len(run.spots()) == label_patches(contact, periodic=True)[1]
     assert len(run.spots()) < label_patches(contact, periodic=False)[1]
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_maps_of_a_measured_surface_are_those_of_boundary_elements(measured, boundary):
+    whole = surfaces.read(measured / "afm_10um_grains.h5")
+    hm = surfaces.crop(whole, (100, 260), (60, 252))
+    hm = surfaces.prepare(hm, periodic="taper" if boundary == "periodic" else None)
+    run = run_of(hm, load=(2e-2,), boundary=boundary)
+    load = run.curve.mean_pressure[0]
+    exact = asperity.bem_solve(hm, STEEL, pressure=load, tolerance=1e-2, boundary=boundary)
+    mine, pressure = run.contact_map(), run.pressure_map()
+    assert np.mean(exact.contact[mine]) > 0.93
+    assert np.corrcoef(pressure.ravel(), exact.pressure.ravel())[0, 1] > 0.95
+    assert len(run.spots()) == pytest.approx(exact.contacts, rel=0.25, abs=3)
+    assert run.curve.contacts[0] == pytest.approx(exact.contacts, rel=0.2, abs=3)
