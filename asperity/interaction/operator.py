@@ -17,7 +17,7 @@ from .near import chunks, near_pairs, run, total
 
 __all__ = ["CAP", "Field", "Interaction"]
 
-NEIGHBOURS = 20
+NEIGHBOURS = 15
 """Neighbours within the cut-off, on average."""
 
 CUT = 2.0
