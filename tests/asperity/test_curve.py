@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.contacts import microcontacts
+from asperity.contacts import ellipses, microcontacts
 from asperity.curve import solve_contacts
 from asperity.errors import SurfaceError
 from asperity.fields import contact_map, pressure_map
@@ -101,6 +101,10 @@ def test_adding_a_constant_and_shifting_change_nothing(rough):
     np.testing.assert_allclose(again.curve.separation, run.curve.separation, rtol=2e-3, atol=1e-10)
     np.testing.assert_allclose(again.curve.contacts, run.curve.contacts, atol=1)
     assert overlap(np.roll(run.contact_map(), (37, -51), axis=(0, 1)), again.contact_map()) > 0.98
+    first, second = (np.zeros(rough.shape, bool) for _ in range(2))
+    first.flat[ellipses(run.bodies, run.states[-1])[0]] = True
+    second.flat[ellipses(again.bodies, again.states[-1])[0]] = True
+    assert overlap(np.roll(first, (37, -51), axis=(0, 1)), second) > 0.98
 
 
 def test_exchanging_the_axes_exchanges_places_and_turns_angles(rough):

@@ -241,6 +241,8 @@ def test_lengths_and_modulus_only_scale(rough, loads):
     other = asperity.contact_curve(small, body, pressures=loads[:2] / STEEL.modulus)
     np.testing.assert_allclose(other.area_fraction, one.area_fraction, rtol=1e-3)
     np.testing.assert_allclose(1e-6 * other.separation, one.separation, rtol=1e-3)
+    stiffness = 1e6 * STEEL.modulus * other.stiffness
+    np.testing.assert_allclose(stiffness, one.stiffness, rtol=5e-3)
 
 
 @pytest.mark.parametrize(
