@@ -18,7 +18,7 @@ from asperity.indentation import Indentation
 from asperity.material import HalfSpace
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from . import ellipse, expansion, ritz_batch
+from . import batch, ellipse, expansion, ritz_batch
 from .flags import Flag
 from .table import LawTable
 
@@ -79,7 +79,8 @@ def tabulate(
     continuation of the ellipse law can be off by factors. For such summits, about one in ten, the
     force of `ritz` is computed at a few approaches; where both disagree grossly, the summit is
     tabulated by `ritz` and the disagreement is its spread. So are summits whose smallest
-    polynomial is no summit: the ellipse law has nothing to say of them.
+    polynomial is no summit: the ellipse law has nothing to say of them. A plateau on which `ritz`
+    finds a pull gets the harmonic law.
     """
     table = replace(ellipse.tabulate(profiles, material, nodes=nodes), law=law)
     left = table.flags[:, 1 : int(EARLY * nodes) + 1] & Flag.BEYOND_RADIUS
@@ -92,6 +93,11 @@ def tabulate(
         return table
     second = ritz_batch.tabulate(profiles.rows(wrong), material, nodes=nodes)
     _replace(table, wrong, second, ratio[wrong])
+    # on a plateau that rays leave uphill, direct maximisation finds a pull
+    pulled = wrong[~(second.force[:, 1:] > 0).all(axis=1)]
+    if pulled.size:
+        third = batch.tabulate(profiles.rows(pulled), material, law="harmonic", nodes=nodes)
+        _replace(table, pulled, third, ratio[pulled])
     return table
 
 

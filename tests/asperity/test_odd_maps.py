@@ -8,6 +8,7 @@ import pytest
 import asperity
 import surfaces
 from asperity.loadpoints import pressure_scale
+from asperity.microcontact.laws import tabulate
 
 
 def _rough(shape, cutoff, *, hurst=0.8, seed=1, **more):
@@ -63,3 +64,20 @@ def test_contacts_that_all_open_within_a_step():
     hm = surfaces.turned((128, 160), (128.0, 160.0), feed=20.0, nose_radius=100.0, seed=1)
     curve = _curve(hm, -0.8, np.geomspace(1e-5, 0.35, 7))
     assert all(reason or good for reason, good in zip(curve.reasons, curve.converged, strict=True))
+
+
+def test_no_law_of_a_fading_border_pulls():
+    """Hardly curved plateaus where a border fades closed a fiftieth of the map without a force."""
+    shape, size, rng = (96, 120), (96.0, 120.0), np.random.default_rng(1)
+    noise = rng.normal(size=shape)
+    ground = surfaces.ground(shape, size, rms_slope=0.1, cutoff=5.0, seed=1)
+    y, x = (np.linspace(-1, 1, n) for n in shape)
+    form = -ground.rms_height * (y[:, None] ** 2 + 0.5 * x**2)
+    raw = surfaces.HeightMap(ground.heights + form + 0.01 * noise, (1.0, 1.0))
+    hm = surfaces.prepare(raw, periodic="taper")
+    profiles = surfaces.fit_profiles(hm, surfaces.segment(hm))
+    table = tabulate(profiles, asperity.HalfSpace.from_modulus(1.0), law="auto")
+    known = profiles.valid & (table.reach > 0)
+    assert known.sum() > 100
+    assert (table.force[known, 1:] > 0).all()
+    assert (np.diff(table.force[known], axis=1) >= 0).all()
