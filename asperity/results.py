@@ -214,16 +214,29 @@ class ContactCurve:
         )
 
     def joined(self, later: ContactCurve) -> ContactCurve:
-        """This curve followed by the points of a later run of the same model; times add up."""
+        """This curve followed by the points of a later run of the same model; times add up.
+
+        Where tangents are known the stiffness is that of all points together.
+        """
+        from .slope import curve_stiffness
+
         columns: dict[str, Any] = {
             name: np.concatenate([getattr(self, name), getattr(later, name)])
             for name in POINT_FIELDS
         }
+        extra = {k: np.concatenate([self.extra[k], v]) for k, v in later.extra.items()}
+        if "tangent_stiffness" in extra:
+            columns["stiffness"] = curve_stiffness(
+                columns["mean_pressure"],
+                columns["separation"],
+                extra["tangent_stiffness"],
+                columns["converged"],
+            )
         stages = dict.fromkeys([*self.seconds, *later.seconds])
         return dataclasses.replace(
             later,
             **columns,
-            extra={k: np.concatenate([self.extra[k], v]) for k, v in later.extra.items()},
+            extra=extra,
             reasons=self.reasons + later.reasons,
             seconds={k: self.seconds.get(k, 0.0) + later.seconds.get(k, 0.0) for k in stages},
         )

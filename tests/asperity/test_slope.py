@@ -61,3 +61,17 @@ def test_stiffness_of_a_curve_is_that_of_boundary_elements(cutoff, m):
     exact = asperity.bem_curve(hm, body, pressures=near, tolerance=1e-5)
     slope = -np.diff(exact.mean_pressure) / np.diff(exact.separation)
     assert curve.stiffness[2] == pytest.approx(slope[0], rel=0.05)
+
+
+def test_runs_that_are_joined_have_the_stiffness_of_all_points():
+    hm = self_affine(
+        (96, 120), (96.0, 96.0), hurst=0.8, rms_slope=0.1, rolloff=32.0, cutoff=8, seed=3
+    )
+    body = asperity.HalfSpace.from_modulus(1.0)
+    loads = np.geomspace(4e-3, 4e-2, 4) * pressure_scale(hm, body)
+    first, later = (asperity.contact_curve(hm, body, pressures=p) for p in (loads[:3], loads[3:]))
+    joined = first.joined(later)
+    whole = asperity.contact_curve(hm, body, pressures=loads)
+    np.testing.assert_array_equal(later.stiffness, later.extra["tangent_stiffness"])
+    np.testing.assert_allclose(joined.stiffness, whole.stiffness, rtol=0.01)
+    assert joined.stiffness[3] > 1.01 * later.stiffness[0]
