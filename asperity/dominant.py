@@ -16,17 +16,24 @@ if TYPE_CHECKING:
 
     from .microcontact.table import LawTable
 
-__all__ = ["SHARE", "SHARE_OF_NONE", "Ranking"]
+__all__ = ["Ranking"]
 
 Rows = NDArray[np.int64]
 
 SHARE = 0.03
-"""Share of the load, beyond its expansion, from which on a contact is dominant."""
+"""Share of the load, beyond its expansion, from which on the contact on a ridge is dominant."""
 
 SHARE_OF_NONE = 0.003
 """The same of a peak without a summit of its own between the pixels, of which no law holds."""
 
-MOST = 400
+SHARE_OF_ROUND, RIDGE = 0.1, 5.0
+"""The same of a summit whose curvatures differ by less than the second number: its law is half as
+far off."""
+
+LATER = np.array([0, 1, 3, 6])
+"""Nodes of a table beyond the expansion at which the share is looked at."""
+
+MOST = 200
 """Summits above the flat at which no contact is looked at any more."""
 
 
@@ -52,24 +59,28 @@ class Ranking:
         self._usable = np.zeros(len(summits), bool)
         self._usable[usable] = True
         self._height = summits.height[order[:MOST]]
+        self._lowest = self._height[-1] if len(self._height) == MOST else -np.inf
         self._weight = _weight(summits)
         self._first = self._weight[order[:MOST]]
+        steep, shallow = summits.curvature.T
+        self._share = np.where(steep > RIDGE * shallow, SHARE, SHARE_OF_ROUND)
         self._summits = summits
 
     def dominant(self, rows: Rows, table: LawTable) -> Rows:
         """Slots of a law table of the summits `rows` whose law has to be exact."""
         beyond = (table.flags & Flag.BEYOND_RADIUS) > 0
         slots = np.flatnonzero(beyond.any(axis=1) & (table.reach > 0) & self._usable[rows])
-        top, depth = self._summits.height[rows[slots]], table.approach()[slots]
-        first = np.take_along_axis(depth, beyond[slots].argmax(axis=1)[:, None], axis=1)
-        near = np.searchsorted(-self._height, (first[:, 0] - top)) < MOST
-        slots, top, depth = slots[near], top[near], depth[near]
-        flat = top[:, None] - depth
-        total = np.maximum(self._height - flat[:, :, None], 0.0) ** 1.5 @ self._first
+        nodes = np.minimum(beyond[slots].argmax(axis=1)[:, None] + LATER, table.nodes)
+        depth = table.reach[slots, None] * (nodes / table.nodes) ** 2
+        top = self._summits.height[rows[slots]]
+        near = top - depth[:, 0] > self._lowest
+        slots, depth, flat = slots[near], depth[near], (top[:, None] - depth)[near]
+        over = np.maximum(self._height - flat[:, :, None], 0.0)
+        total = (over * np.sqrt(over)) @ self._first
         own = self._weight[rows[slots], None] * depth**1.5
-        seen = beyond[slots] & (flat > self._height[-1])
+        seen = flat > self._lowest
         none = self._summits.kinds[rows[slots], None] == PLATEAU
-        share = np.where(none, SHARE_OF_NONE, SHARE)
+        share = np.where(none, SHARE_OF_NONE, self._share[rows[slots], None])
         return np.asarray(slots[(seen & (own > share * total)).any(axis=1)])
 
 

@@ -29,7 +29,7 @@ __all__ = ["press", "put"]
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-STEPS = np.array([0, 1, 2, 3, 5, 7, 10, 13, 17, 23])
+STEPS = np.array([0, 1, 2, 4, 6, 9, 13, 23])
 """Nodes of the table, from the last that the expansion describes on, at which a basin is pressed;
 and the last node."""
 
