@@ -170,7 +170,7 @@ def make_plan(
     reasons.append(why)
     above, why = _lowest_height(hm, material, kind, values)
     reasons.append(why)
-    resampled, fine, whys = _grid(hm, material, coupled and edge == "periodic", scales)
+    resampled, fine, whys = _grid(hm, material, coupled, scales)
     reasons += whys
     reasons += [f"resolution: {why}" for why in resolution_warning(hm)]
     memory = MODEL_BYTES_PER_POINT * (hm if resampled is None else resampled).heights.size
@@ -250,7 +250,7 @@ def _grid(
     shape = f"{hm.shape[0]} x {hm.shape[1]}"
     split: tuple[HeightMap, FineScales] | str = "scales: all, as asked"
     if scales == "auto":
-        split = "scales: all, contacts do not interact across a periodic cell"
+        split = "scales: all, contacts do not interact"
         if coupled:
             split = split_scales(hm, material)
     if not isinstance(split, str):

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["split_scales"]
 
 Array = NDArray[np.float64]
+Waves = NDArray[np.complex128] | Array
 
 BROADEST = 14.0
 """Breadth m0 m4 / m2^2 of the spectrum up to which basins are left as they are."""
@@ -77,10 +78,11 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
     parameter) reaches `BROADEST`, and none shorter than `UNRESOLVED` pixels. With lay the order and
     the breadth are those of the map stretched until its slope is the same in all directions. The
     law holds for random waves: a kurtosis of second differences far from 3 shows spikes, steps,
-    worn plateaus and a border that fades.
+    worn plateaus and a border that fades. A map that is not periodic is taken with its mirror
+    images, in which lay would be lost.
     """
-    if not hm.periodic or abs(material.m) > GRADED:
-        return f"scales: all, the law of fine waves is for periodic maps and |m| <= {GRADED:g}"
+    if abs(material.m) > GRADED:
+        return f"scales: all, the law of fine waves is for |m| <= {GRADED:g}"
     found = hm.roughness
     slope, bend = np.asarray(found.slope), np.asarray(found.curvature)
     rough = found.rms_height**2 * np.mean(bend**2) / np.mean(slope**2) ** 2
@@ -90,10 +92,12 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
         return NARROW
     if not random_waves(hm):
         return "scales: all, the finest waves are not random, so that no law holds for all of them"
-    waves = fft.rfft2(hm.heights, workers=threads())
+    waves = _waves(hm)
     stretch = np.eye(2)
     shell, sums = _shells(waves, hm, material.m, stretch)
     lay = _lay(sums[-1])
+    if not hm.periodic and max(lay, _diagonal(hm)) > LAY[0]:
+        return "scales: all, there is a law of fine waves with lay for periodic maps only"
     if lay > LAY[1]:
         return "scales: all, the waves have nearly one direction, for which there is no law"
     if lay > LAY[0]:
@@ -126,9 +130,30 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
     )
 
 
-def _shells(
-    waves: NDArray[np.complex128], hm: HeightMap, m: float, stretch: Array
-) -> tuple[float, Array]:
+def _waves(hm: HeightMap) -> Waves:
+    """Transform of a periodic map, or cosines of another and its mirror images.
+
+    Those are as if from the real transform of a map of their own: every column but the first
+    stands for two.
+    """
+    if hm.periodic:
+        return np.asarray(fft.rfft2(hm.heights, workers=threads()))
+    waves = fft.dctn(hm.heights, norm="ortho", workers=threads()) * np.sqrt(hm.heights.size)
+    waves[:, 1:] *= np.sqrt(0.5)
+    return np.asarray(waves)
+
+
+def _diagonal(hm: HeightMap) -> float:
+    """2 <hx hy> / <hx^2 + hy^2> of a map, from some of its rows."""
+    rows = np.arange(0, hm.shape[0] - 1, max(1, hm.shape[0] // 256))
+    low, high = hm.heights[rows], hm.heights[rows + 1]
+    along = np.diff(low, axis=1) + np.diff(high, axis=1)
+    across = (high - low)[:, 1:] + (high - low)[:, :-1]
+    y, x = across / hm.spacing[0], along / hm.spacing[1]
+    return float(2.0 * abs(np.mean(y * x)) / np.mean(y * y + x * x))
+
+
+def _shells(waves: Waves, hm: HeightMap, m: float, stretch: Array) -> tuple[float, Array]:
     """Width [1/m] of the shells of equal wave number, and their running sums (`shell_sums`).
 
     `stretch` is the map of (qy, qx) to the wave numbers by which they are told apart.
@@ -138,20 +163,21 @@ def _shells(
     qy, qx = _numbers(hm)
     width = 2.0 * np.pi / max(hm.size)
     (yy, xy), (_, xx) = stretch @ stretch
-    longest = np.sqrt(
-        yy * qy.min() ** 2 + 2.0 * abs(xy) * abs(qy.min()) * qx[-1] + xx * qx[-1] ** 2
-    )
+    highest = np.abs(qy).max()
+    longest = np.sqrt(yy * highest**2 + 2.0 * abs(xy) * highest * qx[-1] + xx * qx[-1] ** 2)
     count = int(longest / width + 0.5) + 1
     waves[0, 0] = 0.0
     metric = float(xx), float(xy), float(yy)
 
     def part(first: int, last: int) -> Array:
         out = np.zeros((count, 8))
-        even = hm.shape[1] % 2 == 0
+        even = hm.periodic and hm.shape[1] % 2 == 0
         shell_sums(waves[first:last], qy[first:last], qx, width, even, metric, m, out)
         return out
 
     found = np.sum(run(part, blocks(len(qy), 64)), axis=0) / hm.heights.size**2
+    if not hm.periodic:
+        found[:, 5] = 0.0  # mirror images have both signs of qx qy
     return width, np.cumsum(found, axis=0)
 
 
@@ -168,13 +194,16 @@ def _evened(sums: Array) -> Array:
 
 
 def _numbers(hm: HeightMap) -> tuple[Array, Array]:
-    """Wave numbers [1/m] of the rows and columns of the real transform of a map."""
+    """Wave numbers [1/m] of the rows and columns of `_waves`."""
     (ny, nx), (dy, dx) = hm.shape, hm.spacing
-    return 2.0 * np.pi * fft.fftfreq(ny, dy), 2.0 * np.pi * fft.rfftfreq(nx, dx)
+    if not hm.periodic:
+        return np.arange(float(ny)) * np.pi / hm.size[0], np.arange(float(nx)) * np.pi / hm.size[1]
+    qy, qx = fft.fftfreq(ny, dy), fft.rfftfreq(nx, dx)
+    return np.asarray(2.0 * np.pi * qy, float), np.asarray(2.0 * np.pi * qx, float)
 
 
 def _without(
-    waves: NDArray[np.complex128], limit: float, hm: HeightMap, stretch: Array, shortest: Array
+    waves: Waves, limit: float, hm: HeightMap, stretch: Array, shortest: Array
 ) -> HeightMap | None:
     """The map of the waves up to the number `limit`, on a grid of `POINTS` per shortest wave.
 
@@ -187,21 +216,37 @@ def _without(
     if min(shape) < FEWEST:
         return None
     ny, nx = shape
-    half, width = (min(ny, hm.shape[0]) - 1) // 2, (min(nx, hm.shape[1]) - 1) // 2 + 1
-    rows = np.r_[0 : half + 1, hm.shape[0] - half : hm.shape[0]]
-    qy, qx = _numbers(hm)
-    y, x = qy[rows, None], qx[:width]
-    stretched = np.hypot(*(a * y + b * x for a, b in stretch))
-    held = np.zeros((ny, nx // 2 + 1), complex)
-    held[np.r_[0 : half + 1, ny - half : ny], :width] = np.where(
-        stretched < limit, waves[rows, :width], 0.0
-    )
-    # pixel centres: the coarse grid begins half a coarse pixel from the border
-    y = fft.fftfreq(ny)[:, None] * (1.0 - ny / hm.shape[0]) * np.pi
-    x = fft.rfftfreq(nx) * (1.0 - nx / hm.shape[1]) * np.pi
-    held *= np.exp(1j * (y + x))
-    heights = fft.irfft2(held, s=(ny, nx), workers=threads())
-    heights *= ny * nx / hm.heights.size
+    held = _held(waves, limit, hm, stretch, (ny, nx))
+    if hm.periodic:
+        # pixel centres: the coarse grid begins half a coarse pixel from the border
+        y = fft.fftfreq(ny)[:, None] * (1.0 - ny / hm.shape[0]) * np.pi
+        x = fft.rfftfreq(nx) * (1.0 - nx / hm.shape[1]) * np.pi
+        heights = fft.irfft2(held * np.exp(1j * (y + x)), s=(ny, nx), workers=threads())
+        heights *= ny * nx / hm.heights.size
+    else:
+        held[:, 1:] *= np.sqrt(2.0)
+        heights = fft.idctn(held, norm="ortho", workers=threads())
+        heights *= np.sqrt(ny * nx) / hm.heights.size
     heights += hm.roughness.mean
     step = {"step": "bandpass", "shortest": float(np.sqrt(np.prod(shortest))), "to": [ny, nx]}
     return hm.replace(heights=heights, spacing=(hm.size[0] / ny, hm.size[1] / nx), step=step)
+
+
+def _held(
+    waves: Waves, limit: float, hm: HeightMap, stretch: Array, shape: tuple[int, int]
+) -> Waves:
+    """The waves up to the number `limit`, in the layout of another grid."""
+    (ny, nx), (my, mx) = shape, (min(n, m) for n, m in zip(shape, hm.shape, strict=True))
+    if hm.periodic:
+        half, width = (my - 1) // 2, (mx - 1) // 2 + 1
+        rows = np.r_[0 : half + 1, hm.shape[0] - half : hm.shape[0]]
+        places, columns = np.r_[0 : half + 1, ny - half : ny], nx // 2 + 1
+    else:
+        rows, width = np.arange(my), mx
+        places, columns = rows, nx
+    qy, qx = _numbers(hm)
+    y, x = qy[rows, None], qx[:width]
+    stretched = np.hypot(*(a * y + b * x for a, b in stretch))
+    held = np.zeros((ny, columns), complex if hm.periodic else float)
+    held[places, :width] = np.where(stretched < limit, waves[rows, :width], 0.0)
+    return np.asarray(held)

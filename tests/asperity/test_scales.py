@@ -115,6 +115,33 @@ def test_pressure_and_energy_are_those_of_the_waves_left_out(m, more):
     assert fine.evenness == pytest.approx(2 * np.sqrt(low * high) / (low + high), rel=1e-6)
 
 
+def test_a_free_map_is_taken_with_its_mirror_images(rough):
+    free = dataclasses.replace(rough, periodic=False)
+    coarse, fine = split_scales(free, STEEL)
+    mirrored, smooth = (
+        surfaces.prepare(hm, level=None, periodic="mirror") for hm in (free, coarse)
+    )
+    (whole, stored, _), (longer, held, _) = (sums(hm, STEEL) for hm in (mirrored, smooth))
+    assert fine.variance == pytest.approx(whole - longer, rel=1e-6)
+    assert fine.energy == pytest.approx(stored - held, rel=1e-6)
+    edge = (1 + 1e-9) / (1 / fine.shortest + 0.5 / max(rough.size))
+    band = surfaces.resample(surfaces.bandpass(mirrored, shortest=edge), smooth.spacing)
+    ny, nx = coarse.shape
+    np.testing.assert_allclose(coarse.heights, band.heights[:ny, :nx], atol=1e-9 * rough.rms_height)
+    _, periodic = split_scales(rough, STEEL)
+    assert fine.variance == pytest.approx(periodic.variance, rel=0.1)
+
+
+def test_a_free_boundary_is_nearer_to_boundary_elements(loads):
+    hm = dataclasses.replace(broad((160, 200)), periodic=False)
+    refined = surfaces.resample(hm, np.asarray(hm.spacing) / 2)
+    exact = asperity.bem_curve(refined, STEEL, pressures=loads, tolerance=1e-4)
+    curve = asperity.contact_curve(hm, STEEL, separations=exact.separation)
+    assert curve.settings["shortest_wave"] is not None
+    assert np.abs(curve.mean_pressure / loads - 1).max() < 0.03
+    assert np.abs(curve.contact_area / exact.contact_area - 1).max() < 0.06
+
+
 def test_the_law_does_not_jump_at_a_homogeneous_body_nor_at_no_lay(rough):
     plain = split_scales(rough, STEEL)[1]
     near = split_scales(rough, asperity.HalfSpace.from_modulus(2e11, m=1e-7))[1]
@@ -161,15 +188,16 @@ def test_maps_that_keep_all_their_summits():
 
     rough = broad()
     assert "|m| <= 0.5" in why(rough, asperity.HalfSpace.from_modulus(2e11, m=0.6))
-    assert "periodic" in why(dataclasses.replace(rough, periodic=False))
-    assert "narrow" in why(broad(cutoff=1.2e-5))
     assert "direction" in why(broad(anisotropy=8.0))
+    for angle in (0.0, 0.8):
+        lay = dataclasses.replace(broad(anisotropy=3.0, angle=angle), periodic=False)
+        assert "for periodic maps only" in why(lay)
+    assert "narrow" in why(broad(cutoff=1.2e-5))
     spikes = rough.heights.copy()
     spikes[::40, ::40] += 4 * rough.rms_height
     assert "not random" in why(rough.replace(heights=spikes))
     assert make_plan(rough, STEEL, scales="all").fine is None
     assert make_plan(rough, STEEL, interaction=False).fine is None
-    assert make_plan(rough, STEEL, boundary="free").fine is None
     with pytest.raises(InputError, match="choose one of auto, all"):
         make_plan(rough, STEEL, scales="coarse")
 
