@@ -101,15 +101,17 @@ class Trail:
                 approach, spent = foreseen(listing.problem, approach, start[1])
                 products += spent
             for problem in listing.problem.simpler():
-                solution = descend(
-                    problem,
-                    separation,
-                    approach,
-                    tilt=start[2:4].T,
-                    tolerance=max(tolerance, BLIND) if blind else tolerance,
-                    load=load,
-                    compliance=np.where(start[4] > 0, start[4], 1.0),
-                )
+                # a trial step may run away; it is then refused, not warned about
+                with np.errstate(over="ignore", invalid="ignore"):
+                    solution = descend(
+                        problem,
+                        separation,
+                        approach,
+                        tilt=start[2:4].T,
+                        tolerance=max(tolerance, BLIND) if blind else tolerance,
+                        load=load,
+                        compliance=np.where(start[4] > 0, start[4], 1.0),
+                    )
                 solution = self._ordered(solution, tolerance)
                 if not solution.reason:
                     break
