@@ -78,13 +78,14 @@ class Asperities:
         seconds["profiles"] = clock() - start
         seconds["laws"] = 0.0
         ranking = Ranking(profiles)
+        smooth = plan.coarse is not None and plan.fine is None  # expansions reach far
 
         def laws(rows: NDArray[np.int64]) -> LawTable:
             begun = clock()
             sampled = profiles.rows(rows)
             between = clock()
             table = tabulate(sampled, material, law=plan.law)
-            if plan.law == "auto":
+            if plan.law == "auto" and not smooth:
                 chosen = ranking.dominant(rows, table)
                 put(table, chosen, profiles, rows[chosen], material)
             seconds["profiles"] += between - begun

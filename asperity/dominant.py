@@ -26,9 +26,9 @@ SHARE = 0.03
 SHARE_OF_NONE = 0.003
 """The same of a peak without a summit of its own between the pixels, of which no law holds."""
 
-SHARE_OF_ROUND, RIDGE = 0.1, 5.0
-"""The same of a summit whose curvatures differ by less than the second number: its law is half as
-far off."""
+SHARE_OF_ROUND, RIDGE, EARLY = 0.1, 5.0, 5
+"""The same of a smooth, round summit, whose law is nearer: curvatures that differ by less than the
+second number, and an expansion that holds to the node given last."""
 
 LATER = np.array([0, 1, 3, 6])
 """Nodes of a table beyond the expansion at which the share is looked at."""
@@ -63,24 +63,27 @@ class Ranking:
         self._weight = _weight(summits)
         self._first = self._weight[order[:MOST]]
         steep, shallow = summits.curvature.T
-        self._share = np.where(steep > RIDGE * shallow, SHARE, SHARE_OF_ROUND)
+        self._ridge = steep > RIDGE * shallow
         self._summits = summits
 
     def dominant(self, rows: Rows, table: LawTable) -> Rows:
         """Slots of a law table of the summits `rows` whose law has to be exact."""
         beyond = (table.flags & Flag.BEYOND_RADIUS) > 0
         slots = np.flatnonzero(beyond.any(axis=1) & (table.reach > 0) & self._usable[rows])
-        nodes = np.minimum(beyond[slots].argmax(axis=1)[:, None] + LATER, table.nodes)
+        first = beyond[slots].argmax(axis=1)
+        nodes = np.minimum(first[:, None] + LATER, table.nodes)
         depth = table.reach[slots, None] * (nodes / table.nodes) ** 2
         top = self._summits.height[rows[slots]]
         near = top - depth[:, 0] > self._lowest
-        slots, depth, flat = slots[near], depth[near], (top[:, None] - depth)[near]
+        flat = (top[:, None] - depth)[near]
+        slots, depth, first = slots[near], depth[near], first[near]
         over = np.maximum(self._height - flat[:, :, None], 0.0)
         total = (over * np.sqrt(over)) @ self._first
         own = self._weight[rows[slots], None] * depth**1.5
         seen = flat > self._lowest
         none = self._summits.kinds[rows[slots], None] == PLATEAU
-        share = np.where(none, SHARE_OF_NONE, self._share[rows[slots], None])
+        rough = self._ridge[rows[slots]] | (first <= EARLY)
+        share = np.where(none, SHARE_OF_NONE, np.where(rough, SHARE, SHARE_OF_ROUND)[:, None])
         return np.asarray(slots[(seen & (own > share * total)).any(axis=1)])
 
 
