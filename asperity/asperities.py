@@ -78,7 +78,8 @@ class Asperities:
         seconds["profiles"] = clock() - start
         seconds["laws"] = 0.0
         ranking = Ranking(profiles)
-        smooth = plan.coarse is not None and plan.fine is None  # expansions reach far
+        # of maps that a coarser grid holds expansions reach far
+        smooth = plan.fine is None and solved.heights.size < hm.heights.size
 
         def laws(rows: NDArray[np.int64]) -> LawTable:
             begun = clock()
