@@ -98,7 +98,9 @@ class Trail:
             start = values
             approach = start[0]
             if load is None and placed == 0 and len(self.points) > 1:
-                approach, spent = foreseen(listing.problem, approach, start[1])
+                with np.errstate(over="ignore", invalid="ignore"):
+                    ahead, spent = foreseen(listing.problem, approach, start[1])
+                approach = ahead if np.isfinite(ahead).all() else approach
                 products += spent
             for problem in listing.problem.simpler():
                 # a trial step may run away; it is then refused, not warned about
