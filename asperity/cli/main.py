@@ -31,7 +31,8 @@ class _OneSentenceParser(argparse.ArgumentParser):
     """Parser whose errors are one sentence on standard error, without the usage block."""
 
     def __init__(self, *args: Any, **options: Any) -> None:
-        super().__init__(*args, **options)
+        # an abbreviation of one option could mean another one day: --out is no --outliers
+        super().__init__(*args, **{"allow_abbrev": False} | options)
         self._negative_number_matcher = re.compile(r"-[.\d]")  # by itself it takes no -1e6
 
     def error(self, message: str) -> None:  # type: ignore[override]

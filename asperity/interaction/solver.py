@@ -44,7 +44,7 @@ SUFFICIENT = 1e-4
 ROUGH = 0.03
 """Residual above which the laws are taken anew within a step."""
 
-MANY = 1000
+MANY = 400
 """Closed contacts from which on the errors of both signs average out: under a load, the residual of
 fewer is held to a smaller bound, by the root of their number."""
 
