@@ -19,7 +19,7 @@ WIDER = 1.3
 """Growth of the contact area with the square of the shift over the contact radius, at equal force,
 beside summits that are no paraboloid up to the contour."""
 
-WIDEST = 0.16
+WIDEST = 0.08
 """Square of the shift over the radius beyond which the area does not grow further."""
 
 
