@@ -75,7 +75,7 @@ def test_beyond_the_curve(tmp_path):
     assert len(re.findall(r" carr(?:y|ies) 1\.000000 of the load", text)) == 2
     conductance = re.search(r"conductance (\S+) S", text)
     assert conductance is not None
-    # from the slope of boundary elements (map refined twice, 1e-7) between 0.97 and 1.03 of the load
+    # slope of boundary elements (map refined twice, 1e-7) between 0.97 and 1.03 of the load
     assert float(conductance[1]) == pytest.approx(1.584e10, rel=0.03)
     assert (tmp_path / "contact.vti").is_file()
 
