@@ -251,19 +251,8 @@ def _whole(pixels: Array) -> Index:
 
 def _cubic(field: Array, shape: tuple[int, int], periodic: bool) -> Array:
     """A field on the pixels of another grid, by cubics through its pixels."""
-    for axis in (0, 1):
-        count = field.shape[axis]
-        place = (np.arange(shape[axis]) + 0.5) * (count / shape[axis]) - 0.5
-        base = np.floor(place).astype(int)
-        t = (place - base).reshape(-1, *[1] * (1 - axis))
-        weights = (
-            t * ((2.0 - t) * t - 1.0) / 2.0,
-            (t * t * (3.0 * t - 5.0) + 2.0) / 2.0,
-            t * ((4.0 - 3.0 * t) * t + 1.0) / 2.0,
-            t * t * (t - 1.0) / 2.0,
-        )
-        field = sum(
-            weight * np.take(field, base + step, axis, mode="wrap" if periodic else "clip")
-            for step, weight in enumerate(weights, -1)
-        )
-    return field
+    from scipy.ndimage import zoom
+
+    ratios = [new / old for new, old in zip(shape, field.shape, strict=True)]
+    mode = "grid-wrap" if periodic else "nearest"
+    return np.asarray(zoom(field, ratios, order=3, mode=mode, grid_mode=True))

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
-from scipy.special import gamma
 
 from surfaces._threads import blocks, run, threads
 from surfaces.heightmap import HeightMap
 
 from .fine_scales import FineScales
+from .interaction.footprint import Footprints
 from .pixel_waves import fineness, random_waves
 
 if TYPE_CHECKING:
@@ -118,8 +118,7 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
     if coarse is None:
         return "scales: all, the map is too small to take its finest waves out"
     lost = sums[-1] - sums[last]
-    compliance = 2.0 ** (1.0 - material.m) * np.pi / gamma(0.5 * (1.0 + material.m)) ** 2
-    stiffness = material.modulus / compliance
+    stiffness = 1.0 / Footprints(material.modulus, material.m).symbol
     return coarse, FineScales(
         shortest=2.0 * np.pi / (shell * last),
         ratio=float(lost[7] / sums[last, 7]),

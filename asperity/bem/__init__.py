@@ -1,7 +1,8 @@
 """Boundary-element solution of the full contact problem: the judge of the approximate models.
 
-This package shares no code with the model that it judges; it knows height maps, the elastic
-half-space and the containers of results, nothing else.
+This package knows height maps, the elastic half-space and the containers of results, and nothing of
+the model that it judges. That takes two things from here: the displacement by one pressed element
+(`kernel`, tested against closed forms) and the labels of patches (`contact_map`).
 """
 
 from __future__ import annotations

@@ -19,25 +19,6 @@ def weigh(stiffness, residual, held):
     return max(square - first * first / total, 0.0) if held else square
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def divide(matrix, right):
-    """Solve matrix X = right, in place, by elimination without a choice of pivots."""
-    count = matrix.shape[0]
-    for p in range(count):
-        pivot = 1.0 / matrix[p, p]
-        for r in range(count):
-            if r == p:
-                continue
-            share = matrix[r, p] * pivot
-            for c in range(count):
-                matrix[r, c] -= share * matrix[p, c]
-            for c in range(count):
-                right[r, c] -= share * right[p, c]
-        for c in range(count):
-            matrix[p, c] *= pivot
-            right[p, c] *= pivot
-
-
 @njit(cache=True, nogil=True)
 def aim(residual, stiffness, cell, inverse, total, held, far):
     """Preconditioned residual z_i = k_i (r_i + far_c), c the cell of i, its sum zero if held.

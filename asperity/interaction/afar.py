@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _gradient_kernels
-
 if TYPE_CHECKING:
     from .operator import Interaction
 
@@ -84,8 +82,6 @@ class Afar:
         if self.count == 1:
             return np.zeros((1, 1)), np.array([stiffness.sum()])
         total = np.asarray(np.bincount(cell, stiffness, self.count**2), float)
-        matrix, inverse = self.kernel * total, -self.kernel
+        matrix = self.kernel * total
         matrix[np.diag_indices(len(total))] += 1.0
-        # similar to a positive definite matrix; small, so that threads would only cost
-        _gradient_kernels.divide(matrix, inverse)
-        return inverse, total
+        return np.linalg.solve(matrix, -self.kernel), total

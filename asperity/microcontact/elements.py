@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from asperity.bem.kernel import compliance, near_influence
 from asperity.material import HalfSpace
@@ -137,6 +136,8 @@ def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: Ha
 
 def _join(table: LawTable, slot: int, begin: int, nodes: Rows, values: Array) -> None:
     """Put what was found at some nodes in the place of a row, from the node `begin` on."""
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
     p, u = table.exponent, np.arange(table.nodes + 1) / table.nodes
     force, area, y, x = values.T
     before, end = np.arange(1, begin), int(nodes[-1])
@@ -153,8 +154,9 @@ def _join(table: LawTable, slot: int, begin: int, nodes: Rows, values: Array) ->
     table.force[slot, row] = own**p * line(own)
     slope = own ** (p - 2) * (p * line(own) + own * line(own, 1))
     table.stiffness[slot, row] = slope / (2.0 * table.reach[slot])
-    table.area[slot, row] = own**2 * PchipInterpolator(u[nodes], area / u[nodes] ** 2)(own)
+    found = np.stack((area / u[nodes] ** 2, x, y), axis=1)
+    smooth = PchipInterpolator(u[nodes], found)(own)
+    table.area[slot, row] = own**2 * smooth[:, 0]
     table.spread[slot, row] = SPREAD
     if table.centre is not None:
-        centre = np.stack((x, y), axis=1)
-        table.centre[slot, row] = PchipInterpolator(u[nodes], centre)(own)
+        table.centre[slot, row] = smooth[:, 1:]
