@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .microcontact.flags import Flag
-from .pixel_waves import fineness, kurtosis
+from .pixel_waves import fineness
 
 if TYPE_CHECKING:
     from surfaces.heightmap import HeightMap
@@ -115,7 +115,7 @@ def terms(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, f
 def oddness(hm: HeightMap) -> float:
     """How far a map is from random waves: 0 where the kurtosis of its second differences is 3, 1
     from 4 on, as for spikes, worn plateaus, steps and fading borders."""
-    return float(np.clip(np.log(np.mean(kurtosis(hm)) / 3.0) / np.log(4.0 / 3.0), 0.0, 1.0))
+    return float(np.clip(np.log(np.mean(hm.kurtosis) / 3.0) / np.log(4.0 / 3.0), 0.0, 1.0))
 
 
 def estimate(values: dict[str, float], weights: tuple[float, ...]) -> float:

@@ -160,9 +160,7 @@ class _Grid:
     @property
     def beside(self) -> float:
         """Pressure over gap [Pa/m] beside the contacts."""
-        found = self.hm.roughness
-        number = float(np.linalg.norm(found.curvature) / np.linalg.norm(found.slope))
-        return float(number ** (1.0 - self.m) / self.symbol)
+        return float(self.hm.roughness.length ** (self.m - 1.0) / self.symbol)
 
     def displaced(self, pressure: Array) -> Array:
         """Displacement [m] by a pressure [Pa], but for a constant."""

@@ -11,7 +11,7 @@ import numpy as np
 from surfaces.filtering import resample
 from surfaces.heightmap import HeightMap
 
-__all__ = ["fineness", "kurtosis", "random_waves", "refined_map", "resolution_warning"]
+__all__ = ["fineness", "random_waves", "refined_map", "resolution_warning"]
 
 KURTOSIS = 0.25
 """How far the kurtosis of second differences may be from 3, that of random waves."""
@@ -43,23 +43,9 @@ def fineness(hm: HeightMap) -> float:
     return float(bend @ bend) / (4.0 * found.rms_slope**2)
 
 
-def kurtosis(hm: HeightMap) -> tuple[float, float]:
-    """Kurtosis of the second differences of a map along y and x, from some of its lines."""
-    found = []
-    for axis in (0, 1):
-        lines = hm.heights if axis else hm.heights.T
-        lines = lines[:: max(1, lines.shape[0] // 128)]
-        if hm.periodic:
-            lines = np.concatenate((lines[:, -1:], lines, lines[:, :1]), axis=1)
-        bend = np.square(np.diff(lines, 2, axis=1))
-        square = float(np.mean(bend)) ** 2
-        found.append(float(np.mean(bend**2)) / square if square > 0.0 else np.inf)
-    return found[0], found[1]
-
-
 def random_waves(hm: HeightMap) -> bool:
     """Whether the finest waves look random: no spikes, steps, worn plateaus, fading border."""
-    return all(abs(value - 3.0) <= KURTOSIS for value in kurtosis(hm))
+    return all(abs(value - 3.0) <= KURTOSIS for value in hm.kurtosis)
 
 
 def resolution_warning(hm: HeightMap) -> list[str]:

@@ -110,6 +110,14 @@ class HeightMap:
         return roughness(self)
 
     @functools.cached_property
+    def kurtosis(self) -> tuple[float, float]:
+        """Kurtosis of the second differences along y and x: 3 for random waves, more for spikes,
+        steps and worn plateaus."""
+        from .roughness import kurtosis
+
+        return kurtosis(self)
+
+    @functools.cached_property
     def digest(self) -> str:
         """SHA-256 of heights, spacing and periodicity: identifies the input of a result."""
         hasher = hashlib.sha256(np.array([*self.spacing, float(self.periodic)]).tobytes())

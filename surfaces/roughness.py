@@ -13,7 +13,7 @@ from . import _roughness, _threads
 if TYPE_CHECKING:
     from .heightmap import HeightMap
 
-__all__ = ["Roughness", "roughness"]
+__all__ = ["Roughness", "kurtosis", "roughness"]
 
 _LEAST_ROWS = 64
 
@@ -90,3 +90,20 @@ def roughness(hm: HeightMap) -> Roughness:
         curvature=(rms[2], rms[3]),
         missing=int(heights.size - number),
     )
+
+
+def kurtosis(hm: HeightMap) -> tuple[float, float]:
+    """Kurtosis of the second differences of a map along y and x, from some of its lines.
+
+    `HeightMap.kurtosis` keeps it; infinite along an axis that does not vary.
+    """
+    found = []
+    for axis in (0, 1):
+        lines = hm.heights if axis else hm.heights.T
+        lines = lines[:: max(1, lines.shape[0] // 128)]
+        if hm.periodic:
+            lines = np.concatenate((lines[:, -1:], lines, lines[:, :1]), axis=1)
+        bend = np.square(np.diff(lines, 2, axis=1))
+        square = float(np.mean(bend)) ** 2
+        found.append(float(np.mean(bend**2)) / square if square > 0.0 else np.inf)
+    return found[0], found[1]
