@@ -11,18 +11,18 @@ if TYPE_CHECKING:
     from .bem.single import BemIndentation as BemIndentation
     from .bem.solution import BemSolution as BemSolution
     from .bem.solve import bem_solve as bem_solve
-    from .both_models import compare as compare
-    from .comparison import Comparison as Comparison
-    from .conductance import constriction_conductance as constriction_conductance
-    from .contact_sizes import size_distribution as size_distribution
+    from .comparison.result import Comparison as Comparison
+    from .comparison.run import compare as compare
+    from .contacts.sizes import size_distribution as size_distribution
     from .curve import ContactRun as ContactRun
     from .curve import contact_curve as contact_curve
     from .curve import solve_contacts as solve_contacts
+    from .derived.conductance import constriction_conductance as constriction_conductance
+    from .derived.friction import FrictionCurve as FrictionCurve
+    from .derived.friction import friction_curve as friction_curve
     from .errors import ConvergenceError as ConvergenceError
     from .errors import InputError as InputError
     from .errors import ModelRangeError as ModelRangeError
-    from .friction import FrictionCurve as FrictionCurve
-    from .friction import friction_curve as friction_curve
     from .indentation import Indentation as Indentation
     from .indentation import indent as indent
     from .indentation_bem import indent_bem as indent_bem
@@ -34,12 +34,12 @@ if TYPE_CHECKING:
     from .microcontact.punch import flat_punch as flat_punch
     from .microcontact.viscoelastic import Relaxation as Relaxation
     from .microcontact.viscoelastic import viscoelastic_indent as viscoelastic_indent
-    from .paraview import write_vti as write_vti
     from .plan import Plan as Plan
     from .plan import make_plan as make_plan
     from .population import Population as Population
     from .population import PopulationState as PopulationState
-    from .results import ContactCurve as ContactCurve
+    from .results.curve import ContactCurve as ContactCurve
+    from .results.paraview import write_vti as write_vti
     from .threads import set_threads as set_threads
 
 __version__ = "0.1.0"
@@ -54,11 +54,11 @@ os.environ.setdefault("GOMP_SPINCOUNT", "10000")
 _HOME = {
     "BemIndentation": "bem.single",
     "BemSolution": "bem.solution",
-    "Comparison": "comparison",
-    "ContactCurve": "results",
+    "Comparison": "comparison.result",
+    "ContactCurve": "results.curve",
     "ContactRun": "curve",
     "ConvergenceError": "errors",
-    "FrictionCurve": "friction",
+    "FrictionCurve": "derived.friction",
     "FlatPunch": "microcontact.punch",
     "HalfSpace": "material",
     "Indentation": "indentation",
@@ -71,21 +71,21 @@ _HOME = {
     "Relaxation": "microcontact.viscoelastic",
     "bem_curve": "bem.curve",
     "bem_solve": "bem.solve",
-    "compare": "both_models",
-    "constriction_conductance": "conductance",
+    "compare": "comparison.run",
+    "constriction_conductance": "derived.conductance",
     "contact_curve": "curve",
     "flat_punch": "microcontact.punch",
-    "friction_curve": "friction",
+    "friction_curve": "derived.friction",
     "indent": "indentation",
     "indent_bem": "indentation_bem",
     "make_plan": "plan",
     "partial_slip": "microcontact.friction",
     "set_threads": "threads",
-    "size_distribution": "contact_sizes",
+    "size_distribution": "contacts.sizes",
     "solve_contacts": "curve",
     "tangential_modulus": "microcontact.friction",
     "viscoelastic_indent": "microcontact.viscoelastic",
-    "write_vti": "paraview",
+    "write_vti": "results.paraview",
 }
 
 __all__ = sorted(_HOME)

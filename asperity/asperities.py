@@ -14,7 +14,8 @@ from surfaces.heightmap import HeightMap
 from surfaces.segmentation import segment
 from surfaces.summits import locate_summits
 
-from .contacts import aspect_ratio
+from .contacts.spot_count import passes
+from .contacts.table import aspect_ratio
 from .dominant import Ranking
 from .fine_points import FinePoint, closed_area, fine_point
 from .microcontact.elements import put
@@ -22,7 +23,6 @@ from .microcontact.growing import GrowingTable
 from .microcontact.laws import tabulate
 from .plan import Plan
 from .population import Population, PopulationState
-from .spot_count import passes
 
 if TYPE_CHECKING:
     from surfaces.peaks import Peaks

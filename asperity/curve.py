@@ -15,16 +15,16 @@ from surfaces import _threads
 from surfaces.heightmap import HeightMap
 
 from .asperities import Asperities
-from .contacts import microcontacts
+from .contacts.fields import contact_map, pressure_map
+from .contacts.spot_count import spot_count
+from .contacts.table import microcontacts
 from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, oddness, terms
-from .fields import contact_map, pressure_map
 from .fine_points import FinePoint, at_separation, without_gap
 from .loadpoints import checked_loads
 from .plan import Plan, make_plan
 from .population import PopulationState
-from .results import ContactCurve
-from .slope import curve_stiffness
-from .spot_count import spot_count
+from .results.curve import ContactCurve
+from .results.stiffness import curve_stiffness
 
 if TYPE_CHECKING:
     from .material import HalfSpace
@@ -58,12 +58,12 @@ class ContactRun:
     states: tuple[PopulationState, ...]
 
     def microcontacts(self, point: int = -1) -> NDArray[np.void]:
-        """Table of the contacts that carry load at a load point, see `contacts.microcontacts`."""
+        """Table of the contacts that carry load at a load point, see `contacts.table`."""
         return microcontacts(self.bodies, self.states[point])
 
     def spots(self, point: int = -1) -> NDArray[np.void]:
-        """Table of the separate spots at a load point, see `spots.spot_table`."""
-        from .spots import spot_table
+        """Table of the separate spots at a load point, see `contacts.spots`."""
+        from .contacts.spots import spot_table
 
         return spot_table(self.bodies, self.states[point])
 

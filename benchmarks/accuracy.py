@@ -30,7 +30,7 @@ import surfaces
 from asperity.curve import solve_contacts
 from asperity.loadpoints import pressure_scale
 from asperity.plan import make_plan
-from asperity.storage import write_csv
+from asperity.results.storage import write_csv
 
 TOLERANCE = 1e-6
 LOADS = np.geomspace(5e-4, 8e-2, 10)

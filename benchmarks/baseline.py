@@ -24,7 +24,7 @@ from scipy.interpolate import PchipInterpolator
 
 import asperity
 import surfaces
-from asperity.baseline import rms
+from asperity.comparison.coarse_bem import rms
 from asperity.loadpoints import default_pressures
 
 Array = NDArray[np.float64]

@@ -23,7 +23,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from asperity import HalfSpace, indent, indent_bem
-from asperity.case import Case, judge
+from asperity.comparison.single import Case, judge
 from surfaces import PowerSumProfile, shapes
 
 TURN = np.linspace(0.0, 2 * np.pi, 361)

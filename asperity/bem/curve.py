@@ -17,7 +17,7 @@ from surfaces.heightmap import HeightMap
 from ..boundary import chosen_boundary
 from ..loadpoints import checked_loads, expected_area_fraction
 from ..material import HalfSpace
-from ..results import ContactCurve
+from ..results.curve import ContactCurve
 from ..threads import threads as thread_count
 from .accuracy import choose_grid, coarse_map
 from .chains import follow_chains, split_loads

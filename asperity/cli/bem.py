@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _write_fields(hm, material, settings, curve, path) -> None:  # type: ignore[no-untyped-def]
     from asperity.bem.solve import bem_solve
-    from asperity.paraview import write_vti
+    from asperity.results.paraview import write_vti
 
     last = bem_solve(hm, material, pressure=float(curve.mean_pressure[-1]), **settings)
     write_vti(path, {"pressure": last.pressure, "gap": last.gap}, hm.spacing)

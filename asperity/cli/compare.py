@@ -10,7 +10,7 @@ from asperity.cli import options, output
 from asperity.cli.main import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
 from asperity.cli.surface import expand
 from asperity.errors import AsperityError
-from asperity.results import ContactCurve
+from asperity.results.curve import ContactCurve
 
 EPILOG = """examples:
   asperity compare scan.h5 --E 210e9 --nu 0.3
@@ -61,9 +61,9 @@ def _targets(file: str, args: argparse.Namespace, several: bool) -> list[str | N
 def _compare_one(file, args, material, loads, targets) -> bool:  # type: ignore[no-untyped-def]
     hm = options.load_surface(file, args)
     from asperity.bem.curve import bem_curve
-    from asperity.both_models import compare
-    from asperity.storage import write_csv, write_results
-    from asperity.tables import columns
+    from asperity.comparison.run import compare
+    from asperity.results.storage import write_csv, write_results
+    from asperity.results.tables import columns
 
     results, report, table = targets
     settings = {"tolerance": args.tolerance, "boundary": args.boundary}

@@ -58,11 +58,11 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _write_last_point(hm, material, plan, curve, args) -> None:  # type: ignore[no-untyped-def]
-    from asperity.contact_sizes import size_distribution
+    from asperity.contacts.sizes import size_distribution
     from asperity.curve import solve_contacts
-    from asperity.paraview import write_vti
-    from asperity.storage import write_csv
-    from asperity.tables import columns
+    from asperity.results.paraview import write_vti
+    from asperity.results.storage import write_csv
+    from asperity.results.tables import columns
 
     last = solve_contacts(hm, material, plan, pressures=curve.mean_pressure[-1:])
     if args.contacts:

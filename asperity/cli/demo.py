@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Generate a self-affine steel surface of 1 mm and compare both models on it."""
     import surfaces
-    from asperity.both_models import compare
+    from asperity.comparison.run import compare
     from asperity.material import HalfSpace
 
     folder = Path(args.folder)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from asperity.errors import InputError
-from asperity.results import ContactCurve
+from asperity.results.curve import ContactCurve
 
 __all__ = ["add_derived_options", "conductance", "require_derivable", "write_slip"]
 
@@ -44,14 +44,14 @@ def require_derivable(material: Any, loads: dict[str, Any], args: argparse.Names
     if args.slip and any(len(values) < 2 for values in loads.values()):
         raise InputError("--slip needs lighter load points beside the heaviest, such as LO:HI:10")
     if args.resistivity:
-        from asperity.conductance import total_resistivity
+        from asperity.derived.conductance import total_resistivity
 
         total_resistivity(tuple(args.resistivity))
 
 
 def conductance(curve: ContactCurve, args: argparse.Namespace) -> dict[str, Any]:
     """Column of the conductance per nominal area, if it was asked for."""
-    from asperity.conductance import constriction_conductance
+    from asperity.derived.conductance import constriction_conductance
 
     if args.resistivity is None:
         return {}
@@ -60,9 +60,9 @@ def conductance(curve: ContactCurve, args: argparse.Namespace) -> dict[str, Any]
 
 def write_slip(curve: ContactCurve, material: Any, args: argparse.Namespace) -> None:
     """Write the partial-slip curve under the heaviest load, against a rigid partner."""
-    from asperity.friction import friction_curve
+    from asperity.derived.friction import friction_curve
     from asperity.microcontact.friction import tangential_modulus
-    from asperity.storage import write_csv
+    from asperity.results.storage import write_csv
 
     slip = friction_curve(
         curve,

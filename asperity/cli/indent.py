@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Solve every contact, print one table each and draw the last."""
-    from asperity.case import draw_case, judge
+    from asperity.comparison.single import draw_case, judge
 
     profile, label = _profile(args)
     material = _material(args)

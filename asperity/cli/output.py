@@ -13,7 +13,7 @@ from asperity import __version__
 from asperity.cli import derived
 from asperity.cli.main import EXIT_NOT_CONVERGED, EXIT_OK
 from asperity.errors import InputError
-from asperity.results import POINT_FIELDS, ContactCurve
+from asperity.results.curve import POINT_FIELDS, ContactCurve
 from surfaces._writing import replacing
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def solve_and_keep(
 ) -> ContactCurve:
     """Run ``solve(kind, values, progress, checkpoint)``, each finished point kept in the file."""
     from asperity.loadpoints import checked_loads
-    from asperity.resume import run_resumably
+    from asperity.results.resume import run_resumably
 
     kind, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))
     shown, advance = bar(len(values), "load points")
@@ -119,7 +119,7 @@ def request_of(
 
 def finish(curve: ContactCurve, material: HalfSpace, args: argparse.Namespace) -> int:
     """Write the CSV where asked, print the curve and what follows from it, give the exit code."""
-    from asperity.storage import write_csv
+    from asperity.results.storage import write_csv
 
     more = derived.conductance(curve, args)
     if args.csv:

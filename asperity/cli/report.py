@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read the results, write the report, print the verdict."""
-    from asperity.comparison import Comparison
+    from asperity.comparison.result import Comparison
 
     output.require_outputs(args.output, inputs=[args.results])
     comparison = Comparison.from_hdf5(args.results)

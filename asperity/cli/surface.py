@@ -234,7 +234,7 @@ def _peaks(path: Path, args: argparse.Namespace) -> bool:
 
         output.save_figure(plot_profiles(profiles, range(min(9, len(peaks)))), args.fans)
     if args.output:
-        from asperity.storage import write_csv
+        from asperity.results.storage import write_csv
 
         write_csv(args.output, columns)
         return True

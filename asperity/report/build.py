@@ -14,7 +14,7 @@ from surfaces._writing import replacing
 from . import figures
 
 if TYPE_CHECKING:
-    from asperity.comparison import Comparison
+    from asperity.comparison.result import Comparison
 
 __all__ = ["write_report"]
 

@@ -14,8 +14,8 @@ from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from asperity.comparison import Comparison
-    from asperity.results import ContactCurve
+    from asperity.comparison.result import Comparison
+    from asperity.results.curve import ContactCurve
 
 __all__ = ["area_figure", "map_figure", "pareto_figure", "separation_figure"]
 

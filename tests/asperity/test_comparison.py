@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.baseline import coarse_grids, load_at_separation
-from asperity.comparison import Comparison
+from asperity.comparison.coarse_bem import coarse_grids, load_at_separation
+from asperity.comparison.result import Comparison
 from asperity.errors import InputError
 from asperity.plan import make_plan
 from surfaces import self_affine
@@ -125,8 +125,8 @@ def test_the_plan_is_timed_after_compilation_on_a_map_without_stored_means(monke
         return make_plan(hm, *given, **chosen)
 
     hm = self_affine((60, 80), (6e-4, 8e-4), hurst=0.8, rms_slope=0.1, cutoff=6e-5)
-    monkeypatch.setattr("asperity.both_models.make_plan", plan)
-    monkeypatch.setattr("asperity.both_models._compile", lambda *_: steps.append("compile"))
+    monkeypatch.setattr("asperity.comparison.run.make_plan", plan)
+    monkeypatch.setattr("asperity.comparison.run._compile", lambda *_: steps.append("compile"))
     asperity.compare(hm, STEEL, pressures=[1e8], tolerance=1e-3)
     assert steps[-2:] == ["compile", "plan"]
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.contacts import ellipses, microcontacts
+from asperity.contacts.fields import contact_map, pressure_map
+from asperity.contacts.table import ellipses, microcontacts
 from asperity.curve import solve_contacts
 from asperity.errors import SurfaceError
-from asperity.fields import contact_map, pressure_map
 from asperity.loadpoints import default_pressures
 from asperity.plan import make_plan
 from surfaces import HeightMap, self_affine

@@ -11,7 +11,7 @@ from vti import read_vti
 import surfaces
 from asperity import ContactCurve
 from asperity.cli.main import COMMANDS, main
-from asperity.comparison import Comparison
+from asperity.comparison.result import Comparison
 
 STEEL = ["--E", "210e9", "--nu", "0.3"]
 

@@ -10,9 +10,9 @@ import pytest
 import asperity
 import surfaces
 from asperity.bem.contact_map import label_patches
-from asperity.contacts import ellipses
+from asperity.contacts.fields import pressed_pixels
+from asperity.contacts.table import ellipses
 from asperity.curve import ContactRun, solve_contacts
-from asperity.fields import pressed_pixels
 from asperity.loadpoints import pressure_scale
 from asperity.plan import make_plan
 from surfaces import HeightMap, self_affine

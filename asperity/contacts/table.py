@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .interaction.elongation import ASPECT_EXPONENT
+from ..interaction.elongation import ASPECT_EXPONENT
+from ..population import PopulationState
+from ..results.tables import structured
 from .outlines import outlines
-from .population import PopulationState
-from .tables import structured
 
 if TYPE_CHECKING:
     from surfaces.heightmap import HeightMap
 
-    from .asperities import Asperities
+    from ..asperities import Asperities
 
 __all__ = [
     "aspect_ratio",
@@ -44,7 +44,7 @@ def microcontacts(bodies: Asperities, state: PopulationState) -> NDArray[np.void
     gives it), flags (bits of `asperity.microcontact.Flag`), estimate (relative error of the force
     that the law expects of itself), filled (share of the directions in which the contact fills its
     basin), radii [m] (about the summit along 16 equispaced directions from x towards y, see
-    `asperity.outlines`), closed_area [m^2] (what touches within the contact; less than its area
+    `outlines`), closed_area [m^2] (what touches within the contact; less than its area
     where the finest waves act as a law of the contacts of the others, `asperity.scales`).
     """
     active = np.flatnonzero(state.force > 0)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import asperity.resume
+import asperity.results.resume
 from asperity.errors import InputError
-from asperity.results import ContactCurve
-from asperity.resume import run_resumably
+from asperity.results.curve import ContactCurve
+from asperity.results.resume import run_resumably
 
 REQUEST = {"input": "abc", "law": "paper"}
 LOADS = np.array([3.0, 1.0, 2.0, 5.0])
@@ -59,7 +59,7 @@ def run_all(solver, path, *, resume, request=REQUEST):
 
 @pytest.fixture(autouse=True)
 def write_at_once(monkeypatch):
-    monkeypatch.setattr(asperity.resume, "SECONDS_BETWEEN_WRITES", 0.0)
+    monkeypatch.setattr(asperity.results.resume, "SECONDS_BETWEEN_WRITES", 0.0)
 
 
 def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path):

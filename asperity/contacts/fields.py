@@ -16,14 +16,14 @@ from scipy import fft
 from surfaces._threads import threads
 from surfaces.filtering import resample
 
-from .contacts import ellipses, summit_pixel
-from .interaction.footprint import Footprints
+from ..interaction.footprint import Footprints
+from .table import ellipses, summit_pixel
 
 if TYPE_CHECKING:
     from surfaces.heightmap import HeightMap
 
-    from .asperities import Asperities
-    from .population import PopulationState
+    from ..asperities import Asperities
+    from ..population import PopulationState
 
 __all__ = ["contact_map", "pressed_pixels", "pressure_map"]
 

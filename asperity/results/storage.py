@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 
 from surfaces._writing import replacing
 
-from . import __version__
-from .errors import FileFormatError
-from .results import POINT_FIELDS, ContactCurve
+from .. import __version__
+from ..errors import FileFormatError
+from .curve import POINT_FIELDS, ContactCurve
 from .tables import columns, structured
 
 __all__ = [

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .interaction.footprint import Footprints
+from ..interaction.footprint import Footprints
 
 if TYPE_CHECKING:
-    from .asperities import Asperities
-    from .population import PopulationState
+    from ..asperities import Asperities
+    from ..population import PopulationState
 
 __all__ = ["passes", "spot_count"]
 
@@ -42,7 +42,7 @@ def spot_count(bodies: Asperities, state: PopulationState) -> int:
     spots per wave, A (q/2 pi)^2 waves of the wave number q whose pressure and energy the law has.
     The constants were found on seeds 1, 2 and 11 (docs/results.md).
     """
-    from ._spots import spots
+    from ._spot_kernels import spots
 
     pairs, depth = bodies.passes
     count = float(spots(pairs, 2.0 * JOINED[0] * depth, state.approach, state.area))

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import InputError
-from .results import ContactCurve
+from ..errors import InputError
+from .curve import ContactCurve
 from .storage import ResultFile, read_results, write_results
 
 __all__ = ["Solve", "run_resumably"]

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.conductance import constriction_conductance
+from asperity.derived.conductance import constriction_conductance
+from asperity.derived.friction import friction_curve
 from asperity.errors import InputError
-from asperity.friction import friction_curve
 from surfaces import HeightMap
 
 STEEL = asperity.HalfSpace(210e9, 0.3)

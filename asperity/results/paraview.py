@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from surfaces._writing import replacing
 
-from .errors import InputError
+from ..errors import InputError
 
 __all__ = ["write_vti"]
 

@@ -7,7 +7,7 @@ import pytest
 from vti import read_vti
 
 from asperity.errors import InputError
-from asperity.paraview import write_vti
+from asperity.results.paraview import write_vti
 
 
 @pytest.mark.parametrize("dtype", [np.float64, np.float32, bool, np.int64, ">f8", np.float16])

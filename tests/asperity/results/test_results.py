@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from asperity.errors import FileFormatError, InputError
-from asperity.results import POINT_FIELDS, ContactCurve
-from asperity.storage import ResultFile, read_results, write_csv, write_results
-from asperity.tables import structured
+from asperity.results.curve import POINT_FIELDS, ContactCurve
+from asperity.results.storage import ResultFile, read_results, write_csv, write_results
+from asperity.results.tables import structured
 
 
 def power_law_curve(n: int = 12, *, broken: int | None = None) -> ContactCurve:

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import __version__
-from .errors import InputError
+from .. import __version__
+from ..errors import InputError
 
 __all__ = ["POINT_FIELDS", "ContactCurve", "CurvePoint"]
 
@@ -218,7 +218,7 @@ class ContactCurve:
 
         Where tangents are known the stiffness is that of all points together.
         """
-        from .slope import curve_stiffness
+        from .stiffness import curve_stiffness
 
         columns: dict[str, Any] = {
             name: np.concatenate([getattr(self, name), getattr(later, name)])

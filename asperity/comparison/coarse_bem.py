@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 import surfaces
 from surfaces.heightmap import HeightMap
 
-from .bem.curve import bem_curve
-from .boundary import Boundary
-from .results import ContactCurve
+from ..bem.curve import bem_curve
+from ..boundary import Boundary
+from ..results.curve import ContactCurve
 
 if TYPE_CHECKING:
-    from .material import HalfSpace
+    from ..material import HalfSpace
 
 __all__ = ["LOOSE_TOLERANCE", "cheap_run", "coarse_grids", "load_at_separation", "rms"]
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import InputError
-from .results import ContactCurve
+from ..errors import InputError
+from ..results.curve import ContactCurve
 
 __all__ = ["FrictionCurve", "friction_curve"]
 

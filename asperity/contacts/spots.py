@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .bem.contact_map import label_patches
+from ..bem.contact_map import label_patches
+from ..results.tables import structured
 from .fields import pressed_pixels
-from .tables import structured
 
 if TYPE_CHECKING:
-    from .asperities import Asperities
-    from .population import PopulationState
+    from ..asperities import Asperities
+    from ..population import PopulationState
 
 __all__ = ["spot_table"]
 

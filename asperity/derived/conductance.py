@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import InputError
-from .results import ContactCurve
+from ..errors import InputError
+from ..results.curve import ContactCurve
 
 __all__ = ["constriction_conductance", "total_resistivity"]
 

@@ -11,20 +11,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from surfaces.heightmap import HeightMap
 
-from .baseline import LOOSE_TOLERANCE, cheap_run, coarse_grids, rms
-from .bem.curve import bem_curve
-from .bem.solve import bem_solve
-from .comparison import Comparison
-from .compilation import compile_ahead, small_map
-from .contacts import microcontacts
-from .curve import solve_contacts
-from .loadpoints import checked_loads, default_pressures, slope_scale
-from .plan import Plan, make_plan
-from .results import ContactCurve
-from .tables import structured
+from ..bem.curve import bem_curve
+from ..bem.solve import bem_solve
+from ..compilation import compile_ahead, small_map
+from ..contacts.table import microcontacts
+from ..curve import solve_contacts
+from ..loadpoints import checked_loads, default_pressures, slope_scale
+from ..plan import Plan, make_plan
+from ..results.curve import ContactCurve
+from ..results.tables import structured
+from .coarse_bem import LOOSE_TOLERANCE, cheap_run, coarse_grids, rms
+from .result import Comparison
 
 if TYPE_CHECKING:
-    from .material import HalfSpace
+    from ..material import HalfSpace
 
 __all__ = ["compare"]
 

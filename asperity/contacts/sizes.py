@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import InputError
-from .tables import structured
+from ..errors import InputError
+from ..results.tables import structured
 
 __all__ = ["size_distribution"]
 

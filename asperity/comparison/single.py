@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 
 from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 
-from .errors import ModelRangeError
-from .indentation import Indentation, indent
-from .material import HalfSpace
-from .microcontact.laws import LAWS
+from ..errors import ModelRangeError
+from ..indentation import Indentation, indent
+from ..material import HalfSpace
+from ..microcontact.laws import LAWS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from .bem.single import BemIndentation
+    from ..bem.single import BemIndentation
 
 __all__ = ["Case", "LawRow", "draw_case", "judge"]
 
@@ -134,7 +134,7 @@ def judge(
     driven = {"approach": approach, "load": load}
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     if grid is not None:
-        from .indentation_bem import indent_bem
+        from ..indentation_bem import indent_bem
 
         start = time.perf_counter()
         reference = indent_bem(profile, material, **driven, grid=grid, tolerance=tolerance)

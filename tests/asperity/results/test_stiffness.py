@@ -7,7 +7,7 @@ import pytest
 
 import asperity
 from asperity.loadpoints import pressure_scale
-from asperity.slope import curve_stiffness
+from asperity.results.stiffness import curve_stiffness
 from surfaces import self_affine
 
 

@@ -1,0 +1,1 @@
+"""The microcontact model against boundary elements: errors and run times."""

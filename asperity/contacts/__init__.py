@@ -1,0 +1,1 @@
+"""The contacts of one load point: table, outlines, pressure field, separate spots."""
