@@ -115,7 +115,9 @@ def terms(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, f
 def oddness(hm: HeightMap) -> float:
     """How far a map is from random waves: 0 where the kurtosis of its second differences is 3, 1
     from 4 on, as for spikes, worn plateaus, steps and fading borders."""
-    return float(np.clip(np.log(np.mean(hm.kurtosis) / 3.0) / np.log(4.0 / 3.0), 0.0, 1.0))
+    return float(
+        np.clip(np.log(np.mean(hm.roughness.kurtosis) / 3.0) / np.log(4.0 / 3.0), 0.0, 1.0)
+    )
 
 
 def estimate(values: dict[str, float], weights: tuple[float, ...]) -> float:

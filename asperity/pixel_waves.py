@@ -11,7 +11,7 @@ import numpy as np
 from surfaces.filtering import resample
 from surfaces.heightmap import HeightMap
 
-__all__ = ["fineness", "random_waves", "refined_map", "resolution_warning"]
+__all__ = ["TO_THE_PIXEL", "fineness", "random_waves", "refined_map", "resolution_warning"]
 
 KURTOSIS = 0.25
 """How far the kurtosis of second differences may be from 3, that of random waves."""
@@ -45,7 +45,7 @@ def fineness(hm: HeightMap) -> float:
 
 def random_waves(hm: HeightMap) -> bool:
     """Whether the finest waves look random: no spikes, steps, worn plateaus, fading border."""
-    return all(abs(value - 3.0) <= KURTOSIS for value in hm.kurtosis)
+    return all(abs(value - 3.0) <= KURTOSIS for value in hm.roughness.kurtosis)
 
 
 def resolution_warning(hm: HeightMap) -> list[str]:

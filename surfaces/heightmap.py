@@ -104,25 +104,24 @@ class HeightMap:
 
     @functools.cached_property
     def roughness(self) -> Roughness:
-        """Mean, rms height, slope and curvature by finite differences, found in one pass."""
+        """Means over the map: height, slope, curvature by finite differences, found in one pass."""
         from .roughness import roughness
 
         return roughness(self)
 
     @functools.cached_property
-    def kurtosis(self) -> tuple[float, float]:
-        """Kurtosis of the second differences along y and x: 3 for random waves, more for spikes,
-        steps and worn plateaus."""
-        from .roughness import kurtosis
+    def line_power(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Power of the waves along y and x, see `coarsening.line_power`."""
+        from .coarsening import line_power
 
-        return kurtosis(self)
+        return line_power(self)
 
     @functools.cached_property
     def digest(self) -> str:
         """SHA-256 of heights, spacing and periodicity: identifies the input of a result."""
         hasher = hashlib.sha256(np.array([*self.spacing, float(self.periodic)]).tobytes())
         hasher.update(np.array(self.shape).tobytes())
-        hasher.update(self.heights.tobytes())
+        hasher.update(self.heights.data)
         return hasher.hexdigest()
 
     def replace(self, *, step: Mapping[str, Any] | None = None, **changes: Any) -> HeightMap:

@@ -35,6 +35,17 @@ def test_same_means_as_numpy(shape, missing):
     assert_allclose([*found.slope, *found.curvature], by_numpy(hm), rtol=1e-12)
 
 
+def test_kurtosis_of_second_differences_sees_the_border_of_a_periodic_map():
+    h = np.random.default_rng(3).normal(size=(15, 20))
+    for periodic in (True, False):
+        found = surfaces.HeightMap(h, (0.3, 0.7), periodic=periodic).roughness.kurtosis
+        for axis in (0, 1):
+            ring = np.concatenate((h.take([-1], axis), h, h.take([0], axis)), axis)
+            bend = np.diff(ring if periodic else h, 2, axis)
+            wanted = np.mean(bend**4) / np.mean(bend**2) ** 2
+            assert_allclose(found[axis], wanted, rtol=1e-12)
+
+
 def test_a_plane_has_a_slope_and_never_turns():
     y, x = np.mgrid[:30, :40]
     found = surfaces.HeightMap(2.0 * y - x, (1.0, 0.5)).roughness
