@@ -19,7 +19,7 @@ from surfaces.heightmap import HeightMap
 
 from .fine_scales import FineScales
 from .interaction.footprint import Footprints
-from .pixel_waves import fineness, random_waves
+from .pixel_waves import TO_THE_PIXEL, fineness, random_waves
 
 if TYPE_CHECKING:
     from .material import HalfSpace
@@ -38,6 +38,9 @@ WORTH_IT = 1.8
 UNRESOLVED = (3.0, 0.2)
 """Waves shorter than so many pixels are taken out of any spectrum in which they hold more than this
 share of the squared slope: their summits are uncertain."""
+
+SURELY = 0.9
+"""Share of that breadth up to which some lines of a map can tell that it is not reached."""
 
 NARROW = "scales: all, the spectrum is narrow enough for a contact at each summit"
 
@@ -83,12 +86,7 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
     """
     if abs(material.m) > GRADED:
         return f"scales: all, the law of fine waves is for |m| <= {GRADED:g}"
-    found = hm.roughness
-    slope, bend = np.asarray(found.slope), np.asarray(found.curvature)
-    rough = found.rms_height**2 * np.mean(bend**2) / np.mean(slope**2) ** 2
-    # differences between neighbors see half the breadth of a spectrum that reaches the pixel, and
-    # a quarter of the squared slope is lost over two pixels if it ends at four
-    if 2.5 * rough < WORTH_IT * BROADEST and fineness(hm) < 0.25:
+    if fineness(hm) < TO_THE_PIXEL and _breadth(hm) < SURELY * WORTH_IT * BROADEST:
         return NARROW
     if not random_waves(hm):
         return "scales: all, the finest waves are not random, so that no law holds for all of them"
@@ -140,6 +138,16 @@ def _waves(hm: HeightMap) -> Waves:
     waves = fft.dctn(hm.heights, norm="ortho", workers=threads()) * np.sqrt(hm.heights.size)
     waves[:, 1:] *= np.sqrt(0.5)
     return np.asarray(waves)
+
+
+def _breadth(hm: HeightMap) -> float:
+    """Breadth of the spectrum of a map whose waves have no direction, from some of its lines."""
+    turns = np.zeros((2, 2))  # mean squares of slope and curvature along y and x
+    for mean, power, length in zip(turns, hm.line_power, hm.size, strict=True):
+        number = np.arange(power.size) * (2.0 if hm.periodic else 1.0) * np.pi / length
+        mean[:] = power @ number**2, power @ number**4
+    slope, bend = turns.mean(axis=0)
+    return float(hm.roughness.rms_height**2 * bend / slope**2)
 
 
 def _diagonal(hm: HeightMap) -> float:

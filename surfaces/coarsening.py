@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 
 import numpy as np
@@ -10,10 +9,10 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from . import _spline, _threads
-from .filtering import resample
+from .filtering import resample_waves
 from .heightmap import HeightMap
 
-__all__ = ["coarse_map", "shortest_wave"]
+__all__ = ["coarse_map", "line_power", "shortest_wave"]
 
 _POINTS = 8.0
 """Points per shortest wave: the contact curve then changes no more than by half a pixel's shift of
@@ -25,8 +24,8 @@ _SLOPE_LOST = 2e-3
 _SMOOTH = 2.0
 """Length over which the slope turns [pixels] below which no coarser grid can hold the map."""
 
-_LINES = 128
-"""Rows and columns that suffice to find the shortest wave."""
+_LINES = 64
+"""Rows and columns that suffice to find the spectrum."""
 
 _WORTH_IT = 0.75
 """Largest ratio of the points per axis."""
@@ -65,22 +64,55 @@ def coarse_map(hm: HeightMap) -> HeightMap | None:
     ]
     if min(turns) < _SMOOTH:
         return None
-    wave = min(_threads.each(functools.partial(shortest_wave, hm), (0, 1)))
+    wave = min(shortest_wave(hm, axis) for axis in (0, 1))
     ratio = max(_POINTS / wave, _FEWEST / min(hm.shape))
     if ratio > _WORTH_IT:
         return None
     ny, nx = (min(n, fft.next_fast_len(math.ceil(ratio * n), real=True)) for n in hm.shape)
-    coarse = resample(hm, (hm.size[0] / ny, hm.size[1] / nx))
+    # of all points there are more than enough to find waves that the coarse grid holds
+    fewer = [_divisor(n, n // m) for n, m in zip(hm.shape, (ny, nx), strict=True)]
+    coarse = hm.replace(
+        heights=resample_waves(hm.heights, ny, nx, (fewer[0], fewer[1])),
+        spacing=(hm.size[0] / ny, hm.size[1] / nx),
+        step={"step": "resample", "from": list(hm.shape), "to": [ny, nx]},
+    )
     return coarse if _holds(coarse, hm) else None
 
 
+def _divisor(count: int, most: int) -> int:
+    """Largest divisor of `count` that is no larger than `most`."""
+    return next(part for part in range(most, 0, -1) if count % part == 0)
+
+
+def line_power(hm: HeightMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mean square [m^2] of the waves along y and x in some lines of a map without missing points.
+
+    `HeightMap.line_power` keeps it. The k-th wave has k periods over the length of the map; k / 2
+    in a map that is not periodic, which is continued by its mirror images.
+    """
+
+    def along(axis: int) -> NDArray[np.float64]:
+        count = hm.shape[axis]
+        stride = max(1, hm.shape[1 - axis] // _LINES)
+        lines = hm.heights[::stride] if axis else np.ascontiguousarray(hm.heights[:, ::stride].T)
+        if hm.periodic:
+            waves = fft.rfft(lines, axis=1)
+            squares = np.square(waves.real) + np.square(waves.imag)
+        else:
+            squares = np.square(0.5 * fft.dct(lines, axis=1))
+        power: NDArray[np.float64] = squares.mean(axis=0) * (2.0 / count**2)
+        power[0] *= 0.5
+        if hm.periodic and count % 2 == 0:
+            power[-1] *= 0.5
+        return power
+
+    y, x = _threads.each(along, (0, 1))
+    return y, x
+
+
 def shortest_wave(hm: HeightMap, axis: int) -> float:
-    """Length [pixels] of the shortest wave along an axis that carries slope, from some lines."""
-    count = hm.shape[axis]
-    stride = max(1, hm.shape[1 - axis] // _LINES)
-    lines = hm.heights[::stride] if axis else np.ascontiguousarray(hm.heights[:, ::stride].T)
-    waves = fft.rfft(lines, axis=1)
-    power = np.sum(np.square(waves.real) + np.square(waves.imag), axis=0)
+    """Length [pixels] of the shortest wave along an axis of a periodic map that carries slope."""
+    power, count = hm.line_power[axis], hm.shape[axis]
     inside = np.cumsum(power * np.arange(power.size) ** 2)
     if inside[-1] == 0.0:
         return float(count)

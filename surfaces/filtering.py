@@ -11,7 +11,7 @@ from ._memory import require_memory
 from .errors import SurfaceError
 from .heightmap import HeightMap
 
-__all__ = ["bandpass", "crop", "make_periodic", "resample"]
+__all__ = ["bandpass", "crop", "make_periodic", "resample", "resample_waves"]
 
 PERIODIC = ("mirror", "taper", "wrap")
 
@@ -113,7 +113,7 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
     needed = 24 * ny * nx + 8 * hm.shape[0] * nx
     require_memory(needed, f"a map of {ny} x {nx} points", "take larger pixels")
     if hm.periodic:
-        heights = _resample_waves(hm.heights, ny, nx)
+        heights = resample_waves(hm.heights, ny, nx)
     else:
         heights = _resample_cosines(_resample_cosines(hm.heights, nx, 1), ny, 0)
     step = {"step": "resample", "from": list(hm.shape), "to": [ny, nx]}
@@ -216,12 +216,20 @@ def _resample_cosines(heights: NDArray[np.float64], count: int, axis: int) -> ND
     return np.ascontiguousarray(np.moveaxis(fft.idct(spectrum, axis=-1), -1, axis))
 
 
-def _resample_waves(heights: NDArray[np.float64], ny: int, nx: int) -> NDArray[np.float64]:
-    """Trigonometric interpolation to the cell centres of (ny, nx) pixels.
+def resample_waves(
+    heights: NDArray[np.float64], ny: int, nx: int, fewer: tuple[int, int] = (1, 1)
+) -> NDArray[np.float64]:
+    """Trigonometric interpolation of a periodic array to the cell centres of (ny, nx) pixels.
 
-    Rows first; of the columns only those of waves that are kept are transformed.
+    Rows first; of the columns only those of waves that are kept are transformed. Of heights without
+    waves that so few cannot hold, every `fewer`-th along y and x is enough, divisors of the shape.
     """
-    down, across = _moved(heights.shape[0], ny), _moved(heights.shape[1], nx)
+    down, across = (
+        _moved(old, count, part)
+        for old, count, part in zip(heights.shape, (ny, nx), fewer, strict=True)
+    )
+    (first_y, first_x), (step_y, step_x) = ((part - 1) // 2 for part in fewer), fewer
+    heights = heights[first_y::step_y, first_x::step_x]
     rows = np.empty((len(heights), across.size), np.complex128)
     waves = np.zeros((ny, nx // 2 + 1), np.complex128)
     out = np.empty((ny, nx))
@@ -246,13 +254,15 @@ def _resample_waves(heights: NDArray[np.float64], ny: int, nx: int) -> NDArray[n
     return out
 
 
-def _moved(old: int, count: int) -> NDArray[np.complex128]:
-    """Factors of the waves kept when `old` cell centres become `count` on the same length."""
+def _moved(all_points: int, count: int, fewer: int) -> NDArray[np.complex128]:
+    """Factors of the waves kept when every `fewer`-th of the cell centres becomes `count`."""
+    old = all_points // fewer
     kept = min(old, count)
     waves = np.arange(kept // 2 + 1)
-    turn = 1j * np.pi * waves * (1.0 / count - 1.0 / old)
-    shift: NDArray[np.complex128] = np.exp(turn) * (count / old)
-    if kept % 2 == 0 and count != old:
+    first = ((fewer - 1) // 2 + 0.5) / all_points
+    shift: NDArray[np.complex128] = np.exp(2j * np.pi * waves * (0.5 / count - first))
+    shift *= count / old
+    if kept % 2 == 0 and count != all_points:
         shift[-1] = 0.0
     return shift
 

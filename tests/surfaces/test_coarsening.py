@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 import surfaces
 from surfaces.coarsening import coarse_map, shortest_wave
+from surfaces.filtering import resample_waves
 
 
 def smooth(cutoff=0.09, shape=(240, 288), size=(1.0, 1.8)):
@@ -38,6 +39,26 @@ def test_the_shortest_wave_of_a_sine():
     )
     assert shortest_wave(hm, 0) == pytest.approx(20)
     assert shortest_wave(hm, 1) == pytest.approx(15)
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+def test_power_of_lines_is_that_of_the_map(periodic):
+    hm = smooth(cutoff=0.04).replace(periodic=periodic)
+    slopes = []
+    for power, length in zip(hm.line_power, hm.size, strict=True):
+        number = np.pi * (1 + periodic) * np.arange(power.size) / length
+        slopes.append(np.sqrt(power @ number**2))
+    assert_allclose(slopes, hm.roughness.slope, rtol=0.05)
+
+
+@pytest.mark.parametrize("fewer", [(2, 1), (1, 3), (4, 4), (3, 4)])
+def test_a_part_of_the_points_holds_the_waves(fewer):
+    hm = smooth()
+    for shape in ((60, 72), (50, 71)):
+        whole = resample_waves(hm.heights, *shape)
+        assert_allclose(
+            resample_waves(hm.heights, *shape, fewer), whole, atol=1e-12 * hm.rms_height
+        )
 
 
 def test_maps_that_need_their_own_grid():
