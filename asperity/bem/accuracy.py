@@ -15,12 +15,19 @@ from ..boundary import Boundary
 from ..errors import InputError
 from .grids import CoarseMaps
 
-__all__ = ["GridChoice", "choose_grid", "coarse_map"]
+__all__ = ["GridChoice", "choose_grid", "coarsened"]
 
 _POINTS_TIMES_ACCURACY = 7.5
+"""Points per axis times the accuracy."""
+
 _SLOPE_SHARE = 1.0 / 3.0
+"""Share of the accuracy that may be lost from the rms slope."""
+
 _CONTACT_POINTS = 60
-_WORTH_IT = 0.8
+"""Least number of pixels in contact at the lightest load."""
+
+_LARGEST_RATIO = 0.8
+"""Points per axis over those of the full grid above which the full grid is taken."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +87,7 @@ def choose_grid(
     rule, share = max(needs.items(), key=lambda item: item[1])
     if boundary == "free":
         share = 0.5 ** math.floor(-math.log2(share)) if share < 1.0 else 1.0
-    if share > _WORTH_IT:
+    if share > _LARGEST_RATIO:
         return GridChoice(hm.shape, tolerance, f"full grid: {rule} ask for it")
     rows, columns = (scipy.fft.next_fast_len(math.ceil(share * n), real=True) for n in (ny, nx))
     shape = (min(rows, ny), min(columns, nx))
@@ -106,7 +113,7 @@ def _slope_share(hm: HeightMap, kept: float, boundary: Boundary) -> float:
     return float(2.0 * edges[1:][np.searchsorted(inside, kept**2 * inside[-1])])
 
 
-def coarse_map(hm: HeightMap, shape: tuple[int, int], boundary: Boundary) -> HeightMap:
+def coarsened(hm: HeightMap, shape: tuple[int, int], boundary: Boundary) -> HeightMap:
     """The map on a coarser grid: Fourier truncation (periodic) or means over the new pixels."""
     size = hm.size
     spacing = (size[0] / shape[0], size[1] / shape[1])

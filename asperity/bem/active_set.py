@@ -11,11 +11,20 @@ from . import _list_kernels
 
 __all__ = ["ListOperator", "solve_on_list"]
 
-DROP = 0.3
+RESIDUAL_DROP = 0.3
+"""Fall of the preconditioned residual at which an inner solve ends."""
+
 NEGATIVE_SHARE = 0.02
-LONGEST_RUN = 12
-_SHORTEST = 1e-3
+"""Share of the active points under negative pressure at which an inner solve ends."""
+
+MAX_INNER_STEPS = 12
+"""Conjugate-gradient steps of one inner solve."""
+
+_SHORTEST_STEP = 1e-3
+"""Share of a step below which steepest descent takes over."""
+
 _ENERGY_NOISE = 0.1
+"""Rise of the energy taken for rounding, over tolerance times load times length scale."""
 
 
 class ListOperator(Protocol):
@@ -81,7 +90,7 @@ def solve_on_list(
             return iterations
         if state.energy > lowest_energy + margin:
             share *= 0.5
-            if share < _SHORTEST:
+            if share < _SHORTEST_STEP:
                 if plain:
                     pressure[:] = accepted
                     return iterations
@@ -149,14 +158,14 @@ class _State:
         direction that must lower the energy if any does.
         """
         norm = start = 0.0
-        for step in range(1 if plain else LONGEST_RUN):
+        for step in range(1 if plain else MAX_INNER_STEPS):
             z = self.residual if plain else self.operator.precondition(self.residual)
             norm = _list_kernels.turn(
                 self.active, self.count, z, self.residual, self.before, self.direction, norm
             )
             if step == 0:
                 start = norm
-            elif norm < DROP**2 * start:
+            elif norm < RESIDUAL_DROP**2 * start:
                 return step
             negative = _list_kernels.advance(
                 self.active,

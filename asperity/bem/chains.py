@@ -15,9 +15,16 @@ from numpy.typing import NDArray
 __all__ = ["follow_chains", "split_loads"]
 
 _LEAST_LOADS = 8
+"""Loads from which on there are two chains."""
+
 _LEAST_POINTS = 200 * 200
-_DENSEST = 5.0
-_START = 2.0
+"""Grid points from which on there are two chains."""
+
+_LOAD_COST = 5.0
+"""Extra cost of the heaviest load, over the cost of a load near zero."""
+
+_START_COST = 2.0
+"""Cost of the first load of a chain, which starts from coarser grids."""
 
 
 def split_loads(shares: NDArray[np.float64], points: int) -> list[range]:
@@ -38,8 +45,8 @@ def split_loads(shares: NDArray[np.float64], points: int) -> list[range]:
     n = len(shares)
     if n < _LEAST_LOADS or points < _LEAST_POINTS:
         return [range(n)]
-    done = np.cumsum(1.0 + _DENSEST * shares)
-    longer = np.maximum(done, done[-1] - done + _START)
+    done = np.cumsum(1.0 + _LOAD_COST * shares)
+    longer = np.maximum(done, done[-1] - done + _START_COST)
     first = int(longer[:-1].argmin()) + 1
     return [range(first), range(first, n)]
 

@@ -21,8 +21,13 @@ from .scratch import Scratch
 __all__ = ["Convolution", "plan"]
 
 _ROWS = 16
+"""Rows transformed at a time."""
+
 _COLUMNS = 16
+"""Columns transformed at a time."""
+
 _LARGEST_WHOLE = {False: 1400 * 1400, True: 200 * 200}
+"""Points up to which one whole transform is faster than blocks, by whether the grid is padded."""
 
 
 class Convolution(Protocol):

@@ -20,14 +20,32 @@ from .split import SplitOperator
 
 __all__ = ["Level", "Outcome"]
 
-_BAND = 0.15
-_MARGIN = 2.0
-_MOST_OUTER = 60
-_PATIENCE = 6
-_MOST_INNER = 200
+_FIRST_BAND = 0.15
+"""Gap over the length scale below which points are candidates in the first correction, times the
+error (at most 1)."""
+
+_BAND = 2.0
+"""The same in later corrections."""
+
+_WIDEST_BAND = 0.05
+"""Bound of the band of later corrections."""
+
+_MAX_CORRECTIONS = 60
+
+_MAX_IDLE = 6
+"""Corrections in a row that hardly lower the error, after which the solution has stagnated."""
+
+_MAX_INNER = 200
+"""Iterations on the list within one correction."""
+
 _SMALL_GRID = 128 * 128
+"""Points up to which the transform of the whole grid is cheaper than the split operator."""
+
 _ONE_THREAD = 256 * 256
+"""Points up to which compiled loops run on one thread."""
+
 _FULL_SHARE = 0.4
+"""Share of the grid on the list above which the whole grid is transformed."""
 
 
 @dataclass
@@ -89,7 +107,7 @@ class Level:
         iterations = 0
         best, idle = math.inf, 0
         self._careful = False
-        for outer in range(_MOST_OUTER):
+        for outer in range(_MAX_CORRECTIONS):
             use_numba(1 if self.heights.size <= _ONE_THREAD else idle_threads(self.exact.threads))
             known = predicted and outer == 0
             displacement = self.exact.displacement if known else self.exact.apply()
@@ -107,7 +125,7 @@ class Level:
             idle = 0 if worst < 0.7 * best else idle + 1
             self._careful = self._careful or idle >= 2
             best = min(best, worst)
-            if idle >= _PATIENCE:
+            if idle >= _MAX_IDLE:
                 break
             error = max(reading.certificate.complementarity, reading.certificate.penetration)
             mean = fixed or 0.0
@@ -131,7 +149,7 @@ class Level:
         tolerance: float,
     ) -> int:
         """One solve on the list of candidates; returns the iterations spent."""
-        width = min(_BAND * min(1.0, error), 1.0) if first else min(0.05, _MARGIN * error)
+        width = _FIRST_BAND * min(1.0, error) if first else min(_WIDEST_BAND, _BAND * error)
         threshold = reading.level + width * reading.scale
         start, columns, values, gap = _grid_kernels.select(
             self.exact.pressure, displacement, self.heights, reading.block_low, threshold
@@ -145,7 +163,7 @@ class Level:
             gap,
             scale=reading.scale,
             tolerance=_next_error(error, 0.5 * tolerance, operator.aim),
-            longest=_MOST_INNER,
+            longest=_MAX_INNER,
             total=mean * self.heights.size,
         )
         _grid_kernels.put(self.exact.pressure, start, columns, values)

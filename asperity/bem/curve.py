@@ -19,7 +19,7 @@ from ..loadpoints import checked_loads, expected_area_fraction
 from ..material import HalfSpace
 from ..results.curve import ContactCurve
 from ..threads import threads as thread_count
-from .accuracy import choose_grid, coarse_map
+from .accuracy import choose_grid, coarsened
 from .chains import follow_chains, split_loads
 from .contact_map import read_contact
 from .interpolation import interpolated, loads_to_solve
@@ -27,13 +27,13 @@ from .memory import fits
 from .path import LoadPath
 from .problem import ContactProblem
 
-__all__ = ["CurvePoint", "bem_curve"]
+__all__ = ["SolvedLoad", "bem_curve"]
 
 _NO_MAP = np.zeros((0, 0), np.bool_)
 
 
 @dataclass(frozen=True, eq=False)
-class CurvePoint:
+class SolvedLoad:
     """One solved point of a curve, as `progress` sees it.
 
     Attributes
@@ -81,7 +81,7 @@ def bem_curve(
     boundary: str | None = None,
     accuracy: float | None = None,
     check: bool = False,
-    progress: Callable[[CurvePoint], object] | None = None,
+    progress: Callable[[SolvedLoad], object] | None = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
 ) -> ContactCurve:
     """Load, separation and contact area of a rough map at several load points.
@@ -112,7 +112,7 @@ def bem_curve(
     Returns
     -------
     ContactCurve
-        In the order asked for. `stiffness` comes from the load points (`curve_stiffness`): the
+        In the order asked for. `stiffness` comes from the load points (`spline_stiffness`): the
         closer they lie, the better. `residual` is the worst entry of the certificate; `extra` holds
         the certificate by entry, raw area, elastic energy, iterations, transform pairs and
         seconds; a point that missed the tolerance is marked and explained.
@@ -139,7 +139,7 @@ def bem_curve(
         lightest = _lightest_area(hm, mat, kind, values)
         choice = choose_grid(hm, accuracy, lightest, boundary)
         tolerance = choice.tolerance
-        grid = hm if choice.shape == hm.shape else coarse_map(hm, choice.shape, boundary)
+        grid = hm if choice.shape == hm.shape else coarsened(hm, choice.shape, boundary)
         asked |= {"accuracy": accuracy, "accuracy_reason": choice.reason}
     order = np.argsort(values if kind == "pressure" else -values, kind="stable")
     chains = split_loads(_shares(kind, values[order]), grid.heights.size)
@@ -152,7 +152,7 @@ def bem_curve(
     problem = planned()
     problem.prescribed(**{kind: float(values.min())})  # the one that can be refused: at once
     prepared = time.perf_counter()
-    solved: dict[int, CurvePoint] = {}
+    solved: dict[int, SolvedLoad] = {}
     turn = threading.Lock()
 
     def curve_of(indices: Iterable[int]) -> ContactCurve:
@@ -177,7 +177,7 @@ def bem_curve(
     return _checked(curve, hm, mat, problem) if check and grid is not hm else curve
 
 
-def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> CurvePoint:
+def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> SolvedLoad:
     """Solve at one load and read the point off the state, with its contact map if that is kept."""
     problem = path.problem
     hm, exact = problem.hm, problem.level.exact
@@ -206,10 +206,10 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Cur
         "fft_pairs": exact.pairs - pairs,
         "seconds": time.perf_counter() - begun,
     }
-    return CurvePoint(columns, contact, outcome.reason)
+    return SolvedLoad(columns, contact, outcome.reason)
 
 
-def curve_stiffness(
+def spline_stiffness(
     separation: NDArray[np.float64],
     mean_pressure: NDArray[np.float64],
     converged: NDArray[np.bool_],
@@ -241,7 +241,7 @@ def curve_stiffness(
 
 def _curve(
     problem: ContactProblem,
-    points: Sequence[CurvePoint],
+    points: Sequence[SolvedLoad],
     seconds: dict[str, float],
     asked: dict[str, Any],
 ) -> ContactCurve:
@@ -254,7 +254,7 @@ def _curve(
         area_fraction=columns.pop("area_fraction"),
         contact_area=columns.pop("contact_area"),
         contacts=columns.pop("contacts").astype(np.int64),
-        stiffness=curve_stiffness(separation, mean, columns["converged"].astype(bool)),
+        stiffness=spline_stiffness(separation, mean, columns["converged"].astype(bool)),
         converged=columns.pop("converged").astype(bool),
         residual=columns.pop("residual"),
         error_estimate=np.full(len(points), np.nan),
@@ -290,7 +290,7 @@ def _checked(
     rows, columns = (min(2 * n, full) for n, full in zip(problem.hm.shape, hm.shape, strict=True))
     finer = hm
     if (rows, columns) != hm.shape:
-        finer = coarse_map(hm, (rows, columns), problem.boundary)
+        finer = coarsened(hm, (rows, columns), problem.boundary)
     finest = bem_curve(
         finer,
         mat,

@@ -15,7 +15,10 @@ from .scratch import Scratch
 __all__ = ["CoarseMaps", "level_shapes", "prolong"]
 
 _SMALLEST = 48
+"""Points of the shorter side at which the nested grids end."""
+
 _ROWS = 32
+"""Rows transformed at a time."""
 
 
 def level_shapes(shape: tuple[int, int]) -> list[tuple[int, int]]:

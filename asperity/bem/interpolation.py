@@ -14,9 +14,16 @@ from ..results.curve import ContactCurve
 __all__ = ["interpolated", "loads_to_solve"]
 
 _LEAST = 10
+"""Loads that are solved in any case."""
+
 _PER_DECADE = 4.5
+"""Loads solved per decade."""
+
 _WORST_OF_NEIGHBORS = ("load_error", "complementarity", "penetration")
+"""Columns of which an interpolated point has the larger value of its neighbors."""
+
 _COST = ("iterations", "fft_pairs", "seconds")
+"""Columns that are zero at interpolated points."""
 
 
 def loads_to_solve(pressures: NDArray[np.float64]) -> NDArray[np.float64] | None:

@@ -24,7 +24,10 @@ __all__ = [
 ]
 
 _NEAR_CELLS = 8
+"""Distance in cells up to which the corner function is used."""
+
 _MIDDLE_CELLS = 100
+"""Distance in cells up to which a Gauss rule is used, beyond it a Taylor series."""
 
 
 class ElasticHalfSpace(Protocol):

@@ -6,7 +6,8 @@ import math
 
 __all__ = ["LoadSearch"]
 
-_LONGEST_STEP = 8.0
+_LARGEST_RATIO = 8.0
+"""Largest ratio of two loads tried in turn."""
 
 
 class LoadSearch:
@@ -63,7 +64,7 @@ class LoadSearch:
 
     def _proposal(self, miss: float) -> float:
         """Step of the secant in the logarithm of the load, at most eightfold."""
-        longest = math.log(_LONGEST_STEP)
+        longest = math.log(_LARGEST_RATIO)
         exponent = math.copysign(longest, miss)
         if self.stiffness is not None:
             exponent = min(max(self.stiffness * miss / self.mean, -longest), longest)

@@ -10,6 +10,7 @@ from ..errors import InputError
 __all__ = ["estimated_bytes", "fits", "require_memory"]
 
 _BYTES_PER_POINT = {"periodic": 60, "free": 70}
+"""Estimate of `estimated_bytes`, by boundary."""
 
 
 def estimated_bytes(shape: tuple[int, int], boundary: Boundary) -> int:

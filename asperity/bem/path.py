@@ -14,8 +14,11 @@ from .problem import ContactProblem
 
 __all__ = ["LoadPath"]
 
-_LONGEST_RATIO = 4.0
-_LONGEST_SECANT = 3.0
+_LARGEST_RATIO = 4.0
+"""Ratio of two loads above which the next starts from coarser grids."""
+
+_LARGEST_STEP = 3.0
+"""Step over the distance of the last two loads above which there is no extrapolation."""
 
 
 class LoadPath:
@@ -52,7 +55,7 @@ class LoadPath:
             return level.solve(0.0, problem.tolerance)
         last = self._means[1]
         mean = load if offset is None else self._forecast(offset)
-        if 0.0 < mean <= _LONGEST_RATIO * last:
+        if 0.0 < mean <= _LARGEST_RATIO * last:
             self._predict(level, mean)
             search = None if offset is None else LoadSearch(offset, mean, self._stiffness)
             outcome = level.solve(search or load, problem.tolerance, predicted=True)
@@ -70,7 +73,7 @@ class LoadPath:
         if last <= 0.0 or not self._stiffness:
             return 0.0
         exponent = self._stiffness * (offset - self._level) / last
-        if exponent > math.log(_LONGEST_RATIO):
+        if exponent > math.log(_LARGEST_RATIO):
             return 0.0
         self._stiffness *= math.exp(exponent)
         return last * math.exp(exponent)
@@ -82,7 +85,7 @@ class LoadPath:
             self._old = np.zeros(now[0].shape, np.float32), np.zeros(now[1].shape, np.float32)
         before, last = self._means
         step = (mean - last) / (last - before) if last > before else math.inf
-        shares = (1.0 + step, -step) if abs(step) <= _LONGEST_SECANT else (mean / last, 0.0)
+        shares = (1.0 + step, -step) if abs(step) <= _LARGEST_STEP else (mean / last, 0.0)
         for field, old in zip(now, self._old, strict=True):
             extrapolate(field, old, *shares)
 

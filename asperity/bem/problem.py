@@ -25,7 +25,11 @@ from .scratch import Scratch
 __all__ = ["ContactProblem"]
 
 _COARSE_TOLERANCE = 1e-2
+"""Bound on the certificate on the coarser grids."""
+
 _FIRST_LOAD = 1e-3
+"""First mean of p~ tried for a prescribed separation, over the rms height."""
+
 _POWER = 1.5
 """Exponent of load over approach that a given start assumes until two loads are known."""
 

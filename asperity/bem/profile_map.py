@@ -18,8 +18,9 @@ Profile = Callable[[Any, Any], Any]
 """Gap f(r, phi) [m] between a body and the tangent plane at its summit."""
 
 _RAYS = 256
+"""Rays on which the section is looked for."""
 
-_WIDEST = 1e9
+_MAX_RADIUS_RATIO = 1e9
 """Ratio of radii beyond which a ray is taken never to reach the approach."""
 
 
@@ -66,9 +67,9 @@ def section_box(profile: Profile, approach: float) -> tuple[float, float, float,
         high = np.where(short, 2.0 * high, high)
         if np.isfinite(radius) and high.max() > 8.0 * radius:
             break
-        if not short.all() and high.max() > _WIDEST * high.min():
+        if not short.all() and high.max() > _MAX_RADIUS_RATIO * high.min():
             break
-    if short.all() or high.max() > _WIDEST * high.min():
+    if short.all() or high.max() > _MAX_RADIUS_RATIO * high.min():
         raise InputError(
             f"the profile does not rise to the approach {approach:g} m on every ray; "
             "give a profile that grows outwards"

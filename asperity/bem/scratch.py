@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 __all__ = ["Scratch"]
 
 _ALIGNMENT = 64
+"""Bytes, one cache line."""
 
 
 class Scratch:

@@ -18,10 +18,18 @@ from .solve import bem_solve
 
 __all__ = ["BemIndentation", "FirstGuess", "indent_bem"]
 
-_SCOUT = 64
+_COARSE_POINTS = 64
+"""Points per axis of the grid that finds the contact."""
+
 _MARGIN = 1.1
+"""Sides of the fine grid over those of the box about the contact found."""
+
 _RAYS = 256
-_TRIALS = 30
+"""Rays of the mean profile, from which the first approach to a load is taken."""
+
+_MAX_APPROACHES = 30
+"""Approaches tried for a load."""
+
 _PLACEMENTS = 4
 """How often the fine grid is widened when the contact reaches its rim."""
 
@@ -193,12 +201,12 @@ def _one(
 ) -> tuple[BemSolution, tuple[float, float], bool, float]:
     """Solve on a coarse grid around {f < d}, then on a fine one around the contact found."""
     if name == "approach":
-        scout, place = _scout(profile, mat, value, guess)
+        coarse, place = _coarse_solution(profile, mat, value, guess)
     else:
-        scout, place = _scout_load(profile, mat, value, guess)
-    rows, cols = (np.flatnonzero(scout.contact.any(axis=axis)) for axis in (1, 0))
+        coarse, place = _coarse_solution_at_load(profile, mat, value, guess)
+    rows, cols = (np.flatnonzero(coarse.contact.any(axis=axis)) for axis in (1, 0))
     edges: list[float] = []
-    for found, d, start in zip((cols, rows), scout.spacing[::-1], place, strict=True):
+    for found, d, start in zip((cols, rows), coarse.spacing[::-1], place, strict=True):
         low, high = found[0] * d - d, (found[-1] + 2) * d
         half, middle = 0.5 * _MARGIN * (high - low), 0.5 * (high + low)
         edges += [middle - half - start, middle + half - start]
@@ -209,7 +217,7 @@ def _one(
         if name == "approach":
             prescribed = {"separation": -value - mean}
         x, y = places(hm, summit)
-        first = sampled(scout.pressure, scout.spacing, place, x, y)
+        first = sampled(coarse.pressure, coarse.spacing, place, x, y)
         solution = bem_solve(
             hm, mat, **prescribed, tolerance=tolerance, boundary="free", guess=first
         )
@@ -225,18 +233,18 @@ def _one(
     return solution, summit, bool(farthest <= radius and whole), reached
 
 
-def _scout(
+def _coarse_solution(
     profile: Profile, mat: ElasticHalfSpace, approach: float, guess: FirstGuess | None
 ) -> tuple[BemSolution, tuple[float, float]]:
     """Coarse solution in the box of {f < d}."""
-    hm, summit = map_of(profile, section_box(profile, approach), _SCOUT)
+    hm, summit = map_of(profile, section_box(profile, approach), _COARSE_POINTS)
     level = -approach - float(hm.heights.mean())
     first = None if guess is None else guess.pressure(*places(hm, summit))
     found = bem_solve(hm, mat, separation=level, tolerance=1e-2, boundary="free", guess=first)
     return found, summit
 
 
-def _scout_load(
+def _coarse_solution_at_load(
     profile: Profile, mat: ElasticHalfSpace, load: float, guess: FirstGuess | None
 ) -> tuple[BemSolution, tuple[float, float]]:
     """Coarse solution that carries the load to 2 %, by secants in logarithms."""
@@ -245,11 +253,11 @@ def _scout_load(
     start = radius / 8 if np.isfinite(radius) else 1.0
     depth = float(np.mean(profile(start, phi))) if guess is None else guess.approach
     power, last = 1.5, None
-    for _ in range(_TRIALS):
-        scout, summit = _scout(profile, mat, depth, guess)
-        force = scout.load
+    for _ in range(_MAX_APPROACHES):
+        coarse, summit = _coarse_solution(profile, mat, depth, guess)
+        force = coarse.load
         if abs(force / load - 1) < 0.02:
-            return scout, summit
+            return coarse, summit
         point = (np.log(depth), np.log(force))
         if last is not None and abs(point[0] - last[0]) > 1e-6:
             power = float(np.clip((point[1] - last[1]) / (point[0] - last[0]), 0.5, 6.0))

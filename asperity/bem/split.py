@@ -23,6 +23,7 @@ from .stencil import fitted_stencil, precondition_stencil, stencil_symbol, vecto
 __all__ = ["SplitOperator"]
 
 _ASPECT_STEP = 0.03
+"""Logarithmic step to which pixel aspect ratios are rounded, so that stencils are found again."""
 
 
 class SplitOperator:

@@ -21,7 +21,10 @@ from .kernel import influence, symbol
 __all__ = ["fitted_stencil", "precondition_stencil", "stencil_symbol", "vector_tables"]
 
 _SAMPLES = 40
+"""Frequencies per axis at which the symbol is fitted."""
+
 _FLOOR = 2e-3
+"""Least weight of a frequency in the fit, relative to those beyond the coarse band."""
 
 
 def _fitting_weights(

@@ -14,7 +14,10 @@ from .scratch import Scratch
 __all__ = ["RealTransform", "plan", "prefers_fftw"]
 
 _LARGEST_FACTOR = 13
+"""Largest prime factor of a length for which FFTW is faster than scipy."""
+
 _ONE_THREAD = 160 * 160
+"""Points up to which a transform runs on one thread."""
 
 
 class RealTransform(Protocol):

@@ -71,14 +71,14 @@ def test_choice_follows_the_spectrum_and_the_load():
         accuracy.choose_grid(smooth, 2.0, 0.01, "periodic")
 
 
-def test_coarse_map_keeps_mean_size_and_waves():
+def test_coarsened_keeps_mean_size_and_waves():
     """Truncation keeps every wave that the coarse grid holds, and the mean."""
     hm = rough((90, 120), cutoff=12.0, seed=8)
     hm = hm.replace(heights=hm.heights + 3.0)
-    half = accuracy.coarse_map(hm, (45, 60), "periodic")
+    half = accuracy.coarsened(hm, (45, 60), "periodic")
     assert half.size == pytest.approx(hm.size)
     np.testing.assert_allclose(half.heights, hm.heights[::2, ::2], atol=1e-9)
-    averaged = accuracy.coarse_map(hm, (45, 60), "free")
+    averaged = accuracy.coarsened(hm, (45, 60), "free")
     expected = hm.heights.reshape(45, 2, 60, 2).mean(axis=(1, 3))
     np.testing.assert_allclose(averaged.heights, expected, rtol=1e-13)
 

@@ -7,7 +7,7 @@ import pytest
 from bem_support import rough
 
 from asperity import HalfSpace, bem_curve, bem_solve
-from asperity.bem.curve import curve_stiffness
+from asperity.bem.curve import spline_stiffness
 from asperity.errors import InputError
 
 BODY = HalfSpace.from_modulus(1.0)
@@ -50,9 +50,9 @@ def test_stiffness_of_known_laws():
     """Exact for an exponential law; for a sphere within 5 % but at the lightest of the loads."""
     p = np.array([9.0, 1.0, 27.0, 3.0, 81.0, 243.0])
     good = np.ones(6, bool)
-    np.testing.assert_allclose(curve_stiffness(-2.0 * np.log(p), p, good), p / 2.0, rtol=1e-12)
+    np.testing.assert_allclose(spline_stiffness(-2.0 * np.log(p), p, good), p / 2.0, rtol=1e-12)
     depth = p ** (2 / 3)
-    sphere = curve_stiffness(-depth, p, good) / (1.5 * p / depth) - 1.0
+    sphere = spline_stiffness(-depth, p, good) / (1.5 * p / depth) - 1.0
     assert abs(sphere[1]) < 0.15
     assert np.abs(np.delete(sphere, 1)).max() < 0.05
 
@@ -60,10 +60,10 @@ def test_stiffness_of_known_laws():
 def test_stiffness_leaves_out_what_did_not_converge():
     """A failed point is marked and moves no other; no load, no stiffness; one point tells none."""
     p, s = np.array([0.0, 1.0, 2.0, 4.0, 8.0]), np.array([9.0, 4.0, 3.0, 5.0, 1.0])
-    found = curve_stiffness(s, p, p != 4.0)
+    found = spline_stiffness(s, p, p != 4.0)
     np.testing.assert_allclose(found, [0.0, *(p[1:3] / (1 / np.log(2))), np.nan, 8 * np.log(2)])
-    assert np.isnan(curve_stiffness(s[1:2], p[1:2], np.array([True]))).all()
-    assert not (curve_stiffness(s, p, np.ones(5, bool)) < 0).any()
+    assert np.isnan(spline_stiffness(s[1:2], p[1:2], np.array([True]))).all()
+    assert not (spline_stiffness(s, p, np.ones(5, bool)) < 0).any()
 
 
 def test_prescribed_separations():
