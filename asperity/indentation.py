@@ -20,6 +20,7 @@ __all__ = ["Indentation", "checked_body", "indent"]
 Array = NDArray[np.float64]
 
 _STEPS = 60
+"""Newton steps towards a load."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,10 @@ __all__ = ["first_guess", "indent_bem"]
 Array = NDArray[np.float64]
 
 _ANGLES, _RADII = 32, 12
-_INNERMOST = 0.02
+"""Polar table of the first pressure."""
+
+_INNERMOST, _OUTERMOST = 0.02, 0.98
+"""Radii of the table over that of the contour."""
 
 
 def indent_bem(
@@ -109,7 +112,7 @@ def _guess_of(one: Indentation) -> FirstGuess | None:
     edge = one.contour(phi)
     if not np.all(np.isfinite(edge) & (edge > 0)):
         return None
-    rho = np.linspace(_INNERMOST, 0.98, _RADII)[:, None]
+    rho = np.linspace(_INNERMOST, _OUTERMOST, _RADII)[:, None]
     power = (1 + one.material.m) / 2
     r = rho * edge
     table = one.pressure(r * np.cos(phi), r * np.sin(phi)) / (1 - rho**2) ** power
@@ -118,7 +121,7 @@ def _guess_of(one: Indentation) -> FirstGuess | None:
     def pressure(x: Array, y: Array) -> Array:
         turn = np.mod(np.arctan2(y, x), 2 * np.pi)
         share = np.hypot(x, y) / np.interp(turn, phi, edge)
-        row = (share - _INNERMOST) * (_RADII - 1) / (0.98 - _INNERMOST)
+        row = (share - _INNERMOST) * (_RADII - 1) / (_OUTERMOST - _INNERMOST)
         column = turn * _ANGLES / (2 * np.pi)
         smooth = map_coordinates(table, [row, column], order=1, mode="nearest")
         return np.asarray(smooth * np.maximum(1 - share**2, 0.0) ** power)

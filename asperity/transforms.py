@@ -24,6 +24,7 @@ __all__ = ["gauss_jacobi", "kappa", "moments"]
 Array = NDArray[np.float64]
 
 _LARGE = 2000.0
+"""Exponent above which differences of log-Gamma lose digits."""
 
 
 def kappa(m: float, k: ArrayLike) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ._ahead import ask_for
+from ._prefetch import prefetch_block
 from ._spline import PAD, expand
 
 FLATTEST = 1e-3  # least ratio of the principal curvatures
@@ -181,8 +181,8 @@ def summits(
         n = order[k]
         if k + _AHEAD < last:
             other = order[k + _AHEAD]
-            ask_for(heights.ravel(), heights.shape[1], row[other] - 2, col[other] - 2, 5, 5)
-            ask_for(flat, width, row[other] + PAD - 3, col[other] + PAD - 3, 8, 8)
+            prefetch_block(heights.ravel(), heights.shape[1], row[other] - 2, col[other] - 2, 5, 5)
+            prefetch_block(flat, width, row[other] + PAD - 3, col[other] + PAD - 3, 8, 8)
         y, x, e, kind = climb(heights, flat, width, labels, periodic, row[n], col[n], n, c)
         places[n, 0] = y
         places[n, 1] = x

@@ -19,7 +19,7 @@ __all__ = ["Fans", "aspect_of"]
 _NARROWEST = np.sqrt(1.0 / 8.0)  # least aspect of the ellipse on which the rays are spread
 _FOLD = 1.7  # half a paraboloid at the border carries 0.77 of the load, on 0.58 of the area (BEM)
 _PART = 1024  # peaks whose directions stay in the cache
-_MOST_SAMPLES = 64 * LANES
+_MOST_SAMPLES = 64 * LANES  # of a ray
 _TINY = 1e-300
 
 Array = NDArray[np.float64]

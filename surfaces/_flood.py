@@ -16,7 +16,7 @@ import numpy as np
 from numba import njit
 
 FLAT = np.int32(-(2**31))
-_ROWS = np.array([-1, -1, -1, 0, 0, 1, 1, 1])
+_ROWS = np.array([-1, -1, -1, 0, 0, 1, 1, 1])  # of the eight neighbors
 _COLS = np.array([-1, 0, 1, -1, 1, -1, 0, 1])
 
 

@@ -15,6 +15,7 @@ from h5py import _objects
 __all__ = ["survives"]
 
 CPU_SECONDS = 3
+"""Processor time after which an attempt hangs."""
 
 
 def survives(attempt: Callable[[], object]) -> bool:

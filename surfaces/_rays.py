@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numba import from_dtype, njit
 
-from ._ahead import ask_for
 from ._climb import FLATTEST
+from ._prefetch import prefetch_block
 from ._ray_form import ray_places, ray_signs, rising_nodes
 from ._spline_filter import PAD
 from ._spline_form import LANES, TAPS, spline_values
@@ -176,8 +176,8 @@ def fit(
         for n in range(start, start + some):
             if n + peaks < peak.size:
                 row, col = int(y[n + peaks]), int(x[n + peaks])
-                ask_for(flat, width, row + PAD - 6, col + PAD - 6, 14, 14)
-                ask_for(labels, nx, row - 5, col - 5, 11, 11)
+                prefetch_block(flat, width, row + PAD - 6, col + PAD - 6, 14, 14)
+                prefetch_block(labels, nx, row - 5, col - 5, 11, 11)
             for p in range(count):
                 k = (n - start) * count + p
                 ray, live[k] = rays[k], k

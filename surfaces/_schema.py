@@ -29,8 +29,8 @@ DAMAGED = (
 )
 """What h5py raises on a damaged file, by experience with mutated files."""
 
-_MAX_ATTRIBUTE = 1 << 20
-_MAX_CHUNK = 1 << 30
+_MAX_ATTRIBUTE = 1 << 20  # bytes
+_MAX_CHUNK = 1 << 30  # bytes
 _KNOWN_FILTERS = {1: "gzip", 2: "shuffle", 3: "fletcher32", 4: "szip", 5: "nbit", 6: "scaleoffset"}
 _KNOWN_FILTERS[32000] = "lzf"
 

@@ -14,6 +14,7 @@ from .heightmap import HeightMap
 __all__ = ["BearingCurve", "bearing_curve"]
 
 _CORE = 0.4
+"""Share of the curve to which the line of the core is fitted (ISO 25178-2)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,6 +15,7 @@ from .heightmap import HeightMap
 __all__ = ["Autocorrelation", "Texture", "autocorrelation", "texture"]
 
 _ANGLES = 180
+"""Directions in which the correlation length is read."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ from .heightmap import HeightMap
 __all__ = ["fill_missing", "quick_fill"]
 
 _DIRECT = 400_000
+"""Largest gap [pixels] that is solved directly, not by conjugate gradients."""
 
 
 def fill_missing(hm: HeightMap, *, limit: float = 0.1) -> HeightMap:

@@ -24,7 +24,7 @@ from .units import metres_per
 
 __all__ = ["Fault", "SurfaceFile", "open", "validate"]
 
-_BLOCK_BYTES = 32 << 20
+_BLOCK_BYTES = 32 << 20  # read at a time
 
 
 class SurfaceFile:

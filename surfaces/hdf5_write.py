@@ -19,7 +19,7 @@ from .heightmap import checked_spacing
 
 __all__ = ["write_blocks"]
 
-_CHUNK = 256
+_CHUNK = 256  # largest side of a chunk [pixels]
 
 
 def write_blocks(

@@ -16,9 +16,16 @@ FORMS = ("mean", "plane", "quadratic", "cylinder")
 _POWERS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 _TERMS = {"mean": 1, "plane": 3, "quadratic": 6, "cylinder": 6}
 _REJECT = 6.0
+"""Robust standard deviations beyond which a point is left out."""
+
 _MAD_TO_SIGMA = 1.4826
+"""Standard deviation over median absolute deviation of a normal variable."""
+
 _ROUNDS = 20
+"""Fits at most."""
+
 _ROUNDING = 1e-13
+"""Heights left over those given, below which only rounding is left."""
 
 
 def level(hm: HeightMap, form: str = "plane") -> HeightMap:

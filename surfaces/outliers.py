@@ -15,8 +15,8 @@ __all__ = ["mark_outliers"]
 
 _NINE_TENTHS = 1.6449  # nine tenths of a normal variable lie within this many deviations
 _MEAN = 0.7979  # mean absolute value of a normal variable, in deviations
-_AROUND = 11
-_ROUNDS = 5
+_AROUND = 11  # side [pixels] of the surroundings of a point
+_ROUNDS = 5  # searches for spikes, at most
 
 
 def mark_outliers(hm: HeightMap, threshold: float = 6.0) -> HeightMap:

@@ -24,8 +24,8 @@ from .spectrum_fit import SpectrumFit
 
 __all__ = ["plot_autocorrelation", "plot_bearing", "plot_map", "plot_profiles", "plot_spectrum"]
 
-_PIXELS = 1200
-_NAMED = 400
+_PIXELS = 1200  # largest side of a picture
+_NAMED = 400  # peaks that are marked
 _INK = "#1f2a33"
 _ACCENT = "#d1495b"
 _QUIET = "#8a97a0"

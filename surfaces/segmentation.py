@@ -12,7 +12,7 @@ from .peaks import Peaks
 
 __all__ = ["segment"]
 
-_LEAST_ROWS = 64
+_LEAST_ROWS = 64  # rows that repay a thread
 _MOST_PIXELS = 2**31 - 4  # links are kept in 32 bits
 
 

@@ -14,7 +14,7 @@ from .levelling import level
 
 __all__ = ["SpectralMoments", "Spectrum", "power_spectrum", "power_spectrum_2d"]
 
-_RING = 1.12
+_RING = 1.12  # outer over inner wave number of a ring
 _HANN_MODES = (18.0 / 35.0) ** 2  # mean square of the window squared, over its mean fourth power
 
 

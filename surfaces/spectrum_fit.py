@@ -15,8 +15,8 @@ from .spectrum import Spectrum
 
 __all__ = ["SpectrumFit", "fit_spectrum"]
 
-_SCATTER = 0.1
-_SEGMENT = 3
+_SCATTER = 0.1  # deviation of a ring, in natural logarithms, that no model describes
+_SEGMENT = 3  # least rings of a part
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,9 @@ from .spectrum_fit import SpectrumFit, fit_spectrum
 
 __all__ = ["Statistics", "describe", "gradients", "unit_warning"]
 
-_RESOLVED = 0.1
-_TILTED = 0.01
-_SLOPES = (1e-6, 10.0)
+_RESOLVED = 0.1  # relative difference of finite differences and spectrum that is warned of
+_TILTED = 0.01  # share of the height variance in the tilt that is warned of
+_SLOPES = (1e-6, 10.0)  # rms slopes outside which the units may be wrong
 _BLOCK = 200_000  # points
 
 

@@ -27,6 +27,8 @@ __all__ = ["Case", "LawRow", "draw_case", "judge"]
 Array = NDArray[np.float64]
 
 _ANGLES = 360
+"""Angles at which contours are compared."""
+
 _EVERY = tuple(law for law in LAWS if law != "auto")
 
 

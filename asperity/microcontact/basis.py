@@ -25,8 +25,13 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 _SAMPLES = 8192
+"""Angles at which an angular factor is sampled."""
+
 _HIGHEST = 512
+"""Highest harmonic of a power-law profile."""
+
 _PANELS = 64
+"""Gauss nodes between two corners."""
 
 
 class Basis(Protocol):

@@ -24,9 +24,16 @@ __all__ = ["tabulate"]
 Array = NDArray[np.float64]
 
 _HARMONICS = 5
+"""Harmonics with an operator of their own; the rest is treated as the next one."""
+
 _OVERSHOOT = 1.15
+"""Largest radius of the tables over the radius of the basin's area."""
+
 _SMALLEST, _GRADING = 0.02, 1.3
+"""Smallest radius over the largest, and exponent of the spacing of the radii."""
+
 _LIMIT = 0.5
+"""Largest second-order part over the first-order force; least area over the circle's."""
 
 _BLOCK = 512
 """Profiles tabulated at a time: their arrays stay in the cache."""

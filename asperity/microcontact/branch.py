@@ -16,7 +16,10 @@ __all__ = ["RisingBranch"]
 Array = NDArray[np.float64]
 
 _STEPS = 80
+"""Iterations of a root search."""
+
 _FARTHEST = 4.0
+"""Radius to which a table is followed, over its last."""
 
 
 class RisingBranch:

@@ -22,6 +22,8 @@ __all__ = ["NODES", "indent", "solve_ellipse", "tabulate"]
 Array = NDArray[np.float64]
 
 _ANGLES = 720
+"""Angles at which the flags look at a contour."""
+
 _LAST = 0.5
 """Share of the last order of the contour that is taken: its orders alternate, and half of the last
 stands for it and those that follow (Euler)."""

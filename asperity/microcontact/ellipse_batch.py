@@ -49,6 +49,7 @@ _FIRST = 8
 """Newton steps at the smallest approach; every other one needs a single evaluation."""
 
 _STENCIL = 5
+"""Levels over which a slope is taken."""
 
 _BLOCK = 256
 """Profiles followed at a time: what is kept of them stays in the cache."""

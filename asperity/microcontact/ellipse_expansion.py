@@ -29,8 +29,14 @@ DEGREE = 8
 """Degree of the polynomial whose edge amplitude on the ellipse is exact."""
 
 ANGLES = 192
+"""Equispaced parameters t on an ellipse."""
+
 _RADII = 14
+"""Radii at which f is fitted."""
+
 _POWERS = np.arange(9)
+"""Powers of rho for what the polynomial leaves."""
+
 _CUT = 1e-7
 """Relative singular value below which the radial fit takes no notice."""
 

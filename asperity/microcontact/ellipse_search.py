@@ -21,7 +21,11 @@ SHARP = 0.005
 the summit, since powers of the distance from there describe what the polynomial leaves."""
 
 _NEWTON = 30
+"""Newton steps towards the best ellipse."""
+
 _STILL = 1e-8
+"""Newton step at which it has been found."""
+
 _NEAR = 0.05
 """Newton step below which the steps teach the inverse of what is left out in them."""
 

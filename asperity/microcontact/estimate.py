@@ -9,10 +9,8 @@ __all__ = ["expected_error"]
 
 Array = NDArray[np.float64]
 
-_QUADRATIC = 11.0
-_OPERATORS = 1.0
-_CUBIC = 1.0
-_FIRST = 1.4
+_FIRST, _QUADRATIC, _CUBIC, _OPERATORS = 1.4, 11.0, 1.0, 1.0
+"""Factors of x, x^2, x^(3/2) and of the difference between both second orders."""
 
 
 def expected_error(first: Array, resolved: Array, published: Array, law: str) -> Array:

@@ -25,7 +25,10 @@ __all__ = ["Expansion", "indent", "tabulate"]
 Array = NDArray[np.float64]
 
 _ANGLES = 720
+"""Angles at which the flags look at a contour."""
+
 _CLOSED = 2048
+"""Angles at which the area of a contour is taken."""
 
 
 @dataclass(frozen=True, eq=False)

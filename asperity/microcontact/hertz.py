@@ -29,6 +29,7 @@ __all__ = ["EllipticContact", "elliptic_contact", "indent", "tabulate"]
 Array = NDArray[np.float64]
 
 _STEP, _TAIL = 0.32, 32.0
+"""Step and half-width of the trapezoidal rule of `_integrals`."""
 
 
 class EllipticContact(NamedTuple):

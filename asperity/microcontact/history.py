@@ -23,9 +23,16 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 _HISTORY = 120
+"""Earlier contacts between which the contour is interpolated."""
+
 _RESOLVED = 96
+"""Harmonics with a punch of their own."""
+
 _RAYS, _RADII = 128, 40
+"""Polar table of the pressure at many points."""
+
 _FEW = 500
+"""Points up to which each is integrated by itself."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,9 +30,16 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 _POINTS = 64
+"""Nodes of the Gauss-Jacobi rule of the edge."""
+
 _SLOPES = 400
+"""Radii at which the slope of a tabulated approach is kept."""
+
 _RADII = 160
+"""Radii at which a field is tabulated."""
+
 _RESOLVED = 96
+"""Harmonics with a pressure of their own."""
 
 
 class AxisymmetricPressure:

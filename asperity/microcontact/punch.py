@@ -16,7 +16,10 @@ __all__ = ["FlatPunch", "flat_punch"]
 Array = NDArray[np.float64]
 
 _PANEL = 32
+"""Gauss nodes between two corners of a punch."""
+
 _ANGLES = 4096
+"""Angles of a punch without corners."""
 
 
 @dataclass(frozen=True, eq=False)

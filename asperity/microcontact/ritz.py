@@ -32,11 +32,17 @@ __all__ = ["indent", "tabulate"]
 Array = NDArray[np.float64]
 
 _RAYS = 180
+"""Free rays of a planform."""
+
 _ANGLES = 720
+"""Angles at which the flags look at a contour."""
+
 _RADII, _DENSE = 120, 1.6
 """Radii of the tables up to `_DENSE` times that of the first-order contact; a third beyond."""
 
 _STEPS = 200
+"""Iterations of the free rays."""
+
 _REACH = 7.0
 """Radius of the tables of a profile over that of the first-order contact."""
 

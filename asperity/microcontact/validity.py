@@ -14,7 +14,10 @@ __all__ = ["contour_flags", "profile_flags"]
 Array = NDArray[np.float64]
 
 _RAYS = 96
+"""Rays, at most, on which a profile is looked at."""
+
 _RADII = 160
+"""Radii on each."""
 _FARTHEST = 4.0
 """How far a profile without a last radius is looked at, over the reach of the contact."""
 

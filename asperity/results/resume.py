@@ -22,6 +22,7 @@ Solve = Callable[[NDArray[np.float64], Callable[[ContactCurve], None]], ContactC
 """Solves the given load points and calls back with the curve of the points finished so far."""
 
 SECONDS_BETWEEN_WRITES = 1.0
+"""Least time between two writes of the results file."""
 
 
 def run_resumably(

@@ -1,4 +1,4 @@
-"""Data of the map that will be read soon, asked for before: the summits lie scattered over it."""
+"""Prefetch of the pixels about summits, which lie scattered over the map."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from numba.extending import intrinsic
 
 from ._vectors import data_of, prefetch
 
-__all__ = ["ask_for"]
+__all__ = ["prefetch_block"]
 
 _LINE = 64
 """Bytes of a cache line."""
 
 
 @intrinsic
-def _ask(typing: Any, array: Any, place: Any) -> Any:
+def _prefetch_element(typing: Any, array: Any, place: Any) -> Any:
     """Prefetch one element of an array."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -27,10 +27,10 @@ def _ask(typing: Any, array: Any, place: Any) -> Any:
 
 
 @njit(cache=True, nogil=True)
-def ask_for(flat, width, row, col, rows, cols):
-    """Ask for `rows` times `cols` elements from (row, col) on of an array of that width."""
+def prefetch_block(flat, width, row, col, rows, cols):
+    """Prefetch `rows` times `cols` elements from (row, col) on of an array of that width."""
     step = _LINE // flat.itemsize
     for i in range(rows):
         first = (row + i) * width + col
         for j in range(0, cols + step - 1, step):
-            _ask(flat, first + min(j, cols - 1))
+            _prefetch_element(flat, first + min(j, cols - 1))
