@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+import math
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from .footprint import Footprints
     from .operator import Interaction
 
 __all__ = ["Afar"]
 
 CELLS = 10
-"""Cells along each side."""
+"""Most cells along each side."""
+
+CROWD = 60
+"""Points of a cell, on average."""
+
+FEW = 1_000
+"""Points up to which cells do not pay."""
 
 FINER = 8
 """Waves per cell along each side of which the kernel between cells is made."""
-
-MANY = 5_000
-"""Points from which on cells pay."""
 
 
 class Afar:
@@ -48,8 +53,8 @@ class Afar:
         n = len(plan.y)
         # not the plan itself, whose memory should be free as soon as it is not used
         self.body, self.wrap = plan.footprints, plan.wrap
-        self.sides = plan.size[0] * plan.eta, plan.size[1] * plan.eta
-        self.count = CELLS if n >= MANY else 1
+        self.sides = plan.sides
+        self.count = min(CELLS, math.isqrt(n // CROWD)) if n >= FEW else 1
         self.cell = np.zeros(n, np.int32)
         if self.count > 1:
             row, column = (
@@ -58,22 +63,10 @@ class Afar:
             )
             self.cell = row * np.int32(self.count) + column
 
-    @cached_property
+    @property
     def kernel(self) -> NDArray[np.float64]:
-        """G_c [m/N], shape (cells, cells): on a free half-space that of a cell of twice the size,
-        which repeats."""
-        body, repeats = self.body, 1 if self.wrap else 2
-        count = self.count * repeats
-        waves = np.fft.fftfreq(count * FINER, 1 / (count * FINER))
-        sides = [side * repeats for side in self.sides]
-        q = np.hypot(*np.meshgrid(*(2 * np.pi * waves / side for side in sides), indexing="ij"))
-        q[0, 0] = np.inf if self.wrap else q[0, 1]
-        evened = np.sinc(waves / count) ** 2
-        symbol = body.symbol * q ** (body.m - 1) * np.multiply.outer(evened, evened)
-        value = np.fft.ifft2(symbol).real[::FINER, ::FINER] * (len(waves) ** 2 / np.prod(sides))
-        row, column = np.divmod(np.arange(self.count**2), self.count)
-        apart = (np.subtract.outer(place, place) % count for place in (row, column))
-        return np.asarray(value[tuple(apart)])
+        """G_c [m/N], shape (cells, cells)."""
+        return _kernel(self.body, self.sides, self.wrap, self.count)
 
     def inverse(
         self, cell: NDArray[np.int32], stiffness: NDArray[np.float64]
@@ -85,3 +78,21 @@ class Afar:
         matrix = self.kernel * total
         matrix[np.diag_indices(len(total))] += 1.0
         return np.linalg.solve(matrix, -self.kernel), total
+
+
+@lru_cache(maxsize=16)
+def _kernel(
+    body: Footprints, sides: tuple[float, float], wrap: bool, count: int
+) -> NDArray[np.float64]:
+    """`Afar.kernel`: on a free half-space that of a cell of twice the size, which repeats."""
+    lines = count if wrap else 2 * count
+    waves = np.fft.fftfreq(lines * FINER, 1 / (lines * FINER))
+    extent = [side * lines / count for side in sides]
+    q = np.hypot(*np.meshgrid(*(2 * np.pi * waves / side for side in extent), indexing="ij"))
+    q[0, 0] = np.inf if wrap else q[0, 1]
+    evened = np.sinc(waves / lines) ** 2
+    symbol = body.symbol * q ** (body.m - 1) * np.multiply.outer(evened, evened)
+    value = np.fft.ifft2(symbol).real[::FINER, ::FINER] * (len(waves) ** 2 / math.prod(extent))
+    row, column = np.divmod(np.arange(count**2), count)
+    apart = (np.subtract.outer(place, place) % lines for place in (row, column))
+    return np.asarray(value[tuple(apart)])

@@ -44,7 +44,7 @@ class Solution:
     laws
         Laws at the approach.
     tilt
-        Gradients [-] of the displacement at this point, shape (n, 2).
+        Gradients [-] of the displacement at this point, as far as they have settled, shape (n, 2).
     residual
         sum |r_i| k_i over sum F_i, an upper estimate of the relative error of the load.
     steps, products

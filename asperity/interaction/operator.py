@@ -143,6 +143,7 @@ class Interaction:
         else:
             reach = max(min(reach, 1.01 * math.hypot(*size)), 0.02 * math.hypot(*size), floor)
         self.eta = reach / cut
+        self.sides = size
         size = (size[0] / self.eta, size[1] / self.eta)
         y, x = y / self.eta, x / self.eta
         ny, nx = int(size[0] / cut), int(size[1] / cut)

@@ -32,6 +32,10 @@ RELAXATION = 0.8
 """Share of the change of the deflection that an early step takes: more force here means less there,
 so that the full change overshoots."""
 
+SETTLING = 0.6
+"""The same share where a point ends, of which the next ones are forecast: what is extrapolated
+doubles the differences that points leave, and overshoots grew from point to point."""
+
 EARLY = 3
 """Newton steps from which on the share is taken from how the last change went."""
 
@@ -163,7 +167,7 @@ def descend(
         state.approach,
         residual.wanted,
         state.laws,
-        state.field.tilt,
+        tilt + SETTLING * (state.field.tilt - tilt),
         error,
         step,
         products,
