@@ -102,11 +102,11 @@ def closed_area(fine: FineScales, state: PopulationState, nominal: float) -> NDA
     """
     closed = state.force > 0
     area = np.zeros(len(state.force))
-    area[closed] = state.area[closed]
-    pressure = state.force[closed] / area[closed]
+    whole = state.area[closed]
+    pressure = state.force[closed] / whole
     share = state.contact_area / nominal
     for _ in range(2):
-        area[closed] = state.area[closed] * fine.remaining(pressure, share)
+        area[closed] = whole * fine.remaining(pressure, share, whole)
         share = 0.5 * (state.contact_area + float(area.sum())) / nominal
     return area
 

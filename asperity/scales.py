@@ -122,6 +122,7 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
         ratio=float(lost[7] / sums[last, 7]),
         variance=float(stiffness**2 * lost[7]),
         energy=float(0.5 * stiffness * lost[6]),
+        number=float((lost[7] / lost[6]) ** (1.0 / (1.0 - material.m))),
         m=material.m,
         evenness=float(np.sqrt(1.0 - _lay(lost) ** 2)),
     )

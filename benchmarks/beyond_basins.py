@@ -135,6 +135,7 @@ def lost_waves(hm: surfaces.HeightMap, body: Body, step: int) -> FineScales | No
         ratio,
         0.25 * body.modulus**2 * slope,
         0.25 * body.modulus * energy,
+        slope / energy,
         evenness=float(np.sqrt(1.0 - lay**2)),
     )
 

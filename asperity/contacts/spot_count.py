@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..interaction.footprint import Footprints
-
 if TYPE_CHECKING:
     from ..asperities import Asperities
     from ..population import PopulationState
@@ -39,7 +37,7 @@ def spot_count(bodies: Asperities, state: PopulationState) -> int:
     of the pass under their summits (1.7 for two equal summits in a double well, boundary elements:
     docs/accuracy.md). Where the finest waves act as a law, contacts of the area A that stay closed
     on its share f and cover the share P of the map are parted into 0.97 P^-0.15 (1 - f)/f more
-    spots per wave, A (q/2 pi)^2 waves of the wave number q whose pressure and energy the law has.
+    spots per wave, A (q/2 pi)^2 waves of the mean wave number q of the fine waves.
     The constants were found on seeds 1, 2 and 11 (docs/results.md).
     """
     from ._spot_kernels import spots
@@ -48,12 +46,9 @@ def spot_count(bodies: Asperities, state: PopulationState) -> int:
     count = float(spots(pairs, 2.0 * JOINED[0] * depth, state.approach, state.area))
     fine, area = bodies.plan.fine, state.contact_area
     if fine is not None and area > 0.0:
-        body = bodies.material
-        symbol = Footprints(body.modulus, body.m).symbol
-        number = (0.5 * symbol * fine.variance / fine.energy) ** (1.0 / (1.0 - body.m))
         closed = float(bodies.closed_area(state).sum()) / area
         share = (area / bodies.hm.area) ** -PARTED[1]
-        waves = area * (number / (2.0 * np.pi)) ** 2
+        waves = area * (fine.number / (2.0 * np.pi)) ** 2
         count += PARTED[0] * share * waves * (1.0 - closed) / closed
     return round(count)
 

@@ -25,7 +25,7 @@ from asperity.scales import split_scales
 from surfaces import HeightMap, self_affine
 
 STEEL = asperity.HalfSpace.from_modulus(2e11)
-FINE = FineScales(shortest=1e-6, ratio=1.0, variance=4e18, energy=3e2)
+FINE = FineScales(shortest=1e-6, ratio=1.0, variance=4e18, energy=3e2, number=6e6)
 
 
 def broad(shape=(240, 288), seed=3, **more) -> HeightMap:
@@ -68,6 +68,21 @@ def test_pressed_hard_all_is_closed_and_all_energy_stored():
     assert FINE.remaining(1e14, 0.1) == pytest.approx(1.0, abs=1e-8)
     assert FINE.stored(1e14, 0.1) == pytest.approx(FINE.energy, rel=1e-6)
     assert FINE.lift(1.0) == 1.0
+
+
+@settings(deadline=None, derandomize=True, max_examples=20)
+@given(st.floats(1e6, 1e11), st.floats(0.0, 0.9), st.floats(1e-18, 1e-6))
+def test_a_contact_smaller_than_the_fine_waves_stays_whole(pressure, share, area):
+    areas = np.array([1e-22, area, 2.0 * area, np.inf])
+    kept = FINE.remaining(pressure, share, areas)
+    assert np.all(np.diff(kept) <= 0)
+    assert kept[0] == pytest.approx(1.0, abs=1e-2)
+    assert kept[-1] == FINE.remaining(pressure, share)
+    # half the pressure of the fine waves where a wave number times the radius is 1
+    halved = dataclasses.replace(FINE, variance=0.5 * FINE.variance)
+    assert FINE.remaining(pressure, share, np.pi / FINE.number**2) == pytest.approx(
+        halved.remaining(pressure, share)
+    )
 
 
 @settings(deadline=None, derandomize=True, max_examples=20)
@@ -229,7 +244,7 @@ def test_the_lift_is_the_slope_of_the_energy(rough, loads):
     state = states[1]
     share = state.contact_area / rough.area
     closed = state.force > 0
-    kept = fine.remaining(state.force[closed] / state.area[closed], share)
+    kept = fine.remaining(state.force[closed] / state.area[closed], share, state.area[closed])
     share = 0.5 * (share + float(state.area[closed] @ kept) / rough.area)
 
     def energy(state):
