@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.heightmap import HeightMap
-from surfaces.segmentation import segment
-from surfaces.summits import locate_summits
+from surfaces.peaks.segmentation import segment
+from surfaces.peaks.summits import locate_summits
 
 from .contacts.spot_count import passes
 from .contacts.table import aspect_ratio
@@ -25,8 +25,8 @@ from .plan import Plan
 from .population import Population, PopulationState
 
 if TYPE_CHECKING:
-    from surfaces.peaks import Peaks
-    from surfaces.summits import Summits
+    from surfaces.peaks.peaks import Peaks
+    from surfaces.peaks.summits import Summits
 
     from .material import HalfSpace
     from .microcontact.table import LawTable

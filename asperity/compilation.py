@@ -19,13 +19,13 @@ import numpy as np
 
 from surfaces import self_affine
 from surfaces.heightmap import HeightMap
-from surfaces.profiles import Profiles
+from surfaces.peaks.profiles import Profiles
 
 from .boundary import Boundary, known_boundary
 from .material import HalfSpace
 
 if TYPE_CHECKING:
-    from surfaces.summits import Summits
+    from surfaces.peaks.summits import Summits
 
 __all__ = ["compile_ahead", "small_map"]
 

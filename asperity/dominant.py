@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces._climb import PLATEAU
+from surfaces.peaks._climb import PLATEAU
 
 from .microcontact.flags import Flag
 
 if TYPE_CHECKING:
-    from surfaces.summits import Summits
+    from surfaces.peaks.summits import Summits
 
     from .microcontact.table import LawTable
 

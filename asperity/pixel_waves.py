@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from surfaces.filtering import resample
 from surfaces.heightmap import HeightMap
+from surfaces.preparation.filtering import resample
 
 __all__ = ["TO_THE_PIXEL", "fineness", "random_waves", "refined_map", "resolution_warning"]
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surfaces._memory import available_bytes
-from surfaces.coarsening import coarse_map
 from surfaces.heightmap import HeightMap
+from surfaces.preparation.coarsening import coarse_map
 
 from .boundary import Boundary, chosen_boundary
 from .errors import InputError, SurfaceError

@@ -15,8 +15,8 @@ import numpy as np
 from SurfaceTopography import Topography
 
 import surfaces
-from surfaces.bearing import bearing_curve
-from surfaces.statistics import gradients
+from surfaces.statistics.bearing import bearing_curve
+from surfaces.statistics.describe import gradients
 
 
 def rows(hm: surfaces.HeightMap) -> Iterator[tuple[str, float, float]]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from .errors import SurfaceError
 
 if TYPE_CHECKING:
-    from .roughness import Roughness
+    from .statistics.roughness import Roughness
 
 __all__ = ["HeightMap", "checked_spacing", "require_map"]
 
@@ -105,14 +105,14 @@ class HeightMap:
     @functools.cached_property
     def roughness(self) -> Roughness:
         """Means over the map: height, slope, curvature by finite differences, found in one pass."""
-        from .roughness import roughness
+        from .statistics.roughness import roughness
 
         return roughness(self)
 
     @functools.cached_property
     def line_power(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Power of the waves along y and x, see `coarsening.line_power`."""
-        from .coarsening import line_power
+        from .preparation.coarsening import line_power
 
         return line_power(self)
 

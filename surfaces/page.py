@@ -12,12 +12,12 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from ._writing import replacing
-from .bearing import bearing_curve
-from .correlation import autocorrelation
 from .heightmap import HeightMap
 from .plot import plot_autocorrelation, plot_bearing, plot_map, plot_spectrum
-from .spectrum import power_spectrum
-from .statistics import Statistics, describe
+from .statistics.bearing import bearing_curve
+from .statistics.correlation import autocorrelation
+from .statistics.describe import Statistics, describe
+from .statistics.spectrum import power_spectrum
 
 __all__ = ["section", "write_page"]
 

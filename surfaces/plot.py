@@ -14,13 +14,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from .bearing import BearingCurve
-from .correlation import Autocorrelation
 from .heightmap import HeightMap
-from .peaks import Peaks
-from .profiles import Profiles
-from .spectrum import Spectrum
-from .spectrum_fit import SpectrumFit
+from .peaks.peaks import Peaks
+from .peaks.profiles import Profiles
+from .statistics.bearing import BearingCurve
+from .statistics.correlation import Autocorrelation
+from .statistics.spectrum import Spectrum
+from .statistics.spectrum_fit import SpectrumFit
 
 __all__ = ["plot_autocorrelation", "plot_bearing", "plot_map", "plot_profiles", "plot_spectrum"]
 

@@ -76,7 +76,7 @@ def _profile(args: argparse.Namespace) -> tuple[Any, str]:
     if (args.file is None) == (args.shape is None):
         raise InputError("give either a profile file or --shape")
     if args.file is not None:
-        from surfaces.profile_file import read_profile
+        from surfaces.files.profile_file import read_profile
 
         return read_profile(args.file), Path(args.file).name
     body = _shape(args.shape, args.k, args.scale)

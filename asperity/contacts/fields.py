@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from surfaces._threads import threads
-from surfaces.filtering import resample
+from surfaces.preparation.filtering import resample
 
 from ..interaction.footprint import Footprints
 from .table import ellipses, summit_pixel

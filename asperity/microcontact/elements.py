@@ -21,7 +21,7 @@ from .flags import Flag
 from .table import LawTable
 
 if TYPE_CHECKING:
-    from surfaces.summits import Summits
+    from surfaces.peaks.summits import Summits
 
 __all__ = ["press", "put"]
 

@@ -14,8 +14,8 @@ from asperity.microcontact.flags import Flag
 from asperity.microcontact.hertz import elliptic_contact
 from asperity.microcontact.laws import tabulate
 from surfaces import HeightMap, resample, segment, self_affine
-from surfaces._climb import PLATEAU
-from surfaces.summits import Summits, locate_summits
+from surfaces.peaks._climb import PLATEAU
+from surfaces.peaks.summits import Summits, locate_summits
 
 BODY = asperity.HalfSpace.from_modulus(2.0)
 

@@ -9,7 +9,7 @@ import pytest
 from asperity import HalfSpace, indent
 from asperity.cli.main import main
 from surfaces import HeightMap, PolarProfile, write
-from surfaces.profile_file import read_profile, write_profile
+from surfaces.files.profile_file import read_profile, write_profile
 from surfaces.shapes import bent_body
 
 TURN = 2 * np.pi * np.arange(32) / 32

@@ -7,8 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import surfaces
-from surfaces.coarsening import coarse_map, shortest_wave
-from surfaces.filtering import resample_waves
+from surfaces.preparation.coarsening import coarse_map, shortest_wave
+from surfaces.preparation.filtering import resample_waves
 
 
 def smooth(cutoff=0.09, shape=(240, 288), size=(1.0, 1.8)):

@@ -145,7 +145,7 @@ def test_large_gaps_go_through_the_iterative_solver(monkeypatch: pytest.MonkeyPa
     holed = hm.heights.copy()
     holed[20:40, 30:60] = np.nan
     direct = surfaces.fill_missing(hm.replace(heights=holed), limit=0.2)
-    monkeypatch.setattr("surfaces.filling._DIRECT", 10)
+    monkeypatch.setattr("surfaces.preparation.filling._DIRECT", 10)
     iterative = surfaces.fill_missing(hm.replace(heights=holed), limit=0.2)
     np.testing.assert_allclose(iterative.heights, direct.heights, atol=1e-13)
 

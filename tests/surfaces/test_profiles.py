@@ -11,7 +11,7 @@ from scipy.interpolate import BSpline
 
 import surfaces
 from surfaces import _spline
-from surfaces.summits import locate_summits
+from surfaces.peaks.summits import locate_summits
 
 
 def rough(shape=(96, 80), size=(1.0, 1.25), **changes):

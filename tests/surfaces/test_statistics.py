@@ -10,7 +10,7 @@ import pytest
 
 import surfaces
 from surfaces.errors import SurfaceError
-from surfaces.statistics import gradients
+from surfaces.statistics.describe import gradients
 
 SIZE = (1e-3, 2e-3)
 

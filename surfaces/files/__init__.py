@@ -1,0 +1,1 @@
+"""Files of height maps and profiles: HDF5, arrays, text, instruments."""

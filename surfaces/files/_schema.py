@@ -1,0 +1,258 @@
+"""What a height-map dataset must hold: every fault of one HDF5 dataset, named."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ..errors import InputError
+from ..units import metres_per
+
+__all__ = ["DAMAGED", "SCHEMA", "Fault", "Header", "brief", "plain", "read_header"]
+
+SCHEMA = "surface/1"
+DAMAGED = (
+    OSError,
+    RuntimeError,
+    ValueError,
+    KeyError,
+    TypeError,
+    OverflowError,
+    NotImplementedError,
+    SystemError,
+)
+"""What h5py raises on a damaged file, by experience with mutated files."""
+
+_MAX_ATTRIBUTE = 1 << 20  # bytes
+_MAX_CHUNK = 1 << 30  # bytes
+_KNOWN_FILTERS = {1: "gzip", 2: "shuffle", 3: "fletcher32", 4: "szip", 5: "nbit", 6: "scaleoffset"}
+_KNOWN_FILTERS[32000] = "lzf"
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing that is wrong with a file.
+
+    Attributes
+    ----------
+    text
+        What is wrong, where, and how to mend it, in one sentence.
+    fatal
+        True if the heights cannot be read safely as the file stands.
+    """
+
+    text: str
+    fatal: bool = True
+
+    def __str__(self) -> str:
+        return self.text
+
+
+@dataclass(frozen=True)
+class Header:
+    """What a dataset says about its heights, checked; lengths in metres."""
+
+    shape: tuple[int, int]
+    spacing: tuple[float, float]
+    unit: str
+    periodic: bool
+    name: str
+    history: tuple[Mapping[str, Any], ...]
+    notes: Mapping[str, Any]
+
+
+def read_header(
+    dataset: h5py.Dataset,
+    *,
+    unit: str | None = None,
+    spacing: tuple[float, float] | None = None,
+) -> tuple[Header | None, list[Fault]]:
+    """Header of a dataset and all its faults; the header is None if a fault is fatal.
+
+    Parameters
+    ----------
+    dataset
+        The heights.
+    unit
+        Unit of the heights where the file states none.
+    spacing
+        Pixel size (dy, dx) [m] where the file states none.
+    """
+    where = f"dataset {dataset.name}"
+    faults = list(_array_faults(dataset, where))
+    attributes = _attributes(dataset, where, faults)
+    holds = f" (its attributes: {', '.join(attributes) or 'none'})"[:200]
+    pixel = _spacing(attributes.pop("spacing", None), spacing, where, faults, holds)
+    stated = _unit(attributes.pop("unit", None), unit, where, faults, holds)
+    periodic = _periodic(attributes.pop("periodic", None), where, faults)
+    schema = attributes.pop("schema", None)
+    if schema is None:
+        faults.append(
+            Fault(f'{where} has no attribute schema; schema 1 files say "{SCHEMA}"', False)
+        )
+    elif schema != SCHEMA:
+        faults.append(Fault(f"{where} has schema {_shown(schema)}; this version reads {SCHEMA!r}"))
+    history = _history(attributes.pop("history", None), where, faults)
+    if any(fault.fatal for fault in faults):
+        return None, faults
+    shape = (int(dataset.shape[0]), int(dataset.shape[1]))
+    name = str(attributes.pop("name", ""))
+    return Header(shape, pixel, stated, periodic, name, history, attributes), faults
+
+
+def _array_faults(dataset: h5py.Dataset, where: str) -> Iterator[Fault]:
+    shape, kind = dataset.shape, dataset.dtype.kind
+    if shape is None or len(shape) != 2 or min(shape) < 3:
+        yield Fault(f"{where} has shape {shape}; a height map needs two axes of at least 3 points")
+        return
+    if kind not in "fiu":
+        yield Fault(f"{where} holds {dataset.dtype}; heights must be real numbers")
+        return
+    if dataset.dtype.itemsize > 8:
+        yield Fault(f"{where} holds {dataset.dtype}; store float32 or float64")
+    elif kind != "f" or dataset.dtype.itemsize < 4:
+        yield Fault(f"{where} holds {dataset.dtype}; schema 1 stores float32 or float64", False)
+    yield from _storage_faults(dataset, where)
+
+
+def _storage_faults(dataset: h5py.Dataset, where: str) -> Iterator[Fault]:
+    """Faults that would make a read allocate or invent what the file does not hold."""
+    if dataset.is_virtual or dataset.external:
+        yield Fault(f"{where} keeps its heights in other files; copy it with h5repack first")
+        return
+    filters = dataset.id.get_create_plist()
+    for index in range(filters.get_nfilters()):
+        code = filters.get_filter(index)[0]
+        if code not in _KNOWN_FILTERS or not h5py.h5z.filter_avail(code):
+            yield Fault(
+                f"{where} is compressed by filter {code}, which is not available here; "
+                "repack it with h5repack -f GZIP=4"
+            )
+            return
+    declared = math.prod(dataset.shape) * dataset.dtype.itemsize
+    if dataset.chunks is None:
+        stored = dataset.id.get_storage_size()
+        if stored != declared:
+            yield Fault(f"{where} declares {declared} bytes of heights and stores {stored}")
+        return
+    if math.prod(dataset.chunks) * dataset.dtype.itemsize > _MAX_CHUNK:
+        yield Fault(f"{where} has chunks of {dataset.chunks} points; rechunk it to under 1 GiB")
+        return
+    expected = math.prod(-(-n // c) for n, c in zip(dataset.shape, dataset.chunks, strict=True))
+    present = dataset.id.get_num_chunks()
+    if present != expected and not np.isnan(np.float64(dataset.fillvalue)):
+        yield Fault(f"{where} holds {present} of its {expected} chunks; the rest was never written")
+
+
+def _attributes(dataset: h5py.Dataset, where: str, faults: list[Fault]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name in dataset.attrs:
+        try:
+            if dataset.attrs.get_id(name).get_storage_size() > _MAX_ATTRIBUTE:
+                raise ValueError("it is larger than 1 MiB")
+            value = dataset.attrs[name]
+        except DAMAGED as error:
+            faults.append(Fault(f"{where}: attribute {name} cannot be read ({brief(error)})"))
+            continue
+        found[str(name)] = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+    return found
+
+
+def _spacing(
+    stated: Any,
+    given: tuple[float, float] | None,
+    where: str,
+    faults: list[Fault],
+    holds: str,
+) -> tuple[float, float]:
+    pixel = given if stated is None else stated
+    if pixel is None:
+        faults.append(
+            Fault(
+                f"{where} has no attribute spacing; pass --spacing DY DX (spacing=...) in m{holds}"
+            )
+        )
+        return 0.0, 0.0
+    values = np.asarray(pixel)
+    dy = dx = math.nan
+    if values.dtype.kind in "fiu" and values.shape in ((), (1,), (2,)):
+        dy, dx = (float(d) for d in np.broadcast_to(values, (2,)))
+    if not (0 < dy < math.inf and 0 < dx < math.inf):
+        faults.append(
+            Fault(f"{where}: spacing is {_shown(pixel)}; it must be two positive lengths in m")
+        )
+    elif stated is not None and given is not None and not np.allclose((dy, dx), given, rtol=1e-9):
+        faults.append(
+            Fault(f"{where} states spacing ({dy:.6g}, {dx:.6g}) m; leave out the other --spacing")
+        )
+    return dy, dx
+
+
+def _unit(stated: Any, given: str | None, where: str, faults: list[Fault], holds: str) -> str:
+    unit = given if stated is None else stated
+    if unit is None:
+        faults.append(
+            Fault(f"{where} has no attribute unit; pass --unit (unit=...), such as um{holds}")
+        )
+        return ""
+    if not isinstance(unit, str):
+        faults.append(Fault(f"{where}: unit is {_shown(unit)}; it must be a name such as um"))
+        return ""
+    try:
+        factor = metres_per(unit)
+        if stated is not None and given is not None and metres_per(given) != factor:
+            faults.append(Fault(f"{where} states unit {_shown(stated)}; leave out --unit {given}"))
+    except InputError as error:
+        faults.append(Fault(f"{where}: unit {error}"))
+    return unit
+
+
+def _periodic(stated: Any, where: str, faults: list[Fault]) -> bool:
+    if stated is None:
+        faults.append(Fault(f"{where} has no attribute periodic; it is read as False", False))
+        return False
+    value = np.asarray(stated)
+    if value.size != 1 or value.dtype.kind not in "biu" or int(value.ravel()[0]) not in (0, 1):
+        faults.append(Fault(f"{where}: periodic is {_shown(stated)}; it must be true or false"))
+        return False
+    return bool(value.ravel()[0])
+
+
+def _history(stated: Any, where: str, faults: list[Fault]) -> tuple[Mapping[str, Any], ...]:
+    if stated is None:
+        return ()
+    try:
+        steps = json.loads(str(stated))
+    except (ValueError, RecursionError):
+        steps = None
+    if not isinstance(steps, list) or not all(isinstance(step, dict) for step in steps):
+        text = f"{where}: history is not a JSON list of steps; it is kept as text"
+        faults.append(Fault(text, False))
+        return ({"step": "history", "text": str(stated)},)
+    return tuple(steps)
+
+
+def brief(error: BaseException) -> str:
+    """The reason inside an h5py message, on one line."""
+    text = " ".join(str(error).split())
+    inner = text[text.find("(") + 1 : text.rfind(")")] if "(" in text else text
+    return inner[:120] or type(error).__name__
+
+
+def _shown(value: Any) -> str:
+    """A value from a file, on one line and short."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def plain(value: Any) -> Any:
+    """A NumPy value as plain Python, for JSON."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return value.item() if isinstance(value, np.generic) else str(value)

@@ -1,0 +1,270 @@
+"""Height maps in plain arrays: npy, npz and text, whose units come from the caller or a comment."""
+
+from __future__ import annotations
+
+import math
+import re
+import zipfile
+import zlib
+from pathlib import Path
+from tokenize import TokenError
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._memory import require_memory
+from .._writing import replacing
+from ..errors import FileFormatError, InputError
+from ..heightmap import HeightMap
+from ..units import metres_per
+
+__all__ = ["is_text_grid", "read_npy", "read_npz", "read_text", "write_npz", "write_text"]
+
+_DAMAGED = (
+    EOFError,
+    KeyError,
+    NotImplementedError,
+    OSError,
+    OverflowError,
+    RuntimeError,
+    SyntaxError,
+    TypeError,
+    ValueError,
+    TokenError,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+"""What NumPy and zipfile raise on a damaged file, by experience with mutated files."""
+
+_MISSING = {"", "nan", "na", "n/a", "bad", "none", "null", "-", "--", "---", "*", "**", "***"}
+_COMMENT = "#%;/!"
+_STATED = re.compile(r"^\W*(spacing|unit|periodic|name)\s*[:=]\s*(.+?)\s*$", re.IGNORECASE)
+
+
+def read_npy(
+    path: Path, dataset: str | None, unit: str | None, spacing: ArrayLike | None
+) -> HeightMap:
+    """Heights from an npy file; `unit` and `spacing` must be given."""
+    try:
+        array = np.load(path, mmap_mode="r", allow_pickle=False)
+    except _DAMAGED as error:
+        raise FileFormatError(f"{path}: damaged or not a plain npy array ({error})") from error
+    return _as_map(array, path, unit, spacing, {})
+
+
+def read_npz(
+    path: Path, dataset: str | None, unit: str | None, spacing: ArrayLike | None
+) -> HeightMap:
+    """Heights from one array of an npz file; arrays ``unit`` and ``spacing`` in it are used."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            names = [name.removesuffix(".npy") for name in archive.namelist()]
+            for name in archive.namelist():
+                with archive.open(name) as member:
+                    _check_npy_header(member, archive.getinfo(name).file_size, name)
+        with np.load(path, allow_pickle=False) as arrays:
+            stated: dict[str, Any] = {
+                key: arrays[key].tolist()
+                for key in ("unit", "spacing", "periodic", "name")
+                if key in names and arrays[key].size <= 2
+            }
+            planes = [name for name in names if name not in stated]
+            wanted = dataset or ("heights" if "heights" in names else planes[0])
+            if wanted not in names or (dataset is None and wanted != "heights" and len(planes) > 1):
+                raise FileFormatError(
+                    f"{path}: no array {dataset or 'heights'!r}; the file holds "
+                    f"{', '.join(names)}; name the heights with --dataset (dataset=...)"
+                )
+            return _as_map(arrays[wanted], path, unit, spacing, stated)
+    except InputError:
+        raise
+    except (*_DAMAGED, IndexError) as error:
+        raise FileFormatError(f"{path}: damaged or not a plain npz file ({error})") from error
+
+
+def is_text_grid(path: Path) -> bool:
+    """Whether the file is text whose first line, comments left out, is a row of numbers."""
+    try:
+        with path.open(encoding="utf-8-sig") as file:
+            for line in file:
+                if line.strip() and line.lstrip()[0] not in _COMMENT:
+                    separator, decimal = _separator(line)
+                    cells = _cells(line, separator, decimal)
+                    return all(_is_number(cell) for cell in cells)
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def read_text(
+    path: Path, dataset: str | None, unit: str | None, spacing: ArrayLike | None
+) -> HeightMap:
+    """Heights from rows of numbers; comment lines ``unit = um``, ``spacing = DY DX`` are used."""
+    require_memory(
+        12 * path.stat().st_size, f"{path}: reading the text", "convert it to HDF5 in pieces"
+    )
+    try:
+        stated, rows = _parsed(path)
+    except UnicodeDecodeError as error:
+        raise FileFormatError(f"{path}: damaged text ({error.reason}, {error.start})") from error
+    if "spacing" in stated:
+        try:
+            stated["spacing"] = [float(word) for word in re.split(r"[,\s]+", stated["spacing"])]
+        except ValueError:
+            raise FileFormatError(f"{path}: spacing = {stated['spacing']} is not DY DX") from None
+    heights = np.vstack(rows)
+    if _is_list_of_points(heights):
+        raise FileFormatError(
+            f"{path}: three columns of which two run over a grid look like x, y, z; write the "
+            "heights as the rows of a map"
+        )
+    stated["periodic"] = str(stated.get("periodic", "")).lower() in ("true", "1", "yes")
+    return _as_map(heights, path, unit, spacing, stated)
+
+
+def _is_list_of_points(table: NDArray[np.float64]) -> bool:
+    """Whether a table of three columns holds each pair of values of the first two once."""
+    if table.shape[1] != 3 or len(table) < 9:
+        return False
+    first, second = (len(np.unique(column)) for column in table[:, :2].T)
+    return min(first, second) >= 3 and first * second == len(
+        np.unique(table[:, :2], axis=0)
+    ) == len(table)
+
+
+def write_npz(hm: HeightMap, path: Path) -> None:
+    """Write heights [m], spacing, unit, periodic and name as the arrays of an npz file."""
+    with replacing(path) as part, part.open("wb") as file:
+        np.savez_compressed(
+            file,
+            heights=hm.heights,
+            spacing=np.array(hm.spacing),
+            unit=np.array("m"),
+            periodic=np.array(hm.periodic),
+            name=np.array(hm.name),
+        )
+
+
+def write_text(hm: HeightMap, path: Path) -> None:
+    """Write heights [m] as rows of numbers below comment lines with spacing and unit."""
+    dy, dx = hm.spacing
+    name = " ".join(hm.name.split())
+    header = f"unit = m\nspacing = {dy!r} {dx!r}\nperiodic = {hm.periodic}\nname = {name}"
+    separator = "," if path.suffix.lower() == ".csv" else " "
+    with replacing(path) as part:
+        np.savetxt(
+            part, hm.heights, fmt="%.17g", delimiter=separator, header=header, encoding="utf-8"
+        )
+
+
+def _parsed(path: Path) -> tuple[dict[str, Any], list[NDArray[np.float64]]]:
+    """What the comments state, and the rows of numbers."""
+    stated: dict[str, Any] = {}
+    rows: list[NDArray[np.float64]] = []
+    layout: tuple[str | None, bool] | None = None
+    with path.open(encoding="utf-8-sig") as file:
+        for number, line in enumerate(file, start=1):
+            if not line.strip():
+                continue
+            if line.lstrip()[0] in _COMMENT:
+                if match := _STATED.match(line):
+                    stated[match[1].lower()] = match[2]
+                continue
+            layout = layout or _separator(line)
+            rows.append(_numbers(_cells(line, *layout), path, number))
+            if len(rows[-1]) != len(rows[0]):
+                raise FileFormatError(
+                    f"{path}: line {number} has {len(rows[-1])} numbers where the first row has "
+                    f"{len(rows[0])}; write missing points as nan"
+                )
+    if not rows:
+        raise FileFormatError(f"{path}: there are no rows of numbers")
+    return stated, rows
+
+
+def _as_map(
+    array: NDArray[Any],
+    path: Path,
+    unit: str | None,
+    spacing: ArrayLike | None,
+    stated: dict[str, Any],
+) -> HeightMap:
+    if array.dtype.kind not in "fiu" or array.ndim != 2:
+        raise FileFormatError(
+            f"{path}: holds {array.dtype} of shape {array.shape}; heights are real numbers, 2-D"
+        )
+    if unit is None and not stated.get("unit"):
+        raise FileFormatError(f"{path}: states no unit; pass --unit (unit=...), such as --unit um")
+    if spacing is None and "spacing" not in stated:
+        raise FileFormatError(
+            f"{path}: states no pixel size; pass --spacing DY DX (spacing=...) in m"
+        )
+    require_memory(24 * array.size, f"{path}: a map of {array.shape}", "crop it first")
+    chosen = str(stated.get("unit") if unit is None else unit)
+    if unit is not None and stated.get("unit") and metres_per(stated["unit"]) != metres_per(unit):
+        raise FileFormatError(f"{path}: states unit {stated['unit']!r}; leave out --unit {unit}")
+    pixel: Any = stated.get("spacing") if spacing is None else spacing
+    origin = {"step": "read", "file": path.name, "unit": chosen}
+    with np.errstate(all="ignore"):
+        heights = np.asarray(array, dtype=np.float64) * metres_per(chosen)
+    return HeightMap(
+        heights,
+        pixel,
+        periodic=bool(stated.get("periodic", False)),
+        name=str(stated.get("name") or path.stem),
+        history=(origin,),
+    )
+
+
+def _check_npy_header(member: IO[bytes], size: int, name: str) -> None:
+    """Refuse an array whose header promises more than the archive holds."""
+    version = np.lib.format.read_magic(member)
+    reader = (
+        np.lib.format.read_array_header_1_0
+        if version == (1, 0)
+        else np.lib.format.read_array_header_2_0
+    )
+    shape, _, dtype = reader(member)
+    points = math.prod(int(n) for n in shape)
+    promised = points * dtype.itemsize
+    if dtype.hasobject or promised > size:
+        raise FileFormatError(f"array {name} promises {promised} bytes and the file holds {size}")
+    require_memory(24 * points, f"array {name} of shape {shape}", "save a part of it")
+
+
+def _separator(line: str) -> tuple[str | None, bool]:
+    """Separator of the cells (None is white space), and whether the decimal mark is a comma."""
+    if ";" in line:
+        return ";", "," in line and "." not in line
+    if "\t" in line.strip():
+        return "\t", "," in line and "." not in line
+    return ("," if "," in line else None), False
+
+
+def _cells(line: str, separator: str | None, decimal_comma: bool) -> list[str]:
+    if decimal_comma:
+        line = line.replace(",", ".")
+    cells = [cell.strip() for cell in line.strip(" \r\n").split(separator)]
+    return cells[:-1] if separator and cells[-1] == "" else cells
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return cell.lower() in _MISSING
+    return True
+
+
+def _numbers(cells: list[str], path: Path, line: int) -> NDArray[np.float64]:
+    try:
+        return np.array(cells, dtype=np.float64)
+    except ValueError:
+        pass
+    bad = next((cell for cell in cells if not _is_number(cell)), None)
+    if bad is not None:
+        raise FileFormatError(
+            f"{path}: line {line} holds {bad[:20]!r}, which is no number; start comments with #"
+        )
+    return np.array([np.nan if c.lower() in _MISSING else float(c) for c in cells])

@@ -1,0 +1,166 @@
+"""Read and write height maps of any format: the one place that looks at the kind of a file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from numpy.typing import ArrayLike
+
+from ..errors import FileFormatError, InputError, SurfaceError
+from ..heightmap import HeightMap, require_map
+
+__all__ = ["read", "write"]
+
+_HDF5 = (".h5", ".hdf5", ".hdf", ".he5")
+_TEXT = (".txt", ".csv", ".tsv", ".dat", ".asc")
+_HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+_NPY_SIGNATURE = b"\x93NUMPY"
+
+
+def read(
+    path: str | os.PathLike[str],
+    *,
+    dataset: str | None = None,
+    unit: str | None = None,
+    spacing: ArrayLike | None = None,
+    rows: tuple[int, int] | None = None,
+    columns: tuple[int, int] | None = None,
+) -> HeightMap:
+    """Read a height map, or a rectangle of it, from a file of any known format.
+
+    Parameters
+    ----------
+    path
+        HDF5 (schema 1 or foreign), npy, npz, text, or an instrument's file (needs the extra
+        ``asperity[formats]``).
+    dataset
+        HDF5: name of the heights, ``/heights`` by default. npz: name of the array. Instrument
+        files: name of the channel.
+    unit
+        Unit of the heights, needed where the file states none: m, mm, um, nm, ...
+    spacing
+        Pixel size (dy, dx) [m], or one number, needed where the file states none.
+    rows, columns
+        First and one-past-last pixel of the rectangle; None is all. From HDF5 nothing else is
+        read, so that the file may be larger than memory.
+
+    Returns
+    -------
+    HeightMap
+        Heights [m]; its history begins with where they came from.
+
+    Raises
+    ------
+    FileFormatError
+        If the file is missing, damaged, of an unknown format, or silent about its units.
+    SurfaceError
+        If what it holds is no height map.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise FileFormatError(f"{path}: no such file")
+    if not path.is_file():
+        raise FileFormatError(f"{path}: this is not a file")
+    reader = _reader(path)
+    try:
+        if reader is _read_hdf5:
+            return _read_hdf5(path, dataset, unit, spacing, rows, columns)
+        hm = reader(path, dataset, unit, spacing)
+        if rows is None and columns is None:
+            return hm
+        from ..preparation.filtering import crop
+
+        return crop(hm, rows or (0, hm.shape[0]), columns or (0, hm.shape[1]))
+    except InputError as error:
+        if str(error).startswith(str(path)):
+            raise
+        kind = SurfaceError if isinstance(error, SurfaceError) else FileFormatError
+        raise kind(f"{path}: {error}") from error
+    except OSError as error:
+        raise FileFormatError(f"{path}: cannot be read ({error.strerror or error})") from error
+
+
+def write(hm: HeightMap, path: str | os.PathLike[str], *, dtype: str = "float64") -> None:
+    """Write a height map; the format follows the file's suffix.
+
+    Parameters
+    ----------
+    hm
+        The map.
+    path
+        ``.h5``: schema 1, with everything, the history included. ``.npz``: heights, spacing, unit,
+        periodic and name as arrays.
+        ``.txt``, ``.csv``: heights [m] below comment lines that state spacing and unit.
+    dtype
+        HDF5 only: float64, or float32 for half the size.
+
+    Raises
+    ------
+    InputError
+        If the format cannot hold a height map with its units, or the file cannot be written.
+    """
+    require_map(hm)
+    path = Path(path)
+    if path.suffix.lower() in _HDF5:
+        from .hdf5_write import write_blocks
+
+        write_blocks(
+            path,
+            hm.shape,
+            hm.spacing,
+            (hm.heights,),
+            periodic=hm.periodic,
+            name=hm.name,
+            history=hm.history,
+            dtype=dtype,
+        )
+        return
+    if path.suffix.lower() in (".npz", ".txt", ".csv"):
+        from . import arrays
+
+        (arrays.write_npz if path.suffix.lower() == ".npz" else arrays.write_text)(hm, path)
+        return
+    raise SurfaceError(
+        f"{path}: a height map with its units is written as .h5, .npz, .txt or .csv, "
+        f"not as {path.suffix or 'a file without suffix'}"
+    )
+
+
+def _reader(
+    path: Path,
+) -> Callable[[Path, str | None, str | None, ArrayLike | None], HeightMap]:
+    try:
+        with path.open("rb") as file:
+            head = file.read(8)
+    except OSError as error:
+        raise FileFormatError(f"{path}: cannot be read ({error.strerror})") from error
+    if not head:
+        raise FileFormatError(f"{path}: the file is empty")
+    suffix = path.suffix.lower()
+    if head == _HDF5_SIGNATURE or suffix in _HDF5:
+        return _read_hdf5
+    from . import arrays, instruments
+
+    if head.startswith(_NPY_SIGNATURE) or suffix == ".npy":
+        return arrays.read_npy
+    if suffix == ".npz":
+        return arrays.read_npz
+    if suffix in _TEXT and arrays.is_text_grid(path):
+        return arrays.read_text
+    return instruments.read_instrument
+
+
+def _read_hdf5(
+    path: Path,
+    dataset: str | None,
+    unit: str | None,
+    spacing: ArrayLike | None,
+    rows: tuple[int, int] | None = None,
+    columns: tuple[int, int] | None = None,
+) -> HeightMap:
+    from .hdf5 import open as open_hdf5
+
+    with open_hdf5(path, dataset=dataset, unit=unit, spacing=spacing) as file:
+        return file.read(rows, columns)

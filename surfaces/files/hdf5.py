@@ -1,0 +1,287 @@
+"""Height maps in HDF5, schema 1: open, read in parts, validate.
+
+The layout is described in ``docs/hdf5.md``.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import h5py
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._memory import require_memory
+from ..errors import AsperityError, FileFormatError, InputError, SurfaceError
+from ..heightmap import HeightMap
+from ..units import metres_per
+from ._container import find, naming_damage, opened, require_sound
+from ._schema import DAMAGED, Fault, Header, brief, plain, read_header
+
+__all__ = ["Fault", "SurfaceFile", "open", "validate"]
+
+_BLOCK_BYTES = 32 << 20  # read at a time
+
+
+class SurfaceFile:
+    """A height map in an HDF5 file, read in parts; closed by ``with`` or `close`.
+
+    Made by `open`. Nothing but the header is read until heights are asked for.
+
+    Attributes
+    ----------
+    path
+        The file.
+    shape
+        Number of points (ny, nx).
+    spacing
+        Pixel size (dy, dx) [m].
+    unit
+        Unit of the stored heights; everything returned is in metres.
+    periodic
+        Whether the whole map continues across its border.
+    """
+
+    def __init__(self, path: Path, file: h5py.File, dataset: h5py.Dataset, header: Header) -> None:
+        self.path = path
+        self.shape = header.shape
+        self.spacing = header.spacing
+        self.unit = header.unit
+        self.periodic = header.periodic
+        self.name = header.name or path.stem
+        self.history = header.history
+        self._notes = header.notes
+        self._file = file
+        self._dataset = dataset
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def heights(
+        self, rows: tuple[int, int] | None = None, columns: tuple[int, int] | None = None
+    ) -> NDArray[np.float64]:
+        """Heights [m] of a region, shape (rows, columns); NaN marks missing points.
+
+        Parameters
+        ----------
+        rows, columns
+            First and one-past-last index; None is all.
+
+        Raises
+        ------
+        SurfaceError
+            If the region is empty or outside the map, or does not fit into memory.
+        FileFormatError
+            If the stored data are damaged.
+        """
+        top, bottom = _bounds(rows, self.shape[0], "rows")
+        left, right = _bounds(columns, self.shape[1], "columns")
+        shape = (bottom - top, right - left)
+        require_memory(
+            8 * shape[0] * shape[1],
+            f"{self.path}: a region of {shape[0]} x {shape[1]} points",
+            "read smaller regions with surfaces.open(path).blocks()",
+        )
+        heights = np.empty(shape)
+        step = self._rows_per_block(shape[1])
+        for start in range(top, bottom, step):
+            stop = min(start + step, bottom)
+            try:
+                with np.errstate(all="ignore"):
+                    heights[start - top : stop - top] = self._dataset[start:stop, left:right]
+            except DAMAGED as error:
+                raise FileFormatError(
+                    f"{self.path}: rows {start} to {stop} of dataset {self._dataset.name} are "
+                    f"damaged ({brief(error)}); copy the file again from its source"
+                ) from error
+        with np.errstate(all="ignore"):
+            heights *= metres_per(self.unit)
+        return heights
+
+    def blocks(self, rows: int | None = None) -> Iterator[tuple[int, NDArray[np.float64]]]:
+        """Whole rows of the map in turn: index of the first row, and heights [m].
+
+        Parameters
+        ----------
+        rows
+            Rows in one block; by default as many as about 32 MiB hold.
+
+        Raises
+        ------
+        InputError
+            If `rows` is below 1.
+        """
+        step = self._rows_per_block(self.shape[1]) if rows is None else rows
+        if step < 1:
+            raise InputError(f"rows is {rows}; a block needs at least one row")
+        for start in range(0, self.shape[0], step):
+            yield start, self.heights((start, min(start + step, self.shape[0])))
+
+    def read(
+        self, rows: tuple[int, int] | None = None, columns: tuple[int, int] | None = None
+    ) -> HeightMap:
+        """The map, or a region of it as a map that is not periodic.
+
+        Parameters
+        ----------
+        rows, columns
+            First and one-past-last index; None is all.
+
+        Raises
+        ------
+        SurfaceError, FileFormatError
+            If the region is not inside the map, or the heights are damaged.
+        """
+        top, bottom = _bounds(rows, self.shape[0], "rows")
+        left, right = _bounds(columns, self.shape[1], "columns")
+        whole = (bottom - top, right - left) == self.shape
+        history = list(self.history) or [self._origin()]
+        if not whole:
+            history.append({"step": "crop", "rows": [top, bottom], "columns": [left, right]})
+        require_memory(
+            24 * (bottom - top) * (right - left),
+            f"{self.path}: a map of {bottom - top} x {right - left} points",
+            "read a region with surfaces.open(path).read(rows, columns)",
+        )
+        try:
+            return HeightMap(
+                self.heights((top, bottom), (left, right)),
+                self.spacing,
+                periodic=self.periodic and whole,
+                name=self.name,
+                history=tuple(history),
+            )
+        except FileFormatError:
+            raise
+        except SurfaceError as error:
+            raise SurfaceError(f"{self.path}: {error}") from error
+
+    def _origin(self) -> dict[str, Any]:
+        """First step of the history of a map that carries none."""
+        step = {"step": "read", "file": self.path.name, "dataset": self._dataset.name}
+        step["unit"] = self.unit
+        return step | {key: plain(value) for key, value in self._notes.items()}
+
+    def _rows_per_block(self, columns: int) -> int:
+        """Rows of about `_BLOCK_BYTES`, in whole chunks where that is possible."""
+        chunk = self._dataset.chunks[0] if self._dataset.chunks else 1
+        rows = max(1, _BLOCK_BYTES // (8 * columns))
+        return max(chunk, rows - rows % chunk)
+
+
+def open(
+    path: str | os.PathLike[str],
+    *,
+    dataset: str | None = None,
+    unit: str | None = None,
+    spacing: ArrayLike | None = None,
+) -> SurfaceFile:
+    """Open a height map in HDF5 for reading in parts.
+
+    Parameters
+    ----------
+    path
+        The file.
+    dataset
+        Name of the heights inside it; ``/heights`` by default.
+    unit
+        Unit of the heights, needed where the file states none.
+    spacing
+        Pixel size (dy, dx) [m], or one number, needed where the file states none.
+
+    Raises
+    ------
+    FileFormatError
+        If the file is missing or damaged, or does not hold a height map with its units.
+    """
+    path, pixel = Path(path), _pair(spacing)
+    require_sound(path, dataset)
+    file = opened(path)
+    try:
+        with naming_damage(path):
+            found = find(file, path, dataset)
+            header, faults = read_header(found, unit=unit, spacing=pixel)
+        if header is None:
+            raise FileFormatError(f"{path}: {next(f.text for f in faults if f.fatal)}")
+        return SurfaceFile(path, file, found, header)
+    except BaseException:
+        file.close()
+        raise
+
+
+def validate(path: str | os.PathLike[str], *, dataset: str | None = None) -> list[Fault]:
+    """Every fault of a height-map file, heights included; an empty list if there is none.
+
+    Parameters
+    ----------
+    path
+        An HDF5 file.
+    dataset
+        Name of the heights inside it; ``/heights`` by default.
+
+    Notes
+    -----
+    The heights are read block by block, so that the file may be larger than memory.
+    """
+    path = Path(path)
+    try:
+        require_sound(path, dataset)
+        file = opened(path)
+    except FileFormatError as error:
+        return [Fault(str(error).removeprefix(f"{path}: "))]
+    with file:
+        try:
+            with naming_damage(path):
+                found = find(file, path, dataset)
+                header, faults = read_header(found)
+            if header is not None:
+                faults += _height_faults(SurfaceFile(path, file, found, header))
+        except AsperityError as error:
+            return [Fault(str(error).removeprefix(f"{path}: "))]
+    return faults
+
+
+def _height_faults(file: SurfaceFile) -> Iterator[Fault]:
+    infinite = present = 0
+    for _, block in file.blocks():
+        infinite += int(np.count_nonzero(np.isinf(block)))
+        present += int(np.count_nonzero(np.isfinite(block)))
+    if infinite:
+        yield Fault(f"{infinite} heights are infinite; mark missing points with NaN")
+    if not present:
+        yield Fault("every point of the height map is missing (NaN)")
+
+
+def _bounds(span: tuple[int, int] | None, count: int, what: str) -> tuple[int, int]:
+    if span is None:
+        return 0, count
+    start, stop = span
+    if not 0 <= start < stop <= count:
+        raise SurfaceError(f"{what} {start} to {stop} are not inside the map's 0 to {count}")
+    return int(start), int(stop)
+
+
+def _pair(spacing: ArrayLike | None) -> tuple[float, float] | None:
+    if spacing is None:
+        return None
+    try:
+        dy, dx = (float(d) for d in np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,)))
+    except (TypeError, ValueError):
+        raise InputError(f"spacing is {spacing!r}; give the pixel size (dy, dx) in m") from None
+    return dy, dx

@@ -1,0 +1,113 @@
+"""Write height maps of any size in HDF5, schema 1; a file appears only when it is complete."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._writing import replacing
+from ..errors import InputError, SurfaceError
+from ..heightmap import checked_spacing
+from ._container import HEIGHTS
+from ._schema import SCHEMA, plain
+
+__all__ = ["write_blocks"]
+
+_CHUNK = 256  # largest side of a chunk [pixels]
+
+
+def write_blocks(
+    path: str | os.PathLike[str],
+    shape: tuple[int, int],
+    spacing: tuple[float, float],
+    blocks: Iterable[ArrayLike],
+    *,
+    periodic: bool = False,
+    name: str = "",
+    history: Iterable[Mapping[str, Any]] = (),
+    dtype: str = "float64",
+) -> None:
+    """Write a map of any size from blocks of rows; the file appears only when it is complete.
+
+    Parameters
+    ----------
+    path
+        The file; an existing one is replaced.
+    shape
+        Number of points (ny, nx).
+    spacing
+        Pixel size (dy, dx) [m].
+    blocks
+        Heights [m] in blocks of whole rows, in order.
+    periodic, name, history
+        As in `HeightMap`.
+    dtype
+        float64, or float32 for half the size.
+
+    Raises
+    ------
+    InputError
+        If the shape or the spacing is that of no map, the blocks do not fill it or hold infinities,
+        the dtype is another, or the file cannot be written.
+    """
+    if dtype not in ("float64", "float32"):
+        raise InputError(f"dtype is {dtype!r}; heights are stored as float64 or float32")
+    if len(shape) != 2 or min(shape) < 3:
+        raise SurfaceError(f"shape is {shape}; a height map needs two axes of at least 3 points")
+    spacing = checked_spacing(spacing)
+    steps = [dict(step) for step in history]
+    with replacing(path) as part, h5py.File(part, "w", libver=("v110", "v110")) as file:
+        heights = file.create_dataset(
+            HEIGHTS,
+            shape,
+            dtype,
+            chunks=(min(shape[0], _CHUNK), min(shape[1], _CHUNK)),
+            compression="gzip",
+            compression_opts=2,
+            shuffle=True,
+            fletcher32=True,
+            fillvalue=np.nan,
+        )
+        heights.attrs["schema"] = SCHEMA
+        heights.attrs["spacing"] = np.asarray(spacing, dtype=np.float64)
+        heights.attrs["unit"] = "m"
+        heights.attrs["periodic"] = bool(periodic)
+        heights.attrs["name"] = name
+        heights.attrs["history"] = json.dumps(steps, default=plain)
+        for key in ("source", "instrument"):
+            values = [str(step[key]) for step in steps if key in step]
+            if values:
+                heights.attrs[key] = values[0]
+        for row, rows in _whole_chunks(blocks, shape):
+            heights[row : row + len(rows)] = rows
+
+
+def _whole_chunks(
+    blocks: Iterable[ArrayLike], shape: tuple[int, int]
+) -> Iterator[tuple[int, NDArray[np.float64]]]:
+    """Blocks cut anew so that each chunk is compressed once, with their first rows; all checked."""
+    held, written = np.empty((0, shape[1])), 0
+    for block in blocks:
+        rows = np.asarray(block, dtype=np.float64)
+        row = written + len(held)
+        if np.isinf(rows).any():
+            raise SurfaceError(f"block at row {row} holds infinite heights; mark missing with NaN")
+        if rows.ndim != 2 or rows.shape[1] != shape[1] or row + len(rows) > shape[0]:
+            raise SurfaceError(f"block at row {row} has shape {rows.shape} in a map of {shape}")
+        held = np.concatenate([held, rows]) if len(held) else rows
+        whole = len(held) - len(held) % _CHUNK
+        if whole:
+            yield written, held[:whole]
+            held, written = held[whole:], written + whole
+    if written + len(held) != shape[0]:
+        raise SurfaceError(
+            f"the blocks hold {written + len(held)} of {shape[0]} rows; give all of them"
+        )
+    if len(held):
+        yield written, held

@@ -1,0 +1,154 @@
+"""Instrument files through SurfaceTopography, an optional extra."""
+
+from __future__ import annotations
+
+import importlib
+import struct
+import zipfile
+import zlib
+from pathlib import Path
+from typing import Any
+from xml.parsers.expat import ExpatError
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import FileFormatError
+from ..heightmap import HeightMap
+from ..units import metres_per
+
+__all__ = ["read_instrument"]
+
+_PIP = "python -m pip install 'asperity[formats]'"
+_BROKEN_EXTRA = (ImportError, AttributeError, RuntimeError, OSError, ValueError, SyntaxError)
+_DAMAGED = (
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    EOFError,
+    ExpatError,
+    LookupError,
+    NotImplementedError,
+    OSError,
+    RuntimeError,
+    SyntaxError,
+    TypeError,
+    ValueError,
+    struct.error,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+"""What a third-party reader may raise on a file that is damaged or not its own."""
+
+
+def read_instrument(
+    path: Path, dataset: str | None, unit: str | None, spacing: ArrayLike | None
+) -> HeightMap:
+    """Read one channel of an instrument's file.
+
+    Parameters
+    ----------
+    path
+        The file.
+    dataset
+        Name of the channel, or its number as text; the default channel if None.
+    unit, spacing
+        Unit of the heights and pixel size (dy, dx) [m] where the file states none.
+
+    Raises
+    ------
+    FileFormatError
+        If the extra is missing or broken, or the file cannot be read with it.
+    """
+    library = _library(path)
+    try:
+        with library.open_topography(str(path)) as reader:
+            channel = _channel(reader, path, dataset)
+            chosen = _unit(channel, path, unit)
+            sizes = _sizes(channel, path, spacing, metres_per(chosen))
+            topography = channel.topography(**sizes)
+            origin = {
+                "step": "read",
+                "file": path.name,
+                "format": str(reader.format()),
+                "channel": str(channel.name),
+            }
+            heights = np.ma.filled(np.ma.masked_invalid(topography.heights()), np.nan)
+            periodic = bool(topography.is_periodic)
+            length_x, length_y = topography.physical_sizes
+            instrument = (topography.info.get("instrument") or {}).get("name")
+    except FileFormatError:
+        raise
+    except library.Exceptions.CannotDetectFileFormat as error:
+        raise FileFormatError(
+            f"{path}: not HDF5, npy, npz or rows of numbers, nor a format that SurfaceTopography "
+            "knows, or damaged"
+        ) from error
+    except (*_DAMAGED, library.Exceptions.ReadFileError) as error:
+        reason = " ".join(str(error).split())[:120]
+        raise FileFormatError(
+            f"{path}: damaged, or not as its format says ({type(error).__name__}: {reason})"
+        ) from error
+    if instrument:
+        origin["instrument"] = str(instrument)
+    origin["unit"] = chosen
+    heights = np.asarray(heights, dtype=np.float64).T * metres_per(chosen)
+    ny, nx = heights.shape
+    pixel = (length_y * metres_per(chosen) / ny, length_x * metres_per(chosen) / nx)
+    return HeightMap(heights, pixel, periodic=periodic, name=path.stem, history=(origin,))
+
+
+def _unit(channel: Any, path: Path, given: str | None) -> str:
+    """Unit of the heights and lengths of a channel; the library uses one for both."""
+    stated = channel.unit if isinstance(channel.unit, str) else None
+    if stated is None and given is None:
+        raise FileFormatError(f"{path}: states no unit; pass --unit (unit=...), such as --unit um")
+    if stated is not None and given is not None and metres_per(stated) != metres_per(given):
+        raise FileFormatError(f"{path}: states unit {stated!r}; leave out --unit {given}")
+    return str(stated or given)
+
+
+def _sizes(
+    channel: Any, path: Path, spacing: ArrayLike | None, metres: float
+) -> dict[str, tuple[float, float]]:
+    """What to tell the library about a map whose file does not say how large it is."""
+    if channel.physical_sizes is not None:
+        return {}
+    if spacing is None:
+        raise FileFormatError(
+            f"{path}: states no pixel size; pass --spacing DY DX (spacing=...) in m"
+        )
+    dy, dx = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,)) / metres
+    nx, ny = channel.nb_grid_pts
+    return {"physical_sizes": (float(nx * dx), float(ny * dy))}
+
+
+def _library(path: Path) -> Any:
+    try:
+        return importlib.import_module("SurfaceTopography")
+    except ModuleNotFoundError as error:
+        if error.name != "SurfaceTopography":
+            raise FileFormatError(
+                f"{path}: the extra for instrument formats is broken ({error}); run {_PIP}"
+            ) from error
+        raise FileFormatError(
+            f"{path}: not HDF5, npy, npz or rows of numbers; instrument formats need: {_PIP}"
+        ) from error
+    except _BROKEN_EXTRA as error:
+        reason = " ".join(str(error).split())[:120]
+        raise FileFormatError(
+            f"{path}: the extra for instrument formats is broken "
+            f"({type(error).__name__}: {reason}); reinstall it with: {_PIP} --force-reinstall"
+        ) from error
+
+
+def _channel(reader: Any, path: Path, name: str | None) -> Any:
+    if name is None:
+        return reader.default_channel
+    channels = list(reader.channels)
+    for number, channel in enumerate(channels):
+        if name in (channel.name, str(number)):
+            return channel
+    raise FileFormatError(
+        f"{path}: no channel {name!r}; the file holds {', '.join(str(c.name) for c in channels)}"
+    )

@@ -1,0 +1,80 @@
+"""HDF5 files of one polar profile, and profiles cut from a height map."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._writing import replacing
+from ..errors import FileFormatError
+from ..polar import PolarProfile
+
+__all__ = ["read_profile", "write_profile"]
+
+_SCHEMA = "profile/1"
+
+
+def write_profile(profile: PolarProfile, path: str | Path) -> None:
+    """Write a profile: datasets ``r``, ``phi``, ``f``, ``edge`` with units, schema "profile/1"."""
+    import h5py
+
+    with replacing(path) as part, h5py.File(part, "w") as file:
+        file.attrs["schema"] = _SCHEMA
+        for name, unit in (("r", "m"), ("phi", "rad"), ("f", "m"), ("edge", "m")):
+            if getattr(profile, name) is None:
+                continue
+            file.create_dataset(name, data=getattr(profile, name)).attrs["unit"] = unit
+
+
+def read_profile(path: str | Path) -> PolarProfile:
+    """Read a profile file, or the highest peak of a height-map file.
+
+    Parameters
+    ----------
+    path
+        HDF5 file with ``r`` [m] (n_r,), ``phi`` [rad] (n_phi,) and ``f`` [m] (n_r, n_phi), or any
+        surface file that `surfaces.read` takes; a map that is not periodic loses its tilt first.
+
+    Raises
+    ------
+    FileFormatError
+        If the file cannot be read or lacks one of the three datasets.
+    """
+    import h5py
+
+    name = Path(path).name
+    if not Path(path).is_file():
+        raise FileFormatError(f"{name}: no such file")
+    if h5py.is_hdf5(path):
+        try:
+            with h5py.File(path, "r") as file:
+                if "heights" not in file:
+                    keys = ("r", "phi", "f", *(["edge"] if "edge" in file else []))
+                    return PolarProfile(*(_column(file, key, name) for key in keys))
+        except (OSError, KeyError, TypeError, RuntimeError) as error:
+            raise FileFormatError(f"{name}: cannot be read ({error}); is it cut off?") from None
+    return _highest_peak(path)
+
+
+def _column(file: Any, key: str, name: str) -> NDArray[np.float64]:
+    if key not in file:
+        raise FileFormatError(
+            f"{name}: no dataset {key!r}; a profile file holds r, phi and f, a surface file heights"
+        )
+    return np.asarray(file[key], dtype=float)
+
+
+def _highest_peak(path: str | Path) -> PolarProfile:
+    from ..peaks.segmentation import segment
+    from ..peaks.summits import fit_profiles
+    from ..preparation.levelling import level
+    from .formats import read
+
+    hm = level(read(path), "plane")
+    peaks = segment(hm)
+    if len(peaks) == 0:
+        raise FileFormatError(f"{Path(path).name}: the map has no peak")
+    return fit_profiles(hm, peaks, rays=32, nodes=33).profile(0)

@@ -1,0 +1,1 @@
+"""Peaks of a map: segmentation, summits, and profiles about them."""

@@ -1,0 +1,212 @@
+"""Kernel of the profiles: rays from the summits to the edges of their basins.
+
+Many rays go on side by side, so that the surface is evaluated at many points at once: one point
+costs half as much then as on its own.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import from_dtype, njit
+
+from .._spline_filter import PAD
+from .._spline_form import LANES, TAPS, spline_values
+from ._climb import FLATTEST
+from ._prefetch import prefetch_block
+from ._ray_form import ray_places, ray_signs, rising_nodes
+
+_BEYOND = 1.1  # rays run on beyond their basin by this factor: see fit_profiles
+_TOGETHER = 64  # rays
+_CHUNK = 8  # groups of samples
+_ALL = 2**LANES - 1
+_LOWEST = np.array([LANES] + [(n & -n).bit_length() - 1 for n in range(1, _ALL + 1)])
+_HIGHEST = np.array([n.bit_length() - 1 for n in range(_ALL + 1)])
+
+_RAY = from_dtype(
+    np.dtype(
+        [
+            ("peak", np.int64),
+            ("y", np.float64),  # summit [pixels]
+            ("x", np.float64),
+            ("z", np.float64),
+            ("way_y", np.float64),  # step of one pixel
+            ("way_x", np.float64),
+            ("end", np.float64),  # length, or what limits it [steps]
+            ("top", np.int64),  # number of the highest sample
+            ("high", np.float64),  # it, and the samples before and after it
+            ("before", np.float64),
+            ("after", np.float64),
+            ("latest", np.float64),
+            ("outside", np.int64),  # whether the latest lies in another basin
+        ]
+    )
+)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _look(
+    flat, cell, rays, live, groups, radii, first, nodes, corners, rest, weights, pixels, out
+):  # fmt: skip
+    """Heights and pixels at `groups` times LANES of the `radii` of each ray of `live`.
+
+    The radii from `first` on, in steps; if `nodes`, in shares of the length of the ray.
+    """
+    for start in range(0, live.size * groups, _CHUNK):
+        stop = min(start + _CHUNK, live.size * groups)
+        for group in range(start, stop):
+            ray = rays[live[group // groups]]
+            most = np.inf if nodes else max(1.0, 1.1 * ray.end, ray.end + 0.5)
+            ray_places(
+                ray.y, ray.x, ray.way_y, ray.way_x, ray.end if nodes else 1.0, most, radii,
+                first + group % groups * LANES, cell, corners, rest, weights, pixels,
+                (group - start) * LANES, -1 if nodes else group * LANES,
+            )  # fmt: skip
+        for group in range(start, stop):
+            at = (group - start) * LANES
+            spline_values(flat, int(cell[5]), corners, at, weights, rest, out, group * LANES)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _march(flat, cell, labels, owner, dip, rays, live, radii, corners, rest, weights, pixels, zs):
+    """Find the `end` of the rays of `live`: the first local maximum of f, or their limit.
+
+    LANES samples of each ray are taken at once, as long as it goes on.
+    """
+    going = live.size
+    signs = np.empty(going, np.int64)
+    for first in range(1, radii.size, LANES):
+        _look(
+            flat, cell, rays, live[:going], 1, radii, first, False, corners, rest, weights, pixels,
+            zs,
+        )  # fmt: skip
+        for k in range(going):  # apart from what branches on it
+            ray = rays[live[k]]
+            signs[k] = ray_signs(
+                zs, k * LANES, ray.z, -np.inf if first == 1 else ray.high, dip, pixels, labels,
+                owner, ray.peak, radii, first, ray.end,
+            )  # fmt: skip
+        count, going = going, 0
+        for k in range(count):
+            live[going] = live[k]
+            going += _advance(rays[live[k]], signs[k], radii, first, k * LANES, zs)
+        if going == 0:
+            break
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _advance(ray, signs, radii, first, at, zs):
+    """Take a ray on by the samples from number `first` on; returns whether it goes on.
+
+    What holds at a sample is a bit of a number: whether f `rises` above all before, has `fallen` by
+    the dip, lies in a `foreign` basin, beyond the border (`gone`), or beyond the length (`past`).
+    """
+    rises, fallen, foreign = signs & _ALL, signs >> LANES & _ALL, signs >> 2 * LANES & _ALL
+    gone, past = signs >> 3 * LANES & _ALL, signs >> 4 * LANES
+    stop, inside = _LOWEST[fallen | gone], _LOWEST[past]
+    out = _LOWEST[foreign & (2 * foreign + ray.outside) & _ALL]
+    if out < stop and out <= inside:
+        m = first + out
+        ray.end = min(ray.end, _BEYOND * 0.5 * (radii[m - 2] + radii[m - 1]))
+        while inside > out and radii[first + inside - 1] > ray.end:
+            inside -= 1
+    ended = inside < stop
+    seen = inside + 1 if ended else stop + ((fallen & ~gone) >> stop & 1)
+    last = _HIGHEST[rises & ((1 << seen) - 1)]
+    if last >= 0:
+        ray.before = ray.z - zs[at + last - 1] if last > 0 else ray.latest
+        ray.high, ray.after, ray.top = ray.z - zs[at + last], np.nan, first + last
+    follower = ray.top + 1 - first
+    if 0 <= follower < seen:
+        ray.after = ray.z - zs[at + follower]
+    ray.latest = ray.z - zs[at + LANES - 1]
+    ray.outside = foreign >> (LANES - 1)
+    return not ended and stop == LANES
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _crest(ray, radii):
+    """Where f is highest: at the vertex of the parabola through the highest of its samples."""
+    edge = radii[ray.top]
+    if ray.top > 0:
+        left, right = edge - radii[ray.top - 1], radii[ray.top + 1] - edge
+        up, down = (ray.high - ray.before) / left, (ray.high - ray.after) / right
+        if up + down > 0.0:
+            edge += 0.5 * (up * right - down * left) / (up + down)
+    return max(min(edge, ray.end), 0.5)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fit(
+    flat, cell, labels, owner, dip, peak, y, x, z, way_y, way_x, pixel, limit, radii, shares, tip,
+    slot, edge, q,
+):  # fmt: skip
+    """Fill the lengths and nodes of the rays of some peaks; see `surfaces.peaks.profiles.Profiles`.
+
+    Parameters
+    ----------
+    flat, cell
+        Coefficients of the surface, and what `ray_places` needs of the map.
+    labels, owner, dip
+        Basin of each pixel (flat), the peak that stands for each peak, and how far f may fall.
+    peak, y, x, z
+        Number and summit [pixels; m] of each peak, shape (n,).
+    way_y, way_x, pixel, limit
+        Steps of one pixel, their length [m], and how many there may be, shape (n, rays).
+    radii, shares
+        Numbers of steps to look at, and nodes in shares of the length.
+    tip
+        Half the curvatures along the rays, shape (n, rays).
+    slot, edge, q
+        Row of each peak in the lengths [m] and the nodes.
+    """
+    count, nodes = q.shape[1:]
+    groups = shares.size // LANES
+    together = max(_TOGETHER, count)
+    rays, live = np.empty(together, _RAY), np.empty(together, np.int64)
+    zs = np.empty(together * shares.size)
+    pixels, corners = np.empty(zs.size, np.int64), np.empty(_CHUNK * LANES, np.int64)
+    rest, weights = np.empty(_CHUNK * LANES), np.empty(_CHUNK * LANES * TAPS)
+    nx, width = int(cell[1]), int(cell[5])
+    squares = shares * shares
+    inverses = 1.0 / squares
+    peaks = max(1, _TOGETHER // count)
+    for start in range(0, peak.size, peaks):
+        some = min(peaks, peak.size - start)
+        used = some * count
+        for n in range(start, start + some):
+            if n + peaks < peak.size:
+                row, col = int(y[n + peaks]), int(x[n + peaks])
+                prefetch_block(flat, width, row + PAD - 6, col + PAD - 6, 14, 14)
+                prefetch_block(labels, nx, row - 5, col - 5, 11, 11)
+            for p in range(count):
+                k = (n - start) * count + p
+                ray, live[k] = rays[k], k
+                ray.peak, ray.y, ray.x, ray.z = peak[n], y[n], x[n], z[n]
+                ray.way_y, ray.way_x, ray.end = way_y[n, p], way_x[n, p], limit[n, p]
+                ray.high, ray.latest, ray.top, ray.outside = 0.0, 0.0, 0, 0
+        _march(
+            flat, cell, labels, owner, dip, rays, live[:used], radii, corners, rest, weights,
+            pixels, zs,
+        )  # fmt: skip
+        for k in range(used):
+            rays[k].end, live[k] = _crest(rays[k], radii), k
+        _look(
+            flat, cell, rays, live[:used], groups, shares, 0, True, corners, rest, weights, pixels,
+            zs,
+        )  # fmt: skip
+        for n in range(start, start + some):
+            row = slot[n]
+            for p in range(count):
+                k = (n - start) * count + p
+                length = rays[k].end * pixel[n, p]
+                square = length * length
+                edge[row, p] = length
+                q[row, p, 0] = tip[n, p]
+                at, high = k * shares.size, 0.0
+                for group in range(groups):
+                    high = rising_nodes(
+                        zs, at + group * LANES, rays[k].z, FLATTEST * tip[n, p] * square, high,
+                        1.0 / square, squares, inverses, group * LANES,
+                    )  # fmt: skip
+                for j in range(nodes - 1):
+                    q[row, p, j + 1] = zs[at + j]

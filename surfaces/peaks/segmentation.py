@@ -1,0 +1,238 @@
+"""Segmentation of a height map into peaks and their basins."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _threads
+from ..errors import InputError, SurfaceError
+from ..heightmap import HeightMap
+from . import _flood, _saddles
+from .peaks import Peaks
+
+__all__ = ["segment"]
+
+_LEAST_ROWS = 64  # rows that repay a thread
+_MOST_PIXELS = 2**31 - 4  # links are kept in 32 bits
+
+
+def segment(
+    hm: HeightMap,
+    *,
+    above: float | None = None,
+    min_prominence: float = 0.0,
+    wolf: float | None = None,
+) -> Peaks:
+    """Find every peak of a map, its basin, its saddle and its neighbors.
+
+    Parameters
+    ----------
+    hm
+        Height map without missing points; its border is crossed where it is periodic.
+    above
+        Flood only pixels at or above this height [m]; None: all.
+    min_prominence
+        Smallest prominence [m] of a peak. The basins of lower ones join the neighbor across their
+        saddle.
+    wolf
+        The same as a percentage of the height range of the map (Wolf pruning); the larger of both
+        limits counts.
+
+    Returns
+    -------
+    Peaks
+        Peaks in descending height.
+
+    Raises
+    ------
+    SurfaceError
+        If points are missing.
+    InputError
+        If a limit is negative or not a number.
+
+    Notes
+    -----
+    The peaks are those of a flood of the 8-connected grid in descending height, found without
+    sorting the pixels. Each pixel is linked to its steepest higher neighbor, so that a basin is
+    what drains up to one peak; a plateau without a way up is one peak. Two peaks become connected
+    in the flood at the highest path between them; along such a path the height can be lowest only
+    where it crosses from one basin to another, because inside a basin each pixel has a rising way
+    to the peak. The passes between touching basins therefore hold the whole merge tree, and
+    only they are sorted (Kruskal's maximum spanning tree gives saddles and prominences).
+
+    References
+    ----------
+    ISO 25178-2:2012, 3.3 (segmentation, Wolf pruning).
+    """
+    if hm.missing:
+        raise SurfaceError(
+            f"{hm.missing} of {hm.heights.size} points are missing; "
+            'fill them first with prepare(hm, fill="harmonic")'
+        )
+    heights = hm.heights
+    if heights.size > _MOST_PIXELS:
+        raise SurfaceError(
+            f"the map has {heights.size} points, more than {_MOST_PIXELS}; crop or resample it"
+        )
+    limit = _limit(heights, min_prominence, wolf)
+    if above is not None and np.isnan(above):
+        raise InputError("above is not a number; give a height in m or None")
+    link, summit, runs, lowest = _links(heights, hm, -np.inf if above is None else float(above))
+    summit = np.sort(summit)
+    summit = summit[_falling(heights.ravel()[summit])]
+    link[summit] = np.arange(summit.size)
+    _threads.each(lambda some: _flood.follow(link, some), runs)
+    labels = link.reshape(hm.shape)
+    counts, keys, tops = _passes(heights, labels, hm.periodic, summit.size, runs)
+
+    height = heights.ravel()[summit]
+    (pairs, passes), (saddle, parent, keeper) = _threads.each(
+        lambda part: part(),
+        (
+            lambda: _unique_pairs(keys, tops, summit.size),
+            lambda: _merged(height, keys, tops, lowest, limit),
+        ),
+    )
+    kept = np.flatnonzero(keeper == np.arange(summit.size))
+    if kept.size < summit.size:
+        place = np.full(summit.size + 1, -1, np.int32)
+        place[kept] = np.arange(kept.size)
+        renamed = np.append(place[keeper], np.int32(-1))
+        labels = np.take(renamed, labels)
+        counts = np.bincount(renamed[:-1], weights=counts, minlength=kept.size)
+        ends = np.sort(renamed[pairs].astype(np.int64), axis=1)
+        apart = ends[:, 0] != ends[:, 1]
+        keys = ends[apart, 0] * kept.size + ends[apart, 1]
+        pairs, passes = _unique_pairs(keys, passes[apart], kept.size)
+        parent = np.where(parent[kept] >= 0, renamed[parent[kept]], -1)
+        saddle, summit, height = saddle[kept], summit[kept], height[kept]
+    row, col = np.divmod(summit, hm.shape[1])
+    return Peaks(
+        row=row,
+        col=col,
+        x=hm.x[col],
+        y=hm.y[row],
+        height=height,
+        prominence=height - saddle,
+        saddle=saddle,
+        parent=parent,
+        basin_area=np.asarray(counts * (hm.spacing[0] * hm.spacing[1]), np.float64),
+        border=_at_border(labels, kept.size, hm.periodic),
+        labels=labels,
+        neighbors=pairs,
+        passes=passes,
+        min_prominence=limit,
+    )
+
+
+def _merged(
+    height: NDArray[np.float64],
+    keys: NDArray[np.int64],
+    passes: NDArray[np.float64],
+    lowest: float,
+    limit: float,
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
+    """Saddle, parent and keeper of each peak from the passes, of which a pair may have several."""
+    order = _falling(passes, keys)
+    low = keys[order] // height.size
+    saddle, parent, keeper = _saddles.merge(
+        height, low, keys[order] - low * height.size, passes[order], lowest, limit
+    )
+    return saddle, parent, keeper
+
+
+def _falling(
+    values: NDArray[np.float64], keys: NDArray[np.int64] | None = None
+) -> NDArray[np.int64]:
+    """Order of falling values, equal ones by their keys, or as they stand.
+
+    A stable sort of all is slower.
+    """
+    order = np.argsort(-values)
+    ranked = values[order]
+    step = ranked[1:] != ranked[:-1]
+    tied = np.flatnonzero(~np.append(step, True) | ~np.append(True, step))
+    if tied.size:
+        group = np.cumsum(step[tied[1:] - 1])
+        held = order[tied]
+        rank = held if keys is None else keys[held]
+        order[tied] = held[np.lexsort((rank, np.append(0, group)))]
+    return order
+
+
+def _limit(heights: NDArray[np.float64], min_prominence: float, wolf: float | None) -> float:
+    if not min_prominence >= 0.0:
+        raise InputError(f"min_prominence is {min_prominence}; it must be a height of at least 0 m")
+    if wolf is None:
+        return float(min_prominence)
+    if not 0.0 <= wolf <= 100.0:
+        raise InputError(f"wolf is {wolf}; it must be a percentage from 0 to 100")
+    return max(float(min_prominence), wolf / 100.0 * float(heights.max() - heights.min()))
+
+
+def _links(
+    heights: NDArray[np.float64], hm: HeightMap, above: float
+) -> tuple[NDArray[np.int32], NDArray[np.int64], list[NDArray[np.int32]], float]:
+    """Pointer map, summit pixels (any order), flooded runs by block, lowest height flooded."""
+    dy, dx = hm.spacing
+    inverse = (1.0 / dy, 1.0 / dx, 1.0 / np.hypot(dy, dx))
+    nx = heights.shape[1]
+    link = np.empty(heights.size, np.int32)
+
+    def ascend(start: int, stop: int) -> tuple[NDArray[np.int32], ...]:
+        peaks = np.empty((stop - start) * nx, np.int32)
+        flats = np.empty((stop - start) * nx, np.int32)
+        runs = np.empty(((stop - start) * (nx // 2 + 1), 2), np.int32)
+        n_peaks, n_flats, n_runs, lowest = _flood.ascend(
+            heights, hm.periodic, above, inverse, link, peaks, flats, runs, start, stop
+        )
+        return peaks[:n_peaks], flats[:n_flats], runs[:n_runs], lowest
+
+    found = _threads.run(ascend, _threads.blocks(heights.shape[0], _LEAST_ROWS))
+    summits = [part[0] for part in found]
+    flats = np.concatenate([part[1] for part in found])
+    if flats.size:
+        summits.append(_flood.drain_plateaus(heights.ravel(), hm.shape, hm.periodic, link, flats))
+    runs = [part[2] for part in found]
+    return link, np.concatenate(summits).astype(np.int64), runs, min(part[3] for part in found)
+
+
+def _passes(
+    heights: NDArray[np.float64],
+    labels: NDArray[np.int32],
+    periodic: bool,
+    n: int,
+    runs: list[NDArray[np.int32]],
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+    """Pixels per basin; keys of touching pairs, some several times, and their passes."""
+
+    counts = [np.zeros(n, np.int64) for _ in runs]
+    found = _threads.each(
+        lambda part: _saddles.touching(heights, labels, periodic, counts[part], runs[part]),
+        range(len(runs)),
+    )
+    keys, passes = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    return np.sum(counts, axis=0), keys, passes
+
+
+def _unique_pairs(
+    keys: NDArray[np.int64], passes: NDArray[np.float64], n: int
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Pairs (k, 2) of the keys ``first * n + second``, each once and in order; highest passes."""
+    if not keys.size:
+        return np.empty((0, 2), np.int64), np.empty(0)
+    order = np.argsort(keys)
+    keys = keys[order]
+    first = np.flatnonzero(np.diff(keys, prepend=-1))
+    keys = keys[first]
+    low = keys // n
+    return np.column_stack([low, keys - low * n]), np.maximum.reduceat(passes[order], first)
+
+
+def _at_border(labels: NDArray[np.int32], n: int, periodic: bool) -> NDArray[np.bool_]:
+    border = np.zeros(n + 1, np.bool_)
+    if not periodic:
+        for rim in (labels[0], labels[-1], labels[:, 0], labels[:, -1]):
+            border[rim] = True
+    return border[:n]

@@ -1,0 +1,207 @@
+"""Summits of all peaks of a map, and the profiles of those that are asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _spline, _threads
+from ..errors import InputError, SurfaceError
+from ..heightmap import HeightMap
+from . import _climb
+from ._fans import Fans
+from .peaks import Peaks
+from .profiles import Profiles
+
+__all__ = ["Summits", "fit_profiles", "locate_summits"]
+
+_BAND = 32  # rows whose peaks are looked at together
+_SAME = 0.2  # two summits nearer than this [pixels] are one
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Summits:
+    """Summits of n peaks, one row of every array per peak; their rays are sampled by `rows`.
+
+    The arrays are those of `Profiles` that need no rays. At light loads most peaks never touch,
+    and their rays would cost more than all the rest. Beside them stands what rays are made of: the
+    peaks, the map, the coefficients of its spline, the summits [pixels] and how they were found.
+    """
+
+    x: Array
+    y: Array
+    height: Array
+    curvature: Array
+    angle: Array
+    pixels: NDArray[np.int64]
+    border: NDArray[np.bool_]
+    valid: NDArray[np.bool_]
+    owner: NDArray[np.int64]
+    peaks: Peaks = field(repr=False)
+    hm: HeightMap = field(repr=False)
+    spline: Array = field(repr=False)
+    places: Array = field(repr=False)
+    kinds: NDArray[np.int64] = field(repr=False)
+
+    def __len__(self) -> int:
+        return int(self.x.size)
+
+    def rows(self, index: NDArray[np.int64], *, rays: int = 16, nodes: int = 17) -> Profiles:
+        """Profiles of the peaks `index`, in that order; `owner` keeps the numbers of all peaks.
+
+        Parameters
+        ----------
+        index
+            Rows of the peaks, shape (k,).
+        rays
+            Directions per peak, at least 4.
+        nodes
+            Radial nodes per ray, at least 4.
+
+        Raises
+        ------
+        InputError
+            If there are too few rays or nodes.
+        """
+        if rays < 4 or nodes < 4:
+            raise InputError(f"rays is {rays} and nodes is {nodes}; give at least 4 of each")
+        fans = Fans(self, index, rays, nodes)
+        near = _near(self.peaks.row[index], self.peaks.col[index])
+        _threads.run(lambda a, b: fans.fill(near[a:b]), _threads.blocks(len(index), 64))
+        names = ("x", "y", "height", "curvature", "angle", "pixels", "border", "valid", "owner")
+        own: dict[str, Any] = {name: getattr(self, name)[index] for name in names}
+        t = np.linspace(0.0, 1.0, nodes)
+        return Profiles(phi=fans.phi, weight=fans.weight, edge=fans.edge, t=t, q=fans.q, **own)
+
+
+def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
+    """Climb from the peaks of a map to the maxima of the surface through its points.
+
+    Parameters
+    ----------
+    hm
+        The map that was segmented.
+    peaks
+        Its peaks, from `segment`.
+
+    Raises
+    ------
+    SurfaceError
+        If the peaks belong to a map of another shape, or the map is constant.
+    """
+    if peaks.labels.shape != hm.shape:
+        raise SurfaceError(
+            f"the peaks belong to a map of shape {peaks.labels.shape}, not {hm.shape}; "
+            "segment this map first"
+        )
+    n = len(peaks)
+    depth = peaks.prominence
+    if not (depth > 0.0).all():  # the lowest peak of all has none; its basin is filled anyway
+        relief = float(np.ptp(hm.heights))
+        if relief == 0.0:
+            raise SurfaceError("the map is constant; there is no summit to fit")
+        depth = np.maximum(depth, 1e-6 * relief)
+    spline = _spline.coefficients(hm.heights, hm.periodic)
+    places, expansions, kinds = np.empty((n, 2)), np.empty((n, 6)), np.empty(n, np.int64)
+    near = _near(peaks.row, peaks.col)
+    _threads.run(
+        lambda a, b: _climb.summits(
+            hm.heights, spline.ravel(), spline.shape[1], peaks.labels, hm.periodic, peaks.row,
+            peaks.col, near, places, expansions, kinds, a, b,
+        ),
+        _threads.blocks(n, 64),
+    )  # fmt: skip
+    owner = _owners(hm, peaks, places, kinds)
+    own = owner == np.arange(n)
+    counts = np.rint(peaks.basin_area / np.prod(hm.spacing)).astype(np.int64)
+    pixels = np.bincount(owner, weights=counts, minlength=n).astype(np.int64)
+    border = np.bincount(owner, weights=peaks.border, minlength=n) > 0
+    pixels[~own], border[~own] = counts[~own], peaks.border[~own]
+    summit, curvature, angle = np.empty((n, 3)), np.empty((n, 2)), np.empty(n)
+    _climb.frames(
+        hm.heights, hm.spacing, peaks.row, peaks.col, depth, pixels, places, expansions, kinds,
+        summit, curvature, angle,
+    )  # fmt: skip
+    x, y, height = (np.ascontiguousarray(column) for column in summit.T)
+    return Summits(
+        x, y, height, curvature, angle, pixels, border, own, owner, peaks, hm, spline, places, kinds
+    )
+
+
+def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17) -> Profiles:
+    """Fit the profile of every peak of a map.
+
+    Parameters
+    ----------
+    hm
+        The map that was segmented.
+    peaks
+        Its peaks, from `segment`.
+    rays
+        Directions per peak, at least 4.
+    nodes
+        Radial nodes per ray, at least 4.
+
+    Returns
+    -------
+    Profiles
+        One profile per peak, in the order of `peaks`.
+
+    Raises
+    ------
+    SurfaceError
+        If the peaks belong to a map of another shape, or the map is constant.
+    InputError
+        If there are too few rays or nodes.
+
+    Notes
+    -----
+    The map is interpolated by the quintic B-spline through all its points. The summit is the
+    maximum of the spline. The rays are uniform in the parameter of an ellipse with the aspect
+    ``(k2/k1) ** (1/3)`` (the square root of the aspect of the Hertz contact, at least 1/sqrt(8)),
+    which keeps the angular quadrature accurate for elongated contacts. A ray ends at the first
+    local maximum of f, or a tenth beyond the point where it leaves the basin of its peak for
+    another: basins are not star-shaped, and rays cut at their edge cover only nine tenths of the
+    map. A plateau, which has no curvature of its own, starts with the paraboloid that fills its
+    basin. A peak that is highest at the border of a map that is not periodic is mirrored there
+    and compressed by 1.7 across it: a whole contact that carries as much as the half there is.
+    Unflooded pixels count to no basin, so that `segment(above=...)` changes hardly a ray
+    above that height.
+    """
+    return locate_summits(hm, peaks).rows(np.arange(len(peaks)), rays=rays, nodes=nodes)
+
+
+def _near(row: NDArray[np.int64], col: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Order in which neighbors follow each other, so that they share the cache."""
+    return np.argsort((row // _BAND << 32) + col)
+
+
+def _owners(
+    hm: HeightMap, peaks: Peaks, places: Array, kinds: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Peak that stands for each peak; `kinds` is updated for those that share a summit."""
+    n = len(peaks)
+    rank = np.arange(n)
+    pixel = np.rint(places).astype(np.int64)
+    if hm.periodic:
+        pixel %= hm.shape
+    at = peaks.labels[pixel[:, 0], pixel[:, 1]] if n else rank
+    shared = (kinds == _climb.SUMMIT) & (at >= 0) & (at != rank)
+    shared[shared] &= kinds[at[shared]] == _climb.SUMMIT
+    away = places[shared] - places[at[shared]]
+    if hm.periodic:
+        away -= np.array(hm.shape) * np.round(away / hm.shape)
+    shared[shared] &= np.hypot(*away.T) < _SAME
+    kinds[shared] = 1 + at[shared]
+    owner = np.where(kinds > 0, kinds - 1, rank)
+    for _ in range(n):
+        further = owner[owner]
+        if np.array_equal(further, owner):
+            return owner
+        owner = further
+    return owner

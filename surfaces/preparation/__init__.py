@@ -1,0 +1,1 @@
+"""Preparation of a measured map: level, outliers, filling, filters, coarser grids."""

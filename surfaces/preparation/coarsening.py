@@ -1,0 +1,150 @@
+"""The coarsest grid that still holds a map, judged from the map itself."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from .. import _spline, _threads
+from ..heightmap import HeightMap
+from .filtering import resample_waves
+
+__all__ = ["coarse_map", "line_power", "shortest_wave"]
+
+_POINTS = 8.0
+"""Points per shortest wave: the contact curve then changes no more than by half a pixel's shift of
+the full grid."""
+
+_SLOPE_LOST = 2e-3
+"""Share of the slope variance that waves shorter than the shortest one may carry."""
+
+_SMOOTH = 2.0
+"""Length over which the slope turns [pixels] below which no coarser grid can hold the map."""
+
+_LINES = 64
+"""Rows and columns that suffice to find the spectrum."""
+
+_WORTH_IT = 0.75
+"""Largest ratio of the points per axis."""
+
+_FEWEST = 64
+"""Least points of the shorter side of a coarser grid."""
+
+_BLOCKS = 32
+"""Blocks per axis whose highest points must come back."""
+
+_MISSED, _MISSED_MOST = 5e-4, 5e-3
+"""Rms and largest deviation of those points, over the rms height."""
+
+
+def coarse_map(hm: HeightMap) -> HeightMap | None:
+    """A smooth periodic map on the coarsest grid that holds it; None if that is its own.
+
+    Parameters
+    ----------
+    hm
+        Height map without missing points.
+
+    Notes
+    -----
+    Fourier truncation to eight points per shortest wave (`shortest_wave`), both axes by the same
+    ratio. The highest point of every block of the map must lie on the surface through the coarse
+    points: features too few to show in the spectrum, such as single spikes, keep the full grid.
+    """
+    if not hm.periodic or min(hm.shape) <= _FEWEST:
+        return None
+    turns = [
+        slope / (bend * step) if bend > 0.0 else math.inf
+        for slope, bend, step in zip(
+            hm.roughness.slope, hm.roughness.curvature, hm.spacing, strict=True
+        )
+    ]
+    if min(turns) < _SMOOTH:
+        return None
+    wave = min(shortest_wave(hm, axis) for axis in (0, 1))
+    ratio = max(_POINTS / wave, _FEWEST / min(hm.shape))
+    if ratio > _WORTH_IT:
+        return None
+    ny, nx = (min(n, fft.next_fast_len(math.ceil(ratio * n), real=True)) for n in hm.shape)
+    # of all points there are more than enough to find waves that the coarse grid holds
+    fewer = [_divisor(n, n // m) for n, m in zip(hm.shape, (ny, nx), strict=True)]
+    coarse = hm.replace(
+        heights=resample_waves(hm.heights, ny, nx, (fewer[0], fewer[1])),
+        spacing=(hm.size[0] / ny, hm.size[1] / nx),
+        step={"step": "resample", "from": list(hm.shape), "to": [ny, nx]},
+    )
+    return coarse if _holds(coarse, hm) else None
+
+
+def _divisor(count: int, most: int) -> int:
+    """Largest divisor of `count` that is no larger than `most`."""
+    return next(part for part in range(most, 0, -1) if count % part == 0)
+
+
+def line_power(hm: HeightMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mean square [m^2] of the waves along y and x in some lines of a map without missing points.
+
+    `HeightMap.line_power` keeps it. The k-th wave has k periods over the length of the map; k / 2
+    in a map that is not periodic, which is continued by its mirror images.
+    """
+
+    def along(axis: int) -> NDArray[np.float64]:
+        count = hm.shape[axis]
+        stride = max(1, hm.shape[1 - axis] // _LINES)
+        lines = hm.heights[::stride] if axis else np.ascontiguousarray(hm.heights[:, ::stride].T)
+        if hm.periodic:
+            waves = fft.rfft(lines, axis=1)
+            squares = np.square(waves.real) + np.square(waves.imag)
+        else:
+            squares = np.square(0.5 * fft.dct(lines, axis=1))
+        power: NDArray[np.float64] = squares.mean(axis=0) * (2.0 / count**2)
+        power[0] *= 0.5
+        if hm.periodic and count % 2 == 0:
+            power[-1] *= 0.5
+        return power
+
+    y, x = _threads.each(along, (0, 1))
+    return y, x
+
+
+def shortest_wave(hm: HeightMap, axis: int) -> float:
+    """Length [pixels] of the shortest wave along an axis of a periodic map that carries slope."""
+    power, count = hm.line_power[axis], hm.shape[axis]
+    inside = np.cumsum(power * np.arange(power.size) ** 2)
+    if inside[-1] == 0.0:
+        return float(count)
+    return count / max(1, int(np.searchsorted(inside, (1.0 - _SLOPE_LOST) * inside[-1])))
+
+
+def _holds(coarse: HeightMap, hm: HeightMap) -> bool:
+    """Whether the highest point of every block of a map lies on the surface of a coarser one."""
+    rows, cols = _highest(hm.heights)
+    spline = _spline.coefficients(coarse.heights, coarse.periodic)
+    scale_y, scale_x = (n / m for n, m in zip(coarse.shape, hm.shape, strict=True))
+    off = np.empty(rows.size)
+    _spline.evaluate_all(
+        spline.ravel(),
+        spline.shape[1],
+        (rows + 0.5) * scale_y - 0.5,
+        (cols + 0.5) * scale_x - 0.5,
+        off,
+    )
+    off -= hm.heights[rows, cols]
+    rms = hm.roughness.rms_height
+    return bool(
+        np.sqrt(np.mean(off**2)) <= _MISSED * rms and np.abs(off).max() <= _MISSED_MOST * rms
+    )
+
+
+def _highest(heights: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Row and column of the highest point of each block."""
+    ny, nx = (n // _BLOCKS for n in heights.shape)
+    lines = heights[: ny * _BLOCKS, : nx * _BLOCKS].reshape(_BLOCKS, ny, _BLOCKS * nx)
+    first = np.arange(_BLOCKS)
+    tops = lines.max(axis=1).reshape(_BLOCKS, _BLOCKS, nx)  # of the columns of each block
+    cols = tops.argmax(axis=2) + nx * first
+    inside = lines[first[:, None, None], np.arange(ny)[:, None], cols[:, None, :]]
+    return (inside.argmax(axis=1) + ny * first[:, None]).ravel(), cols.ravel()

@@ -1,0 +1,286 @@
+"""Spectral band-pass and resampling by physical wavelength; crop; mirror or taper to periodic."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import fft
+
+from .. import _threads
+from .._memory import require_memory
+from ..errors import SurfaceError
+from ..heightmap import HeightMap
+
+__all__ = ["bandpass", "crop", "make_periodic", "resample", "resample_waves"]
+
+PERIODIC = ("mirror", "taper", "wrap")
+
+_BLOCK = 64  # lines transformed at a time: their spectra stay in the cache
+
+
+def bandpass(
+    hm: HeightMap, shortest: float | None = None, longest: float | None = None
+) -> HeightMap:
+    """Keep the wavelengths between two lengths.
+
+    Parameters
+    ----------
+    hm
+        The map, without missing points.
+    shortest, longest
+        Limits of the wavelength [m]; None leaves that side open. The mean is always kept.
+
+    Returns
+    -------
+    HeightMap
+        History step ``bandpass`` with the limits and the rms height [m] before and after.
+
+    Raises
+    ------
+    SurfaceError
+        If points are missing, the limits are crossed, or no wave of the map lies between them.
+
+    Notes
+    -----
+    A sharp cut of the Fourier spectrum for a periodic map. A map that is not periodic is cut in
+    its cosine spectrum, which is the spectrum of the map mirrored at its border: there is no cliff
+    at the seam.
+    """
+    _require_full(hm, "a band-pass")
+    lower = 0.0 if shortest is None else float(shortest)
+    upper = np.inf if longest is None else float(longest)
+    if not 0.0 <= lower < upper:
+        raise SurfaceError(
+            f"bandpass keeps wavelengths {lower:g} to {upper:g} m; the first must be the shorter"
+        )
+    fy, fx = _frequencies(hm)
+    frequency = np.hypot(fy[:, None], fx[None, :])
+    keep = frequency >= (1.0 - 1e-12) / upper
+    if lower > 0.0:
+        keep &= frequency <= (1.0 + 1e-12) / lower
+    keep[0, 0] = True
+    if np.count_nonzero(keep) < 2:
+        raise SurfaceError(
+            f"no wavelength of the map lies between {lower:g} and {upper:g} m; the map has "
+            f"{2 * max(hm.spacing):.4g} to {max(hm.size) * (1 if hm.periodic else 2):.4g} m"
+        )
+    if hm.periodic:
+        heights = fft.irfft2(fft.rfft2(hm.heights) * keep, s=hm.shape)
+    else:
+        heights = fft.idctn(fft.dctn(hm.heights) * keep)
+    step = {
+        "step": "bandpass",
+        "shortest": lower or None,
+        "longest": upper if np.isfinite(upper) else None,
+        "rms_before": hm.rms_height,
+        "rms_after": float(np.std(heights)),
+    }
+    return hm.replace(heights=heights, step=step)
+
+
+def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
+    """Move the map to other pixel sizes by its spectrum.
+
+    Parameters
+    ----------
+    hm
+        The map, without missing points.
+    spacing
+        Wanted pixel size (dy, dx) [m], or one number; the nearest that divides the map's size into
+        whole pixels is used.
+
+    Returns
+    -------
+    HeightMap
+        History step ``resample`` with the shapes; wavelengths that the new pixels cannot hold are
+        left out, not folded back.
+
+    Raises
+    ------
+    SurfaceError
+        If points are missing, the pixel sizes are not positive, or too few pixels are left.
+    """
+    _require_full(hm, "resampling")
+    try:
+        wanted = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,))
+    except (TypeError, ValueError):
+        wanted = np.zeros(2)
+    if not (wanted > 0).all():
+        raise SurfaceError(f"spacing is {spacing!r}; give two positive pixel sizes (dy, dx) in m")
+    ny, nx = (max(1, round(length / d)) for length, d in zip(hm.size, wanted, strict=True))
+    if min(ny, nx) < 3:
+        raise SurfaceError(f"pixels of {wanted[0]:g} x {wanted[1]:g} m leave {ny} x {nx} points")
+    needed = 24 * ny * nx + 8 * hm.shape[0] * nx
+    require_memory(needed, f"a map of {ny} x {nx} points", "take larger pixels")
+    if hm.periodic:
+        heights = resample_waves(hm.heights, ny, nx)
+    else:
+        heights = _resample_cosines(_resample_cosines(hm.heights, nx, 1), ny, 0)
+    step = {"step": "resample", "from": list(hm.shape), "to": [ny, nx]}
+    return hm.replace(heights=heights, spacing=(hm.size[0] / ny, hm.size[1] / nx), step=step)
+
+
+def crop(hm: HeightMap, rows: tuple[int, int], columns: tuple[int, int]) -> HeightMap:
+    """Cut out a rectangle of pixels, first and one past last; the result is not periodic.
+
+    Raises
+    ------
+    SurfaceError
+        If the rectangle is not inside the map.
+    """
+    for span, count, what in ((rows, hm.shape[0], "rows"), (columns, hm.shape[1], "columns")):
+        whole = np.shape(span) == (2,) and all(isinstance(n, int | np.integer) for n in span)
+        if not (whole and 0 <= span[0] < span[1] <= count):
+            raise SurfaceError(
+                f"{what} {span} are not inside 0 to {count}; give two whole numbers, first and "
+                "one past last"
+            )
+    step = {"step": "crop", "rows": list(rows), "columns": list(columns)}
+    heights = hm.heights[slice(*rows), slice(*columns)]
+    return hm.replace(heights=heights, periodic=False, step=step)
+
+
+def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> HeightMap:
+    """Turn a measured map into one period of an endless surface, and state what that costs.
+
+    Parameters
+    ----------
+    hm
+        The map, levelled and without missing points.
+    how
+        ``mirror``: the map and its mirror images, twice as long on each side; no height is
+        changed. ``taper``: heights fade to their mean within `width` of the border. ``wrap``: the
+        map as it is, with a cliff where its sides do not meet.
+    width
+        Width of the faded strip [m] of ``taper``; a tenth of the shorter side by default.
+
+    Returns
+    -------
+    HeightMap
+        History step ``periodic`` with the rms step across the seam and inside the map [m]
+        (``seam_step``, ``inner_step``), the rms heights before and after, and the fraction of the
+        area that was changed.
+
+    Raises
+    ------
+    SurfaceError
+        If points are missing, `how` is unknown, or the strip is wider than half the map.
+    """
+    if how not in PERIODIC:
+        raise SurfaceError(f"periodic is {how!r}; it must be None or one of {', '.join(PERIODIC)}")
+    _require_full(hm, "a periodic map")
+    heights, changed = hm.heights, 0.0
+    step: dict[str, object] = {"step": "periodic", "how": how, "rms_before": hm.rms_height}
+    if how == "mirror":
+        heights = np.block([[heights, heights[:, ::-1]], [heights[::-1], heights[::-1, ::-1]]])
+    elif how == "taper":
+        strip = 0.1 * min(hm.size) if width is None else float(width)
+        if not 0.0 < strip <= 0.5 * min(hm.size):
+            raise SurfaceError(
+                f"the tapered strip is {strip:g} m wide; it must be at most half of "
+                f"{min(hm.size):g} m"
+            )
+        window = _window(hm.y, hm.size[0], strip)[:, None] * _window(hm.x, hm.size[1], strip)
+        mean = float(heights.mean())
+        heights = mean + (heights - mean) * window
+        changed = float(np.mean(window < 1.0))
+        step["width"] = strip
+    seam = _rms(np.concatenate([heights[0] - heights[-1], heights[:, 0] - heights[:, -1]]))
+    inner = _rms(np.concatenate([np.diff(heights, axis=0).ravel(), np.diff(heights).ravel()]))
+    step |= {
+        "rms_after": float(np.std(heights)),
+        "seam_step": seam,
+        "inner_step": inner,
+        "area_changed": changed,
+    }
+    return hm.replace(heights=heights, periodic=True, step=step)
+
+
+def _frequencies(hm: HeightMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Frequencies [1/m] of the two axes of the Fourier or cosine spectrum."""
+    (ny, nx), (dy, dx) = hm.shape, hm.spacing
+    if hm.periodic:
+        return np.abs(fft.fftfreq(ny, dy)), fft.rfftfreq(nx, dx)
+    return np.arange(ny) / (2 * ny * dy), np.arange(nx) / (2 * nx * dx)
+
+
+def _resample_cosines(heights: NDArray[np.float64], count: int, axis: int) -> NDArray[np.float64]:
+    """Interpolation by cosines to `count` cell centres of the same length."""
+    old = heights.shape[axis]
+    if count == old:
+        return heights
+    kept = min(old, count)
+    moved = np.moveaxis(heights, axis, -1)
+    spectrum = np.zeros((*moved.shape[:-1], count))
+    spectrum[..., :kept] = fft.dct(moved, axis=-1)[..., :kept] * (count / old)
+    return np.ascontiguousarray(np.moveaxis(fft.idct(spectrum, axis=-1), -1, axis))
+
+
+def resample_waves(
+    heights: NDArray[np.float64], ny: int, nx: int, fewer: tuple[int, int] = (1, 1)
+) -> NDArray[np.float64]:
+    """Trigonometric interpolation of a periodic array to the cell centres of (ny, nx) pixels.
+
+    Rows first; of the columns only those of waves that are kept are transformed. Of heights without
+    waves that so few cannot hold, every `fewer`-th along y and x is enough, divisors of the shape.
+    """
+    down, across = (
+        _moved(old, count, part)
+        for old, count, part in zip(heights.shape, (ny, nx), fewer, strict=True)
+    )
+    (first_y, first_x), (step_y, step_x) = ((part - 1) // 2 for part in fewer), fewer
+    heights = heights[first_y::step_y, first_x::step_x]
+    rows = np.empty((len(heights), across.size), np.complex128)
+    waves = np.zeros((ny, nx // 2 + 1), np.complex128)
+    out = np.empty((ny, nx))
+
+    def forth(first: int, last: int) -> None:
+        for start in range(first, last, _BLOCK):
+            some = slice(start, min(start + _BLOCK, last))
+            rows[some] = fft.rfft(heights[some], axis=1)[:, : across.size] * across
+
+    def columns(first: int, last: int) -> None:
+        spectrum = fft.fft(rows[:, first:last], axis=0)
+        kept = np.zeros((ny, last - first), np.complex128)
+        kept[: down.size] = spectrum[: down.size] * down[:, None]
+        kept[1 - down.size :] = spectrum[1 - down.size :] * down[:0:-1, None].conj()
+        waves[:, first:last] = fft.ifft(kept, axis=0)
+
+    def back(first: int, last: int) -> None:
+        out[first:last] = fft.irfft(waves[first:last], n=nx, axis=1)
+
+    for step, count in ((forth, len(heights)), (columns, across.size), (back, ny)):
+        _threads.run(step, _threads.blocks(count, _BLOCK))
+    return out
+
+
+def _moved(all_points: int, count: int, fewer: int) -> NDArray[np.complex128]:
+    """Factors of the waves kept when every `fewer`-th of the cell centres becomes `count`."""
+    old = all_points // fewer
+    kept = min(old, count)
+    waves = np.arange(kept // 2 + 1)
+    first = ((fewer - 1) // 2 + 0.5) / all_points
+    shift: NDArray[np.complex128] = np.exp(2j * np.pi * waves * (0.5 / count - first))
+    shift *= count / old
+    if kept % 2 == 0 and count != all_points:
+        shift[-1] = 0.0
+    return shift
+
+
+def _window(places: NDArray[np.float64], length: float, strip: float) -> NDArray[np.float64]:
+    """Raised cosine: 0 at the border, 1 from `strip` inwards."""
+    inward = np.minimum(places, length - places)
+    return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.minimum(inward / strip, 1.0)))
+
+
+def _rms(values: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def _require_full(hm: HeightMap, what: str) -> None:
+    if hm.missing:
+        row, column = np.argwhere(np.isnan(hm.heights))[0]
+        raise SurfaceError(
+            f"heights[{row}, {column}] is missing ({hm.missing} of {hm.heights.size} points); "
+            f'{what} needs a full map: pass fill="harmonic" (--fill harmonic)'
+        )

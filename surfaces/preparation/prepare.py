@@ -1,0 +1,72 @@
+"""From a measured map to one that can be computed with; every step is recorded in its history."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import SurfaceError
+from ..heightmap import HeightMap, require_map
+from . import filling, filtering, levelling
+from .outliers import mark_outliers
+
+__all__ = ["prepare"]
+
+
+def prepare(
+    hm: HeightMap,
+    *,
+    level: str | None = "plane",
+    fill: str | None = "harmonic",
+    outliers: float | None = None,
+    bandpass: tuple[float | None, float | None] | None = None,
+    periodic: str | None = None,
+    fill_limit: float = 0.1,
+) -> HeightMap:
+    """Level, remove outliers, fill, filter and make periodic, in this order.
+
+    Parameters
+    ----------
+    hm
+        The map as measured.
+    level
+        None, ``mean``, ``plane``, ``quadratic`` or ``cylinder``: see `surfaces.level`.
+    fill
+        ``harmonic`` fills missing points; None leaves them missing.
+    outliers
+        Robust standard deviations beyond which a point is a spike, or None to keep all points.
+        Spikes become missing, and are filled with the rest.
+    bandpass
+        (shortest, longest) wavelength to keep [m]; None leaves a side open.
+    periodic
+        ``mirror``, ``taper`` or ``wrap``: see `surfaces.make_periodic`; None leaves it as it is.
+    fill_limit
+        Largest fraction of the points that may be filled.
+
+    Returns
+    -------
+    HeightMap
+        The prepared map. Its history has one step per thing done, with counts and parameters.
+
+    Raises
+    ------
+    SurfaceError
+        If an option is unknown, or too many points are missing.
+    """
+    require_map(hm)
+    if fill not in (None, "harmonic"):
+        raise SurfaceError(f"fill is {fill!r}; it must be None or harmonic")
+    if not 0.0 <= fill_limit < 1.0:
+        raise SurfaceError(f"fill_limit is {fill_limit}; it is a fraction from 0 to below 1")
+    if bandpass is not None and np.shape(np.asarray(bandpass, dtype=object)) != (2,):
+        raise SurfaceError(f"bandpass is {bandpass!r}; give (shortest, longest) wavelength in m")
+    if level is not None:
+        hm = levelling.level(hm, level)
+    if outliers is not None:
+        hm = mark_outliers(hm, outliers)
+    if fill is not None and (hm.missing or outliers is not None):
+        hm = filling.fill_missing(hm, limit=fill_limit)
+    if bandpass is not None:
+        hm = filtering.bandpass(hm, *bandpass)
+    if periodic is not None:
+        hm = filtering.make_periodic(hm, periodic)
+    return hm

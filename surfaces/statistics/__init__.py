@@ -1,0 +1,1 @@
+"""Roughness of a map: heights, slopes, spectrum, correlation, bearing curve."""

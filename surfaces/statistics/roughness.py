@@ -1,0 +1,111 @@
+"""Means over a map that every later step needs, in one pass over its points."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _threads
+from . import _roughness_kernels as kernels
+
+if TYPE_CHECKING:
+    from ..heightmap import HeightMap
+
+__all__ = ["Roughness", "roughness"]
+
+_LEAST_ROWS = 64
+
+
+@dataclass(frozen=True)
+class Roughness:
+    """Means over the points present; differences that meet a missing point are left out.
+
+    Attributes
+    ----------
+    mean
+        Mean height [m].
+    rms_height
+        Root-mean-square height about the mean [m].
+    lowest, highest
+        Extreme heights [m].
+    slope
+        Root-mean-square slopes (along y, along x) by forward differences [-].
+    curvature
+        Root-mean-square second differences (along y, along x) over the squared spacing [1/m].
+    kurtosis
+        Kurtosis of the second differences (along y, along x), those across the border of a periodic
+        map among them: 3 for random waves, more for spikes, steps and worn plateaus; infinite
+        along an axis that does not vary.
+    missing
+        Number of missing points.
+    """
+
+    mean: float
+    rms_height: float
+    lowest: float
+    highest: float
+    slope: tuple[float, float]
+    curvature: tuple[float, float]
+    kurtosis: tuple[float, float]
+    missing: int
+
+    @property
+    def rms_slope(self) -> float:
+        """Root-mean-square gradient [-]."""
+        return math.hypot(*self.slope)
+
+    @property
+    def length(self) -> float:
+        """Length over which the slope turns [m]: rms slope over rms curvature; infinite if flat."""
+        bend = math.hypot(*self.curvature)
+        return self.rms_slope / bend if bend > 0.0 else math.inf
+
+
+def roughness(hm: HeightMap) -> Roughness:
+    """The means of a map; `HeightMap.roughness` keeps them.
+
+    Notes
+    -----
+    Differences do not cross the border, but for those of the kurtosis. Heights are summed relative
+    to the first one present.
+    """
+    heights = hm.heights
+    ny = heights.shape[0]
+    start = heights[0, 0] if heights[0, 0] == heights[0, 0] else np.nanmean(heights)
+    parts = _threads.run(
+        lambda a, b: kernels.sums(heights, start, a, b), _threads.blocks(ny, _LEAST_ROWS)
+    )
+    table = np.array(parts)
+    lowest, highest = table[:, 0].min(), table[:, 1].max()
+    total = table[:, 2:].sum(axis=0)
+    number, first, second = total[0], total[1], total[2]
+    mean = first / number
+    dy, dx = hm.spacing
+    rms = [
+        math.sqrt(total[k + 1] / total[k]) / scale if total[k] else 0.0
+        for k, scale in ((3, dy), (5, dx), (7, dy * dy), (10, dx * dx))
+    ]
+    return Roughness(
+        mean=float(start + mean),
+        rms_height=math.sqrt(max(second / number - mean * mean, 0.0)),
+        lowest=float(lowest),
+        highest=float(highest),
+        slope=(rms[0], rms[1]),
+        curvature=(rms[2], rms[3]),
+        kurtosis=(_kurtosis(hm, total[7:10], 0), _kurtosis(hm, total[10:13], 1)),
+        missing=int(heights.size - number),
+    )
+
+
+def _kurtosis(hm: HeightMap, inside: NDArray[np.float64], axis: int) -> float:
+    """Kurtosis of the second differences along an axis, of which `_roughness_kernels.sums` are known."""
+    number, square, fourth = inside.tolist()
+    if hm.periodic:
+        seam = np.square(np.diff(hm.heights.take((-2, -1, 0, 1), axis), 2, axis))
+        number += np.count_nonzero(seam == seam)
+        square, fourth = square + np.nansum(seam), fourth + np.nansum(np.square(seam))
+    return number * fourth / square**2 if square > 0.0 else math.inf

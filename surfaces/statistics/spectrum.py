@@ -1,0 +1,272 @@
+"""Power spectral density of a height map: in two dimensions, around rings, along the axes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from ..errors import SurfaceError
+from ..heightmap import HeightMap
+from ..preparation.levelling import level
+
+__all__ = ["SpectralMoments", "Spectrum", "power_spectrum", "power_spectrum_2d"]
+
+_RING = 1.12  # outer over inner wave number of a ring
+_HANN_MODES = (18.0 / 35.0) ** 2  # mean square of the window squared, over its mean fourth power
+
+
+@dataclass(frozen=True)
+class SpectralMoments:
+    """Moments m_ab of the spectrum, the mean of qx^a qy^b over the power.
+
+    Attributes
+    ----------
+    m00
+        Variance of the heights [m^2].
+    m20, m11, m02
+        Variances and covariance of the slopes along x and y [-].
+    m40, m22, m04
+        Variances and covariance of the second derivatives along x and y [1/m^2].
+    """
+
+    m00: float
+    m20: float
+    m11: float
+    m02: float
+    m40: float
+    m22: float
+    m04: float
+
+    @property
+    def rms_height(self) -> float:
+        """Root-mean-square height [m]."""
+        return float(np.sqrt(self.m00))
+
+    @property
+    def rms_slope(self) -> float:
+        """Root-mean-square gradient [-]."""
+        return float(np.sqrt(self.m20 + self.m02))
+
+    @property
+    def rms_curvature(self) -> float:
+        """Root-mean-square mean curvature (h_xx + h_yy) / 2 [1/m]."""
+        return 0.5 * float(np.sqrt(self.m40 + 2.0 * self.m22 + self.m04))
+
+    @property
+    def m2(self) -> float:
+        """Slope variance of a profile, averaged over directions [-]."""
+        return 0.5 * (self.m20 + self.m02)
+
+    @property
+    def m4(self) -> float:
+        """Curvature variance of a profile, averaged over directions [1/m^2]."""
+        return 0.375 * (self.m40 + 2.0 * self.m22 + self.m04)
+
+    @property
+    def nayak(self) -> float:
+        """Bandwidth parameter of Nayak m0 m4 / m2^2, at least 1.5 for an isotropic surface [-]."""
+        return self.m00 * self.m4 / self.m2**2 if self.m2 else float("nan")
+
+    @property
+    def slope_ratio(self) -> float:
+        """Largest over smallest rms slope of all directions [-]; 1 for an isotropic surface."""
+        low, high = np.linalg.eigvalsh([[self.m20, self.m11], [self.m11, self.m02]])
+        return float(np.sqrt(high / low)) if low > 0.0 else float("inf")
+
+    @property
+    def lay(self) -> float:
+        """Direction of the smallest slopes, the lay [rad], ccw from +x to +y, in 0 to pi."""
+        half = 0.5 * np.arctan2(2.0 * self.m11, self.m20 - self.m02)
+        return float((half + 0.5 * np.pi) % np.pi)
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Power spectral density of a map.
+
+    Attributes
+    ----------
+    q
+        Wave number 2 pi over wavelength of the rings [rad/m], shape (n,); full rings only.
+    density
+        Mean density of the modes of each ring [m^4], shape (n,).
+    modes
+        Independent modes in each ring, shape (n,); a Hann window leaves 1 / 3.78 of them.
+    qx, density_x
+        Wave numbers [rad/m] and density [m^3] of the profiles along x, averaged over y.
+    qy, density_y
+        The same along y.
+    moments
+        Moments of the two-dimensional density.
+    edge
+        Wave number at which the spectrum ends in a cliff [rad/m], or `nyquist` if it does not.
+    nyquist
+        Largest wave number of a full ring [rad/m].
+    window
+        ``none`` for a periodic map, else ``hann``.
+    """
+
+    q: NDArray[np.float64]
+    density: NDArray[np.float64]
+    modes: NDArray[np.float64]
+    qx: NDArray[np.float64]
+    density_x: NDArray[np.float64]
+    qy: NDArray[np.float64]
+    density_y: NDArray[np.float64]
+    moments: SpectralMoments
+    edge: float
+    nyquist: float
+    window: str
+
+    @property
+    def wavelength(self) -> NDArray[np.float64]:
+        """Wavelength of each ring [m]."""
+        return 2.0 * np.pi / self.q
+
+
+def power_spectrum(hm: HeightMap) -> Spectrum:
+    """Power spectral density around rings and along the axes, and its moments.
+
+    Parameters
+    ----------
+    hm
+        The map, without missing points.
+
+    Notes
+    -----
+    C(q) = |dx dy sum h exp(-i q.x)|^2 / A [m^4], so that the integral of C over d^2q / (4 pi^2) is
+    the variance of the heights; for profiles C(q) = |dx sum h exp(-i q x)|^2 / L [m^3] with both
+    signs of q averaged (Jacobs, Junge, Pastewka 2017). A map that is not periodic has its
+    least-squares plane taken out and is weighted by a Hann window of mean square one.
+    """
+    heights, hann = _ready(hm)
+    qy, qx, density = _density(hm, heights, hann)
+    weight = np.full(len(qx), 2.0)
+    weight[0] = 1.0
+    if hm.shape[1] % 2 == 0:
+        weight[-1] = 1.0
+    q = np.hypot(qy[:, None], qx[None, :])
+    nyquist = np.pi / max(hm.spacing)
+    edges = _ring_edges(2.0 * np.pi / max(hm.size), nyquist)
+    ring = np.digitize(q, edges).ravel()
+    half = np.broadcast_to(0.5 * weight, q.shape).ravel()
+    count = np.bincount(ring, half, len(edges) + 1)[1:-1].astype(np.float64)
+    power = np.bincount(ring, half * density.ravel(), len(edges) + 1)[1:-1]
+    logs = np.log(np.maximum(q, 0.5 * edges[0])).ravel()
+    place = np.bincount(ring, half * logs, len(edges) + 1)[1:-1]
+    full = count > 0
+    return Spectrum(
+        q=np.exp(place[full] / count[full]),
+        density=power[full] / count[full],
+        modes=count[full] * (_HANN_MODES if hann else 1.0),
+        **_profiles(hm, heights, hann),
+        moments=_moments(qy, qx, density * weight / hm.area),
+        edge=_edge(q, density, 2.0 * np.pi / min(hm.size), nyquist),
+        nyquist=float(nyquist),
+        window="hann" if hann else "none",
+    )
+
+
+def power_spectrum_2d(
+    hm: HeightMap,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Wave numbers qy (ny,), qx (nx//2 + 1,) [rad/m] and density [m^4], shape (ny, nx//2 + 1).
+
+    The half of the spectrum with qx >= 0, in the order of the discrete Fourier transform; see
+    `power_spectrum` for the definition.
+    """
+    return _density(hm, *_ready(hm))
+
+
+def _ready(hm: HeightMap) -> tuple[NDArray[np.float64], bool]:
+    """Heights of zero mean, and whether they need a window."""
+    if hm.missing:
+        raise SurfaceError(
+            f"{hm.missing} of {hm.heights.size} points are missing; a power spectrum needs a full "
+            'map: prepare it with fill="harmonic" (--fill harmonic)'
+        )
+    if hm.periodic:
+        return hm.heights - hm.heights.mean(), False
+    return level(hm, "plane").heights, True
+
+
+def _density(
+    hm: HeightMap, heights: NDArray[np.float64], hann: bool
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    (ny, nx), (dy, dx) = hm.shape, hm.spacing
+    if hann:
+        window = _hann(ny)[:, None] * _hann(nx)[None, :]
+        heights = (heights - np.sum(window * heights) / np.sum(window)) * window
+    modes = fft.rfft2(heights)
+    density = np.square(modes.real) + np.square(modes.imag)
+    density *= (dy * dx) ** 2 / hm.area
+    return 2.0 * np.pi * fft.fftfreq(ny, dy), 2.0 * np.pi * fft.rfftfreq(nx, dx), density
+
+
+def _edge(
+    q: NDArray[np.float64], density: NDArray[np.float64], width: float, nyquist: float
+) -> float:
+    """Where the density falls by a thousand within six rings of `width` and stays there."""
+    ring = (q / width).astype(np.int64).ravel()
+    count = max(1, int(nyquist / width))
+    power = np.bincount(ring, density.ravel())[:count] / np.maximum(np.bincount(ring)[:count], 1)
+    beyond = np.maximum.accumulate(power[::-1])[::-1]
+    for cliff in range(6, count - 3):
+        if beyond[cliff + 3] < 1e-3 * power[cliff - 3]:
+            last = cliff - 3 + np.flatnonzero(power[cliff - 3 :] > 0.05 * power[cliff - 3])[-1]
+            inside = (ring <= last).reshape(q.shape) & (density > 0.05 * power[cliff - 3])
+            return float(q[inside].max())
+    return float(nyquist)
+
+
+def _profiles(
+    hm: HeightMap, heights: NDArray[np.float64], hann: bool
+) -> dict[str, NDArray[np.float64]]:
+    """Mean densities of the profiles along each axis, the mean of each profile taken out."""
+    found = {}
+    for name, axis in (("x", 1), ("y", 0)):
+        count, step = hm.shape[axis], hm.spacing[axis]
+        lines = np.moveaxis(heights, axis, -1)
+        if hann:
+            window = _hann(count)
+            lines = (lines - (lines @ window / window.sum())[:, None]) * window
+        modes = np.abs(fft.rfft(lines, axis=-1)) ** 2
+        found[f"q{name}"] = 2.0 * np.pi * fft.rfftfreq(count, step)[1:]
+        found[f"density_{name}"] = modes.mean(axis=0)[1:] * step / count
+    return found
+
+
+def _hann(count: int) -> NDArray[np.float64]:
+    """Periodic Hann window of mean square one."""
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * (np.arange(count) + 0.5) / count)
+    return np.asarray(window / np.sqrt(np.mean(window**2)))
+
+
+def _moments(
+    qy: NDArray[np.float64], qx: NDArray[np.float64], power: NDArray[np.float64]
+) -> SpectralMoments:
+    """Sums of powers of the wave numbers over the variance of each mode."""
+    columns = np.stack([np.ones_like(qx), qx, qx**2, qx**4], axis=1)
+    rows = np.stack([np.ones_like(qy), qy, qy**2, qy**4], axis=0)
+    table = rows @ power @ columns
+    return SpectralMoments(
+        m00=float(table[0, 0]),
+        m20=float(table[0, 2]),
+        m11=float(table[1, 1]),
+        m02=float(table[2, 0]),
+        m40=float(table[0, 3]),
+        m22=float(table[2, 2]),
+        m04=float(table[3, 0]),
+    )
+
+
+def _ring_edges(lowest: float, nyquist: float) -> NDArray[np.float64]:
+    """Limits of rings, 12 % wide but at least one fundamental wave number."""
+    edges = [0.5 * lowest]
+    while edges[-1] < nyquist:
+        edges.append(max(edges[-1] * _RING, edges[-1] + lowest))
+    edges[-1] = nyquist * (1.0 + 1e-9)
+    return np.array(edges)

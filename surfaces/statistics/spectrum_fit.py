@@ -1,0 +1,203 @@
+"""Fit of a self-affine spectrum: Hurst exponent, roll-off and cut-off, with uncertainties."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from ..errors import SurfaceError
+from .spectrum import Spectrum
+
+__all__ = ["SpectrumFit", "fit_spectrum"]
+
+_SCATTER = 0.1  # deviation of a ring, in natural logarithms, that no model describes
+_SEGMENT = 3  # least rings of a part
+
+
+@dataclass(frozen=True)
+class SpectrumFit:
+    """Self-affine model of a spectrum; uncertainties are one standard deviation.
+
+    Attributes
+    ----------
+    hurst, hurst_error
+        Hurst exponent H: the density falls as q^(-2 - 2H) [-].
+    rolloff, rolloff_error
+        Wavelength above which the density is flat [m]; NaN if the map is too small to show it.
+    cutoff, cutoff_error
+        Wavelength below which the density leaves the power law [m]; NaN if it does not.
+    cutoff_kind
+        How it leaves: ``sharp`` (nothing beyond), ``fall`` (steeper), ``floor`` (flatter, as with
+        white noise), or an empty string.
+    level
+        Density of the power law at the shortest wavelength that it was fitted to [m^4].
+    scatter
+        Rms deviation of the rings from the model, in natural logarithms [-].
+    q, density
+        The model on the rings that were fitted [rad/m], [m^4].
+    """
+
+    hurst: float
+    hurst_error: float
+    rolloff: float
+    rolloff_error: float
+    cutoff: float
+    cutoff_error: float
+    cutoff_kind: str
+    level: float
+    scatter: float
+    q: NDArray[np.float64]
+    density: NDArray[np.float64]
+
+    @property
+    def self_affine(self) -> bool:
+        """Whether the exponent lies between 0 and 1, within two standard deviations."""
+        return -2.0 * self.hurst_error <= self.hurst <= 1.0 + 2.0 * self.hurst_error
+
+    def __str__(self) -> str:
+        def shown(value: float, error: float) -> str:
+            return f"{value:.4g} +- {error:.2g} m" if math.isfinite(value) else "not seen"
+
+        kind = f" ({self.cutoff_kind})" if self.cutoff_kind else ""
+        doubt = "" if self.self_affine else ", not self-affine"
+        return (
+            f"Hurst exponent {self.hurst:.3f} +- {self.hurst_error:.2g}, roll-off "
+            f"{shown(self.rolloff, self.rolloff_error)}, cut-off "
+            f"{shown(self.cutoff, self.cutoff_error)}{kind}, "
+            f"scatter {100 * self.scatter:.2g} %{doubt}"
+        )
+
+
+def fit_spectrum(spectrum: Spectrum) -> SpectrumFit:
+    """Fit a flat part, a power law and a third part to the rings of a spectrum.
+
+    Parameters
+    ----------
+    spectrum
+        From `power_spectrum`.
+
+    Raises
+    ------
+    SurfaceError
+        If fewer than six rings carry power.
+
+    Notes
+    -----
+    Weighted least squares of ln C over ln q, continuous and piecewise linear. A ring of n modes has
+    the variance 1/n + 0.1^2 (chance, and what no model describes). Roll-off and cut-off are kept
+    only if each lowers the Bayesian information criterion. The covariance is scaled by the
+    reduced chi-square if that exceeds one.
+    """
+    sharp = spectrum.edge < 0.98 * spectrum.nyquist
+    inside = (spectrum.density > 0.0) & (spectrum.q <= (0.9 if sharp else 1.0) * spectrum.edge)
+    q, density, modes = spectrum.q[inside], spectrum.density[inside], spectrum.modes[inside]
+    if len(q) < 2 * _SEGMENT:
+        raise SurfaceError(
+            f"{len(q)} rings of the spectrum carry power; a fit needs at least {2 * _SEGMENT}"
+        )
+    x, y = np.log(q), np.log(density)
+    root = 1.0 / np.sqrt(1.0 / modes + _SCATTER**2)
+    choices = [
+        (parts, _refined(x, y, root, parts))
+        for parts in ((False, False), (True, False), (False, True), (True, True))
+        if len(x) >= _SEGMENT * (1 + sum(parts)) and not (parts[1] and sharp)
+    ]
+
+    def information(choice: tuple[tuple[bool, bool], NDArray[np.float64]]) -> float:
+        parts, parameters = choice
+        misfit = float(np.sum((root * (y - _model(parameters, x, parts))) ** 2))
+        return misfit + len(parameters) * math.log(len(x))
+
+    parts, parameters = min(choices, key=information)
+    return _described(parameters, parts, x, y, root, spectrum, sharp)
+
+
+def _model(
+    parameters: NDArray[np.float64], x: NDArray[np.float64], parts: tuple[bool, bool]
+) -> NDArray[np.float64]:
+    """ln C: level at the last x and slope of the power law, then breaks and the third slope."""
+    level, slope = parameters[0], parameters[1]
+    y: NDArray[np.float64] = level + slope * (x - x[-1])
+    if parts[0]:
+        y = np.where(x < parameters[2], level + slope * (parameters[2] - x[-1]), y)
+    if parts[1]:
+        knee, last = parameters[-2], parameters[-1]
+        y = np.where(x > knee, level + slope * (knee - x[-1]) + last * (x - knee), y)
+    return y
+
+
+def _refined(
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    root: NDArray[np.float64],
+    parts: tuple[bool, bool],
+) -> NDArray[np.float64]:
+    """Best breaks among the rings, then between them."""
+    places = range(_SEGMENT - 1, len(x) - _SEGMENT + 1)
+    lows = places if parts[0] else [0]
+    highs = places if parts[1] else [len(x) - 1]
+    starts: list[tuple[float, list[float]]] = []
+    for low, high in itertools.product(lows, highs):
+        if high - low < _SEGMENT - 1:
+            continue
+        inner = np.clip(x, x[low], x[high]) if parts[0] else np.minimum(x, x[high])
+        columns = [np.ones_like(x), inner - x[high]]
+        if parts[1]:
+            columns.append(np.maximum(x - x[high], 0.0))
+        matrix = np.stack(columns, axis=1) * root[:, None]
+        solution = np.linalg.lstsq(matrix, y * root, rcond=None)[0]
+        start = [solution[0] + solution[1] * (x[-1] - x[high]), solution[1]]
+        start += [x[low]] * parts[0]
+        start += [x[high], solution[2]] if parts[1] else []
+        starts.append((float(np.sum((matrix @ solution - y * root) ** 2)), start))
+    fitted = least_squares(lambda p: root * (_model(p, x, parts) - y), min(starts)[1])
+    return np.asarray(fitted.x, dtype=np.float64)
+
+
+def _described(
+    parameters: NDArray[np.float64],
+    parts: tuple[bool, bool],
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    root: NDArray[np.float64],
+    spectrum: Spectrum,
+    sharp: bool,
+) -> SpectrumFit:
+    residual = y - _model(parameters, x, parts)
+    fitted = least_squares(lambda p: root * (_model(p, x, parts) - y), parameters)
+    freedom = max(1, len(x) - len(parameters))
+    scale = max(1.0, float(np.sum((root * residual) ** 2)) / freedom)
+    errors = np.sqrt(np.diag(np.linalg.pinv(fitted.jac.T @ fitted.jac)) * scale)
+    hurst, hurst_error = -0.5 * parameters[1] - 1.0, 0.5 * errors[1]
+    rolloff = rolloff_error = cutoff = cutoff_error = math.nan
+    kind = ""
+    if parts[0]:
+        rolloff = 2.0 * math.pi / math.exp(parameters[2])
+        rolloff_error = rolloff * float(errors[2])
+    if sharp:
+        kind = "sharp"
+        cutoff = 2.0 * math.pi / spectrum.edge
+        modes_off = 0.5 if spectrum.window == "none" else 1.5
+        cutoff_error = cutoff * modes_off * float(spectrum.qx[0]) / spectrum.edge
+    elif parts[1]:
+        kind = "fall" if parameters[-1] < parameters[1] else "floor"
+        cutoff = 2.0 * math.pi / math.exp(parameters[-2])
+        cutoff_error = cutoff * float(errors[-2])
+    return SpectrumFit(
+        hurst=float(hurst),
+        hurst_error=float(hurst_error),
+        rolloff=rolloff,
+        rolloff_error=rolloff_error,
+        cutoff=cutoff,
+        cutoff_error=cutoff_error,
+        cutoff_kind=kind,
+        level=float(math.exp(parameters[0])),
+        scatter=float(np.sqrt(np.mean(residual**2))),
+        q=np.exp(x),
+        density=np.exp(_model(parameters, x, parts)),
+    )
