@@ -102,7 +102,7 @@ def roughness(hm: HeightMap) -> Roughness:
 
 
 def _kurtosis(hm: HeightMap, inside: NDArray[np.float64], axis: int) -> float:
-    """Kurtosis of the second differences along an axis, of which `_roughness_kernels.sums` are known."""
+    """Kurtosis of the second differences along an axis, from the sums of the kernel."""
     number, square, fourth = inside.tolist()
     if hm.periodic:
         seam = np.square(np.diff(hm.heights.take((-2, -1, 0, 1), axis), 2, axis))
