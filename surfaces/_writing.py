@@ -4,12 +4,35 @@ from __future__ import annotations
 
 import contextlib
 import os
+import stat
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 
 from .errors import InputError
 
-__all__ = ["replacing"]
+__all__ = ["replacing", "require_replaceable"]
+
+
+def require_replaceable(path: str | os.PathLike[str]) -> Path:
+    """Where a file of this name is written: links are followed.
+
+    Raises
+    ------
+    InputError
+        If the name cannot be one, or stands for what a file must not replace: a folder, a device,
+        a pipe.
+    """
+    target = Path(os.path.realpath(path))  # which does not mind links in a circle
+    try:
+        if not stat.S_ISREG(target.stat().st_mode):
+            kind = "folder" if target.is_dir() else "device or a pipe"
+            raise InputError(f"{path}: cannot be written, it is a {kind}")
+    except FileNotFoundError:
+        pass
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror})") from error
+    return target
 
 
 @contextlib.contextmanager
@@ -21,8 +44,8 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     InputError
         If either cannot be written; what stood at `path` is then untouched.
     """
-    target = Path(path)
-    part = target.parent / f".{target.name}.{os.getpid()}.part"
+    target = require_replaceable(path)
+    part = target.with_name(f".{zlib.crc32(os.fsencode(target.name)):x}.{os.getpid()}.part")
     try:
         part.touch()
         yield part

@@ -92,7 +92,7 @@ def write_page(sections: Iterable[str], path: Path) -> None:
         f"<body><h1>Height maps</h1>{''.join(sections)}</body></html>"
     )
     with replacing(path) as part:
-        part.write_text(text, encoding="utf-8")
+        part.write_text(text, encoding="utf-8", errors="replace")
 
 
 def _numbers(found: Statistics) -> list[dict[str, str]]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import io
+import os
 import re
 import sys
 from collections.abc import Sequence
@@ -63,10 +65,13 @@ def build_parser(command: str | None = None) -> argparse.ArgumentParser:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code: 0, 1 (not converged) or 2 (bad input)."""
     arguments = sys.argv[1:] if argv is None else list(argv)
+    _open_streams()
     named = next((word for word in arguments if not word.startswith("-")), "")
     args = build_parser(named).parse_args(arguments)
     try:
-        return int(_module(args.command).run(args))
+        code = int(_module(args.command).run(args))
+        sys.stdout.flush()
+        return code
     except (AsperityError, MemoryError) as error:
         text = " ".join(str(error).split()) or "out of memory"
         sys.stderr.write(f"asperity {args.command}: {text}\n")
@@ -76,8 +81,22 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stderr.write(f"asperity {args.command}: interrupted{goes_on}\n")
         return EXIT_INTERRUPTED
     except BrokenPipeError:
-        sys.stderr.close()
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_OK
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        sys.stderr.write(f"asperity {args.command}: {where}{error.strerror or error}\n")
+        return EXIT_BAD_INPUT
+
+
+def _open_streams() -> None:
+    """Let both streams take any text, also where they were closed or know ASCII only."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, "w"))
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
 def _module(command: str):  # type: ignore[no-untyped-def]

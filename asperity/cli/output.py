@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import tempfile
 from collections.abc import Callable, Iterable
@@ -14,7 +15,7 @@ from asperity.cli import derived
 from asperity.cli.main import EXIT_NOT_CONVERGED, EXIT_OK
 from asperity.errors import InputError
 from asperity.results.curve import POINT_FIELDS, ContactCurve
-from surfaces._writing import replacing
+from surfaces._writing import replacing, require_replaceable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -125,12 +126,12 @@ def finish(curve: ContactCurve, material: HalfSpace, args: argparse.Namespace) -
     if args.csv:
         extra = {k: v for k, v in curve.extra.items() if k == "area_error_estimate"}
         write_csv(args.csv, {name: getattr(curve, name) for name in POINT_FIELDS} | extra | more)
+    if args.slip:
+        derived.write_slip(curve, material, args)
     print(curve)
     for name, values in more.items():
         print(f"{name}     {' '.join(f'{value:.4g}' for value in values)}")
     print(f"results         {args.results}")
-    if args.slip:
-        derived.write_slip(curve, material, args)
     return exit_code([curve])
 
 
@@ -149,17 +150,15 @@ def exit_code(curves: Iterable[ContactCurve]) -> int:
 
 def require_outputs(*files: str | Path | None, inputs: Iterable[str | Path] = ()) -> None:
     """Refuse, before any work, files that cannot be written or would replace one another."""
-    taken = {Path(file).resolve(): f"would replace the input {file}" for file in inputs}
+    taken = {Path(os.path.realpath(file)): f"would replace the input {file}" for file in inputs}
     for file in files:
         if not file:
             continue
-        place = Path(file).resolve()
+        place = require_replaceable(file)
         if place in taken:
             raise InputError(f"{file} {taken[place]}; give every output a name of its own")
         if not place.parent.is_dir():
             raise InputError(f"{file}: cannot be written, its folder does not exist")
-        if place.is_dir():
-            raise InputError(f"{file}: cannot be written, it is a folder")
         try:
             with tempfile.TemporaryFile(dir=place.parent):
                 pass

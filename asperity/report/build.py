@@ -46,5 +46,5 @@ def write_report(comparison: Comparison, path: str | os.PathLike[str]) -> None:
         maps=figures.map_figure(comparison),
         pareto=figures.pareto_figure(comparison),
     )
-    with replacing(path) as partial, open(partial, "w", encoding="utf-8") as handle:
-        handle.write(text)
+    with replacing(path) as partial:
+        partial.write_text(text, encoding="utf-8", errors="replace")

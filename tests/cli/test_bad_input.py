@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import h5py
@@ -199,6 +202,61 @@ def test_a_name_with_brackets_is_a_name_before_it_is_a_pattern(folder, capsys):
     surfaces.write(good_map(), folder / "scan1.h5")
     assert main(["surface", "validate", "scan[1].h5"]) == 0
     assert "scan[1].h5: valid" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("command", ["curve", "compare"])
+def test_no_output_replaces_a_device_or_has_an_impossible_name(command, folder, capsys):
+    """A file is written beside its place and renamed: under root that replaced /dev/null."""
+    surfaces.write(good_map(), folder / "scan.h5")
+    os.mkfifo(folder / "pipe")
+    (folder / "circle").symlink_to("circle")
+    for target, match in (
+        ("pipe", "it is a device or a pipe"),
+        ("circle", "cannot be written"),
+        ("a" * 300, "cannot be written"),
+        ("scan.h5/results.h5", "cannot be written"),
+    ):
+        assert match in refusal([command, "scan.h5", *STEEL, "-o", target], capsys)
+    assert (folder / "pipe").is_fifo()
+    assert {p.name for p in folder.iterdir()} == {"scan.h5", "pipe", "circle"}
+
+
+def test_an_output_through_a_link_keeps_the_link(folder, capsys):
+    surfaces.write(good_map(), folder / "scan.h5")
+    (folder / "shelf").mkdir()
+    (folder / "link.csv").symlink_to("shelf/table.csv")
+    assert main(["surface", "peaks", "scan.h5", "-o", "link.csv"]) == 0
+    assert (folder / "link.csv").is_symlink()
+    assert (folder / "shelf" / "table.csv").read_text().startswith("x_m,y_m")
+
+
+def test_a_name_as_long_as_the_folder_takes(folder, capsys):
+    surfaces.write(good_map(), folder / "scan.h5")
+    name = "a" * 251 + ".csv"
+    assert main(["surface", "peaks", "scan.h5", "-o", name]) == 0
+    assert (folder / name).is_file()
+
+
+def test_a_file_name_that_is_no_text(folder, capsys):
+    """Bytes of another encoding reach the name, the page and the terminal."""
+    name = b"gr\xf6sse.h5".decode("utf-8", "surrogateescape")
+    surfaces.write(good_map(), folder / name)
+    assert main(["surface", "info", name, "--html", "page.html"]) == 0
+    assert main(["surface", "prepare", name, "-o", "ready.h5"]) == 0
+    assert main(["surface", "info", "ready.h5"]) == 0
+    assert "gr?sse" in (folder / "page.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("redirect", [">&-", "2>&-", ">/dev/full"])
+def test_a_closed_or_full_terminal_is_no_crash(redirect, folder):
+    surfaces.write(good_map(), folder / "größe.h5")
+    call = f"{sys.executable} -m asperity surface info größe.h5 {redirect}"
+    home = {"PYTHONIOENCODING": "ascii", "PYTHONPATH": str(Path(__file__).parents[2])}
+    done = subprocess.run(
+        call, shell=True, env={**os.environ, **home}, stderr=subprocess.PIPE, text=True
+    )
+    assert "Traceback" not in done.stderr and "Exception" not in done.stderr
+    assert done.returncode == (2 if "full" in redirect else 0)
 
 
 def test_an_interrupted_run_is_one_sentence(folder, capsys, monkeypatch):
