@@ -28,6 +28,9 @@ AREA_OVER_LOAD = 2.0
 """Contact area fraction over p/(E* h') at light load (about 2 for random roughness: Hyun, Pei,
 Molinari & Robbins 2004; Putignano, Afferrante, Carbone & Demelio 2012)."""
 
+_LARGEST = 1e40
+"""Size of a load point [Pa or m] whose square, as that of its inverse, can be calculated with."""
+
 
 def require_scene(hm: object, material: object) -> None:
     """Refuse what is no height map or no half-space, such as a bare array or a bare modulus.
@@ -67,11 +70,10 @@ def default_pressures(hm: HeightMap, material: HalfSpace, count: int = 10) -> ND
     Raises
     ------
     InputError
-        If the map has no slope that floating-point numbers can hold.
+        If the map has no slope.
     """
-    with np.errstate(over="ignore", under="ignore"):
-        scale = pressure_scale(hm, material)
-    if not 0.0 < scale < math.inf:
+    scale = pressure_scale(hm, material)
+    if scale == 0.0:
         raise InputError("the rms slope of the map gives no scale of pressure; name the loads")
     low, high = np.array([1e-3, 1e-1]) / AREA_OVER_LOAD * scale
     return np.geomspace(low, high, count)
@@ -95,7 +97,7 @@ def checked_loads(
     ------
     InputError
         If the map or the material is none, both kinds of load are given, a value is no finite
-        number, or a pressure is negative.
+        number or one that cannot be calculated with, or a pressure is negative.
     """
     require_scene(hm, material)
     if pressures is not None and separations is not None:
@@ -114,5 +116,12 @@ def checked_loads(
     if kind == "pressure" and (values < 0).any():
         raise InputError(
             f"mean pressure {values.min():.4g} Pa is negative; compression is positive"
+        )
+    strange = (abs(values) > _LARGEST) | ((abs(values) < 1 / _LARGEST) & (values != 0))
+    if strange.any():
+        unit = "Pa" if kind == "pressure" else "m"
+        raise InputError(
+            f"the {kind} {values[strange][0]:.4g} {unit} is beyond what can be calculated "
+            f"({1 / _LARGEST:g} to {_LARGEST:g} {unit}, or zero)"
         )
     return kind, values

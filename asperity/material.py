@@ -9,6 +9,9 @@ from .errors import InputError
 
 __all__ = ["HalfSpace"]
 
+_SOFTEST, _STIFFEST = 1e-40, 1e40
+"""Moduli [Pa] whose products with lengths and each other floating-point numbers hold."""
+
 
 @dataclass(frozen=True)
 class HalfSpace:
@@ -51,8 +54,7 @@ class HalfSpace:
         if self.E is None or self.nu is None:
             raise InputError("HalfSpace needs E and nu; use HalfSpace.from_modulus without them")
         young, nu, m = _number(self.E, "E"), _number(self.nu, "nu"), _exponent(self.m)
-        if young <= 0:
-            raise InputError(f"E must be positive, got {young:g} Pa")
+        _require_modulus(young, "E")
         if not -1 < nu <= 0.5:
             raise InputError(f"nu must lie in -1 < nu <= 0.5, got {nu:g}")
         self._fill(young, nu, m, young / (1 - nu * nu) * _grading_factor(m, nu))
@@ -67,8 +69,7 @@ class HalfSpace:
             If the modulus is not positive, or m outside (-1, 1).
         """
         value = _number(modulus, "modulus")
-        if value <= 0:
-            raise InputError(f"modulus must be positive, got {value:g} Pa")
+        _require_modulus(value, "modulus")
         body = object.__new__(cls)
         body._fill(None, None, _exponent(m), value)
         return body
@@ -124,6 +125,15 @@ def _number(value: float, name: str) -> float:
     if not math.isfinite(number):
         raise InputError(f"{name} must be finite, got {number}")
     return number
+
+
+def _require_modulus(value: float, name: str) -> None:
+    if value <= 0:
+        raise InputError(f"{name} must be positive, got {value:g} Pa")
+    if not _SOFTEST <= value <= _STIFFEST:
+        raise InputError(
+            f"{name} is {value:g} Pa, beyond {_SOFTEST:g} to {_STIFFEST:g} Pa; check its unit"
+        )
 
 
 def _exponent(value: float) -> float:

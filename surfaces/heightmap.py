@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import hashlib
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from .statistics.roughness import Roughness
 
 __all__ = ["HeightMap", "checked_spacing", "require_map"]
+
+_SHORTEST, _LONGEST = 1e-40, 1e40
+"""Lengths [m] between which the fourth power of every slope is a floating-point number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +38,7 @@ class HeightMap:
     periodic
         True if the map continues across its border as if repeated.
     name
-        Name for reports.
+        Name for reports; what is no text, as in the name of a file, becomes "?".
     history
         What was done to the map so far, oldest first: one mapping per step with the key ``step``
         and the parameters and counts of that step.
@@ -42,8 +46,8 @@ class HeightMap:
     Raises
     ------
     SurfaceError
-        If the heights are not a real 2-D array of at least 3 x 3 points, hold infinities, or are
-        all missing, or if the spacing is not positive and finite.
+        If the heights are not a real 2-D array of at least 3 x 3 points, hold infinities, are all
+        missing, or if they or the spacing are no lengths that can be calculated with.
 
     Notes
     -----
@@ -62,6 +66,7 @@ class HeightMap:
         object.__setattr__(self, "spacing", checked_spacing(self.spacing))
         if not isinstance(self.periodic, bool | np.bool_):
             raise SurfaceError(f"periodic is {self.periodic!r}; it must be True or False")
+        object.__setattr__(self, "name", str(self.name).encode(errors="replace").decode())
         object.__setattr__(self, "history", tuple(dict(step) for step in self.history))
 
     @property
@@ -151,15 +156,21 @@ def _checked_heights(heights: Any) -> NDArray[np.float64]:
         raise SurfaceError(
             f"heights have shape {array.shape}; a height map needs two axes of at least 3 points"
         )
-    infinite = np.isinf(array)
-    if infinite.any():
+    low, high = float(np.fmin.reduce(array, axis=None)), float(np.fmax.reduce(array, axis=None))
+    if math.isnan(low):
+        raise SurfaceError("every point of the height map is missing (NaN)")
+    if math.isinf(low) or math.isinf(high):
+        infinite = np.isinf(array)
         row, col = np.argwhere(infinite)[0]
         raise SurfaceError(
             f"heights[{row}, {col}] is infinite ({np.count_nonzero(infinite)} of {array.size} "
             "points); mark missing points with NaN"
         )
-    if np.isnan(array).all():
-        raise SurfaceError("every point of the height map is missing (NaN)")
+    if max(abs(low), abs(high)) > _LONGEST or 0.0 < high - low < _SHORTEST:
+        raise SurfaceError(
+            f"heights reach from {low:.4g} to {high:.4g} m, which no calculation can hold; "
+            "check their unit"
+        )
     array.setflags(write=False)
     return array
 
@@ -170,9 +181,10 @@ def checked_spacing(spacing: Any) -> tuple[float, float]:
         pair = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,))
     except (TypeError, ValueError):
         raise SurfaceError(f"spacing is {spacing!r}; give the pixel size (dy, dx) in m") from None
-    if not (np.isfinite(pair).all() and (pair > 0).all()):
+    if not ((pair >= _SHORTEST) & (pair <= _LONGEST)).all():
         raise SurfaceError(
-            f"spacing is {tuple(pair.tolist())}; both pixel sizes (dy, dx) must be positive"
+            f"spacing is {tuple(pair.tolist())}; both pixel sizes (dy, dx) must be positive "
+            "lengths in m"
         )
     return float(pair[0]), float(pair[1])
 

@@ -57,6 +57,8 @@ def test_forecast_of_the_area_is_monotone_and_bounded():
     [
         ([1.0], [1.0], "not both"),
         ([1.0, -2.0], None, "-2 Pa is negative"),
+        ([1.0, 1e-300], None, "1e-300 Pa is beyond"),
+        (None, [1e-7, -1e300], "-1e.300 m is beyond"),
         ([np.nan], None, "finite"),
         (None, [], "at least one"),
         ("heavy", None, "finite numbers"),
@@ -82,7 +84,6 @@ def test_what_is_no_map_or_no_material(solve, hm, material, match):
         solve(hm, material)
 
 
-@pytest.mark.parametrize("amplitude", [0.0, 1e-320])
-def test_no_default_loads_without_slope(amplitude):
+def test_no_default_loads_without_slope():
     with pytest.raises(InputError, match="name the loads"):
-        default_pressures(wave(amplitude=amplitude), HalfSpace.from_modulus(1e9))
+        default_pressures(wave(amplitude=0.0), HalfSpace.from_modulus(1e9))

@@ -58,6 +58,8 @@ def test_pair_of_unequal_gradings_is_refused():
         ((1.0, 0.3, 1.0), "m must lie"),
         ((float("nan"), 0.3), "E must be finite"),
         (("steel", 0.3), "E must be a number"),
+        ((1e-300, 0.3), "E is 1e-300 Pa.*check its unit"),
+        ((1e300, 0.3), "E is 1e.300 Pa.*check its unit"),
     ],
 )
 def test_values_out_of_range_are_refused_in_one_sentence(arguments, message):

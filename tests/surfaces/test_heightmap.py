@@ -34,6 +34,9 @@ def test_a_masked_point_is_missing():
         (np.full((4, 5), np.nan), "every point"),
         (np.ma.masked_all((4, 5)), "every point"),
         (np.where(GRID == 7, np.inf, GRID), r"heights\[1, 2\] is infinite \(1 of 20"),
+        (np.where(GRID == 7, -np.inf, np.nan), r"heights\[1, 2\] is infinite \(1 of 20"),
+        (1e-310 * GRID, "reach from 0 to 1.9e-309 m.*check their unit"),
+        (1e200 * GRID, "reach from 0 to 1.9e.201 m.*check their unit"),
     ],
 )
 def test_what_is_no_map_of_heights(heights, match):
@@ -41,7 +44,9 @@ def test_what_is_no_map_of_heights(heights, match):
         HeightMap(heights, 1e-6)
 
 
-@pytest.mark.parametrize("spacing", [0.0, (1e-6, -1e-6), np.nan, (1e-6, 2e-6, 3e-6), "wide"])
+@pytest.mark.parametrize(
+    "spacing", [0.0, (1e-6, -1e-6), np.nan, (1e-6, 2e-6, 3e-6), "wide", (1e-6, 1e-300), np.inf]
+)
 def test_what_is_no_pixel_size(spacing):
     with pytest.raises(SurfaceError, match="pixel size"):
         HeightMap(GRID, spacing)
