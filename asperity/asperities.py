@@ -1,4 +1,4 @@
-"""A rough surface taken apart into its peaks: what a curve loads, and maps and tables read."""
+"""A rough surface decomposed into asperities: peaks, contact laws and their interaction."""
 
 from __future__ import annotations
 

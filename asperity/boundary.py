@@ -1,4 +1,4 @@
-"""What lies around the map: its own images, or a half-space without bounds."""
+"""Boundary condition of a map: periodic, or a free half-space."""
 
 from __future__ import annotations
 

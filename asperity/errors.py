@@ -1,4 +1,4 @@
-"""Errors of the mechanics; the tree begins in `surfaces.errors`."""
+"""Errors of the mechanics, beside those of `surfaces.errors`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One contact: `indent` presses a single profile by one of the laws."""
+"""Indentation of the half-space by one profile."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .material import HalfSpace
 from .microcontact.flags import INVALID, Flag
 from .microcontact.laws import law_module
 
-__all__ = ["Indentation", "checked_body", "indent"]
+__all__ = ["Indentation", "indent", "require_half_space"]
 
 Array = NDArray[np.float64]
 
@@ -184,7 +184,8 @@ def indent(
     >>> bool(abs(one.force - 4 / 3 * 0.01**1.5) < 1e-12)
     True
     """
-    checked_body(profile, material)
+    _require_profile(profile)
+    require_half_space(material)
     if (approach is None) == (load is None):
         raise InputError("give either approach or load")
     solve: Callable[..., Indentation] | None = getattr(law_module(law), "indent", None)
@@ -235,13 +236,16 @@ def _finite(values: ArrayLike | None, name: str) -> Array:
     return array
 
 
-def checked_body(profile: object, material: object) -> None:
-    """Refuse what is no profile or no half-space."""
+def require_half_space(material: object) -> None:
+    """Refuse what is no half-space, such as a bare modulus."""
+    if not isinstance(material, HalfSpace):
+        raise InputError(
+            f"the material must be a half-space, got {type(material).__name__}: "
+            "give asperity.HalfSpace(E, nu) or HalfSpace.from_modulus(E*)"
+        )
+
+
+def _require_profile(profile: object) -> None:
     if not isinstance(profile, PolarProfile | PowerSumProfile):
         kinds = "PowerLawProfile, PolynomialProfile, PolarProfile, or of surfaces.shapes"
         raise InputError(f"profile must be one of surfaces ({kinds}), got {type(profile).__name__}")
-    if not isinstance(material, HalfSpace):
-        text = "give asperity.HalfSpace(E, nu) or HalfSpace.from_modulus(E*)"
-        raise InputError(
-            f"the material must be a half-space, got {type(material).__name__}: {text}"
-        )

@@ -12,7 +12,7 @@ from surfaces.polar import PolarProfile, PowerSumProfile
 from .bem.single import BemIndentation, FirstGuess
 from .bem.single import indent_bem as solve_bem
 from .errors import InputError, ModelRangeError
-from .indentation import Indentation, indent
+from .indentation import Indentation, indent, require_half_space
 from .material import HalfSpace
 
 __all__ = ["first_guess", "indent_bem"]
@@ -70,9 +70,7 @@ def indent_bem(
         raise InputError("approach or load must be a positive number or several") from None
     if not callable(profile):
         raise InputError(f"profile must be a gap f(r, phi), got {type(profile).__name__}")
-    if not isinstance(mat, HalfSpace):
-        text = "give asperity.HalfSpace(E, nu) or HalfSpace.from_modulus(E*)"
-        raise InputError(f"the material must be a half-space, got {type(mat).__name__}: {text}")
+    require_half_space(mat)
     name = "load" if approach is None else "approach"
     usable = np.isfinite(values) & (values > 0)
     guesses: list[FirstGuess | None] = []

@@ -1,4 +1,4 @@
-"""How much memory a read may take: asked before anything is allocated."""
+"""Available memory, and the check before a large allocation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The one tree of errors: each message is one sentence that says what, where and how to mend it."""
+"""Errors of both packages; each message says what is wrong, where, and how to mend it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Units of length: read once, where a file or an option comes in; metres everywhere inside."""
+"""Units of length and their conversion to metres."""
 
 from __future__ import annotations
 

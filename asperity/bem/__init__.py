@@ -1,4 +1,4 @@
-"""Boundary-element solution of the full contact problem: the judge of the approximate models.
+"""Boundary-element solution of the full contact problem: the reference of the approximate models.
 
 This package knows height maps, the elastic half-space and the containers of results, and nothing of
 the model that it judges. That takes two things from here: the displacement by one pressed element

@@ -1,4 +1,4 @@
-"""The mean pressure that belongs to a prescribed separation, found while the contact is solved."""
+"""Search for the mean pressure of a prescribed separation, during the solution."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Memory of a solution, estimated before it starts."""
+"""Estimate of the memory of a solution."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From load to load along a curve: the secant through the last two solutions starts the next."""
+"""Continuation along a curve: the secant through the last two solutions starts the next."""
 
 from __future__ import annotations
 

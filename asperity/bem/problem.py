@@ -1,4 +1,4 @@
-"""One map, material and boundary, planned once, and its start from coarser grids."""
+"""One contact problem without its load: checks, operators, and the start from coarser grids."""
 
 from __future__ import annotations
 

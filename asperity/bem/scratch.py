@@ -1,4 +1,4 @@
-"""Memory that is idle for a while, lent to arrays that are needed only then.
+"""Reuse of idle memory for temporary arrays.
 
 Fresh memory is dear: the operating system clears it page by page, which on large grids takes as
 long as the arithmetic.

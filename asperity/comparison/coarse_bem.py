@@ -1,4 +1,4 @@
-"""The honest competitor: our own boundary elements on coarser grids at a loose tolerance."""
+"""Baseline of the comparison: boundary elements on coarser grids at a loose tolerance."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What two models of the same surface say of each other: errors, run times, verdict."""
+"""Result of a comparison of both models: errors, run times, verdict."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Compiled count of the spots that contacts make."""
+"""Compiled count of separate contact spots."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a surface touches and how hard it presses there, of one load point of its contacts.
+"""Contact map and pressure field of one load point.
 
 The contacts of a state have forces and areas; their shapes are found here: pixels are taken where
 the gap asks for them, each contact keeping its own force and area.

@@ -1,4 +1,4 @@
-"""How many contacts there are of which size."""
+"""Size distribution of contacts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The separate spots of a load point: where contacts meet they are one, fine waves part them."""
+"""Table of the separate contact spots of one load point."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The microcontacts of one load point: a table, and their ellipses."""
+"""Table of the microcontacts of one load point, and their ellipses."""
 
 from __future__ import annotations
 

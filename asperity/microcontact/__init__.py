@@ -1,4 +1,4 @@
-"""The law of one contact, and of many at once."""
+"""Contact laws of single summits, one at a time and in batches."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The error that the expansions expect of themselves, from the difference of their levels."""
+"""Expected relative error of the expansions, from the difference of their orders."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can be doubtful about one contact; each law sets these bits and none is silent."""
+"""Validity flags of a contact."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a solution is doubtful or meaningless; see `Flag`."""
+"""Checks of a contour and of a profile that set validity flags."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What a run returns, and the files that hold it."""
+"""Results of a run, and the files that hold them."""

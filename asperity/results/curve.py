@@ -1,4 +1,4 @@
-"""The contact curve: what every model returns, how it prints and how it is read off."""
+"""The contact curve: load, separation and contact area at a sequence of load points."""
 
 from __future__ import annotations
 

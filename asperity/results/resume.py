@@ -1,4 +1,4 @@
-"""Runs that can be interrupted: each finished load point is in the results file."""
+"""Resumable runs: every finished load point is kept in the results file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stiffness of a contact curve: the slope of its points, between which the tangents tell."""
+"""Normal stiffness of a contact curve, from its points and their tangents."""
 
 from __future__ import annotations
 

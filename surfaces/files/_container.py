@@ -1,4 +1,4 @@
-"""Open an HDF5 file and find a dataset in it, with a sentence for whatever is wrong."""
+"""Open an HDF5 file and find its dataset, with errors of one sentence."""
 
 from __future__ import annotations
 

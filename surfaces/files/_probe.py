@@ -1,4 +1,4 @@
-"""Try what may hang or crash the HDF5 library in a child process first.
+"""Trial of HDF5 calls in a child process, since damaged files can hang or crash the library.
 
 Damaged global heaps (where HDF5 keeps attributes of variable length) send the library into an
 endless loop or a segmentation fault, which no exception handler can catch. The child does the

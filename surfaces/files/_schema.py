@@ -1,4 +1,4 @@
-"""What a height-map dataset must hold: every fault of one HDF5 dataset, named."""
+"""Schema of a height-map dataset: its header, and every fault of a file."""
 
 from __future__ import annotations
 

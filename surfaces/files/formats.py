@@ -1,4 +1,4 @@
-"""Read and write height maps of any format: the one place that looks at the kind of a file."""
+"""Read and write height maps of any format."""
 
 from __future__ import annotations
 

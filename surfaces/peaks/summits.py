@@ -1,4 +1,4 @@
-"""Summits of all peaks of a map, and the profiles of those that are asked for."""
+"""Sub-pixel summits of all peaks, and profiles of those that are asked for."""
 
 from __future__ import annotations
 

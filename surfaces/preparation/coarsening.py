@@ -1,4 +1,4 @@
-"""The coarsest grid that still holds a map, judged from the map itself."""
+"""The coarsest grid that represents a smooth map."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a measured map to one that can be computed with; every step is recorded in its history."""
+"""Preparation of a measured map; every step is recorded in its history."""
 
 from __future__ import annotations
 

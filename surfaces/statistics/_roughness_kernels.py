@@ -1,4 +1,4 @@
-"""Kernel of the means over a map."""
+"""Compiled sums over the heights of a map and their differences."""
 
 from __future__ import annotations
 

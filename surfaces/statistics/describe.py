@@ -1,4 +1,4 @@
-"""How rough a map is: heights, slopes, curvatures, bearing curve, spectrum and texture."""
+"""Roughness parameters of a map: heights, slopes, bearing curve, spectrum and texture."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Means over a map that every later step needs, in one pass over its points."""
+"""Mean, rms height, slope and curvature of a map in one pass."""
 
 from __future__ import annotations
 
