@@ -48,7 +48,7 @@ class ContactRun:
     curve
         The contact curve.
     bodies
-        The surface taken apart into peaks.
+        The decomposed surface.
     states
         The state of all microcontacts at each load point, in the order of the curve.
     """

@@ -18,7 +18,7 @@ from ..results.curve import ContactCurve
 if TYPE_CHECKING:
     from ..material import HalfSpace
 
-__all__ = ["LOOSE_TOLERANCE", "cheap_run", "coarse_grids", "load_at_separation", "rms"]
+__all__ = ["LOOSE_TOLERANCE", "coarse_grids", "coarse_run", "load_at_separation", "rms"]
 
 LOOSE_TOLERANCE = 1e-2
 """Tolerance of the cheap boundary-element runs; looser saves little, tighter changes nothing."""
@@ -51,7 +51,7 @@ def load_at_separation(curve: ContactCurve, separation: NDArray[np.float64]) -> 
     return np.asarray(np.exp(spline(inside) + slope * (separation - inside)))
 
 
-def cheap_run(
+def coarse_run(
     hm: HeightMap,
     material: HalfSpace,
     grid: tuple[int, int],

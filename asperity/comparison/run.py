@@ -20,7 +20,7 @@ from ..loadpoints import checked_loads, default_pressures, slope_scale
 from ..plan import Plan, make_plan
 from ..results.curve import ContactCurve
 from ..results.tables import structured
-from .coarse_bem import LOOSE_TOLERANCE, cheap_run, coarse_grids, rms
+from .coarse_bem import LOOSE_TOLERANCE, coarse_grids, coarse_run, rms
 from .result import Comparison
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def compare(
     reference: Callable[[], ContactCurve] | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Comparison:
-    """Run both models, the cheap boundary-element settings, and measure the distance between them.
+    """Run both models and boundary elements on coarser grids, and measure errors and run times.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def compare(
     ]
     for grid in coarse_grids(hm.shape):
         say(f"boundary elements {grid[0]} x {grid[1]}, tolerance {LOOSE_TOLERANCE:.0e}")
-        rows.append(cheap_run(hm, material, grid, plan.boundary, judge))
+        rows.append(coarse_run(hm, material, grid, plan.boundary, judge))
     say("contact maps")
     point = _map_point(judge)
     solution = bem_solve(

@@ -1,7 +1,7 @@
 """Contact map and pressure field of one load point.
 
-The contacts of a state have forces and areas; their shapes are found here: pixels are taken where
-the gap asks for them, each contact keeping its own force and area.
+The contacts of a state have forces and areas; their shapes are found here from the gap on the
+pixels, each contact keeping its own force and area.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ __all__ = ["contact_map", "pressed_pixels", "pressure_map"]
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-ROUNDS = 3
+CORRECTIONS = 3
 """Corrections of the pressure by the gap it leaves; more change little."""
 
-STEP = 0.7
-"""Share of each correction that is made: whole ones swing (Hertz: by 2 to 4 % of the peak)."""
+RELAXATION = 0.7
+"""Relaxation of a correction; without it the pressure oscillates (Hertz: 2 to 4 % of the peak)."""
 
 
 def contact_map(bodies: Asperities, state: PopulationState) -> NDArray[np.bool_]:
@@ -55,7 +55,7 @@ def pressed_pixels(bodies: Asperities, state: PopulationState) -> tuple[Index, I
     Parameters
     ----------
     bodies
-        The surface taken apart.
+        The decomposed surface.
     state
         One load point.
 
@@ -67,25 +67,25 @@ def pressed_pixels(bodies: Asperities, state: PopulationState) -> tuple[Index, I
 
     Notes
     -----
-    Each contact begins with the pressure of the elliptic contact of its force and area. With the
-    displacement u = K p of all of them, the gap g = u - h leaves in each contact the correction
-    p - 0.7 K^-1 g, K^-1 ~ q^(1-m) acting on the gap in contact alone; beside it a gap weighs as
-    pressure by the K^-1 of the wave number sqrt(m4/m2) of the map. A contact takes the pixels of
-    its basin that stand highest in this field, as many as fill its area (one at least), and its
-    pressure is the height over the next pixel, scaled to its force. Then follows the next round.
+    The iteration starts from the pressure of the elliptic contact of each force and area. With the
+    displacement u = K p of all contacts and the gap g = u - h, the pressure inside the contacts is
+    corrected to p - 0.7 K^-1 g, where K^-1 ~ q^(1-m) acts on the gap inside the contacts; outside,
+    the field is -g times the K^-1 of the wave number sqrt(m4/m2) of the map. Each contact occupies
+    the pixels of its basin with the largest values of this field, as many as fill its area (at
+    least one); its pressure is their excess over the next pixel, scaled to its force.
 
-    Where the finest waves act as a law of the contacts (`asperity.scales`), the pressure that would
-    press them flat, K^-1 h, is added, times sqrt(g0) as in that law, to first order in them
-    (Persson 2001), and the pixels fill the area that stays closed. Pressure rises as the root from
-    the edges of the spots that this leaves: sqrt(x^2 + 2 s x) over the height x, with the standard
-    deviation s of what was added. The last round is of the whole map.
+    Where the finest waves act as a law of the contacts (`asperity.scales`), the pressure K^-1 h
+    that flattens them is added, times sqrt(g0) as in that law, to first order (Persson 2001), and
+    the pixels fill the area that remains in contact. With the standard deviation s of what was
+    added, the pressure over the excess x is sqrt(x^2 + 2 s x), which rises as a square root from
+    the edges of the spots. The last correction is that of the whole map.
     """
     solved, whole = bodies.solved, bodies.hm
     if not state.active:
         return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
     grid = _Grid.of(bodies, state, solved, bodies.peaks.labels)
     pressure = _start(bodies, state)
-    for _ in range(ROUNDS):
+    for _ in range(CORRECTIONS):
         pressed = grid.pressed(grid.wanted(pressure, grid.beside), state.area, state.force)
         pressure = grid.image(pressed)
     if solved is whole:
@@ -108,8 +108,8 @@ def pressed_pixels(bodies: Asperities, state: PopulationState) -> tuple[Index, I
 class _Grid:
     """The half-space and the basins of the contacts that carry load, on the points of a map.
 
-    On a free body transforms are padded to twice the size: the images there lift the contacts, but
-    are too far to tilt them.
+    On a free half-space transforms are padded to twice the size: the images shift the displacement
+    of the contacts, but hardly its slope.
 
     Attributes
     ----------
@@ -173,9 +173,9 @@ class _Grid:
         return self._through(heights, self.number ** (1.0 - self.m) / self.symbol)
 
     def wanted(self, pressure: Array, beside: float) -> Array:
-        """Field [Pa], shape (ny, nx), that stands highest where a contact is to be.
+        """Field [Pa], shape (ny, nx), whose largest values are the pixels of the contacts.
 
-        The gap under each contact is counted from its mean; `beside` [Pa/m] as the property.
+        The gap under each contact is taken relative to its mean; `beside` [Pa/m] as the property.
         """
         gap = self.displaced(pressure) - self.hm.heights
         gap -= np.average(gap, weights=pressure)
@@ -185,7 +185,7 @@ class _Grid:
         mean = np.add.reduceat(weight * own, self.first) / np.add.reduceat(weight, self.first)
         gap.flat[self.pixel] = own - self._at_pixels(mean)
         touching = pressure > 0.0
-        pressed = pressure - STEP * self.pressed_flat(np.where(touching, gap, 0.0))
+        pressed = pressure - RELAXATION * self.pressed_flat(np.where(touching, gap, 0.0))
         return np.where(touching, pressed, -beside * gap)
 
     def pressed(
@@ -193,7 +193,7 @@ class _Grid:
     ) -> tuple[Index, Index, Array]:
         """Pixels, whose they are, and pressures [Pa] of contacts of areas [m^2] and forces [N].
 
-        They take what stands highest in the field; `spread` [Pa] is s in `pressed_pixels`.
+        They occupy the largest values of the field; `spread` [Pa] is s in `pressed_pixels`.
         """
         size = self.hm.spacing[0] * self.hm.spacing[1]
         height = field.ravel()[self.pixel]

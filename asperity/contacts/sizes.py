@@ -12,7 +12,7 @@ __all__ = ["size_distribution"]
 
 
 def size_distribution(area: ArrayLike, *, bins: int = 20) -> NDArray[np.void]:
-    """Contacts by area, in bins that grow by a constant factor.
+    """Histogram of contact areas in logarithmic bins.
 
     Parameters
     ----------

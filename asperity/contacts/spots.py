@@ -19,12 +19,12 @@ __all__ = ["spot_table"]
 
 
 def spot_table(bodies: Asperities, state: PopulationState) -> NDArray[np.void]:
-    """Table of the spots of the contact map (edge neighbors, as of boundary elements).
+    """Table of the spots of the contact map (edge neighbors, as for boundary elements).
 
     Parameters
     ----------
     bodies
-        The surface taken apart.
+        The decomposed surface.
     state
         One load point.
 

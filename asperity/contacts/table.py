@@ -31,7 +31,7 @@ def microcontacts(bodies: Asperities, state: PopulationState) -> NDArray[np.void
     Parameters
     ----------
     bodies
-        The surface taken apart.
+        The decomposed surface.
     state
         One load point.
 

@@ -31,13 +31,13 @@ POINT_FIELDS = (
 
 
 SLACK = 5e-3
-"""Relative distance beyond the ends at which a curve can be read off: solved pressures miss those
-asked for by the tolerance of the solve, and the asked ones must be within the curve."""
+"""Relative distance beyond the ends at which a curve can be evaluated: solved pressures differ from
+those asked for by the tolerance of the solve, and the latter must be within the curve."""
 
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """A contact curve read off at one or several places; arrays have the shape of the question.
+    """A contact curve evaluated at one or several places; arrays have the shape of the argument.
 
     Attributes
     ----------
@@ -132,7 +132,7 @@ class ContactCurve:
     def at(
         self, *, pressure: ArrayLike | None = None, separation: ArrayLike | None = None
     ) -> CurvePoint:
-        """Read the curve off at a mean pressure or a separation.
+        """Evaluate the curve at a mean pressure or a separation.
 
         Parameters
         ----------

@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 __all__ = ["curve_stiffness"]
 
-REACH = 0.25
+LEAST_SPAN = 0.25
 """Least distance in the logarithm of pressure of the points whose slope is taken."""
 
-FARTHEST = 2.5
-"""Largest distance in the logarithm of pressure over which tangents tell what is between."""
+LARGEST_GAP = 2.5
+"""Largest distance in the logarithm of pressure over which the tangents are integrated."""
 
 
 def curve_stiffness(
@@ -33,11 +33,11 @@ def curve_stiffness(
 
     Notes
     -----
-    The tangent leaves out that contacts move aside and become longer, as they do towards each
-    other: it is too low by 2 % at light load and 14 % at 15 % of contact (boundary elements). That
-    share changes slowly, and two points know it: -ds = dp/k, which between points is integrated as
-    a power law of p through the tangents, over the difference of their separations. A point
-    without another within a factor of ten of its pressure keeps its tangent.
+    The tangent neglects that contacts shift and elongate with load: it is too low by 2 % at light
+    load and 14 % at 15 % of contact (boundary elements). This ratio varies slowly along the curve
+    and follows from two points: -ds = dp/k, integrated between the points as a power law of p
+    through the tangents, over the difference of their separations. A point without another within
+    a factor of ten of its pressure keeps its tangent.
     """
     found = np.array(tangent, dtype=float)
     usable = usable & (pressure > 0) & (found > 0) & np.isfinite(separation)
@@ -50,10 +50,10 @@ def curve_stiffness(
     told = np.append(0.0, np.cumsum(gap * rate[:-1] * bent))
     for i in range(len(order)):
         low = high = i
-        while low > 0 and x[i] - x[low] < REACH and gap[low - 1] < FARTHEST:
+        while low > 0 and x[i] - x[low] < LEAST_SPAN and gap[low - 1] < LARGEST_GAP:
             low -= 1
-        while high < len(x) - 1 and x[high] - x[i] < REACH and gap[high] < FARTHEST:
+        while high < len(x) - 1 and x[high] - x[i] < LEAST_SPAN and gap[high] < LARGEST_GAP:
             high += 1
-        if x[high] - x[low] >= REACH and fall[high] > fall[low]:
+        if x[high] - x[low] >= LEAST_SPAN and fall[high] > fall[low]:
             found[order[i]] *= (told[high] - told[low]) / (fall[high] - fall[low])
     return found
