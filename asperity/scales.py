@@ -42,6 +42,13 @@ share of the squared slope: their summits are uncertain."""
 SURELY = 0.9
 """Share of that breadth up to which some lines of a map can tell that it is not reached."""
 
+FEWEST_WAVES = 50
+"""Of the shortest waves that are kept, so many fit the side of the map at least. Where few hills
+carry the load, as on spectra without a roll-off, the law of the waves on each of them is rough."""
+
+WORTH_LOSING = 0.03
+"""Share of the squared slope that the finest waves hold at least, if they are taken out."""
+
 NARROW = "scales: all, the spectrum is narrow enough for a contact at each summit"
 
 POINTS = 6.0
@@ -78,11 +85,11 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
     Notes
     -----
     Waves are added from the longest on until the breadth m0 m4 / m2^2 of the spectrum (Nayak's
-    parameter) reaches `BROADEST`, and none shorter than `UNRESOLVED` pixels. With lay the order and
-    the breadth are those of the map stretched until its slope is the same in all directions. The
-    law holds for random waves: a kurtosis of second differences far from 3 shows spikes, steps,
-    worn plateaus and a border that fades. A map that is not periodic is taken with its mirror
-    images, in which lay would be lost.
+    parameter) reaches `BROADEST`, `FEWEST_WAVES` along the side of the map at least, and none
+    shorter than `UNRESOLVED` pixels. With lay the order and the breadth are those of the map
+    stretched until its slope is the same in all directions. The law holds for random waves: a
+    kurtosis of second differences far from 3 shows spikes, steps, worn plateaus and a border that
+    fades. A map that is not periodic is taken with its mirror images, in which lay would be lost.
     """
     if abs(material.m) > GRADED:
         return f"scales: all, the law of fine waves is for |m| <= {GRADED:g}"
@@ -110,7 +117,10 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
     steep = sums[:, 3]
     if steep[resolved] > (1.0 - UNRESOLVED[1]) * steep[-1] and breadth[-1] < WORTH_IT * BROADEST:
         return NARROW
-    last = min(last or resolved, resolved)
+    few = round(FEWEST_WAVES * max(hm.size) / np.sqrt(hm.area))
+    last = min(max(last or resolved, few), resolved)
+    if steep[last] > (1.0 - WORTH_LOSING) * steep[-1]:
+        return "scales: all, the map has too few waves to take the finest out"
     limit = (last + 0.5) * shell
     coarse = _without(waves, limit, hm, stretch, 2.0 * np.pi / (shell * last * reach))
     if coarse is None:

@@ -344,3 +344,25 @@ def test_no_wave_shorter_than_three_pixels_is_kept():
     for hurst, cutoff, rolloff in ((0.8, 2.2e-6, 2.9e-5), (0.9, 2.2e-6, 2.9e-5), (0.8, 3e-6, 6e-5)):
         found = split_scales(broad(rolloff=rolloff, hurst=hurst, cutoff=cutoff), STEEL)
         assert isinstance(found, str) and "narrow" in found
+
+
+@pytest.mark.parametrize("hurst", [0.5, 0.8, 1.0])
+def test_without_a_rolloff_enough_waves_are_kept(hurst):
+    """The longest waves make a spectrum as broad as one likes, and all others would be short."""
+    hm = broad(hurst=hurst, rolloff=None)
+    side = np.sqrt(hm.area)
+    assert side / split_scales(hm, STEEL)[1].shortest == pytest.approx(50, rel=0.02)
+    assert "too few waves" in split_scales(broad(hurst=hurst, rolloff=None, cutoff=5e-6), STEEL)
+
+
+def test_without_a_rolloff_the_area_of_crowded_hills_is_nearer():
+    hm = broad(rolloff=None, seed=11)
+    loads = np.array([2.5e-2, 6e-2]) * pressure_scale(hm, STEEL)
+    exact = asperity.bem_curve(hm, STEEL, pressures=loads, tolerance=1e-3)
+    auto, every = (
+        asperity.contact_curve(hm, STEEL, pressures=loads, scales=scales).contact_area
+        / exact.contact_area
+        - 1
+        for scales in ("auto", "all")
+    )
+    assert (np.abs(auto) < 0.75 * np.abs(every)).all()
