@@ -36,12 +36,13 @@ def run(args: argparse.Namespace) -> int:
     material, loads = options.material(args), options.loads(args)
     derived.require_derivable(material, loads, args)
     hm = options.load_surface(args.file, args)
+    from asperity.boundary import chosen_boundary
     from asperity.compilation import compile_ahead
     from asperity.curve import contact_curve
     from asperity.plan import make_plan
 
+    compile_ahead(("laws",), material, chosen_boundary(hm, args.boundary))
     plan = make_plan(hm, material, **loads, **options.model(args))
-    compile_ahead(("laws",), material, plan.boundary)
 
     def solve(kind, values, progress, checkpoint):  # type: ignore[no-untyped-def]
         return contact_curve(

@@ -373,7 +373,7 @@ def press_rows(
                 )  # fmt: skip
                 if (box[1] - box[0]) * (box[3] - box[2]) > TIGHT * size:
                     break
-            total = 0
+            total = np.int64(0)
             for k in range(nv * nu):
                 if inside[k] and total < MOST:
                     row[total], col[total], overlap[total] = k // nu, k % nu, gap[k] / depth

@@ -145,7 +145,7 @@ def march_rows(
     for level in range(1, size):
         growths[level] = 2 * math.log(levels[level] / levels[level - 1])
     who = np.zeros(LANES, np.int64)
-    following = 0
+    following = np.int64(0)
     for lane in range(LANES):
         following = _usable_from(following, scales)
         if following < n:

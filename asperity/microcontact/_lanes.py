@@ -12,7 +12,7 @@ import operator
 from typing import Any
 
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, models, register_model
@@ -290,7 +290,16 @@ def transpose(typing: Any, array: Any, index: Any, step: Any, out: Any, place: A
     return sig, code
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
-def add(array, index, value):
-    """Add to group `index` of an array."""
-    store(array, index, load(array, index) + value)
+@intrinsic
+def add(typing: Any, array: Any, index: Any, value: Any) -> Any:
+    """Add to group `index` of a contiguous array of floats."""
+    sig = types.void(array, types.intp, LANE)
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = vectors.data_of(context, builder, sig.args[0], args[0])
+        place = _first(builder, args[1])
+        held = vectors.load(builder, data, place, _VECTOR)
+        vectors.store(builder, builder.fadd(held, args[2]), data, place)
+        return context.get_dummy_value()
+
+    return sig, code

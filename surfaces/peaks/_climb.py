@@ -181,7 +181,7 @@ def summits(
         n = order[k]
         if k + _AHEAD < last:
             other = order[k + _AHEAD]
-            prefetch_block(heights.ravel(), heights.shape[1], row[other] - 2, col[other] - 2, 5, 5)
+            prefetch_block(heights, heights.shape[1], row[other] - 2, col[other] - 2, 5, 5)
             prefetch_block(flat, width, row[other] + PAD - 3, col[other] + PAD - 3, 8, 8)
         y, x, e, kind = climb(heights, flat, width, labels, periodic, row[n], col[n], n, c)
         places[n, 0] = y

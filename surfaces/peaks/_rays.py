@@ -45,12 +45,13 @@ _RAY = from_dtype(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _look(
-    flat, cell, rays, live, groups, radii, first, nodes, corners, rest, weights, pixels, out
+    flat, cell, rays, live, groups, radii, first, corners, rest, weights, pixels, out
 ):  # fmt: skip
     """Heights and pixels at `groups` times LANES of the `radii` of each ray of `live`.
 
-    The radii from `first` on, in steps; if `nodes`, in shares of the length of the ray.
+    The radii from `first` on, in steps; if that is 0, in shares of the length of the ray.
     """
+    nodes = first == 0
     for start in range(0, live.size * groups, _CHUNK):
         stop = min(start + _CHUNK, live.size * groups)
         for group in range(start, stop):
@@ -76,8 +77,8 @@ def _march(flat, cell, labels, owner, dip, rays, live, radii, corners, rest, wei
     signs = np.empty(going, np.int64)
     for first in range(1, radii.size, LANES):
         _look(
-            flat, cell, rays, live[:going], 1, radii, first, False, corners, rest, weights, pixels,
-            zs,
+            flat, cell, rays, live[:going], np.int64(1), radii, first, corners, rest, weights,
+            pixels, zs,
         )  # fmt: skip
         for k in range(going):  # apart from what branches on it
             ray = rays[live[k]]
@@ -191,8 +192,8 @@ def fit(
         for k in range(used):
             rays[k].end, live[k] = _crest(rays[k], radii), k
         _look(
-            flat, cell, rays, live[:used], groups, shares, 0, True, corners, rest, weights, pixels,
-            zs,
+            flat, cell, rays, live[:used], groups, shares, np.int64(0), corners, rest, weights,
+            pixels, zs,
         )  # fmt: skip
         for n in range(start, start + some):
             row = slot[n]

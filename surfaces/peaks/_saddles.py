@@ -23,7 +23,7 @@ def touching(heights, labels, periodic, counts, runs):
         size *= 2
     held = np.zeros(size, np.int64)  # 0 marks a free place: no pair (0, 0) occurs
     tops = np.empty(size)
-    used = 0
+    used = np.int64(0)
     keys, passes = np.empty(2 * size, np.int64), np.empty(2 * size)
     mixed = np.empty(nx, np.uint8)
     mixed[0] = mixed[nx - 1] = 1
