@@ -237,9 +237,9 @@ def _without(
     held = _held(waves, limit, hm, stretch, (ny, nx))
     if hm.periodic:
         # pixel centres: the coarse grid begins half a coarse pixel from the border
-        y = fft.fftfreq(ny)[:, None] * (1.0 - ny / hm.shape[0]) * np.pi
-        x = fft.rfftfreq(nx) * (1.0 - nx / hm.shape[1]) * np.pi
-        heights = fft.irfft2(held * np.exp(1j * (y + x)), s=(ny, nx), workers=threads())
+        y = np.exp(1j * np.pi * (1.0 - ny / hm.shape[0]) * fft.fftfreq(ny))
+        x = np.exp(1j * np.pi * (1.0 - nx / hm.shape[1]) * fft.rfftfreq(nx))
+        heights = fft.irfft2(held * y[:, None] * x, s=(ny, nx), workers=threads())
         heights *= ny * nx / hm.heights.size
     else:
         held[:, 1:] *= np.sqrt(2.0)
@@ -264,7 +264,7 @@ def _held(
         places, columns = rows, nx
     qy, qx = _numbers(hm)
     y, x = qy[rows, None], qx[:width]
-    stretched = np.hypot(*(a * y + b * x for a, b in stretch))
+    stretched = sum(np.square(a * y + b * x) for a, b in stretch)
     held = np.zeros((ny, columns), complex if hm.periodic else float)
-    held[places, :width] = np.where(stretched < limit, waves[rows, :width], 0.0)
+    held[places, :width] = np.where(stretched < limit**2, waves[rows, :width], 0.0)
     return np.asarray(held)
