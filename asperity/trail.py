@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from .interaction.finish import Solution
 from .interaction.foresight import foreseen
+from .interaction.laws import BLOCK
 from .interaction.operator import Interaction
 from .interaction.solver import descend
 from .listing import Candidates, Listing
@@ -239,6 +240,7 @@ class Trail:
         depth = population.fallen[2]
         high = -float(depth[0])
         width = 0.01 * float(np.ptp(population.height)) or 0.01 * abs(high)
+        population.laws.rows(population.falling[:BLOCK]).make()  # one by one they would cost more
 
         def carried(separation: float) -> float:
             above = population.falling[: np.searchsorted(depth, -separation)]
@@ -249,7 +251,7 @@ class Trail:
         while carried(low) < pressure:
             high, width = low, 2 * width
             low = high - width
-        for _ in range(12):
+        for _ in range(8):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if carried(middle) > pressure else (low, middle)
         return 0.5 * (low + high)
