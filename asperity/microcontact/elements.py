@@ -41,6 +41,9 @@ TOLERANCE = 1e-3
 SPREAD = 0.005
 """Error expected of the force: marks the laws made here."""
 
+BEFORE = 4
+"""Nodes of the expansion whose forces the spline runs through, before the first that is pressed."""
+
 FEWEST = 3
 """Nodes pressed with less than which a law stays as it is."""
 
@@ -128,35 +131,48 @@ def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: Ha
     wanted[:, 1:][np.diff(wanted, axis=1) == 0] = 0
     u = np.arange(table.nodes + 1) / table.nodes
     found = press(summits, rows, table.reach[slots, None] * u[wanted] ** 2, material)
-    for slot, begin, nodes, values in zip(slots, first, wanted, found, strict=True):
-        known = values[:, 0] > 0.0
-        if np.count_nonzero(known) >= FEWEST:
-            _join(table, slot, begin, nodes[known], values[known])
+    offsets = np.where(found[:, :, 0] > 0.0, wanted - first[:, None], -1)
+    before = np.minimum(first - 1, BEFORE)
+    kinds, kind = np.unique(np.column_stack((before, offsets)), axis=0, return_inverse=True)
+    for k, (count, *after) in enumerate(kinds.tolist()):
+        some, known = np.flatnonzero(kind == k), np.flatnonzero(np.array(after) >= 0)
+        if len(known) >= FEWEST:
+            places = np.append(np.arange(-count, 0), np.array(after)[known])
+            _join(table, slots[some], first[some], places, found[np.ix_(some, known)])
 
 
-def _join(table: LawTable, slot: int, begin: int, nodes: Rows, values: Array) -> None:
-    """Put what was found at some nodes in the place of a row, from the node `begin` on."""
+def _join(table: LawTable, slots: Rows, begin: Rows, places: Rows, values: Array) -> None:
+    """Put what was found at the nodes `begin` + `places` in some rows, from the node `begin` on.
+
+    `values` (n, levels, 4) are those of the last places; at the others, below 0, the rows tell.
+    """
     from scipy.interpolate import CubicSpline, PchipInterpolator
 
-    p, u = table.exponent, np.arange(table.nodes + 1) / table.nodes
-    force, area, y, x = values.T
-    before, end = np.arange(1, begin), int(nodes[-1])
-    own, rest = u[begin : end + 1], slice(end, None)
-    table.force[slot, rest] *= force[-1] / table.force[slot, end]
-    table.stiffness[slot, rest] *= force[-1] / table.force[slot, end]
-    table.area[slot, rest] *= area[-1] / table.area[slot, end]
-    line = CubicSpline(
-        u[np.append(before, nodes)],
-        np.append(table.force[slot, before], force) / u[np.append(before, nodes)] ** p,
-        bc_type="natural",
-    )
-    row = slice(begin, end + 1)
-    table.force[slot, row] = own**p * line(own)
-    slope = own ** (p - 2) * (p * line(own) + own * line(own, 1))
-    table.stiffness[slot, row] = slope / (2.0 * table.reach[slot])
-    found = np.stack((area / u[nodes] ** 2, x, y), axis=1)
-    smooth = PchipInterpolator(u[nodes], found)(own)
-    table.area[slot, row] = own**2 * smooth[:, 0]
-    table.spread[slot, row] = SPREAD
+    p, nodes, u = table.exponent, table.nodes, np.arange(table.nodes + 1) / table.nodes
+    inside, after = np.arange(places[-1] + 1), places[places >= 0]
+    row, node = slots[:, None], begin[:, None] + inside
+    known, own = u[begin[:, None] + places], u[node]
+    force = np.hstack((table.force[row, node[:, :1] + places[places < 0]], values[:, :, 0]))
+    line = CubicSpline(places, force / known**p, axis=1, bc_type="natural")
+    found = values[:, :, [1, 3, 2]]
+    found[:, :, 0] /= known[:, places >= 0] ** 2
+    smooth = PchipInterpolator(after, found, axis=1)(inside)
+    _scale(table, slots, node[:, -1], values[:, -1])
+    table.force[row, node] = own**p * line(inside)
+    slope = own ** (p - 2) * (p * line(inside) + own * nodes * line(inside, 1))
+    table.stiffness[row, node] = slope / (2.0 * table.reach[row])
+    table.area[row, node] = own**2 * smooth[:, :, 0]
+    table.spread[row, node] = SPREAD
     if table.centre is not None:
-        table.centre[slot, row] = smooth[:, 1:]
+        table.centre[row, node] = smooth[:, :, 1:]
+
+
+def _scale(table: LawTable, slots: Rows, end: Rows, values: Array) -> None:
+    """Scale some rows to the force and the area at a node of each, from there on."""
+    later = np.arange(table.nodes + 1) >= end[:, None]
+    for array, wanted, old in (
+        (table.stiffness, values[:, 0], table.force),
+        (table.force, values[:, 0], table.force),
+        (table.area, values[:, 1], table.area),
+    ):
+        array[slots] *= np.where(later, (wanted / old[slots, end])[:, None], 1.0)
