@@ -12,14 +12,14 @@ from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
 from asperity.errors import ModelRangeError
 from asperity.transforms import kappa, moments
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-__all__ = ["Basis", "PowerBasis", "TableBasis", "basis_of", "samples", "synthesis"]
+__all__ = ["Basis", "PowerBasis", "TableBasis", "basis_of", "corner_rule", "samples", "synthesis"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -203,14 +203,19 @@ def samples(amplitudes: Complex, count: int) -> Array:
     return np.asarray(np.fft.irfft(spectrum, count, axis=1))
 
 
-def _means(profile: PowerSumProfile) -> Array:
-    """Angular means by Gauss-Legendre rules between the corners of the section."""
-    corners = np.sort(np.mod(profile.corners, 2 * np.pi))
-    ends = np.append(corners, corners[0] + 2 * np.pi)
-    x, w = np.polynomial.legendre.leggauss(_PANELS)
+def corner_rule(corners: ArrayLike, nodes: int) -> tuple[Array, Array]:
+    """Angles and weights of Gauss-Legendre rules between corners, shape (corners, nodes)."""
+    start = np.sort(np.mod(corners, 2 * np.pi))
+    ends = np.append(start, start[0] + 2 * np.pi)
+    x, w = np.polynomial.legendre.leggauss(nodes)
     half = np.diff(ends)[:, None] / 2
-    phi = (ends[:-1, None] + half) + half * x
-    return np.asarray(np.sum(profile.factors(phi) * (w * half), axis=(1, 2)) / (2 * np.pi))
+    return np.asarray((ends[:-1, None] + half) + half * x), np.asarray(w * half)
+
+
+def _means(profile: PowerSumProfile) -> Array:
+    """Angular means between the corners of the section."""
+    phi, weight = corner_rule(profile.corners, _PANELS)
+    return np.asarray(np.sum(profile.factors(phi) * weight, axis=(1, 2)) / (2 * np.pi))
 
 
 def _local_cubics(profile: PolarProfile) -> Array:

@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.errors import InputError
 from asperity.material import HalfSpace
 
+from .basis import corner_rule
+
 __all__ = ["FlatPunch", "flat_punch"]
 
 Array = NDArray[np.float64]
@@ -89,8 +91,10 @@ def flat_punch(
         If the planform does not contain the origin.
     """
     function = _boundary(edge)
-    kinks = np.sort(np.mod(np.asarray(corners, dtype=float).ravel(), 2 * np.pi))
-    phi, weight = _rule(kinks)
+    phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
+    weight = np.full(_ANGLES, 2 * np.pi / _ANGLES)
+    if np.size(corners):
+        phi, weight = (part.ravel() for part in corner_rule(np.ravel(corners), _PANEL))
     a = function(phi)
     if not np.all(np.isfinite(a) & (a > 0)):
         raise InputError("the planform must contain the origin: a(phi) > 0 at every angle")
@@ -108,14 +112,3 @@ def _boundary(edge: Callable[[Array], ArrayLike] | ArrayLike) -> Callable[[Array
     turn = 2 * np.pi * np.arange(values.size + 1) / values.size
     closed = np.append(values, values[0])
     return lambda phi: np.interp(np.mod(phi, 2 * np.pi), turn, closed)
-
-
-def _rule(corners: Array) -> tuple[Array, Array]:
-    """Angles and weights over one turn: equispaced, or Gauss-Legendre between the corners."""
-    if corners.size == 0:
-        phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
-        return phi, np.full(_ANGLES, 2 * np.pi / _ANGLES)
-    x, w = np.polynomial.legendre.leggauss(_PANEL)
-    ends = np.append(corners, corners[0] + 2 * np.pi)
-    half = np.diff(ends)[:, None] / 2
-    return (ends[:-1, None] + half + half * x).ravel(), (half * w).ravel()

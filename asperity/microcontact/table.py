@@ -110,11 +110,8 @@ class LawTable:
             self.area,
             self.exponent,
         )
-        return (
-            values[0].reshape(rows.shape),
-            values[1].reshape(rows.shape),
-            values[2].reshape(rows.shape),
-        )
+        force, stiffness, area = (value.reshape(rows.shape) for value in values)
+        return force, stiffness, area
 
     def centre_at(self, index: NDArray[np.int64], approach: Array) -> tuple[Array, Array]:
         """Centres x, y [m] of the contacts `index` relative to their summits, shape (n,)."""
