@@ -57,8 +57,6 @@ class Plan:
         "periodic" or "free".
     law
         Contact law asked for.
-    graded
-        Whether the graded functions are needed.
     interaction
         Whether contacts displace each other.
     above
@@ -79,7 +77,6 @@ class Plan:
 
     boundary: Boundary
     law: str
-    graded: bool
     interaction: bool
     above: float | None
     memory: int
@@ -160,12 +157,8 @@ def make_plan(
     kind, values = checked_loads(hm, material, pressures, separations)
     edge = chosen_boundary(hm, boundary)
     reasons = [f"boundary: {edge} ({'as the map says' if boundary is None else 'as asked'})"]
-    graded = material.m != 0.0
-    reasons.append(
-        f"material: graded, m = {material.m:g}"
-        if graded
-        else "material: m = 0, no graded functions"
-    )
+    body = f"graded, m = {material.m:g}" if material.m != 0.0 else "homogeneous"
+    reasons.append(f"material: {body}")
     coupled, why = _interaction_needed(hm, material, kind, values, interaction)
     reasons.append(why)
     above, why = _lowest_height(hm, material, kind, values)
@@ -179,17 +172,16 @@ def make_plan(
     reasons.append("fields: pressure and contours are made on request only")
     seconds = time.perf_counter() - start
     return Plan(
-        edge,
-        law,
-        graded,
-        coupled,
-        above,
-        memory,
-        tuple(reasons),
-        resampled,
-        fine,
-        seconds,
-        (hm, material),
+        boundary=edge,
+        law=law,
+        interaction=coupled,
+        above=above,
+        memory=memory,
+        reasons=tuple(reasons),
+        resampled=resampled,
+        fine=fine,
+        seconds=seconds,
+        scene=(hm, material),
     )
 
 

@@ -22,11 +22,6 @@ def rough() -> HeightMap:
     return self_affine((96, 128), (9.6e-4, 1.28e-3), hurst=0.8, rms_slope=0.1, cutoff=8e-5, seed=4)
 
 
-def test_homogeneous_material_leaves_graded_functions_out(rough):
-    assert not make_plan(rough, STEEL).graded
-    assert make_plan(rough, HalfSpace.from_modulus(2e11, m=0.3)).graded
-
-
 def test_boundary_follows_the_map_unless_asked(rough):
     assert make_plan(rough, STEEL).boundary == "periodic"
     assert make_plan(dataclasses.replace(rough, periodic=False), STEEL).boundary == "free"
