@@ -272,6 +272,7 @@ def _curve(
         },
         extra={
             "microcontacts": column("active"),
+            "filled_share": column("filled_share"),
             "tangent_stiffness": tangent,
             "area_error_estimate": np.array([estimate(w, AREA_WEIGHTS) for w in weak]),
             **{name: np.array([w[name] for w in weak]) for name in TERMS},

@@ -78,6 +78,8 @@ def test_load_area_and_contacts_grow_as_the_separation_falls(rough):
     assert (np.diff(curve.area_fraction) > 0).all()
     slope = -np.gradient(curve.mean_pressure, curve.separation)
     np.testing.assert_allclose(curve.stiffness[2:-2], slope[2:-2], rtol=0.1)
+    filled = curve.extra["filled_share"]
+    assert filled[0] == 0.0 and 0.0 < filled[-1] <= 1.0
 
 
 def test_scaling_of_lengths_and_modulus(rough):
