@@ -99,7 +99,7 @@ class _Blocked:
         self.values = scratch.zeros((ny, nx))
         self.output = self._spectrum = scratch.zeros((ny, self._half), np.complex128)
         self.grid = self._spectrum.view(np.float64)
-        kind = _FFTWLines if transform.prefers_fftw(padded) and _has_fftw() else _ScipyLines
+        kind = _FFTWLines if transform.prefers_fftw(padded) else _ScipyLines
         self._lines = [kind(padded) for _ in range(threads)]
 
     def apply(self, symbol: NDArray[np.float64]) -> None:
@@ -159,14 +159,6 @@ class _Lines(Protocol):
 
     def backward_columns(self) -> None:
         """columns -> columns."""
-
-
-def _has_fftw() -> bool:
-    try:
-        import pyfftw  # noqa: F401
-    except ImportError:
-        return False
-    return True
 
 
 class _FFTWLines:

@@ -88,7 +88,7 @@ def plan(
     threads
         Threads of the library; one is faster on small grids.
     library
-        "fftw" or "scipy"; by default chosen by `prefers_fftw`. Without pyfftw: scipy.
+        "fftw" or "scipy"; by default chosen by `prefers_fftw`.
     scratch
         Where the buffers come from.
     """
@@ -97,12 +97,8 @@ def plan(
     rows = shape[0] if rows is None else rows
     if library is None:
         library = "fftw" if prefers_fftw(shape) else "scipy"
-    if library == "fftw":
-        try:
-            return _FFTWTransform(shape, rows, np.dtype(dtype), threads, scratch)
-        except ImportError:
-            pass
-    return _ScipyTransform(shape, rows, np.dtype(dtype), threads, scratch)
+    kind = _FFTWTransform if library == "fftw" else _ScipyTransform
+    return kind(shape, rows, np.dtype(dtype), threads, scratch)
 
 
 class _FFTWTransform:
