@@ -1,8 +1,8 @@
-"""Ways beyond contacts confined to basins: error and time of each, family by family.
+"""Broad spectra: error and time of the contact model and of boundary elements on several grids.
 
-    python benchmarks/beyond_basins.py --seeds 21 22
-    python benchmarks/beyond_basins.py --families "to the pixel" --points 1024
-    python benchmarks/beyond_basins.py --families graded lay --ways contacts --seeds 31 32
+    python benchmarks/broad_spectra.py --seeds 21 22
+    python benchmarks/broad_spectra.py --families "to the pixel" --points 1024
+    python benchmarks/broad_spectra.py --families graded lay --ways contacts --seeds 31 32
 
 Mean pressures (`--loads`, in units of the pressure that flattens the map) for about 0.4, 2, 8, 15
 and 25 % of contact on periodic maps, rms slope 0.1, roll-off an eighth of the side; graded bodies
@@ -12,8 +12,7 @@ at equal load, processor seconds of all loads, map in memory to curve, compiled 
 
 Ways: contacts at all summits; the finest waves as a law of the contacts of the others
 (`scales="auto"`); boundary elements on the full and on coarser grids; those with the same law of
-the waves that the coarser grid cannot hold; and the ratio of the contact model on the full map and
-on the coarser grid times boundary elements on the coarser grid.
+the waves that the coarser grid cannot hold.
 """
 
 from __future__ import annotations
@@ -140,22 +139,9 @@ def lost_waves(hm: surfaces.HeightMap, body: Body, step: int) -> FineScales | No
     )
 
 
-def ratio_of_models(hm: surfaces.HeightMap, body: Body, pressures: Array, step: int) -> Result:
-    """Boundary elements on the coarser grid times the ratio of the model on both maps."""
-    coarse = surfaces.resample(hm, step * np.asarray(hm.spacing))
-    parts = (
-        elements(hm, body, pressures, step),
-        model(hm, body, pressures, "all"),
-        model(coarse, body, pressures, "all"),
-    )
-    (s0, a0, _), (s1, a1, _), (s2, a2, _) = parts
-    return s0 + s1 - s2, a0 * a1 / a2, sum(part[2] for part in parts)
-
-
 WAYS: dict[str, Callable[[surfaces.HeightMap, Body, Array], Result | None]] = {
     "contacts, all summits": lambda hm, body, p: model(hm, body, p, "all"),
     "contacts, law of fine waves": lambda hm, body, p: model(hm, body, p, "auto"),
-    "ratio of models, grid / 2": lambda hm, body, p: ratio_of_models(hm, body, p, 2),
     "elements": lambda hm, body, p: elements(hm, body, p, 1),
     "elements, grid / 2": lambda hm, body, p: elements(hm, body, p, 2),
     "elements, grid / 4": lambda hm, body, p: elements(hm, body, p, 4),
