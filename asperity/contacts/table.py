@@ -57,8 +57,8 @@ def microcontacts(bodies: Asperities, state: PopulationState) -> NDArray[np.void
     radii, filled = outlines(sampled, depth, area, bodies.aspect[active], bodies.material.m)
     return structured(
         {
-            "x": profiles.x[active],
-            "y": profiles.y[active],
+            "x": _within(bodies, profiles.x[active], 1),
+            "y": _within(bodies, profiles.y[active], 0),
             "height": bodies.population.height[active],
             "approach": approach,
             "force": state.force[active],
@@ -70,8 +70,8 @@ def microcontacts(bodies: Asperities, state: PopulationState) -> NDArray[np.void
             "mean_pressure": state.force[active] / area,
             "peak_pressure": 0.5 * (3.0 + bodies.material.m) * state.force[active] / area,
             "peak": active,
-            "centre_x": profiles.x[active] + offset_x,
-            "centre_y": profiles.y[active] + offset_y,
+            "centre_x": _within(bodies, profiles.x[active] + offset_x, 1),
+            "centre_y": _within(bodies, profiles.y[active] + offset_y, 0),
             "flags": table.flags_at(active, depth),
             "estimate": np.abs(table.spread_at(active, depth)),
             "filled": filled,
@@ -130,10 +130,20 @@ def _offset(
     bodies: Asperities, dy: NDArray[np.float64], dx: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The shortest of the offsets [m] that a map without a border allows."""
-    if not (bodies.hm.periodic and bodies.plan.boundary == "periodic"):
+    if not _repeats(bodies):
         return dy, dx
     ly, lx = bodies.hm.size
     return dy - ly * np.round(dy / ly), dx - lx * np.round(dx / lx)
+
+
+def _within(bodies: Asperities, place: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
+    """Places [m] along an axis; where the map repeats, those in it of its summits and centres
+    beyond the border."""
+    return np.mod(place, bodies.hm.size[axis]) if _repeats(bodies) else place
+
+
+def _repeats(bodies: Asperities) -> bool:
+    return bodies.hm.periodic and bodies.plan.boundary == "periodic"
 
 
 def _scaled_distance(

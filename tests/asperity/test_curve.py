@@ -236,6 +236,9 @@ def test_table_says_where_contacts_lie_and_how_far_to_trust_them(rough):
     loose = table["filled"] == 0
     np.testing.assert_allclose(np.median(enclosed[loose] / table["area"][loose]), 1, atol=0.02)
     assert (table["filled"] <= 1).all() and (table["filled"] > 0).any()
+    for place, side in zip(("y", "x"), rough.size, strict=True):
+        for name in (place, f"centre_{place}"):
+            assert (table[name] >= 0).all() and (table[name] <= side).all()
     assert (table["estimate"] >= 0).all() and np.isfinite(table["estimate"]).all()
 
 
