@@ -32,13 +32,11 @@ def ascend(heights, periodic, above, inverse, link, peaks, flats, runs, start, s
     ny, nx = heights.shape
     inv_y, inv_x, inv_d = inverse
     window = np.empty((3, nx + 2))
-    code = np.empty(nx, np.int64)
-    level = np.empty(nx, np.bool_)
-    step = np.empty(8, np.int64)
+    way, lows = np.empty(nx, np.int32), np.full(nx, np.inf)
+    one, two, side, top = np.uint64(1), np.uint64(2), np.int32(1), FLAT + np.int32(1)
     n_peaks = 0
     n_flats = 0
     n_runs = 0
-    lowest = np.inf
     for i in range(start, stop):
         for k in range(0 if i == start else 2, 3):
             row = i + k - 1
@@ -53,8 +51,7 @@ def ascend(heights, periodic, above, inverse, link, peaks, flats, runs, start, s
             else:
                 for j in range(nx + 2):
                     line[j] = -np.inf
-        for k in range(8):
-            step[k] = ((i + _ROWS[k]) % ny - i) * nx + _COLS[k]
+        up, down = np.int32(((i - 1) % ny - i) * nx), np.int32(((i + 1) % ny - i) * nx)
         north, here, south = window[i % 3], window[(i + 1) % 3], window[(i + 2) % 3]
         base = i * nx
         j = 0
@@ -69,53 +66,50 @@ def ascend(heights, periodic, above, inverse, link, peaks, flats, runs, start, s
             runs[n_runs, 0] = base + first
             runs[n_runs, 1] = base + j
             n_runs += 1
-            for c in range(first, j):
-                z = here[c + 1]
+            for c in range(np.uint64(first), np.uint64(j)):
+                z = here[c + one]
                 best = (north[c] - z) * inv_d
-                way = 0
-                s = (north[c + 1] - z) * inv_y
-                way = 1 if s > best else way
+                on = up - side
+                s = (north[c + one] - z) * inv_y
+                on = up if s > best else on
                 best = max(s, best)
-                s = (north[c + 2] - z) * inv_d
-                way = 2 if s > best else way
+                s = (north[c + two] - z) * inv_d
+                on = up + side if s > best else on
                 best = max(s, best)
                 s = (here[c] - z) * inv_x
-                way = 3 if s > best else way
+                on = -side if s > best else on
                 best = max(s, best)
-                s = (here[c + 2] - z) * inv_x
-                way = 4 if s > best else way
+                s = (here[c + two] - z) * inv_x
+                on = side if s > best else on
                 best = max(s, best)
                 s = (south[c] - z) * inv_d
-                way = 5 if s > best else way
+                on = down - side if s > best else on
                 best = max(s, best)
-                s = (south[c + 1] - z) * inv_y
-                way = 6 if s > best else way
+                s = (south[c + one] - z) * inv_y
+                on = down if s > best else on
                 best = max(s, best)
-                s = (south[c + 2] - z) * inv_d
-                way = 7 if s > best else way
+                s = (south[c + two] - z) * inv_d
+                on = down + side if s > best else on
                 best = max(s, best)
-                code[c] = way if best > 0.0 else 8
-                level[c] = best == 0.0
+                on = on if best >= 0.0 else top
+                way[c] = on if best != 0.0 else FLAT
+                lows[c] = z if z < lows[c] else lows[c]
             for c in range(first, j):
-                lowest = min(lowest, here[c + 1])
-                p = base + c
-                way = code[c]
-                if way < 8:
-                    up = p + step[way]
-                    if c == 0 and _COLS[way] < 0:
-                        up += nx
-                    elif c == nx - 1 and _COLS[way] > 0:
-                        up -= nx
-                    link[p] = -2 - up
-                elif level[c]:
-                    link[p] = FLAT
-                    flats[n_flats] = p
-                    n_flats += 1
-                else:
-                    link[p] = -2 - p
-                    peaks[n_peaks] = p
+                link[base + c] = -2 - base - c - way[c]
+            if first == 0 and (way[0] + 1) % nx == 0:
+                link[base] -= nx
+            if j == nx and (way[nx - 1] - 1) % nx == 0:
+                link[base + nx - 1] += nx
+            for c in range(first, j):
+                if way[c] == top:
+                    link[base + c] = -2 - base - c
+                    peaks[n_peaks] = base + c
                     n_peaks += 1
-    return n_peaks, n_flats, n_runs, lowest
+                elif way[c] == FLAT:
+                    link[base + c] = FLAT
+                    flats[n_flats] = base + c
+                    n_flats += 1
+    return n_peaks, n_flats, n_runs, lows.min()
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
