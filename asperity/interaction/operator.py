@@ -135,7 +135,11 @@ class Interaction:
             small = 1e-9 * math.hypot(*cell)
             y, x = y - self.origin[0], x - self.origin[1]
             size = (float(y.max()) + small, float(x.max()) + small)
-        reach = math.sqrt(neighbours / math.pi * size[0] * size[1] / len(y))
+        # within this distance of a point there are `neighbours` of a plane or, if more, of a line
+        reach = max(
+            math.sqrt(neighbours / math.pi * size[0] * size[1] / len(y)),
+            0.5 * neighbours * max(size) / len(y),
+        )
         floor = cut * WIDEST * math.sqrt(widest)
         reach = max(reach, floor)
         if periodic:

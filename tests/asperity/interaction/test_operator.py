@@ -50,6 +50,21 @@ def test_tangent_is_positive_definite_for_overlapping_discs(m, boundary, filling
     assert np.abs(fast - fast.T).max() < 1e-6
 
 
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+@pytest.mark.parametrize("x", [(0.2, 1.4), (0.1, 0.7, 1.0, 1.6)])
+def test_aligned_points_of_a_free_surface_do_not_act_on_themselves(x, m):
+    """The rectangle about them has no area, from which a near distance could follow."""
+    x, y = np.array(x), np.full(len(x), 0.3)
+    f = Footprints(3.0, m)
+    v = f.variance(f.punch(np.linspace(0.02, 0.08, len(x))))
+    plan = Interaction(y, x, CELL, "free", f)
+    field = np.array([plan.field(e, v[plan.order]).value for e in np.eye(len(x))])
+    dense = dense_matrix(y, x, v, CELL, "free", f)[plan.order][:, plan.order]
+    own = np.diag(dense).copy()
+    np.fill_diagonal(dense, 0.0)
+    assert np.abs(field - dense).max() < 2e-3 * own.min()
+
+
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
 def test_field_is_the_dense_sum(m, boundary):
