@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicSpline, PchipInterpolator
+from scipy.interpolate import CubicSpline
 
 from surfaces.heightmap import HeightMap
 
@@ -216,25 +216,35 @@ def spline_stiffness(
 ) -> NDArray[np.float64]:
     """Minus the slope of mean pressure over separation [Pa/m], shape (n,).
 
-    The slope is that of a cubic spline of the separation over the logarithm of the pressure:
-    exact for the exponential law of light contact, and for a sphere within 5 % at loads a factor
-    of three apart (15 % at the lightest). Loads closer than 1e-5 share one value; zero without
-    load; NaN where a point did not converge, or is the only one.
+    Loads closer than 1e-5 share one value; zero without load; NaN where a point did not converge,
+    or is the only one.
+
+    Notes
+    -----
+    The rate r = -ds/d(ln p) is a power of p about the middle of each interval of loads, where its
+    mean over the interval, with the growth g of ln r over ln p and the length h, is
+    r sinh(gh/2)/(gh/2). Its logarithm is a spline through the middles: exact, however far apart
+    the loads, for the exponential law of light contact and for any power law, such as a sphere's.
     """
     stiffness = np.where(mean_pressure == 0.0, 0.0, np.nan)
     order = np.flatnonzero(converged & (mean_pressure > 0.0))
     order = order[np.argsort(mean_pressure[order], kind="stable")]
     level = np.log(mean_pressure[order])
     first = np.diff(level, prepend=-np.inf) > 1e-5
-    knots = order[first]
-    if knots.size < 2:
+    knots, ends = order[first], level[first]
+    fall, length = -np.diff(separation[knots]), np.diff(ends)
+    falls = fall > 0.0
+    if not falls.any():
         return stiffness
-    spline, monotone = (
-        kind(level[first], separation[knots])(level[first], 1)
-        for kind in (CubicSpline, PchipInterpolator)
-    )
-    fall = -np.where(spline < 0.0, spline, monotone)
-    slope = np.divide(mean_pressure[knots], fall, out=np.full(fall.shape, np.nan), where=fall > 0)
+    middle, length = 0.5 * (ends[1:] + ends[:-1])[falls], length[falls]
+    mean = np.log(fall[falls] / length)
+    rate, at_knots = mean, np.full(ends.shape, mean[0])
+    if len(mean) > 1:
+        for _ in range(10):
+            half = 0.5 * length * np.gradient(rate, middle) + 1e-9
+            rate = mean - np.log(np.sinh(half) / half)
+        at_knots = CubicSpline(middle, rate, bc_type="natural")(ends)
+    slope = mean_pressure[knots] * np.exp(-at_knots)
     stiffness[order] = slope[np.cumsum(first) - 1]
     return stiffness
 
