@@ -81,6 +81,39 @@ def test_pixels_do_not_matter():
     np.testing.assert_allclose(coarse[:, 1], fine[:, 1], rtol=0.03)
 
 
+def test_exchanging_the_axes_exchanges_the_centre():
+    """The lobed contact lies askew to the pixels and beside its summit."""
+    hm, depth = lumpy(48), np.array([[0.03, 0.1]])
+    turned = HeightMap(hm.heights.T, hm.spacing[::-1])
+    found, other = (
+        elements.press(summits_of(each), np.zeros(1, np.int64), depth, BODY)[0]
+        for each in (hm, turned)
+    )
+    size = np.sqrt(found[:, 1])
+    assert (np.abs(found[:, 2:]).min(axis=1) > 0.01 * size).all()
+    np.testing.assert_allclose(other[:, :2], found[:, :2], rtol=6e-3)
+    np.testing.assert_allclose(other[:, 2:], found[:, :1:-1], atol=3e-3 * size.max())
+
+
+@pytest.mark.parametrize("shift", [(0, 0), (-30, -41), (-31, -42), (30, 41)])
+def test_a_contact_across_the_seam_of_a_periodic_map(shift):
+    """Its summit lies between pixels on both sides of the seam."""
+    hm = ellipsoid(0.03, 0.01, 0.5)
+    there = HeightMap(np.roll(hm.heights, shift, (0, 1)), hm.spacing, periodic=True)
+    depth = np.array([[0.05, 0.4]])
+    found = elements.press(summits_of(there), np.zeros(1, np.int64), depth, BODY)[0]
+    exact = elliptic_contact(0.03, 0.01, depth[0], BODY)
+    np.testing.assert_allclose(found[:, 0], exact.force, rtol=6e-3)
+    np.testing.assert_allclose(found[:, 2:], 0.0, atol=0.02 * exact.semi_major.max())
+
+
+def test_below_what_was_segmented_nothing_is_pressed():
+    hm = ellipsoid(0.03, 0.01, 0.5)
+    summits = locate_summits(hm, segment(hm, above=-0.5))
+    found = elements.press(summits, np.zeros(1, np.int64), np.array([[0.4, 0.6]]), BODY)[0]
+    assert found[0, 0] > 0 and not found[1].any()
+
+
 @pytest.fixture(scope="module")
 def rough() -> Summits:
     return summits_of(

@@ -237,6 +237,26 @@ def test_constant_map_is_one_plateau_and_nothing_above_gives_no_peaks():
     assert len(none) == 0 and (none.labels == -1).all() and none.neighbors.shape == (0, 2)
 
 
+def test_what_is_as_high_as_asked_is_kept():
+    """Heights from `above` on are flooded, and peaks of `min_prominence` stay."""
+    row = np.array([0.0, 3.0, 1.0, 2.0, 1.5, 2.5, 0.0])
+    hm = surfaces.HeightMap(np.tile(row, (3, 1)) - [[1.0], [0.0], [1.0]], 1.0)
+    peaks = surfaces.segment(hm, above=1.5)
+    assert_array_equal(peaks.labels[1] >= 0, row >= 1.5)
+    assert_array_equal(surfaces.segment(hm, min_prominence=1.0).height, [3.0, 2.5])
+    assert_array_equal(surfaces.segment(hm, min_prominence=0.5).height, [3.0, 2.5, 2.0])
+
+
+@pytest.mark.parametrize("flip", [(1, 1), (1, -1), (-1, 1), (-1, -1)])
+def test_a_plateau_has_its_peak_at_the_member_nearest_its_centroid(flip):
+    """Each member counts once, wherever the search begins."""
+    top = np.zeros((6, 9))
+    top[2, 2:6] = top[3, 4] = 1.0  # centroid at row 2.2, column 3.6
+    peaks = surfaces.segment(surfaces.HeightMap(top[:: flip[0], :: flip[1]], 1.0))
+    row, col = peaks.row[0], peaks.col[0]
+    assert (row if flip[0] > 0 else 5 - row, col if flip[1] > 0 else 8 - col) == (2, 4)
+
+
 def test_refusals():
     gap = np.zeros((4, 5))
     gap[1, 2] = np.nan
