@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .microcontact.table import LawTable
     from .population import Population
 
-__all__ = ["Candidates", "Listing"]
+__all__ = ["Candidates", "Falling", "Listing"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -31,6 +31,30 @@ SAMPLE = 1000
 
 STRAY = 0.06
 """Mean distance of contacts from their centres, over their radius, at which they may stay."""
+
+
+class Falling(NamedTuple):
+    """Summits from the highest down.
+
+    Attributes
+    ----------
+    rows
+        Summits, shape (n,).
+    y, x, depth
+        Their places and minus their heights [m], shape (n,).
+    """
+
+    rows: Rows
+    y: Array
+    x: Array
+    depth: Array
+
+    def without(self, some: Rows) -> Falling:
+        """All but `some` summits."""
+        beside = np.ones(int(self.rows.max(initial=-1)) + 1, bool)
+        beside[some] = False
+        left = np.flatnonzero(beside[self.rows])
+        return Falling(self.rows[left], self.y[left], self.x[left], self.depth[left])
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,26 +78,19 @@ class Candidates:
     @classmethod
     def of(
         cls,
-        population: Population,
+        summits: Falling,
         field: Interaction | None,
         separation: float,
         growth: float,
-        beside: NDArray[np.bool_] | None = None,
     ) -> Candidates:
-        """At a separation; `growth` is how much deeper the field can be where it is negative.
-
-        Summits `beside` those that are wanted are left out, shape (summits,).
-        """
-        y, x, depth = population.fallen
+        """At a separation; `growth` is how much deeper the field can be where it is negative."""
+        rows, y, x, depth = summits
         low = growth * (0.0 if field is None else field.lowest)
         end = np.searchsorted(depth, -(separation + 1.1 * low))
-        rows, y, x, overlap = population.falling[:end], y[:end], x[:end], -separation - depth[:end]
-        if beside is not None:
-            some = np.flatnonzero(~beside[rows])
-            rows, y, x, overlap = rows[some], y[some], x[some], overlap[some]
+        rows, overlap = rows[:end], -separation - depth[:end]
         if field is None:
             return cls(rows, overlap - 1.1 * low, low)
-        smooth = field.potential(y, x)
+        smooth = field.potential(y[:end], x[:end])
         return cls(rows, overlap - np.minimum(smooth, growth * smooth), low)
 
 
@@ -87,15 +104,15 @@ class Listing:
         Their laws and their interaction.
     index
         Summits, shape (n,).
-    listed
-        Which of all summits are listed.
+    others
+        The other summits.
     offset
         Places x, y [m] of all contacts less those of their summits; None: at the summits.
     """
 
     problem: Problem
     index: Rows
-    listed: NDArray[np.bool_]
+    others: Falling
     offset: tuple[Array, Array] | None
 
     @classmethod
@@ -138,8 +155,6 @@ class Listing:
             widest=float(np.partition(variance, most)[most]) if len(closed) else 0.0,
         )
         index = index[plan.order]
-        listed = np.zeros(len(population), bool)
-        listed[index] = True
         problem = Problem(
             population.height[index],
             population.laws.rows(index),
@@ -147,19 +162,14 @@ class Listing:
             population.deflection,
             None if population.elongation is None else population.elongation.rows(index),
         )
-        return cls(problem, index, listed, offset)
+        return cls(problem, index, population.fallen.without(index), offset)
 
     def lacks(
-        self,
-        population: Population,
-        field: Interaction | None,
-        separation: float,
-        growth: float,
-        some: float = 0.0,
+        self, field: Interaction | None, separation: float, growth: float, some: float = 0.0
     ) -> bool:
         """Whether more than `some` candidates that overlap are not listed; arguments as those of
         `Candidates.of`."""
-        missing = Candidates.of(population, field, separation, growth, self.listed)
+        missing = Candidates.of(self.others, field, separation, growth)
         return bool(np.count_nonzero(missing.overlap > 0) > some)
 
     def strayed(self, population: Population, closed: Rows, approach: Array) -> bool:

@@ -47,6 +47,13 @@ def forecast(points: tuple[Point, ...], separation: float, count: int) -> Array:
         values, fall = last.values.copy(), last.separation - separation
         values[0] += np.where(values[0] > 0, values[4] * fall, 0.0)
         return values
+    if all(point.rows is last.rows for point in points):
+        shares = weights(separation, [point.separation for point in points])
+        values = np.asarray(
+            sum(share * point.values for share, point in zip(shares, points, strict=True))
+        )
+        values[4] = last.values[4]
+        return values
     known = np.ones(len(last.rows), bool)
     share, parts = np.zeros((len(points), len(known))), [last.values]
     share[-1] = 1.0

@@ -14,6 +14,7 @@ from .errors import InputError
 from .interaction.elongation import Elongation
 from .interaction.footprint import Footprints
 from .interaction.laws import Laws
+from .listing import Falling
 from .microcontact.growing import GrowingTable
 from .states import PopulationState
 from .trail import Trail
@@ -110,7 +111,8 @@ class Population:
         if len(usable) == 0:
             raise InputError("no summit of the population has a usable contact law")
         self.falling = usable[np.argsort(-self.height[usable], kind="stable")]
-        self.fallen = self.y[self.falling], self.x[self.falling], -self.height[self.falling]
+        places = self.y[self.falling], self.x[self.falling]
+        self.fallen = Falling(self.falling, *places, -self.height[self.falling])
 
     def __len__(self) -> int:
         return len(self.height)

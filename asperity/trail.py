@@ -82,7 +82,7 @@ class Trail:
         closed = values[0] > 0
         listing = self.listing
         if listing is not None and (
-            listing.lacks(population, self.field, separation, growth)
+            listing.lacks(self.field, separation, growth)
             or listing.strayed(population, rows[closed], values[0, closed])
         ):
             listing = None
@@ -90,7 +90,7 @@ class Trail:
             blind = not self.points and placed == 0
             if listing is None:
                 closed = values[0] > 0
-                near = Candidates.of(population, trail.field, separation, growth)
+                near = Candidates.of(population.fallen, trail.field, separation, growth)
                 listing = Listing.of(population, near, rows[closed], values[0, closed], spare)
             if rows is not listing.index:
                 start = np.zeros((len(values), len(population)))
@@ -130,7 +130,7 @@ class Trail:
             astray = listing.strayed(population, rows[closed], values[0, closed])
             # those that only just touch carry less than their share of the load
             few = LACKING * tolerance * np.count_nonzero(closed)
-            enough = not listing.lacks(population, trail.field, separation, growth, few)
+            enough = not listing.lacks(trail.field, separation, growth, few)
             if enough and not (blind or astray):
                 break
             listing = None
@@ -164,7 +164,7 @@ class Trail:
             # what differs from a line the contacts themselves put right, if they are not too far
             known = self.points if load is not None else self.points[-2:]
             return self.points[-1].rows, forecast(known, separation, len(population))
-        rows = population.falling[: np.searchsorted(population.fallen[2], -separation)]
+        rows = population.falling[: np.searchsorted(population.fallen.depth, -separation)]
         values = np.zeros((5, len(rows)))
         values[0] = 0.5 * (population.height[rows] - separation)
         return rows, values
@@ -237,7 +237,7 @@ class Trail:
     def _independent_separation(self, pressure: float) -> float:
         """Separation at which independent contacts would carry the pressure, within a few %."""
         population = self.population
-        depth = population.fallen[2]
+        depth = population.fallen.depth
         high = -float(depth[0])
         width = 0.01 * float(np.ptp(population.height)) or 0.01 * abs(high)
         population.laws.rows(population.falling[:BLOCK]).make()  # one by one they would cost more

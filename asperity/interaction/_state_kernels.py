@@ -42,9 +42,10 @@ def lag(force, stiffness, tilt, aside, fresh, moved, gain):
         if f == 0.0:
             continue
         load += f
-        pull = f * math.hypot(tilt[i, 0], tilt[i, 1])
-        whole += pull * math.hypot(fresh[i, 0], fresh[i, 1])
-        change += pull * math.hypot(fresh[i, 0] - aside[i, 0], fresh[i, 1] - aside[i, 1])
+        pull = f * math.sqrt(tilt[i, 0] ** 2 + tilt[i, 1] ** 2)
+        whole += pull * math.sqrt(fresh[i, 0] ** 2 + fresh[i, 1] ** 2)
+        dy, dx = fresh[i, 0] - aside[i, 0], fresh[i, 1] - aside[i, 1]
+        change += pull * math.sqrt(dy * dy + dx * dx)
         afar += stiffness[i] * abs(moved[i])
         own += 2.0 * stiffness[i] * gain[i]
     return change / whole * max(afar, own) / load if whole > 0.0 else 0.0
@@ -62,12 +63,17 @@ def balance(stiffness, error):
 
 
 @njit(cache=True, nogil=True)
-def size(stiffness, error):
-    """Sum of stiffness times size of error."""
+def imbalance(gap, value, growth, slope, approach, force, stiffness, wanted, error):
+    """Fill z - s - u and what it exceeds the approach by; sum of stiffness times size of that, and
+    the load."""
     total = 0.0
-    for i in range(error.size):
+    load = 0.0
+    for i in range(gap.size):
+        wanted[i] = gap[i] - value[i] - growth[i] * slope[i]
+        error[i] = wanted[i] - approach[i]
         total += stiffness[i] * abs(error[i])
-    return total
+        load += force[i]
+    return total, load
 
 
 @njit(cache=True, nogil=True)

@@ -18,7 +18,7 @@ __all__ = ["Afar"]
 CELLS = 10
 """Most cells along each side."""
 
-CROWD = 60
+CROWD = 100
 """Points of a cell, on average."""
 
 FEW = 1_000

@@ -97,6 +97,6 @@ def widening(
     with the contact radius, and `WIDER` was found from boundary elements, contact by contact: 1.25
     to 1.43 for cut-offs from 4 to 32 pixels and roll-offs of 8 to 32 cut-offs.
     """
-    square = np.pi * (aside * aside).sum(axis=1)
+    square = np.pi * (aside[:, 0] ** 2 + aside[:, 1] ** 2)
     share = np.divide(square, law.area, out=np.zeros(len(square)), where=outgrown & (square > 0))
     return np.asarray(1.0 + WIDER * np.minimum(share, WIDEST))

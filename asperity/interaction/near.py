@@ -15,7 +15,7 @@ from ._select import LANES
 
 __all__ = ["chunks", "near_pairs", "run", "total"]
 
-PAIRS_PER_THREAD = 12_000
+PAIRS_PER_THREAD = 25_000
 """Pairs whose part of a field repays a thread."""
 
 CROWDED = 200

@@ -24,26 +24,42 @@ class Residual:
     """
 
     def __init__(self, problem: Problem, state: State, gap: NDArray[np.float64]) -> None:
-        self.gap = gap
-        self.wanted = gap - state.displacement
-        self.error = self.wanted - state.approach
-        closed = state.approach > 0
+        law, field, n = state.laws, state.field, len(gap)
+        self.gap, self.wanted, self.error = gap, np.empty(n), np.empty(n)
+        error, load = _state_kernels.imbalance(
+            gap,
+            field.value,
+            law.growth,
+            field.slope,
+            state.approach,
+            law.force,
+            law.stiffness,
+            self.wanted,
+            self.error,
+        )
         problem.laws.expect(self.wanted)
+        closed = state.approach > 0
         self.active = closed | ((self.wanted > 0) & problem.laws.usable)
-        stiffness, growth, force = state.laws.stiffness, state.laws.growth, state.laws.force
-        load = float(force.sum())
-        error = float(_state_kernels.size(stiffness, self.error))
+        stiffness, growth, force, base = law.stiffness, law.growth, law.force, state.approach
         fresh = np.flatnonzero(self.active & ~closed)
         if fresh.size:
-            law = problem.laws.rows(fresh)(0.5 * self.wanted[fresh])
-            stiffness, growth, force = stiffness.copy(), growth.copy(), force.copy()
-            stiffness[fresh], growth[fresh], force[fresh] = law.stiffness, law.growth, law.force
+            half = 0.5 * self.wanted[fresh]
+            law = problem.laws.rows(fresh)(half)
+            stiffness, growth, force, base = (
+                values.copy() for values in (stiffness, growth, force, base)
+            )
+            stiffness[fresh], growth[fresh] = law.stiffness, law.growth
+            force[fresh], base[fresh] = law.force, half
             error += float(law.force.sum())
+        self.stiffness, self.growth, self.force, self.base = stiffness, growth, force, base
+        self.slope = field.slope
         self.relative = error / load if load > 0 else math.inf if error > 0 else 0.0
-        pull = np.maximum(growth * state.field.slope, 0.0)
-        self.stiffness, self.force = stiffness, force
-        self.base = np.where(closed, state.approach, 0.5 * self.wanted)
-        self.extra = np.divide(5 / 3 * pull, force, out=np.zeros(len(force)), where=force > 0)
+
+    @property
+    def extra(self) -> NDArray[np.float64]:
+        """Extra compliance [m/N], shape (n,)."""
+        pull, force = np.maximum(self.growth * self.slope, 0.0), self.force
+        return np.divide(5 / 3 * pull, force, out=np.zeros(len(force)), where=force > 0)
 
     def raised(self, change: NDArray[np.float64] | float) -> None:
         """Take the same state with all summits higher by `change` [m]."""

@@ -138,8 +138,9 @@ class LawTable:
         rows, depth = np.broadcast_arrays(
             np.asarray(index, dtype=np.int64), np.asarray(approach, dtype=float)
         )
-        reach = np.where(self.reach[rows] > 0, self.reach[rows], np.inf)
-        u = np.sqrt(np.clip(depth / reach, 0.0, 1.0))
+        reach = self.reach[rows]
+        share = np.divide(depth, reach, out=np.zeros(reach.shape), where=reach > 0)
+        u = np.sqrt(np.minimum(np.maximum(share, 0.0), 1.0))
         return rows, np.ceil(u * self.nodes).astype(np.int64)
 
 
