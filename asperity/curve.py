@@ -181,8 +181,8 @@ def solve_contacts(
         plan = make_plan(hm, material, pressures=pressures, separations=separations)
     kind, values = checked_loads(hm, material, pressures, separations)
     plan.require_scene_of(hm, material)
-    _threads.aside(lambda: hm.digest)  # wanted at the end; it needs one thread only
     bodies = Asperities.of(hm, material, plan)
+    _threads.aside(lambda: hm.digest)  # wanted at the end; solving leaves a thread idle
     start = time.perf_counter() - sum(bodies.seconds.values())
     states: dict[int, PopulationState] = {}
     places: dict[int, FinePoint] = {}
