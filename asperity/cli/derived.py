@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from typing import Any
 
 import numpy as np
@@ -59,7 +60,14 @@ def conductance(curve: ContactCurve, args: argparse.Namespace) -> dict[str, Any]
 
 
 def write_slip(curve: ContactCurve, material: Any, args: argparse.Namespace) -> None:
-    """Write the partial-slip curve under the heaviest load, against a rigid partner."""
+    """Write the partial-slip curve under the heaviest load, against a rigid partner.
+
+    Says so where fewer than two load points converged, from which none follows.
+    """
+    if np.count_nonzero(curve.converged & (curve.mean_pressure > 0)) < 2:
+        text = "fewer than two load points converged: no partial slip is written"
+        sys.stderr.write(f"asperity {args.command}: {text}\n")
+        return
     from asperity.derived.friction import friction_curve
     from asperity.microcontact.friction import tangential_modulus
     from asperity.results.storage import write_csv

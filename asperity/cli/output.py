@@ -126,12 +126,14 @@ def finish(curve: ContactCurve, material: HalfSpace, args: argparse.Namespace) -
     if args.csv:
         extra = {k: v for k, v in curve.extra.items() if k == "area_error_estimate"}
         write_csv(args.csv, {name: getattr(curve, name) for name in POINT_FIELDS} | extra | more)
-    if args.slip:
-        derived.write_slip(curve, material, args)
-    print(curve)
-    for name, values in more.items():
-        print(f"{name}     {' '.join(f'{value:.4g}' for value in values)}")
-    print(f"results         {args.results}")
+    try:
+        if args.slip:
+            derived.write_slip(curve, material, args)
+    finally:
+        print(curve)
+        for name, values in more.items():
+            print(f"{name}     {' '.join(f'{value:.4g}' for value in values)}")
+        print(f"results         {args.results}")
     return exit_code([curve])
 
 

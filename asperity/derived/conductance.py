@@ -27,7 +27,7 @@ def constriction_conductance(
 
     Returns
     -------
-    Conductance per nominal area, shape (n,).
+    Conductance per nominal area, shape (n,); NaN where a point did not converge.
 
     Raises
     ------
@@ -46,7 +46,8 @@ def constriction_conductance(
         modulus = curve.settings.get("modulus")
     if modulus is None or not 0 < modulus < np.inf:
         raise InputError(f"the composite modulus is {modulus} Pa; it must be positive and finite")
-    return 2.0 * curve.stiffness / (modulus * total_resistivity(resistivity))
+    stiffness = np.where(curve.converged, curve.stiffness, np.nan)
+    return np.asarray(2.0 * stiffness / (modulus * total_resistivity(resistivity)))
 
 
 def total_resistivity(resistivity: tuple[float, float]) -> float:

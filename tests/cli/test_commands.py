@@ -133,6 +133,16 @@ def test_conductance_and_partial_slip_from_the_curve(command, folder, capsys):
     assert (np.diff(slip["displacement"]) > 0).all()
 
 
+def test_no_slip_from_a_curve_that_hardly_converged(folder, capsys):
+    """The curve is told, and its exit code is that of points that did not converge."""
+    loads = ["--pressure", "1e8,1e12,2e12", "--resistivity", "1e-7", "1e-7"]
+    slip = ["--friction", "0.3", "--slip", "slip.csv"]
+    assert main(["curve", "rough.h5", *STEEL, *loads, *slip]) == 1
+    shown = capsys.readouterr()
+    assert "no partial slip is written" in shown.err and not (folder / "slip.csv").exists()
+    assert "3 points, 1 converged" in shown.out and "nan nan" in shown.out
+
+
 @pytest.mark.parametrize("command", ["curve", "bem"])
 @pytest.mark.parametrize(
     ("options", "match"),

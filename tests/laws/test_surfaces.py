@@ -57,27 +57,6 @@ def test_every_output_of_one_bump(m):
     assert (spots["y"][0], spots["x"][0]) == pytest.approx(place, abs=0.2e-6)
 
 
-def test_conductance_and_partial_slip_of_one_bump():
-    """Holm's 4 a / (rho1 + rho2), and the displacement of Cattaneo and Mindlin."""
-    radius, friction, ratio = 1e-3, 0.3, 1.2
-    hm = bumps((80, 120), [(37.3e-6, 44.9e-6)], [radius])
-    approach = np.geomspace(1e-9, 1e-7, 12)
-    _, a = paraboloid(approach, radius, 0.0)
-    body = HalfSpace.from_modulus(MODULUS)
-    curve = asperity.contact_curve(hm, body, separations=-approach - hm.heights.mean())
-    found = asperity.constriction_conductance(curve, resistivity=(1e-7, 3e-7))
-    np.testing.assert_allclose(found * hm.area, 4 * a / 4e-7, rtol=5e-3)
-    slip = asperity.friction_curve(
-        curve, float(curve.mean_pressure[-1]), friction=friction, modulus_ratio=ratio
-    )
-    rest = (1 - slip.shear / slip.slip_shear) ** (2 / 3)
-    wanted = friction * ratio * approach[-1] * (1 - rest)
-    np.testing.assert_allclose(slip.displacement, wanted, rtol=5e-3, atol=2e-3 * wanted[-1])
-    np.testing.assert_allclose(
-        slip.stick_area_fraction, np.pi * a[-1] ** 2 * rest / hm.area, rtol=0.01
-    )
-
-
 @pytest.mark.parametrize("m", [0.0, 0.3, -0.3])
 @pytest.mark.parametrize("aligned", [True, False])
 def test_two_far_bumps_on_a_free_half_space(aligned, m):

@@ -51,6 +51,13 @@ def test_partial_slip_of_one_sphere_is_cattaneo_mindlin(sphere):
     assert (slip.shear < slip.slip_shear).all()
 
 
+def test_a_point_that_did_not_converge_conducts_nothing_known(sphere):
+    failed = np.arange(len(sphere[1])) == 3
+    curve = dataclasses.replace(sphere[1], converged=~failed)
+    found = constriction_conductance(curve, resistivity=(2e-7, 3e-7))
+    np.testing.assert_array_equal(np.isnan(found), failed)
+
+
 def test_graded_bodies_are_refused(sphere):
     graded = dataclasses.replace(sphere[1], settings={"m": 0.3})
     with pytest.raises(InputError, match="m = 0"):
