@@ -67,8 +67,11 @@ def compile_ahead(parts: Sequence[str], material: HalfSpace, boundary: Boundary)
     try:
         with _collecting_nothing():
             _sum_of_contacts(material, boundary)
-    finally:
         for child in children:
+            child.wait()
+    finally:  # of an interrupted run; those that have ended are left alone
+        for child in children:
+            child.terminate()
             child.wait()
 
 

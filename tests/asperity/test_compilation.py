@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 
@@ -34,3 +35,23 @@ def test_no_process_starts_where_the_code_is_there(monkeypatch):
 def test_a_part_that_fails_is_left_to_the_run_itself(monkeypatch):
     monkeypatch.setattr(compilation, "_cold", lambda: True)
     compilation.compile_ahead(("no such part",), BODY, "periodic")
+
+
+def test_an_interrupted_run_waits_for_no_compiler(monkeypatch):
+    """Ctrl-C reaches this process alone where a supervisor sends it."""
+    children = []
+    start = subprocess.Popen
+
+    def started(*arguments, **options):
+        children.append(start(*arguments, **options))
+        return children[-1]
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(compilation, "_cold", lambda: True)
+    monkeypatch.setattr(compilation, "_sum_of_contacts", interrupted)
+    monkeypatch.setattr(subprocess, "Popen", started)
+    with pytest.raises(KeyboardInterrupt):
+        compilation.compile_ahead(("laws", "bem"), BODY, "periodic")
+    assert [child.returncode for child in children] == [-signal.SIGTERM] * 2
