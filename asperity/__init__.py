@@ -36,8 +36,8 @@ if TYPE_CHECKING:
     from .microcontact.viscoelastic import viscoelastic_indent as viscoelastic_indent
     from .plan import Plan as Plan
     from .plan import make_plan as make_plan
-    from .population import Population as Population
-    from .population import PopulationState as PopulationState
+    from .population.population import Population as Population
+    from .population.state import PopulationState as PopulationState
     from .results.curve import ContactCurve as ContactCurve
     from .results.paraview import write_vti as write_vti
     from .threads import set_threads as set_threads
@@ -66,8 +66,8 @@ _HOME = {
     "ModelRangeError": "errors",
     "PartialSlip": "microcontact.friction",
     "Plan": "plan",
-    "Population": "population",
-    "PopulationState": "population",
+    "Population": "population.population",
+    "PopulationState": "population.state",
     "Relaxation": "microcontact.viscoelastic",
     "bem_curve": "bem.curve",
     "bem_solve": "bem.solve",

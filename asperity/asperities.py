@@ -17,12 +17,12 @@ from surfaces.peaks.summits import locate_summits
 from .contacts.spot_count import passes
 from .contacts.table import aspect_ratio
 from .dominant import Ranking
-from .fine_points import FinePoint, closed_area, fine_point
 from .microcontact.elements import put
 from .microcontact.growing import GrowingTable
 from .microcontact.laws import tabulate
 from .plan import Plan
-from .population import Population, PopulationState
+from .population.population import Population, PopulationState
+from .scales.fine_points import FinePoint, closed_area, fine_point
 
 if TYPE_CHECKING:
     from surfaces.peaks.peaks import Peaks

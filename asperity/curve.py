@@ -19,12 +19,12 @@ from .contacts.fields import contact_map, pressure_map
 from .contacts.spot_count import spot_count
 from .contacts.table import microcontacts
 from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, oddness, terms
-from .fine_points import FinePoint, at_separation, without_gap
 from .loadpoints import checked_loads
 from .plan import Plan, make_plan
-from .population import PopulationState
+from .population.population import PopulationState
 from .results.curve import ContactCurve
 from .results.stiffness import curve_stiffness
+from .scales.fine_points import FinePoint, at_separation, without_gap
 
 if TYPE_CHECKING:
     from .material import HalfSpace
@@ -114,7 +114,7 @@ def contact_curve(
     scales
         "auto": of a broad random spectrum the finest waves act as a law of the contacts of the
         others (`asperity.scales`), and other maps whose waves reach the pixel are solved on a
-        finer grid (`asperity.pixel_waves`); "all": every summit of the map is a contact.
+        finer grid (`asperity.scales.pixel_waves`); "all": every summit of the map is a contact.
     progress
         Called with the state of every finished load point.
     checkpoint

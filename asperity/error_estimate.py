@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .microcontact.flags import Flag
-from .pixel_waves import fineness
+from .scales.pixel_waves import fineness
 
 if TYPE_CHECKING:
     from surfaces.heightmap import HeightMap
 
     from .asperities import Asperities
-    from .population import PopulationState
+    from .population.population import PopulationState
 
 __all__ = ["AREA_WEIGHTS", "LOAD_WEIGHTS", "TERMS", "estimate", "terms"]
 

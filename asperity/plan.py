@@ -15,10 +15,10 @@ from surfaces.preparation.coarsening import coarse_map
 
 from .boundary import Boundary, chosen_boundary
 from .errors import InputError, SurfaceError
-from .fine_scales import FineScales
 from .loadpoints import checked_loads, expected_area_fraction, require_scene, slope_scale
-from .pixel_waves import refined_map, resolution_warning
-from .scales import split_scales
+from .scales.fine_waves import FineScales
+from .scales.pixel_waves import refined_map, resolution_warning
+from .scales.split import split_scales
 
 if TYPE_CHECKING:
     from .material import HalfSpace
@@ -140,7 +140,7 @@ def make_plan(
     scales
         "auto": of a broad random spectrum the finest waves act as a law of the contacts of the
         others (`asperity.scales`), and other maps whose waves reach the pixel are solved on a
-        finer grid (`asperity.pixel_waves`); "all": every summit of the map is a contact.
+        finer grid (`asperity.scales.pixel_waves`); "all": every summit of the map is a contact.
 
     Raises
     ------

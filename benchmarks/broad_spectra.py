@@ -26,8 +26,8 @@ from numpy.typing import NDArray
 
 import asperity
 import surfaces
-from asperity.fine_scales import FineScales
 from asperity.loadpoints import pressure_scale
+from asperity.scales.fine_waves import FineScales
 
 Array = NDArray[np.float64]
 Result = tuple[Array, Array, float]

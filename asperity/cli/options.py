@@ -105,7 +105,7 @@ def add_load_options(parser: argparse.ArgumentParser) -> None:
 
 def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     """Read the map and prepare it as the options ask; refuse what no model can use."""
-    from asperity.pixel_waves import resolution_warning
+    from asperity.scales.pixel_waves import resolution_warning
     from surfaces.statistics.describe import unit_warning
 
     hm = read_map(Path(file), args)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from surfaces.heightmap import HeightMap
 
     from ..asperities import Asperities
-    from ..population import PopulationState
+    from ..population.population import PopulationState
 
 __all__ = ["contact_map", "pressed_pixels", "pressure_map"]
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from ..asperities import Asperities
-    from ..population import PopulationState
+    from ..population.population import PopulationState
 
 __all__ = ["passes", "spot_count"]
 

@@ -13,7 +13,7 @@ from .fields import pressed_pixels
 
 if TYPE_CHECKING:
     from ..asperities import Asperities
-    from ..population import PopulationState
+    from ..population.population import PopulationState
 
 __all__ = ["spot_table"]
 

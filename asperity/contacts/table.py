@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..interaction.elongation import ASPECT_EXPONENT
-from ..population import PopulationState
+from ..population.population import PopulationState
 from ..results.tables import structured
 from .outlines import outlines
 

@@ -9,7 +9,7 @@ from standin import random_population
 from asperity.material import HalfSpace
 from asperity.microcontact.growing import GrowingTable
 from asperity.microcontact.table import LawTable
-from asperity.population import Population
+from asperity.population.population import Population
 
 CELL = (1.0, 1.4)
 

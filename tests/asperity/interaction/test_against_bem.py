@@ -11,7 +11,7 @@ import surfaces
 from asperity.asperities import Asperities
 from asperity.material import HalfSpace
 from asperity.plan import make_plan
-from asperity.population import Population
+from asperity.population.population import Population
 
 
 @pytest.mark.parametrize("m", [0.0, 0.3])

@@ -14,7 +14,7 @@ from asperity.interaction.laws import Laws
 from asperity.interaction.operator import Interaction
 from asperity.interaction.solver import descend
 from asperity.interaction.state import Problem
-from asperity.population import Population
+from asperity.population.population import Population
 
 EXPONENTS = (-0.3, 0.0, 0.5)
 CELL = (1.0, 1.4)

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from .asperities import Asperities
-    from .fine_scales import FineScales
-    from .plan import Plan
-    from .population import Population, PopulationState
+    from ..asperities import Asperities
+    from ..plan import Plan
+    from ..population.population import Population, PopulationState
+    from .fine_waves import FineScales
 
 __all__ = ["FinePoint", "at_separation", "closed_area", "fine_point", "without_gap"]
 

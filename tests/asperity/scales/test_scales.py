@@ -18,10 +18,10 @@ from asperity.bem.kernel import compliance
 from asperity.cli.main import main
 from asperity.curve import solve_contacts
 from asperity.errors import InputError
-from asperity.fine_scales import FineScales
 from asperity.loadpoints import pressure_scale
 from asperity.plan import make_plan
-from asperity.scales import split_scales
+from asperity.scales.fine_waves import FineScales
+from asperity.scales.split import split_scales
 from surfaces import HeightMap, self_affine
 
 STEEL = asperity.HalfSpace.from_modulus(2e11)

@@ -10,7 +10,7 @@ from standin import HertzTable, random_population
 
 from asperity.errors import InputError
 from asperity.material import HalfSpace
-from asperity.population import Population
+from asperity.population.population import Population
 
 CELL = (1.0, 1.4)
 

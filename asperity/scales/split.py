@@ -17,12 +17,12 @@ from scipy import fft
 from surfaces._threads import blocks, run, threads
 from surfaces.heightmap import HeightMap
 
-from .fine_scales import FineScales
-from .interaction.footprint import Footprints
+from ..interaction.footprint import Footprints
+from .fine_waves import FineScales
 from .pixel_waves import TO_THE_PIXEL, fineness, random_waves
 
 if TYPE_CHECKING:
-    from .material import HalfSpace
+    from ..material import HalfSpace
 
 __all__ = ["split_scales"]
 
@@ -176,7 +176,7 @@ def _shells(waves: Waves, hm: HeightMap, m: float, stretch: Array) -> tuple[floa
 
     `stretch` is the map of (qy, qx) to the wave numbers by which they are told apart.
     """
-    from ._scale_kernels import shell_sums
+    from ._spectrum_kernels import shell_sums
 
     qy, qx = _numbers(hm)
     width = 2.0 * np.pi / max(hm.size)

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .interaction.finish import Solution
-from .interaction.foresight import foreseen
-from .interaction.laws import BLOCK
-from .interaction.operator import Interaction
-from .interaction.solver import descend
+from ..interaction.finish import Solution
+from ..interaction.foresight import foreseen
+from ..interaction.laws import BLOCK
+from ..interaction.operator import Interaction
+from ..interaction.solver import descend
 from .listing import Candidates, Listing
 from .path import MEMORY, Point, forecast, weights
-from .states import PopulationState
+from .state import PopulationState
 
 if TYPE_CHECKING:
     from .population import Population

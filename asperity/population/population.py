@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .boundary import known_boundary
-from .errors import InputError
-from .interaction.elongation import Elongation
-from .interaction.footprint import Footprints
-from .interaction.laws import Laws
+from ..boundary import known_boundary
+from ..errors import InputError
+from ..interaction.elongation import Elongation
+from ..interaction.footprint import Footprints
+from ..interaction.laws import Laws
+from ..microcontact.growing import GrowingTable
 from .listing import Falling
-from .microcontact.growing import GrowingTable
-from .states import PopulationState
+from .state import PopulationState
 from .trail import Trail
 
 if TYPE_CHECKING:
-    from .material import HalfSpace
-    from .microcontact.table import LawTable
+    from ..material import HalfSpace
+    from ..microcontact.table import LawTable
 
 __all__ = ["Population", "PopulationState"]
 

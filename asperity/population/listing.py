@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .interaction.deflection import deflection, widening
-from .interaction.operator import Interaction
-from .interaction.state import Problem
-from .microcontact.flags import Flag
+from ..interaction.deflection import deflection, widening
+from ..interaction.operator import Interaction
+from ..interaction.state import Problem
+from ..microcontact.flags import Flag
 
 if TYPE_CHECKING:
-    from .interaction.finish import Solution
-    from .microcontact.table import LawTable
+    from ..interaction.finish import Solution
+    from ..microcontact.table import LawTable
     from .population import Population
 
 __all__ = ["Candidates", "Falling", "Listing"]

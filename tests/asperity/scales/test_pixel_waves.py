@@ -10,7 +10,7 @@ import pytest
 import asperity
 import surfaces
 from asperity.loadpoints import pressure_scale
-from asperity.pixel_waves import FINER, fineness, random_waves, refined_map
+from asperity.scales.pixel_waves import FINER, fineness, random_waves, refined_map
 from surfaces import HeightMap, self_affine
 
 BODY = asperity.HalfSpace.from_modulus(1.0)
@@ -66,9 +66,9 @@ def test_large_maps_are_refined_less_and_it_is_said(monkeypatch):
     hm, ((ratio, most), (less, more)) = wavy(), FINER
     assert ratio > less
     assert ratio**2 * 1024**2 <= most <= less**2 * 2048**2 <= more
-    monkeypatch.setattr("asperity.pixel_waves.FINER", ((2.0, 0), (1.5, 1e6)))
+    monkeypatch.setattr("asperity.scales.pixel_waves.FINER", ((2.0, 0), (1.5, 1e6)))
     assert refined_map(hm).shape == (240, 288)
-    monkeypatch.setattr("asperity.pixel_waves.FINER", ((2.0, 0), (1.5, 0)))
+    monkeypatch.setattr("asperity.scales.pixel_waves.FINER", ((2.0, 0), (1.5, 0)))
     assert "takes long" in str(refined_map(hm))
     plan = asperity.make_plan(hm, BODY, interaction=False)
     assert plan.resampled is None

@@ -1,0 +1,1 @@
+"""All summits of a surface under one plane: independent or elastically coupled."""
