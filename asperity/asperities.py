@@ -146,7 +146,7 @@ class Asperities:
         """Area [m^2] that touches within each contact, shape (n,)."""
         if self.plan.fine is None:
             return state.area
-        return closed_area(self.plan.fine, state, self.population.nominal_area)
+        return closed_area(self.population, self.plan.fine, state)
 
     def deep_enough(self, state: PopulationState) -> bool:
         """Whether no contact came near the height below which nothing was segmented."""

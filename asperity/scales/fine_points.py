@@ -74,7 +74,8 @@ def fine_point(
         top = float(population.height[population.falling[0]])
         return FinePoint(max(state.separation, highest + state.separation - top), 0.0, 0.0)
     nominal, law = population.nominal_area, population.laws.rows(closed)
-    area = float(closed_area(fine, state, nominal).sum())
+    area = float(closed_area(population, fine, state).sum())
+    strong = _strong(population, fine, closed)
     share = 0.5 * (state.contact_area + area) / nominal
     stiffness, gained = state.normal_stiffness, state.response[closed]
     if not stiffness > 0.0:  # a failed solve, marked as such
@@ -85,7 +86,8 @@ def fine_point(
         here = law(np.maximum(state.approach[closed] + step * gained, 0.0))
         kept = here.force > 0
         force, width = here.force[kept], here.area[kept]
-        return float(width @ fine.stored(force / width, share)), float(force.sum())
+        stored = fine.stored(force / width, share, strong[kept])
+        return float(width @ stored), float(force.sum())
 
     (low, less), (middle, load), (high, more) = (energy(step) for step in (-fall, 0.0, fall))
     factor = fine.lift(share)
@@ -95,20 +97,28 @@ def fine_point(
     return FinePoint(min(state.separation + lift, highest), area, 1.0 / compliance)
 
 
-def closed_area(fine: FineScales, state: PopulationState, nominal: float) -> NDArray[np.float64]:
-    """Area [m^2] of each contact that the fine waves leave closed, shape (n,).
-
-    `nominal` is the area of the cell [m^2].
-    """
-    closed = state.force > 0
+def closed_area(
+    population: Population, fine: FineScales, state: PopulationState
+) -> NDArray[np.float64]:
+    """Area [m^2] of each contact that the fine waves leave closed, shape (n,)."""
+    closed, nominal = np.flatnonzero(state.force > 0), population.nominal_area
+    strong = _strong(population, fine, closed)
     area = np.zeros(len(state.force))
     whole = state.area[closed]
     pressure = state.force[closed] / whole
     share = state.contact_area / nominal
     for _ in range(2):
-        area[closed] = whole * fine.remaining(pressure, share, whole)
+        area[closed] = whole * fine.remaining(pressure, share, whole, strong)
         share = 0.5 * (state.contact_area + float(area.sum())) / nominal
     return area
+
+
+def _strong(
+    population: Population, fine: FineScales, rows: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Strength of the fine waves under contacts."""
+    ly, lx = population.cell
+    return fine.strength.at(population.y[rows] / ly, population.x[rows] / lx)
 
 
 def at_separation(

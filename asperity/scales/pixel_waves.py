@@ -6,15 +6,34 @@ four pixels hold much of the slope, summits are missed or come out too low, and 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 
 from surfaces.heightmap import HeightMap
 from surfaces.preparation.filtering import resample
 
-__all__ = ["TO_THE_PIXEL", "fineness", "random_waves", "refined_map", "resolution_warning"]
+__all__ = [
+    "TO_THE_PIXEL",
+    "Strength",
+    "fineness",
+    "refined_map",
+    "resolution_warning",
+    "strength",
+]
+
+Array = NDArray[np.float64]
 
 KURTOSIS = 0.25
 """How far the kurtosis of second differences may be from 3, that of random waves."""
+
+PARTS = 48
+"""Parts of each axis over which the strength of the finest waves is a mean; fewer blur the border
+that `prepare` fades."""
+
+LINES = 128
+"""Rows and columns that suffice to find it."""
 
 TO_THE_PIXEL = 0.13
 """`fineness` from which on any map is solved on smaller pixels: on cut-off 3 pixels and shorter
@@ -43,9 +62,69 @@ def fineness(hm: HeightMap) -> float:
     return float(bend @ bend) / (4.0 * found.rms_slope**2)
 
 
-def random_waves(hm: HeightMap) -> bool:
-    """Whether the finest waves look random: no spikes, steps, worn plateaus, fading border."""
-    return all(abs(value - 3.0) <= KURTOSIS for value in hm.roughness.kurtosis)
+@dataclass(frozen=True, eq=False)
+class Strength:
+    """Variance of the finest waves over its mean: a product of one of y and one of x.
+
+    Attributes
+    ----------
+    along
+        Its values over equal parts of y and of x.
+    """
+
+    along: tuple[Array, Array] = (np.ones(1), np.ones(1))
+
+    def at(self, y: Array, x: Array) -> Array:
+        """Strength at the places y, x, from 0 to 1 across the map."""
+        of_y, of_x = (
+            part[(place * part.size).astype(np.int64) % part.size]
+            for place, part in zip((y, x), self.along, strict=True)
+        )
+        return np.asarray(of_y * of_x)
+
+
+def strength(hm: HeightMap) -> Strength | None:
+    """Where the finest waves of a map are how strong; None if they are not random: with spikes,
+    steps, worn plateaus.
+
+    Notes
+    -----
+    Random waves are known by the kurtosis of their second differences. A border that fades
+    multiplies them by a window of y times one of x: they are random again over the root of the
+    product of their mean squares along lines and columns. Such maps have no law unless their waves
+    reach the pixel: else all summits cost little, and fewer contacts are nearer to them.
+    """
+    if all(abs(value - 3.0) <= KURTOSIS for value in hm.roughness.kurtosis):
+        return Strength()
+    if min(hm.shape) < 2 * PARTS or fineness(hm) < TO_THE_PIXEL:
+        return None
+    squares = [np.square(_bends(hm, 0)).T, np.square(_bends(hm, 1))]
+    found = Strength((_along(squares, 0), _along(squares, 1)))
+    for square in squares:
+        y, x = ((np.arange(n) + 0.5) / n for n in square.shape)
+        even = float(np.mean(square)) * found.at(y[:, None], x)
+        if abs(np.mean(square**2) / np.mean(even**2) - 3.0) > KURTOSIS:
+            return None
+    return found
+
+
+def _bends(hm: HeightMap, axis: int) -> Array:
+    """Second differences [m] along an axis, on some of the lines of a map, shape (lines, n)."""
+    lines = hm.heights if axis else hm.heights.T
+    lines = lines[:: max(1, lines.shape[0] // LINES)]
+    if hm.periodic:
+        lines = np.concatenate((lines[:, -1:], lines, lines[:, :1]), axis=1)
+    return np.asarray(np.diff(lines, 2, axis=1))
+
+
+def _along(squares: list[Array], axis: int) -> Array:
+    """Means over the parts of an axis, over their mean; those of several arrays multiplied."""
+    means = np.ones(PARTS)
+    for square in squares:
+        lines = square.mean(axis=1 - axis)
+        cuts = np.arange(1, PARTS) * lines.size // PARTS
+        means *= [part.mean() for part in np.split(lines, cuts)]
+    return np.asarray(np.sqrt(means) / np.sqrt(means).mean())
 
 
 def resolution_warning(hm: HeightMap) -> list[str]:

@@ -19,7 +19,7 @@ from surfaces.heightmap import HeightMap
 
 from ..interaction.footprint import Footprints
 from .fine_waves import FineScales
-from .pixel_waves import TO_THE_PIXEL, fineness, random_waves
+from .pixel_waves import TO_THE_PIXEL, fineness, strength
 
 if TYPE_CHECKING:
     from ..material import HalfSpace
@@ -87,15 +87,16 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
     Waves are added from the longest on until the breadth m0 m4 / m2^2 of the spectrum (Nayak's
     parameter) reaches `BROADEST`, `FEWEST_WAVES` along the side of the map at least, and none
     shorter than `UNRESOLVED` pixels. With lay the order and the breadth are those of the map
-    stretched until its slope is the same in all directions. The law holds for random waves: a
-    kurtosis of second differences far from 3 shows spikes, steps, worn plateaus and a border that
-    fades. A map that is not periodic is taken with its mirror images, in which lay would be lost.
+    stretched until its slope is the same in all directions. The law holds for random waves, whose
+    strength may vary as a border fades (`pixel_waves.strength`). A map that is not periodic is
+    taken with its mirror images, in which lay would be lost.
     """
     if abs(material.m) > GRADED:
         return f"scales: all, the law of fine waves is for |m| <= {GRADED:g}"
     if fineness(hm) < TO_THE_PIXEL and _breadth(hm) < SURELY * WORTH_IT * BROADEST:
         return NARROW
-    if not random_waves(hm):
+    strong = strength(hm)
+    if strong is None:
         return "scales: all, the finest waves are not random, so that no law holds for all of them"
     waves = _waves(hm)
     stretch = np.eye(2)
@@ -135,6 +136,7 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
         number=float((lost[7] / lost[6]) ** (1.0 / (1.0 - material.m))),
         m=material.m,
         evenness=float(np.sqrt(1.0 - _lay(lost) ** 2)),
+        strength=strong,
     )
 
 

@@ -10,7 +10,7 @@ import pytest
 import asperity
 import surfaces
 from asperity.loadpoints import pressure_scale
-from asperity.scales.pixel_waves import FINER, fineness, random_waves, refined_map
+from asperity.scales.pixel_waves import FINER, fineness, refined_map, strength
 from surfaces import HeightMap, self_affine
 
 BODY = asperity.HalfSpace.from_modulus(1.0)
@@ -39,12 +39,34 @@ def test_random_waves_have_a_kurtosis_of_three():
     assert dataclasses.replace(hm, periodic=False).roughness.kurtosis == pytest.approx(
         (3.0, 3.0), abs=0.2
     )
-    assert random_waves(hm)
-    assert not random_waves(surfaces.prepare(hm, periodic="taper"))
+    assert strength(hm).at(np.array([0.0, 0.3]), np.array([0.5, 1.0])).tolist() == [1.0, 1.0]
     steps = np.round(wavy(cutoff=8.0).heights / 0.5)
-    assert not random_waves(HeightMap(steps, hm.spacing, periodic=True))
+    assert strength(HeightMap(steps, hm.spacing, periodic=True)) is None
+    spikes = hm.heights.copy()
+    spikes[::40, ::40] += 4 * hm.rms_height
+    assert strength(hm.replace(heights=spikes)) is None
+    assert strength(surfaces.prepare(hm.replace(heights=spikes), periodic="taper")) is None
+    assert strength(hm.replace(heights=np.minimum(hm.heights, 0.0))) is None  # worn
     ridges = HeightMap(np.tile(np.sin(np.arange(40.0)), (30, 1)), (1.0, 1.0), periodic=True)
     assert ridges.roughness.kurtosis[0] == np.inf
+
+
+def test_waves_under_a_window_are_random_and_as_strong_as_the_window():
+    """The variance is that of the window's square over its mean, wherever it is a product."""
+    hm = wavy((320, 400))
+    y, x = ((np.arange(n) + 0.5) / n for n in hm.shape)
+    window = (1.2 + np.sin(2 * np.pi * y))[:, None] * (1.5 + np.cos(2 * np.pi * x))
+    faded = hm.replace(heights=3.0 * window * hm.heights)
+    assert max(faded.roughness.kurtosis) > 4.0
+    found = strength(faded).at(y[:, None], x)
+    exact = window**2 / np.mean(window**2)
+    assert np.sqrt(np.mean((found - exact) ** 2)) < 0.12 * np.sqrt(np.mean(exact**2))
+    across = strength(HeightMap(faded.heights.T, faded.spacing[::-1], periodic=True))
+    np.testing.assert_allclose(across.at(x[:, None], y), found.T, rtol=1e-12)
+    small = HeightMap(faded.heights[::4, ::4].copy(), hm.spacing, periodic=True)
+    assert strength(small) is None
+    smooth = self_affine(hm.shape, hm.size, hurst=0.8, rms_slope=0.1, cutoff=8.0, seed=2)
+    assert strength(smooth.replace(heights=window * smooth.heights)) is None
 
 
 def test_the_finer_grid_holds_the_same_waves():
@@ -76,13 +98,13 @@ def test_large_maps_are_refined_less_and_it_is_said(monkeypatch):
 
 
 def test_nearer_to_boundary_elements_than_on_the_map_itself():
-    hm = surfaces.prepare(wavy(hurst=0.6), periodic="taper")
-    loads = np.array([1e-2, 5e-2]) * pressure_scale(hm, BODY)
+    hm, body = wavy(hurst=0.6), asperity.HalfSpace.from_modulus(1.0, m=0.6)
+    loads = np.array([1e-2, 5e-2]) * pressure_scale(hm, body)
     exact = asperity.bem_curve(
-        surfaces.resample(hm, np.asarray(hm.spacing) / 2), BODY, pressures=loads, tolerance=1e-4
+        surfaces.resample(hm, np.asarray(hm.spacing) / 2), body, pressures=loads, tolerance=1e-4
     )
     auto, every = (
-        asperity.contact_curve(hm, BODY, separations=exact.separation, scales=scales)
+        asperity.contact_curve(hm, body, separations=exact.separation, scales=scales)
         for scales in ("auto", "all")
     )
     assert auto.settings["shortest_wave"] is None

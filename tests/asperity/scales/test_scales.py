@@ -147,14 +147,24 @@ def test_a_free_map_is_taken_with_its_mirror_images(rough):
     assert fine.variance == pytest.approx(periodic.variance, rel=0.1)
 
 
-def test_a_free_boundary_is_nearer_to_boundary_elements(loads):
+@pytest.mark.parametrize("border", ["free", "fading"])
+def test_maps_of_other_borders_agree_with_boundary_elements(loads, border):
     hm = dataclasses.replace(broad((160, 200)), periodic=False)
+    if border == "fading":
+        hm = surfaces.prepare(hm, periodic="taper")
     refined = surfaces.resample(hm, np.asarray(hm.spacing) / 2)
     exact = asperity.bem_curve(refined, STEEL, pressures=loads, tolerance=1e-4)
     curve = asperity.contact_curve(hm, STEEL, separations=exact.separation)
     assert curve.settings["shortest_wave"] is not None
     assert np.abs(curve.mean_pressure / loads - 1).max() < 0.03
     assert np.abs(curve.contact_area / exact.contact_area - 1).max() < 0.06
+
+
+def test_the_law_of_stronger_waves_is_that_of_more_variance_and_energy():
+    more = dataclasses.replace(FINE, variance=4 * FINE.variance, energy=4 * FINE.energy)
+    at = np.array([3e8, 2e9]), 0.1
+    np.testing.assert_allclose(FINE.remaining(*at, strong=4.0), more.remaining(*at), rtol=1e-12)
+    np.testing.assert_allclose(FINE.stored(*at, strong=4.0), more.stored(*at), rtol=1e-12)
 
 
 def test_the_law_does_not_jump_at_a_homogeneous_body_nor_at_no_lay(rough):
