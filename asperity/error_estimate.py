@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .microcontact.flags import Flag
-from .scales.pixel_waves import fineness
 
 if TYPE_CHECKING:
     from surfaces.heightmap import HeightMap
@@ -23,28 +22,22 @@ if TYPE_CHECKING:
 __all__ = ["AREA_WEIGHTS", "LOAD_WEIGHTS", "TERMS", "estimate", "terms"]
 
 TERMS = (
-    "few_contacts",
     "coarse_contacts",
-    "crowding",
     "scatter",
-    "fineness",
-    "fine_crowding",
     "odd_spread",
-    "odd_scatter",
     "few_taken_out",
     "coarse_taken_out",
     "few_elongated",
-    "graded_crowding",
+    "crowding",
+    "long_crowding",
+    "few_crowded",
 )
 """Names of the terms, see `terms`."""
 
-LOAD_WEIGHTS = (0.0159, 0.0, 0.1589, 0.0765, 0.0, 0.0, 2.3643, 0.0488, 0.0, 0.5428, 0.0, 0.0)
+LOAD_WEIGHTS = (0.0391, 0.0292, 1.1872, 0.1278, 0.5705, 0.0111, 0.0, 0.2729, 0.3301)
 """Weights of the terms for the load at equal separation."""
 
-AREA_WEIGHTS = (
-    *(0.1084, 0.0685, 0.0, 0.0256, 0.0367, 1.4528),
-    *(3.36, 0.0919, 0.6165, 0.8916, 0.0216, 0.7126),
-)
+AREA_WEIGHTS = (0.3272, 0.0846, 1.2033, 0.6293, 0.0, 0.0292, 0.0528, 0.0123, 0.5485)
 """Weights of the terms for the contact area at equal load."""
 
 
@@ -53,31 +46,26 @@ def terms(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, f
 
     Returns
     -------
-    few_contacts
-        Root of the sum of squared load shares, one over the root of the effective number of
-        contacts: errors of single contacts do not average out.
     coarse_contacts
         One over the root of the number of pixels in the load-weighted mean contact: summits that
         the grid does not resolve.
-    crowding
-        Contact area over nominal area.
     scatter
-        `few_contacts`, of those contacts alone that have outgrown the expansion of their law.
-    fineness
-        Share of the squared slope that is lost when heights are taken two pixels apart, not one
-        (`pixel_waves.fineness`).
-    fine_crowding
-        `fineness` times the root of `crowding`.
-    odd_spread, odd_scatter
-        Oddness times the difference between the orders of the contact law, weighted by load, and
-        times `scatter`.
+        Root of the sum of squared load shares of the contacts that have outgrown the expansion of
+        their law: errors of few of them do not average out.
+    odd_spread
+        Oddness times the difference between the orders of the contact law, weighted by load.
     few_taken_out, coarse_taken_out
-        Share of the squared slope in waves that act as a law, times `few_contacts` and times
+        Share of the squared slope in waves that act as a law, times the root of the sum of squared
+        load shares of all contacts (one over the root of their effective number) and times
         `coarse_contacts`.
     few_elongated
-        Logarithm of the ratio of a summit's curvatures, weighted by load, times `few_contacts`.
-    graded_crowding
-        Size of the exponent of the grading times the root of `crowding`.
+        Logarithm of the ratio of a summit's curvatures, weighted by load, times that root.
+    crowding
+        Contact area over nominal area.
+    long_crowding
+        That logarithm times `crowding`.
+    few_crowded
+        That root times the root of `crowding`: few hills whose basins fill.
     """
     closed = np.flatnonzero(state.force > 0)
     if not closed.size:
@@ -91,23 +79,19 @@ def terms(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, f
     pixel = hm.area / hm.heights.size
     steep, shallow = bodies.profiles.curvature[closed].T
     ratio = np.log(steep / np.clip(shallow, 1e-3 * steep, None))
-    crowding, fine = state.contact_area / bodies.hm.area, fineness(hm)
+    crowding, long = state.contact_area / bodies.hm.area, share @ ratio
     few, coarse = np.sqrt(share @ share), np.sqrt(pixel / (share @ state.area[closed]))
-    scatter = np.sqrt(share[outgrown] @ share[outgrown])
     taken = 0.0 if law is None else law.ratio / (1.0 + law.ratio)
     found = (
-        few,
         coarse,
-        crowding,
-        scatter,
-        fine,
-        fine * np.sqrt(crowding),
+        np.sqrt(share[outgrown] @ share[outgrown]),
         odd * (share @ np.abs(table.spread_at(closed, depth))),
-        odd * scatter,
         taken * few,
         taken * coarse,
-        few * (share @ ratio),
-        abs(bodies.material.m) * np.sqrt(crowding),
+        few * long,
+        crowding,
+        long * crowding,
+        few * np.sqrt(crowding),
     )
     return {name: float(value) for name, value in zip(TERMS, found, strict=True)}
 

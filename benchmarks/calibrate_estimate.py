@@ -22,7 +22,7 @@ from scipy.optimize import linprog
 
 from asperity.error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate
 
-QUANTILE = 0.985
+QUANTILE = 0.965
 
 
 def columns(path: str) -> dict[str, np.ndarray]:

@@ -86,28 +86,22 @@ def weak_point(unit=1.0, force=1.0):
 
 
 def test_terms_of_two_contacts():
-    bend, slope = 0.0, 0.0
-    for axis, step in ((0, 2.0), (1, 1.0)):
-        slope += np.mean(np.diff(LINES, axis=axis) ** 2) / step**2
-        bend += np.mean(np.diff(LINES, 2, axis=axis) ** 2) / step**2
     found = terms(*weak_point())
     share, area = np.array([0.75, 0.25]), 24.0
     assert set(found) == set(TERMS)
     few, spread = np.hypot(*share), share @ [0.1, 0.3]
     coarse = np.sqrt(2.0 / (share @ [4.0, 2.0]))
+    long, crowding = 0.75 * np.log(2.0), 6.0 / area
     expected = {
-        "few_contacts": few,
         "coarse_contacts": coarse,
-        "crowding": 6.0 / area,
         "scatter": 0.75,
-        "fineness": bend / (4.0 * slope),
-        "fine_crowding": bend / (4.0 * slope) * np.sqrt(6.0 / area),
         "odd_spread": 0.5 * spread,
-        "odd_scatter": 0.5 * 0.75,
         "few_taken_out": 0.0,
         "coarse_taken_out": 0.0,
-        "few_elongated": 0.75 * np.log(2.0) * few,
-        "graded_crowding": 0.3 * np.sqrt(6.0 / area),
+        "few_elongated": long * few,
+        "crowding": crowding,
+        "long_crowding": long * crowding,
+        "few_crowded": few * np.sqrt(crowding),
     }
     assert found == pytest.approx(expected)
 
@@ -121,8 +115,8 @@ def test_with_fine_waves_taken_out_the_terms_are_those_of_the_map_that_was_solve
     bodies.plan.fine, bodies.plan.resampled = SimpleNamespace(ratio=3.0), bodies.hm
     bodies.hm = HeightMap(np.eye(6, 8), (1.0, 0.5), periodic=True)
     found, whole = terms(bodies, state, odd), terms(*weak_point())
-    taken = {name: 0.75 * whole[f"{name}_contacts"] for name in ("few", "coarse")}
-    expected = {**whole, "few_taken_out": taken["few"], "coarse_taken_out": taken["coarse"]}
+    few, coarse = np.hypot(0.75, 0.25), whole["coarse_contacts"]
+    expected = {**whole, "few_taken_out": 0.75 * few, "coarse_taken_out": 0.75 * coarse}
     assert found == pytest.approx(expected)
 
 
