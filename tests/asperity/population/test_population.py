@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from standin import HertzTable, random_population
 
+import surfaces
 from asperity.errors import InputError
 from asperity.material import HalfSpace
+from asperity.microcontact import tabulate
 from asperity.population.population import Population
 
 CELL = (1.0, 1.4)
@@ -266,3 +268,24 @@ def test_contacts_stand_at_the_centres_of_their_laws():
     leaning = load([8.0, 12.0], replace(table, centre=centre))
     np.testing.assert_allclose(leaning, load([8.5, 11.5], table), rtol=1e-4)
     assert leaning < load([8.0, 12.0], table) * 0.999
+
+
+def test_contacts_that_move_aside_settle_from_point_to_point():
+    """What forecasts of the shifts leave must not grow along a curve of small steps."""
+    hm = surfaces.self_affine(
+        (256, 300), (256.0, 270.0), hurst=0.8, rms_slope=0.1, rolloff=32.0, cutoff=4.0, seed=1
+    )
+    profiles = surfaces.fit_profiles(hm, surfaces.segment(hm))
+    material = HalfSpace.from_modulus(1.0)
+    height = profiles.height - hm.heights.mean()
+    population = Population(
+        x=profiles.x, y=profiles.y, height=height,
+        table=tabulate(profiles, material, law="hertz"),
+        cell=hm.size, boundary="periodic", material=material,
+    )  # fmt: skip
+    top, state, steps = float(height.max()), None, []
+    for s in np.linspace(top, top - 3.2 * hm.rms_height, 120):
+        state = population.solve(separation=s, state=state, tolerance=4e-3)
+        steps.append(state.iterations)
+    assert state.converged and state.contact_area > 0.1 * population.nominal_area
+    assert sum(steps[-30:]) <= 3
