@@ -11,7 +11,7 @@ from .tangent import Tangent
 
 __all__ = ["foreseen"]
 
-FORCING = 0.15
+FORCING = 0.1
 """Relative accuracy of the linear solve."""
 
 Array = NDArray[np.float64]
