@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["HeightMap", "checked_spacing", "require_map"]
 
-_SHORTEST, _LONGEST = 1e-40, 1e40
+SHORTEST, LONGEST = 1e-40, 1e40
 """Lengths [m] between which the fourth power of every slope is a floating-point number."""
 
 
@@ -166,7 +166,7 @@ def _checked_heights(heights: Any) -> NDArray[np.float64]:
             f"heights[{row}, {col}] is infinite ({np.count_nonzero(infinite)} of {array.size} "
             "points); mark missing points with NaN"
         )
-    if max(abs(low), abs(high)) > _LONGEST or 0.0 < high - low < _SHORTEST:
+    if max(abs(low), abs(high)) > LONGEST or 0.0 < high - low < SHORTEST:
         raise SurfaceError(
             f"heights reach from {low:.4g} to {high:.4g} m, which no calculation can hold; "
             "check their unit"
@@ -181,7 +181,7 @@ def checked_spacing(spacing: Any) -> tuple[float, float]:
         pair = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,))
     except (TypeError, ValueError):
         raise SurfaceError(f"spacing is {spacing!r}; give the pixel size (dy, dx) in m") from None
-    if not ((pair >= _SHORTEST) & (pair <= _LONGEST)).all():
+    if not ((pair >= SHORTEST) & (pair <= LONGEST)).all():
         raise SurfaceError(
             f"spacing is {tuple(pair.tolist())}; both pixel sizes (dy, dx) must be positive "
             "lengths in m"

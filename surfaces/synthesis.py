@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ._memory import require_memory
 from .errors import InputError
-from .heightmap import HeightMap
+from .heightmap import LONGEST, SHORTEST, HeightMap
 
 __all__ = ["self_affine"]
 
@@ -170,8 +170,8 @@ def _checked_size(size: tuple[float, float]) -> tuple[float, float]:
     _check(np.shape(size) == (2,), f"size is {size}; give the lengths (Ly, Lx) in m")
     ly, lx = (float(length) for length in size)
     _check(
-        0.0 < ly < np.inf and 0.0 < lx < np.inf,
-        f"size is {tuple(size)}; both lengths (Ly, Lx) must be positive",
+        SHORTEST <= min(ly, lx) and max(ly, lx) <= LONGEST,
+        f"size is {tuple(size)}; both (Ly, Lx) must be positive lengths in m",
     )
     return ly, lx
 

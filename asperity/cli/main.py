@@ -80,6 +80,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         goes_on = "; --resume goes on from its results file" if "resume" in args else ""
         sys.stderr.write(f"asperity {args.command}: interrupted{goes_on}\n")
         return EXIT_INTERRUPTED
+    except RuntimeError as error:
+        if "no locator available" not in str(error):
+            raise
+        text = "no folder for compiled code can be written; set NUMBA_CACHE_DIR to one that can"
+        sys.stderr.write(f"asperity {args.command}: {text}\n")
+        return EXIT_BAD_INPUT
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_OK

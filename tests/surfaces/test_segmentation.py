@@ -239,11 +239,11 @@ def test_constant_map_is_one_plateau_and_nothing_above_gives_no_peaks():
 
 def test_what_is_as_high_as_asked_is_kept():
     """Heights from `above` on are flooded, and peaks of `min_prominence` stay."""
-    row = np.array([0.0, 3.0, 1.0, 2.0, 1.5, 2.5, 0.0])
+    row = np.array([0.0, 1.5, 3.0, 1.0, 2.0, 1.5, 2.5, 0.0])
     hm = surfaces.HeightMap(np.tile(row, (3, 1)) - [[1.0], [0.0], [1.0]], 1.0)
     peaks = surfaces.segment(hm, above=1.5)
     assert_array_equal(peaks.labels[1] >= 0, row >= 1.5)
-    assert_array_equal(surfaces.segment(hm, min_prominence=1.0).height, [3.0, 2.5])
+    assert_array_equal(surfaces.segment(hm, min_prominence=1.5).height, [3.0, 2.5])
     assert_array_equal(surfaces.segment(hm, min_prominence=0.5).height, [3.0, 2.5, 2.0])
 
 

@@ -94,6 +94,7 @@ def test_seed_names_the_surface():
         ({"anisotropy": 0.5}, "anisotropy is 0.5"),
         ({"shape": (2, 20)}, "shape is"),
         ({"size": (0.0, 1.0)}, "size is"),
+        ({"size": (1.0, 1e-300)}, "size is"),
         ({"shape": 20}, r"points \(ny, nx\)"),
         ({"size": 1.0}, r"lengths \(Ly, Lx\)"),
         ({"shape": (10**6, 10**7)}, "GB of memory"),
