@@ -317,7 +317,6 @@ def press_rows(
     """
     heights, labels, owner, periodic, flat, width, spacing = surface
     peak_row, peak_col, places, tops, axes, curvature = summits
-    ny, nx = heights.shape
     mark = np.zeros((2 * WINDOW + 1, 2 * WINDOW + 1), np.int32)
     pixel_rows, pixel_cols = np.empty((2, mark.size), np.int64)
     gap, inside = np.empty(REACH * REACH), np.empty(REACH * REACH, np.int8)
@@ -328,16 +327,13 @@ def press_rows(
         np.empty(MOST, np.float32), np.empty(MOST, np.float32), np.empty((3, MOST), np.float32)
     )  # fmt: skip
     row, col = np.empty((2, MOST), np.int64)
-    box, place = np.empty(4), np.empty(2)
+    box = np.empty(4)
     stamp = 0
     for slot in range(first, last):
         peak = rows[slot]
         top = tops[peak]
         at = peak_row[peak], peak_col[peak]
-        place[0], place[1] = places[peak, 0], places[peak, 1]
-        if periodic:
-            place[0] += ny * math.floor((at[0] - place[0]) / ny + 0.5)
-            place[1] += nx * math.floor((at[1] - place[1]) / nx + 0.5)
+        place = places[peak]  # on the side of the seam where its pixel is
         for level in range(depths.shape[1]):
             depth = depths[slot, level]
             if not depth > 0.0:
