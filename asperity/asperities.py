@@ -16,7 +16,7 @@ from surfaces.peaks.summits import locate_summits
 
 from .contacts.spot_count import passes
 from .contacts.table import aspect_ratio
-from .dominant import Ranking
+from .dominant import Ranking, joined
 from .microcontact.elements import put
 from .microcontact.growing import GrowingTable
 from .microcontact.laws import tabulate
@@ -77,9 +77,11 @@ class Asperities:
         profiles = locate_summits(solved, peaks)
         seconds["profiles"] = clock() - start
         seconds["laws"] = 0.0
-        ranking = Ranking(profiles)
         # of maps that a coarser grid holds expansions reach far
         smooth = plan.fine is None and solved.heights.size < hm.heights.size
+        if plan.law == "auto" and not smooth:
+            profiles = joined(profiles, material)
+        ranking = Ranking(profiles)
 
         def laws(rows: NDArray[np.int64]) -> LawTable:
             begun = clock()

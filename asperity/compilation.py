@@ -161,6 +161,7 @@ def _basins(material: HalfSpace) -> None:
         height=np.zeros(0),
         angle=np.zeros(0),
         curvature=np.zeros((0, 2)),
+        floor=np.zeros(0),
     )
     press(cast("Summits", summits), none, np.zeros((0, 2)), material)
 

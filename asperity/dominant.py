@@ -9,15 +9,18 @@ from numpy.typing import NDArray
 
 from surfaces.peaks._climb import PLATEAU
 
+from .microcontact.elements import press
 from .microcontact.flags import Flag
 
 if TYPE_CHECKING:
     from surfaces.peaks.summits import Summits
 
+    from .material import HalfSpace
     from .microcontact.table import LawTable
 
-__all__ = ["Ranking"]
+__all__ = ["Ranking", "joined"]
 
+Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 SHARE = 0.03
@@ -29,6 +32,15 @@ SHARE_OF_NONE = 0.003
 SHARE_OF_ROUND, RIDGE, EARLY = 0.1, 5.0, 5
 """The same of a smooth, round summit, whose law is nearer: curvatures that differ by less than the
 second number, and an expansion that holds to the node given last."""
+
+JOINED = 1.6
+"""Approach over the depth of the pass at which two contacts have joined (docs/accuracy.md)."""
+
+SHARE_OF_PAIR = 0.2
+"""Share of the load from which on two contacts that join are pressed as one."""
+
+SLACK = 0.1
+"""Part of the approach under the pass between them where the basins of both still hang together."""
 
 LATER = np.array([0, 1, 3, 6])
 """Nodes of a table beyond the expansion at which the share is looked at."""
@@ -66,8 +78,24 @@ class Ranking:
         self._ridge = steep > RIDGE * shallow
         self._summits = summits
 
+    def joining(self) -> tuple[Rows, Array, Array]:
+        """Pairs of summits, (k, 2), that join while they carry much of the load; the approaches [m]
+        of both, (k, 2), and how far down [m] their basins hang together, (k,)."""
+        summits = self._summits
+        pairs = summits.owner[summits.peaks.neighbors]
+        top, low = summits.height[pairs], summits.peaks.passes
+        flat = low - (JOINED - 1.0) * (top.mean(axis=1) - low)
+        some = self._usable[pairs].all(axis=1) & (pairs[:, 0] != pairs[:, 1])
+        some &= (flat > self._lowest) & (flat < top.min(axis=1))
+        pairs, low, approach = pairs[some], low[some], (top - flat[:, None])[some]
+        over = np.maximum(self._height - flat[some, None], 0.0)
+        own = np.sum(self._weight[pairs] * approach**1.5, axis=1)
+        some = own > SHARE_OF_PAIR * ((over * np.sqrt(over)) @ self._first)
+        pairs, approach, low = pairs[some], approach[some], low[some]
+        return pairs, approach, low - SLACK * approach.mean(axis=1)
+
     def dominant(self, rows: Rows, table: LawTable) -> Rows:
-        """Slots of a law table of the summits `rows` whose law has to be exact."""
+        """Slots of a law table of the summits `rows` whose law has to be exact: joined ones too."""
         beyond = (table.flags & Flag.BEYOND_RADIUS) > 0
         slots = np.flatnonzero(beyond.any(axis=1) & (table.reach > 0) & self._usable[rows])
         first = beyond[slots].argmax(axis=1)
@@ -84,10 +112,29 @@ class Ranking:
         none = self._summits.kinds[rows[slots], None] == PLATEAU
         rough = self._ridge[rows[slots]] | (first <= EARLY)
         share = np.where(none, SHARE_OF_NONE, np.where(rough, SHARE, SHARE_OF_ROUND)[:, None])
-        return np.asarray(slots[(seen & (own > share * total)).any(axis=1)])
+        chosen = np.isfinite(self._summits.floor[rows]) & (table.reach > 0)
+        chosen[slots[(seen & (own > share * total)).any(axis=1)]] = True
+        return np.flatnonzero(chosen)
 
 
-def _weight(summits: Summits) -> NDArray[np.float64]:
+def joined(summits: Summits, material: HalfSpace) -> Summits:
+    """Summits of which those whose contacts join while they carry much of the load are one.
+
+    Those that cannot be pressed as one, as they reach too far, stay apart.
+    """
+    pairs, approach, low = Ranking(summits).joining()
+    if not len(pairs):
+        return summits
+    one = summits.joined(pairs, low)
+    roots, slot = np.unique(one.owner[pairs[:, 0]], return_inverse=True)
+    depth = np.zeros(len(roots))
+    np.maximum.at(depth, slot, approach.max(axis=1))
+    depths = depth[:, None] * np.array([1.0, 2.0])
+    pressed = press(one, roots, depths, material)[:, -1, 0] > 0.0
+    return one if pressed.all() else summits.joined(pairs[pressed[slot]], low[pressed[slot]])
+
+
+def _weight(summits: Summits) -> Array:
     """Root of the mean radius [m^1/2] of summits, of those that are none that of the others."""
     weight = np.prod(summits.curvature, axis=1) ** -0.25
     none = summits.kinds == PLATEAU

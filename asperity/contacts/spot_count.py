@@ -8,10 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from surfaces.peaks.summits import Summits
+
     from ..asperities import Asperities
     from ..population.population import PopulationState
 
 __all__ = ["passes", "spot_count"]
+
+Array = NDArray[np.float64]
 
 JOINED = (1.6, 0.7)
 """Approach over the depth of the pass at which two contacts have joined, and what a pass lies
@@ -43,7 +47,7 @@ def spot_count(bodies: Asperities, state: PopulationState) -> int:
     from ._spot_kernels import spots
 
     pairs, depth = bodies.passes
-    count = float(spots(pairs, 2.0 * JOINED[0] * depth, state.approach, state.area))
+    count = float(spots(pairs, 2.0 * JOINED[0] * depth, *_each(bodies.profiles, state)))
     fine, area = bodies.plan.fine, state.contact_area
     if fine is not None and area > 0.0:
         closed = float(bodies.closed_area(state).sum()) / area
@@ -53,10 +57,20 @@ def spot_count(bodies: Asperities, state: PopulationState) -> int:
     return round(count)
 
 
-def passes(bodies: Asperities) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def _each(summits: Summits, state: PopulationState) -> tuple[Array, Array]:
+    """Approaches [m] and areas of all summits, (n,), some for those that were joined to others."""
+    lost = np.flatnonzero(summits.owner != summits.single)
+    into = summits.owner[lost]
+    approach, area = state.approach.copy(), state.area.copy()
+    approach[lost] = approach[into] - (summits.height[into] - summits.height[lost])
+    area[lost] = np.where((summits.single[lost] == lost) & (approach[lost] > 0.0), area[into], 0.0)
+    return approach, area
+
+
+def passes(bodies: Asperities) -> tuple[NDArray[np.int64], Array]:
     """Pairs of summits whose basins adjoin, (n, 2), and the mean depth [m] of the pass between
     them under both, (n,)."""
-    pairs = bodies.profiles.owner[bodies.peaks.neighbors]
+    pairs = bodies.profiles.single[bodies.peaks.neighbors]
     apart = pairs[:, 0] != pairs[:, 1]
     pairs = pairs[apart]
     bend = np.asarray(bodies.solved.roughness.curvature) * np.square(bodies.solved.spacing)

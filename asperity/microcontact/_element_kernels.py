@@ -100,13 +100,14 @@ def _turn(heights, rows, cols, count, level, spacing):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _sample(
-    heights, labels, owner, periodic, flat, width, peak, place, top, depth, spacing, turn, box,
-    points, gap, inside, stack,
+    heights, labels, owner, periodic, flat, width, peak, place, top, depth, below, spacing, turn,
+    box, points, gap, inside, stack,
 ):  # fmt: skip
     """Grid of about `points` elements over the box (u0, u1, v0, v1) [m], turned about the summit.
 
     Fills `gap` (overlap [m] with the flat) and `inside` (the part that hangs together with the
-    highest element); tightens the box. Returns the shape, the sides and the row of `ASPECTS`.
+    highest element `below` [m] under the flat); tightens the box to what overlaps. Returns the
+    shape, the sides and the row of `ASPECTS`.
     """
     ny, nx = heights.shape
     along, across = box[1] - box[0], box[3] - box[2]
@@ -130,7 +131,7 @@ def _sample(
             u, v = u0 + j * hu, v0 + i * hv
             y, x = place[0] + (s * u + c * v) / spacing[0], place[1] + (c * u - s * v) / spacing[1]
             k = i * nu + j
-            gap[k], inside[k] = -1.0, 0
+            gap[k], inside[k] = -np.inf, 0
             row, col = math.floor(y + 0.5), math.floor(x + 0.5)
             if periodic:
                 y, x = y - ny * math.floor(y / ny), x - nx * math.floor(x / nx)
@@ -152,11 +153,12 @@ def _sample(
         k = stack[done]
         done += 1
         i, j = k // nu, k % nu
-        low_u, high_u = min(low_u, j), max(high_u, j)
-        low_v, high_v = min(low_v, i), max(high_v, i)
+        if gap[k] > 0.0:
+            low_u, high_u = min(low_u, j), max(high_u, j)
+            low_v, high_v = min(low_v, i), max(high_v, i)
         for step in range(9):
             a, b = i + step // 3 - 1, j + step % 3 - 1
-            if 0 <= a < nv and 0 <= b < nu and not inside[a * nu + b] and gap[a * nu + b] > 0.0:
+            if 0 <= a < nv and 0 <= b < nu and not inside[a * nu + b] and gap[a * nu + b] > -below:
                 inside[a * nu + b] = 1
                 stack[count] = a * nu + b
                 count += 1
@@ -310,13 +312,14 @@ def press_rows(
     """Force [N], area [m^2] and centre y, x [m] of the contacts `rows[first:last]`.
 
     `surface` holds heights, labels, owners of labels, periodicity, spline, its width and the
-    spacing; `summits` the pixels, places [pixels], heights [m], axes [rad] and curvatures [1/m] of
-    all; `depths` the approaches [m], (n, levels), rising, zero after the last; `unit` the
-    compliance of an element of unit area; `out` is (n, levels, 4): a level that cannot be pressed
-    and those above stay zero.
+    spacing; `summits` the pixels, places [pixels], heights [m], axes [rad], curvatures [1/m] and
+    floors [m] of all (finite ones are of joined summits, which get twice the elements); `depths`
+    the approaches [m], (n, levels), rising, zero after the last; `unit` the compliance of an
+    element of unit area; `out` is (n, levels, 4): a level that cannot be pressed and those above
+    stay zero.
     """
     heights, labels, owner, periodic, flat, width, spacing = surface
-    peak_row, peak_col, places, tops, axes, curvature = summits
+    peak_row, peak_col, places, tops, axes, curvature, floors = summits
     mark = np.zeros((2 * WINDOW + 1, 2 * WINDOW + 1), np.int32)
     pixel_rows, pixel_cols = np.empty((2, mark.size), np.int64)
     gap, inside = np.empty(REACH * REACH), np.empty(REACH * REACH, np.int8)
@@ -339,15 +342,17 @@ def press_rows(
             if not depth > 0.0:
                 break
             stamp += 1
+            below = max(top - depth - floors[peak], 0.0)
+            wanted = 2.0 * points if floors[peak] < np.inf else points
             count = _flood(
-                heights, labels, owner, periodic, peak, at[0], at[1], top - depth, mark, stamp,
-                pixel_rows, pixel_cols,
+                heights, labels, owner, periodic, peak, at[0], at[1], top - depth - below, mark,
+                stamp, pixel_rows, pixel_cols,
             )  # fmt: skip
             if count == 0:
                 break
             turn = axes[peak]
             if count > FEW:
-                turn = _turn(heights, pixel_rows, pixel_cols, count, top - depth, spacing)
+                turn = _turn(heights, pixel_rows, pixel_cols, count, top - depth - below, spacing)
             c, s = math.cos(turn), math.sin(turn)
             rim = max(spacing[0], spacing[1])
             box[:] = 0.0
@@ -365,13 +370,13 @@ def press_rows(
                 size = (box[1] - box[0]) * (box[3] - box[2])
                 nv, nu, hv, hu, kind, u0, v0 = _sample(
                     heights, labels, owner, periodic, flat, width, peak, place, top, depth,
-                    spacing, turn, box, points, gap, inside, stack,
+                    below, spacing, turn, box, wanted, gap, inside, stack,
                 )  # fmt: skip
                 if (box[1] - box[0]) * (box[3] - box[2]) > TIGHT * size:
                     break
             total = np.int64(0)
             for k in range(nv * nu):
-                if inside[k] and total < MOST:
+                if inside[k] and gap[k] > 0.0 and total < MOST:
                     row[total], col[total], overlap[total] = k // nu, k % nu, gap[k] / depth
                     total += 1
             if total < 4 or total == MOST:

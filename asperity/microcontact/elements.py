@@ -80,7 +80,10 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
         hm.heights, peaks.labels, summits.owner, hm.periodic, summits.spline.ravel(),
         summits.spline.shape[1], hm.spacing,
     )  # fmt: skip
-    tops = (peaks.row, peaks.col, summits.places, summits.height, summits.angle, summits.curvature)
+    tops = (
+        peaks.row, peaks.col, summits.places, summits.height, summits.angle, summits.curvature,
+        summits.floor,
+    )  # fmt: skip
     out = np.zeros((*depths.shape, 4))
     unit = compliance((1.0, 1.0), material)
     rules = unit, material.m, _kernels(material.m), POINTS, TOLERANCE
@@ -126,7 +129,10 @@ def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: Ha
     if not slots.size:
         return
     beyond = (table.flags[slots] & Flag.BEYOND_RADIUS) > 0
-    first = np.maximum(beyond.argmax(axis=1) - 1, 1)
+    first = np.where(beyond.any(axis=1), beyond.argmax(axis=1) - 1, table.nodes)
+    for k in np.flatnonzero(np.isfinite(summits.floor[rows])):
+        first[k] = min(first[k], _second(table, slots[k], summits, rows[k]))
+    first = np.maximum(first, 1)
     wanted = np.minimum(first[:, None] + STEPS, table.nodes)
     wanted[:, 1:][np.diff(wanted, axis=1) == 0] = 0
     u = np.arange(table.nodes + 1) / table.nodes
@@ -134,11 +140,18 @@ def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: Ha
     offsets = np.where(found[:, :, 0] > 0.0, wanted - first[:, None], -1)
     before = np.minimum(first - 1, BEFORE)
     kinds, kind = np.unique(np.column_stack((before, offsets)), axis=0, return_inverse=True)
-    for k, (count, *after) in enumerate(kinds.tolist()):
-        some, known = np.flatnonzero(kind == k), np.flatnonzero(np.array(after) >= 0)
+    for group, (count, *after) in enumerate(kinds.tolist()):
+        some, known = np.flatnonzero(kind == group), np.flatnonzero(np.array(after) >= 0)
         if len(known) >= FEWEST:
             places = np.append(np.arange(-count, 0), np.array(after)[known])
             _join(table, slots[some], first[some], places, found[np.ix_(some, known)])
+
+
+def _second(table: LawTable, slot: int, summits: Summits, row: int) -> int:
+    """Node of the law of joined summits before the second of them touches."""
+    others = np.setdiff1d(np.flatnonzero(summits.owner == row), row)
+    ahead = float(summits.height[row] - summits.height[others].max())
+    return int(table.nodes * min(max(ahead, 0.0) / table.reach[slot], 1.0) ** 0.5)
 
 
 def _join(table: LawTable, slots: Rows, begin: Rows, places: Rows, values: Array) -> None:

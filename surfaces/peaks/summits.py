@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,8 @@ class Summits:
     The arrays are those of `Profiles` that need no rays. At light loads most peaks never touch,
     and their rays would cost more than all the rest. Beside them stands what rays are made of: the
     peaks, the map, the coefficients of its spline, the summits [pixels] and how they were found.
+    Summits that were joined are one, whose basin hangs together above the height `floor` [m];
+    `single` are the owners before.
     """
 
     x: Array
@@ -47,9 +49,29 @@ class Summits:
     spline: Array = field(repr=False)
     places: Array = field(repr=False)
     kinds: NDArray[np.int64] = field(repr=False)
+    floor: Array = field(repr=False)
+    single: NDArray[np.int64] = field(repr=False)
 
     def __len__(self) -> int:
         return int(self.x.size)
+
+    def joined(self, pairs: NDArray[np.int64], floors: Array) -> Summits:
+        """The same where the basins of each pair, (k, 2), are one of the higher summit.
+
+        They hang together above `floors` [m], shape (k,).
+        """
+        owner, floor = self.owner.copy(), self.floor.copy()
+        pixels, border, valid = self.pixels.copy(), self.border.copy(), self.valid.copy()
+        for (first, second), low in zip(pairs, floors, strict=True):
+            into, lost = sorted((owner[first], owner[second]), key=lambda i: -self.height[i])
+            if into == lost:
+                continue
+            floor[into] = min(floor[into], floor[lost], low)
+            owner[owner == lost] = into
+            pixels[into] += pixels[lost]
+            border[into] |= border[lost]
+            valid[lost] = False
+        return replace(self, owner=owner, floor=floor, pixels=pixels, border=border, valid=valid)
 
     def rows(self, index: NDArray[np.int64], *, rays: int = 16, nodes: int = 17) -> Profiles:
         """Profiles of the peaks `index`, in that order; `owner` keeps the numbers of all peaks.
@@ -129,8 +151,9 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
     )  # fmt: skip
     x, y, height = (np.ascontiguousarray(column) for column in summit.T)
     return Summits(
-        x, y, height, curvature, angle, pixels, border, own, owner, peaks, hm, spline, places, kinds
-    )
+        x, y, height, curvature, angle, pixels, border, own, owner, peaks, hm, spline, places,
+        kinds, np.full(n, np.inf), owner,
+    )  # fmt: skip
 
 
 def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17) -> Profiles:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import asperity
+from asperity import dominant
 from asperity.dominant import Ranking
 from asperity.microcontact import elements
 from asperity.microcontact.flags import Flag
@@ -192,3 +193,52 @@ def test_peaks_without_a_summit_of_their_own_are_pressed_sooner(rough):
     kinds[rows[other]] = PLATEAU
     found = Ranking(replace(rough, kinds=kinds)).dominant(rows, table)
     np.testing.assert_array_equal(np.setdiff1d(found, chosen), other)
+
+
+def two_summits(finer: int = 1) -> HeightMap:
+    """Two summits, 0.01 apart in height, with a pass 0.05 below them."""
+    y, x = np.meshgrid(
+        *((np.arange(finer * n) + 0.5) / (finer * n) - 0.5 for n in (64, 96)), indexing="ij"
+    )
+    gap = 0.05 * (16.0 * x**2 - 1.0) ** 2 + 4.0 * y**2 - 0.02 * x
+    return HeightMap(-gap, (1 / (finer * 64), 1 / (finer * 96)), periodic=True)
+
+
+def test_summits_that_join_are_pressed_as_one():
+    fine, apart = two_summits(2), summits_of(two_summits())
+    pair = dominant.joined(apart, BODY)
+    np.testing.assert_array_equal(pair.owner, 0)
+    assert pair.pixels[0] == 64 * 96 and np.isfinite(pair.floor[0]) and not pair.valid[1]
+    high, low = apart.height
+    depths = np.array([[0.03, 0.1, 0.2]])  # the first before they join
+    one = elements.press(pair, np.array([0]), depths, BODY)[0]
+    first = elements.press(apart, np.array([0]), depths, BODY)[0]
+    second = elements.press(apart, np.array([1]), depths - (high - low), BODY)[0]
+    for d, found, alone in zip(depths[0], one, first + second, strict=True):
+        level = high - d - fine.heights.mean()
+        whole = asperity.bem_solve(fine, BODY, separation=level, boundary="free", tolerance=1e-4)
+        assert found[0] == pytest.approx(whole.load, rel=0.01)
+        assert found[1] == pytest.approx(whole.contact_area, rel=0.03)
+        assert alone[0] > 1.05 * whole.load  # neither feels the other
+
+
+def test_the_law_of_joined_summits_goes_on_from_the_first(rough):
+    pairs = rough.owner[rough.peaks.neighbors]
+    some = rough.valid[pairs].all(axis=1) & ~rough.border[pairs].any(axis=1)
+    some &= pairs[:, 0] != pairs[:, 1]
+    pair, low = pairs[some][:1], rough.peaks.passes[some][:1]
+    one = rough.joined(pair, low - 0.1)
+    into, lost = sorted(pair[0], key=lambda row: -rough.height[row])
+    assert one.owner[lost] == into and one.owner[into] == into
+    table = tabulate(one.rows(np.array([into, lost])), BODY, law="ellipse")
+    assert table.reach[1] == 0.0  # the lower one carries nothing of its own
+    before = table.force[0].copy()
+    slots = Ranking(one).dominant(np.array([into, lost]), table)
+    np.testing.assert_array_equal(slots, [0])
+    elements.put(table, slots, one, np.array([into]), BODY)
+    touch = rough.height[into] - rough.height[lost]
+    ahead = table.approach()[0] < 0.9 * touch
+    beyond = (table.flags[0] & Flag.BEYOND_RADIUS) > 0
+    kept = ahead & ~beyond
+    np.testing.assert_allclose(table.force[0, kept], before[kept], rtol=5e-3)
+    assert (np.diff(table.force[0]) > 0).all()
