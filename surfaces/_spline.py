@@ -11,10 +11,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from . import _threads
+from ._compiled import compiled
 from ._spline_filter import LINES, PAD, filter_columns, filter_rows
 from ._spline_form import spline_expansion
 
@@ -39,7 +39,7 @@ def coefficients(heights: NDArray[np.float64], periodic: bool) -> NDArray[np.flo
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def expand(flat, width, y, x):
     """Height, gradient and second derivatives (h, h_y, h_x, h_yy, h_xy, h_xx) per pixel.
 
@@ -52,7 +52,7 @@ def expand(flat, width, y, x):
     return spline_expansion(flat, corner, width, y - row, x - col)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def evaluate_all(flat, width, ys, xs, out):
     """Heights at several points."""
     for k in range(ys.size):

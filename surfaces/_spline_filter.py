@@ -10,9 +10,10 @@ from __future__ import annotations
 from typing import Any
 
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
 
+from ._compiled import compiled
 from ._vectors import constant, data_of, load, multiply_add, store, transposed
 
 __all__ = ["LINES", "PAD", "filter_columns", "filter_rows"]
@@ -90,7 +91,7 @@ def _turn(typing: Any, source: Any, start: Any, step: Any, target: Any, to: Any,
     return types.void(source, place, place, target, place, place), code
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def _filter(line, m, periodic):
     """Fill the padding of the m points of the lines and filter them in place."""
     n = m + 2 * PAD
@@ -119,7 +120,7 @@ def _filter(line, m, periodic):
         _backwards(line, i * LINES, (i + 1) * LINES, (i + 2) * LINES)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def filter_columns(heights, periodic, flat, line, start, stop):
     """Filter the columns [start, stop) of the map into the padded array `flat`."""
     ny, nx = heights.shape
@@ -143,7 +144,7 @@ def filter_columns(heights, periodic, flat, line, start, stop):
                 flat[place + k] = line[i * LINES + k]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def filter_rows(flat, nx, periodic, line, start, stop):
     """Filter the rows [start, stop) of the padded array in place."""
     width = nx + 2 * PAD

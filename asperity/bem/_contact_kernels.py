@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from surfaces._compiled import compiled
 
 Index = NDArray[np.int64]
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _root(parent: Index, i: int) -> int:
     while parent[i] != i:
         parent[i] = parent[parent[i]]
@@ -19,7 +20,7 @@ def _root(parent: Index, i: int) -> int:
     return i
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _row_runs(row: NDArray[np.float64], nx: int, begin: Index, end: Index) -> int:
     """First and last + 1 column of each run of positive values; returns their number."""
     n = 0
@@ -39,7 +40,7 @@ def _row_runs(row: NDArray[np.float64], nx: int, begin: Index, end: Index) -> in
     return n
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _join(
     parent: Index,
     begin: Index,
@@ -68,7 +69,7 @@ def _join(
     return common, joints
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def contact_counts(pressure: NDArray[np.float64], nx: int, periodic: bool) -> Any:
     """Pixels under pressure, their edges to others, and their patches (edge neighbors).
 

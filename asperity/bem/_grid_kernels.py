@@ -9,15 +9,17 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 from numpy.typing import NDArray
+
+from surfaces._compiled import compiled
 
 _FAST = {"reassoc", "contract", "nsz", "nnan"}
 BLOCK = 64
 Grid = NDArray[np.floating[Any]]
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
+@compiled(parallel=True, fastmath=_FAST)
 def contact_sums(pressure: Grid, displacement: Grid, heights: Grid, block_low: Grid) -> Any:
     """Count, sum of gap, lowest gap, load, load times gap, load times u, largest |u|; gap = u - h.
 
@@ -57,7 +59,7 @@ def contact_sums(pressure: Grid, displacement: Grid, heights: Grid, block_low: G
     return count, gap_sum, lowest, total, work, moment, largest
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@compiled(parallel=True)
 def select(
     pressure: Grid, displacement: Grid, heights: Grid, block_low: Grid, threshold: float
 ) -> Any:
@@ -96,7 +98,7 @@ def select(
     return start, columns, p, g
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
+@compiled(parallel=True, fastmath=_FAST)
 def moments(heights: Grid) -> Any:
     """Mean, largest, and root-mean-square height about the mean."""
     total, highest = 0.0, -np.inf
@@ -117,7 +119,7 @@ def moments(heights: Grid) -> Any:
     return mean, highest, np.sqrt(square / heights.size)
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@compiled(parallel=True)
 def finish(pressure: Grid, displacement: Grid, heights: Grid, unit: float, level: float) -> None:
     """Turn p~ into pressure and u into the gap above a level, in place."""
     ny, nx = heights.shape
@@ -127,7 +129,7 @@ def finish(pressure: Grid, displacement: Grid, heights: Grid, unit: float, level
             displacement[y, x] -= heights[y, x] + level
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@compiled(parallel=True)
 def extrapolate(now: Grid, old: Grid, share_now: float, share_old: float) -> None:
     """Replace (now, old) by (share_now now + share_old old, now)."""
     for y in prange(now.shape[0]):
@@ -137,7 +139,7 @@ def extrapolate(now: Grid, old: Grid, share_now: float, share_old: float) -> Non
             old[y, x] = value
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@compiled(parallel=True)
 def put(grid: Grid, start: NDArray[np.int64], columns: NDArray[np.int32], values: Grid) -> None:
     """Write the values of a list into the grid, zero elsewhere."""
     for y in prange(start.size - 1):
@@ -146,7 +148,7 @@ def put(grid: Grid, start: NDArray[np.int64], columns: NDArray[np.int32], values
             grid[y, columns[k]] = values[k]
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
+@compiled(parallel=True, fastmath=_FAST)
 def multiply(parts: Grid, symbol: Grid) -> None:
     """Scale a half spectrum, seen as its real and imaginary parts, in place.
 
@@ -161,7 +163,7 @@ def multiply(parts: Grid, symbol: Grid) -> None:
             row[2 * x + 1] *= factor[x]
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def load_columns(
     spectrum: NDArray[np.complex128], first: int, count: int, lines: NDArray[np.complex128]
 ) -> None:
@@ -173,7 +175,7 @@ def load_columns(
     lines[:, ny:] = 0.0
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def scale_columns(symbol: Grid, first: int, count: int, parts: Grid) -> None:
     """Scale lines of columns, seen as real and imaginary parts, by an even symbol."""
     n = parts.shape[1] // 2
@@ -185,7 +187,7 @@ def scale_columns(symbol: Grid, first: int, count: int, parts: Grid) -> None:
             line[2 * y + 1] *= factor
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def store_columns(
     spectrum: NDArray[np.complex128], first: int, count: int, lines: NDArray[np.complex128]
 ) -> None:
@@ -195,7 +197,7 @@ def store_columns(
             spectrum[y, first + c] = lines[c, y]
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
+@compiled(parallel=True, fastmath=_FAST)
 def interpolate(
     coarse: Grid,
     fine: Grid,
@@ -229,7 +231,7 @@ def interpolate(
     return total / (ny * nx)
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@compiled(parallel=True)
 def powers(ky: Grid, kx: Grid, power: float, factor: float, result: Grid) -> None:
     """Factor times (ky + kx)**power on the grid of both, zero at the first point."""
     for y in prange(ky.size):
@@ -243,7 +245,7 @@ def powers(ky: Grid, kx: Grid, power: float, factor: float, result: Grid) -> Non
     result[0, 0] = 0.0
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@compiled(parallel=True)
 def far_cells(hy: float, hx: float, m: float, factor: float, result: Grid) -> None:
     """Factor times the integral of r**-(1+m) over cells far from the origin.
 

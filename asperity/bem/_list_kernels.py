@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 from numpy.typing import NDArray
+
+from surfaces._compiled import compiled
 
 _FAST = {"reassoc", "contract", "nsz"}
 Single = NDArray[np.float32]
@@ -14,7 +16,7 @@ Double = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
+@compiled(parallel=True, fastmath=_FAST)
 def measure(
     p: Double,
     moved: Single,
@@ -59,7 +61,7 @@ def measure(
     return level, lowest, work / total, inside, energy, shift
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
+@compiled(parallel=True, fastmath=_FAST)
 def turn(
     active: Flags,
     count: int,
@@ -96,7 +98,7 @@ def turn(
     return norm
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
+@compiled(parallel=True, fastmath=_FAST)
 def advance(
     active: Flags,
     count: int,
@@ -143,7 +145,7 @@ def advance(
     return negative
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
+@compiled(parallel=True, fastmath=_FAST)
 def cut(p: Double, base: Double, moved: Single, total: float) -> float:
     """Cut negative pressures, scale to the load, and form p - base; returns the largest |p - base|.
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 from numpy.typing import NDArray
+
+from surfaces._compiled import compiled
 
 from ._simd import LANES, RADIUS, points_short, tile, tile_short
 from ._simd import points as points_wide
@@ -23,7 +25,7 @@ Single = NDArray[np.float32]
 Index = NDArray[np.int64]
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def cut_tiles(start: Index, columns: NDArray[np.int32], stride: int) -> Any:
     """Cut the runs of a list into tiles of up to 16 neighbors; shorter pieces into points.
 
@@ -51,7 +53,7 @@ def cut_tiles(start: Index, columns: NDArray[np.int32], stride: int) -> Any:
     return tiles[:n_tiles].copy(), points[:n_points].copy()
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@compiled(parallel=True)
 def near(
     grid: Single,
     shape: tuple[int, int],
@@ -118,7 +120,7 @@ def near(
         result[points[m, 1]] = found[3]
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
+@compiled(parallel=True, fastmath=_FAST)
 def spread(
     start: Index,
     columns: NDArray[np.int32],
@@ -190,7 +192,7 @@ def spread(
                     target[x] += weight * row[x]
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath=_FAST)
+@compiled(parallel=True, fastmath=_FAST)
 def gather(
     start: Index,
     columns: NDArray[np.int32],

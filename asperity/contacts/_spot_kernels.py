@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from surfaces._compiled import compiled
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def spots(pairs, depth, approach, area):
     """Number of separate spots of the contacts with an `area`; two that have joined are one.
 

@@ -12,6 +12,8 @@ import math
 import numpy as np
 from numba import carray, njit
 
+from surfaces._compiled import compiled
+
 from ._scratch import BLOCK, COLUMNS, floats
 from .footprint import PAIR_NODES, SMOOTH_DEGREE
 
@@ -112,7 +114,7 @@ def set_doubt(count, s, row, column, reach, skew):
         s[k + SKEW] = both - NEGLIGIBLE * s[k + reach]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@compiled(error_model="numpy", fastmath=FAST)
 def long_pairs(count, listed, away, wide, form, shape, beads, power, lack):
     """What listed pairs of footprints i, j (2, n), `away` (2, n) from each other, lack for not
     being round, into `lack` (4, n): value, gradient by y and x, and by how much their moments

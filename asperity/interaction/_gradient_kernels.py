@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from numba import njit
+from surfaces._compiled import compiled
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def weigh(stiffness, residual, held):
     """sum k (r - c)^2, c the mean of r weighted by k if the sum is held, else zero."""
     square = 0.0
@@ -19,7 +19,7 @@ def weigh(stiffness, residual, held):
     return max(square - first * first / total, 0.0) if held else square
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def aim(residual, stiffness, cell, inverse, total, held, far):
     """Preconditioned residual z_i = k_i (r_i + far_c), c the cell of i, its sum zero if held.
 
@@ -60,7 +60,7 @@ def aim(residual, stiffness, cell, inverse, total, held, far):
     return max(square - mean * first, 0.0), mean, max(product - shift * response, 0.0)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def advance(length, direction, image, solution, residual):
     """One step of conjugate gradients along `direction` with the matrix's `image` of it."""
     for i in range(solution.size):
@@ -68,14 +68,14 @@ def advance(length, direction, image, solution, residual):
         residual[i] -= length * image[i]
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def redirect(ratio, stiffness, residual, cell, far, direction):
     """New direction: the preconditioned residual of `aim` plus `ratio` times the old one."""
     for i in range(direction.size):
         direction[i] = stiffness[i] * (residual[i] + far[cell[i]]) + ratio * direction[i]
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def dot(a, b):
     """Scalar product, in one thread."""
     total = 0.0

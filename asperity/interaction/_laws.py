@@ -7,6 +7,8 @@ import math
 import numpy as np
 from numba import njit
 
+from surfaces._compiled import compiled
+
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
 
 
@@ -52,7 +54,7 @@ def _primitive(e0, e1, e2, e3, shares, factor, v):
     return v * v * factor * (e0 * q0 + v * (e1 * q1 + v * (e2 * q2 + v * (e3 * q3))))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def evaluate(
     rows,
     index,
@@ -111,7 +113,7 @@ def evaluate(
         growth[i] = grown
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def convex(place, force):
     """Replace each row of `force` by the largest convex function below it (lower hull)."""
     nodes = place.size
@@ -142,7 +144,7 @@ def _slope(e0, e1, e2, e3, power, v):
     return max(_raise(v, power - 1.0) * (power * s + v * ds), 0.0)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def tabulate(reach, force, stiffness, area, power, factor, exponent, table):
     """Fill the rows of `table` (see `Laws`) from sound nodal values.
 

@@ -7,6 +7,8 @@ import math
 import numpy as np
 from numba import njit
 
+from surfaces._compiled import compiled
+
 from ._select import LANES, keep_near
 
 
@@ -21,7 +23,7 @@ def _beside(place, step, count, wrap):
     return other
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def by_cell(y, x, size, cells, order, start):
     """Points in the order of their cells, row by row, into `order`; `start` bounds each cell."""
     ncy, ncx = cells
@@ -40,7 +42,7 @@ def by_cell(y, x, size, cells, order, start):
         next_in[cell[i]] += 1
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def most_pairs(start, cells, wrap, rows):
     """Pairs of points in the same or neighbouring cells, for the rows of cells."""
     ncy, ncx = cells
@@ -60,7 +62,7 @@ def most_pairs(start, cells, wrap, rows):
     return total
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def half_list(y, x, start, cells, size, wrap, cut, rows, k, ptr, col, pair):
     """Pairs of points i < j closer than sqrt(cut) for the rows [rows[0], rows[1]) of cells.
 

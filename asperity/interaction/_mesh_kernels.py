@@ -11,6 +11,8 @@ import math
 import numpy as np
 from numba import njit
 
+from surfaces._compiled import compiled
+
 FAST = {"reassoc", "contract", "nsz"}
 
 
@@ -39,7 +41,7 @@ def _lines(first, count):
     return a, b, c, d
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@compiled(fastmath=FAST)
 def deposit(rows, y, x, force, variance, cap, dipole, per_step, grid):
     """Spread sources on the meshes `grid` (1 or 2, my, mx).
 
@@ -76,7 +78,7 @@ def deposit(rows, y, x, force, variance, cap, dipole, per_step, grid):
                     grid[one, lines[a], columns[b]] += change
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@compiled(fastmath=FAST)
 def gather(
     rows,
     y,
@@ -154,7 +156,7 @@ def gather(
             longer[i] = scale[0] * extra
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@compiled(fastmath=FAST)
 def sample(y, x, per_step, grid, out):
     """Mesh potential at any points."""
     my, mx = grid.shape
@@ -172,7 +174,7 @@ def sample(y, x, per_step, grid, out):
         out[i] = value
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@compiled(fastmath=FAST)
 def spline(rows, index, y, x, variance, cap, per_step, place, weight):
     """First line and column (n, 2) and the 16 weights (n, 4, 4) of spread forces at the points
     `index`, as `deposit` and `gather` apply them."""
@@ -193,7 +195,7 @@ def spline(rows, index, y, x, variance, cap, per_step, place, weight):
                 weight[k, a, b] = value * wx[b] + bent * cx[b]
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def spread(rows, place, weight, vector, grid):
     """Forces `vector` on the mesh by stored weights."""
     grid[:] = 0.0
@@ -214,7 +216,7 @@ def spread(rows, place, weight, vector, grid):
                     grid[row, (ix + b) % mx] += value * weight[k, a, b]
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def collect(rows, place, weight, vector, grid, diagonal, part, scale, out):
     """scale (diagonal vector + mesh potential by stored weights + near `part`s), into `out`."""
     my, mx = grid.shape
@@ -238,7 +240,7 @@ def collect(rows, place, weight, vector, grid, diagonal, part, scale, out):
         out[k] = scale * value
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def smooth_symbol(qy, qx, along, across, power, table, scale, out):
     """Product of `along`, `across` and q^-power times the table, read at scale q^power."""
     last = table.size - 2

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numba import carray, njit
 
+from surfaces._compiled import compiled
+
 from ._block_kernels import (
     BEND,
     BOTH,
@@ -107,7 +109,7 @@ def _fill(i, k, stop, ptr, row):
             return count, i, k
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@compiled(error_model="numpy", fastmath=FAST)
 def near_fields(
     rows,
     force,

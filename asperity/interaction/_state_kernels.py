@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from surfaces._compiled import compiled
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def deflect(force, stiffness, approach, tilt, lean, modulus, power, limit, gain, aside):
     """Height gained and shift (n, 2) of each contact; `deflection` has the formulas."""
     for i in range(force.size):
@@ -29,7 +29,7 @@ def deflect(force, stiffness, approach, tilt, lean, modulus, power, limit, gain,
         aside[i, 1] = -bend * share * along_x
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def lag(force, stiffness, tilt, aside, fresh, moved, gain):
     """Share of the load that the difference between `aside` and `fresh` can make."""
     whole = 0.0
@@ -51,7 +51,7 @@ def lag(force, stiffness, tilt, aside, fresh, moved, gain):
     return change / whole * max(afar, own) / load if whole > 0.0 else 0.0
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def balance(stiffness, error):
     """Mean of the errors, weighted by stiffness."""
     total = 0.0
@@ -62,7 +62,7 @@ def balance(stiffness, error):
     return moment / total if total > 0.0 else 0.0
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def imbalance(gap, value, growth, slope, approach, force, stiffness, wanted, error):
     """Fill z - s - u and what it exceeds the approach by; sum of stiffness times size of that, and
     the load."""
@@ -76,7 +76,7 @@ def imbalance(gap, value, growth, slope, approach, force, stiffness, wanted, err
     return total, load
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def fall(gap, error, force, approach, value, work, force1, approach1, value1, work1):
     """Change of energy from one point to another (1) at one gap, minus the work of the errors along
     it, and the size of the energies."""

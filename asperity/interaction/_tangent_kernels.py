@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import carray, njit
+from numba import carray
+
+from surfaces._compiled import compiled
 
 from ._block_kernels import (
     BOTH,
@@ -28,7 +30,7 @@ from ._block_kernels import (
 from ._scratch import BLOCK, COLUMNS, floats, places
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@compiled(error_model="numpy", fastmath=FAST)
 def tangent_list(
     rows,
     ptr,
@@ -128,7 +130,7 @@ def tangent_list(
                 break
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def near_tangent(rows, tptr, tcol, tval, v, out):
     """Near pairs of the tangent matrix times v, both ways."""
     out[:] = 0.0

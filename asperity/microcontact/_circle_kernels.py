@@ -9,7 +9,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from surfaces._compiled import compiled
 
 from ._lane_functions import least, most, sine_cosine
 from ._lane_layout import groups, spread_rows
@@ -19,7 +20,7 @@ QUANTITIES = 11
 """Numbers at every radius, see `expand_profiles`."""
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def _directions(phi, rays, count, cosine, sine):
     """cos n phi and sin n phi of all rays, n < count."""
     for k in range(rays):
@@ -34,7 +35,7 @@ def _directions(phi, rays, count, cosine, sine):
             cn, sn = cn * c - sn * s, sn * c + cn * s
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def _lengthen(q, rays, nodes, out):
     """The nodes of all rays, with one more at both ends for parabolic slopes there."""
     wide = nodes + 2
@@ -48,7 +49,7 @@ def _lengthen(q, rays, nodes, out):
         store(out, o + 1, 3.0 * (load(out, o) - load(out, o - 1)) + load(out, o - 2))
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def _applied(q, first, wide, edge, a, m, nodes, radial, share, rays, k, out):
     """Radial operators of ray k at the radii a, times its share of the angle.
 
@@ -95,7 +96,7 @@ def _applied(q, first, wide, edge, a, m, nodes, radial, share, rays, k, out):
         store(out, n * rays + k, share * load(out, n * rays + k))
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def _sum(array, first, count):
     total = splat(0.0)
     for k in range(first, first + count):
@@ -103,7 +104,7 @@ def _sum(array, first, count):
     return total
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def _reduced(applied, rays, cosine, sine, share, harmonics, waves, row, place):
     """Angular part of `expand_profiles` for one radius; `waves` is working space."""
     count = harmonics.size - 1
@@ -158,7 +159,7 @@ def circle_space(rays: int, samples: int, count: int) -> tuple[Any, ...]:
     return tuple(map(groups, own)), tuple(map(groups, angular))
 
 
-@njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def expand_profiles(begin, end, profiles, fractions, nodes, radial, harmonics, m, out, space):
     """Approach, its slope, mean profile and squared edge amplitudes at a grid of radii.
 

@@ -10,7 +10,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from surfaces._compiled import compiled
 
 from ._contour_kernels import FIELDS, NODES, amplitudes, displace, limits, second_order
 from ._fit_kernels import FITS
@@ -50,7 +51,7 @@ _SINGLE = 7
 made at it, first and last trusted level, and 1 while it is followed."""
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def _mixed(fit, fits, position, out):
     """Polynomials between two nested ones: `position` 0 is the largest, fits - 1 the smallest."""
     for r in range(TERMS):
@@ -61,7 +62,7 @@ def _mixed(fit, fits, position, out):
             store(out, r, load(out, r) + weight * load(fit, s * TERMS + r))
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def _values(coefs, a, b, depth, moments, out):
     """Monomials at the ends of the axes: f minus the approach, and each times its degree.
 
@@ -98,7 +99,7 @@ def march_space(rays: int) -> tuple[Any, ...]:
     return tuple(tuple(map(groups, counts)) for counts in (pose, present, (STATES, 2)))
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _enter(lane, k, coefs, frames, scales, rays, pose, present):
     """Put profile k into a lane, at its first ellipse."""
     fits, edge, _, single = present
@@ -120,7 +121,7 @@ def _enter(lane, k, coefs, frames, scales, rays, pose, present):
     single[_ALIVE * LANES + lane] = 1.0
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def march_rows(
     coefs, frames, scales, rays, levels, steps, m, rows, grid, moments, found, space
 ):  # fmt: skip
@@ -253,7 +254,7 @@ def march_rows(
                 single[_ALIVE * LANES + lane] = 0.0
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def _usable_from(k, scales):
     """First profile with a fit from number k on, or their number."""
     while k < len(scales) and scales[k, LANES - 1] == 0.0:
@@ -261,7 +262,7 @@ def _usable_from(k, scales):
     return k
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def _advance(pose, along, across, a, b, tc, ts):
     """Newton step from the pose that was used, about the semi-axes a, b; returns its size."""
     for i in range(5):
@@ -282,7 +283,7 @@ def _advance(pose, along, across, a, b, tc, ts):
     return still
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def _predict(pose, stop, going, level, growths):
     """Slopes of the poses over the logarithm of the approach, and poses at the next levels."""
     growth = entries(growths, level)
@@ -297,7 +298,7 @@ def _predict(pose, stop, going, level, growths):
         store(pose, _USED + i, where(going, present + slope * following, used))
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def _keep(shape, mask, a, b, x0, y0, turn, X):
     """Remember the contours where the mask holds."""
     store(shape, 0, where(mask, a, load(shape, 0)))

@@ -6,7 +6,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from surfaces._compiled import compiled
 
 from ._fit_kernels import FITS, fit, fit_space, usable
 from ._lane_functions import between, exponential, least, logarithm, most, sine_cosine
@@ -25,7 +26,7 @@ _POWER = 0.63
 """The axis ratio of a Hertzian contact is about this power of the ratio of curvatures."""
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def _frame(phi, angle, weight, large, small, edge, q, nodes, skews, rays, scales, frame, wide):
     """Length, height, ratio of the rays and number of the base ellipse of profiles.
 
@@ -77,7 +78,7 @@ def _frame(phi, angle, weight, large, small, edge, q, nodes, skews, rays, scales
     return number
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def _first_ellipse(coefs, depth, m, scales):
     """Logarithms of the semi-axes for the paraboloids in the smallest fits."""
     o = (FITS - 1) * TERMS
@@ -103,7 +104,7 @@ def frame_space(rays: int, nodes: int, rules: tuple[Any, ...]) -> tuple[Any, ...
     return tuple(map(groups, samples)), tuple(map(groups, own)), fitting
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def fit_rows(begin, end, profiles, rules, depth, m, frames, coefs, scales, space):
     """Frames (rows of directions, lengths and reaches of the rays), fits and scales of profiles.
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from surfaces._compiled import compiled
 
 from ._lanes import FAST
 
 
-@njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def mean_excess(begin, end, q, edge, weight, curvature, axes, valid, weights, m, u, out):
     """Mean of f minus the paraboloid over the elliptic punch of semi-axes `axes` times u.
 

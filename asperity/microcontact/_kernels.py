@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from surfaces._compiled import compiled
 
 __all__ = ["evaluate_table", "resample"]
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def evaluate_table(rows, approach, reach, force, stiffness, area, p):
     """Force, its derivative and area at `approach`; see `LawTable`."""
     n = rows.size
@@ -57,7 +58,7 @@ def evaluate_table(rows, approach, reach, force, stiffness, area, p):
     return out
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def resample(u, ratios, flags, good, basin, intervals, p):
     """Columns of the law table from values over rising ``u = sqrt(approach)``.
 
@@ -111,7 +112,7 @@ def resample(u, ratios, flags, good, basin, intervals, p):
     return reach, values[0], values[1], values[2], marks, values[3]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def _lagrange(u, base, x, w, dw):
     """Weights of the value and of the slope at x of the cubic through four nodes."""
     for k in range(4):

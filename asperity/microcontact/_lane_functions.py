@@ -5,35 +5,35 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from surfaces._compiled import compiled
 
 from ._lanes import FAST, exponent, mantissa, power_of_two, splat, where, whole
 
 _INVERSE_FACTORIALS = np.array([1 / math.factorial(k) for k in range(11)])
 _SINES = np.array([(-1.0) ** k / math.factorial(2 * k + 1) for k in range(7)])
 _COSINES = np.array([(-1.0) ** k / math.factorial(2 * k) for k in range(7)])
-_SHORT = {"cache": True, "fastmath": FAST, "nogil": True, "error_model": "numpy"}
 
 
-@njit(**_SHORT)
+@compiled(fastmath=FAST, error_model="numpy")
 def least(a, b):
     """Smaller of two in each lane; the second where the first is not a number."""
     return where(a < b, a, b)
 
 
-@njit(**_SHORT)
+@compiled(fastmath=FAST, error_model="numpy")
 def most(a, b):
     """Larger of two in each lane; the second where the first is not a number."""
     return where(a > b, a, b)
 
 
-@njit(**_SHORT)
+@compiled(fastmath=FAST, error_model="numpy")
 def between(value, low, high):
     """Value kept between two; the lower where it is not a number."""
     return least(most(value, low), high)
 
 
-@njit(**_SHORT)
+@compiled(fastmath=FAST, error_model="numpy")
 def exponential(x):
     """e to the power of every lane, for |x| < 700."""
     n = whole(x * 1.4426950408889634 + 0.5)
@@ -44,7 +44,7 @@ def exponential(x):
     return s * power_of_two(n)
 
 
-@njit(**_SHORT)
+@compiled(fastmath=FAST, error_model="numpy")
 def logarithm(x):
     """Natural logarithm of positive numbers."""
     e, m = exponent(x), mantissa(x)
@@ -58,7 +58,7 @@ def logarithm(x):
     return e * 0.6931471805599453 + z * s
 
 
-@njit(**_SHORT)
+@compiled(fastmath=FAST, error_model="numpy")
 def sine_cosine(x):
     """Sine and cosine for |x| < 2."""
     h = 0.5 * x

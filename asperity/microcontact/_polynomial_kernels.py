@@ -6,7 +6,7 @@ x**i y**j of `galin.monomials`.
 
 from __future__ import annotations
 
-from numba import njit
+from surfaces._compiled import compiled
 
 from ._lanes import FAST, load, store
 from .galin import DEGREE
@@ -15,7 +15,7 @@ TERMS = (DEGREE + 1) * (DEGREE + 2) // 2
 """Number of monomials: a constant, so that the loops unroll."""
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def move(x0, y0, sine, tangent, out):
     """Coefficients about (x0, y0) in turned axes, by Taylor shifts and three shears.
 
@@ -47,7 +47,7 @@ def move(x0, y0, sine, tangent, out):
                         store(out, o + k - j, load(out, o + k - j) - above)
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def solve(matrix, vector):
     """Gaussian elimination in place of a positive system of five; upper triangle given."""
     n = 5

@@ -6,7 +6,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from surfaces._compiled import compiled
 
 from ._basin_kernels import basin_space, fill
 from ._ellipse_kernels import SHAPE_ROW, STATES
@@ -15,7 +16,7 @@ from ._lanes import LANES, load
 from ._row_kernels import carried_on, expanded_levels, marked, resampled, row_space
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def _write(made, nodes, lane, length, angle, units, n, out):
     """Row n of the table from a lane of the finished rows, in `units`."""
     _, force, stiffness, area, flags, spread, centre = out
@@ -49,7 +50,7 @@ def table_space(rays: int, samples: int, levels: int, nodes: int) -> tuple[Any, 
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def tabulate_rows(
     begin, profiles, frames, scales, found, levels, m, modulus, weights, punch, resampling, out,
     space,

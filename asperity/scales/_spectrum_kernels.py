@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from surfaces._compiled import compiled
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def shell_sums(waves, qy, qx, width, even, metric, m, out):
     """Add to `out` (shells, 8) sums of |h|^2 over the waves of each shell.
 

@@ -13,14 +13,15 @@ The pointer map ``link`` (int32, flat) holds one number per pixel:
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from .._compiled import compiled
 
 FLAT = np.int32(-(2**31))
 _ROWS = np.array([-1, -1, -1, 0, 0, 1, 1, 1])  # of the eight neighbors
 _COLS = np.array([-1, 0, 1, -1, 1, -1, 0, 1])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def ascend(heights, periodic, above, inverse, link, peaks, flats, runs, start, stop):
     """Link each flooded pixel of the rows [start, stop) to its steepest higher neighbor.
 
@@ -112,7 +113,7 @@ def ascend(heights, periodic, above, inverse, link, peaks, flats, runs, start, s
     return n_peaks, n_flats, n_runs, lows.min()
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def _beside(p, k, shape, periodic):
     """Neighbor k of pixel p; -1 beyond the border."""
     ny, nx = shape
@@ -124,7 +125,7 @@ def _beside(p, k, shape, periodic):
     return row * nx + col
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def _spread(flat, shape, periodic, link, queue, at, tail):
     """Link the plateau around the `tail` pixels in the queue towards them, nearest first.
 
@@ -145,7 +146,7 @@ def _spread(flat, shape, periodic, link, queue, at, tail):
     return tail
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def drain_plateaus(flat, shape, periodic, link, flats):
     """Link the pixels of plateaus; return the pixels that stand for plateaus that are peaks.
 
@@ -193,7 +194,7 @@ def drain_plateaus(flat, shape, periodic, link, flats):
     return found[:n_peaks]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def follow(link, runs):
     """Replace the links of the pixels of all runs by the label at the end of their way up.
 

@@ -7,8 +7,9 @@ costs half as much then as on its own.
 from __future__ import annotations
 
 import numpy as np
-from numba import from_dtype, njit
+from numba import from_dtype
 
+from .._compiled import compiled
 from .._spline_filter import PAD
 from .._spline_form import LANES, TAPS, spline_values
 from ._climb import FLATTEST
@@ -43,7 +44,7 @@ _RAY = from_dtype(
 )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def _look(
     flat, cell, rays, live, groups, radii, first, corners, rest, weights, pixels, out
 ):  # fmt: skip
@@ -67,7 +68,7 @@ def _look(
             spline_values(flat, int(cell[5]), corners, at, weights, rest, out, group * LANES)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def _march(flat, cell, labels, owner, dip, rays, live, radii, corners, rest, weights, pixels, zs):
     """Find the `end` of the rays of `live`: the first local maximum of f, or their limit.
 
@@ -94,7 +95,7 @@ def _march(flat, cell, labels, owner, dip, rays, live, radii, corners, rest, wei
             break
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def _advance(ray, signs, radii, first, at, zs):
     """Take a ray on by the samples from number `first` on; returns whether it goes on.
 
@@ -124,7 +125,7 @@ def _advance(ray, signs, radii, first, at, zs):
     return not ended and stop == LANES
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def _crest(ray, radii):
     """Where f is highest: at the vertex of the parabola through the highest of its samples."""
     edge = radii[ray.top]
@@ -136,7 +137,7 @@ def _crest(ray, radii):
     return max(min(edge, ray.end), 0.5)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def fit(
     flat, cell, labels, owner, dip, peak, y, x, z, way_y, way_x, pixel, limit, radii, shares, tip,
     slot, edge, q,

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from .._compiled import compiled
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def touching(heights, labels, periodic, counts, runs):
     """Add the pixels of each basin, and find the highest pass between touching basins, in the runs.
 
@@ -89,7 +90,7 @@ def touching(heights, labels, periodic, counts, runs):
     return keys[:used], passes[:used]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def _doubled(keys, passes, used):
     """The same lists with twice the room."""
     more_keys, more_passes = np.empty(2 * keys.size, np.int64), np.empty(2 * keys.size)
@@ -98,7 +99,7 @@ def _doubled(keys, passes, used):
     return more_keys, more_passes
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def merge(height, low, high, passes, lowest, min_prominence):
     """Join basins over their passes, highest first.
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from .._compiled import compiled
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract"})
+@compiled(error_model="numpy", fastmath={"reassoc", "contract"})
 def sums(heights, start, first, last):
     """Sums over the rows [first, last) and over the differences that begin there.
 
@@ -58,7 +59,7 @@ def sums(heights, start, first, last):
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract"})
+@compiled(error_model="numpy", fastmath={"reassoc", "contract"})
 def _squares(a, b):
     """Number and sum of squares of the differences present."""
     number, total = 0.0, 0.0
@@ -71,7 +72,7 @@ def _squares(a, b):
     return number, total
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract"})
+@compiled(error_model="numpy", fastmath={"reassoc", "contract"})
 def _bends(a, b, c):
     """Number, sum of squares and of fourth powers of the second differences present."""
     number, total, fourth = 0.0, 0.0, 0.0
