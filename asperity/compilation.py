@@ -73,6 +73,8 @@ def compile_ahead(parts: Sequence[str], material: HalfSpace, boundary: Boundary)
         for child in children:
             child.terminate()
             child.wait()
+    for index in _indices():
+        index.touch()  # Numba, which compares contents, leaves it where only the date is new
 
 
 @contextmanager
@@ -92,10 +94,16 @@ def _cold() -> bool:
     """Whether the largest kernel has not been compiled since its source was written."""
     from .microcontact import _tabulate_kernels
 
-    source = Path(_tabulate_kernels.__file__)
+    newest = max((index.stat().st_mtime for index in _indices()), default=0.0)
+    return newest < Path(_tabulate_kernels.__file__).stat().st_mtime
+
+
+def _indices() -> list[Path]:
+    """Files in which Numba notes what it has compiled of the largest kernel."""
+    from .microcontact import _tabulate_kernels
+
     folder = Path(str(_tabulate_kernels.tabulate_rows.stats.cache_path))
-    newest = max((f.stat().st_mtime for f in folder.glob(f"{source.stem}.*.nbi")), default=0.0)
-    return newest < source.stat().st_mtime
+    return list(folder.glob(f"{Path(_tabulate_kernels.__file__).stem}.*.nbi"))
 
 
 def _sum_of_contacts(material: HalfSpace, boundary: Boundary) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -30,6 +31,16 @@ def test_no_process_starts_where_the_code_is_there(monkeypatch):
 
     monkeypatch.setattr(subprocess, "Popen", started)
     compilation.compile_ahead(("laws", "bem"), BODY, "periodic")
+
+
+def test_a_new_date_of_the_source_starts_processes_once(monkeypatch):
+    compilation._laws(BODY, "periodic")
+    for index in compilation._indices():
+        os.utime(index, (0.0, 0.0))
+    assert compilation._cold()
+    monkeypatch.setattr(compilation, "_sum_of_contacts", lambda *_: None)
+    compilation.compile_ahead((), BODY, "periodic")
+    assert not compilation._cold()
 
 
 def test_a_part_that_fails_is_left_to_the_run_itself(monkeypatch):
