@@ -218,7 +218,7 @@ def solve_contacts(
                 checkpoint=checkpoint,
             )
         place = bodies.point(state)
-        states[i], places[i] = without_gap(plan, state, place), place
+        states[i], places[i] = bodies.refused(without_gap(plan, state, place)), place
         patches[i], lift = spot_count(bodies, state), places[i].separation - state.separation
         if progress is not None:
             progress(state)
