@@ -64,8 +64,9 @@ def test_stiffness_of_a_curve_is_that_of_boundary_elements(cutoff, m):
 
 
 def test_runs_that_are_joined_have_the_stiffness_of_all_points():
+    # so many hills that no two of them are pressed as one at the heaviest load, and at others not
     hm = self_affine(
-        (96, 120), (96.0, 96.0), hurst=0.8, rms_slope=0.1, rolloff=32.0, cutoff=8, seed=3
+        (96, 120), (96.0, 96.0), hurst=0.8, rms_slope=0.1, rolloff=16.0, cutoff=8, seed=3
     )
     body = asperity.HalfSpace.from_modulus(1.0)
     loads = np.geomspace(4e-3, 4e-2, 4) * pressure_scale(hm, body)
@@ -73,6 +74,6 @@ def test_runs_that_are_joined_have_the_stiffness_of_all_points():
     joined = first.joined(later)
     whole = asperity.contact_curve(hm, body, pressures=loads)
     np.testing.assert_array_equal(later.stiffness, later.extra["tangent_stiffness"])
-    # the last point was started elsewhere: its tangent differs by 0.4 %, its separation by 0.1 %
+    # the last point was started elsewhere: its tangent differs by 0.5 %
     np.testing.assert_allclose(joined.stiffness, whole.stiffness, rtol=0.02)
-    assert joined.stiffness[3] > 1.01 * later.stiffness[0]
+    assert joined.stiffness[3] > 1.005 * later.stiffness[0]
