@@ -2,12 +2,14 @@
 
     python benchmarks/accuracy.py --points 512 --seeds 11 12 --out rows.csv
     python benchmarks/accuracy.py --points 256 --seeds 11 12 --measured-like --out like.csv
+    python benchmarks/accuracy.py --drawn --seeds 101 102 --out drawn.csv
     python benchmarks/accuracy.py --maps folder --out maps.csv
 
 Families: isotropic with the cut-off at 4, 8, 16, 32 pixels and Hurst exponents 0.5, 0.8, 0.9,
 anisotropic 4:1, plateau-honed, and graded m = +-0.3. Those with --measured-like resemble measured
 maps: spectra to the pixel, noise, spikes, lay on a form, steps, few summits (smooth, steep, blunt),
-tapered borders. Ten mean pressures from about 0.1 % to 15 % of contact.
+tapered borders. Ten mean pressures from about 0.1 % to 15 % of contact. Those with --drawn are
+drawn at random (drawn.py): eight mean pressures to about 30 % of contact, reference to 1e-4.
 
 The reference is solved on the map refined twice by its own Fourier series: the surface that the
 model sees, too. Columns: family, seed, area_fraction (reference, corrected), load_error at equal
@@ -20,9 +22,11 @@ from __future__ import annotations
 
 import argparse
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from drawn import FAMILIES, drawn
 from numpy.typing import NDArray
 
 import asperity
@@ -34,6 +38,8 @@ from asperity.results.storage import write_csv
 
 TOLERANCE = 1e-6
 LOADS = np.geomspace(5e-4, 8e-2, 10)
+TOLERANCE_DRAWN = 1e-4
+LOADS_DRAWN = np.geomspace(2.5e-4, 0.16, 8)
 
 
 def families(points: int) -> dict[str, dict]:
@@ -115,9 +121,11 @@ def _steepened(hm: surfaces.HeightMap) -> NDArray[np.float64]:
 
 
 def curves(
-    hm: surfaces.HeightMap, body: asperity.HalfSpace, kept: Path | None
+    hm: surfaces.HeightMap, body: asperity.HalfSpace, boundary: str | None, args: argparse.Namespace
 ) -> tuple[asperity.ContactCurve, asperity.ContactCurve]:
-    """Boundary elements on the refined map and on the map itself; read back from `kept`."""
+    """Boundary elements on the refined map and on the map itself; kept and read back."""
+    loads, tolerance = (LOADS_DRAWN, TOLERANCE_DRAWN) if args.drawn else (LOADS, TOLERANCE)
+    kept = args.references
     fine = surfaces.resample(hm, np.asarray(hm.spacing) / 2)
     out = []
     for grid in (fine, hm):
@@ -125,23 +133,29 @@ def curves(
         if path and path.exists():
             out.append(asperity.ContactCurve.from_hdf5(path))
             continue
-        pressures = LOADS * pressure_scale(hm, body)
-        out.append(asperity.bem_curve(grid, body, pressures=pressures, tolerance=TOLERANCE))
+        pressures = loads * pressure_scale(hm, body)
+        solved = {"pressures": pressures, "tolerance": tolerance, "boundary": boundary}
+        out.append(asperity.bem_curve(grid, body, **solved))
         if path:
             out[-1].to_hdf5(path)
     return out[0], out[1]
 
 
 def rows_of(
-    name: str, hm: surfaces.HeightMap, body: asperity.HalfSpace, seed: int, kept: Path | None
+    name: str,
+    seed: int,
+    hm: surfaces.HeightMap,
+    body: asperity.HalfSpace,
+    boundary: str | None,
+    args: argparse.Namespace,
 ) -> dict[str, list]:
     """Errors of one surface at all loads."""
-    reference, own = curves(hm, body, kept)
+    reference, own = curves(hm, body, boundary, args)
     start = time.perf_counter()
-    plan = make_plan(hm, body, pressures=reference.mean_pressure)
+    plan = make_plan(hm, body, pressures=reference.mean_pressure, boundary=boundary)
     model = solve_contacts(hm, body, plan, pressures=reference.mean_pressure).curve
     seconds = time.perf_counter() - start
-    same = asperity.contact_curve(hm, body, separations=reference.separation)
+    same = asperity.contact_curve(hm, body, separations=reference.separation, boundary=boundary)
     slope = np.gradient(np.log(reference.mean_pressure), reference.separation)
     n = len(reference)
     table = {
@@ -163,30 +177,32 @@ def rows_of(
     return table | {name: np.asarray(v).tolist() for name, v in same.extra.items()}
 
 
-def scenes(args: argparse.Namespace) -> list[tuple[str, int, surfaces.HeightMap, float]]:
-    """Name, seed, map and exponent of the grading of everything asked for."""
+def scenes(
+    args: argparse.Namespace,
+) -> Iterator[tuple[str, int, surfaces.HeightMap, float, str | None]]:
+    """Name, seed, map, exponent of the grading and boundary of everything asked for."""
+
+    def wanted(name: str) -> bool:
+        return not args.families or any(part in name for part in args.families)
+
     if args.maps:
-        return [
-            (path.stem, 0, _prepared(path), 0.0)
-            for path in sorted(args.maps.glob("*.h5"))
-            if not args.families or any(part in path.stem for part in args.families)
-        ]
-    out = []
+        for path in sorted(args.maps.glob("*.h5")):
+            if wanted(path.stem):
+                yield path.stem, 0, _prepared(path), 0.0, None
+        return
     for seed in args.seeds:
-        if args.measured_like:
-            found = measured_like(args.points, seed)
-            out += [
-                (name, seed, hm, 0.0)
-                for name, hm in found.items()
-                if not args.families or any(part in name for part in args.families)
-            ]
+        if args.drawn:
+            for name in filter(wanted, FAMILIES):
+                yield name, seed, *drawn(name, seed)
+        elif args.measured_like:
+            for name, hm in measured_like(args.points, seed).items():
+                if wanted(name):
+                    yield name, seed, hm, 0.0, None
         else:
-            out += [
-                (name, seed, surface(args.points, seed, recipe), recipe.get("m", 0.0))
-                for name, recipe in families(args.points).items()
-                if not args.families or any(part in name for part in args.families)
-            ]
-    return out
+            for name, recipe in families(args.points).items():
+                if wanted(name):
+                    hm = surface(args.points, seed, recipe)
+                    yield name, seed, hm, recipe.get("m", 0.0), None
 
 
 def _prepared(path: Path) -> surfaces.HeightMap:
@@ -199,15 +215,17 @@ def main() -> None:
     parser.add_argument("--points", type=int, default=512)
     parser.add_argument("--seeds", type=int, nargs="+", default=[11, 12])
     parser.add_argument("--families", nargs="*", default=[], help="parts of family names")
-    parser.add_argument("--measured-like", action="store_true", help="maps like measured ones")
-    parser.add_argument("--maps", type=Path, help="folder of measured maps, in place of families")
+    source = parser.add_mutually_exclusive_group()
+    source.add_argument("--measured-like", action="store_true", help="maps like measured ones")
+    source.add_argument("--drawn", action="store_true", help="maps drawn at random")
+    source.add_argument("--maps", type=Path, help="folder of measured maps, in place of families")
     parser.add_argument("--references", type=Path, help="folder that keeps the reference curves")
     parser.add_argument("--out", type=Path)
     args = parser.parse_args()
     collected: dict[str, list] = {}
-    for name, seed, hm, m in scenes(args):
+    for name, seed, hm, m, boundary in scenes(args):
         body = asperity.HalfSpace.from_modulus(1.0, m=m)
-        table = rows_of(name, hm, body, seed, args.references)
+        table = rows_of(name, seed, hm, body, boundary, args)
         for column, values in table.items():
             collected.setdefault(column, []).extend(values)
         light = np.array(table["area_fraction"]) < 0.08

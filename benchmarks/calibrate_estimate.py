@@ -4,8 +4,11 @@
     python benchmarks/accuracy.py --points 256 --seeds 11 12 13 --measured-like --out fit_like.csv
     python benchmarks/accuracy.py --points 256 --seeds 14 15 16 --measured-like \
         --families "few summits" --out fit_few.csv
+    python benchmarks/accuracy.py --drawn --seeds 1 2 11 12 13 14 15 16 --out fit_drawn.csv
     python benchmarks/accuracy.py --points 512 --seeds 21 22 31 32 --out check.csv
-    python benchmarks/calibrate_estimate.py --fit fit.csv fit_like.csv fit_few.csv --check check.csv
+    python benchmarks/accuracy.py --drawn --seeds 101 102 103 104 --out check_drawn.csv
+    python benchmarks/calibrate_estimate.py --fit fit.csv fit_like.csv fit_few.csv fit_drawn.csv \
+        --check check.csv check_drawn.csv
 
 Minimizes the pinball loss of quantile regression over non-negative weights (a linear program), so
 that a share QUANTILE of the errors lies inside the estimate. The error of a point is the larger of
