@@ -315,8 +315,8 @@ def press_rows(
     spacing; `summits` the pixels, places [pixels], heights [m], axes [rad], curvatures [1/m] and
     floors [m] of all (finite ones are of joined summits, which get twice the elements); `depths`
     the approaches [m], (n, levels), rising, zero after the last; `unit` the compliance of an
-    element of unit area; `out` is (n, levels, 4): a level that cannot be pressed and those above
-    stay zero.
+    element of unit area; `out` is (n, levels, 4): zero where too few elements overlap, and from the
+    level on at which the basin reaches too far.
     """
     heights, labels, owner, periodic, flat, width, spacing = surface
     peak_row, peak_col, places, tops, axes, curvature, floors = summits
@@ -355,8 +355,11 @@ def press_rows(
                 turn = _turn(heights, pixel_rows, pixel_cols, count, top - depth - below, spacing)
             c, s = math.cos(turn), math.sin(turn)
             rim = max(spacing[0], spacing[1])
-            box[:] = 0.0
+            box[0], box[1], box[2], box[3] = -rim, rim, -rim, rim
+            ny, nx = heights.shape
             for k in range(count):
+                if heights[pixel_rows[k] % ny, pixel_cols[k] % nx] < top - depth:
+                    continue
                 y = (pixel_rows[k] - place[0]) * spacing[0]
                 x = (pixel_cols[k] - place[1]) * spacing[1]
                 u, v = c * x + s * y, c * y - s * x
@@ -379,8 +382,10 @@ def press_rows(
                 if inside[k] and gap[k] > 0.0 and total < MOST:
                     row[total], col[total], overlap[total] = k // nu, k % nu, gap[k] / depth
                     total += 1
-            if total < 4 or total == MOST:
+            if total == MOST:
                 break
+            if total < 4:
+                continue
             _solve(total, row, col, overlap, kernels[kind], tolerance, matrix, closed, work)
             force, y, x = 0.0, 0.0, 0.0
             number[: nv * nu] = NONE

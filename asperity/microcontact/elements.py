@@ -64,7 +64,8 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
 
     Returns
     -------
-    Array of shape (n, levels, 4); zero where a basin reaches too far, and above.
+    Array of shape (n, levels, 4); zero where too few elements overlap, and from the level on at
+    which a basin reaches too far.
 
     Notes
     -----
@@ -137,6 +138,11 @@ def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: Ha
     wanted[:, 1:][np.diff(wanted, axis=1) == 0] = 0
     u = np.arange(table.nodes + 1) / table.nodes
     found = press(summits, rows, table.reach[slots, None] * u[wanted] ** 2, material)
+    lost = np.flatnonzero(found[:, 0, 0] == 0.0)  # too few elements: the expansion tells
+    node = slots[lost], first[lost]
+    found[lost, 0, 0], found[lost, 0, 1] = table.force[node], table.area[node]
+    if table.centre is not None:
+        found[lost, 0, 2:] = table.centre[node][:, ::-1]
     offsets = np.where(found[:, :, 0] > 0.0, wanted - first[:, None], -1)
     before = np.minimum(first - 1, BEFORE)
     kinds, kind = np.unique(np.column_stack((before, offsets)), axis=0, return_inverse=True)

@@ -222,6 +222,15 @@ def test_summits_that_join_are_pressed_as_one():
         assert alone[0] > 1.05 * whole.load  # neither feels the other
 
 
+def test_joined_summits_begin_as_the_highest_of_them():
+    """However small its contact is beside the basin of them all."""
+    apart = summits_of(two_summits())
+    depths = np.array([[1e-4, 1e-3, 5e-3]])
+    one = elements.press(dominant.joined(apart, BODY), np.array([0]), depths, BODY)[0]
+    first = elements.press(apart, np.array([0]), depths, BODY)[0]
+    np.testing.assert_allclose(one[:, :2], first[:, :2], rtol=0.02)
+
+
 def test_the_law_of_joined_summits_goes_on_from_the_first(rough):
     pairs = rough.owner[rough.peaks.neighbors]
     some = rough.valid[pairs].all(axis=1) & ~rough.border[pairs].any(axis=1)
