@@ -326,16 +326,14 @@ def press_rows(
     stack, number = np.empty((2, REACH * REACH), np.int64)
     edge = math.gamma(0.5 * (3.0 + m)) / math.gamma(0.5 * (5.0 - m))
     matrix = np.empty((MOST, MOST), np.float32)
-    closed, overlap, work = (
-        np.empty(MOST, np.float32), np.empty(MOST, np.float32), np.empty((3, MOST), np.float32)
-    )  # fmt: skip
+    closed, overlap = np.empty((2, MOST), np.float32)
+    work = np.empty((3, MOST), np.float32)
     row, col = np.empty((2, MOST), np.int64)
     box = np.empty(4)
-    stamp = 0
+    (ny, nx), rim, stamp = heights.shape, max(spacing[0], spacing[1]), 0
     for slot in range(first, last):
         peak = rows[slot]
         top = tops[peak]
-        at = peak_row[peak], peak_col[peak]
         place = places[peak]  # on the side of the seam where its pixel is
         for level in range(depths.shape[1]):
             depth = depths[slot, level]
@@ -345,8 +343,8 @@ def press_rows(
             below = max(top - depth - floors[peak], 0.0)
             wanted = 2.0 * points if floors[peak] < np.inf else points
             count = _flood(
-                heights, labels, owner, periodic, peak, at[0], at[1], top - depth - below, mark,
-                stamp, pixel_rows, pixel_cols,
+                heights, labels, owner, periodic, peak, peak_row[peak], peak_col[peak],
+                top - depth - below, mark, stamp, pixel_rows, pixel_cols,
             )  # fmt: skip
             if count == 0:
                 break
@@ -354,9 +352,7 @@ def press_rows(
             if count > FEW:
                 turn = _turn(heights, pixel_rows, pixel_cols, count, top - depth - below, spacing)
             c, s = math.cos(turn), math.sin(turn)
-            rim = max(spacing[0], spacing[1])
             box[0], box[1], box[2], box[3] = -rim, rim, -rim, rim
-            ny, nx = heights.shape
             for k in range(count):
                 if heights[pixel_rows[k] % ny, pixel_cols[k] % nx] < top - depth:
                     continue
