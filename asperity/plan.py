@@ -221,17 +221,21 @@ def _lowest_height(
     hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarray
 ) -> tuple[float | None, str]:
     """Height under which no summit is expected to touch, relative to the mean plane."""
+    whole = None, "segmentation: the whole map, the load may reach deep"
+    share = 0.0
+    if kind == "pressure":
+        share = _SPARE_SHARE + _DEPTH * expected_area_fraction(hm, material, float(values.max()))
+        if share >= _WORTH_IT:
+            return whole
     sample = hm.heights[:: _stride(hm), :: _stride(hm)].ravel() - hm.roughness.mean
     if kind == "separation":
         highest = hm.roughness.highest - hm.roughness.mean
         candidate = min(float(values.min()), highest) - 0.5 * hm.roughness.rms_height
     else:
-        area = expected_area_fraction(hm, material, float(values.max()))
-        share = _SPARE_SHARE + _DEPTH * area
-        candidate = float(np.quantile(sample, 1.0 - share)) if share < _WORTH_IT else -np.inf
+        candidate = float(np.quantile(sample, 1.0 - share))
     top = float(np.mean(sample > candidate))
     if top >= _WORTH_IT:
-        return None, "segmentation: the whole map, the load may reach deep"
+        return whole
     return candidate, f"segmentation: only the top {100 * top:.0f} % of the heights"
 
 

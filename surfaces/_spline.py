@@ -34,8 +34,8 @@ def coefficients(heights: NDArray[np.float64], periodic: bool) -> NDArray[np.flo
     def rows(start: int, stop: int) -> None:
         filter_rows(flat, nx, periodic, np.empty(out.shape[1] * LINES), start, stop)
 
-    _threads.run(columns, _threads.blocks(nx, 4 * LINES))
-    _threads.run(rows, _threads.blocks(len(out), 4 * LINES))
+    _threads.run(columns, _threads.lines(nx, out.size))
+    _threads.run(rows, _threads.lines(len(out), out.size))
     return out
 
 

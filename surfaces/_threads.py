@@ -12,11 +12,14 @@ from typing import Any
 
 from .errors import InputError
 
-__all__ = ["aside", "available", "blocks", "each", "run", "set_threads", "threads"]
+__all__ = ["aside", "available", "blocks", "each", "lines", "run", "set_threads", "threads"]
 
 _NAME = "row-blocks"
 _VARIABLE = "ASPERITY_THREADS"
 _chosen: int | None = None
+
+_POINTS = 2**17
+"""Points of a map that repay a thread, in a loop that takes a few ns for each."""
 
 
 @functools.cache
@@ -61,18 +64,29 @@ def blocks(count: int, least: int = 1) -> list[tuple[int, int]]:
     return list(itertools.pairwise(bounds))
 
 
+def lines(count: int, points: int) -> list[tuple[int, int]]:
+    """Split the `count` lines of a map of so many points into blocks that repay a thread."""
+    return blocks(count, count * _POINTS // points)
+
+
 def run(function: Callable[[int, int], Any], parts: list[tuple[int, int]]) -> list[Any]:
     """Call ``function(start, stop)`` for every block, at the same time; results in order."""
     return each(lambda part: function(*part), parts)
 
 
 def each(function: Callable[[Any], Any], parts: Sequence[Any]) -> list[Any]:
-    """Call ``function(part)`` for every part, at the same time; results in order."""
+    """Call ``function(part)`` for every part, at the same time; results in order.
+
+    A part that no other thread has begun by then is done by this one.
+    """
     if min(len(parts), threads()) == 1 or threading.current_thread().name.startswith(_NAME):
         return [function(part) for part in parts]
     pool = _pool(len(parts) - 1, os.getpid())
     others = [pool.submit(function, part) for part in parts[1:]]
-    return [function(parts[0]), *(other.result() for other in others)]
+    results = [function(parts[0])]
+    for part, other in zip(parts[1:], others, strict=True):
+        results.append(function(part) if other.cancel() else other.result())
+    return results
 
 
 def aside(function: Callable[[], Any]) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,7 +15,6 @@ from .peaks import Peaks
 
 __all__ = ["segment"]
 
-_LEAST_ROWS = 64  # rows that repay a thread
 _MOST_PIXELS = 2**31 - 4  # links are kept in 32 bits
 
 
@@ -87,13 +88,12 @@ def segment(
     counts, keys, tops = _passes(heights, labels, hm.periodic, summit.size, runs)
 
     height = heights.ravel()[summit]
-    (pairs, passes), (saddle, parent, keeper) = _threads.each(
-        lambda part: part(),
-        (
-            lambda: _unique_pairs(keys, tops, summit.size),
-            lambda: _merged(height, keys, tops, lowest, limit),
-        ),
+    both = (
+        lambda: _unique_pairs(keys, tops, summit.size),
+        lambda: _merged(height, keys, tops, lowest, limit),
     )
+    apart: Any = map if len(runs) == 1 else _threads.each  # as the map repaid a thread or not
+    (pairs, passes), (saddle, parent, keeper) = apart(lambda part: part(), both)
     kept = np.flatnonzero(keeper == np.arange(summit.size))
     if kept.size < summit.size:
         place = np.full(summit.size + 1, -1, np.int32)
@@ -189,7 +189,7 @@ def _links(
         )
         return peaks[:n_peaks], flats[:n_flats], runs[:n_runs], lowest
 
-    found = _threads.run(ascend, _threads.blocks(heights.shape[0], _LEAST_ROWS))
+    found = _threads.run(ascend, _threads.lines(heights.shape[0], heights.size))
     summits = [part[0] for part in found]
     flats = np.concatenate([part[1] for part in found])
     if flats.size:

@@ -10,6 +10,7 @@ from scipy import fft
 
 from .. import _spline, _threads
 from ..heightmap import HeightMap
+from ..statistics.roughness import BANDS
 from .filtering import resample_waves
 
 __all__ = ["coarse_map", "line_power", "shortest_wave"]
@@ -33,11 +34,9 @@ _WORTH_IT = 0.75
 _FEWEST = 64
 """Least points of the shorter side of a coarser grid."""
 
-_BLOCKS = 32
-"""Blocks per axis whose highest points must come back."""
-
 _MISSED, _MISSED_MOST = 5e-4, 5e-3
-"""Rms and largest deviation of those points, over the rms height."""
+"""Rms and largest deviation of the highest point of every block of a map that a coarser grid may
+have, over the rms height."""
 
 
 def coarse_map(hm: HeightMap) -> HeightMap | None:
@@ -121,7 +120,7 @@ def shortest_wave(hm: HeightMap, axis: int) -> float:
 
 def _holds(coarse: HeightMap, hm: HeightMap) -> bool:
     """Whether the highest point of every block of a map lies on the surface of a coarser one."""
-    rows, cols = _highest(hm.heights)
+    rows, cols = _highest(hm)
     spline = _spline.coefficients(coarse.heights, coarse.periodic)
     scale_y, scale_x = (n / m for n, m in zip(coarse.shape, hm.shape, strict=True))
     off = np.empty(rows.size)
@@ -139,12 +138,10 @@ def _holds(coarse: HeightMap, hm: HeightMap) -> bool:
     )
 
 
-def _highest(heights: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Row and column of the highest point of each block."""
-    ny, nx = (n // _BLOCKS for n in heights.shape)
-    lines = heights[: ny * _BLOCKS, : nx * _BLOCKS].reshape(_BLOCKS, ny, _BLOCKS * nx)
-    first = np.arange(_BLOCKS)
-    tops = lines.max(axis=1).reshape(_BLOCKS, _BLOCKS, nx)  # of the columns of each block
-    cols = tops.argmax(axis=2) + nx * first
-    inside = lines[first[:, None, None], np.arange(ny)[:, None], cols[:, None, :]]
-    return (inside.argmax(axis=1) + ny * first[:, None]).ravel(), cols.ravel()
+def _highest(hm: HeightMap) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Row and column of the highest point of each of `BANDS` times `BANDS` blocks."""
+    nx, found, band = hm.shape[1], hm.roughness, np.arange(BANDS)
+    bounds = nx * np.arange(BANDS + 1) // BANDS
+    columns = np.minimum(bounds[:-1, None] + np.arange(-(-nx // BANDS)), bounds[1:, None] - 1)
+    cols = columns[band, found.tops[:, columns].argmax(axis=2)]
+    return found.rows[band[:, None], cols].ravel(), cols.ravel()

@@ -250,7 +250,7 @@ def resample_waves(
         out[first:last] = fft.irfft(waves[first:last], n=nx, axis=1)
 
     for step, count in ((forth, len(heights)), (columns, across.size), (back, ny)):
-        _threads.run(step, _threads.blocks(count, _BLOCK))
+        _threads.run(step, _threads.lines(count, heights.size))
     return out
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Roughness", "roughness"]
 
-_LEAST_ROWS = 64
+BANDS = 32
+"""Bands of rows whose highest points are kept."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,9 @@ class Roughness:
         along an axis that does not vary.
     missing
         Number of missing points.
+    tops, rows
+        Height [m] and row of the highest point of each column in each of `BANDS` bands of rows,
+        shape (BANDS, nx); fewer bands if there are fewer rows.
     """
 
     mean: float
@@ -52,6 +56,8 @@ class Roughness:
     curvature: tuple[float, float]
     kurtosis: tuple[float, float]
     missing: int
+    tops: NDArray[np.float64] = field(repr=False, compare=False)
+    rows: NDArray[np.int64] = field(repr=False, compare=False)
 
     @property
     def rms_slope(self) -> float:
@@ -74,10 +80,14 @@ def roughness(hm: HeightMap) -> Roughness:
     to the first one present.
     """
     heights = hm.heights
-    ny = heights.shape[0]
+    ny, nx = heights.shape
+    bands = min(BANDS, ny)
+    bounds = ny * np.arange(bands + 1) // bands
+    tops, rows = np.empty((bands, nx)), np.zeros((bands, nx), np.int64)
     start = heights[0, 0] if heights[0, 0] == heights[0, 0] else np.nanmean(heights)
     parts = _threads.run(
-        lambda a, b: kernels.sums(heights, start, a, b), _threads.blocks(ny, _LEAST_ROWS)
+        lambda a, b: kernels.sums(heights, start, bounds, a, b, tops, rows),
+        _threads.lines(bands, heights.size),
     )
     table = np.array(parts)
     lowest, highest = table[:, 0].min(), table[:, 1].max()
@@ -98,6 +108,8 @@ def roughness(hm: HeightMap) -> Roughness:
         curvature=(rms[2], rms[3]),
         kurtosis=(_kurtosis(hm, total[7:10], 0), _kurtosis(hm, total[10:13], 1)),
         missing=int(heights.size - number),
+        tops=tops,
+        rows=rows,
     )
 
 

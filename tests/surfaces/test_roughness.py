@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 import surfaces
+from surfaces.statistics.roughness import BANDS
 
 
 def by_numpy(hm):
@@ -33,6 +34,19 @@ def test_same_means_as_numpy(shape, missing):
     assert (found.lowest, found.highest) == (np.nanmin(h), np.nanmax(h))
     assert found.missing == hm.missing == 3 * missing
     assert_allclose([*found.slope, *found.curvature], by_numpy(hm), rtol=1e-12)
+
+
+@pytest.mark.parametrize("shape", [(3, 4), (150, 133)])
+def test_highest_points_of_the_columns_of_each_band(shape):
+    h = np.random.default_rng(4).normal(size=shape)
+    h[0, 1] = np.nan
+    found, bands = surfaces.HeightMap(h, (0.3, 0.7)).roughness, min(BANDS, shape[0])
+    assert found.tops.shape == (bands, shape[1])
+    for band in range(bands):
+        rows = slice(shape[0] * band // bands, shape[0] * (band + 1) // bands)
+        assert_array_equal(found.tops[band], np.nanmax(h[rows], axis=0, initial=-np.inf))
+    present = np.isfinite(found.tops)
+    assert_array_equal(h[found.rows, np.arange(shape[1])][present], found.tops[present])
 
 
 def test_kurtosis_of_second_differences_sees_the_border_of_a_periodic_map():

@@ -270,8 +270,9 @@ def test_refusals():
         surfaces.segment(rough(), above=float("nan"))
 
 
-def test_the_number_of_threads_changes_nothing_even_between_equal_heights():
+def test_the_number_of_threads_changes_nothing_even_between_equal_heights(monkeypatch):
     """Passes that are equally high are joined by the pair, however the map was shared out."""
+    monkeypatch.setattr(_threads, "_POINTS", 64)
     rng = np.random.default_rng(8)
     heights = np.round(rng.normal(size=(192, 150)) * 2)
     hm = surfaces.HeightMap(heights, (1.0, 0.7), periodic=True)
