@@ -23,6 +23,9 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
+MOST_SIDES = 1000
+"""Sides of a polygon at most: integrals go from corner to corner, and more make a circle."""
+
 
 def polygon(sides: int, k: float = 1.0, *, scale: float = 1.0) -> PowerLawProfile:
     """Body whose level lines are regular polygons: ``f = scale (r cos)^k``.
@@ -128,7 +131,7 @@ def random_section(
         return np.asarray(1 + wave @ amplitude)
 
     lowest = float(np.min(psi(2 * np.pi * np.arange(720) / 720)))
-    if lowest <= 0:
+    if not lowest > 0:
         raise InputError(f"a deviation of {deviation:g} makes psi negative; take a smaller one")
     return PowerLawProfile(k, psi)
 
@@ -177,8 +180,8 @@ def deviation(profile: PowerLawProfile) -> float:
 
 
 def _sides(sides: int) -> None:
-    if sides < 3:
-        raise InputError(f"a polygon has at least 3 sides, got {sides}")
+    if not 3 <= sides <= MOST_SIDES:
+        raise InputError(f"a polygon has 3 to {MOST_SIDES} sides, got {sides}")
 
 
 def _from_face(phi: ArrayLike, sides: int) -> Array:

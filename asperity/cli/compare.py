@@ -62,12 +62,15 @@ def _compare_one(file, args, material, loads, targets) -> bool:  # type: ignore[
     hm = options.load_surface(file, args)
     from asperity.bem.curve import bem_curve
     from asperity.comparison.run import compare
+    from asperity.results.resume import require_continuable
     from asperity.results.storage import write_csv, write_results
     from asperity.results.tables import columns
 
     results, report, table = targets
     settings = {"tolerance": args.tolerance, "boundary": args.boundary}
     request = output.request_of(hm, material, args, settings)
+    if args.resume and Path(results).exists():
+        require_continuable(results, request)
 
     def solve(kind, values, progress, checkpoint):  # type: ignore[no-untyped-def]
         return bem_curve(

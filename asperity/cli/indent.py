@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import argparse
+import inspect
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from asperity.cli import options, output
+from asperity.cli.surface_options import add_reading
 from asperity.errors import InputError
+from asperity.material import HalfSpace
+from surfaces import PolarProfile, PowerLawProfile, PowerSumProfile, shapes
 
 EPILOG = """shapes:
   polygon:N   cosine:N   rounded:N:CORNER   ellipse:RATIO   cone   paraboloid
-  random:DEVIATION:SEED   convex:SIDES:SEED   bent
+  random:DEVIATION:SEED   convex:N:SEED   bent
 examples:
   asperity indent --shape polygon:4 --k 1 --m 0.3 --bem
   asperity indent --shape rounded:3:0.3 --k 2 --modulus 1e9 --approach 1e-7 --scale 1e5
@@ -27,21 +32,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EPILOG
     parser.add_argument("file", nargs="?", help="profile file, or a map whose highest peak is used")
     parser.add_argument("--shape", help="a test body in place of a file, see below")
-    parser.add_argument("--k", type=float, default=1.0, help="exponent of r (default 1)")
-    parser.add_argument("--scale", type=float, default=1.0, help="factor of the gap (default 1)")
+    parser.add_argument("--k", type=float, help="exponent of r of a test body (default 1)")
+    parser.add_argument("--scale", type=float, help="factor of its gap (default 1)")
     group = parser.add_mutually_exclusive_group()
     group.add_argument("--approach", metavar="D", help="approaches [m]: D, D1,D2 or LO:HI:N")
     group.add_argument("--load", metavar="F", help="normal forces [N] in place of approaches")
     parser.add_argument("--law", metavar="NAMES", help="laws, comma-separated (default all)")
     parser.add_argument("--bem", action="store_true", help="solve by boundary elements as well")
-    parser.add_argument("--grid", type=int, default=256, help="points per axis (default 256)")
+    parser.add_argument("--grid", type=int, help="points per axis of these (default 256)")
     options.add_tolerance_option(parser)
+    parser.set_defaults(tolerance=None)
     parser.add_argument(
         "--picture",
         default="indent.png",
         metavar="FILE",
         help="picture of the last contact (default indent.png; 'none' for none)",
     )
+    add_reading(parser)
     options.add_material_options(parser)
 
 
@@ -54,13 +61,14 @@ def run(args: argparse.Namespace) -> int:
     laws = _laws(args.law)
     picture = None if args.picture == "none" else args.picture
     output.require_outputs(picture, inputs=[args.file] if args.file else [])
-    grid = args.grid if args.bem else None
+    output.require_pictures(picture)
+    bem = _boundary_elements(args)
     good, case = True, None
     name, values = _driven(args, profile)
     sign, unit = ("d", "m") if name == "approach" else ("F", "N")
     for value in values:
-        driven = {name: value}
-        case = judge(profile, material, **driven, laws=laws, grid=grid, tolerance=args.tolerance)
+        driven: dict[str, Any] = {name: value, **bem}
+        case = judge(profile, material, **driven, laws=laws)
         head = f"{label}   m = {material.m:g}   E* = {material.modulus:.6g}"
         print(f"{head}   {sign} = {value:.6g} {unit}")
         print(case.table() + "\n")
@@ -72,72 +80,93 @@ def run(args: argparse.Namespace) -> int:
     return 0 if good else 1
 
 
-def _profile(args: argparse.Namespace) -> tuple[Any, str]:
+def _profile(args: argparse.Namespace) -> tuple[PowerSumProfile | PolarProfile, str]:
+    """The gap from the file or of the test body, and what to call it."""
     if (args.file is None) == (args.shape is None):
         raise InputError("give either a profile file or --shape")
-    if args.file is not None:
+    other = ("k", "scale") if args.shape is None else ("dataset", "unit", "spacing")
+    for name in other:
+        if getattr(args, name) is not None:
+            wanted, given = ("--shape", "a file") if args.shape is None else ("a file", "--shape")
+            raise InputError(f"--{name} belongs to {wanted}, not to {given}")
+    if args.shape is None:
         from surfaces.files.profile_file import read_profile
 
-        return read_profile(args.file), Path(args.file).name
-    body = _shape(args.shape, args.k, args.scale)
-    named = "" if args.shape in ("cone", "paraboloid", "bent") else f", k = {args.k:g}"
-    return body, args.shape + named
+        profile = read_profile(
+            args.file, dataset=args.dataset, unit=args.unit, spacing=args.spacing
+        )
+        return profile, Path(args.file).name
+    body = _scaled(_shape(args.shape, args.k), 1.0 if args.scale is None else args.scale)
+    return body, args.shape + (f", k = {body.powers[0]:g}" if len(body.powers) == 1 else "")
 
 
-def _shape(text: str, k: float, scale: float) -> Any:
+def _ellipse(ratio: float, k: float = 1.0) -> PowerLawProfile:
+    """Body of elliptic level lines; `ratio` is that of the gaps on its axes at k = 2."""
+    if not 0 < ratio < np.inf:
+        raise InputError("the ratio of curvatures of an ellipse must be positive and finite")
+    return PowerLawProfile(k, lambda p: (np.cos(p) ** 2 + ratio * np.sin(p) ** 2) ** (k / 2))
+
+
+SHAPES: dict[str, Callable[..., PowerSumProfile]] = {
+    "polygon:N": lambda n, k=1.0: shapes.polygon(n, k),
+    "cosine:N": lambda n, k=1.0: shapes.cosine_polygon(n, k),
+    "rounded:N:CORNER": lambda n, corner=0.3, k=1.0: shapes.rounded_polygon(n, k, corner=corner),
+    "ellipse:RATIO": _ellipse,
+    "cone": lambda: PowerLawProfile(1.0, 1.0),
+    "paraboloid": lambda: PowerLawProfile(2.0, 1.0),
+    "random:DEVIATION:SEED": lambda deviation, seed=0, k=1.0: shapes.random_section(
+        k, deviation=deviation, seed=seed
+    ),
+    "convex:N:SEED": lambda n, seed=0, k=1.0: shapes.random_polygon(k, sides=n, seed=seed),
+    "bent": shapes.bent_body,
+}
+"""Test bodies by the form of their names; those that take `k` are powers of r."""
+
+
+def _shape(text: str, k: float | None) -> PowerSumProfile:
     """Test body from its name and numbers, such as ``rounded:4:0.3``."""
-    from surfaces import PowerLawProfile, PowerSumProfile, shapes
-
-    name, *rest = text.split(":")
-    if not (np.isfinite(scale) and scale > 0):
-        raise InputError(f"--scale must be positive, got {scale:g}")
+    name, *words = text.split(":")
+    forms = {form.split(":")[0]: form for form in SHAPES}
+    if name not in forms:
+        raise InputError(f"no shape is called {name!r}; see asperity indent --help")
+    labels, make = forms[name].split(":")[1:], SHAPES[forms[name]]
+    power = {} if k is None else {"k": k}
+    if power and "k" not in inspect.signature(make).parameters:
+        raise InputError(f"--k does not belong to --shape {name}")
     try:
-        numbers = [float(word) for word in rest]
-        if name in ("polygon", "cosine", "rounded", "convex") and numbers[0] % 1:
-            raise InputError(f"--shape {text}: the number of sides must be whole")
-        if name == "polygon":
-            return shapes.polygon(int(numbers[0]), k, scale=scale)
-        if name == "cosine":
-            return shapes.cosine_polygon(int(numbers[0]), k, scale=scale)
-        if name == "rounded":
-            corner = numbers[1] if len(numbers) > 1 else 0.3
-            return shapes.rounded_polygon(int(numbers[0]), k, corner=corner, scale=scale)
-        if name in ("cone", "paraboloid"):
-            return PowerLawProfile(1.0 if name == "cone" else 2.0, scale)
-        if name == "bent":
-            return shapes.bent_body(curvature=scale)
-        if name == "ellipse":
-            ratio = numbers[0]
-            if not (np.isfinite(ratio) and ratio > 0):
-                raise InputError(f"--shape {text}: the ratio of curvatures must be positive")
-            body = PowerLawProfile(
-                k, lambda p: scale * (np.cos(p) ** 2 + ratio * np.sin(p) ** 2) ** (k / 2)
-            )
-        elif name == "random":
-            body = shapes.random_section(
-                k, deviation=numbers[0], seed=int(numbers[1]) if len(numbers) > 1 else 0
-            )
-        elif name == "convex":
-            seed = int(numbers[1]) if len(numbers) > 1 else 0
-            body = shapes.random_polygon(k, sides=int(numbers[0]), seed=seed)
-        else:
-            raise InputError(f"no shape is called {name!r}; see asperity indent --help")
-    except (ValueError, IndexError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"--shape {text} lacks its numbers; see asperity indent --help") from None
-    if scale == 1.0 or name == "ellipse":
-        return body
-    return PowerSumProfile((k,), (lambda p: scale * body.psi(p),), corners=body.corners)
+        kinds = [int if label in ("N", "SEED") else float for label in labels[: len(words)]]
+        return make(*(kind(w) for kind, w in zip(kinds, words, strict=True)), **power)
+    except (TypeError, ValueError) as error:
+        known = isinstance(error, InputError)
+        form = f"write {forms[name]}" + (", N and SEED whole numbers" if labels else "")
+        reason = error if known else form
+        raise InputError(f"--shape {text}: {reason}") from None
 
 
-def _material(args: argparse.Namespace) -> Any:
+def _scaled(body: PowerSumProfile, scale: float) -> PowerSumProfile:
+    """The body with its gap multiplied by a factor."""
+    if not 0 < scale < np.inf:
+        raise InputError(f"--scale must be positive and finite, got {scale:g}")
+    angular = [lambda phi, psi=psi: scale * psi(phi) for psi in body.angular]
+    if isinstance(body, PowerLawProfile):
+        return PowerLawProfile(body.k, angular[0], corners=body.corners)
+    return PowerSumProfile(body.powers, angular, corners=body.corners)
+
+
+def _material(args: argparse.Namespace) -> HalfSpace:
     """Half-space from the options; a test body may do without one, then E* = 1."""
-    from asperity.material import HalfSpace
-
-    if args.shape is not None and args.E is None and args.modulus is None:
+    if args.shape is not None and args.E is args.modulus is args.nu is None:
         return HalfSpace.from_modulus(1.0, args.m)
     return options.material(args)
+
+
+def _boundary_elements(args: argparse.Namespace) -> dict[str, Any]:
+    """Settings of the boundary elements as arguments of `judge`; no grid is none of them."""
+    asked = {name: getattr(args, name) for name in ("grid", "tolerance")}
+    given = {name: value for name, value in asked.items() if value is not None}
+    if given and not args.bem:
+        raise InputError(f"--{next(iter(given))} is a setting of the boundary elements; add --bem")
+    return given if args.bem else {"grid": None}
 
 
 def _laws(text: str | None) -> tuple[str, ...]:

@@ -37,6 +37,13 @@ class _OneSentenceParser(argparse.ArgumentParser):
         super().__init__(*args, **{"allow_abbrev": False} | options)
         self._negative_number_matcher = re.compile(r"-[.\d]")  # by itself it takes no -1e6
 
+    def parse_known_args(self, args=None, namespace=None):  # type: ignore[no-untyped-def]
+        """Refuse here what is left over: the parser of all commands would name its own help."""
+        found, left = super().parse_known_args(args, namespace)
+        if left:
+            self.error(f"unrecognized arguments: {' '.join(left)}")
+        return found, left
+
     def error(self, message: str) -> None:  # type: ignore[override]
         sys.stderr.write(f"{self.prog}: {message}; see {self.prog} --help\n")
         raise SystemExit(EXIT_BAD_INPUT)
@@ -67,32 +74,37 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = sys.argv[1:] if argv is None else list(argv)
     _open_streams()
     named = next((word for word in arguments if not word.startswith("-")), "")
-    args = build_parser(named).parse_args(arguments)
+    args = argparse.Namespace(command=named)
     try:
+        args = build_parser(named).parse_args(arguments)
         code = int(_module(args.command).run(args))
         sys.stdout.flush()
         return code
     except (AsperityError, MemoryError) as error:
-        text = " ".join(str(error).split()) or "out of memory"
-        sys.stderr.write(f"asperity {args.command}: {text}\n")
+        _tell(args, " ".join(str(error).split()) or "out of memory")
         return EXIT_NOT_CONVERGED if isinstance(error, ConvergenceError) else EXIT_BAD_INPUT
     except KeyboardInterrupt:
         goes_on = "; --resume goes on from its results file" if "resume" in args else ""
-        sys.stderr.write(f"asperity {args.command}: interrupted{goes_on}\n")
+        _tell(args, f"interrupted{goes_on}")
         return EXIT_INTERRUPTED
     except RuntimeError as error:
         if "no locator available" not in str(error):
             raise
-        text = "no folder for compiled code can be written; set NUMBA_CACHE_DIR to one that can"
-        sys.stderr.write(f"asperity {args.command}: {text}\n")
+        _tell(args, "no folder takes compiled code; set NUMBA_CACHE_DIR to one that does")
         return EXIT_BAD_INPUT
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_OK
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
-        sys.stderr.write(f"asperity {args.command}: {where}{error.strerror or error}\n")
+        _tell(args, f"{where}{error.strerror or error}")
         return EXIT_BAD_INPUT
+
+
+def _tell(args: argparse.Namespace, text: str) -> None:
+    """One sentence on standard error, below the name of the command."""
+    command = " ".join(filter(None, ("asperity", args.command, getattr(args, "action", None))))
+    sys.stderr.write(f"{command}: {text}\n")
 
 
 def _open_streams() -> None:

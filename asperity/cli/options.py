@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from asperity.cli.surface import prepared, read_map
 from asperity.cli.surface_options import add_preparation, add_reading
 from asperity.errors import InputError, SurfaceError
+from asperity.material import HalfSpace
 from surfaces.heightmap import HeightMap
 
 __all__ = [
@@ -50,7 +51,7 @@ def add_material_options(parser: argparse.ArgumentParser) -> None:
     """Options of the elastic half-space."""
     group = parser.add_argument_group("material")
     group.add_argument("--E", type=float, metavar="PA", help="Young's modulus [Pa]; E0 if graded")
-    group.add_argument("--nu", type=float, default=0.3, help="Poisson's ratio (default 0.3)")
+    group.add_argument("--nu", type=float, help="Poisson's ratio (default 0.3)")
     group.add_argument("--m", type=float, default=0.0, help="exponent of E(z) = E z^m (default 0)")
     group.add_argument(
         "--modulus", type=float, metavar="PA", help="composite modulus E* [Pa] in place of E, nu"
@@ -125,17 +126,15 @@ def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     return hm if hm.name else hm.replace(name=Path(file).stem)
 
 
-def material(args: argparse.Namespace) -> Any:
+def material(args: argparse.Namespace) -> HalfSpace:
     """Half-space from the options."""
-    from asperity.material import HalfSpace
-
-    if args.modulus is not None and args.E is not None:
-        raise InputError("give either --E (with --nu) or --modulus, not both")
     if args.modulus is not None:
+        if args.E is not None or args.nu is not None:
+            raise InputError("give either --E (with --nu) or --modulus, not both")
         return HalfSpace.from_modulus(args.modulus, m=args.m)
     if args.E is None:
         raise InputError("no material: give --E (Young's modulus in Pa) or --modulus (E* in Pa)")
-    return HalfSpace(args.E, args.nu, m=args.m)
+    return HalfSpace(args.E, 0.3 if args.nu is None else args.nu, m=args.m)
 
 
 def model(args: argparse.Namespace) -> dict[str, Any]:
@@ -162,21 +161,18 @@ def loads(args: argparse.Namespace) -> dict[str, Any]:
 
 def numbers(text: str, option: str, *, geometric: bool) -> NDArray[np.float64]:
     """Numbers written as LO:HI:N or as a comma-separated list."""
+    spread = ":" in text
     try:
-        if ":" in text:
-            low, high, count = text.split(":")
-            ends, n = (float(low), float(high)), int(count)
-            if n < 1:
-                raise ValueError
-            if geometric and min(ends) <= 0:
-                raise InputError(f"{option} {text}: both ends must be positive")
-            values = (np.geomspace if geometric else np.linspace)(*ends, n)
-        else:
-            values = np.array([float(word) for word in text.split(",")])
-    except ValueError as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{option} {text}: write LO:HI:N or numbers separated by commas") from None
-    if not np.isfinite(values).all():
-        raise InputError(f"{option} {text}: every number must be finite")
-    return values
+        *words, count = text.split(":") if spread else [*text.split(","), "1"]
+        values, n = np.array([float(word) for word in words]), int(count)
+    except ValueError:
+        values, n = np.empty(0), 0
+    if n < 1 or (spread and len(values) != 2):
+        raise InputError(f"{option} {text}: write LO:HI:N or numbers separated by commas")
+    if not (np.abs(values) < 1e40).all():
+        raise InputError(f"{option} {text}: every number must be finite and below 1e40")
+    if not spread:
+        return values
+    if geometric and values.min() <= 0:
+        raise InputError(f"{option} {text}: both ends must be positive")
+    return (np.geomspace if geometric else np.linspace)(values[0], values[1], n)

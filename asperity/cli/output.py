@@ -35,6 +35,7 @@ __all__ = [
     "request_of",
     "require_distinct",
     "require_outputs",
+    "require_pictures",
     "save_figure",
     "solve_and_keep",
 ]
@@ -189,11 +190,21 @@ def require_distinct(files: Iterable[Path]) -> None:
         seen[file.stem] = file
 
 
+def require_pictures(*files: str | None) -> None:
+    """Refuse, before any work, pictures in a format that cannot be written."""
+    for file in filter(None, files):
+        from matplotlib.backend_bases import FigureCanvasBase
+
+        known = FigureCanvasBase.get_supported_filetypes()
+        if (kind := _format(file)) not in known:
+            raise InputError(f"{file}: cannot be written as .{kind}; known are {', '.join(known)}")
+
+
 def save_figure(figure: Figure, target: str) -> None:
     """Write a picture in the format of the file's suffix, PNG if it has none."""
-    kind = Path(target).suffix[1:].lower() or "png"
-    known = figure.canvas.get_supported_filetypes()
-    if kind not in known:
-        raise InputError(f"{target}: cannot be written as .{kind}; known are {', '.join(known)}")
     with replacing(target) as part:
-        figure.savefig(part, dpi=150, format=kind)
+        figure.savefig(part, dpi=150, format=_format(target))
+
+
+def _format(picture: str) -> str:
+    return Path(picture).suffix[1:].lower() or "png"

@@ -167,6 +167,7 @@ def _require_targets(files: Sequence[Path], args: argparse.Namespace) -> None:
             output.make_folder(args.folder)
             named += [_target(path, args) for path in files]
     output.require_outputs(*named, inputs=files)
+    output.require_pictures(getattr(args, "plot", None), getattr(args, "fans", None))
 
 
 def _target(path: Path, args: argparse.Namespace) -> Path:
@@ -182,6 +183,7 @@ def _save(hm: surfaces.HeightMap, path: Path, args: argparse.Namespace) -> None:
 def _generate(args: argparse.Namespace) -> int:
     if len(args.shape) > 2 or len(args.size) > 2:
         raise InputError("--shape and --size take one number or two (y and x)")
+    output.require_outputs(args.output)
     make = getattr(surfaces, args.texture.replace("-", "_"))
     takes = inspect.signature(make).parameters
     given = {name: getattr(args, name) for name in PARAMETERS if getattr(args, name) is not None}

@@ -271,7 +271,7 @@ class ContactCurve:
         good = int(np.count_nonzero(self.converged))
 
         def span(values: NDArray[Any], unit: str) -> str:
-            finite = np.asarray(values, dtype=float)
+            finite = np.asarray(values, dtype=float)[self.converged]
             finite = finite[np.isfinite(finite)]
             if not finite.size:
                 return "unknown"

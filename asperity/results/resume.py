@@ -16,7 +16,7 @@ from ..errors import InputError
 from .curve import ContactCurve
 from .storage import ResultFile, read_results, write_results
 
-__all__ = ["Solve", "run_resumably"]
+__all__ = ["Solve", "require_continuable", "run_resumably"]
 
 Solve = Callable[[NDArray[np.float64], Callable[[ContactCurve], None]], ContactCurve]
 """Solves the given load points and calls back with the curve of the points finished so far."""
@@ -64,7 +64,10 @@ def run_resumably(
     InputError
         If the file was made from another input or with other settings.
     """
-    done = _finished(path, model, request) if resume and Path(path).exists() else None
+    done = None
+    if resume and Path(path).exists():
+        curve = require_continuable(path, request).curves[model]
+        done = curve.select(curve.converged) if curve.converged.any() else None
     held = np.zeros((len(values), 1), bool)
     if done is not None:
         held = np.isclose(values[:, None], done.extra["asked"], rtol=1e-12, atol=0.0)
@@ -114,9 +117,14 @@ class _Keeper:
         write_results(self.path, content)
 
 
-def _finished(
-    path: str | os.PathLike[str], model: str, request: Mapping[str, Any]
-) -> ContactCurve | None:
+def require_continuable(path: str | os.PathLike[str], request: Mapping[str, Any]) -> ResultFile:
+    """What the results file of an earlier run of the same request holds.
+
+    Raises
+    ------
+    FileFormatError, InputError
+        If it is no results file, or of another request.
+    """
     held = read_results(path)
     before = held.about.get("request", {})
     changed = [key for key in request if before.get(key) != request[key]]
@@ -125,5 +133,4 @@ def _finished(
             f"{path} cannot be continued: {', '.join(changed)} changed; give another -o or leave "
             "out --resume"
         )
-    curve = held.curves[model]
-    return curve.select(curve.converged) if curve.converged.any() else None
+    return held

@@ -46,6 +46,7 @@ def read_npy(
     path: Path, dataset: str | None, unit: str | None, spacing: ArrayLike | None
 ) -> HeightMap:
     """Heights from an npy file; `unit` and `spacing` must be given."""
+    _require_unnamed(path, dataset)
     try:
         array = np.load(path, mmap_mode="r", allow_pickle=False)
     except _DAMAGED as error:
@@ -101,6 +102,7 @@ def read_text(
     path: Path, dataset: str | None, unit: str | None, spacing: ArrayLike | None
 ) -> HeightMap:
     """Heights from rows of numbers; comment lines ``unit = um``, ``spacing = DY DX`` are used."""
+    _require_unnamed(path, dataset)
     require_memory(
         12 * path.stat().st_size, f"{path}: reading the text", "convert it to HDF5 in pieces"
     )
@@ -156,6 +158,11 @@ def write_text(hm: HeightMap, path: Path) -> None:
         np.savetxt(
             part, hm.heights, fmt="%.17g", delimiter=separator, header=header, encoding="utf-8"
         )
+
+
+def _require_unnamed(path: Path, dataset: str | None) -> None:
+    if dataset is not None:
+        raise FileFormatError(f"{path}: holds one array without a name; leave out --dataset")
 
 
 def _parsed(path: Path) -> tuple[dict[str, Any], list[NDArray[np.float64]]]:

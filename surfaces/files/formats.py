@@ -117,6 +117,8 @@ def write(hm: HeightMap, path: str | os.PathLike[str], *, dtype: str = "float64"
             dtype=dtype,
         )
         return
+    if dtype != "float64":
+        raise InputError(f"{path}: only .h5 is written as {dtype} (--float32)")
     if path.suffix.lower() in (".npz", ".txt", ".csv"):
         from . import arrays
 

@@ -6,11 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .._writing import replacing
 from ..errors import FileFormatError
+from ..heightmap import HeightMap
 from ..polar import PolarProfile
+from .formats import read
 
 __all__ = ["read_profile", "write_profile"]
 
@@ -29,7 +31,13 @@ def write_profile(profile: PolarProfile, path: str | Path) -> None:
             file.create_dataset(name, data=getattr(profile, name)).attrs["unit"] = unit
 
 
-def read_profile(path: str | Path) -> PolarProfile:
+def read_profile(
+    path: str | Path,
+    *,
+    dataset: str | None = None,
+    unit: str | None = None,
+    spacing: ArrayLike | None = None,
+) -> PolarProfile:
     """Read a profile file, or the highest peak of a height-map file.
 
     Parameters
@@ -37,6 +45,8 @@ def read_profile(path: str | Path) -> PolarProfile:
     path
         HDF5 file with ``r`` [m] (n_r,), ``phi`` [rad] (n_phi,) and ``f`` [m] (n_r, n_phi), or any
         surface file that `surfaces.read` takes; a map that is not periodic loses its tilt first.
+    dataset, unit, spacing
+        As in `surfaces.read`; a file for which one of them is given is a surface file.
 
     Raises
     ------
@@ -46,9 +56,8 @@ def read_profile(path: str | Path) -> PolarProfile:
     import h5py
 
     name = Path(path).name
-    if not Path(path).is_file():
-        raise FileFormatError(f"{name}: no such file")
-    if h5py.is_hdf5(path):
+    stated = dataset is None and unit is None and spacing is None
+    if stated and Path(path).is_file() and h5py.is_hdf5(path):
         try:
             with h5py.File(path, "r") as file:
                 if "heights" not in file:
@@ -56,7 +65,7 @@ def read_profile(path: str | Path) -> PolarProfile:
                     return PolarProfile(*(_column(file, key, name) for key in keys))
         except (OSError, KeyError, TypeError, RuntimeError) as error:
             raise FileFormatError(f"{name}: cannot be read ({error}); is it cut off?") from None
-    return _highest_peak(path)
+    return _highest_peak(read(path, dataset=dataset, unit=unit, spacing=spacing), name)
 
 
 def _column(file: Any, key: str, name: str) -> NDArray[np.float64]:
@@ -67,14 +76,13 @@ def _column(file: Any, key: str, name: str) -> NDArray[np.float64]:
     return np.asarray(file[key], dtype=float)
 
 
-def _highest_peak(path: str | Path) -> PolarProfile:
+def _highest_peak(hm: HeightMap, name: str) -> PolarProfile:
     from ..peaks.segmentation import segment
     from ..peaks.summits import fit_profiles
     from ..preparation.levelling import level
-    from .formats import read
 
-    hm = level(read(path), "plane")
+    hm = level(hm, "plane")
     peaks = segment(hm)
     if len(peaks) == 0:
-        raise FileFormatError(f"{Path(path).name}: the map has no peak")
+        raise FileFormatError(f"{name}: the map has no peak")
     return fit_profiles(hm, peaks, rays=32, nodes=33).profile(0)

@@ -107,7 +107,7 @@ def test_two_by_two_map(command, folder, capsys):
         (["--resample", "-1e-6"], "two positive pixel sizes"),
         (["--pressure", "a:b:c"], "LO:HI:N"),
         (["--pressure", "1e6", "--separation", "1e-6"], "not allowed"),
-        (["--bogus"], "unrecognized arguments: --bogus"),
+        (["--pressure", "1e300"], "below 1e40"),
         (["--m", "1.5"], "m"),
         (["--modulus", "1e9"], "not both"),
     ],
@@ -116,6 +116,46 @@ def test_unusable_options(command, options, match, folder, capsys):
     surfaces.write(good_map(), folder / "scan.h5")
     assert match in refusal([command, "scan.h5", *STEEL, *options], capsys)
     assert {p.name for p in folder.iterdir()} == {"scan.h5"}
+
+
+@pytest.mark.parametrize("command", [*MODELS, "surface info", "report"])
+def test_an_unknown_option_points_to_the_help_of_its_command(command, folder, capsys):
+    message = refusal([*command.split(), "scan.h5", "--bogus"], capsys)
+    assert message == (
+        f"asperity {command}: unrecognized arguments: --bogus; see asperity {command} --help\n"
+    )
+
+
+@pytest.mark.parametrize("options", [["--modulus", "1e9", "--nu", "0.2"], ["--nu", "0.2"]])
+def test_a_poisson_ratio_belongs_to_a_modulus_of_young(options, folder, capsys):
+    surfaces.write(good_map(), folder / "scan.h5")
+    assert "--E" in refusal(["curve", "scan.h5", *options], capsys)
+
+
+def test_what_only_some_formats_hold(folder, capsys):
+    hm = good_map()
+    surfaces.write(hm, folder / "scan.h5")
+    np.save(folder / "bare.npy", hm.heights)
+    convert = ["surface", "convert", "scan.h5", "--float32", "-o", "scan.npz"]
+    assert "only .h5 is written as float32" in refusal(convert, capsys)
+    info = ["surface", "info", "bare.npy", "--unit", "m", "--spacing", "1", "--dataset", "z"]
+    assert "leave out --dataset" in refusal(info, capsys)
+    picture = ["surface", "peaks", "scan.h5", "--plot", "map.bogus"]
+    assert "cannot be written as .bogus" in refusal(picture, capsys)
+    assert {p.name for p in folder.iterdir()} == {"scan.h5", "bare.npy"}
+
+
+def test_another_run_is_not_gone_on_with(folder, capsys, monkeypatch):
+    """Found before anything is compiled or solved."""
+    waves = np.sin(2 * np.pi * np.arange(32) / 16)
+    surfaces.write(
+        surfaces.HeightMap(1e-7 * np.outer(waves[:24], waves), (1e-6, 2e-6)), folder / "scan.h5"
+    )
+    assert main(["bem", "scan.h5", *STEEL, "--pressure", "1e8"]) == 0
+    capsys.readouterr()
+    monkeypatch.delattr("asperity.comparison.run._compile")
+    message = refusal(["compare", "scan.h5", *STEEL, "--pressure", "1e8", "--resume"], capsys)
+    assert "cannot be continued: command" in message
 
 
 @pytest.mark.parametrize("command", MODELS)

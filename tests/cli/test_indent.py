@@ -47,11 +47,11 @@ def test_load_control_compares_at_the_same_load(capsys):
 
 @pytest.mark.parametrize(
     "shape",
-    ["polygon:5", "cosine:3", "rounded:4:0.5", "ellipse:2", "cone", "paraboloid", "random:0.1:3",
-     "convex:6:1", "bent"],
+    ["polygon:5 --k 2", "cosine:3 --k 2", "rounded:4:0.5 --k 2", "ellipse:2 --k 2", "cone",
+     "paraboloid", "random:0.1:3 --k 2", "convex:6:1 --k 2", "bent"],
 )  # fmt: skip
 def test_every_shape_is_solved(shape, capsys):
-    assert main(["indent", "--shape", shape, "--k", "2", "--picture", "none"]) == 0
+    assert main(["indent", "--shape", *shape.split(), "--picture", "none"]) == 0
     assert "harmonic" in capsys.readouterr().out
 
 
@@ -84,12 +84,16 @@ def test_load_control_reaches_the_load(tmp_path, table, capsys):
     assert float(line.split()[1]) == pytest.approx(float(approach), rel=1e-4)
 
 
-def test_the_highest_peak_of_a_map_is_a_profile(tmp_path):
+@pytest.mark.parametrize("bare", [False, True])
+def test_the_highest_peak_of_a_map_is_a_profile(bare, tmp_path):
     y, x = np.mgrid[0:48, 0:64]
     heights = -((x - 30.3) ** 2 + 2 * (y - 22.6) ** 2) * 1e-9
-    path = tmp_path / "map.h5"
-    write(HeightMap(heights, (1e-6, 1e-6)), path)
-    profile = read_profile(path)
+    if bare:
+        np.save(tmp_path / "map.npy", 1e6 * heights)
+        profile = read_profile(tmp_path / "map.npy", unit="um", spacing=1e-6)
+    else:
+        write(HeightMap(heights, (1e-6, 1e-6)), tmp_path / "map.h5")
+        profile = read_profile(tmp_path / "map.h5")
     assert profile(3e-6, 0.0) == pytest.approx(9e-9, rel=1e-3)
     assert profile(3e-6, np.pi / 2) == pytest.approx(18e-9, rel=1e-3)
 
@@ -107,10 +111,22 @@ def test_the_highest_peak_is_that_of_the_map_without_its_tilt(tmp_path):
     [
         (["indent"], "either a profile file or --shape"),
         (["indent", "--shape", "blob"], "no shape is called 'blob'"),
-        (["indent", "--shape", "polygon"], "lacks its numbers"),
-        (["indent", "--shape", "polygon:4.7"], "must be whole"),
-        (["indent", "--shape", "ellipse:-3"], "ratio of curvatures must be positive"),
+        (["indent", "--shape", "polygon"], "write polygon:N, N and SEED whole"),
+        (["indent", "--shape", "polygon:4.7"], "write polygon:N, N and SEED whole"),
+        (["indent", "--shape", "polygon:4:5"], "write polygon:N, N and SEED whole"),
+        (["indent", "--shape", "polygon:1000000000"], "3 to 1000 sides"),
+        (["indent", "--shape", "cone:5"], "write cone\n"),
+        (["indent", "--shape", "random:0.1:-3"], "write random:DEVIATION:SEED"),
+        (["indent", "--shape", "ellipse:-3"], "must be positive"),
         (["indent", "--shape", "cone", "--scale", "0"], "--scale must be positive"),
+        (["indent", "--shape", "cone", "--k", "2"], "--k does not belong to --shape cone"),
+        (["indent", "--shape", "cone", "--nu", "0.2"], "give --E"),
+        (["indent", "--shape", "cone", "--unit", "um"], "--unit belongs to a file"),
+        (["indent", "nothing.h5", "--E", "1", "--k", "2"], "--k belongs to --shape"),
+        (["indent", "--shape", "cone", "--grid", "64"], "add --bem"),
+        (["indent", "--shape", "cone", "--tolerance", "1e-3"], "add --bem"),
+        (["indent", "--shape", "cone", "--approach", "1e300"], "below 1e40"),
+        (["indent", "--shape", "cone", "--picture", "a.bogus"], "cannot be written as .bogus"),
         (["indent", "--shape", "cone", "--law", "cube"], "no law is called 'cube'"),
         (["indent", "--shape", "cone", "--approach", "-1"], "must be positive"),
         (["indent", "--shape", "cone", "--load", "0"], "must be positive"),
