@@ -72,7 +72,7 @@ def test_bent_body_and_given_sections_are_positive():
 @pytest.mark.parametrize(
     ("build", "message"),
     [
-        (lambda: polygon(2), "at least 3 sides"),
+        (lambda: polygon(2), "3 to 1000 sides"),
         (lambda: rounded_polygon(4, corner=1.5), "corner must lie"),
         (lambda: random_section(1.0, deviation=2.0), "makes psi negative"),
     ],
