@@ -59,7 +59,9 @@ def set_threads(count: int | None) -> None:
 
 def blocks(count: int, least: int = 1) -> list[tuple[int, int]]:
     """Split ``range(count)`` into one contiguous block per processor, none below `least`."""
-    parts = max(1, min(threads(), count // max(1, least)))
+    parts = min(threads(), count // max(1, least))
+    if parts < 2:
+        return [(0, count)]
     bounds = [count * part // parts for part in range(parts + 1)]
     return list(itertools.pairwise(bounds))
 

@@ -240,6 +240,25 @@ def collect(rows, place, weight, vector, grid, diagonal, part, scale, out):
         out[k] = scale * value
 
 
+@compiled(fastmath=FAST)
+def convolve(masses, turned, out):
+    """Circular convolution of `masses` (count, my, mx) into `out`, by sums over pairs of nodes.
+
+    `turned` (mx, 2 my mx) holds for each column b the kernel at the columns j - b, twice.
+    """
+    count, my, mx = masses.shape
+    size = my * mx
+    for k in range(count):
+        here = out[k].reshape(size)
+        here[:] = 0.0
+        for b in range(mx):
+            for a in range(my):
+                mass = masses[k, a, b]
+                kernel = turned[b, (my - a) * mx : (2 * my - a) * mx]
+                for t in range(size):
+                    here[t] += mass * kernel[t]
+
+
 @compiled()
 def smooth_symbol(qy, qx, along, across, power, table, scale, out):
     """Product of `along`, `across` and q^-power times the table, read at scale q^power."""

@@ -101,7 +101,7 @@ def finished(
     )
 
 
-def answer(problem: Problem, residual: Residual, compliance: Array | float) -> tuple[float, Array]:
+def answer(problem: Problem, residual: Residual, compliance: Array) -> tuple[float, Array]:
     """Minus the slope of the load over the separation [N/m], and the approach that each contact
     gains per fall of the plane [-], shape (n,), from a guess of it."""
     tangent = tangent_of(problem, residual)
@@ -110,9 +110,7 @@ def answer(problem: Problem, residual: Residual, compliance: Array | float) -> t
     return _answer(tangent, residual, compliance)[:2]
 
 
-def _answer(
-    tangent: Tangent, residual: Residual, compliance: Array | float
-) -> tuple[float, Array, int]:
+def _answer(tangent: Tangent, residual: Residual, compliance: Array) -> tuple[float, Array, int]:
     """`answer`, and the products spent, by a tangent that has done its service."""
     rows = tangent.index
     # footprints that grow would make it too soft
@@ -130,8 +128,7 @@ def tangent_of(problem: Problem, residual: Residual) -> Tangent:
     return Tangent(problem.plan, residual.active, residual.stiffness, residual.extra, problem.form)
 
 
-def shared(missing: float | None, compliance: Array | float, tangent: Tangent) -> Array:
+def shared(missing: float | None, compliance: Array, tangent: Tangent) -> Array:
     """A missing load [N] as the contacts will share it; per fall of the plane [N/m] if None."""
-    shares: Array = np.broadcast_to(compliance, tangent.plan.order.shape)[tangent.index]
-    shares = shares / tangent.compliance
+    shares = compliance[tangent.index] / tangent.compliance
     return shares if missing is None else missing / float(shares.sum()) * shares

@@ -38,7 +38,7 @@ def foreseen(problem: Problem, wanted: Array, force: Array) -> tuple[Array, int]
     """
     law = problem.laws(wanted)
     closed = law.force > 0
-    tangent = Tangent(problem.plan, closed, law.stiffness, 0.0, problem.form)
+    tangent = Tangent(problem.plan, closed, law.stiffness, None, problem.form)
     rows = tangent.index
     own, stiffness, base = law.force[rows], law.stiffness[rows], wanted[rows]
     lacking = own - force[rows]

@@ -14,10 +14,14 @@ from ..threads import threads
 from . import _mesh_kernels
 from .footprint import Footprints
 
-__all__ = ["Mesh"]
+__all__ = ["Mesh", "mesh_of"]
 
 NODES_PER_THREAD = 50_000
 """Wave vectors that repay a thread of the transform."""
+
+FEW_BYTES = 1_800
+"""Memory of a mesh up to which sums over all pairs of its nodes take less time than to call two
+transforms."""
 
 HIGHEST = 13.0
 """Wave number times eta beyond which the smooth part is nothing (1e-18)."""
@@ -42,6 +46,15 @@ class Mesh:
     precision
         Of masses and results: float32 or float64.
 
+    Attributes
+    ----------
+    shape
+        Nodes (my, mx), padding included.
+    few
+        Whether `convolve` sums over all pairs of nodes.
+    turned
+        The kernel as these sums read it (`_mesh_kernels.convolve`); empty if there are many nodes.
+
     Notes
     -----
     The transfer function is the least-squares optimum for cubic B-spline deposit and gather of
@@ -53,10 +66,9 @@ class Mesh:
         self,
         footprints: Footprints,
         size: tuple[float, float],
-        *,
         periodic: bool,
         nodes: float,
-        precision: type = np.float64,
+        precision: type,
     ) -> None:
         if periodic:
             self.shape = _lengths(tuple(max(8, math.ceil(nodes * s)) for s in size))
@@ -70,15 +82,33 @@ class Mesh:
             transfer = smooth * np.multiply.outer(_correction(self.shape[0]), across)
         self.per_step = np.array([1 / step[0], 1 / step[1]])
         self.transfer: NDArray[np.floating] = transfer.astype(precision, copy=False)
+        self.few = math.prod(self.shape) * self.transfer.itemsize <= FEW_BYTES
+        self.turned: NDArray[np.floating] = np.empty((0, 0), precision)
+        if self.few:
+            self.turned = _turned(scipy.fft.irfft2(self.transfer, s=self.shape))
 
     def convolve(self, masses: NDArray[np.floating]) -> NDArray[np.floating]:
-        """Potential at the nodes [C_m eta^-p] of masses at the nodes, one mesh or several, shape
-        (..., my, mx)."""
+        """Potential at the nodes [C_m eta^-p] of masses at the nodes, meshes (count, my, mx)."""
+        if self.few:
+            potential = np.empty_like(masses)
+            _mesh_kernels.convolve(masses, self.turned, potential)
+            return potential
         workers = threads() if self.transfer.size > NODES_PER_THREAD else 1
         spectrum = scipy.fft.rfft2(masses, workers=workers)
         spectrum *= self.transfer
         found = scipy.fft.irfft2(spectrum, s=self.shape, overwrite_x=True, workers=workers)
         return np.asarray(found)
+
+
+mesh_of = functools.lru_cache(maxsize=8)(Mesh)
+"""The mesh of these arguments, kept for the next plan of the same cell."""
+
+
+def _turned(kernel: NDArray[np.floating]) -> NDArray[np.floating]:
+    """The kernel between nodes as `_mesh_kernels.convolve` reads it, shape (mx, 2 my mx)."""
+    mx = kernel.shape[1]
+    column = np.subtract.outer(np.arange(mx), np.arange(mx)).T % mx
+    return np.tile(kernel[:, column].swapaxes(0, 1).reshape(mx, -1), 2)
 
 
 def _lengths(wanted: tuple[int, ...]) -> tuple[int, int]:
@@ -126,6 +156,7 @@ def _free_samples(
     return np.asarray(value[rows][:, columns])
 
 
+@functools.lru_cache(maxsize=64)
 def _correction(n: int) -> NDArray[np.float64]:
     """W^2 / (sum over aliases W^2)^2 along one axis, W = sinc^4 (cubic B-spline).
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from . import _list_kernels, _mesh_kernels, _pair_kernels
 from .afar import Afar
 from .footprint import Footprints, at_origin, pair_table, smooth_polynomials
-from .mesh import Mesh
+from .mesh import mesh_of
 from .near import chunks, near_pairs, run, total
 
 __all__ = ["CAP", "Field", "Interaction"]
@@ -29,6 +29,9 @@ WIDEST = 3.0
 CAP = 0.35
 """Largest variance over the squared split length that the expansion takes; wider footprints keep
 this second moment beyond the cut-off."""
+
+RUNG = 1.19
+"""Ratio of the cut-offs that plans of a periodic cell may have: they share meshes then."""
 
 NODES = 1.7
 """Mesh nodes per split length."""
@@ -143,7 +146,7 @@ class Interaction:
         floor = cut * WIDEST * math.sqrt(widest)
         reach = max(reach, floor)
         if periodic:
-            reach = min(reach, 0.499 * min(size))
+            reach = _repeated(reach, floor, 0.499 * min(size))
         else:
             reach = max(min(reach, 1.01 * math.hypot(*size)), 0.02 * math.hypot(*size), floor)
         self.eta = reach / cut
@@ -160,14 +163,8 @@ class Interaction:
             self.y, self.x, start, cells, size, periodic, cut
         )
         self.size, self.wrap, self.cut = size, periodic, cut
-        self.mesh = Mesh(footprints, size, periodic=periodic, nodes=nodes)
-        self.tangent_mesh = Mesh(
-            footprints,
-            size,
-            periodic=periodic,
-            nodes=TANGENT_NODES * nodes,
-            precision=np.float32,
-        )
+        self.mesh = mesh_of(footprints, size, periodic, nodes, np.float64)
+        self.tangent_mesh = mesh_of(footprints, size, periodic, TANGENT_NODES * nodes, np.float32)
         self.afar = Afar(self)
         self.value_table, self.shape, self.far = _tables(footprints.m, cut * cut)
         self.own = at_origin(footprints.m)
@@ -280,6 +277,16 @@ class Interaction:
     def lowest(self) -> float:
         """Least displacement [m] of the mesh part of the last field, or zero."""
         return float(self.scale * min(0.0, float(self.smooth.min())))
+
+
+def _repeated(wanted: float, least: float, most: float) -> float:
+    """The cut-off nearest to that wanted, and not below the least, of those that plans share."""
+    if wanted >= most:
+        return most
+    rungs = round(math.log(most / wanted, RUNG))
+    if most * RUNG**-rungs < least:
+        rungs -= 1
+    return most * RUNG ** -max(rungs, 0)
 
 
 @functools.lru_cache(maxsize=16)

@@ -66,7 +66,7 @@ def descend(
     tolerance: float,
     tilt: Array | None = None,
     load: float | None = None,
-    compliance: Array | float = 1.0,
+    compliance: Array | None = None,
 ) -> Solution:
     """Minimize the energy over non-negative forces.
 
@@ -86,7 +86,7 @@ def descend(
         Sum of the forces [N] to reach, positive; at the separation given if None.
     compliance
         How much of a small fall of the plane each contact takes up as approach [-], shape (n,): the
-        first guess of how a missing load is shared.
+        first guess of how a missing load is shared; all of it if None.
 
     Notes
     -----
@@ -103,6 +103,8 @@ def descend(
     """
     if tilt is None:
         tilt = np.zeros((len(start), 2))
+    if compliance is None:
+        compliance = np.ones(len(start))
     state = State.at(problem, np.maximum(start, 0.0), tilt)
     limit = MAX_STEPS if load is None else MAX_LOADED_STEPS
     limit = limit if problem.elongation is None else MAX_LONG_STEPS
@@ -172,7 +174,7 @@ def descend(
         step,
         products,
         reason,
-        np.broadcast_to(compliance, start.shape),
+        compliance,
         functools.partial(answer, problem, residual, compliance),
     )
     if load is None or reason:

@@ -53,7 +53,8 @@ class Step:
         its force and stiffness."""
         exponent = np.minimum(self.force / (self.stiffness * self.base), 1.0)
         grown = np.maximum((self.before + change) / self.force, 0.0)
-        return np.asarray(np.clip(self.base * grown**exponent, self.lower, self.upper))
+        wanted: Array = self.base * grown**exponent
+        return np.minimum(np.maximum(wanted, self.lower), self.upper)
 
     def wanted_after(self, constant: float, change: Array, image: Array) -> Array:
         """z - s - u [m] after a change of the separation [m] and of the forces [N], of which the

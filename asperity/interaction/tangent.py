@@ -31,7 +31,7 @@ class Tangent:
     stiffness
         k [N/m], shape (n,), positive at the active points.
     extra
-        Compliance [m/N] added to that of the points, not negative, shape (n,) or scalar.
+        Compliance [m/N] added to that of the points, not negative, shape (n,); none if None.
     form
         Second moments yy, xx, xy of elongated footprints over their variance, shape (n, 3).
     """
@@ -41,7 +41,7 @@ class Tangent:
         plan: Interaction,
         active: NDArray[np.bool_],
         stiffness: NDArray[np.float64],
-        extra: NDArray[np.float64] | float = 0.0,
+        extra: NDArray[np.float64] | None = None,
         form: NDArray[np.float64] | None = None,
     ) -> None:
         self.plan = plan
@@ -52,7 +52,7 @@ class Tangent:
         rank[self.index] = np.arange(n, dtype=np.int32)
         stiffness = stiffness[self.index]
         variance = plan.footprints.variance(stiffness) / plan.eta**2
-        self.compliance = 1 / stiffness + np.broadcast_to(extra, active.shape)[self.index]
+        self.compliance = 1 / stiffness + (0.0 if extra is None else extra[self.index])
         f0, f1, f2 = plan.own
         held = np.minimum(variance, CAP)
         self.diagonal = self.compliance / plan.scale - f0 - held * (f1 + 0.25 * held * f2)
@@ -64,8 +64,9 @@ class Tangent:
         self.ptr = np.zeros((n, 2), np.int64)
         self.col, self.value = plan.tangent_col, plan.tangent_value
         self.place, self.weight = np.empty((n, 2), np.int32), np.empty((n, 4, 4), np.float32)
-        self.grids = np.zeros((len(self.rows), *plan.tangent_mesh.shape), np.float32)
-        self.part = np.zeros((len(self.rows), n))
+        self.grids = np.empty((len(self.rows), 1, *plan.tangent_mesh.shape), np.float32)
+        self.part = np.empty((len(self.rows), n))
+        self.smooth = np.empty((1, *plan.tangent_mesh.shape), np.float32)
 
         def make(c: int, part: NDArray[np.int64]) -> None:
             _mesh_kernels.spline(
@@ -109,9 +110,28 @@ class Tangent:
     def __call__(self, vector: NDArray[np.float64]) -> NDArray[np.float64]:
         """Matrix times vector [m] for forces `vector` [N], shape (len(self),)."""
         out = np.empty(len(vector))
+        mesh = self.plan.tangent_mesh
+        if mesh.few and len(self.rows) == 1:
+            _tangent_kernels.product(
+                self.rows[0],
+                self.place,
+                self.weight,
+                self.ptr,
+                self.col,
+                self.value,
+                self.diagonal,
+                self.plan.scale,
+                mesh.turned,
+                vector,
+                self.grids[0],
+                self.smooth,
+                self.part,
+                out,
+            )
+            return out
 
         def sources(c: int, rows: NDArray[np.int64]) -> None:
-            _mesh_kernels.spread(rows, self.place, self.weight, vector, self.grids[c])
+            _mesh_kernels.spread(rows, self.place, self.weight, vector, self.grids[c, 0])
             _tangent_kernels.near_tangent(
                 rows, self.ptr, self.col, self.value, vector, self.part[c]
             )
@@ -122,7 +142,7 @@ class Tangent:
                 self.place,
                 self.weight,
                 vector,
-                smooth,
+                smooth[0],
                 self.diagonal,
                 self.part,
                 self.plan.scale,
@@ -130,6 +150,6 @@ class Tangent:
             )
 
         run(sources, self.rows)
-        smooth = self.plan.tangent_mesh.convolve(total(self.grids))
+        smooth = mesh.convolve(total(self.grids))
         run(receivers, self.rows)
         return out

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from asperity.interaction.exact import dense_matrix, periodic_interaction, self_image
 from asperity.interaction.footprint import FLOOR, Footprints
-from asperity.interaction.operator import Interaction
+from asperity.interaction.mesh import Mesh
+from asperity.interaction.operator import RUNG, Interaction
 from asperity.interaction.tangent import Tangent
 
 CELL = (1.0, 1.7)
@@ -48,6 +49,41 @@ def test_tangent_is_positive_definite_for_overlapping_discs(m, boundary, filling
     assert np.linalg.eigvalsh(0.5 * (fast + fast.T))[0] >= 0.98 * FLOOR / (1 + FLOOR)
     assert np.abs(fast - exact).max() < 5e-3
     assert np.abs(fast - fast.T).max() < 1e-6
+
+
+@pytest.mark.parametrize("precision", [np.float32, np.float64])
+@pytest.mark.parametrize("periodic", [True, False])
+@pytest.mark.parametrize("size", [(4.0, 4.0), (3.1, 7.9)])
+def test_sums_over_pairs_of_nodes_are_the_transforms(size, periodic, precision, monkeypatch):
+    monkeypatch.setattr("asperity.interaction.mesh.FEW_BYTES", np.inf)
+    summed = Mesh(Footprints(2.0, 0.3), size, periodic, 1.7, precision)
+    monkeypatch.setattr("asperity.interaction.mesh.FEW_BYTES", 0)
+    transformed = Mesh(Footprints(2.0, 0.3), size, periodic, 1.7, precision)
+    assert summed.few and not transformed.few
+    masses = np.random.default_rng(0).normal(size=(2, *summed.shape)).astype(precision)
+    expected = transformed.convolve(masses)
+    error = np.abs(summed.convolve(masses) - expected).max() / np.abs(expected).max()
+    assert error < 20 * np.finfo(precision).eps
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-6])
+def test_plans_of_one_cell_share_their_mesh(unit):
+    """As loads grow, cut-offs near to each other, in any unit of length."""
+    plans = []
+    for n in (200, 220, 240):
+        y, x = unit * np.random.default_rng(n).uniform(0, 1, (2, n))
+        plans.append(Interaction(y, x, (unit, unit), "periodic", Footprints(1.0)))
+    reach = np.array([plan.eta * plan.cut for plan in plans]) / unit
+    assert len({id(plan.mesh) for plan in plans}) == len(set(reach)) < 3
+    wanted = np.sqrt(15 / (np.pi * np.array([200, 220, 240])))
+    assert (np.abs(np.log(reach / wanted)) <= 0.5 * np.log(RUNG) + 1e-12).all()
+
+
+def test_shared_cut_offs_stay_above_the_widest_footprint():
+    y, x = np.random.default_rng(1).uniform(0, 1, (2, 400))
+    for root in np.linspace(0.01, 0.05, 9):
+        plan = Interaction(y, x, (1.0, 1.0), "periodic", Footprints(1.0), widest=root**2)
+        assert plan.eta >= 3.0 * root
 
 
 @pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
