@@ -33,6 +33,9 @@ _MAX_APPROACHES = 30
 _PLACEMENTS = 4
 """How often the fine grid is widened when the contact reaches its rim."""
 
+_BEYOND_RADIUS = 64
+"""`asperity.microcontact.Flag.BEYOND_RADIUS`; the judge imports nothing of the model."""
+
 
 @dataclass(frozen=True, eq=False)
 class FirstGuess:
@@ -81,6 +84,11 @@ class BemIndentation:
     summit: tuple[tuple[float, float], ...]
 
     @property
+    def flags(self) -> Any:
+        """Bits of `asperity.microcontact.Flag`: where the contact leaves the known profile."""
+        return np.where(self.converged & ~self.valid, _BEYOND_RADIUS, 0).astype(np.uint8)[()]
+
+    @property
     def certificate(self) -> Certificate:
         """Certificate of the worst of the solutions."""
         return max((s.certificate for s in self.solutions), key=lambda c: c.worst)
@@ -107,38 +115,50 @@ class BemIndentation:
         dy, y0 = self.solutions[-1].spacing[0], self.summit[-1][1]
         return np.asarray((np.arange(self.pressure_map.shape[0]) + 0.5) * dy - y0, np.float64)
 
-    def pressure(self, x: ArrayLike, y: ArrayLike, index: int = -1) -> NDArray[np.float64]:
-        """Pressure [Pa] at places from the summit [m] (broadcast), bilinear between the pixels."""
-        return self._at(self.solutions[index].pressure, x, y, index)
+    def pressure(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+        """Pressure [Pa] at places from the summit [m] (broadcast), bilinear between the pixels.
 
-    def contour(self, phi: ArrayLike, index: int = -1) -> NDArray[np.float64]:
+        Shape (*approach.shape, *places.shape).
+        """
+        return self._each(lambda one, at: sampled(one.pressure, one.spacing, at, x, y))
+
+    def contour(self, phi: ArrayLike) -> NDArray[np.float64]:
         """Distance of the contact's edge from the summit [m] at angles `phi` [rad].
+
+        Shape (*approach.shape, *phi.shape).
 
         Notes
         -----
         First crossing of one half by the bilinear indicator of the contact, with the pixel bias
         of the area taken out of the radius.
         """
-        solution = self.solutions[index]
         angle = np.asarray(phi, dtype=float)
-        reach = float(np.hypot(*np.multiply(solution.pressure.shape, solution.spacing)))
-        r = np.linspace(0.0, reach, 4 * max(solution.pressure.shape))
-        x, y = r * np.cos(angle[..., None]), r * np.sin(angle[..., None])
-        inside = self._at(solution.contact.astype(float), x, y, index)
-        out = np.argmax(inside < 0.5, axis=-1)
-        out = np.maximum(out, 1)
-        rows = np.arange(out.size).reshape(out.shape)
-        flat = inside.reshape(-1, r.size)
-        before, after = flat[rows, out - 1], flat[rows, out]
-        step = np.clip((before - 0.5) / np.maximum(before - after, 1e-300), 0.0, 1.0)
-        edge = r[out - 1] + step * (r[1] - r[0])
-        bias = solution.contact_area / max(solution.contact_area_raw, 1e-300)
-        return np.asarray(edge * np.sqrt(bias) * (before > 0.5))
+        return self._each(lambda one, at: _edge(one, at, angle))
 
-    def _at(
-        self, values: NDArray[np.float64], x: ArrayLike, y: ArrayLike, index: int
+    def _each(
+        self, field: Callable[[BemSolution, tuple[float, float]], NDArray[np.float64]]
     ) -> NDArray[np.float64]:
-        return sampled(values, self.solutions[index].spacing, self.summit[index], x, y)
+        found = np.array([field(*one) for one in zip(self.solutions, self.summit, strict=True)])
+        return found.reshape(np.shape(self.approach) + found.shape[1:])
+
+
+def _edge(
+    solution: BemSolution, summit: tuple[float, float], angle: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Distance of the edge from the summit [m], see `BemIndentation.contour`."""
+    reach = float(np.hypot(*np.multiply(solution.pressure.shape, solution.spacing)))
+    r = np.linspace(0.0, reach, 4 * max(solution.pressure.shape))
+    x, y = r * np.cos(angle[..., None]), r * np.sin(angle[..., None])
+    inside = sampled(solution.contact.astype(float), solution.spacing, summit, x, y)
+    out = np.argmax(inside < 0.5, axis=-1)
+    out = np.maximum(out, 1)
+    rows = np.arange(out.size).reshape(out.shape)
+    flat = inside.reshape(-1, r.size)
+    before, after = flat[rows, out - 1], flat[rows, out]
+    step = np.clip((before - 0.5) / np.maximum(before - after, 1e-300), 0.0, 1.0)
+    edge = r[out - 1] + step * (r[1] - r[0])
+    bias = solution.contact_area / max(solution.contact_area_raw, 1e-300)
+    return np.asarray(edge * np.sqrt(bias) * (before > 0.5))
 
 
 def indent_bem(

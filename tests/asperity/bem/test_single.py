@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from asperity import HalfSpace, errors, indent_bem
-from surfaces import PowerLawProfile
+from asperity.microcontact import Flag
+from surfaces import PolarProfile, PowerLawProfile
 
 HERTZ = {-0.3: 6.0468631897, 0.0: 8.0 / 3.0, 0.5: 1.0158730159}
 ELLIPSE = {
@@ -62,6 +63,18 @@ def test_several_approaches_and_scaling():
     assert found.force[1] / found.force[0] == pytest.approx(8.0, rel=1e-4)
     assert found.x.shape == found.y.shape == (48,)
     assert found.pressure_map.shape == (48, 48)
+    assert found.contour([0.0, 1.0, 2.0]).shape == found.pressure([0.0] * 3, 0.0).shape == (2, 3)
+    assert found.contour(0.0) == pytest.approx(found.radius, rel=0.05)
+    assert found.pressure(0.0, 0.0)[1] / found.pressure(0.0, 0.0)[0] == pytest.approx(2, rel=0.01)
+
+
+def test_a_contact_beyond_the_known_profile_is_flagged():
+    r, phi = np.linspace(0, 1e-6, 12), 2 * np.pi * np.arange(8) / 8
+    profile = PolarProfile(r, phi, np.outer(r**2, np.full(8, 1e5)))
+    found = indent_bem(profile, HalfSpace.from_modulus(1e9), [1e-8, 5e-7], grid=32)
+    assert found.converged.all()
+    assert found.valid.tolist() == [True, False]
+    assert found.flags.tolist() == [0, Flag.BEYOND_RADIUS]
 
 
 @pytest.mark.parametrize("approach, grid, words", [(0.0, 64, "positive"), (1.0, 4, "at least 16")])
