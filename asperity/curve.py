@@ -135,8 +135,8 @@ def contact_curve(
     Notes
     -----
     Each local peak is confined to its basin and carries the load of its contact law at the approach
-    d_i = z_i - s - sum_j G_ij F_j (theory 2 to 5, coupling by Gaussian footprints); contacts that
-    touch remain separate and interact.
+    d_i = z_i - s - sum_j G_ij F_j (docs/laws.md, docs/interaction.md); contacts that touch
+    remain separate and interact.
     """
     if plan is None:
         plan = make_plan(

@@ -162,7 +162,8 @@ def _amplitude(
 def _checked_shape(shape: tuple[int, int]) -> tuple[int, int]:
     _check(np.shape(shape) == (2,), f"shape is {shape}; give the numbers of points (ny, nx)")
     ny, nx = (int(n) for n in shape)
-    _check(min(ny, nx) >= 3, f"shape is {tuple(shape)}; both axes need at least 3 points")
+    whole = (ny, nx) == tuple(shape)
+    _check(whole and min(ny, nx) >= 3, f"shape is {tuple(shape)}; give whole numbers from 3")
     return ny, nx
 
 

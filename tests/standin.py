@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class HertzTable:
-    """Round paraboloids of radius R, flat punches beyond `reach` (theory 3, k = 2).
+    """Round paraboloids of radius R, flat punches beyond `reach`.
 
     F = 4 E a^(1+m) d / ((1+m)(3+m)) with a^2 = (1+m) R d, dF/dd = 2 E a^(1+m) / (1+m).
     """

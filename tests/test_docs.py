@@ -50,6 +50,24 @@ def test_python_on_the_pages_runs(folder):
         exec(compile(text, "page", "exec"), names)
 
 
+def test_every_link_and_every_file_that_is_named_exists():
+    """Of the pages, and the files that docstrings and comments name."""
+    for page in PAGES:
+        for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text()):
+            assert (page.parent / target).exists(), (page.name, target)
+    named = re.compile(
+        r"\b(?:asperity|surfaces|benchmarks|examples|docs|tests)/[\w/]+\.(?:py|md)\b"
+    )
+    sources = [
+        file
+        for top in ("asperity", "surfaces", "benchmarks")
+        for file in ROOT.glob(f"{top}/**/*.py")
+    ]
+    for file in (*PAGES, *sources):
+        for name in named.findall(file.read_text()):
+            assert (ROOT / name).is_file(), (file.name, name)
+
+
 def test_commands_on_the_pages_are_understood():
     found = [words for page in PAGES for words in _commands(page.read_text())]
     assert len(found) >= 12

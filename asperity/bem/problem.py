@@ -83,6 +83,9 @@ class ContactProblem:
         """Mean of p~ [m], and the level of u - h in the contact [m] if that is prescribed."""
         if (pressure is None) == (separation is None):
             raise InputError("give exactly one of pressure and separation")
+        given: Any = separation if pressure is None else pressure
+        if np.ndim(given):
+            raise InputError("a solution is of one load; asperity.bem_curve takes several")
         if pressure is not None:
             if not (math.isfinite(pressure) and pressure >= 0.0):
                 raise InputError(

@@ -230,8 +230,10 @@ class _Grid:
 
 
 def _start(bodies: Asperities, state: PopulationState) -> Array:
-    """Pressure [Pa] of elliptic contacts, p_0 (1 - rho^2)^((1+m)/2) (theory 7.4), rescaled so
-    that the pixels carry their forces."""
+    """Pressure [Pa] of elliptic contacts, p_0 (1 - rho^2)^((1+m)/2) (docs/half_space.md).
+
+    It is rescaled so that the pixels of each carry its force.
+    """
     hm = bodies.solved
     pixel, own, distance = ellipses(bodies, state)
     shape = (1.0 - distance**2) ** (0.5 * (1.0 + bodies.material.m))

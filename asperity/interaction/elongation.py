@@ -24,7 +24,7 @@ along its length."""
 
 ASPECT_EXPONENT = 0.63
 """Axis ratio of an elliptic contact from the ratio of curvatures, b/a = (k2/k1)^0.63: exact Hertz
-(theory 7.2) within 3 % up to a curvature ratio of 30."""
+(Hertz) within 3 % up to a curvature ratio of 30."""
 
 
 @dataclass(frozen=True, eq=False)

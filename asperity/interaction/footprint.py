@@ -33,8 +33,8 @@ class Footprints:
 
     Notes
     -----
-    With Lambda(q) = Lambda_1 q^(m-1) (theory 6), two Gaussians of variance v and v' per axis at
-    distance r interact, with S^2 = v + v' and p = 1 + m, through
+    With Lambda(q) = Lambda_1 q^(m-1) (docs/half_space.md), two Gaussians of variance v and v' per
+    axis at distance r interact, with S^2 = v + v' and p = 1 + m, through
 
         g(r; S^2) = 1/(4 pi^2) int Lambda(q) exp(-q^2 S^2 / 2) exp(i q r) d^2q
                   = Lambda_1 Gamma(p/2) / (4 pi) (S^2/2)^(-p/2) 1F1(p/2; 1; -r^2 / (2 S^2)).
@@ -65,12 +65,12 @@ class Footprints:
 
     @property
     def point(self) -> float:
-        """C_m [m^p / N]: a point force F displaces by C_m F / r^p (theory 6)."""
+        """C_m [m^p / N]: a point force F displaces by C_m F / r^p."""
         return math.sin((1 - abs(self.m)) * math.pi / 2) / (math.pi * self.modulus)
 
     @property
     def symbol(self) -> float:
-        """Lambda_1: the half-space answers a wave of pressure by Lambda_1 q^(m-1) (theory 6)."""
+        """Lambda_1: the half-space answers a wave of pressure by Lambda_1 q^(m-1)."""
         return 2 ** (1 - self.m) * math.pi / (self.modulus * math.gamma(self.power / 2) ** 2)
 
     @property
@@ -84,7 +84,7 @@ class Footprints:
         return np.asarray(((1 + FLOOR) * self.self_factor * k) ** (2 / self.power))
 
     def punch(self, radius: ArrayLike) -> NDArray[np.float64]:
-        """Stiffness [N/m] of the flat round punch of a radius [m] (theory 0)."""
+        """Stiffness [N/m] of the flat round punch of a radius [m]."""
         p = self.power
         return np.asarray(2 * self.modulus * np.asarray(radius, float) ** p / p)
 

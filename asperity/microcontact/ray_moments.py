@@ -28,7 +28,7 @@ def moment_weights(m: float, nodes: int, order: int, radii: int = 13) -> Array:
 def edge_weights(m: float, nodes: int, order: int, radii: int = 25) -> Array:
     """Weights (radii, nodes) of ``(order + 3 + m) h + a h'`` with h as in `moment_weights`.
 
-    Times ``a**2`` this is the edge operator of harmonic `order` of one ray (theory 5).
+    Times ``a**2`` this is the edge operator of harmonic `order` of one ray (docs/laws.md).
     """
     value, slope = _weights(m, nodes, order, radii)
     return (order + 3 + m) * value + slope

@@ -67,8 +67,8 @@ class FineScales:
     Notes
     -----
     In full contact a wave h_q has the pressure h_q / L(q), with the compliance L = c q^(m - 1) / E
-    (theory 6; c = 2 for m = 0): V = <p^2> = sum |h_q|^2 / L^2 and e = sum |h_q|^2 / 2 L, so for
-    m = 0 V = E*^2/4 <|grad h|^2>. The fine waves spread the pressures of a contact, which leave it
+    (docs/half_space.md; c = 2 for m = 0): V = <p^2> = sum |h_q|^2 / L^2, e = sum |h_q|^2 / 2 L, so
+    for m = 0 V = E*^2/4 <|grad h|^2>. Fine waves spread the pressures of a contact, which leave it
     where they come to zero (Persson 2001). Those of a rough contact of mean pressure p follow
     Rayleigh's distribution of scale s = sqrt(2/pi) p; of its area there remains, and per area is
     stored,

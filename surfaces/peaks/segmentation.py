@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .. import _threads
 from ..errors import InputError, SurfaceError
-from ..heightmap import HeightMap
+from ..heightmap import HeightMap, require_map
 from . import _flood, _saddles
 from .peaks import Peaks
 
@@ -66,6 +66,7 @@ def segment(
     ----------
     ISO 25178-2:2012, 3.3 (segmentation, Wolf pruning).
     """
+    require_map(hm)
     if hm.missing:
         raise SurfaceError(
             f"{hm.missing} of {hm.heights.size} points are missing; "

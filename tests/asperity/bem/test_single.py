@@ -19,7 +19,7 @@ ELLIPSE = {
 
 @pytest.mark.parametrize("m", HERTZ)
 def test_graded_hertz(m):
-    """Force, area and contour of the paraboloid, for every grading (theory 7.1)."""
+    """Force, area and contour of the paraboloid, for every grading."""
     found = indent_bem(
         PowerLawProfile(2.0, 1.0), HalfSpace.from_modulus(1.0, m), 2 / (1 + m), grid=96
     )
@@ -34,7 +34,7 @@ def test_graded_hertz(m):
 
 @pytest.mark.parametrize("m", ELLIPSE)
 def test_graded_ellipse(m):
-    """Elliptic paraboloid with axes 2 and 1 (theory 7.4), its long axis along x."""
+    """Elliptic paraboloid with axes 2 and 1 (docs/half_space.md), its long axis along x."""
     depth, a, b, force = ELLIPSE[m]
     profile = PowerLawProfile(2.0, lambda phi: a * np.cos(phi) ** 2 + b * np.sin(phi) ** 2)
     found = indent_bem(profile, HalfSpace.from_modulus(1.0, m), depth, grid=96)

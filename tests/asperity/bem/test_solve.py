@@ -228,6 +228,7 @@ def test_stagnation_is_not_convergence(monkeypatch):
     [
         ({}, "exactly one of pressure and separation"),
         ({"pressure": 1.0, "separation": 1.0}, "exactly one of pressure and separation"),
+        ({"pressure": [1.0, 2.0]}, "bem_curve takes several"),
         ({"pressure": -1.0}, "not negative"),
         ({"pressure": np.nan}, "finite mean pressure"),
         ({"separation": 0.0}, "prescribe a pressure instead"),
