@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,12 +14,17 @@ from .tangent import Tangent
 __all__ = ["foreseen"]
 
 FORCING = 0.1
-"""Relative accuracy of the linear solve."""
+"""Relative accuracy of the linear solve at best."""
+
+LEFT = 0.6
+"""Residual that the forecast may leave, over the tolerance of the solve that starts from it."""
 
 Array = NDArray[np.float64]
 
 
-def foreseen(problem: Problem, wanted: Array, force: Array) -> tuple[Array, int]:
+def foreseen(
+    problem: Problem, wanted: Array, force: Array, *, tolerance: float
+) -> tuple[Array, int]:
     """Approaches that agree with the forces of a forecast, and the products spent.
 
     Parameters
@@ -28,6 +35,8 @@ def foreseen(problem: Problem, wanted: Array, force: Array) -> tuple[Array, int]
         Forecast of z - s - u [m], shape (n,).
     force
         Forecast of the forces [N] with the same weights of the same points, shape (n,).
+    tolerance
+        Residual to which the point will be solved.
 
     Notes
     -----
@@ -42,7 +51,12 @@ def foreseen(problem: Problem, wanted: Array, force: Array) -> tuple[Array, int]
     rows = tangent.index
     own, stiffness, base = law.force[rows], law.stiffness[rows], wanted[rows]
     lacking = own - force[rows]
-    solved = conjugate_gradients(tangent, lacking / stiffness, tolerance=FORCING)
+    # sum |r| k, the residual, is at most the root of sum k r^2 times sum k
+    most = math.sqrt(float(stiffness.sum()) * float((lacking / stiffness) @ lacking))
+    enough = LEFT * tolerance * float(own.sum()) / most if most > 0 else 1.0
+    solved = conjugate_gradients(
+        tangent, lacking / stiffness, tolerance=min(max(FORCING, enough), 1.0)
+    )
     approach = np.maximum(wanted, 0.0)
     grown = np.maximum((force[rows] + solved.solution) / own, 0.0)
     approach[rows] = base * grown ** np.minimum(own / (stiffness * base), 1.0)

@@ -172,10 +172,13 @@ class Listing:
         missing = Candidates.of(self.others, field, separation, growth)
         return bool(np.count_nonzero(missing.overlap > 0) > some)
 
-    def strayed(self, population: Population, closed: Rows, approach: Array) -> bool:
-        """Whether contacts are too far from the centres of their laws for the plan to hold."""
+    def strayed(self, population: Population, rows: Rows, wanted: Array) -> bool:
+        """Whether contacts are too far from the centres of their laws for the plan to hold;
+        `wanted` [m] are the approaches of summits `rows` where positive."""
         if self.offset is None:
             return False
+        closed = wanted > 0
+        closed, approach = rows[closed], wanted[closed]
         some = slice(None, None, 1 + len(closed) // SAMPLE)
         closed, approach = closed[some], approach[some]
         law = population.laws.rows(closed)(approach)

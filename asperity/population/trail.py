@@ -79,11 +79,10 @@ class Trail:
         growth, spare = DEEPER, SPARE
         if pressure is not None and self.points and self.points[-1].pressure > 0:
             growth, spare = max(1.0, pressure / self.points[-1].pressure), NEW_LOAD
-        closed = values[0] > 0
         listing = self.listing
         if listing is not None and (
             listing.lacks(self.field, separation, growth)
-            or listing.strayed(population, rows[closed], values[0, closed])
+            or listing.strayed(population, rows, values[0])
         ):
             listing = None
         for placed in range(MAX_PLACED + 1):
@@ -100,7 +99,9 @@ class Trail:
             approach = start[0]
             if load is None and placed == 0 and len(self.points) > 1:
                 with np.errstate(over="ignore", invalid="ignore"):
-                    ahead, spent = foreseen(listing.problem, approach, start[1])
+                    ahead, spent = foreseen(
+                        listing.problem, approach, start[1], tolerance=tolerance
+                    )
                 approach = ahead if np.isfinite(ahead).all() else approach
                 products += spent
             for problem in listing.problem.simpler():
@@ -126,10 +127,10 @@ class Trail:
             trail = replace(trail, listing=listing, field=listing.problem.plan)
             if solution.reason or placed == MAX_PLACED:
                 break
-            closed, growth = values[0] > 0, 1.0
-            astray = listing.strayed(population, rows[closed], values[0, closed])
+            growth = 1.0
+            astray = listing.strayed(population, rows, values[0])
             # those that only just touch carry less than their share of the load
-            few = LACKING * tolerance * np.count_nonzero(closed)
+            few = LACKING * tolerance * np.count_nonzero(values[0] > 0)
             enough = not listing.lacks(trail.field, separation, growth, few)
             if enough and not (blind or astray):
                 break
