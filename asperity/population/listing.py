@@ -177,10 +177,9 @@ class Listing:
         `wanted` [m] are the approaches of summits `rows` where positive."""
         if self.offset is None:
             return False
-        closed = wanted > 0
-        closed, approach = rows[closed], wanted[closed]
-        some = slice(None, None, 1 + len(closed) // SAMPLE)
-        closed, approach = closed[some], approach[some]
+        touches = np.flatnonzero(wanted > 0)
+        touches = touches[:: 1 + len(touches) // SAMPLE]
+        closed, approach = rows[touches], wanted[touches]
         law = population.laws.rows(closed)(approach)
         x, y = population.table.centre_at(closed, approach)
         away = np.hypot(x - self.offset[0][closed], y - self.offset[1][closed])
