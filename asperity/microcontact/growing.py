@@ -9,16 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces import _threads
-
 from .table import LawTable
 
 __all__ = ["GrowingTable"]
 
 Rows = NDArray[np.int64]
-
-_LEAST = 128
-"""Rows for which a thread is worth its start."""
 
 
 class GrowingTable:
@@ -63,16 +58,10 @@ class GrowingTable:
         block = self._make(missing)
         if self._table is None:
             self._table = self._empty(block)
-        table = self._table
-        columns = [(getattr(table, f.name), getattr(block, f.name)) for f in fields(LawTable)]
-
-        def fill(start: int, stop: int) -> None:
-            rows = missing[start:stop]
-            for column, values in columns:
-                if isinstance(values, np.ndarray):
-                    column[rows] = values[start:stop]
-
-        _threads.run(fill, _threads.blocks(missing.size, _LEAST))
+        for field in fields(LawTable):
+            values = getattr(block, field.name)
+            if isinstance(values, np.ndarray):
+                getattr(self._table, field.name)[missing] = values
         self.ready[missing] = True
         return missing
 

@@ -95,5 +95,5 @@ def _march(
         space = ray_space(rays, nodes, weights.shape[0])
         march_rays(begin, end, inputs, weights, levels, m, rounds, out, space)
 
-    _threads.run(part, _threads.blocks(length.size, 4))
+    _threads.run(part, _threads.blocks(length.size, 1 + 72 // levels.size))
     return np.where(valid, height, 0.0), length, height, out

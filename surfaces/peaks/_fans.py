@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _threads
 from .._spline import PAD
 from .._spline_form import LANES
 from . import _climb, _rays
@@ -14,11 +15,11 @@ from . import _climb, _rays
 if TYPE_CHECKING:
     from .summits import Summits
 
-__all__ = ["Fans", "aspect_of"]
+__all__ = ["PART", "Fans", "aspect_of"]
 
 _NARROWEST = np.sqrt(1.0 / 8.0)  # least aspect of the ellipse on which the rays are spread
 _FOLD = 1.7  # half a paraboloid at the border carries 0.77 of the load, on 0.58 of the area (BEM)
-_PART = 1024  # peaks whose directions stay in the cache
+PART = 1024  # peaks whose directions stay in the cache
 _MOST_SAMPLES = 64 * LANES  # of a ray
 _TINY = 1e-300
 
@@ -76,8 +77,8 @@ class Fans:
 
     def fill(self, slots: Rows) -> None:
         """Fill the rows `slots`."""
-        for start in range(0, slots.size, _PART):
-            self._fill(slots[start : start + _PART])
+        for start in range(0, slots.size, PART):
+            self._fill(slots[start : start + PART])
 
     def _fill(self, slot: Rows) -> None:
         of, peak = self._summits, self._index[slot]
@@ -100,11 +101,13 @@ class Fans:
         y, x = of.places[peak].T
         if of.hm.periodic:
             y, x = y % of.hm.shape[0], x % of.hm.shape[1]
-        _rays.fit(
+        given = (
             of.spline.ravel(), self._cell, of.peaks.labels.ravel(), of.owner,
             of.peaks.min_prominence, peak, y.copy(), x.copy(), of.height[peak], way_y, way_x, pixel,
             limit, _RADII, self._shares, tip, slot, self.edge, self.q,
         )  # fmt: skip
+        # the calls before are too short for several threads, which would wait for each other
+        _threads.run(lambda a, b: _rays.fit(*given, a, b), _threads.blocks(peak.size, 64))
         blunt = slot[of.kinds[peak] != _climb.SUMMIT]
         self.q[blunt, :, 0] = self.q[blunt, :, 1]
 

@@ -140,7 +140,7 @@ def _crest(ray, radii):
 @compiled(error_model="numpy")
 def fit(
     flat, cell, labels, owner, dip, peak, y, x, z, way_y, way_x, pixel, limit, radii, shares, tip,
-    slot, edge, q,
+    slot, edge, q, first, last,
 ):  # fmt: skip
     """Fill the lengths and nodes of the rays of some peaks; see `surfaces.peaks.profiles.Profiles`.
 
@@ -160,6 +160,8 @@ def fit(
         Half the curvatures along the rays, shape (n, rays).
     slot, edge, q
         Row of each peak in the lengths [m] and the nodes.
+    first, last
+        Peaks to fill, from `first` to before `last`.
     """
     count, nodes = q.shape[1:]
     groups = shares.size // LANES
@@ -172,11 +174,11 @@ def fit(
     squares = shares * shares
     inverses = 1.0 / squares
     peaks = max(1, _TOGETHER // count)
-    for start in range(0, peak.size, peaks):
-        some = min(peaks, peak.size - start)
+    for start in range(first, last, peaks):
+        some = min(peaks, last - start)
         used = some * count
         for n in range(start, start + some):
-            if n + peaks < peak.size:
+            if n + peaks < last:
                 row, col = int(y[n + peaks]), int(x[n + peaks])
                 prefetch_block(flat, width, row + PAD - 6, col + PAD - 6, 14, 14)
                 prefetch_block(labels, nx, row - 5, col - 5, 11, 11)

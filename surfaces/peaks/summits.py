@@ -12,7 +12,7 @@ from .. import _spline, _threads
 from ..errors import InputError, SurfaceError
 from ..heightmap import HeightMap
 from . import _climb
-from ._fans import Fans
+from ._fans import PART, Fans
 from .peaks import Peaks
 from .profiles import Profiles
 
@@ -94,7 +94,7 @@ class Summits:
             raise InputError(f"rays is {rays} and nodes is {nodes}; give at least 4 of each")
         fans = Fans(self, index, rays, nodes)
         near = _near(self.peaks.row[index], self.peaks.col[index])
-        _threads.run(lambda a, b: fans.fill(near[a:b]), _threads.blocks(len(index), 64))
+        _threads.run(lambda a, b: fans.fill(near[a:b]), _threads.blocks(len(index), PART))
         names = ("x", "y", "height", "curvature", "angle", "pixels", "border", "valid", "owner")
         own: dict[str, Any] = {name: getattr(self, name)[index] for name in names}
         t = np.linspace(0.0, 1.0, nodes)

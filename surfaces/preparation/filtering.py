@@ -15,8 +15,6 @@ __all__ = ["bandpass", "crop", "make_periodic", "resample", "resample_waves"]
 
 PERIODIC = ("mirror", "taper", "wrap")
 
-_BLOCK = 64  # lines transformed at a time: their spectra stay in the cache
-
 
 def bandpass(
     hm: HeightMap, shortest: float | None = None, longest: float | None = None
@@ -110,7 +108,7 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
     ny, nx = (max(1, round(length / d)) for length, d in zip(hm.size, wanted, strict=True))
     if min(ny, nx) < 3:
         raise SurfaceError(f"pixels of {wanted[0]:g} x {wanted[1]:g} m leave {ny} x {nx} points")
-    needed = 24 * ny * nx + 8 * hm.shape[0] * nx
+    needed = 24 * ny * nx + 8 * hm.shape[0] * (nx + hm.shape[1])
     require_memory(needed, f"a map of {ny} x {nx} points", "take larger pixels")
     if hm.periodic:
         heights = resample_waves(hm.heights, ny, nx)
@@ -230,28 +228,14 @@ def resample_waves(
     )
     (first_y, first_x), (step_y, step_x) = ((part - 1) // 2 for part in fewer), fewer
     heights = heights[first_y::step_y, first_x::step_x]
-    rows = np.empty((len(heights), across.size), np.complex128)
-    waves = np.zeros((ny, nx // 2 + 1), np.complex128)
-    out = np.empty((ny, nx))
-
-    def forth(first: int, last: int) -> None:
-        for start in range(first, last, _BLOCK):
-            some = slice(start, min(start + _BLOCK, last))
-            rows[some] = fft.rfft(heights[some], axis=1)[:, : across.size] * across
-
-    def columns(first: int, last: int) -> None:
-        spectrum = fft.fft(rows[:, first:last], axis=0)
-        kept = np.zeros((ny, last - first), np.complex128)
-        kept[: down.size] = spectrum[: down.size] * down[:, None]
-        kept[1 - down.size :] = spectrum[1 - down.size :] * down[:0:-1, None].conj()
-        waves[:, first:last] = fft.ifft(kept, axis=0)
-
-    def back(first: int, last: int) -> None:
-        out[first:last] = fft.irfft(waves[first:last], n=nx, axis=1)
-
-    for step, count in ((forth, len(heights)), (columns, across.size), (back, ny)):
-        _threads.run(step, _threads.lines(count, heights.size))
-    return out
+    workers = len(_threads.lines(len(heights), heights.size))
+    rows = fft.rfft(heights, axis=1, workers=workers)[:, : across.size] * across
+    waves = fft.fft(rows, axis=0, workers=workers, overwrite_x=True)
+    kept = np.zeros((ny, across.size), np.complex128)
+    kept[: down.size] = waves[: down.size] * down[:, None]
+    kept[1 - down.size :] = waves[1 - down.size :] * down[:0:-1, None].conj()
+    kept = fft.ifft(kept, axis=0, workers=workers, overwrite_x=True)
+    return np.asarray(fft.irfft(kept, n=nx, axis=1, workers=workers))
 
 
 def _moved(all_points: int, count: int, fewer: int) -> NDArray[np.complex128]:
