@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces import _threads
 from surfaces.heightmap import HeightMap
 
 from .asperities import Asperities
@@ -182,7 +181,6 @@ def solve_contacts(
     kind, values = checked_loads(hm, material, pressures, separations)
     plan.require_scene_of(hm, material)
     bodies = Asperities.of(hm, material, plan)
-    _threads.aside(lambda: hm.digest)  # wanted at the end; solving leaves a thread idle
     start = time.perf_counter() - sum(bodies.seconds.values())
     states: dict[int, PopulationState] = {}
     places: dict[int, FinePoint] = {}
