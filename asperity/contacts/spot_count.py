@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..dominant import JOINED
+
 if TYPE_CHECKING:
     from surfaces.peaks.summits import Summits
 
@@ -17,12 +19,12 @@ __all__ = ["passes", "spot_count"]
 
 Array = NDArray[np.float64]
 
-JOINED = (1.6, 0.7)
-"""Approach over the depth of the pass at which two contacts have joined, and what a pass lies
-deeper than its pixels: this times the rms second difference of the heights between pixels."""
+SAG = 0.7
+"""How much deeper a pass lies than its pixels show, over the rms second difference of heights."""
 
-PARTED = (0.97, 0.15)
-"""Spots that fine waves add, per wave under the contacts: c P^-n (1 - f)/f."""
+PARTED, CROWDED = 0.97, 0.15
+"""Spots that fine waves add, per wave under the contacts: the factor and the exponent, see
+`spot_count`."""
 
 
 def spot_count(bodies: Asperities, state: PopulationState) -> int:
@@ -47,13 +49,13 @@ def spot_count(bodies: Asperities, state: PopulationState) -> int:
     from ._spot_kernels import spots
 
     pairs, depth = bodies.passes
-    count = float(spots(pairs, 2.0 * JOINED[0] * depth, *_each(bodies.profiles, state)))
+    count = float(spots(pairs, 2.0 * JOINED * depth, *_each(bodies.profiles, state)))
     fine, area = bodies.plan.fine, state.contact_area
     if fine is not None and area > 0.0:
         closed = float(bodies.closed_area(state).sum()) / area
-        share = (area / bodies.hm.area) ** -PARTED[1]
+        share = (area / bodies.hm.area) ** -CROWDED
         waves = area * (fine.number / (2.0 * np.pi)) ** 2
-        count += PARTED[0] * share * waves * (1.0 - closed) / closed
+        count += PARTED * share * waves * (1.0 - closed) / closed
     return round(count)
 
 
@@ -75,4 +77,4 @@ def passes(bodies: Asperities) -> tuple[NDArray[np.int64], Array]:
     pairs = pairs[apart]
     bend = np.asarray(bodies.solved.roughness.curvature) * np.square(bodies.solved.spacing)
     depth = bodies.profiles.height[pairs].mean(axis=1) - bodies.peaks.passes[apart]
-    return pairs, np.asarray(depth + JOINED[1] * np.sqrt(np.mean(bend**2)))
+    return pairs, np.asarray(depth + SAG * np.sqrt(np.mean(bend**2)))
