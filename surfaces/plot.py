@@ -18,7 +18,7 @@ from .heightmap import HeightMap
 from .peaks.peaks import Peaks
 from .peaks.profiles import Profiles
 from .statistics.bearing import BearingCurve
-from .statistics.correlation import Autocorrelation
+from .statistics.correlation import THRESHOLD, Autocorrelation
 from .statistics.spectrum import Spectrum
 from .statistics.spectrum_fit import SpectrumFit
 
@@ -146,7 +146,7 @@ def plot_bearing(curve: BearingCurve) -> Figure:
     return figure
 
 
-def plot_autocorrelation(correlation: Autocorrelation, *, threshold: float = 0.2) -> Figure:
+def plot_autocorrelation(correlation: Autocorrelation) -> Figure:
     """Correlation over shifts along x and y, with the contour at which Sal and Str are read."""
     lag_y, lag_x = correlation.lag_y, correlation.lag_x
     stride = max(1, len(lag_y) // _PIXELS, len(lag_x) // _PIXELS)
@@ -158,10 +158,10 @@ def plot_autocorrelation(correlation: Autocorrelation, *, threshold: float = 0.2
         value, origin="lower", extent=extent, cmap="RdGy_r", vmin=-1.0, vmax=1.0, aspect="equal"
     )
     axes.contour(
-        lag_x[::stride], lag_y[::stride], value, levels=[threshold], colors=[_INK], linewidths=1.0
+        lag_x[::stride], lag_y[::stride], value, levels=[THRESHOLD], colors=[_INK], linewidths=1.0
     )
     bar = axes.inset_axes((1.03, 0.0, 0.035, 1.0))
-    figure.colorbar(image, cax=bar, label=f"correlation; line at {threshold:g}")
+    figure.colorbar(image, cax=bar, label=f"correlation; line at {THRESHOLD:g}")
     for axis, label in ((axes.xaxis, "shift along x"), (axes.yaxis, "shift along y")):
         axis.set_major_locator(MaxNLocator(5))
         axis.set_major_formatter(EngFormatter(unit="m"))

@@ -99,19 +99,15 @@ def section(radius: Callable[[Array], ArrayLike], k: float = 1.0) -> PowerLawPro
     return PowerLawProfile(k, lambda phi: np.asarray(radius(phi), dtype=float) ** -k)
 
 
-def random_section(
-    k: float = 1.0, *, deviation: float, harmonics: int = 12, seed: int = 0
-) -> PowerLawProfile:
-    """Irregular section: ``psi = 1 + sum_n c_n cos(n phi + alpha_n)``, n = 2 ... `harmonics`.
+def random_section(k: float = 1.0, *, deviation: float, seed: int = 0) -> PowerLawProfile:
+    """Irregular section: ``psi = 1 + sum_n c_n cos(n phi + alpha_n)``, n = 2 to 12.
 
     Parameters
     ----------
     k
         Exponent of the body.
     deviation
-        Wanted standard deviation of psi over its mean.
-    harmonics
-        Highest harmonic; the amplitudes are normal numbers times n^-1.5.
+        Wanted standard deviation of psi over its mean; amplitudes are normal numbers times n^-1.5.
     seed
         Seed of the random numbers.
 
@@ -121,7 +117,7 @@ def random_section(
         If psi would not stay positive.
     """
     rng = np.random.default_rng(seed)
-    n = np.arange(2, harmonics + 1)
+    n = np.arange(2, 13)
     amplitude = rng.standard_normal(n.size) * n**-1.5
     amplitude *= deviation / np.sqrt(np.sum(amplitude**2) / 2)
     phase = rng.uniform(0, 2 * np.pi, n.size)

@@ -12,7 +12,7 @@ from ._fans import aspect_of
 
 __all__ = ["Profiles"]
 
-_PER_RAY = 48  # radii on the shortest ray of a single profile
+_PER_RAY, _ANGLES = 48, 256  # radii on the shortest ray, and directions, of a single profile
 
 Array = NDArray[np.float64]
 
@@ -89,8 +89,8 @@ class Profiles:
         """Gap f [m] at the nodes, shape (n, rays, nodes); it does not fall along a ray."""
         return self.q * (self.t * self.edge[:, :, None]) ** 2
 
-    def profile(self, i: int, *, angles: int = 256) -> PolarProfile:
-        """Profile of one peak on `angles` equispaced directions, up to its longest ray.
+    def profile(self, i: int) -> PolarProfile:
+        """Profile of one peak on `_ANGLES` equispaced directions, up to its longest ray.
 
         Between the rays f is a periodic cubic spline in the parameter of the ellipse on which
         they are spread, at equal distances in units of that ellipse, where a paraboloid has two
@@ -102,7 +102,7 @@ class Profiles:
         rays = self.phi.shape[1]
         aspect = float(aspect_of(self.curvature[i]))
         node = 2 * np.pi * np.arange(rays) / rays
-        phi = 2 * np.pi * np.arange(angles) / angles
+        phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
         turn = phi - self.angle[i]
         at = np.arctan2(np.sin(turn), aspect * np.cos(turn)) % (2 * np.pi)
         unit = np.eye(rays)[np.arange(rays + 1) % rays]
@@ -112,7 +112,7 @@ class Profiles:
         scaled = np.array(
             [self._along(i, p, far * np.sqrt(_square(node[p], aspect))) for p in range(rays)]
         )
-        f = np.zeros((r.size, angles))
+        f = np.zeros((r.size, _ANGLES))
         f[1:] = np.maximum(np.einsum("kp,pjk->jk", share, scaled), 0.5 * scaled.min(axis=0))
         edge = np.interp(at, node, self.edge[i] * np.sqrt(_square(node, aspect)), period=2 * np.pi)
         edge /= np.sqrt(_square(at, aspect))

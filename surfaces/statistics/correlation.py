@@ -12,7 +12,10 @@ from scipy.ndimage import map_coordinates
 from ..errors import SurfaceError
 from ..heightmap import HeightMap
 
-__all__ = ["Autocorrelation", "Texture", "autocorrelation", "texture"]
+__all__ = ["THRESHOLD", "Autocorrelation", "Texture", "autocorrelation", "texture"]
+
+THRESHOLD = 0.2
+"""Correlation at which Sal and Str are read (ISO 25178-2)."""
 
 _ANGLES = 180
 """Directions in which the correlation length is read."""
@@ -42,8 +45,8 @@ class Texture:
     Attributes
     ----------
     shortest
-        Autocorrelation length Sal: the shortest shift that lowers the correlation to the
-        threshold [m].
+        Autocorrelation length Sal: the shortest shift that lowers the correlation to
+        `THRESHOLD` [m].
     longest
         The longest such shift [m]; of a correlation that stays above within half the map, that
         half, and then `bounded` is True.
@@ -101,23 +104,8 @@ def autocorrelation(hm: HeightMap) -> Autocorrelation:
     return Autocorrelation(lag_y * hm.spacing[0], lag_x * hm.spacing[1], value)
 
 
-def texture(correlation: Autocorrelation, *, threshold: float = 0.2) -> Texture:
-    """Shortest and longest shift at which the correlation first falls to the threshold.
-
-    Parameters
-    ----------
-    correlation
-        From `autocorrelation`.
-    threshold
-        0.2 in ISO 25178-2 [-].
-
-    Raises
-    ------
-    SurfaceError
-        If the threshold is not between 0 and 1.
-    """
-    if not 0.0 < threshold < 1.0:
-        raise SurfaceError(f"threshold is {threshold}; it must lie between 0 and 1")
+def texture(correlation: Autocorrelation) -> Texture:
+    """Shortest and longest shift at which the correlation first falls to `THRESHOLD`."""
     lag_y, lag_x, value = correlation.lag_y, correlation.lag_x, correlation.value
     dy, dx = lag_y[1] - lag_y[0], lag_x[1] - lag_x[0]
     reach = min(lag_y[-1], lag_x[-1])
@@ -126,12 +114,12 @@ def texture(correlation: Autocorrelation, *, threshold: float = 0.2) -> Texture:
     rows = (np.outer(np.sin(angles), steps) - lag_y[0]) / dy
     columns = (np.outer(np.cos(angles), steps) - lag_x[0]) / dx
     along = map_coordinates(value, [rows, columns], order=1, mode="nearest")
-    below = along <= threshold
+    below = along <= THRESHOLD
     crossed = below.any(axis=1)
     first = np.maximum(below.argmax(axis=1), 1)
     ray = np.arange(_ANGLES)
     before, after = along[ray, first - 1], along[ray, first]
-    part = (before - threshold) / np.where(before > after, before - after, 1.0)
+    part = (before - THRESHOLD) / np.where(before > after, before - after, 1.0)
     lengths = np.where(crossed, (first - 1 + part) * steps[1], reach)
     longest = max(range(_ANGLES), key=lambda index: (lengths[index], along[index].mean()))
     return Texture(
