@@ -81,7 +81,7 @@ def each(function: Callable[[Any], Any], parts: Sequence[Any]) -> list[Any]:
 
     A part that no other thread has begun by then is done by this one.
     """
-    if min(len(parts), threads()) == 1 or threading.current_thread().name.startswith(_NAME):
+    if len(parts) < 2 or threads() == 1 or threading.current_thread().name.startswith(_NAME):
         return [function(part) for part in parts]
     pool = _pool(len(parts) - 1, os.getpid())
     others = [pool.submit(function, part) for part in parts[1:]]

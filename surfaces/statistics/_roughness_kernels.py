@@ -8,79 +8,92 @@ from .._compiled import compiled
 
 
 @compiled(error_model="numpy", fastmath={"reassoc", "contract"})
-def sums(heights, start, bounds, first, last, tops, rows):
+def sums(heights, start, bounds, first, last, lows, tops, rows):
     """Sums over the bands [first, last) of rows and over the differences that begin there.
 
-    Returns the lowest and highest height, the number, sum and sum of squares of the heights about
-    `start`, pairs of a number and a sum of squares of the first differences along y and x, and
-    numbers, sums of squares and of fourth powers of the second ones along y and x. The highest
-    point of every column of a band is kept: its height in `tops`, its row in `rows`, (bands, nx).
+    Returns the number, sum and sum of squares of the heights about `start`; along y and then x the
+    number and sum of squares of the first differences, and the number, sums of squares and of
+    fourth powers of the second ones; and the last three of those second differences that cross the
+    border as if the map were repeated. The lowest height of every column of a band lowers `lows`,
+    the highest raises `tops`, and its row is kept in `rows`, all of shape (bands, nx).
     """
     ny, nx = heights.shape
-    out = np.zeros(15)
-    lows = np.full(nx, np.inf)  # of the columns, which the vectorizer takes at once
+    out = np.zeros(19)
     for band in range(first, last):
-        highs, places = tops[band], rows[band]
-        highs[:] = -np.inf
         for i in range(bounds[band], bounds[band + 1]):
-            count, total, square = 0.0, 0.0, 0.0
-            for j in range(nx):
-                z = heights[i, j]
-                lows[j] = z if z < lows[j] else lows[j]
-                places[j] = i if z > highs[j] else places[j]
-                highs[j] = z if z > highs[j] else highs[j]
-                z -= start
-                there = z == z
-                z = z if there else 0.0
-                count += 1.0 if there else 0.0
-                total += z
-                square += z * z
-            out[2] += count
-            out[3] += total
-            out[4] += square
-            below = heights[min(i + 1, ny - 1)]
-            found = _differences(heights[i], below, heights[min(i + 2, ny - 1)])
-            if i + 1 < ny:
-                out[5] += found[0]
-                out[6] += found[1]
-            if i + 2 < ny:
-                out[9] += found[2]
-                out[10] += found[3]
-                out[11] += found[4]
-            found = _differences(heights[i, :-2], heights[i, 1:-1], heights[i, 2:])
-            out[12] += found[2]
-            out[13] += found[3]
-            out[14] += found[4]
-            end = heights[i, -1] - heights[i, -2]
-            there = end == end
-            out[7] += found[0] + (1.0 if there else 0.0)
-            out[8] += found[1] + (end * end if there else 0.0)
-    out[0], out[1] = lows.min(), tops[first:last].max()
+            here, below, beneath = heights[i], heights[(i + 1) % ny], heights[(i + 2) % ny]
+            plain = _add_row(
+                here, below, beneath, start, i, ny, lows[band], tops[band], rows[band], out
+            )
+            for j in range(plain, nx):
+                z = here[j]
+                if z < lows[band, j]:
+                    lows[band, j] = z
+                if z > tops[band, j]:
+                    tops[band, j], rows[band, j] = z, i
+                if z == z:
+                    out[0] += 1.0
+                    out[1] += z - start
+                    out[2] += (z - start) * (z - start)
+                _add_point(z, below[j], beneath[j], ny - i, out, 3, 13)
+                _add_point(z, here[(j + 1) % nx], here[(j + 2) % nx], nx - j, out, 8, 16)
     return out
 
 
 @compiled(error_model="numpy", fastmath={"reassoc", "contract"})
-def _differences(a, b, c):
-    """Number and sum of squares of b - a; number, sums of squares and of fourth powers of c - b
-    less that; of those that are present."""
-    square, bend, fourth = 0.0, 0.0, 0.0
-    for j in range(a.size):
-        d = b[j] - a[j]
-        e = (c[j] - b[j]) - d
-        square += d * d
-        bend += e * e
-        fourth += (e * e) * (e * e)
-    number, bends = float(a.size), float(a.size)
-    if fourth != fourth:  # some are missing
-        number, square, bends, bend, fourth = 0.0, 0.0, 0.0, 0.0, 0.0
-        for j in range(a.size):
-            d = b[j] - a[j]
-            e = (c[j] - b[j]) - d
-            if d == d:
-                number += 1.0
-                square += d * d
-            if e == e:
-                bends += 1.0
-                bend += e * e
-                fourth += (e * e) * (e * e)
-    return number, square, bends, bend, fourth
+def _add_row(here, below, beneath, start, i, ny, lows, tops, rows, out):
+    """Add all points of a row but the last two; returns how many, none if some are missing."""
+    count = here.size - 2
+    total, square = 0.0, 0.0
+    down, down_bend, down_fourth = 0.0, 0.0, 0.0
+    along, along_bend, along_fourth = 0.0, 0.0, 0.0
+    for j in range(count):
+        z = here[j]
+        lows[j] = z if z < lows[j] else lows[j]
+        rows[j] = i if z > tops[j] else rows[j]
+        tops[j] = z if z > tops[j] else tops[j]
+        total += z - start
+        square += (z - start) * (z - start)
+        d = below[j] - z
+        e = (beneath[j] - below[j]) - d
+        down += d * d
+        down_bend += e * e
+        down_fourth += (e * e) * (e * e)
+        d = here[j + 1] - z
+        e = (here[j + 2] - here[j + 1]) - d
+        along += d * d
+        along_bend += e * e
+        along_fourth += (e * e) * (e * e)
+    if along_bend + down_bend != along_bend + down_bend:
+        return 0
+    out[0] += count
+    out[1] += total
+    out[2] += square
+    if i + 1 < ny:
+        out[3] += count
+        out[4] += down
+    bends = 5 if i + 2 < ny else 13
+    out[bends] += count
+    out[bends + 1] += down_bend
+    out[bends + 2] += down_fourth
+    out[8] += count
+    out[9] += along
+    out[10] += count
+    out[11] += along_bend
+    out[12] += along_fourth
+    return count
+
+
+@compiled(error_model="numpy")
+def _add_point(a, b, c, left, out, at, seam):
+    """Add the differences present of three points in a line, of which `left` are in the map."""
+    d = b - a
+    e = (c - b) - d
+    if d == d and left > 1:
+        out[at] += 1.0
+        out[at + 1] += d * d
+    if e == e:
+        bends = at + 2 if left > 2 else seam
+        out[bends] += 1.0
+        out[bends + 1] += e * e
+        out[bends + 2] += (e * e) * (e * e)

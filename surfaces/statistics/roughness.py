@@ -83,41 +83,37 @@ def roughness(hm: HeightMap) -> Roughness:
     ny, nx = heights.shape
     bands = min(BANDS, ny)
     bounds = ny * np.arange(bands + 1) // bands
-    tops, rows = np.empty((bands, nx)), np.zeros((bands, nx), np.int64)
+    lows, tops = np.full((bands, nx), np.inf), np.full((bands, nx), -np.inf)
+    rows = np.zeros((bands, nx), np.int64)
     start = heights[0, 0] if heights[0, 0] == heights[0, 0] else np.nanmean(heights)
     parts = _threads.run(
-        lambda a, b: kernels.sums(heights, start, bounds, a, b, tops, rows),
+        lambda a, b: kernels.sums(heights, start, bounds, a, b, lows, tops, rows),
         _threads.lines(bands, heights.size),
     )
-    table = np.array(parts)
-    lowest, highest = table[:, 0].min(), table[:, 1].max()
-    total = table[:, 2:].sum(axis=0)
+    total = np.sum(parts, axis=0)
     number, first, second = total[0], total[1], total[2]
+    seam = total[13:] if hm.periodic else np.zeros(6)
     mean = first / number
     dy, dx = hm.spacing
     rms = [
         math.sqrt(total[k + 1] / total[k]) / scale if total[k] else 0.0
-        for k, scale in ((3, dy), (5, dx), (7, dy * dy), (10, dx * dx))
+        for k, scale in ((3, dy), (8, dx), (5, dy * dy), (10, dx * dx))
     ]
     return Roughness(
         mean=float(start + mean),
         rms_height=math.sqrt(max(second / number - mean * mean, 0.0)),
-        lowest=float(lowest),
-        highest=float(highest),
+        lowest=float(lows.min()),
+        highest=float(tops.max()),
         slope=(rms[0], rms[1]),
         curvature=(rms[2], rms[3]),
-        kurtosis=(_kurtosis(hm, total[7:10], 0), _kurtosis(hm, total[10:13], 1)),
+        kurtosis=(_kurtosis(total[5:8] + seam[:3]), _kurtosis(total[10:13] + seam[3:])),
         missing=int(heights.size - number),
         tops=tops,
         rows=rows,
     )
 
 
-def _kurtosis(hm: HeightMap, inside: NDArray[np.float64], axis: int) -> float:
-    """Kurtosis of the second differences along an axis, from the sums of the kernel."""
-    number, square, fourth = inside.tolist()
-    if hm.periodic:
-        seam = np.square(np.diff(hm.heights.take((-2, -1, 0, 1), axis), 2, axis))
-        number += np.count_nonzero(seam == seam)
-        square, fourth = square + np.nansum(seam), fourth + np.nansum(np.square(seam))
+def _kurtosis(sums: NDArray[np.float64]) -> float:
+    """Kurtosis of second differences from their number and sums of squares and fourth powers."""
+    number, square, fourth = sums.tolist()
     return number * fourth / square**2 if square > 0.0 else math.inf
