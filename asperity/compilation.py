@@ -2,7 +2,8 @@
 
 Numba compiles on one processor and keeps the machine code on disk, from where every later run
 takes it. On a machine that has none yet, parts that do not need each other are compiled side by
-side: each in a process of its own, which runs that part once on a tiny scene.
+side: each in a process of its own, which runs that part once on a tiny scene. The code of a part
+is the same for every body and boundary.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import gc
 import os
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import SimpleNamespace
@@ -23,16 +24,20 @@ from surfaces import self_affine
 from surfaces.heightmap import HeightMap
 from surfaces.peaks.profiles import Profiles
 
-from .boundary import Boundary, known_boundary
 from .material import HalfSpace
 
 if TYPE_CHECKING:
     from surfaces.peaks.summits import Summits
 
-__all__ = ["compile_ahead", "small_map"]
+__all__ = ["compiling", "small_map"]
 
 SHAPE = (160, 192)
 """Large enough to meet every kernel of both models."""
+
+BODY = HalfSpace.from_modulus(1.0)
+
+COUNT, NODES = 400, 9
+"""Spheres, and nodes of their laws."""
 
 
 def small_map() -> HeightMap:
@@ -40,24 +45,25 @@ def small_map() -> HeightMap:
     return self_affine(SHAPE, (1.0, 1.0), hurst=0.8, rms_slope=0.1, seed=0)
 
 
-def compile_ahead(parts: Sequence[str], material: HalfSpace, boundary: Boundary) -> None:
-    """Compile in processes of their own what the disk does not hold; returns when all is there.
+@contextmanager
+def compiling(*parts: str) -> Iterator[None]:
+    """Compile what the disk does not hold beside what is done within; at its end all is there.
 
     Parameters
     ----------
     parts
-        Some of "laws" (law tables of summits) and "bem" (boundary elements).
-    material, boundary
-        Of the run to come.
+        Some of "laws" (law tables of summits), "contacts" (their interaction) and "bem" (boundary
+        elements), each compiled in a process of its own; peaks and summits are compiled here.
     """
     if not _cold():
+        yield
         return
     # a copy of the package in the working folder would be compiled instead of this one
     home = str(Path(__file__).parents[1])
     paths = os.pathsep.join(filter(None, (home, os.environ.get("PYTHONPATH"))))
     children = [
         subprocess.Popen(
-            [sys.executable, "-P", "-m", __name__, part, repr(material.m), boundary],
+            [sys.executable, "-P", "-m", __name__, part],
             env={**os.environ, "PYTHONPATH": paths},
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
@@ -66,7 +72,8 @@ def compile_ahead(parts: Sequence[str], material: HalfSpace, boundary: Boundary)
     ]
     try:
         with _collecting_nothing():
-            _sum_of_contacts(material, boundary)
+            yield
+            _summits()
         for child in children:
             child.wait()
     finally:  # of an interrupted run; those that have ended are left alone
@@ -106,30 +113,55 @@ def _indices() -> list[Path]:
     return list(folder.glob(f"{Path(_tabulate_kernels.__file__).stem}.*.nbi"))
 
 
-def _sum_of_contacts(material: HalfSpace, boundary: Boundary) -> None:
-    """Peaks, profiles and interaction, with the law that costs nothing."""
-    from .curve import contact_curve
-    from .loadpoints import default_pressures
+def _summits() -> None:
+    """Peaks and summits of a map, the rays of a few, and the plan of its scales."""
+    from surfaces.peaks.segmentation import segment
+    from surfaces.peaks.summits import locate_summits
+
+    from .contacts._spot_kernels import spots
+    from .plan import make_plan
 
     hm = small_map()
-    loads = default_pressures(hm, material, count=2)
-    contact_curve(hm, material, pressures=loads, law="hertz", boundary=boundary)
+    make_plan(hm, BODY)
+    peaks = segment(hm)
+    locate_summits(hm, peaks).rows(np.arange(2))
+    column = np.zeros(len(peaks))
+    spots(peaks.neighbors, peaks.passes, column, column)
 
 
-def _lists(material: HalfSpace, boundary: Boundary) -> None:
-    """Lists of a few contacts, which a sum of contacts needs late."""
-    from .interaction.footprint import Footprints
-    from .interaction.operator import Interaction
+def _contacts() -> None:
+    """Spheres that touch a flat together, under two loads."""
+    from .microcontact.table import LawTable
+    from .population.population import Population
 
-    y, x = np.random.default_rng(0).uniform(0.0, 1.0, (2, 50))
-    Interaction(y, x, (1.0, 1.0), boundary, Footprints(material.modulus, material.m))
+    y, x, height = np.random.default_rng(0).uniform(0.0, 1.0, (3, COUNT))
+    u = np.tile(np.linspace(0.0, 1.0, NODES), (COUNT, 1))
+    table = LawTable(
+        reach=np.full(COUNT, 0.01),
+        force=4 / 3 * (0.1 * u) ** 3,
+        stiffness=0.2 * u,
+        area=np.pi * (0.1 * u) ** 2,
+        flags=np.zeros(u.shape, np.uint8),
+        spread=np.zeros(u.shape),
+        centre=np.zeros((*u.shape, 2)),
+    )
+    population = Population(
+        x=x,
+        y=y,
+        height=0.01 * height,
+        table=table,
+        cell=(1.0, 1.0),
+        boundary="periodic",
+        material=BODY,
+    )
+    state = population.solve(mean_pressure=1e-3)
+    population.solve(mean_pressure=2e-3, state=state)
 
 
-def _laws(material: HalfSpace, boundary: Boundary) -> None:
-    """Law tables of paraboloids, by every law that "auto" can take; lists before."""
+def _laws() -> None:
+    """Law tables of paraboloids, by every law that "auto" can take."""
     from .microcontact.laws import tabulate
 
-    _lists(material, boundary)
     rays, nodes, count = 16, 17, 2
     turn = 2 * np.pi * np.arange(rays) / rays
     profiles = Profiles(
@@ -148,13 +180,13 @@ def _laws(material: HalfSpace, boundary: Boundary) -> None:
         valid=np.ones(count, bool),
         owner=np.arange(count),
     )
-    for law in ("ellipse", "ritz"):
-        table = tabulate(profiles, material, law=law)
+    for law in ("ellipse", "ritz", "harmonic"):
+        table = tabulate(profiles, BODY, law=law)
         table.evaluate(np.arange(count), table.reach)
-    _basins(material)
+    _basins()
 
 
-def _basins(material: HalfSpace) -> None:
+def _basins() -> None:
     """Basins pressed alone: none, of a map that was not segmented."""
     from .microcontact.elements import press
 
@@ -171,21 +203,18 @@ def _basins(material: HalfSpace) -> None:
         curvature=np.zeros((0, 2)),
         floor=np.zeros(0),
     )
-    press(cast("Summits", summits), none, np.zeros((0, 2)), material)
+    press(cast("Summits", summits), none, np.zeros((0, 2)), BODY)
 
 
-def _bem(material: HalfSpace, boundary: Boundary) -> None:
+def _bem() -> None:
     """Boundary elements at two loads."""
     from .bem.curve import bem_curve
     from .loadpoints import default_pressures
 
     hm = small_map()
-    loads = default_pressures(hm, material, count=2)
-    bem_curve(hm, material, pressures=loads, tolerance=1e-2, boundary=boundary)
+    bem_curve(hm, BODY, pressures=default_pressures(hm, BODY, count=2), tolerance=1e-2)
 
 
 if __name__ == "__main__":
-    _, part, m, boundary = sys.argv
-    body = HalfSpace.from_modulus(1.0, m=float(m))
     with _collecting_nothing():
-        {"laws": _laws, "bem": _bem}[part](body, known_boundary(boundary))
+        {"laws": _laws, "contacts": _contacts, "bem": _bem}[sys.argv[1]]()

@@ -35,13 +35,13 @@ def run(args: argparse.Namespace) -> int:
     output.require_outputs(args.results, args.csv, args.slip, *tables, inputs=[args.file])
     material, loads = options.material(args), options.loads(args)
     derived.require_derivable(material, loads, args)
-    hm = options.load_surface(args.file, args)
-    from asperity.boundary import chosen_boundary
-    from asperity.compilation import compile_ahead
+    from asperity.compilation import compiling
+
+    with compiling("laws", "contacts"):
+        hm = options.load_surface(args.file, args)
     from asperity.curve import contact_curve
     from asperity.plan import make_plan
 
-    compile_ahead(("laws",), material, chosen_boundary(hm, args.boundary))
     plan = make_plan(hm, material, **loads, **options.model(args))
 
     def solve(kind, values, progress, checkpoint):  # type: ignore[no-untyped-def]

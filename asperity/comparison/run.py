@@ -13,7 +13,7 @@ from surfaces.heightmap import HeightMap
 
 from ..bem.curve import bem_curve
 from ..bem.solve import bem_solve
-from ..compilation import compile_ahead, small_map
+from ..compilation import compiling, small_map
 from ..contacts.table import microcontacts
 from ..curve import solve_contacts
 from ..loadpoints import checked_loads, default_pressures, slope_scale
@@ -100,8 +100,9 @@ def compare(
         "scales": scales,
         **loads,
     }
-    first = make_plan(hm, material, **chosen) if plan is None else plan
     say("compilation")
+    with compiling("laws", "contacts", "bem"):
+        first = make_plan(hm, material, **chosen) if plan is None else plan
     _compile(material, first)
     if plan is None:  # once more, on a map without stored means: its time belongs to the model
         plan = make_plan(hm.replace(), material, **chosen)
@@ -151,7 +152,6 @@ def compare(
 
 def _compile(material: HalfSpace, plan: Plan) -> None:
     """Run both models once on a small map, so that no run time holds compilation."""
-    compile_ahead(("laws", "bem"), material, plan.boundary)
     small = small_map()
     whole = dataclasses.replace(plan, above=None, resampled=None, fine=None)
     loads = default_pressures(small, material, count=2)
