@@ -36,8 +36,8 @@ SHAPE = (160, 192)
 
 BODY = HalfSpace.from_modulus(1.0)
 
-COUNT, NODES = 400, 9
-"""Spheres, and nodes of their laws."""
+SPHERES, NODES = 400, 9
+"""Spheres that touch, and nodes of their laws."""
 
 
 def small_map() -> HeightMap:
@@ -130,14 +130,14 @@ def _summits() -> None:
 
 
 def _contacts() -> None:
-    """Spheres that touch a flat together, under two loads."""
+    """Spheres that touch a flat together, under two loads: few on a small mesh, and many."""
     from .microcontact.table import LawTable
     from .population.population import Population
 
-    y, x, height = np.random.default_rng(0).uniform(0.0, 1.0, (3, COUNT))
-    u = np.tile(np.linspace(0.0, 1.0, NODES), (COUNT, 1))
+    y, x, height = np.random.default_rng(0).uniform(0.0, 1.0, (3, SPHERES))
+    u = np.tile(np.linspace(0.0, 1.0, NODES), (SPHERES, 1))
     table = LawTable(
-        reach=np.full(COUNT, 0.01),
+        reach=np.full(SPHERES, 0.01),
         force=4 / 3 * (0.1 * u) ** 3,
         stiffness=0.2 * u,
         area=np.pi * (0.1 * u) ** 2,
@@ -154,8 +154,9 @@ def _contacts() -> None:
         boundary="periodic",
         material=BODY,
     )
-    state = population.solve(mean_pressure=1e-3)
-    population.solve(mean_pressure=2e-3, state=state)
+    state = None
+    for pressure in 1e-5, 2e-5, 1e-3, 2e-3:
+        state = population.solve(mean_pressure=pressure, state=state)
 
 
 def _laws() -> None:
