@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.indentation import Indentation
-from asperity.material import HalfSpace
 from surfaces.polar import PolarProfile, PowerSumProfile
 
+from ..indentation import Indentation
+from ..material import HalfSpace
 from . import batch, ellipse, expansion, ritz_batch
 from .flags import Flag
 from .table import LawTable

@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from asperity.errors import ModelRangeError
-from asperity.transforms import kappa, moments
 from surfaces.polar import PolarProfile, PowerSumProfile
+
+from ..errors import ModelRangeError
+from ..transforms import kappa, moments
 
 __all__ = ["Basis", "PowerBasis", "TableBasis", "basis_of", "corner_rule", "samples", "synthesis"]
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.material import HalfSpace
-from asperity.transforms import gauss_jacobi
 from surfaces import _threads
 
+from ..material import HalfSpace
+from ..transforms import gauss_jacobi
 from .estimate import expected_error
 from .flags import Flag
 from .table import LawTable, joined

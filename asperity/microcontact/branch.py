@@ -7,8 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.errors import ModelRangeError
-
+from ..errors import ModelRangeError
 from .basis import Basis, PowerBasis, TableBasis
 
 __all__ = ["RisingBranch"]

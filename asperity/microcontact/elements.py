@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.bem.kernel import compliance, near_influence
-from asperity.material import HalfSpace
 from surfaces import _threads
 
+from ..bem.kernel import compliance, near_influence
+from ..material import HalfSpace
 from .flags import Flag
 from .table import LawTable
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.indentation import Indentation
-from asperity.material import HalfSpace
 from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 
+from ..indentation import Indentation
+from ..material import HalfSpace
 from .basis import basis_of
 from .branch import RisingBranch
 from .ellipse_batch import NODES, tabulate

@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.material import HalfSpace
 from surfaces import _threads
 
+from ..material import HalfSpace
 from .ellipse_tables import LANES, LOG_RATIO, ellipse_tables
 from .fit import fit_rules
 from .ray_moments import edge_weights

@@ -15,8 +15,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.transforms import kappa
-
+from ..transforms import kappa
 from .ellipse_tables import LOG_RATIO, ellipse_tables
 from .galin import monomials
 

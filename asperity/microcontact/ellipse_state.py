@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.material import HalfSpace
-
+from ..material import HalfSpace
 from .ellipse_expansion import DEGREE
 from .ellipse_search import SHARP
 from .galin import monomials, pressure_operator

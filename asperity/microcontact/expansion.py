@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.indentation import Indentation
-from asperity.material import HalfSpace
 from surfaces.polar import PolarProfile, PowerSumProfile
 
+from ..indentation import Indentation
+from ..material import HalfSpace
 from .basis import Basis, PowerBasis, basis_of, samples, synthesis
 from .batch import tabulate
 from .branch import RisingBranch

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.errors import InputError, ModelRangeError
-from asperity.indentation import Indentation, indent
-from asperity.material import HalfSpace
 from surfaces.polar import PolarProfile, PowerSumProfile
+
+from ..errors import InputError, ModelRangeError
+from ..indentation import Indentation, indent
+from ..material import HalfSpace
 
 __all__ = ["PartialSlip", "partial_slip", "tangential_modulus"]
 

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from asperity.errors import InputError, ModelRangeError
-from asperity.indentation import Indentation
-from asperity.material import HalfSpace
 from surfaces import _threads
 from surfaces.polar import PolarProfile, PowerSumProfile
 
+from ..errors import InputError, ModelRangeError
+from ..indentation import Indentation
+from ..material import HalfSpace
 from .basis import PowerBasis, TableBasis, basis_of
 from .flags import Flag
 from .ray_moments import moment_weights

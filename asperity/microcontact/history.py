@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator, RectBivariateSpline
 
-from asperity.material import HalfSpace
-
+from ..material import HalfSpace
 from .basis import Basis
 from .pressure import edge_rule, punch_factor
 

@@ -6,8 +6,8 @@ import importlib
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from asperity.errors import InputError
-from asperity.material import HalfSpace
+from ..errors import InputError
+from ..material import HalfSpace
 
 if TYPE_CHECKING:
     from surfaces import Profiles

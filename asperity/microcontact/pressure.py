@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PchipInterpolator
 from scipy.special import hyp2f1, roots_jacobi
 
-from asperity.material import HalfSpace
-
+from ..material import HalfSpace
 from .basis import Basis, PowerBasis
 
 __all__ = ["AxisymmetricPressure", "edge_rule", "punch_factor"]

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.errors import InputError
-from asperity.material import HalfSpace
-
+from ..errors import InputError
+from ..material import HalfSpace
 from .basis import corner_rule
 
 __all__ = ["FlatPunch", "flat_punch"]

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize
 
-from asperity.indentation import Indentation
-from asperity.material import HalfSpace
-from asperity.transforms import gauss_jacobi
 from surfaces.polar import PolarProfile, PowerSumProfile
 
+from ..indentation import Indentation
+from ..material import HalfSpace
+from ..transforms import gauss_jacobi
 from .basis import basis_of
 from .branch import RisingBranch
 from .flags import Flag

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.material import HalfSpace
 from surfaces import _threads
 
+from ..material import HalfSpace
 from .flags import Flag
 from .ray_moments import moment_weights
 from .table import LawTable

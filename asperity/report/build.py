@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 import jinja2
 
-from asperity import __version__
 from surfaces._writing import replacing
 
+from .. import __version__
 from . import figures
 
 if TYPE_CHECKING:
-    from asperity.comparison.result import Comparison
+    from ..comparison.result import Comparison
 
 __all__ = ["write_report"]
 

@@ -14,8 +14,8 @@ from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from asperity.comparison.result import Comparison
-    from asperity.results.curve import ContactCurve
+    from ..comparison.result import Comparison
+    from ..results.curve import ContactCurve
 
 __all__ = ["area_figure", "map_figure", "pareto_figure", "separation_figure"]
 
