@@ -98,3 +98,22 @@ def test_commands_of_the_readme_run(folder, capsys):
     assert len(commands) >= 6
     for words in commands:
         assert main(words) == 0, (words, capsys.readouterr().err)
+
+
+MEASURED = re.findall(
+    r"^    asperity (surface peaks .*)$", (ROOT / "docs" / "surfaces.md").read_text(), re.MULTILINE
+)
+
+
+@pytest.mark.parametrize("command", MEASURED)
+def test_measured_maps_go_from_file_to_peaks(command: str, measured: Path, capsys):
+    words = command.split()
+    words[2] = str(measured / words[2])
+    assert main(words) == 0
+    count = re.search(r"(\d+) peaks, (\d+) resolved", capsys.readouterr().out)
+    assert count is not None and int(count[1]) >= 5
+    assert int(count[2]) > 0.5 * int(count[1])
+
+
+def test_every_measured_map_has_its_command(measured: Path):
+    assert {command.split()[2] for command in MEASURED} == {p.name for p in measured.glob("*.h5")}
