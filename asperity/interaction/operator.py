@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import functools
 import math
 from typing import NamedTuple
@@ -132,8 +133,7 @@ class Interaction:
         self.origin = (0.0, 0.0) if periodic else (float(y.min()), float(x.min()))
         if periodic:
             size = (float(cell[0]), float(cell[1]))
-            y, x = np.mod(y, size[0]), np.mod(x, size[1])
-            y, x = np.where(y < size[0], y, 0.0), np.where(x < size[1], x, 0.0)
+            y, x = _inside(y, size[0], True), _inside(x, size[1], True)
         else:
             small = 1e-9 * math.hypot(*cell)
             y, x = y - self.origin[0], x - self.origin[1]
@@ -244,6 +244,20 @@ class Interaction:
         run(receivers, self.rows)
         return found
 
+    def moved(self, dy: NDArray[np.float64], dx: NDArray[np.float64]) -> Interaction:
+        """The plan of the same pairs with its points a little aside, by `dy` and `dx` [m], shape
+        (n,) in its order. Both share their work space."""
+        plan = copy.copy(self)
+        steps = dy / self.eta, dx / self.eta
+        plan.y, plan.x = (
+            _inside(place + step, size, self.wrap)
+            for place, step, size in zip((self.y, self.x), steps, self.size, strict=True)
+        )
+        row = np.repeat(np.arange(len(dy)), np.diff(self.ptr[:, 0], append=len(self.col)))
+        change = [(step[row] - step[self.col]).astype(np.float32) for step in steps]
+        plan.pair = self.pair + np.stack(change)
+        return plan
+
     def shaped(
         self, variance: NDArray[np.float64], form: NDArray[np.float64] | None
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -287,6 +301,14 @@ def _repeated(wanted: float, least: float, most: float) -> float:
     if most * RUNG**-rungs < least:
         rungs -= 1
     return most * RUNG ** -max(rungs, 0)
+
+
+def _inside(place: NDArray[np.float64], size: float, wrap: bool) -> NDArray[np.float64]:
+    """Places in a cell that repeats, or not beyond the border of one that does not."""
+    if not wrap:
+        return np.clip(place, 0.0, size)
+    place = np.mod(place, size)
+    return np.where(place < size, place, 0.0)
 
 
 @functools.lru_cache(maxsize=16)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -31,6 +31,9 @@ SAMPLE = 1000
 
 STRAY = 0.06
 """Mean distance of contacts from their centres, over their radius, at which they may stay."""
+
+ASTRAY = 1e-3
+"""Share of the load that this distance may make in the slope of the field."""
 
 
 class Falling(NamedTuple):
@@ -172,18 +175,31 @@ class Listing:
         missing = Candidates.of(self.others, field, separation, growth)
         return bool(np.count_nonzero(missing.overlap > 0) > some)
 
-    def strayed(self, population: Population, rows: Rows, wanted: Array) -> bool:
-        """Whether contacts are too far from the centres of their laws for the plan to hold;
-        `wanted` [m] are the approaches of summits `rows` where positive."""
-        if self.offset is None:
-            return False
-        touches = np.flatnonzero(wanted > 0)
+    def about(self, population: Population, rows: Rows, values: Array) -> Listing:
+        """The list with its points moved to the centres of the laws, if they are too far from them
+        at the `Point.values` of the summits `rows`; otherwise itself."""
+        if self.offset is None or not self._strayed(population, rows, values):
+            return self
+        touches = np.flatnonzero(values[0] > 0)
+        closed, approach = rows[touches], values[0, touches]
+        offset = self.offset[0].copy(), self.offset[1].copy()
+        offset[0][closed], offset[1][closed] = population.table.centre_at(closed, approach)
+        dx, dy = ((new - old)[self.index] for new, old in zip(offset, self.offset, strict=True))
+        problem = replace(self.problem, plan=self.problem.plan.moved(dy, dx))
+        return replace(self, problem=problem, offset=offset)
+
+    def _strayed(self, population: Population, rows: Rows, values: Array) -> bool:
+        """Whether contacts are too far from the centres of their laws for the plan to hold."""
+        assert self.offset is not None
+        touches = np.flatnonzero(values[0] > 0)
         touches = touches[:: 1 + len(touches) // SAMPLE]
-        closed, approach = rows[touches], wanted[touches]
+        closed, approach, tilt = rows[touches], values[0, touches], values[2:4, touches]
         law = population.laws.rows(closed)(approach)
-        x, y = population.table.centre_at(closed, approach)
-        away = np.hypot(x - self.offset[0][closed], y - self.offset[1][closed])
-        return bool(law.force @ away > STRAY * (law.force @ np.sqrt(law.area / np.pi)))
+        centre = population.table.centre_at(closed, approach)
+        x, y = (place - old[closed] for place, old in zip(centre, self.offset, strict=True))
+        lower = law.stiffness @ (tilt[0] * y + tilt[1] * x)
+        far = law.force @ np.hypot(x, y) > STRAY * (law.force @ np.sqrt(law.area / np.pi))
+        return bool(far or abs(lower) > ASTRAY * law.force.sum())
 
     def areas(self, table: LawTable, solution: Solution) -> Array:
         """Contact areas [m^2], wider where contacts stand beside rough summits, shape (n,)."""

@@ -73,18 +73,16 @@ class Trail:
         population = self.population
         if not population.interaction:
             return self._independent(separation)
-        trail, steps, products = self, 0, 0
+        trail, steps, products, good = self, 0, 0, None
         load = None if pressure is None else pressure * population.nominal_area
         rows, values = self._start(separation, load)
         growth, spare = DEEPER, SPARE
         if pressure is not None and self.points and self.points[-1].pressure > 0:
             growth, spare = max(1.0, pressure / self.points[-1].pressure), NEW_LOAD
         listing = self.listing
-        if listing is not None and (
-            listing.lacks(self.field, separation, growth)
-            or listing.strayed(population, rows, values[0])
-        ):
-            listing = None
+        if listing is not None:
+            lacks = listing.lacks(self.field, separation, growth)
+            listing = None if lacks else listing.about(population, rows, values)
         for placed in range(MAX_PLACED + 1):
             blind = not self.points and placed == 0
             if listing is None:
@@ -125,16 +123,19 @@ class Trail:
                 (solution.wanted, solution.laws.force, *solution.tilt.T, solution.shares)
             )
             trail = replace(trail, listing=listing, field=listing.problem.plan)
+            if solution.reason and good is not None:
+                trail, solution, values = good  # whose contacts have hardly strayed
+                break
             if solution.reason or placed == MAX_PLACED:
                 break
-            growth = 1.0
-            astray = listing.strayed(population, rows, values[0])
+            growth, last = 1.0, listing
             # those that only just touch carry less than their share of the load
             few = LACKING * tolerance * np.count_nonzero(values[0] > 0)
-            enough = not listing.lacks(trail.field, separation, growth, few)
-            if enough and not (blind or astray):
+            lacks = listing.lacks(trail.field, separation, growth, few)
+            listing = None if lacks or blind else listing.about(population, rows, values)
+            if listing is last:
                 break
-            listing = None
+            good = None if listing is None else (trail, solution, values)
         return trail._state(solution, values, steps, products)
 
     def _ordered(self, solution: Solution, tolerance: float) -> Solution:

@@ -102,6 +102,28 @@ def test_aligned_points_of_a_free_surface_do_not_act_on_themselves(x, m):
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_moved_points_act_from_where_they_stand(boundary):
+    """Also across the border of a cell that repeats."""
+    y, x, k = scene(300, 0.0, 5)
+    inner = (y > 0.1) & (y < 0.9) & (x > 0.1) & (x < 1.6)
+    f = Footprints(1.0, 0.0)
+    v = f.variance(k)
+    plan = Interaction(y, x, CELL, boundary, f, widest=v.max())
+    away = np.random.default_rng(6).uniform(-0.4, 0.4, (2, len(y))) * np.sqrt(v)
+    if boundary == "free":
+        away[:, ~inner] = 0.0
+    moved = plan.moved(*away[:, plan.order])
+    new = Interaction(y + away[0], x + away[1], CELL, boundary, f, widest=v.max())
+    force = np.random.default_rng(7).uniform(0.0, 1.0, len(y))
+    field, wanted = np.empty((2, len(y), 4))
+    for found, p in ((field, moved), (wanted, new)):
+        got = p.field(force[p.order], v[p.order], np.zeros(len(y)), np.zeros((len(y), 2)))
+        found[p.order] = np.column_stack((got.value, got.slope, got.tilt))
+    scale = wanted.std(axis=0)
+    assert (np.abs(field - wanted) < 0.02 * scale).all()
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
 def test_field_is_the_dense_sum(m, boundary):
     y, x, k = scene(110, m, 5)

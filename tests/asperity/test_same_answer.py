@@ -1,0 +1,70 @@
+"""The same question, asked in several ways: one load or many, a load or a separation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asperity
+import surfaces
+from asperity.loadpoints import pressure_scale
+
+BODY = asperity.HalfSpace.from_modulus(1.0)
+
+
+def spheres(spread: float, seed: int = 1) -> surfaces.HeightMap:
+    """9 x 9 caps of 7 to 9 pixels, of heights that differ by `spread` of their radius."""
+    shape, rng = (128, 160), np.random.default_rng(seed)
+    pitch = np.array(shape) / 9
+    radius = 0.6 * pitch.max()
+    heights = np.full(shape, -np.inf)
+    for place, top in np.ndenumerate(rng.normal(0.0, spread * radius, (9, 9))):
+        y, x = (
+            (np.arange(n) + 0.5 - (k + 0.5) * step + n / 2) % n - n / 2
+            for n, k, step in zip(shape, place, pitch, strict=True)
+        )
+        rest = np.maximum(radius**2 - y[:, None] ** 2 - x**2, 0.0)
+        heights = np.maximum(heights, np.sqrt(rest) + top - radius)
+    return surfaces.HeightMap(0.1 * (heights - heights.mean()), (1.0, 1.0), periodic=True)
+
+
+def asked_apart(hm: surfaces.HeightMap, pressures: np.ndarray, **options):
+    """Curve of the loads, and the differences from it, in load at equal separation and in area at
+    equal load, of the loads from heavy to light with one twice, among many others, each alone, and
+    of the separations."""
+    curve = asperity.contact_curve(hm, BODY, pressures=pressures, **options)
+    between = np.sqrt(pressures[1:] * pressures[:-1])
+    more = np.sort(np.concatenate((pressures, between, 1.01 * between)))
+    turned = np.append(pressures[::-1], pressures[-1])
+    others = [
+        asperity.contact_curve(hm, BODY, pressures=more, **options).select(
+            np.searchsorted(more, pressures)
+        ),
+        asperity.contact_curve(hm, BODY, pressures=turned, **options).select(
+            np.arange(len(pressures))[::-1]
+        ),
+        asperity.contact_curve(hm, BODY, separations=curve.separation, **options),
+    ]
+    alone = [asperity.contact_curve(hm, BODY, pressures=p, **options) for p in pressures]
+    alone += [asperity.contact_curve(hm, BODY, separations=s, **options) for s in curve.separation]
+    count = len(pressures)
+    for part in (alone[:count], alone[count:]):
+        joined = part[0]
+        for one in part[1:]:
+            joined = joined.joined(one)
+        others.append(joined)
+    assert curve.converged.all() and all(other.converged.all() for other in others)
+    ratio = np.array([np.log(other.mean_pressure / curve.mean_pressure) for other in others])
+    fall = np.array([curve.separation - other.separation for other in others])
+    area = np.array([np.log(other.contact_area / curve.contact_area) for other in others])
+    return curve, np.abs(ratio - fall * curve.stiffness / curve.mean_pressure), np.abs(area - ratio)
+
+
+@pytest.mark.parametrize("spread", [0.0, 0.02])
+def test_crowded_spheres(spread):
+    """Their contacts stand beside their summits and near each other, and move with the load."""
+    hm = spheres(spread)
+    loads = np.array([5e-3, 2e-2, 6e-2, 0.12]) * pressure_scale(hm, BODY)
+    curve, load, area = asked_apart(hm, loads)
+    assert curve.area_fraction[-1] > 0.35
+    assert load.max() < 0.02 and area.max() < 0.01
