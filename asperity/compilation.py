@@ -124,7 +124,8 @@ def _summits() -> None:
     hm = small_map()
     make_plan(hm, BODY)
     peaks = segment(hm)
-    locate_summits(hm, peaks).rows(np.arange(2))
+    two = np.arange(2)
+    locate_summits(hm, peaks).leaning(two, np.zeros((2, 2)), np.zeros(2)).rows(two)
     column = np.zeros(len(peaks))
     spots(peaks.neighbors, peaks.passes, column, column)
 

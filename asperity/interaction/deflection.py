@@ -10,7 +10,7 @@ from .footprint import Footprints
 from .laws import Evaluated
 from .operator import ROUND
 
-__all__ = ["LARGEST_SHIFT", "deflection", "widening"]
+__all__ = ["LARGEST_SHIFT", "LEANING", "deflection", "free_shift", "widening"]
 
 LARGEST_SHIFT = 0.7
 """Bound of the shift over the contact radius: farther off the paraboloid is no guide."""
@@ -21,6 +21,9 @@ beside summits that are no paraboloid up to the contour."""
 
 WIDEST = 0.08
 """Square of the shift over the radius beyond which the area does not grow further."""
+
+LEANING = 0.35
+"""Shift over the radius from which on a contact has the area of its basin tilted."""
 
 
 def deflection(
@@ -72,6 +75,25 @@ def deflection(
         aside,
     )
     return gain, aside
+
+
+def free_shift(
+    footprints: Footprints,
+    stiffness: NDArray[np.float64],
+    approach: NDArray[np.float64],
+    tilt: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Shift over the radius that contacts would have without `LARGEST_SHIFT`, shape (n,).
+
+    Parameters
+    ----------
+    footprints
+        Kernel of the half-space.
+    stiffness, approach, tilt
+        Stiffness [N/m], positive approach [m] and gradient [-] of contacts, as of `deflection`.
+    """
+    radius = (footprints.power * stiffness / (2 * footprints.modulus)) ** (1 / footprints.power)
+    return np.asarray(radius * np.hypot(*tilt.T) / (footprints.power * approach))
 
 
 def widening(

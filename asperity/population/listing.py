@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..interaction.deflection import deflection, widening
+from ..interaction.deflection import LEANING, deflection, free_shift, widening
 from ..interaction.operator import Interaction
 from ..interaction.state import Problem
 from ..microcontact.flags import Flag
 
 if TYPE_CHECKING:
     from ..interaction.finish import Solution
-    from ..microcontact.table import LawTable
     from .population import Population
 
 __all__ = ["Candidates", "Falling", "Listing"]
@@ -34,6 +33,9 @@ STRAY = 0.06
 
 ASTRAY = 1e-3
 """Share of the load that this distance may make in the slope of the field."""
+
+FEW_LEAN = 0.02
+"""Share of the contact area up to which contacts that lean keep the law of the level surface."""
 
 
 class Falling(NamedTuple):
@@ -201,12 +203,23 @@ class Listing:
         far = law.force @ np.hypot(x, y) > STRAY * (law.force @ np.sqrt(law.area / np.pi))
         return bool(far or abs(lower) > ASTRAY * law.force.sum())
 
-    def areas(self, table: LawTable, solution: Solution) -> Array:
+    def areas(self, population: Population, solution: Solution) -> Array:
         """Contact areas [m^2], wider where contacts stand beside rough summits, shape (n,)."""
-        law, problem = solution.laws, self.problem
+        law, problem, table = solution.laws, self.problem, population.table
         if not (problem.deflects and hasattr(table, "flags_at")):
             return law.area
         beyond = table.flags_at(self.index, solution.approach) & Flag.BEYOND_RADIUS
         body, lean = problem.plan.footprints, problem.lean
         _, aside = deflection(body, law, solution.approach, solution.tilt, lean)
-        return law.area * widening(law, aside, (beyond > 0) & (law.force > 0))
+        rough = (beyond > 0) & (law.force > 0)
+        area = law.area * widening(law, aside, rough)
+        rows = np.flatnonzero(rough)
+        tilt, approach = solution.tilt[rows], solution.approach[rows]
+        shift = free_shift(body, law.stiffness[rows], approach, tilt)
+        far = shift > LEANING
+        if population.leaning is not None and area[rows[far]].sum() > FEW_LEAN * area.sum():
+            eased = tilt[far] / (1.0 + shift[far, None])
+            rows = rows[far]
+            found = population.leaning(self.index[rows], eased, approach[far], law.force[rows])
+            area[rows] = np.where(found > 0.0, found, area[rows])
+        return area

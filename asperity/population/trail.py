@@ -267,7 +267,7 @@ class Trail:
         approach[index] = solution.approach
         force[index] = solution.laws.force
         stiffness[index] = solution.laws.stiffness
-        area[index] = self.listing.areas(self.population.table, solution)
+        area[index] = self.listing.areas(self.population, solution)
         pressure = float(solution.laws.force.sum()) / self.population.nominal_area
         point = Point(solution.separation, pressure, index, values)
         heaviest = self.heaviest

@@ -101,10 +101,12 @@ class Fans:
         y, x = of.places[peak].T
         if of.hm.periodic:
             y, x = y % of.hm.shape[0], x % of.hm.shape[1]
+        lean = of.lean[peak]
+        fall = lean[:, :1] * way_y + lean[:, 1:] * way_x
         given = (
             of.spline.ravel(), self._cell, of.peaks.labels.ravel(), of.owner,
-            of.peaks.min_prominence, peak, y.copy(), x.copy(), of.height[peak], way_y, way_x, pixel,
-            limit, _RADII, self._shares, tip, slot, self.edge, self.q,
+            of.dip[peak], peak, y.copy(), x.copy(), of.height[peak], way_y, way_x, fall,
+            pixel, limit, _RADII, self._shares, tip, slot, self.edge, self.q,
         )  # fmt: skip
         # the calls before are too short for several threads, which would wait for each other
         _threads.run(lambda a, b: _rays.fit(*given, a, b), _threads.blocks(peak.size, 64))

@@ -32,6 +32,8 @@ _RAY = from_dtype(
             ("z", np.float64),
             ("way_y", np.float64),  # step of one pixel
             ("way_x", np.float64),
+            ("fall", np.float64),  # tilt of the surface [m per step]
+            ("dip", np.float64),  # how far f may fall again
             ("end", np.float64),  # length, or what limits it [steps]
             ("top", np.int64),  # number of the highest sample
             ("high", np.float64),  # it, and the samples before and after it
@@ -66,10 +68,17 @@ def _look(
         for group in range(start, stop):
             at = (group - start) * LANES
             spline_values(flat, int(cell[5]), corners, at, weights, rest, out, group * LANES)
+            ray = rays[live[group // groups]]
+            if ray.fall != 0.0:
+                scale = ray.end if nodes else 1.0
+                most = np.inf if nodes else max(1.0, 1.1 * ray.end, ray.end + 0.5)
+                for k in range(LANES):
+                    radius = min(scale * radii[first + group % groups * LANES + k], most)
+                    out[group * LANES + k] -= ray.fall * radius
 
 
 @compiled(error_model="numpy")
-def _march(flat, cell, labels, owner, dip, rays, live, radii, corners, rest, weights, pixels, zs):
+def _march(flat, cell, labels, owner, rays, live, radii, corners, rest, weights, pixels, zs):
     """Find the `end` of the rays of `live`: the first local maximum of f, or their limit.
 
     LANES samples of each ray are taken at once, as long as it goes on.
@@ -84,7 +93,7 @@ def _march(flat, cell, labels, owner, dip, rays, live, radii, corners, rest, wei
         for k in range(going):  # apart from what branches on it
             ray = rays[live[k]]
             signs[k] = ray_signs(
-                zs, k * LANES, ray.z, -np.inf if first == 1 else ray.high, dip, pixels, labels,
+                zs, k * LANES, ray.z, -np.inf if first == 1 else ray.high, ray.dip, pixels, labels,
                 owner, ray.peak, radii, first, ray.end,
             )  # fmt: skip
         count, going = going, 0
@@ -139,8 +148,8 @@ def _crest(ray, radii):
 
 @compiled(error_model="numpy")
 def fit(
-    flat, cell, labels, owner, dip, peak, y, x, z, way_y, way_x, pixel, limit, radii, shares, tip,
-    slot, edge, q, first, last,
+    flat, cell, labels, owner, dip, peak, y, x, z, way_y, way_x, fall, pixel, limit, radii, shares,
+    tip, slot, edge, q, first, last,
 ):  # fmt: skip
     """Fill the lengths and nodes of the rays of some peaks; see `surfaces.peaks.profiles.Profiles`.
 
@@ -148,12 +157,13 @@ def fit(
     ----------
     flat, cell
         Coefficients of the surface, and what `ray_places` needs of the map.
-    labels, owner, dip
-        Basin of each pixel (flat), the peak that stands for each peak, and how far f may fall.
-    peak, y, x, z
-        Number and summit [pixels; m] of each peak, shape (n,).
-    way_y, way_x, pixel, limit
-        Steps of one pixel, their length [m], and how many there may be, shape (n, rays).
+    labels, owner
+        Basin of each pixel (flat), and the peak that stands for each peak.
+    dip, peak, y, x, z
+        How far f may fall [m], number and summit [pixels; m] of each peak, shape (n,).
+    way_y, way_x, fall, pixel, limit
+        Steps of one pixel, by how much the surface is taken to fall along them [m], their length
+        [m], and how many there may be, shape (n, rays).
     radii, shares
         Numbers of steps to look at, and nodes in shares of the length.
     tip
@@ -186,10 +196,11 @@ def fit(
                 k = (n - start) * count + p
                 ray, live[k] = rays[k], k
                 ray.peak, ray.y, ray.x, ray.z = peak[n], y[n], x[n], z[n]
-                ray.way_y, ray.way_x, ray.end = way_y[n, p], way_x[n, p], limit[n, p]
+                ray.way_y, ray.way_x, ray.fall = way_y[n, p], way_x[n, p], fall[n, p]
+                ray.end, ray.dip = limit[n, p], dip[n]
                 ray.high, ray.latest, ray.top, ray.outside = 0.0, 0.0, 0, 0
         _march(
-            flat, cell, labels, owner, dip, rays, live[:used], radii, corners, rest, weights,
+            flat, cell, labels, owner, rays, live[:used], radii, corners, rest, weights,
             pixels, zs,
         )  # fmt: skip
         for k in range(used):
