@@ -79,16 +79,19 @@ def run(function: Callable[[int, int], Any], parts: list[tuple[int, int]]) -> li
 def each(function: Callable[[Any], Any], parts: Sequence[Any]) -> list[Any]:
     """Call ``function(part)`` for every part, at the same time; results in order.
 
-    A part that no other thread has begun by then is done by this one.
+    The other threads begin at the first parts. When this one has done its own, it takes those that
+    nobody has begun from the end, so that many parts of unequal work keep all threads busy.
     """
     if len(parts) < 2 or threads() == 1 or threading.current_thread().name.startswith(_NAME):
         return [function(part) for part in parts]
-    pool = _pool(len(parts) - 1, os.getpid())
+    pool = _pool(min(len(parts), threads()) - 1, os.getpid())
     others = [pool.submit(function, part) for part in parts[1:]]
     results = [function(parts[0])]
-    for part, other in zip(parts[1:], others, strict=True):
-        results.append(function(part) if other.cancel() else other.result())
-    return results
+    own = []
+    while others and others[-1].cancel():
+        others.pop()
+        own.append(function(parts[len(others) + 1]))
+    return [*results, *(other.result() for other in others), *reversed(own)]
 
 
 def aside(function: Callable[[], Any]) -> None:
