@@ -104,11 +104,13 @@ def self_affine(
         amplitude[:, nx // 2] = 0.0
     twice = np.full(nx // 2 + 1, 2.0)  # columns that stand for two conjugate waves
     twice[0] = 1.0
-    power = twice * amplitude**2
-    if rms_height is None:
-        power = power * (2.0 * np.pi) ** 2 * (fy**2 + fx**2)
-    total = float(power.sum())
+    with np.errstate(over="ignore", invalid="ignore"):
+        power = twice * amplitude**2
+        if rms_height is None:
+            power = power * (2.0 * np.pi) ** 2 * (fy**2 + fx**2)
+        total = float(power.sum())
     _check(total > 0.0, "no wave lies between the cut-off and the size of the cell")
+    _check(total < np.inf, f"anisotropy is {anisotropy}; no calculation holds such waves")
 
     phase = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, size=amplitude.shape)
     half = np.arange(1, (ny + 1) // 2)

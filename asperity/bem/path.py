@@ -51,8 +51,8 @@ class LoadPath:
         load, offset = problem.prescribed(pressure, separation)
         if not problem.touches(load, offset):
             self._old, self._means = None, (0.0, 0.0)
-            level.pressure[:] = 0.0
-            return level.solve(0.0, problem.tolerance)
+            _, search = problem.start(load, offset)
+            return level.solve(search or load, problem.tolerance)
         last = self._means[1]
         mean = load if offset is None else self._forecast(offset)
         if 0.0 < mean <= _LARGEST_RATIO * last:

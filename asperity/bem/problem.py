@@ -115,15 +115,14 @@ class ContactProblem:
         iterations
             Spent on the coarser grids.
         search
-            The search for the load, if a level is prescribed and touched.
+            The search for the load, if a level is prescribed.
         """
-        pressure = self.level.pressure
-        if not self.touches(load, offset):
-            pressure[:] = 0.0
-            return 0, None
-        search = None
+        pressure, search = self.level.pressure, None
         if offset is not None:
             search = LoadSearch(offset, _FIRST_LOAD * self.level.rms_height)
+        if not self.touches(load, offset):
+            pressure[:] = 0.0
+            return 0, search
         if given is None:
             return self._nested(load, search), search
         np.maximum(given, 0.0, out=pressure)

@@ -44,8 +44,7 @@ def run(args: argparse.Namespace) -> int:
         except (AsperityError, MemoryError) as error:
             if not several:
                 raise
-            text = " ".join(str(error).split()) or "out of memory"
-            sys.stderr.write(f"asperity compare: {file}: {text}\n")
+            sys.stderr.write(f"asperity compare: {output.told(file, error)}\n")
             worst = EXIT_BAD_INPUT
         else:
             worst = worst if converged else max(worst, EXIT_NOT_CONVERGED)

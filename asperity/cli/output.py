@@ -38,6 +38,7 @@ __all__ = [
     "require_pictures",
     "save_figure",
     "solve_and_keep",
+    "told",
 ]
 
 
@@ -136,6 +137,12 @@ def finish(curve: ContactCurve, material: HalfSpace, args: argparse.Namespace) -
             print(f"{name}     {' '.join(f'{value:.4g}' for value in values)}")
         print(f"results         {args.results}")
     return exit_code([curve])
+
+
+def told(file: str | Path, error: BaseException) -> str:
+    """What went wrong with one of several files, in one sentence that names it."""
+    text = " ".join(str(error).split()) or "out of memory"
+    return text if str(file) in text else f"{file}: {text}"
 
 
 def last_converged(curve: ContactCurve, args: argparse.Namespace) -> bool:

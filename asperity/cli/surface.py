@@ -45,9 +45,8 @@ def run(args: argparse.Namespace) -> int:
             bad += not actions[args.action](path, args)
         except (AsperityError, MemoryError) as error:
             bad += 1
-            text = " ".join(str(error).split()) or f"{path}: out of memory"
-            named = text if str(path) in text else f"{path}: {text}"
-            tqdm.write(f"asperity surface {args.action}: {named}", file=sys.stderr)
+            text = output.told(path, error)
+            tqdm.write(f"asperity surface {args.action}: {text}", file=sys.stderr)
     if getattr(args, "sections", None):
         from surfaces.page import write_page
 

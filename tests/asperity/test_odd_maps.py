@@ -40,6 +40,15 @@ def test_the_flat_never_rises_with_the_load(anisotropy, angle, m):
     assert (fall > -3e-3 * np.ptp(curve.separation)).all()
 
 
+@pytest.mark.parametrize("m", [-0.99, 0.99])
+def test_gradings_at_the_edge_of_their_range(m):
+    """Basins pressed alone come out as no numbers near m = -1: the expansion stands."""
+    hm = surfaces.self_affine((24, 32), (24e-6, 32e-6), hurst=0.8, rms_slope=0.1, seed=1)
+    body = asperity.HalfSpace.from_modulus(1e10 * 1e-6**-m, m)
+    curve = asperity.contact_curve(hm, body)
+    assert curve.converged.all() and (np.diff(curve.area_fraction) > 0).all()
+
+
 def test_a_negative_mean_gap_is_refused():
     x = 2 * np.pi * np.arange(72) / 18
     hm = surfaces.HeightMap(np.tile(np.cos(x), (64, 1)), (1.0, 1.0), periodic=True)

@@ -103,6 +103,7 @@ def test_seed_names_the_surface():
         ({"seed": 1.5}, "seed is 1.5"),
         ({"anisotropy": 4.0, "angle": np.nan}, "angle is nan"),
         ({"anisotropy": np.inf}, "anisotropy is inf"),
+        ({"anisotropy": 1e300}, "no calculation holds"),
         ({"rms_slope": np.inf}, "positive and finite"),
     ],
 )

@@ -114,6 +114,7 @@ def test_zero_load():
     assert solution.separation == pytest.approx(hm.heights.max() - hm.heights.mean(), rel=1e-12)
     assert solution.gap.min() == pytest.approx(0.0, abs=1e-15)
     apart = bem_solve(hm, BODY, separation=2 * solution.separation)
+    assert apart.separation == pytest.approx(2 * solution.separation, rel=1e-12)
     assert apart.converged and apart.load == 0.0
     assert apart.gap.min() == pytest.approx(solution.separation, rel=1e-12)
 
