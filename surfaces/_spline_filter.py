@@ -13,7 +13,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from ._compiled import compiled
+from ._compiled import compiled, inner
 from ._vectors import constant, data_of, load, multiply_add, store, transposed
 
 __all__ = ["LINES", "PAD", "filter_columns", "filter_rows"]
@@ -91,7 +91,7 @@ def _turn(typing: Any, source: Any, start: Any, step: Any, target: Any, to: Any,
     return types.void(source, place, place, target, place, place), code
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _filter(line, m, periodic):
     """Fill the padding of the m points of the lines and filter them in place."""
     n = m + 2 * PAD

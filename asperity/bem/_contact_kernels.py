@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces._compiled import compiled
+from surfaces._compiled import compiled, inner
 
 Index = NDArray[np.int64]
 
 
-@compiled()
+@inner()
 def _root(parent: Index, i: int) -> int:
     while parent[i] != i:
         parent[i] = parent[parent[i]]
@@ -20,7 +20,7 @@ def _root(parent: Index, i: int) -> int:
     return i
 
 
-@compiled()
+@inner()
 def _row_runs(row: NDArray[np.float64], nx: int, begin: Index, end: Index) -> int:
     """First and last + 1 column of each run of positive values; returns their number."""
     n = 0

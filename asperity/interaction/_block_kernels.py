@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numba import carray, njit
 
-from surfaces._compiled import compiled
+from surfaces._compiled import inner
 
 from ._scratch import BLOCK, COLUMNS, floats
 from .footprint import PAIR_NODES, SMOOTH_DEGREE
@@ -74,7 +74,7 @@ def smooth(r2, far, a):
     return g0, bend, cross, two * g1, -four * (a * g2 - edge)
 
 
-@njit(nogil=True)
+@inner()
 def _graded_powers(count, s, at, power):
     """`set_powers` on graded half-spaces."""
     half = -0.5 * power
@@ -114,7 +114,7 @@ def set_doubt(count, s, row, column, reach, skew):
         s[k + SKEW] = both - NEGLIGIBLE * s[k + reach]
 
 
-@compiled(error_model="numpy", fastmath=FAST)
+@inner(error_model="numpy", fastmath=FAST)
 def long_pairs(count, listed, away, wide, form, shape, beads, power, lack):
     """What listed pairs of footprints i, j (2, n), `away` (2, n) from each other, lack for not
     being round, into `lack` (4, n): value, gradient by y and x, and by how much their moments

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from surfaces._compiled import compiled
+from surfaces._compiled import compiled, inner
 
 from ._contour_kernels import NODES
 from ._directions import place
@@ -25,7 +25,7 @@ _BLOCK = 5
 """Values of the edge operator summed at a time: a divisor of `CELLS` + 1."""
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _ray_radius(shape, cx, cy):
     """Radii of the contours of the expansion in the directions (cx, cy) from the summits, or -1."""
     a, b = load(shape, 0), load(shape, 1)
@@ -46,7 +46,7 @@ def _ray_radius(shape, cx, cy):
     return where((rest > 0.0) & (oo < 0.98), r, -1.0)
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _planform(radius, weight, direction, rays, m, punch, out, place_):
     """Area, stiffness and centre of planforms on rays, in four groups of `out`.
 
@@ -100,7 +100,7 @@ def basin_space(rays: int, levels: int) -> tuple[Any, ...]:
     return groups(CELLS + 1), groups(CELLS + 1), groups(levels * rays)
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _operator(q, first, nodes, weights, unit, out):
     """Edge operator at the ends of the cells of a ray with nodes q[first : first + nodes]."""
     for block in range(0, CELLS + 1, _BLOCK):

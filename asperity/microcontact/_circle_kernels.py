@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from surfaces._compiled import compiled
+from surfaces._compiled import compiled, inner
 
 from ._lane_functions import least, most, sine_cosine
 from ._lane_layout import groups, spread_rows
@@ -20,7 +20,7 @@ QUANTITIES = 11
 """Numbers at every radius, see `expand_profiles`."""
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _directions(phi, rays, count, cosine, sine):
     """cos n phi and sin n phi of all rays, n < count."""
     for k in range(rays):
@@ -35,7 +35,7 @@ def _directions(phi, rays, count, cosine, sine):
             cn, sn = cn * c - sn * s, sn * c + cn * s
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _lengthen(q, rays, nodes, out):
     """The nodes of all rays, with one more at both ends for parabolic slopes there."""
     wide = nodes + 2
@@ -49,7 +49,7 @@ def _lengthen(q, rays, nodes, out):
         store(out, o + 1, 3.0 * (load(out, o) - load(out, o - 1)) + load(out, o - 2))
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _applied(q, first, wide, edge, a, m, nodes, radial, share, rays, k, out):
     """Radial operators of ray k at the radii a, times its share of the angle.
 
@@ -96,7 +96,7 @@ def _applied(q, first, wide, edge, a, m, nodes, radial, share, rays, k, out):
         store(out, n * rays + k, share * load(out, n * rays + k))
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _sum(array, first, count):
     total = splat(0.0)
     for k in range(first, first + count):
@@ -104,7 +104,7 @@ def _sum(array, first, count):
     return total
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _reduced(applied, rays, cosine, sine, share, harmonics, waves, row, place):
     """Angular part of `expand_profiles` for one radius; `waves` is working space."""
     count = harmonics.size - 1

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surfaces._compiled import compiled
+from surfaces._compiled import compiled, inner
 
 from ._directions import place
 from ._lane_functions import between, least, most
@@ -68,7 +68,7 @@ def _mirrored(a, b, c, d):
     return a + b + c + d, a - b + c - d, a - b - c + d, a + b - c - d
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def amplitudes(values, rows, number, own, fields):
     """Fields over the nodes of a quarter for each profile from its row of the tables.
 
@@ -93,7 +93,7 @@ def amplitudes(values, rows, number, own, fields):
         transpose(own, f, FIELDS, fields, f * LANES)
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def limits(edge, rays, stretch, x0, y0, tc, ts, a, b, mask, limit):
     """Displacements at which the nodes meet the edge, linear between the rays, where `mask`."""
     for c in range(4):
@@ -111,14 +111,14 @@ def limits(edge, rays, stretch, x0, y0, tc, ts, a, b, mask, limit):
             store(limit, c * NODES + q, where(mask, displacement, 1e300))
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _displaced(P, Q, limit):
     """Displacement P / Q up to its limit, and 1 where it is free."""
     x = P / Q
     return least(x, limit), where(x <= limit, splat(1.0), 0.0)
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def displace(fields, limit, X, system, vector):
     """Displacements of the contour, and the Newton system of the five parameters of the ellipse.
 
@@ -204,7 +204,7 @@ def _mode(c, i, q):
     return _ALONG[i, q] if c == 2 else _ACROSS[i, q]
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def second_order(X, rows, number, own, forms):
     """Second-order stiffness of the displaced contour, from its Fourier coefficients."""
     for n in range(LANES):

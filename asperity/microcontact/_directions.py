@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from surfaces._compiled import compiled
+from surfaces._compiled import inner
 
 from ._lane_functions import most
 from ._lanes import FAST, absolute, splat, where
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def place(x, y, rays):
     """Angle of (x, y) in steps between `rays` equispaced rays, right to 5e-5 of a quarter."""
     ax, ay = absolute(x), absolute(y)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from surfaces._compiled import compiled
+from surfaces._compiled import compiled, inner
 from surfaces._spline import expand
 
 __all__ = ["ASPECTS", "REACH", "press_rows"]
@@ -42,7 +42,7 @@ LONGEST = 200
 """Steps of conjugate gradients."""
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _flood(heights, labels, owner, periodic, peak, row, col, level, mark, stamp, rows, cols):
     """Pixels of a basin above `level` that hang together with the pixel (row, col).
 
@@ -79,7 +79,7 @@ def _flood(heights, labels, owner, periodic, peak, row, col, level, mark, stamp,
     return count
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _turn(heights, rows, cols, count, level, spacing):
     """Direction [rad] of the long axis of the pixels above `level`, weighted by their height."""
     ny, nx = heights.shape
@@ -98,7 +98,7 @@ def _turn(heights, rows, cols, count, level, spacing):
     return 0.5 * math.atan2(2.0 * (yx / w - my * mx), (xx / w - mx * mx) - (yy / w - my * my))
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _sample(
     heights, labels, owner, periodic, flat, width, peak, place, top, depth, below, spacing, turn,
     box, points, gap, inside, stack,
@@ -167,7 +167,7 @@ def _sample(
     return nv, nu, hv, hu, kind, u0, v0
 
 
-@compiled(fastmath=True, error_model="numpy")
+@inner(fastmath=True, error_model="numpy")
 def _solve(count, row, col, gap, kernel, tolerance, matrix, pressure, work):
     """Pressures p >= 0 that close the overlaps: the minimum of p G p / 2 - p gap.
 
@@ -232,7 +232,7 @@ def _solve(count, row, col, gap, kernel, tolerance, matrix, pressure, work):
                 left[i] -= step * change[i]
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _way(inside, outside, side, closed, left, m, edge):
     """Way from a closed element towards an open one, over their distance, to the edge of contact.
 
@@ -254,7 +254,7 @@ def _way(inside, outside, side, closed, left, m, edge):
     return 1.0 - b * w / side
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _area(number, nv, nu, hv, hu, closed, left, m, edge):
     """Area over that of an element within the contour of a contact.
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from surfaces._compiled import compiled
+from surfaces._compiled import compiled, inner
 
 from ._contour_kernels import FIELDS, NODES, amplitudes, displace, limits, second_order
 from ._fit_kernels import FITS
@@ -51,7 +51,7 @@ _SINGLE = 7
 made at it, first and last trusted level, and 1 while it is followed."""
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _mixed(fit, fits, position, out):
     """Polynomials between two nested ones: `position` 0 is the largest, fits - 1 the smallest."""
     for r in range(TERMS):
@@ -62,7 +62,7 @@ def _mixed(fit, fits, position, out):
             store(out, r, load(out, r) + weight * load(fit, s * TERMS + r))
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _values(coefs, a, b, depth, moments, out):
     """Monomials at the ends of the axes: f minus the approach, and each times its degree.
 
@@ -99,7 +99,7 @@ def march_space(rays: int) -> tuple[Any, ...]:
     return tuple(tuple(map(groups, counts)) for counts in (pose, present, (STATES, 2)))
 
 
-@compiled()
+@inner()
 def _enter(lane, k, coefs, frames, scales, rays, pose, present):
     """Put profile k into a lane, at its first ellipse."""
     fits, edge, _, single = present
@@ -254,7 +254,7 @@ def march_rows(
                 single[_ALIVE * LANES + lane] = 0.0
 
 
-@compiled()
+@inner()
 def _usable_from(k, scales):
     """First profile with a fit from number k on, or their number."""
     while k < len(scales) and scales[k, LANES - 1] == 0.0:
@@ -262,7 +262,7 @@ def _usable_from(k, scales):
     return k
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _advance(pose, along, across, a, b, tc, ts):
     """Newton step from the pose that was used, about the semi-axes a, b; returns its size."""
     for i in range(5):
@@ -283,7 +283,7 @@ def _advance(pose, along, across, a, b, tc, ts):
     return still
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _predict(pose, stop, going, level, growths):
     """Slopes of the poses over the logarithm of the approach, and poses at the next levels."""
     growth = entries(growths, level)
@@ -298,7 +298,7 @@ def _predict(pose, stop, going, level, growths):
         store(pose, _USED + i, where(going, present + slope * following, used))
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _keep(shape, mask, a, b, x0, y0, turn, X):
     """Remember the contours where the mask holds."""
     store(shape, 0, where(mask, a, load(shape, 0)))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from surfaces._compiled import compiled
+from surfaces._compiled import compiled, inner
 
 from ._lane_functions import between, least, most
 from ._lane_layout import groups
@@ -20,7 +20,7 @@ FITS = 5
 """Nested fits of a summit."""
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _sample(q, rays, nodes, edge, reach, radii, scale, out):
     """scale * f at the falling radii `reach * radii` of rays with q = f/r**2 at equispaced nodes.
 
@@ -116,7 +116,7 @@ def fit(q, nodes, edge, scale, reach, wide, rules, number, coefs, space):
                 store(coefs, s * TERMS + r, found * unit * (1 / radii[rings[s, 0]] ** (i + j)))
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def usable(coefs):
     """1 where the fits are finite and the smallest ellipse rises across the ridge, else 0."""
     fine = load(coefs, (FITS - 1) * TERMS + 5) > 0.0

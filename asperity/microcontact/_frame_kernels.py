@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from surfaces._compiled import compiled
+from surfaces._compiled import compiled, inner
 
 from ._fit_kernels import FITS, fit, fit_space, usable
 from ._lane_functions import between, exponential, least, logarithm, most, sine_cosine
@@ -26,7 +26,7 @@ _POWER = 0.63
 """The axis ratio of a Hertzian contact is about this power of the ratio of curvatures."""
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _frame(phi, angle, weight, large, small, edge, q, nodes, skews, rays, scales, frame, wide):
     """Length, height, ratio of the rays and number of the base ellipse of profiles.
 
@@ -78,7 +78,7 @@ def _frame(phi, angle, weight, large, small, edge, q, nodes, skews, rays, scales
     return number
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _first_ellipse(coefs, depth, m, scales):
     """Logarithms of the semi-axes for the paraboloids in the smallest fits."""
     o = (FITS - 1) * TERMS

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from surfaces._compiled import compiled
+from surfaces._compiled import compiled, inner
 
 __all__ = ["evaluate_table", "resample"]
 
@@ -112,7 +112,7 @@ def resample(u, ratios, flags, good, basin, intervals, p):
     return reach, values[0], values[1], values[2], marks, values[3]
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _lagrange(u, base, x, w, dw):
     """Weights of the value and of the slope at x of the cubic through four nodes."""
     for k in range(4):

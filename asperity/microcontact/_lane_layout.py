@@ -7,12 +7,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces._compiled import compiled
+from surfaces._compiled import inner
 
 from ._lanes import LANES, load, store, transpose
 
 
-@compiled()
+@inner()
 def spread_rows(source, rows, out, space):
     """Rows of an array of whole groups (`packed`), one in every lane; `space` is eight groups."""
     width = source.shape[1] // LANES
@@ -22,7 +22,7 @@ def spread_rows(source, rows, out, space):
         transpose(space, 0, 1, out, k * LANES)
 
 
-@compiled()
+@inner()
 def collect_rows(source, target, rows, count, space):
     """The first `count` lanes as rows of an array of whole groups; `space` is eight groups."""
     width = target.shape[1] // LANES
@@ -32,7 +32,7 @@ def collect_rows(source, target, rows, count, space):
             store(target, rows[lane] * width + k, load(space, lane))
 
 
-@compiled()
+@inner()
 def ordered(keys, highest):
     """Places of whole numbers from 0 to `highest` in rising order."""
     begin = np.zeros(highest + 2, np.int64)

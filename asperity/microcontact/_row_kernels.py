@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from surfaces._compiled import compiled
+from surfaces._compiled import compiled, inner
 
 from ._ellipse_kernels import STATES
 from ._lane_functions import between, exponential, least, logarithm, most
@@ -32,7 +32,7 @@ def row_space(levels: int, nodes: int) -> tuple[Any, ...]:
     return groups(5 * levels), groups(MADE * nodes)
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _second_order_area(state, level, stiffness):
     """Contact area whose contour has the stiffness dF/dd to second order.
 
@@ -46,7 +46,7 @@ def _second_order_area(state, level, stiffness):
     return between(area, least(ellipse, contour), most(ellipse, contour))
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def expanded_levels(state, first, last, levels, powers, stencils, p, columns):
     """Force, stiffness and area at the trusted levels, and below them in proportion.
 
@@ -92,7 +92,7 @@ def expanded_levels(state, first, last, levels, powers, stencils, p, columns):
         store(columns, 2 * count + i, where(below, spot, load(columns, 2 * count + i)))
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def _log_ratio(inner, outer):
     """Log ratio of the two descriptions where they meet, kept to what a mended summit can need."""
     both = (inner > 0.0) & (outer > 0.0)
@@ -100,7 +100,7 @@ def _log_ratio(inner, outer):
     return logarithm(ratio)
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def carried_on(filling, last, levels, basin, p, columns):
     """Force, stiffness and area beyond the levels `last`: planforms on rays.
 
@@ -190,7 +190,7 @@ def resampled(columns, levels, powers, resampling, p, made):
         before = square
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def marked(state, filling, first, last, basin, resampling, made):
     """Flags, spread and centre of the rows."""
     nodes, _, place, hermite = resampling

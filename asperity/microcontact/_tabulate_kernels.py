@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from surfaces._compiled import compiled
+from surfaces._compiled import compiled, inner
 
 from ._basin_kernels import basin_space, fill
 from ._ellipse_kernels import SHAPE_ROW, STATES
@@ -16,7 +16,7 @@ from ._lanes import LANES, load
 from ._row_kernels import carried_on, expanded_levels, marked, resampled, row_space
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _write(made, nodes, lane, length, angle, units, n, out):
     """Row n of the table from a lane of the finished rows, in `units`."""
     _, force, stiffness, area, flags, spread, centre = out

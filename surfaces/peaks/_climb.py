@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from .._compiled import compiled
+from .._compiled import compiled, inner
 from .._spline import PAD, expand
 from ._prefetch import prefetch_block
 
@@ -30,7 +30,7 @@ def _quartic_rows() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 _QUARTIC, _RESIDUAL = _quartic_rows()
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def local_fit(heights, periodic, row, col, c):
     """Quartic c (15,) through the 5 x 5 points about a pixel; True where it represents them.
 
@@ -65,7 +65,7 @@ def local_fit(heights, periodic, row, col, c):
     return True
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _quartic(c, y, x):
     """Height, gradient and second derivatives (h, h_y, h_x, h_yy, h_xy, h_xx) of the quartic."""
     h, h_y, h_x, h_yy, h_xy, h_xx = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -85,7 +85,7 @@ def _quartic(c, y, x):
     return h, h_y, h_x, h_yy, h_xy, h_xx
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def wrapped(at, n):
     """The coordinate inside the period n."""
     if 0.0 <= at < n:
@@ -97,14 +97,14 @@ def wrapped(at, n):
     return at
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def nearest(at, n):
     """The pixel at a coordinate inside the period n."""
     pixel = int(at + 0.5)
     return pixel if pixel < n else pixel - n
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _newton(e):
     """Step of Newton's method uphill, with the absolute values of the principal curvatures.
 
@@ -127,7 +127,7 @@ def _newton(e):
     return step_y, step_x, high < 0.0
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def climb(heights, flat, width, labels, periodic, row, col, n, lean, c):
     """Climb from the summit pixel of peak n to the maximum of the interpolated surface.
 
@@ -224,7 +224,7 @@ def uphill(heights, labels, owner, periodic, lean, rows, row, col):
         row[n], col[n] = y % ny, x % nx
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _frame(a, b, c):
     """Principal curvatures k1 >= k2 > 0 of (a x^2 + 2 b x y + c y^2)/2 and the axis of k2."""
     half = math.hypot(0.5 * (a - c), b)

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._compiled import compiled
+from .._compiled import compiled, inner
 
 FLAT = np.int32(-(2**31))
 _ROWS = np.array([-1, -1, -1, 0, 0, 1, 1, 1])  # of the eight neighbors
@@ -113,7 +113,7 @@ def ascend(heights, periodic, above, inverse, link, peaks, flats, runs, start, s
     return n_peaks, n_flats, n_runs, lows.min()
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _beside(p, k, shape, periodic):
     """Neighbor k of pixel p; -1 beyond the border."""
     ny, nx = shape

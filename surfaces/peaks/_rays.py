@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numba import from_dtype
 
-from .._compiled import compiled
+from .._compiled import compiled, inner
 from .._spline_filter import PAD
 from .._spline_form import LANES, TAPS, spline_values
 from ._climb import FLATTEST
@@ -46,7 +46,7 @@ _RAY = from_dtype(
 )
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _look(
     flat, cell, rays, live, groups, radii, first, corners, rest, weights, pixels, out
 ):  # fmt: skip
@@ -77,7 +77,7 @@ def _look(
                     out[group * LANES + k] -= ray.fall * radius
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _march(flat, cell, labels, owner, rays, live, radii, corners, rest, weights, pixels, zs):
     """Find the `end` of the rays of `live`: the first local maximum of f, or their limit.
 
@@ -104,7 +104,7 @@ def _march(flat, cell, labels, owner, rays, live, radii, corners, rest, weights,
             break
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _advance(ray, signs, radii, first, at, zs):
     """Take a ray on by the samples from number `first` on; returns whether it goes on.
 
@@ -134,7 +134,7 @@ def _advance(ray, signs, radii, first, at, zs):
     return not ended and stop == LANES
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _crest(ray, radii):
     """Where f is highest: at the vertex of the parabola through the highest of its samples."""
     edge = radii[ray.top]

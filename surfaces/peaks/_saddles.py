@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._compiled import compiled
+from .._compiled import compiled, inner
 
 
 @compiled(error_model="numpy")
@@ -90,7 +90,7 @@ def touching(heights, labels, periodic, counts, runs):
     return keys[:used], passes[:used]
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _doubled(keys, passes, used):
     """The same lists with twice the room."""
     more_keys, more_passes = np.empty(2 * keys.size, np.int64), np.empty(2 * keys.size)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._compiled import compiled
+from .._compiled import compiled, inner
 
 
 @compiled(error_model="numpy", fastmath={"reassoc", "contract"})
@@ -40,7 +40,7 @@ def sums(heights, start, bounds, first, last, lows, tops, rows):
     return out
 
 
-@compiled(error_model="numpy", fastmath={"reassoc", "contract"})
+@inner(error_model="numpy", fastmath={"reassoc", "contract"})
 def _add_row(here, below, beneath, start, i, ny, lows, tops, rows, out):
     """Add all points of a row but the last two; returns how many, none if some are missing."""
     count = here.size - 2
@@ -84,7 +84,7 @@ def _add_row(here, below, beneath, start, i, ny, lows, tops, rows, out):
     return count
 
 
-@compiled(error_model="numpy")
+@inner(error_model="numpy")
 def _add_point(a, b, c, left, out, at, seam):
     """Add the differences present of three points in a line, of which `left` are in the map."""
     d = b - a
