@@ -21,6 +21,8 @@ def test_each_part_runs_in_a_process_of_its_own(part):
 
 def test_no_process_starts_where_the_code_is_there(monkeypatch):
     compilation._laws()
+    for index in compilation._indices():
+        index.touch()
     assert not compilation._cold()
 
     def started(*_, **__):
