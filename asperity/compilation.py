@@ -189,23 +189,23 @@ def _laws() -> None:
 
 
 def _basins() -> None:
-    """Basins pressed alone: none, of a map that was not segmented."""
+    """A basin pressed alone, at no approach, of a map that was not segmented."""
     from .microcontact.elements import press
 
-    none = np.zeros(0, np.int64)
-    peaks = SimpleNamespace(labels=np.zeros((4, 4), np.int32), row=none, col=none)
+    one = np.zeros(1, np.int64)
+    peaks = SimpleNamespace(labels=np.zeros((4, 4), np.int32), row=one, col=one)
     summits = SimpleNamespace(
         hm=HeightMap(np.eye(4), (1.0, 1.0)),
         peaks=peaks,
-        owner=none,
+        owner=one,
         spline=np.zeros((4, 4)),
-        places=np.zeros((0, 2)),
-        height=np.zeros(0),
-        angle=np.zeros(0),
-        curvature=np.zeros((0, 2)),
-        floor=np.zeros(0),
+        places=np.zeros((1, 2)),
+        height=np.ones(1),
+        angle=np.zeros(1),
+        curvature=np.ones((1, 2)),
+        floor=np.zeros(1),
     )
-    press(cast("Summits", summits), none, np.zeros((0, 2)), BODY)
+    press(cast("Summits", summits), one, np.zeros((1, 0)), BODY)
 
 
 def _bem() -> None:
