@@ -180,7 +180,7 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
             hm.heights, spline.ravel(), spline.shape[1], peaks.labels, hm.periodic, peaks.row,
             peaks.col, level, near, places, expansions, kinds, a, b,
         ),
-        _threads.blocks(n, 64),
+        _threads.blocks(n, 512),
     )  # fmt: skip
     owner = _owners(hm, peaks, places, kinds)
     own = owner == np.arange(n)
