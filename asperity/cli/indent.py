@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import argparse
-import inspect
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from asperity.cli import options, output
+from asperity.cli import bodies, options, output
 from asperity.cli.surface_options import add_reading
 from asperity.errors import InputError
 from asperity.material import HalfSpace
-from surfaces import PolarProfile, PowerLawProfile, PowerSumProfile, shapes
+from surfaces import PolarProfile, PowerSumProfile
 
-EPILOG = """shapes:
-  polygon:N   cosine:N   rounded:N:CORNER   ellipse:RATIO   cone   paraboloid
-  random:DEVIATION:SEED   convex:N:SEED   bent
+_FORMS = list(bodies.BODIES)
+
+EPILOG = f"""shapes:
+  {"   ".join(_FORMS[:6])}
+  {"   ".join(_FORMS[6:])}
 examples:
   asperity indent --shape polygon:4 --k 1 --m 0.3 --bem
   asperity indent --shape rounded:3:0.3 --k 2 --modulus 1e9 --approach 1e-7 --scale 1e5
@@ -84,73 +84,17 @@ def _profile(args: argparse.Namespace) -> tuple[PowerSumProfile | PolarProfile, 
     """The gap from the file or of the test body, and what to call it."""
     if (args.file is None) == (args.shape is None):
         raise InputError("give either a profile file or --shape")
-    other = ("k", "scale") if args.shape is None else ("dataset", "unit", "spacing")
-    for name in other:
+    from_file = args.file is not None
+    for name in ("k", "scale") if from_file else ("dataset", "unit", "spacing"):
         if getattr(args, name) is not None:
-            wanted, given = ("--shape", "a file") if args.shape is None else ("a file", "--shape")
-            raise InputError(f"--{name} belongs to {wanted}, not to {given}")
-    if args.shape is None:
+            raise InputError(f"--{name} belongs to {'--shape' if from_file else 'a file'}")
+    if from_file:
         from surfaces.files.profile_file import read_profile
 
-        profile = read_profile(
-            args.file, dataset=args.dataset, unit=args.unit, spacing=args.spacing
-        )
-        return profile, Path(args.file).name
-    body = _scaled(_shape(args.shape, args.k), 1.0 if args.scale is None else args.scale)
+        reading = {"dataset": args.dataset, "unit": args.unit, "spacing": args.spacing}
+        return read_profile(args.file, **reading), Path(args.file).name
+    body = bodies.body(args.shape, args.k, args.scale)
     return body, args.shape + (f", k = {body.powers[0]:g}" if len(body.powers) == 1 else "")
-
-
-def _ellipse(ratio: float, k: float = 1.0) -> PowerLawProfile:
-    """Body of elliptic level lines; `ratio` is that of the gaps on its axes at k = 2."""
-    if not 0 < ratio < np.inf:
-        raise InputError("the ratio of curvatures of an ellipse must be positive and finite")
-    return PowerLawProfile(k, lambda p: (np.cos(p) ** 2 + ratio * np.sin(p) ** 2) ** (k / 2))
-
-
-SHAPES: dict[str, Callable[..., PowerSumProfile]] = {
-    "polygon:N": lambda n, k=1.0: shapes.polygon(n, k),
-    "cosine:N": lambda n, k=1.0: shapes.cosine_polygon(n, k),
-    "rounded:N:CORNER": lambda n, corner=0.3, k=1.0: shapes.rounded_polygon(n, k, corner=corner),
-    "ellipse:RATIO": _ellipse,
-    "cone": lambda: PowerLawProfile(1.0, 1.0),
-    "paraboloid": lambda: PowerLawProfile(2.0, 1.0),
-    "random:DEVIATION:SEED": lambda deviation, seed=0, k=1.0: shapes.random_section(
-        k, deviation=deviation, seed=seed
-    ),
-    "convex:N:SEED": lambda n, seed=0, k=1.0: shapes.random_polygon(k, sides=n, seed=seed),
-    "bent": shapes.bent_body,
-}
-"""Test bodies by the form of their names; those that take `k` are powers of r."""
-
-
-def _shape(text: str, k: float | None) -> PowerSumProfile:
-    """Test body from its name and numbers, such as ``rounded:4:0.3``."""
-    name, *words = text.split(":")
-    forms = {form.split(":")[0]: form for form in SHAPES}
-    if name not in forms:
-        raise InputError(f"no shape is called {name!r}; see asperity indent --help")
-    labels, make = forms[name].split(":")[1:], SHAPES[forms[name]]
-    power = {} if k is None else {"k": k}
-    if power and "k" not in inspect.signature(make).parameters:
-        raise InputError(f"--k does not belong to --shape {name}")
-    try:
-        kinds = [int if label in ("N", "SEED") else float for label in labels[: len(words)]]
-        return make(*(kind(w) for kind, w in zip(kinds, words, strict=True)), **power)
-    except (TypeError, ValueError) as error:
-        known = isinstance(error, InputError)
-        form = f"write {forms[name]}" + (", N and SEED whole numbers" if labels else "")
-        reason = error if known else form
-        raise InputError(f"--shape {text}: {reason}") from None
-
-
-def _scaled(body: PowerSumProfile, scale: float) -> PowerSumProfile:
-    """The body with its gap multiplied by a factor."""
-    if not 0 < scale < np.inf:
-        raise InputError(f"--scale must be positive and finite, got {scale:g}")
-    angular = [lambda phi, psi=psi: scale * psi(phi) for psi in body.angular]
-    if isinstance(body, PowerLawProfile):
-        return PowerLawProfile(body.k, angular[0], corners=body.corners)
-    return PowerSumProfile(body.powers, angular, corners=body.corners)
 
 
 def _material(args: argparse.Namespace) -> HalfSpace:
