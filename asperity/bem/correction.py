@@ -31,6 +31,7 @@ _WIDEST_BAND = 0.05
 """Bound of the band of later corrections."""
 
 _MAX_CORRECTIONS = 60
+"""Corrections of one load at most."""
 
 _MAX_IDLE = 6
 """Corrections in a row that hardly lower the error, after which the solution has stagnated."""

@@ -13,7 +13,11 @@ EPILOG = """example:
 """
 
 POINTS, SIZE = 256, 1e-3
+"""Points along a side of the surface, and its length [m]."""
+
 STEEL, POISSON = 210e9, 0.3
+"""Young's modulus [Pa] and Poisson's ratio of the body."""
+
 NAME = "demo"
 
 

@@ -34,6 +34,8 @@ STYLE: Any = {
     "legend.frameon": False,
 }
 CURVE_SIZE = (5.4, 3.9)
+"""Width and height of a curve [inches]."""
+
 MAP_POINTS = 1000
 """Contact maps are thinned to at most about this many points along an axis."""
 
