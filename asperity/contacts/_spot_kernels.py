@@ -13,9 +13,10 @@ def spots(pairs, depth, approach, area):
 
     A pair (n, 2) has joined where the sum of its `approach` is above its `depth` (n,).
     """
-    parent = np.arange(area.size)
+    parent = np.empty(area.size, np.int64)
     left = 0
     for i in range(area.size):
+        parent[i] = i
         left += area[i] > 0.0
     for k in range(pairs.shape[0]):
         a = pairs[k, 0]

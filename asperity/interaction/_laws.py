@@ -157,7 +157,9 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, table):
     x, g = GAUSS_NODES, GAUSS_WEIGHTS
     moment = np.zeros(steps + 1)
     bend = np.zeros(steps + 1)
-    fall = np.arange(1.0, steps + 1.0) ** -power
+    fall = np.zeros(steps + 1)
+    for j in range(steps):
+        fall[j] = (j + 1.0) ** -power
     for r in range(reach.size):
         width = 2.0 * reach[r] / (steps * steps)
         s0 = 0.0

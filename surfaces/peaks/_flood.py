@@ -33,7 +33,9 @@ def ascend(heights, periodic, above, inverse, link, peaks, flats, runs, start, s
     ny, nx = heights.shape
     inv_y, inv_x, inv_d = inverse
     window = np.empty((3, nx + 2))
-    way, lows = np.empty(nx, np.int32), np.full(nx, np.inf)
+    way, lows = np.empty(nx, np.int32), np.empty(nx)
+    for j in range(nx):
+        lows[j] = np.inf
     one, two, side, top = np.uint64(1), np.uint64(2), np.int32(1), FLAT + np.int32(1)
     n_peaks = 0
     n_flats = 0
@@ -110,7 +112,10 @@ def ascend(heights, periodic, above, inverse, link, peaks, flats, runs, start, s
                     link[base + c] = FLAT
                     flats[n_flats] = base + c
                     n_flats += 1
-    return n_peaks, n_flats, n_runs, lows.min()
+    lowest = np.inf
+    for j in range(nx):
+        lowest = lows[j] if lows[j] < lowest else lowest
+    return n_peaks, n_flats, n_runs, lowest
 
 
 @inner(error_model="numpy")

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import trapezoid
 
 from ..errors import SurfaceError
 from ..heightmap import HeightMap
@@ -77,6 +76,8 @@ class BearingCurve:
         }
 
     def _mean(self, values: NDArray[np.float64]) -> float:
+        from scipy.integrate import trapezoid
+
         return float(trapezoid(values, self.ratio))
 
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
-from scipy.ndimage import map_coordinates
 
 from ..errors import SurfaceError
 from ..heightmap import HeightMap
@@ -106,6 +105,8 @@ def autocorrelation(hm: HeightMap) -> Autocorrelation:
 
 def texture(correlation: Autocorrelation) -> Texture:
     """Shortest and longest shift at which the correlation first falls to `THRESHOLD`."""
+    from scipy.ndimage import map_coordinates
+
     lag_y, lag_x, value = correlation.lag_y, correlation.lag_x, correlation.value
     dy, dx = lag_y[1] - lag_y[0], lag_x[1] - lag_x[0]
     reach = min(lag_y[-1], lag_x[-1])

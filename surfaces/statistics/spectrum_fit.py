@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from ..errors import SurfaceError
 from .spectrum import Spectrum
@@ -138,6 +137,8 @@ def _refined(
     parts: tuple[bool, bool],
 ) -> NDArray[np.float64]:
     """Best breaks among the rings, then between them."""
+    from scipy.optimize import least_squares
+
     places = range(_SEGMENT - 1, len(x) - _SEGMENT + 1)
     lows = places if parts[0] else [0]
     highs = places if parts[1] else [len(x) - 1]
@@ -168,6 +169,8 @@ def _described(
     spectrum: Spectrum,
     sharp: bool,
 ) -> SpectrumFit:
+    from scipy.optimize import least_squares
+
     residual = y - _model(parameters, x, parts)
     fitted = least_squares(lambda p: root * (_model(p, x, parts) - y), parameters)
     freedom = max(1, len(x) - len(parameters))
