@@ -62,7 +62,7 @@ def read_instrument(
     """
     library = _library(path)
     try:
-        with library.open_topography(str(path)) as reader:
+        with np.errstate(all="ignore"), library.open_topography(str(path)) as reader:
             channel = _channel(reader, path, dataset)
             chosen = _unit(channel, path, unit)
             sizes = _sizes(channel, path, spacing, metres_per(chosen))

@@ -283,6 +283,13 @@ def test_instrument_text_without_size_takes_it_from_the_options(tmp_path: Path) 
     assert hm.spacing == pytest.approx(SPACING)
 
 
+def test_what_the_library_computes_with_no_numbers_is_not_warned_of(tmp_path: Path) -> None:
+    pytest.importorskip("SurfaceTopography")
+    (tmp_path / "a.csv").write_text("a,b\n1,2\n")
+    with pytest.raises(FileFormatError, match="states no unit"):
+        surfaces.read(tmp_path / "a.csv")
+
+
 def test_digital_surf(measured: Path) -> None:
     pytest.importorskip("SurfaceTopography")
     hm = surfaces.read(measured / "raw" / "test_uncompressed.sur")
