@@ -17,7 +17,7 @@ from surfaces.peaks.summits import locate_summits
 
 from .contacts.spot_count import passes
 from .contacts.table import aspect_ratio
-from .dominant import Ranking, joined
+from .dominant import Ranking
 from .microcontact.elements import put
 from .microcontact.growing import GrowingTable
 from .microcontact.laws import tabulate
@@ -90,18 +90,22 @@ class Asperities:
         profiles = locate_summits(solved, peaks)
         seconds["profiles"] = clock() - start
         seconds["laws"] = 0.0
+        ranking = None
         # of maps that a coarser grid holds expansions reach far
-        smooth = plan.fine is None and solved.heights.size < hm.heights.size
-        if plan.law == "auto" and not smooth:
-            profiles = joined(profiles, material)
-        ranking = Ranking(profiles)
+        if plan.law == "auto" and (plan.fine is not None or solved.heights.size >= hm.heights.size):
+            ranking = Ranking(profiles)
+            if above is not None and not ranking.full:
+                # laws may not depend on the loads that are asked for
+                return cls.of(hm, material, replace(plan, above=None))
+            ranking = ranking.joined(material)
+            profiles = ranking.summits
 
         def laws(rows: Rows) -> LawTable:
             begun = clock()
             sampled = profiles.rows(rows)
             between = clock()
             table = tabulate(sampled, material, law=plan.law)
-            if plan.law == "auto" and not smooth:
+            if ranking is not None:
                 chosen = ranking.dominant(rows, table)
                 put(table, chosen, profiles, rows[chosen], material)
             seconds["profiles"] += between - begun

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .material import HalfSpace
     from .microcontact.table import LawTable
 
-__all__ = ["Ranking", "joined"]
+__all__ = ["Ranking"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -57,6 +57,13 @@ class Ranking:
     summits
         Summits of a map.
 
+    Attributes
+    ----------
+    summits
+        As given.
+    full
+        Whether there are so many that a lower one cannot change the choice.
+
     Notes
     -----
     The loads are those of independent Hertz contacts. A mean displacement of the body moves all
@@ -71,17 +78,18 @@ class Ranking:
         self._usable = np.zeros(len(summits), bool)
         self._usable[usable] = True
         self._height = summits.height[order[:MOST]]
-        self._lowest = self._height[-1] if len(self._height) == MOST else -np.inf
+        self.full = len(self._height) == MOST
+        self._lowest = self._height[-1] if self.full else -np.inf
         self._weight = _weight(summits)
         self._first = self._weight[order[:MOST]]
         steep, shallow = summits.curvature.T
         self._ridge = steep > RIDGE * shallow
-        self._summits = summits
+        self.summits = summits
 
     def joining(self) -> tuple[Rows, Array, Array]:
         """Pairs of summits, (k, 2), that join while they carry much of the load; the approaches [m]
         of both, (k, 2), and how far down [m] their basins hang together, (k,)."""
-        summits = self._summits
+        summits = self.summits
         pairs = summits.owner[summits.peaks.neighbors]
         top, low = summits.height[pairs], summits.peaks.passes
         flat = low - (JOINED - 1.0) * (top.mean(axis=1) - low)
@@ -94,6 +102,24 @@ class Ranking:
         pairs, approach, low = pairs[some], approach[some], low[some]
         return pairs, approach, low - SLACK * approach.mean(axis=1)
 
+    def joined(self, material: HalfSpace) -> Ranking:
+        """The same where those whose contacts join while they carry much of the load are one.
+
+        Those that cannot be pressed as one, as they reach too far, stay apart.
+        """
+        pairs, approach, low = self.joining()
+        if not len(pairs):
+            return self
+        one = self.summits.joined(pairs, low)
+        roots, slot = np.unique(one.owner[pairs[:, 0]], return_inverse=True)
+        depth = np.zeros(len(roots))
+        np.maximum.at(depth, slot, approach.max(axis=1))
+        depths = depth[:, None] * np.array([1.0, 2.0])
+        pressed = press(one, roots, depths, material)[:, -1, 0] > 0.0
+        if not pressed.all():
+            one = self.summits.joined(pairs[pressed[slot]], low[pressed[slot]])
+        return Ranking(one)
+
     def dominant(self, rows: Rows, table: LawTable) -> Rows:
         """Slots of a law table of the summits `rows` whose law has to be exact: joined ones too."""
         beyond = (table.flags & Flag.BEYOND_RADIUS) > 0
@@ -101,7 +127,7 @@ class Ranking:
         first = beyond[slots].argmax(axis=1)
         nodes = np.minimum(first[:, None] + LATER, table.nodes)
         depth = table.reach[slots, None] * (nodes / table.nodes) ** 2
-        top = self._summits.height[rows[slots]]
+        top = self.summits.height[rows[slots]]
         near = top - depth[:, 0] > self._lowest
         flat = (top[:, None] - depth)[near]
         slots, depth, first = slots[near], depth[near], first[near]
@@ -109,29 +135,12 @@ class Ranking:
         total = (over * np.sqrt(over)) @ self._first
         own = self._weight[rows[slots], None] * depth**1.5
         seen = flat > self._lowest
-        none = self._summits.kinds[rows[slots], None] == PLATEAU
+        none = self.summits.kinds[rows[slots], None] == PLATEAU
         rough = self._ridge[rows[slots]] | (first <= EARLY)
         share = np.where(none, SHARE_OF_NONE, np.where(rough, SHARE, SHARE_OF_ROUND)[:, None])
-        chosen = np.isfinite(self._summits.floor[rows]) & (table.reach > 0)
+        chosen = np.isfinite(self.summits.floor[rows]) & (table.reach > 0)
         chosen[slots[(seen & (own > share * total)).any(axis=1)]] = True
         return np.flatnonzero(chosen)
-
-
-def joined(summits: Summits, material: HalfSpace) -> Summits:
-    """Summits of which those whose contacts join while they carry much of the load are one.
-
-    Those that cannot be pressed as one, as they reach too far, stay apart.
-    """
-    pairs, approach, low = Ranking(summits).joining()
-    if not len(pairs):
-        return summits
-    one = summits.joined(pairs, low)
-    roots, slot = np.unique(one.owner[pairs[:, 0]], return_inverse=True)
-    depth = np.zeros(len(roots))
-    np.maximum.at(depth, slot, approach.max(axis=1))
-    depths = depth[:, None] * np.array([1.0, 2.0])
-    pressed = press(one, roots, depths, material)[:, -1, 0] > 0.0
-    return one if pressed.all() else summits.joined(pairs[pressed[slot]], low[pressed[slot]])
 
 
 def _weight(summits: Summits) -> Array:

@@ -40,6 +40,10 @@ keeps the rays of the contacts off the height that is cut."""
 _WORTH_IT = 0.6
 """Share of the heights from which on the whole map is segmented."""
 
+_SMALL = 2**18
+"""Points up to which the whole map is segmented: laws of summits whose basins are cut differ a
+little, and few contacts do not average that out."""
+
 _SAMPLE = 2**16
 """Heights that suffice for a quantile."""
 
@@ -161,12 +165,15 @@ def make_plan(
     reasons.append(f"material: {body}")
     coupled, why = _interaction_needed(hm, material, kind, values, interaction)
     reasons.append(why)
-    above, why = _lowest_height(hm, material, kind, values)
-    reasons.append(why)
     resampled, fine, whys = _grid(hm, material, coupled, scales)
+    points = (hm if resampled is None else resampled).heights.size
+    above, why = None, "segmentation: the whole map, which has few points"
+    if points > _SMALL:
+        above, why = _lowest_height(hm, material, kind, values)
+    reasons.append(why)
     reasons += whys
     reasons += [f"resolution: {why}" for why in resolution_warning(hm)]
-    memory = MODEL_BYTES_PER_POINT * (hm if resampled is None else resampled).heights.size
+    memory = MODEL_BYTES_PER_POINT * points
     reasons.append(f"memory: about {memory / 2**20:.0f} MiB")
     _require_memory(memory)
     reasons.append("fields: pressure and contours are made on request only")

@@ -155,22 +155,26 @@ def test_interaction_opens_the_surface(rough):
     assert coupled.load[0] < alone.load[0]
 
 
-def test_segmenting_only_the_top_changes_nothing(rough):
-    loads = default_pressures(rough, STEEL, count=3)[:2]
-    plan = make_plan(rough, STEEL, pressures=loads)
+def test_segmenting_only_the_top_changes_little():
+    large = self_affine(
+        (640, 512), (6.4e-3, 5.12e-3), hurst=0.8, rms_slope=0.1, cutoff=5e-5, seed=4
+    )
+    loads = default_pressures(large, STEEL, count=3)[:2]
+    plan = make_plan(large, STEEL, pressures=loads, scales="all")
     assert plan.above is not None
-    cut = asperity.contact_curve(rough, STEEL, pressures=loads, plan=plan)
+    cut = asperity.contact_curve(large, STEEL, pressures=loads, plan=plan)
     whole = asperity.contact_curve(
-        rough, STEEL, pressures=loads, plan=dataclasses.replace(plan, above=None)
+        large, STEEL, pressures=loads, plan=dataclasses.replace(plan, above=None)
     )
     assert cut.settings["above"] is not None
-    np.testing.assert_allclose(cut.area_fraction, whole.area_fraction, rtol=3e-3)
+    np.testing.assert_allclose(cut.area_fraction, whole.area_fraction, rtol=2e-2)
     np.testing.assert_allclose(cut.separation, whole.separation, rtol=3e-3)
 
 
-def test_a_plan_that_cuts_too_high_is_mended(rough):
+@pytest.mark.parametrize("law", ["ellipse", "auto"])
+def test_a_plan_that_cuts_too_high_is_mended(rough, law):
     loads = default_pressures(rough, STEEL, count=3)
-    plan = make_plan(rough, STEEL, pressures=loads)
+    plan = make_plan(rough, STEEL, pressures=loads, law=law)
     high = dataclasses.replace(plan, above=2.5 * rough.rms_height)
     curve = asperity.contact_curve(rough, STEEL, pressures=loads, plan=high)
     assert curve.settings["above"] is None

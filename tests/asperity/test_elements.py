@@ -206,7 +206,7 @@ def two_summits(finer: int = 1) -> HeightMap:
 
 def test_summits_that_join_are_pressed_as_one():
     fine, apart = two_summits(2), summits_of(two_summits())
-    pair = dominant.joined(apart, BODY)
+    pair = dominant.Ranking(apart).joined(BODY).summits
     np.testing.assert_array_equal(pair.owner, 0)
     assert pair.pixels[0] == 64 * 96 and np.isfinite(pair.floor[0]) and not pair.valid[1]
     high, low = apart.height
@@ -226,7 +226,8 @@ def test_joined_summits_begin_as_the_highest_of_them():
     """However small its contact is beside the basin of them all."""
     apart = summits_of(two_summits())
     depths = np.array([[1e-4, 1e-3, 5e-3]])
-    one = elements.press(dominant.joined(apart, BODY), np.array([0]), depths, BODY)[0]
+    pair = dominant.Ranking(apart).joined(BODY).summits
+    one = elements.press(pair, np.array([0]), depths, BODY)[0]
     first = elements.press(apart, np.array([0]), depths, BODY)[0]
     np.testing.assert_allclose(one[:, :2], first[:, :2], rtol=0.02)
 

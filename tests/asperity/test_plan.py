@@ -36,15 +36,19 @@ def test_interaction_is_left_out_only_at_vanishing_load(rough):
     assert make_plan(rough, STEEL, pressures=[1e-14 * scale, 1e-2 * scale]).interaction
 
 
-def test_light_loads_segment_only_the_top(rough):
-    scale = pressure_scale(rough, STEEL)
-    light = make_plan(rough, STEEL, pressures=[1e-3 * scale])
-    heavy = make_plan(rough, STEEL, pressures=[0.2 * scale])
+def test_light_loads_segment_only_the_top_of_many_points(rough):
+    large = self_affine(
+        (640, 512), (6.4e-3, 5.12e-3), hurst=0.8, rms_slope=0.1, cutoff=5e-5, seed=4
+    )
+    scale = pressure_scale(large, STEEL)
+    light = make_plan(large, STEEL, pressures=[1e-3 * scale], scales="all")
+    heavy = make_plan(large, STEEL, pressures=[0.2 * scale], scales="all")
     assert light.above is not None
     assert light.above > 0
     assert heavy.above is None
-    high = make_plan(rough, STEEL, separations=[1.5 * rough.rms_height])
-    assert high.above == pytest.approx(rough.rms_height, rel=1e-9)
+    high = make_plan(large, STEEL, separations=[1.5 * large.rms_height], scales="all")
+    assert high.above == pytest.approx(large.rms_height, rel=1e-9)
+    assert make_plan(rough, STEEL, pressures=[1e-3 * scale]).above is None
 
 
 def test_every_choice_has_its_reason(rough):

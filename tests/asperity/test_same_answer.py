@@ -68,3 +68,14 @@ def test_crowded_spheres(spread):
     curve, load, area = asked_apart(hm, loads)
     assert curve.area_fraction[-1] > 0.35
     assert load.max() < 0.02 and area.max() < 0.01
+
+
+@pytest.mark.parametrize(("cutoff", "seed"), [(6.0, 11), (8.0, 12)])
+def test_few_contacts_of_a_rough_map(cutoff, seed):
+    """The laws of few summits, joined ones too, do not average out: they are those of the map."""
+    shape = (160, 128)
+    size = tuple(float(n) for n in shape)
+    hm = surfaces.self_affine(shape, size, hurst=1.0, rms_slope=0.1, cutoff=cutoff, seed=seed)
+    loads = np.array([1e-3, 3e-3, 1e-2, 3e-2, 0.1]) * pressure_scale(hm, BODY)
+    _, load, area = asked_apart(hm, loads)
+    assert load.max() < 0.015 and area.max() < 0.01
