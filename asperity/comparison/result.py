@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..errors import FileFormatError, InputError
 from ..results.curve import ContactCurve
 from ..results.storage import ResultFile, read_results, write_results
 
@@ -145,18 +145,25 @@ class Comparison:
         if "comparison" not in held.tables:
             raise InputError(f"{path} holds no comparison; make one with asperity compare")
         about = dict(held.about)
-        return cls(
-            model=held.curves["asperity"],
-            reference=held.curves["bem"],
-            table=held.tables["comparison"],
-            pareto=held.tables["pareto"],
-            plan=tuple(about.pop("plan")),
-            overlap=float(about.pop("overlap")),
-            map_point=int(about.pop("map_point")),
-            maps={name: array.astype(bool) for name, array in held.maps.items()},
-            microcontacts=held.tables["microcontacts"],
-            about=about,
-        )
+        try:
+            found = cls(
+                model=held.curves["asperity"],
+                reference=held.curves["bem"],
+                table=held.tables["comparison"],
+                pareto=held.tables["pareto"],
+                plan=tuple(about.pop("plan")),
+                overlap=float(about.pop("overlap")),
+                map_point=int(about.pop("map_point")),
+                maps={name: held.maps[name].astype(bool) for name in ("bem", "asperity")},
+                microcontacts=held.tables["microcontacts"],
+                about=about,
+            )
+            whole = all(one.shape == tuple(about["shape"]) for one in found.maps.values())
+        except (KeyError, TypeError, ValueError):
+            whole = False
+        if not (whole and found.table.dtype.names and found.pareto.dtype.names):
+            raise FileFormatError(f"{path}: part of the comparison is missing; make it again")
+        return found
 
     def to_html(self, path: str | os.PathLike[str]) -> None:
         """Write the self-contained report."""

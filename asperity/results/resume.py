@@ -66,8 +66,9 @@ def run_resumably(
     """
     done = None
     if resume and Path(path).exists():
-        curve = require_continuable(path, request).curves[model]
-        done = curve.select(curve.converged) if curve.converged.any() else None
+        curve = require_continuable(path, request).curves.get(model)
+        if curve is not None and curve.converged.any():
+            done = curve.select(curve.converged)
     held = np.zeros((len(values), 1), bool)
     if done is not None:
         held = np.isclose(values[:, None], done.extra["asked"], rtol=1e-12, atol=0.0)

@@ -120,9 +120,9 @@ def read_results(path: str | os.PathLike[str]) -> ResultFile:
                 curves={k: _read_curve(g) for k, g in file.get("curves", {}).items()},
                 tables={k: _plain(d[()]) for k, d in file.get("tables", {}).items()},
                 maps={k: d[()] for k, d in file.get("maps", {}).items()},
-                about=json.loads(file.attrs.get("about", "{}")),
+                about=dict(json.loads(file.attrs.get("about", "{}"))),
             )
-    except (OSError, KeyError, ValueError, RuntimeError) as error:
+    except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
         if isinstance(error, FileFormatError):
             raise
         raise FileFormatError(f"{path} is not a readable results file: {error}") from error

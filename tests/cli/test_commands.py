@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from vti import read_vti
 
 import surfaces
-from asperity import ContactCurve
+from asperity import ContactCurve, HalfSpace, compare
 from asperity.cli.main import COMMANDS, main
 from asperity.comparison.result import Comparison
 
@@ -185,6 +186,18 @@ def test_compare_and_report(folder, capsys):
     assert comparison.verdict() in capsys.readouterr().out
     assert main(["report", "results.h5", "-o", "again.html"]) == 0
     assert (folder / "again.html").read_text().count("<svg") == first.count("<svg") == 4
+
+
+@pytest.mark.parametrize(
+    "part", ["curves/bem", "curves/asperity", "tables/pareto", "tables/microcontacts", "maps/bem"]
+)
+def test_a_comparison_of_which_a_part_is_missing(part, folder, capsys):
+    material, loads = HalfSpace(210e9, 0.3), [1e8]
+    compare(surfaces.read("rough.h5"), material, pressures=loads).to_hdf5("results.h5")
+    with h5py.File("results.h5", "a") as file:
+        del file[part]
+    assert main(["report", "results.h5"]) == 2
+    assert "part of the comparison is missing" in capsys.readouterr().err
 
 
 def test_compare_goes_on_from_the_boundary_elements_it_has(folder, monkeypatch, capsys):
