@@ -22,8 +22,8 @@ beside summits that are no paraboloid up to the contour."""
 WIDEST = 0.08
 """Square of the shift over the radius beyond which the area does not grow further."""
 
-LEANING = 0.35
-"""Shift over the radius from which on a contact has the area of its basin tilted."""
+LEANING = (0.3, 0.4)
+"""Shift over the radius between which a contact takes on the area of its basin tilted."""
 
 
 def deflection(

@@ -34,8 +34,9 @@ STRAY = 0.06
 ASTRAY = 1e-3
 """Share of the load that this distance may make in the slope of the field."""
 
-FEW_LEAN = 0.02
-"""Share of the contact area up to which contacts that lean keep the law of the level surface."""
+LEAN = (0.06, 0.14)
+"""Share of the contact area in contacts that lean up to which they keep the law of the level
+surface, and from which on all have that of the tilted one."""
 
 
 class Falling(NamedTuple):
@@ -214,12 +215,18 @@ class Listing:
         rough = (beyond > 0) & (law.force > 0)
         area = law.area * widening(law, aside, rough)
         rows = np.flatnonzero(rough)
-        tilt, approach = solution.tilt[rows], solution.approach[rows]
-        shift = free_shift(body, law.stiffness[rows], approach, tilt)
-        far = shift > LEANING
-        if population.leaning is not None and area[rows[far]].sum() > FEW_LEAN * area.sum():
-            eased = tilt[far] / (1.0 + shift[far, None])
-            rows = rows[far]
-            found = population.leaning(self.index[rows], eased, approach[far], law.force[rows])
-            area[rows] = np.where(found > 0.0, found, area[rows])
+        shift = free_shift(body, law.stiffness[rows], solution.approach[rows], solution.tilt[rows])
+        rows, shift = rows[shift > LEANING[0]], shift[shift > LEANING[0]]
+        weight = _rise(shift, LEANING)
+        share = weight @ area[rows] / max(area.sum(), np.finfo(float).tiny)
+        if population.leaning is not None and share > LEAN[0]:
+            eased, approach = solution.tilt[rows] / (1.0 + shift[:, None]), solution.approach[rows]
+            found = population.leaning(self.index[rows], eased, approach, law.force[rows])
+            found = np.where(found > 0.0, found, area[rows])
+            area[rows] += _rise(share, LEAN) * weight * (found - area[rows])
         return area
+
+
+def _rise(value: Array, ends: tuple[float, float]) -> Array:
+    """From 0 to 1 between two values."""
+    return np.clip((value - ends[0]) / (ends[1] - ends[0]), 0.0, 1.0)
