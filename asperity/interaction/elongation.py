@@ -69,6 +69,12 @@ class Elongation:
         far, near = np.minimum(ratio / share, LARGEST_LEAN), 1 / (ratio * (2 - share))
         return cls(_turned(along, across, angle), _turned(far, near, angle))
 
+    @property
+    def along(self) -> Array:
+        """Second moment along each footprint over the variance of the round one, shape (n,)."""
+        yy, xx, xy = self.spread.T
+        return np.asarray(0.5 * (yy + xx) + np.hypot(0.5 * (yy - xx), xy))
+
     def rows(self, index: NDArray[np.int64]) -> Elongation:
         """Of the contacts `index` alone."""
         return Elongation(self.spread[index], self.lean[index])

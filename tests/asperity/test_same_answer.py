@@ -7,6 +7,7 @@ import pytest
 
 import asperity
 import surfaces
+from asperity.interaction.operator import Interaction
 from asperity.loadpoints import pressure_scale
 
 BODY = asperity.HalfSpace.from_modulus(1.0)
@@ -79,3 +80,19 @@ def test_few_contacts_of_a_rough_map(cutoff, seed):
     loads = np.array([1e-3, 3e-3, 1e-2, 3e-2, 0.1]) * pressure_scale(hm, BODY)
     _, load, area = asked_apart(hm, loads)
     assert load.max() < 0.015 and area.max() < 0.01
+
+
+def test_long_contacts_do_not_hang_on_the_near_pairs_listed(monkeypatch):
+    """Beyond the near pairs footprints are round."""
+    size = (160.0, 192.0)
+    hm = surfaces.self_affine(
+        (160, 192), size, hurst=0.8, rms_slope=0.1, cutoff=6.0, seed=1, anisotropy=6.0, rolloff=24.0
+    )
+    loads = np.array([0.01, 0.04]) * pressure_scale(hm, BODY)
+    few = asperity.contact_curve(hm, BODY, pressures=loads)
+    monkeypatch.setitem(Interaction.__init__.__kwdefaults__, "neighbours", 160)
+    many = asperity.contact_curve(hm, BODY, pressures=loads)
+    assert few.converged.all() and many.converged.all() and few.area_fraction[-1] > 0.09
+    change = (few.separation - many.separation) * many.stiffness / many.mean_pressure
+    assert np.abs(change).max() < 0.01
+    np.testing.assert_allclose(few.contact_area, many.contact_area, rtol=0.01)
