@@ -337,5 +337,7 @@ class Trail:
 def _per_area(
     answer: Callable[[], tuple[float, NDArray[np.float64]]], area: float
 ) -> tuple[float, NDArray[np.float64]]:
-    slope, shares = answer()
+    # a step may have run away; the point is refused then
+    with np.errstate(all="ignore"):
+        slope, shares = answer()
     return slope / area, shares
