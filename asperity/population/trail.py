@@ -115,7 +115,7 @@ class Trail:
                         compliance=np.where(start[4] > 0, start[4], 1.0),
                     )
                 solution = self._ordered(solution, tolerance)
-                if not solution.reason:
+                if not solution.reason or good is not None:
                     break
             separation, steps = solution.separation, steps + solution.steps
             products += solution.products
