@@ -31,6 +31,9 @@ CAP = 0.35
 """Largest variance over the squared split length that the expansion takes; wider footprints keep
 this second moment beyond the cut-off."""
 
+LARGEST_CUT = 0.499
+"""Largest cut-off of a periodic cell over its shorter side."""
+
 RUNG = 1.19
 """Ratio of the cut-offs that plans of a periodic cell may have: they share meshes then."""
 
@@ -146,7 +149,7 @@ class Interaction:
         floor = cut * WIDEST * math.sqrt(widest)
         reach = max(reach, floor)
         if periodic:
-            reach = _repeated(reach, floor, 0.499 * min(size))
+            reach = _repeated(reach, floor, LARGEST_CUT * min(size))
         else:
             reach = max(min(reach, 1.01 * math.hypot(*size)), 0.02 * math.hypot(*size), floor)
         self.eta = reach / cut
@@ -243,6 +246,12 @@ class Interaction:
         self.smooth = smooth[0]
         run(receivers, self.rows)
         return found
+
+    def holds(self, widest: float) -> bool:
+        """Whether the split length is that of footprints of this variance [m^2], or the largest
+        that the cell has."""
+        largest = self.wrap and self.cut * self.eta >= LARGEST_CUT * min(self.sides)
+        return largest or self.eta >= WIDEST * math.sqrt(widest)
 
     def moved(self, dy: NDArray[np.float64], dx: NDArray[np.float64]) -> Interaction:
         """The plan of the same pairs with its points a little aside, by `dy` and `dx` [m], shape

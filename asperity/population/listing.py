@@ -15,6 +15,7 @@ from ..microcontact.flags import Flag
 
 if TYPE_CHECKING:
     from ..interaction.finish import Solution
+    from ..interaction.laws import Evaluated
     from .population import Population
 
 __all__ = ["Candidates", "Falling", "Listing"]
@@ -35,6 +36,9 @@ list by 0.6 %, with 6:1 by 0.3 % (by 5 and 18 % if meant for round ones; seed 1)
 
 STRAY = 0.06
 """Mean distance of contacts from their centres, over their radius, at which they may stay."""
+
+SKIN = 0.15
+"""Distance from where the near pairs were listed, over the split length, that points may reach."""
 
 ASTRAY = 1e-3
 """Share of the load that this distance may make in the slope of the field."""
@@ -119,12 +123,15 @@ class Listing:
         The other summits.
     offset
         Places x, y [m] of all contacts less those of their summits; None: at the summits.
+    listed
+        The same when the near pairs were listed.
     """
 
     problem: Problem
     index: Rows
     others: Falling
     offset: tuple[Array, Array] | None
+    listed: tuple[Array, Array] | None
 
     @classmethod
     def of(
@@ -155,18 +162,13 @@ class Listing:
             y, x = y + offset[1][index], x + offset[0][index]
         some = slice(None, None, 1 + len(closed) // SAMPLE)
         law = population.laws.rows(closed[some])(ROOM * approach[some])
-        variance = population.footprints.variance(law.stiffness)
-        if population.elongation is not None:
-            along = population.elongation.rows(closed[some]).along
-            variance = variance * np.maximum(1.0, LONG * along)
-        most = int(0.98 * max(len(variance) - 1, 0))
         plan = Interaction(
             y,
             x,
             population.cell,
             population.boundary,
             population.footprints,
-            widest=float(np.partition(variance, most)[most]) if len(closed) else 0.0,
+            widest=_widest(population, closed[some], law),
         )
         index = index[plan.order]
         problem = Problem(
@@ -176,7 +178,7 @@ class Listing:
             population.deflection,
             None if population.elongation is None else population.elongation.rows(index),
         )
-        return cls(problem, index, population.fallen.without(index), offset)
+        return cls(problem, index, population.fallen.without(index), offset, offset)
 
     def lacks(
         self, field: Interaction | None, separation: float, growth: float, some: float = 0.0
@@ -186,26 +188,36 @@ class Listing:
         missing = Candidates.of(self.others, field, separation, growth)
         return bool(np.count_nonzero(missing.overlap > 0) > some)
 
-    def about(self, population: Population, rows: Rows, values: Array) -> Listing:
+    def about(self, population: Population, rows: Rows, values: Array) -> Listing | None:
         """The list with its points moved to the centres of the laws, if they are too far from them
-        at the `Point.values` of the summits `rows`; otherwise itself."""
-        if self.offset is None or not self._strayed(population, rows, values):
+        at the `Point.values` of the summits `rows`, otherwise itself; None if the footprints have
+        outgrown its plan, or points come too far from where their near pairs were listed."""
+        if self.offset is None or self.listed is None:
             return self
         touches = np.flatnonzero(values[0] > 0)
+        some = touches[:: 1 + len(touches) // SAMPLE]
+        law = population.laws.rows(rows[some])(values[0, some])
+        if not self.problem.plan.holds(_widest(population, rows[some], law)):
+            return None
+        if not self._strayed(population, rows[some], law, *values[[0, 2, 3]][:, some]):
+            return self
         closed, approach = rows[touches], values[0, touches]
         offset = self.offset[0].copy(), self.offset[1].copy()
         offset[0][closed], offset[1][closed] = population.table.centre_at(closed, approach)
+        far = max(
+            float(np.abs(new - old).max()) for new, old in zip(offset, self.listed, strict=True)
+        )
+        if far > SKIN * self.problem.plan.eta:
+            return None
         dx, dy = ((new - old)[self.index] for new, old in zip(offset, self.offset, strict=True))
         problem = replace(self.problem, plan=self.problem.plan.moved(dy, dx))
         return replace(self, problem=problem, offset=offset)
 
-    def _strayed(self, population: Population, rows: Rows, values: Array) -> bool:
+    def _strayed(
+        self, population: Population, closed: Rows, law: Evaluated, approach: Array, *tilt: Array
+    ) -> bool:
         """Whether contacts are too far from the centres of their laws for the plan to hold."""
         assert self.offset is not None
-        touches = np.flatnonzero(values[0] > 0)
-        touches = touches[:: 1 + len(touches) // SAMPLE]
-        closed, approach, tilt = rows[touches], values[0, touches], values[2:4, touches]
-        law = population.laws.rows(closed)(approach)
         centre = population.table.centre_at(closed, approach)
         x, y = (place - old[closed] for place, old in zip(centre, self.offset, strict=True))
         lower = law.stiffness @ (tilt[0] * y + tilt[1] * x)
@@ -233,6 +245,18 @@ class Listing:
             found = np.where(found > 0.0, found, area[rows])
             area[rows] += _rise(share, LEAN) * weight * (found - area[rows])
         return area
+
+
+def _widest(population: Population, closed: Rows, law: Evaluated) -> float:
+    """Variance [m^2] that few footprints of the contacts `closed` exceed."""
+    if not len(closed):
+        return 0.0
+    variance = population.footprints.variance(law.stiffness)
+    if population.elongation is not None:
+        along = population.elongation.rows(closed).along
+        variance = variance * np.maximum(1.0, LONG * along)
+    most = int(0.98 * (len(variance) - 1))
+    return float(np.partition(variance, most)[most])
 
 
 def _rise(value: Array, ends: tuple[float, float]) -> Array:

@@ -375,4 +375,4 @@ def test_without_a_rolloff_the_area_of_crowded_hills_is_nearer():
         - 1
         for scales in ("auto", "all")
     )
-    assert (np.abs(auto) < 0.75 * np.abs(every)).all()
+    assert (np.abs(auto) < 0.02).all() and abs(auto[-1]) < 0.5 * abs(every[-1])
