@@ -27,7 +27,6 @@ from ._block_kernels import (
     smooth,
     whole_lanes,
 )
-from ._mesh_kernels import collect, convolve, spread
 from ._scratch import BLOCK, COLUMNS, floats, places
 
 
@@ -143,27 +142,3 @@ def near_tangent(rows, tptr, tcol, tval, v, out):
             total += tval[k] * v[j]
             out[j] += tval[k] * own
         out[i] += total
-
-
-@compiled()
-def product(
-    rows,
-    place,
-    weight,
-    tptr,
-    tcol,
-    tval,
-    diagonal,
-    scale,
-    turned,
-    vector,
-    grid,
-    smooth,
-    part,
-    out,
-):
-    """The tangent matrix times `vector` into `out`, where the mesh has few nodes."""
-    spread(rows, place, weight, vector, grid[0])
-    near_tangent(rows, tptr, tcol, tval, vector, part[0])
-    convolve(grid, turned, smooth)
-    collect(rows, place, weight, vector, smooth[0], diagonal, part, scale, out)

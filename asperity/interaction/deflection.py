@@ -92,8 +92,8 @@ def free_shift(
     stiffness, approach, tilt
         Stiffness [N/m], positive approach [m] and gradient [-] of contacts, as of `deflection`.
     """
-    radius = (footprints.power * stiffness / (2 * footprints.modulus)) ** (1 / footprints.power)
-    return np.asarray(radius * np.hypot(*tilt.T) / (footprints.power * approach))
+    reach = footprints.radius(stiffness) / (footprints.power * approach)
+    return np.asarray(reach * np.hypot(*tilt.T))
 
 
 def widening(

@@ -88,6 +88,11 @@ class Footprints:
         p = self.power
         return np.asarray(2 * self.modulus * np.asarray(radius, float) ** p / p)
 
+    def radius(self, stiffness: ArrayLike) -> NDArray[np.float64]:
+        """Radius [m] of the flat round punch of a stiffness [N/m], the inverse of `punch`."""
+        p = self.power
+        return np.asarray((p * np.asarray(stiffness, float) / (2 * self.modulus)) ** (1 / p))
+
     def interaction(self, distance: ArrayLike, variance: ArrayLike) -> NDArray[np.float64]:
         """Displacement g(r; S^2) [m/N] of one Gaussian by another, free half-space.
 

@@ -66,7 +66,6 @@ class Tangent:
         self.place, self.weight = np.empty((n, 2), np.int32), np.empty((n, 4, 4), np.float32)
         self.grids = np.empty((len(self.rows), 1, *plan.tangent_mesh.shape), np.float32)
         self.part = np.empty((len(self.rows), n))
-        self.smooth = np.empty((1, *plan.tangent_mesh.shape), np.float32)
 
         def make(c: int, part: NDArray[np.int64]) -> None:
             _mesh_kernels.spline(
@@ -110,25 +109,6 @@ class Tangent:
     def __call__(self, vector: NDArray[np.float64]) -> NDArray[np.float64]:
         """Matrix times vector [m] for forces `vector` [N], shape (len(self),)."""
         out = np.empty(len(vector))
-        mesh = self.plan.tangent_mesh
-        if mesh.few and len(self.rows) == 1:
-            _tangent_kernels.product(
-                self.rows[0],
-                self.place,
-                self.weight,
-                self.ptr,
-                self.col,
-                self.value,
-                self.diagonal,
-                self.plan.scale,
-                mesh.turned,
-                vector,
-                self.grids[0],
-                self.smooth,
-                self.part,
-                out,
-            )
-            return out
 
         def sources(c: int, rows: NDArray[np.int64]) -> None:
             _mesh_kernels.spread(rows, self.place, self.weight, vector, self.grids[c, 0])
@@ -150,6 +130,6 @@ class Tangent:
             )
 
         run(sources, self.rows)
-        smooth = mesh.convolve(total(self.grids))
+        smooth = self.plan.tangent_mesh.convolve(total(self.grids))
         run(receivers, self.rows)
         return out
