@@ -36,10 +36,7 @@ def total(grids: NDArray[np.floating]) -> NDArray[np.floating]:
 
 def run(loop: Callable[[int, NDArray[np.int64]], None], rows: NDArray[np.int64]) -> None:
     """Call loop(c, rows[c]) for every chunk of rows, on as many threads."""
-    if len(rows) == 1:
-        loop(0, rows[0])
-    else:
-        each(lambda c: loop(c, rows[c]), range(len(rows)))
+    each(lambda c: loop(c, rows[c]), range(len(rows)))
 
 
 def near_pairs(
