@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from surfaces.peaks._climb import PLATEAU
 
 from .microcontact.elements import press
-from .microcontact.flags import Flag
+from .flags import Flag
 
 if TYPE_CHECKING:
     from surfaces.peaks.summits import Summits

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .microcontact.flags import Flag
+from .flags import Flag
 
 if TYPE_CHECKING:
     from surfaces.heightmap import HeightMap

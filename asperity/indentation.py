@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .errors import InputError, ModelRangeError
+from .flags import INVALID, Flag
 from .material import HalfSpace
-from .microcontact.flags import INVALID, Flag
 from .microcontact.laws import law_module
 
 __all__ = ["Indentation", "indent", "require_half_space"]

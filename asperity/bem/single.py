@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from ..flags import Flag
 from .certificate import Certificate
 from .kernel import ElasticHalfSpace
 from .profile_map import Profile, map_of, places, sampled, section_box
@@ -32,9 +33,6 @@ _MAX_APPROACHES = 30
 
 _PLACEMENTS = 4
 """How often the fine grid is widened when the contact reaches its rim."""
-
-_BEYOND_RADIUS = 64
-"""`asperity.microcontact.Flag.BEYOND_RADIUS`; the judge imports nothing of the model."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +84,7 @@ class BemIndentation:
     @property
     def flags(self) -> Any:
         """Bits of `asperity.microcontact.Flag`: where the contact leaves the known profile."""
-        return np.where(self.converged & ~self.valid, _BEYOND_RADIUS, 0).astype(np.uint8)[()]
+        return np.where(self.converged & ~self.valid, Flag.BEYOND_RADIUS, 0).astype(np.uint8)[()]
 
     @property
     def certificate(self) -> Certificate:

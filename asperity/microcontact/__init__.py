@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .flags import Flag
+from ..flags import Flag
 from .laws import LAWS, tabulate
 from .table import LawTable
 

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from surfaces.polar import PolarProfile, PowerSumProfile
 
+from ..flags import Flag
 from ..indentation import Indentation
 from ..material import HalfSpace
 from . import batch, ellipse, expansion, ritz_batch
-from .flags import Flag
 from .table import LawTable
 
 if TYPE_CHECKING:

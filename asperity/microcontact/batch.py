@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from surfaces import _threads
 
+from ..flags import Flag
 from ..material import HalfSpace
 from ..transforms import gauss_jacobi
 from .estimate import expected_error
-from .flags import Flag
 from .table import LawTable, joined
 
 if TYPE_CHECKING:

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from surfaces import _threads
 
 from ..bem.kernel import compliance, near_influence
+from ..flags import Flag
 from ..material import HalfSpace
-from .flags import Flag
 from .table import LawTable
 
 if TYPE_CHECKING:

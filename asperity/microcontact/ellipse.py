@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 
+from ..flags import Flag
 from ..indentation import Indentation
 from ..material import HalfSpace
 from .basis import basis_of
@@ -14,7 +15,6 @@ from .branch import RisingBranch
 from .ellipse_batch import NODES, tabulate
 from .ellipse_search import Search, Solved
 from .ellipse_state import EllipseState
-from .flags import Flag
 from .validity import profile_flags
 
 __all__ = ["NODES", "indent", "solve_ellipse", "tabulate"]

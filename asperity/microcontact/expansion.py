@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from surfaces.polar import PolarProfile, PowerSumProfile
 
+from ..flags import Flag
 from ..indentation import Indentation
 from ..material import HalfSpace
 from .basis import Basis, PowerBasis, basis_of, samples, synthesis
 from .batch import tabulate
 from .branch import RisingBranch
 from .estimate import expected_error
-from .flags import Flag
 from .history import HistoryPressure
 from .pressure import AxisymmetricPressure
 from .validity import contour_flags, profile_flags

@@ -13,10 +13,10 @@ from surfaces import _threads
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from ..errors import InputError, ModelRangeError
+from ..flags import Flag
 from ..indentation import Indentation
 from ..material import HalfSpace
 from .basis import PowerBasis, TableBasis, basis_of
-from .flags import Flag
 from .ray_moments import moment_weights
 from .table import LawTable
 from .validity import profile_flags

@@ -18,12 +18,12 @@ from scipy.optimize import minimize
 
 from surfaces.polar import PolarProfile, PowerSumProfile
 
+from ..flags import Flag
 from ..indentation import Indentation
 from ..material import HalfSpace
 from ..transforms import gauss_jacobi
 from .basis import basis_of
 from .branch import RisingBranch
-from .flags import Flag
 from .ritz_batch import tabulate
 from .validity import contour_flags, profile_flags
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from surfaces import _threads
 
+from ..flags import Flag
 from ..material import HalfSpace
-from .flags import Flag
 from .ray_moments import moment_weights
 from .table import LawTable
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from .flags import Flag
+from ..flags import Flag
 
 __all__ = ["contour_flags", "profile_flags"]
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..interaction.deflection import LEANING, deflection, free_shift, widening
 from ..interaction.operator import Interaction
 from ..interaction.state import Problem
-from ..microcontact.flags import Flag
+from ..flags import Flag
 
 if TYPE_CHECKING:
     from ..interaction.finish import Solution

@@ -16,8 +16,8 @@ from asperity.error_estimate import (
     oddness,
     terms,
 )
+from asperity.flags import Flag
 from asperity.loadpoints import default_pressures
-from asperity.microcontact.flags import Flag
 from surfaces import HeightMap, self_affine
 
 

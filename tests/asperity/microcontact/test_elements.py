@@ -10,8 +10,8 @@ import pytest
 import asperity
 from asperity import dominant
 from asperity.dominant import Ranking
+from asperity.flags import Flag
 from asperity.microcontact import elements
-from asperity.microcontact.flags import Flag
 from asperity.microcontact.hertz import elliptic_contact
 from asperity.microcontact.laws import tabulate
 from surfaces import HeightMap, resample, segment, self_affine
