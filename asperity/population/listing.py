@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..flags import Flag
 from ..interaction.deflection import LEANING, deflection, free_shift, widening
 from ..interaction.operator import Interaction
 from ..interaction.state import Problem
-from ..flags import Flag
 
 if TYPE_CHECKING:
     from ..interaction.finish import Solution
@@ -122,7 +122,7 @@ class Listing:
     others
         The other summits.
     offset
-        Places x, y [m] of all contacts less those of their summits; None: at the summits.
+        Places x, y [m] of all contacts less those of their summits, shape (2, all).
     listed
         The same when the near pairs were listed.
     """
@@ -130,8 +130,8 @@ class Listing:
     problem: Problem
     index: Rows
     others: Falling
-    offset: tuple[Array, Array] | None
-    listed: tuple[Array, Array] | None
+    offset: Array
+    listed: Array
 
     @classmethod
     def of(
@@ -154,17 +154,15 @@ class Listing:
         else:
             index = population.falling[: max(len(rows), count)]
         population.laws.rows(closed).make()
-        offset = None
-        y, x = population.y[index], population.x[index]
+        offset = np.zeros((2, len(population)))
         if population.centred:
-            offset = np.zeros(len(population)), np.zeros(len(population))
-            offset[0][closed], offset[1][closed] = population.table.centre_at(closed, approach)
-            y, x = y + offset[1][index], x + offset[0][index]
+            offset[:, closed] = population.table.centre_at(closed, approach)
+        dx, dy = offset[:, index]
         some = slice(None, None, 1 + len(closed) // SAMPLE)
         law = population.laws.rows(closed[some])(ROOM * approach[some])
         plan = Interaction(
-            y,
-            x,
+            population.y[index] + dy,
+            population.x[index] + dx,
             population.cell,
             population.boundary,
             population.footprints,
@@ -192,7 +190,7 @@ class Listing:
         """The list with its points moved to the centres of the laws, if they are too far from them
         at the `Point.values` of the summits `rows`, otherwise itself; None if the footprints have
         outgrown its plan, or points come too far from where their near pairs were listed."""
-        if self.offset is None or self.listed is None:
+        if not population.centred:
             return self
         touches = np.flatnonzero(values[0] > 0)
         some = touches[:: 1 + len(touches) // SAMPLE]
@@ -202,14 +200,11 @@ class Listing:
         if not self._strayed(population, rows[some], law, *values[[0, 2, 3]][:, some]):
             return self
         closed, approach = rows[touches], values[0, touches]
-        offset = self.offset[0].copy(), self.offset[1].copy()
-        offset[0][closed], offset[1][closed] = population.table.centre_at(closed, approach)
-        far = max(
-            float(np.abs(new - old).max()) for new, old in zip(offset, self.listed, strict=True)
-        )
-        if far > SKIN * self.problem.plan.eta:
+        offset = self.offset.copy()
+        offset[:, closed] = population.table.centre_at(closed, approach)
+        if np.abs(offset - self.listed).max() > SKIN * self.problem.plan.eta:
             return None
-        dx, dy = ((new - old)[self.index] for new, old in zip(offset, self.offset, strict=True))
+        dx, dy = (offset - self.offset)[:, self.index]
         problem = replace(self.problem, plan=self.problem.plan.moved(dy, dx))
         return replace(self, problem=problem, offset=offset)
 
@@ -217,9 +212,8 @@ class Listing:
         self, population: Population, closed: Rows, law: Evaluated, approach: Array, *tilt: Array
     ) -> bool:
         """Whether contacts are too far from the centres of their laws for the plan to hold."""
-        assert self.offset is not None
         centre = population.table.centre_at(closed, approach)
-        x, y = (place - old[closed] for place, old in zip(centre, self.offset, strict=True))
+        x, y = np.subtract(centre, self.offset[:, closed])
         lower = law.stiffness @ (tilt[0] * y + tilt[1] * x)
         far = law.force @ np.hypot(x, y) > STRAY * (law.force @ np.sqrt(law.area / np.pi))
         return bool(far or abs(lower) > ASTRAY * law.force.sum())
