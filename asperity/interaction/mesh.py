@@ -100,8 +100,19 @@ class Mesh:
         return np.asarray(found)
 
 
-mesh_of = functools.lru_cache(maxsize=8)(Mesh)
-"""The mesh of these arguments, kept for the next plan of the same cell."""
+def mesh_of(
+    footprints: Footprints,
+    size: tuple[float, float],
+    periodic: bool,
+    nodes: float,
+    precision: type,
+) -> Mesh:
+    """The `Mesh` of these arguments: one kept for all plans of a periodic cell, where a free one
+    has the extent of the points of its own plan."""
+    return (_kept if periodic else Mesh)(footprints, size, periodic, nodes, precision)
+
+
+_kept = functools.lru_cache(maxsize=8)(Mesh)
 
 
 def _turned(kernel: NDArray[np.floating]) -> NDArray[np.floating]:
