@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from surfaces.peaks._climb import PLATEAU
 
-from .microcontact.elements import press
 from .flags import Flag
+from .microcontact.elements import press
 
 if TYPE_CHECKING:
     from surfaces.peaks.summits import Summits
@@ -29,9 +29,14 @@ SHARE = 0.03
 SHARE_OF_NONE = 0.003
 """The same of a peak without a summit of its own between the pixels, of which no law holds."""
 
-SHARE_OF_ROUND, RIDGE, EARLY = 0.1, 5.0, 5
-"""The same of a smooth, round summit, whose law is nearer: curvatures that differ by less than the
-second number, and an expansion that holds to the node given last."""
+SHARE_OF_ROUND = 0.1
+"""The same of a smooth, round summit, whose law is nearer."""
+
+RIDGE = 5.0
+"""Ratio of its curvatures up to which a summit is round."""
+
+EARLY = 5
+"""Node to which the expansion of a smooth summit holds at least."""
 
 JOINED = 1.6
 """Approach over the depth of the pass at which two contacts have joined (docs/accuracy.md)."""

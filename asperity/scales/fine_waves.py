@@ -13,26 +13,32 @@ __all__ = ["FineScales"]
 
 Array = NDArray[np.float64]
 
-SPREAD = (0.50, 0.13)
+SPREAD = 0.50
 """Share of the pressure of the fine waves in full contact that spreads the pressure of a contact
-about to open: the first for few fine waves, the sum where their slope is far above the others'."""
+about to open, for few fine waves."""
+
+MORE_SPREAD = 0.13
+"""What is added to it where their slope is far above the others'."""
 
 GRADED_SPREAD = (0.70, 0.55)
-"""On a graded body times 1 - c1 m - c2 m^2 (|m| <= 0.5)."""
+"""c1, c2: on a graded body times 1 - c1 m - c2 m^2 (|m| <= 0.5)."""
 
 LAY_SPREAD = 1.0
 """With lay times 1 - c (1 - w), w the evenness of the slopes. From the pressures of boundary
 elements c is 0.7 (lay of 2:1 to 8:1); from the mean pressures of the contacts, which the law has,
 1: with 0.7 the area of lay 3:1 and 4:1 is 1 to 3 % lower (seeds 1 and 2)."""
 
-LIFT = (0.18, 5.0)
-"""How far the flat is lifted over the first-order value: 1 + c (1 - A/A0)^n."""
+LIFT = 0.18
+"""How far the flat is lifted at no contact, over the first-order value less one."""
+
+LIFT_POWER = 5.0
+"""It falls with this power of the share of the area that is not in contact."""
 
 GRADED_LIFT = 1.2
-"""The first on a graded body times 1 - c m."""
+"""`LIFT` on a graded body times 1 - c m."""
 
 LAY_LIFT = 1.6
-"""The first with lay times 1 - c (1 - w), and not below zero."""
+"""`LIFT` with lay times 1 - c (1 - w), and not below zero."""
 
 SEEN = 1.0
 """Wave number times contact radius at which half the pressure of the fine waves parts a contact: a
@@ -81,9 +87,9 @@ class FineScales:
     nominal area in contact, here the mean of that with and without the fine waves; Wang & Mueser
     (2017) have g0 = 5/9, boundary elements give 0.50 to 0.63 (`SPREAD`), 0.4 to 0.66 for m = 0.3 to
     -0.3 and 0.35 to 0.45 for lay of 4:1. To first order in the fine waves a load F lifts the flat
-    by d(sum Phi)/dF; boundary elements give the factor 1 + c (1 - P)^n, c and n in `LIFT`. All were
-    found without microcontacts, from the pressures of solutions of the longer waves, for Hurst
-    exponents 0.5 to 0.9 and one to four octaves (docs/accuracy.md).
+    by d(sum Phi)/dF; boundary elements give the factor 1 + c (1 - P)^n, c = `LIFT`,
+    n = `LIFT_POWER`. All were found without microcontacts, from the pressures of solutions of the
+    longer waves, for Hurst exponents 0.5 to 0.9 and one to four octaves (docs/accuracy.md).
     """
 
     shortest: float
@@ -98,7 +104,7 @@ class FineScales:
     @property
     def spread(self) -> float:
         """g0 [-]."""
-        plain = SPREAD[0] + SPREAD[1] * self.ratio / (1.0 + self.ratio)
+        plain = SPREAD + MORE_SPREAD * self.ratio / (1.0 + self.ratio)
         graded = 1.0 - GRADED_SPREAD[0] * self.m - GRADED_SPREAD[1] * self.m**2
         return plain * graded * (1.0 - LAY_SPREAD * (1.0 - self.evenness))
 
@@ -125,9 +131,9 @@ class FineScales:
 
     def lift(self, share: float) -> float:
         """Factor over the first order of the lift where the share of area P is closed."""
-        height = LIFT[0] * (1.0 - GRADED_LIFT * self.m)
+        height = LIFT * (1.0 - GRADED_LIFT * self.m)
         height *= max(1.0 - LAY_LIFT * (1.0 - self.evenness), 0.0)
-        return float(1.0 + height * (1.0 - share) ** LIFT[1])
+        return float(1.0 + height * (1.0 - share) ** LIFT_POWER)
 
     def _opening(self, pressure: ArrayLike, share: float, strong: float | Array) -> Array:
         """sqrt(b)."""

@@ -35,9 +35,11 @@ BROADEST = 14.0
 WORTH_IT = 1.8
 """Breadth over `BROADEST` from which on the finest waves are taken out."""
 
-UNRESOLVED = (3.0, 0.2)
-"""Waves shorter than so many pixels are taken out of any spectrum in which they hold more than this
-share of the squared slope: their summits are uncertain."""
+UNRESOLVED = 3.0
+"""Pixels below which the summits of a wave are uncertain."""
+
+TOO_MANY = 0.2
+"""Share of the squared slope in such waves from which on they are taken out of any spectrum."""
 
 SURELY = 0.9
 """Share of that breadth up to which some lines of a map can tell that it is not reached."""
@@ -58,10 +60,13 @@ contact, with eight no more than 0.4 % higher."""
 FEWEST = 96
 """Least points of the shorter side of the grid of the longer waves."""
 
-LAY = (0.2, 0.87)
+LAY = 0.2
 """Anisotropy (s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes s1, s2 of a map (0.52 at 2:1,
-0.83 at 4:1, 0.88 at 5:1): from the first on waves are told apart by their lengths along and across
-the lay; above the second there is no law, as contacts of long ridges carry too much, at 5:1 up to
+0.83 at 4:1, 0.88 at 5:1) from which on waves are told apart by their lengths along and across the
+lay."""
+
+LONGEST_LAY = 0.87
+"""Anisotropy above which there is no law, as contacts of long ridges carry too much, at 5:1 up to
 10 % at 25 % of contact."""
 
 GRADED = 0.5
@@ -102,21 +107,21 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
     stretch = np.eye(2)
     shell, sums = _shells(waves, hm, material.m, stretch)
     lay = _lay(sums[-1])
-    if not hm.periodic and max(lay, _diagonal(hm)) > LAY[0]:
+    if not hm.periodic and max(lay, _diagonal(hm)) > LAY:
         return "scales: all, there is a law of fine waves with lay for periodic maps only"
-    if lay > LAY[1]:
+    if lay > LONGEST_LAY:
         return "scales: all, the waves have nearly one direction, for which there is no law"
-    if lay > LAY[0]:
+    if lay > LAY:
         stretch = _evened(sums[-1])
         shell, sums = _shells(waves, hm, material.m, stretch)
     m0, m2, m4 = sums[:, :3].T
     breadth = np.divide(1.5 * m0 * m4, m2**2, out=np.zeros(m2.size), where=m2 > 0.0)
     last = int(np.argmax(breadth > BROADEST))  # 0 if it never is
     reach = np.sqrt(np.diag(np.linalg.inv(stretch @ stretch)))  # largest qy, qx where k = 1
-    most = 2.0 * np.pi / (UNRESOLVED[0] * np.max(reach * hm.spacing))
+    most = 2.0 * np.pi / (UNRESOLVED * np.max(reach * hm.spacing))
     resolved = min(int(most / shell), m2.size - 1)
     steep = sums[:, 3]
-    if steep[resolved] > (1.0 - UNRESOLVED[1]) * steep[-1] and breadth[-1] < WORTH_IT * BROADEST:
+    if steep[resolved] > (1.0 - TOO_MANY) * steep[-1] and breadth[-1] < WORTH_IT * BROADEST:
         return NARROW
     few = round(FEWEST_WAVES * max(hm.size) / np.sqrt(hm.area))
     last = min(max(last or resolved, few), resolved)
