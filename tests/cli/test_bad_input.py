@@ -324,6 +324,34 @@ def test_an_interrupted_run_is_one_sentence(folder, capsys, monkeypatch):
     assert capsys.readouterr().err.endswith("interrupted; --resume goes on from its results file\n")
 
 
+def test_an_interrupt_that_comes_while_code_is_compiled_is_not_lost(tmp_path):
+    """The compiler drops what is raised in the functions that it calls."""
+    code = """
+import signal, sys
+import numba
+from numba.core.codegen import JITCodeLibrary
+from asperity.cli import main, report
+
+noted = JITCodeLibrary._object_compiled_hook.__func__
+
+def interrupted(cls, *compiled):
+    noted(cls, *compiled)
+    signal.raise_signal(signal.SIGINT)
+
+def run(args):
+    numba.njit(lambda x: x)(1)
+    signal.pause()
+
+JITCodeLibrary._object_compiled_hook = classmethod(interrupted)
+report.run = run
+sys.exit(main.main(["report", "results.h5"]))
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert (done.returncode, done.stderr) == (130, "asperity report: interrupted\n")
+
+
 def test_unknown_command(capsys):
     assert "invalid choice" in refusal(["contact"], capsys)
 
