@@ -129,22 +129,8 @@ def make_plan(
 
     Parameters
     ----------
-    hm
-        Height map without missing points.
-    material
-        Elastic half-space.
-    pressures, separations
-        Load points [Pa] or [m]; the default range if neither is given.
-    law
-        Contact law.
-    interaction
-        False switches elastic interaction off whatever the load.
-    boundary
-        "periodic" or "free"; as the map says if None.
-    scales
-        "auto": of a broad random spectrum the finest waves act as a law of the contacts of the
-        others (`asperity.scales`), and other maps whose waves reach the pixel are solved on a
-        finer grid (`asperity.scales.pixel_waves`); "all": every summit of the map is a contact.
+    hm, material, pressures, separations, law, interaction, boundary, scales
+        As in `contact_curve`.
 
     Raises
     ------

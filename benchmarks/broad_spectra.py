@@ -11,8 +11,7 @@ own Fourier series. Load error at equal separation (from the separation at equal
 at equal load, processor seconds of all loads, map in memory to curve, compiled before.
 
 Ways: contacts at all summits; the finest waves as a law of the contacts of the others
-(`scales="auto"`); boundary elements on the full and on coarser grids; those with the same law of
-the waves that the coarser grid cannot hold.
+(`scales="auto"`); boundary elements on the full and on coarser grids.
 """
 
 from __future__ import annotations
@@ -27,7 +26,6 @@ from numpy.typing import NDArray
 import asperity
 import surfaces
 from asperity.loadpoints import pressure_scale
-from asperity.scales.fine_waves import FineScales
 
 Array = NDArray[np.float64]
 Result = tuple[Array, Array, float]
@@ -84,69 +82,12 @@ def elements(hm: surfaces.HeightMap, body: Body, pressures: Array, step: int) ->
     return curve.separation, curve.area_fraction, time.process_time() - start
 
 
-def elements_and_law(
-    hm: surfaces.HeightMap, body: Body, pressures: Array, step: int
-) -> Result | None:
-    """Boundary elements on the coarser grid, and the law of the waves that it cannot hold.
-
-    The law is used with one mean pressure for the whole contact, and its energy differentiated
-    along the curve.
-    """
-    start = time.process_time()
-    fine = lost_waves(hm, body, step)
-    if fine is None:
-        return None
-    separation, area, _ = elements(hm, body, pressures, step)
-    share, kept = area, area
-    for _ in range(3):
-        kept = area * np.array(
-            [fine.remaining(p / a, s) for p, a, s in zip(pressures, area, share, strict=True)]
-        )
-        share = 0.5 * (area + kept)
-    stored = area * np.array(
-        [fine.stored(p / a, s) for p, a, s in zip(pressures, area, share, strict=True)]
-    )
-    slope = np.gradient(np.log(stored), np.log(pressures))
-    lift = np.array([fine.lift(s) for s in share]) * stored / pressures * slope
-    return separation + lift, kept, time.process_time() - start
-
-
-def lost_waves(hm: surfaces.HeightMap, body: Body, step: int) -> FineScales | None:
-    """Law of the waves that a grid coarser by `step` cannot hold, on a homogeneous body."""
-    if body.m != 0.0:
-        return None
-    waves = np.abs(np.fft.fft2(hm.heights) / hm.heights.size) ** 2
-    qy, qx = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(hm.shape, hm.spacing, strict=True))
-    number = np.hypot(qy[:, None], qx)
-    steep = waves * number**2
-    limit = [np.pi / (step * d) * (1 - 1e-9) for d in hm.spacing]
-    lost = (np.abs(qy[:, None]) >= limit[0]) | (np.abs(qx) >= limit[1])
-    slope = float(steep[lost].sum())
-    ratio = slope / float(steep[~lost].sum())
-    if ratio < 0.02:
-        return None
-    energy = float((waves * number)[lost].sum())
-    shortest = 2 * step * max(hm.spacing)
-    aside, cross = (waves * (qx**2 - qy[:, None] ** 2))[lost], (2 * waves * qx * qy[:, None])[lost]
-    lay = float(np.hypot(aside.sum(), cross.sum())) / slope
-    return FineScales(
-        shortest,
-        ratio,
-        0.25 * body.modulus**2 * slope,
-        0.25 * body.modulus * energy,
-        slope / energy,
-        evenness=float(np.sqrt(1.0 - lay**2)),
-    )
-
-
-WAYS: dict[str, Callable[[surfaces.HeightMap, Body, Array], Result | None]] = {
+WAYS: dict[str, Callable[[surfaces.HeightMap, Body, Array], Result]] = {
     "contacts, all summits": lambda hm, body, p: model(hm, body, p, "all"),
     "contacts, law of fine waves": lambda hm, body, p: model(hm, body, p, "auto"),
     "elements": lambda hm, body, p: elements(hm, body, p, 1),
     "elements, grid / 2": lambda hm, body, p: elements(hm, body, p, 2),
     "elements, grid / 4": lambda hm, body, p: elements(hm, body, p, 4),
-    "elements / 2, law of fine waves": lambda hm, body, p: elements_and_law(hm, body, p, 2),
-    "elements / 4, law of fine waves": lambda hm, body, p: elements_and_law(hm, body, p, 4),
 }
 
 
@@ -180,8 +121,6 @@ def main() -> None:
             print(f"{name}, seed {seed}: contact {area} %")
             for way, run in ways.items():
                 found = run(hm, body, pressures)
-                if found is None:
-                    continue
                 load = np.expm1((found[0] - exact.separation) / fall)
                 errors = (load, found[1] / exact.area_fraction - 1)
                 loads, areas = (" ".join(f"{100 * e:+6.1f}" for e in error) for error in errors)

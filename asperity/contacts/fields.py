@@ -54,10 +54,8 @@ def pressed_pixels(bodies: Asperities, state: PopulationState) -> tuple[Index, I
 
     Parameters
     ----------
-    bodies
-        The decomposed surface.
-    state
-        One load point.
+    bodies, state
+        As in `microcontacts`.
 
     Returns
     -------

@@ -23,10 +23,8 @@ def spot_table(bodies: Asperities, state: PopulationState) -> NDArray[np.void]:
 
     Parameters
     ----------
-    bodies
-        The decomposed surface.
-    state
-        One load point.
+    bodies, state
+        As in `microcontacts`.
 
     Returns
     -------

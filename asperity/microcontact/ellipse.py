@@ -9,6 +9,7 @@ from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 
 from ..flags import Flag
 from ..indentation import Indentation
+from ..interaction.footprint import Footprints
 from ..material import HalfSpace
 from .basis import basis_of
 from .branch import RisingBranch
@@ -165,14 +166,13 @@ def indent(
     doubtful = rows([None if one is None else float(one.doubtful) for one in states], np.zeros(1))
     flags[doubtful.reshape(approach.shape) > 0] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
     flags[~np.isfinite(force)] |= np.uint8(Flag.TURNING)
-    p = 1 + material.m
     return Indentation(
         law=law,
         material=material,
         approach=approach,
         force=force,
         contact_area=shaped("area"),
-        radius=(p * np.maximum(stiffness, 0.0) / (2 * material.modulus)) ** (1 / p),
+        radius=Footprints(material.modulus, material.m).radius(np.maximum(stiffness, 0.0)),
         stiffness=stiffness,
         flags=flags,
         error_estimate=shaped("expected_error"),
