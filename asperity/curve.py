@@ -18,6 +18,7 @@ from .contacts.fields import contact_map, pressure_map
 from .contacts.spot_count import spot_count
 from .contacts.table import microcontacts
 from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, oddness, terms
+from .errors import InputError
 from .loadpoints import checked_loads
 from .plan import Plan, make_plan
 from .population.population import PopulationState
@@ -178,6 +179,8 @@ def solve_contacts(
     """
     if plan is None:
         plan = make_plan(hm, material, pressures=pressures, separations=separations)
+    elif not isinstance(plan, Plan):
+        raise InputError(f"plan is a {type(plan).__name__}; make one with asperity.make_plan")
     kind, values = checked_loads(hm, material, pressures, separations)
     plan.require_scene_of(hm, material)
     bodies = Asperities.of(hm, material, plan)

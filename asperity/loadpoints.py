@@ -108,7 +108,8 @@ def checked_loads(
     elif pressures is None:
         chosen = default_pressures(hm, material)
     try:
-        values = np.atleast_1d(np.asarray(chosen, dtype=np.float64)).ravel()
+        filled = np.ma.filled(np.ma.asarray(chosen, dtype=np.float64), np.nan)
+        values = np.atleast_1d(filled).ravel()
     except (TypeError, ValueError):
         values = np.empty(0)
     if not values.size or not np.isfinite(values).all():

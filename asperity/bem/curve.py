@@ -15,6 +15,7 @@ from scipy.interpolate import CubicSpline
 from surfaces.heightmap import HeightMap
 
 from ..boundary import chosen_boundary
+from ..errors import InputError
 from ..loadpoints import checked_loads, expected_area_fraction
 from ..material import HalfSpace
 from ..results.curve import ContactCurve
@@ -117,6 +118,8 @@ def bem_curve(
         the certificate by entry, raw area, elastic energy, iterations, transform pairs and
         seconds; a point that missed the tolerance is marked and explained.
     """
+    if check and accuracy is None:
+        raise InputError("check tells how well an accuracy is held; give accuracy as well")
     kind, values = checked_loads(hm, mat, pressures, separations)
     few = loads_to_solve(values) if accuracy is not None and kind == "pressure" else None
     if few is not None:

@@ -63,6 +63,7 @@ def test_forecast_of_the_area_is_monotone_and_bounded():
         (None, [], "at least one"),
         ("heavy", None, "finite numbers"),
         ([1 + 2j], None, "finite numbers"),
+        (np.ma.masked_equal([1.0, 2.0], 2.0), None, "finite numbers"),
     ],
 )
 def test_unusable_load_points(pressures, separations, match):

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from asperity import contact_curve
+from asperity import contact_curve, solve_contacts
 from asperity.errors import InputError, SurfaceError
 from asperity.loadpoints import pressure_scale
 from asperity.material import HalfSpace
@@ -83,6 +83,11 @@ def test_a_plan_is_not_used_for_another_map(rough):
     for other in (smooth.replace(heights=2 * smooth.heights), rough):
         with pytest.raises(InputError, match="for another map"):
             contact_curve(other, STEEL, pressures=[1e8], plan=plan)
+
+
+def test_loads_in_the_place_of_a_plan(rough):
+    with pytest.raises(InputError, match=r"plan is a list; make one with asperity\.make_plan"):
+        solve_contacts(rough, STEEL, [1e8])
 
 
 def test_what_does_not_fit_into_the_memory_is_refused(rough, monkeypatch):

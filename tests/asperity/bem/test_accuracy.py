@@ -69,6 +69,8 @@ def test_choice_follows_the_spectrum_and_the_load():
     assert sizes[3] > 160
     with pytest.raises(errors.InputError, match=r"accuracy is 2\.0"):
         accuracy.choose_grid(smooth, 2.0, 0.01, "periodic")
+    with pytest.raises(errors.InputError, match="give accuracy as well"):
+        bem_curve(smooth, BODY, pressures=[0.1], check=True)
 
 
 def test_coarsened_keeps_mean_size_and_waves():
