@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from surfaces._compiled import compiled
+from surfaces._compiled import compiled, inner
 
 
 @compiled()
@@ -19,13 +19,9 @@ def weigh(stiffness, residual, held):
     return max(square - first * first / total, 0.0) if held else square
 
 
-@compiled()
-def aim(residual, stiffness, cell, inverse, total, held, far):
-    """Preconditioned residual z_i = k_i (r_i + far_c), c the cell of i, its sum zero if held.
-
-    Fills `far` by cells, where `inverse` and `total` are E and K of `Afar`. Returns what `weigh`
-    does, the mean of r weighted by k if held, and the sum of r z.
-    """
+@inner(error_model="numpy")
+def _aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
+    """`aim`, within compiled loops."""
     count = far.size
     square = 0.0
     first = 0.0
@@ -51,34 +47,46 @@ def aim(residual, stiffness, cell, inverse, total, held, far):
         product += moments[c] * far[c]
         response += moments[c] + total[c] * far[c]
         answer += total[c] * even[c]
-    if not held:
-        return square, 0.0, product
-    shift = response / answer
-    for c in range(count):
-        far[c] -= shift * even[c]
-    mean = first / whole
-    return max(square - mean * first, 0.0), mean, max(product - shift * response, 0.0)
+    mean = 0.0
+    if held:
+        shift = response / answer
+        for c in range(count):
+            far[c] -= shift * even[c]
+        mean = first / whole
+        square = max(square - mean * first, 0.0)
+        product = max(product - shift * response, 0.0)
+    ratio = product / last
+    for i in range(direction.size):
+        direction[i] = stiffness[i] * (residual[i] + far[cell[i]]) + ratio * direction[i]
+    return square, mean, product
 
 
-@compiled()
-def advance(length, direction, image, solution, residual):
-    """One step of conjugate gradients along `direction` with the matrix's `image` of it."""
+@compiled(error_model="numpy")
+def aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
+    """New `direction`: the preconditioned residual z_i = k_i (r_i + far_c), c the cell of i, its
+    sum zero if held, plus the old one times the sum of r z over the `last` such sum.
+
+    Fills `far` by cells, where `inverse` and `total` are E and K of `Afar`. Returns what `weigh`
+    does, the mean of r weighted by k if held, and the sum of r z.
+    """
+    return _aim(last, direction, residual, stiffness, cell, inverse, total, held, far)
+
+
+@compiled(error_model="numpy")
+def advance(
+    product, direction, image, solution, residual, stiffness, cell, inverse, total, held, far
+):
+    """One step of conjugate gradients along `direction` with the matrix's `image` of it, and the
+    next direction. Returns their scalar product, without which being positive nothing is done, and
+    what `aim` does."""
+    curvature = 0.0
+    for i in range(direction.size):
+        curvature += direction[i] * image[i]
+    if curvature <= 0.0:
+        return curvature, (0.0, 0.0, 0.0)
+    length = product / curvature
     for i in range(solution.size):
         solution[i] += length * direction[i]
         residual[i] -= length * image[i]
-
-
-@compiled()
-def redirect(ratio, stiffness, residual, cell, far, direction):
-    """New direction: the preconditioned residual of `aim` plus `ratio` times the old one."""
-    for i in range(direction.size):
-        direction[i] = stiffness[i] * (residual[i] + far[cell[i]]) + ratio * direction[i]
-
-
-@compiled()
-def dot(a, b):
-    """Scalar product, in one thread."""
-    total = 0.0
-    for i in range(a.size):
-        total += a[i] * b[i]
-    return total
+    after = _aim(product, direction, residual, stiffness, cell, inverse, total, held, far)
+    return curvature, after

@@ -5,9 +5,23 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+from numba import carray, njit
 
 from surfaces._compiled import compiled
+
+from ._scratch import BLOCK, COLUMNS, columns, places
+
+NUMBERS = 6
+"""What the table holds for each node of a law."""
+
+LANES = BLOCK // 2
+"""Contacts of a block."""
+
+FAST = {"reassoc", "contract", "nsz", "arcp"}
+ONE, TWO, THREE, FOUR, FIVE = (np.uint64(number) for number in range(1, NUMBERS))
+
+# columns of the scratch
+V, D, TOP, J, LEAN, F, K, WORK, M, GROWN, AREA = range(0, 11 * LANES, LANES)
 
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
 
@@ -54,7 +68,7 @@ def _primitive(e0, e1, e2, e3, shares, factor, v):
     return v * v * factor * (e0 * q0 + v * (e1 * q1 + v * (e2 * q2 + v * (e3 * q3))))
 
 
-@compiled(error_model="numpy")
+@compiled(error_model="numpy", fastmath=FAST)
 def evaluate(
     rows,
     index,
@@ -71,46 +85,78 @@ def evaluate(
     growth,
 ):
     """Laws at the approaches of the rows [rows[0], rows[1]); `Laws` says what the table holds, and
-    `place` where."""
-    steps = table.shape[1] - 1
+    `place` where. Zero force where they are not positive.
+
+    Contacts are taken in blocks, as pairs are (`_block_kernels`), so that vector instructions do
+    all but the ends of each block.
+    """
+    s = carray(columns(), (COLUMNS * BLOCK,))
+    first = carray(places(), (BLOCK,))
+    nodes = np.int32(table.shape[1])
+    flat = table.reshape(-1)
     shares = _shares(power)
-    for i in range(rows[0], rows[1]):
-        d = approach[i]
-        top = reach[index[i]]
-        if d <= 0.0 or top <= 0.0:
-            continue
-        v = math.sqrt(min(d, top) / top) * steps
-        j = min(int(v), steps - 1)
-        here, there = table[place[index[i]], j], table[place[index[i]], j + 1]
-        t = v - j
-        factor = _raise(v, power)
-        c0, c1, c2, c3 = _cubic(here[0], there[0], here[1], there[1])
-        e0, e1, e2, e3 = _about_zero(c0, c1, c2, c3, j)
-        s = c0 + t * (c1 + t * (c2 + t * c3))
-        ds = c1 + t * (2.0 * c2 + 3.0 * t * c3)
-        f = factor * s
-        # dd/dv = 2 top v / steps^2
-        width = 2.0 * top / (steps * steps)
-        slope = factor * (power * s + v * ds)
-        k = slope / (width * max(v * v, 1e-200))
-        work = here[2] + width * _primitive(e0, e1, e2, e3, shares, factor, v)
-        m0, m1, m2, m3 = _cubic(here[3], there[3], here[4], there[4])
-        m = m0 + t * (m1 + t * (m2 + t * m3))
-        bend = m1 + t * (2.0 * m2 + 3.0 * t * m3)
-        grown = bend * f * v / slope if slope > 0.0 else 0.0
-        if d > top:
-            over = d - top
-            full = m + grown
-            work += over * (f + 0.5 * k * over)
-            m = (m * f + full * k * over) / (f + k * over)
-            f += k * over
-            grown = full - m
-        area[i] = v * v * (here[5] + t * (there[5] - here[5]))
-        force[i] = f
-        stiffness[i] = max(k, 0.05 * f / d)
-        energy[i] = work
-        moment[i] = max(m, 0.0)
-        growth[i] = grown
+    steps = float(table.shape[1] - 1)
+    for begin in range(rows[0], rows[1], LANES):
+        count = min(LANES, rows[1] - begin)
+        for k in range(count):
+            i = index[begin + k]
+            d = approach[begin + k]
+            top = reach[i]
+            closed = (d > 0.0) & (top > 0.0)
+            d = d if closed else 0.0
+            top = top if closed else 1.0
+            v = math.sqrt(min(d / top, 1.0)) * steps
+            j = min(np.int32(v), nodes - np.int32(2))
+            first[k] = (place[i] * nodes + j) * np.int32(NUMBERS)
+            s[k + V], s[k + D], s[k + TOP], s[k + J] = v, d, top, j
+        if power == 3.0:
+            for k in range(count):
+                s[k + LEAN] = s[k + V]
+        else:
+            for k in range(count):
+                s[k + LEAN] = s[k + V] ** (power - 2.0)
+        for k in range(count):
+            here = np.uint64(first[k])
+            there = here + np.uint64(NUMBERS)
+            v, j = s[k + V], s[k + J]
+            t = v - j
+            lean = s[k + LEAN]
+            factor = lean * v * v
+            c0, c1, c2, c3 = _cubic(flat[here], flat[there], flat[here + ONE], flat[there + ONE])
+            e0, e1, e2, e3 = _about_zero(c0, c1, c2, c3, j)
+            level = c0 + t * (c1 + t * (c2 + t * c3))
+            slope = power * level + v * (c1 + t * (2.0 * c2 + 3.0 * t * c3))
+            # dd/dv = 2 top v / steps^2
+            width = 2.0 * s[k + TOP] / (steps * steps)
+            s[k + F] = factor * level
+            s[k + K] = lean * slope / width
+            work = width * _primitive(e0, e1, e2, e3, shares, factor, v)
+            s[k + WORK] = flat[here + TWO] + work
+            c0, c1, c2, c3 = _cubic(
+                flat[here + THREE], flat[there + THREE], flat[here + FOUR], flat[there + FOUR]
+            )
+            s[k + M] = c0 + t * (c1 + t * (c2 + t * c3))
+            bend = c1 + t * (2.0 * c2 + 3.0 * t * c3)
+            s[k + GROWN] = bend * level * v / slope if slope > 0.0 else 0.0
+            inner = flat[here + FIVE]
+            s[k + AREA] = v * v * (inner + t * (flat[there + FIVE] - inner))
+        for k in range(count):
+            i = begin + k
+            d, over = s[k + D], s[k + D] - s[k + TOP]
+            f, stiff, work, m, grown = s[k + F], s[k + K], s[k + WORK], s[k + M], s[k + GROWN]
+            if over > 0.0:
+                full = m + grown
+                work += over * (f + 0.5 * stiff * over)
+                m = (m * f + full * stiff * over) / (f + stiff * over)
+                f += stiff * over
+                grown = full - m
+            closed = d > 0.0
+            area[i] = s[k + AREA]
+            force[i] = f
+            stiffness[i] = max(stiff, 0.05 * f / d) if closed else 0.0
+            energy[i] = work if closed else 0.0
+            moment[i] = max(m, 0.0) if closed else 0.0
+            growth[i] = grown if closed else 0.0
 
 
 @compiled()

@@ -109,6 +109,23 @@ def _fill(i, k, stop, ptr, row):
             return count, i, k
 
 
+@compiled()
+def in_split_lengths(variance, growth, moment, skew, eta, exact, narrow, dipole):
+    """What `near_fields` reads, in split lengths: `exact`, in single precision `variance`, `wide`
+    and `skew` as the rows of `narrow` (3, n), and `dipole` (n, 2); `growth` and `moment` may be
+    empty."""
+    square = 1.0 / (eta * eta)
+    for i in range(variance.size):
+        exact[i] = variance[i] * square
+        wide = exact[i] + (0.5 * square * growth[i] if growth.size else 0.0)
+        narrow[0, i] = exact[i]
+        narrow[1, i] = wide
+        narrow[2, i] = wide * skew[i]
+    for i in range(len(moment)):
+        dipole[i, 0] = moment[i, 0] / eta
+        dipole[i, 1] = moment[i, 1] / eta
+
+
 @compiled(error_model="numpy", fastmath=FAST)
 def near_fields(
     rows,

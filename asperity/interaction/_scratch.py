@@ -13,7 +13,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-__all__ = ["BLOCK", "COLUMNS", "doubles", "floats", "places"]
+__all__ = ["BLOCK", "COLUMNS", "columns", "doubles", "floats", "places"]
 
 BLOCK = 256
 """Pairs of a block."""
@@ -42,5 +42,6 @@ def _on_stack(kind: Any, element: Any, count: int) -> Any:
 
 
 doubles = _on_stack(types.float64, ir.DoubleType(), 2 * BLOCK)
+columns = _on_stack(types.float64, ir.DoubleType(), COLUMNS * BLOCK)
 floats = _on_stack(types.float32, ir.FloatType(), COLUMNS * BLOCK)
 places = _on_stack(types.int32, ir.IntType(32), BLOCK)

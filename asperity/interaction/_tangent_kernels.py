@@ -30,6 +30,52 @@ from ._block_kernels import (
 from ._scratch import BLOCK, COLUMNS, floats, places
 
 
+@compiled(error_model="numpy")
+def active_points(
+    active,
+    stiffness,
+    extra,
+    footprint,
+    own,
+    cap,
+    scale,
+    skew,
+    cell,
+    rank,
+    narrow,
+    index,
+    variance,
+    compliance,
+    diagonal,
+    near,
+):
+    """The active points: their places `index`, their variance (f k)^q with f, q of `footprint`,
+    their own compliance and the diagonal of the matrix less its mesh part over `scale`, and their
+    cells `near`. Of all points their `rank` among these or -1, and in `narrow` (2, n) their
+    variance and that times `skew`, zero where they are not active."""
+    factor, exponent = footprint
+    f0, f1, f2 = own
+    n = 0
+    for i in range(active.size):
+        rank[i] = -1
+        narrow[0, i] = 0.0
+        narrow[1, i] = 0.0
+        if not active[i]:
+            continue
+        k = stiffness[i]
+        wide = factor * k * factor * k if exponent == 2.0 else (factor * k) ** exponent
+        held = min(wide, cap)
+        rank[i] = n
+        narrow[0, i] = wide
+        narrow[1, i] = wide * skew[i]
+        index[n] = i
+        near[n] = cell[i]
+        variance[n] = wide
+        compliance[n] = 1.0 / k + (extra[i] if extra.size else 0.0)
+        diagonal[n] = compliance[n] / scale - f0 - held * (f1 + 0.25 * held * f2)
+        n += 1
+
+
 @compiled(error_model="numpy", fastmath=FAST)
 def tangent_list(
     rows,

@@ -78,10 +78,15 @@ class Footprints:
         """s: a Gaussian of variance v displaces itself by s v^(-p/2) F."""
         return self.symbol * math.gamma(self.power / 2) / (4 * math.pi)
 
+    @property
+    def rule(self) -> tuple[float, float]:
+        """Factor f and exponent q of the variance (f k)^q of a footprint."""
+        return (1 + FLOOR) * self.self_factor, 2 / self.power
+
     def variance(self, stiffness: ArrayLike) -> NDArray[np.float64]:
         """Variance per axis [m^2] of the footprint of a contact of tangent stiffness k [N/m]."""
-        k = np.asarray(stiffness, float)
-        return np.asarray(((1 + FLOOR) * self.self_factor * k) ** (2 / self.power))
+        factor, exponent = self.rule
+        return np.asarray((factor * np.asarray(stiffness, float)) ** exponent)
 
     def punch(self, radius: ArrayLike) -> NDArray[np.float64]:
         """Stiffness [N/m] of the flat round punch of a radius [m]."""

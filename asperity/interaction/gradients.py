@@ -61,19 +61,15 @@ def conjugate_gradients(
         residual -= image
         if held:
             goal = max(goal, tolerance**2 * kernels.weigh(stiffness, image, held))
-    direction, last = np.zeros(len(right)), math.inf
-    error, mean, product = kernels.aim(residual, *system)
+    direction = np.zeros(len(right))
+    error, mean, product = kernels.aim(math.inf, direction, residual, *system)
     while error > goal and count < limit:
-        kernels.redirect(product / last, stiffness, residual, cell, far, direction)
-        image = matrix(direction)
-        curvature = kernels.dot(direction, image)
+        curvature, after = kernels.advance(
+            product, direction, matrix(direction), solution, residual, *system
+        )
         if curvature <= 0.0:
             # pairs of elongated footprints are approximate, and the matrix with them
             solution = solution if solution.any() else direction
             break
-        length = product / curvature
-        last = product
-        kernels.advance(length, direction, image, solution, residual)
-        error, mean, product = kernels.aim(residual, *system)
-        count += 1
+        (error, mean, product), count = after, count + 1
     return Solved(solution, residual, mean, count)

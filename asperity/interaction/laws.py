@@ -11,12 +11,9 @@ from surfaces._threads import blocks, run
 
 from ..errors import InputError
 from . import _laws
-from .footprint import FLOOR, Footprints
+from .footprint import Footprints
 
 __all__ = ["BLOCK", "FILLED", "STIFFEST", "Evaluated", "Growing", "LawNodes", "Laws"]
-
-NUMBERS = 6
-"""What the table holds for each node of a law."""
 
 BLOCK = 256
 """Laws made at least at a time, on demand."""
@@ -86,8 +83,8 @@ class Evaluated:
     __slots__ = ("area", "energy", "force", "growth", "moment", "stiffness")
 
     def __init__(self, n: int) -> None:
-        self.force, self.stiffness, self.area = np.zeros((3, n))
-        self.energy, self.moment, self.growth = np.zeros((3, n))
+        self.force, self.stiffness, self.area = np.empty((3, n))
+        self.energy, self.moment, self.growth = np.empty((3, n))
 
 
 class Laws:
@@ -223,7 +220,7 @@ class _Store:
             n = len(nodes.reach)
         self.reach, self.largest = np.zeros((2, n))
         self.usable, self.repaired, self.ready = np.ones(n, bool), *np.zeros((2, n), bool)
-        self.exponent, self.table = 3.0 + footprints.m, np.empty((n, 0, NUMBERS))
+        self.exponent, self.table = 3.0 + footprints.m, np.empty((n, 0, _laws.NUMBERS))
         self.place, self.made = np.zeros(n, np.int32), 0
         self.complete = False
         if self.growing is None:
@@ -246,7 +243,7 @@ class _Store:
                 raise InputError(f"law table: {name} holds values that are not finite")
         if not self.table.shape[1]:
             self.exponent = float(nodes.exponent)
-            self.table = np.empty((len(self.reach), force.shape[1], NUMBERS))
+            self.table = np.empty((len(self.reach), force.shape[1], _laws.NUMBERS))
         self.ready[rows] = True
         self.complete = bool(self.ready.all())
         good = (reach > 0) & (force[:, -1] > 0)
@@ -258,7 +255,6 @@ class _Store:
         first, self.made = self.made, self.made + len(rows)
         self.place[rows] = np.arange(first, self.made)
         table = self.table[first : self.made]
-        settings = (1 + FLOOR) * self.footprints.self_factor, 2 / self.footprints.power
         run(
             lambda a, b: _laws.tabulate(
                 reach[a:b],
@@ -266,7 +262,7 @@ class _Store:
                 stiffness[a:b],
                 area[a:b],
                 self.exponent,
-                *settings,
+                *self.footprints.rule,
                 table[a:b],
             ),
             blocks(len(rows), 1000),

@@ -172,6 +172,7 @@ class Interaction:
         self.value_table, self.shape, self.far = _tables(footprints.m, cut * cut)
         self.own = at_origin(footprints.m)
         self.scale = footprints.point * self.eta**-footprints.power
+        self.scales = self.scale * np.array([1.0, self.eta**-2, 1 / self.eta])
         counts = self.ptr[:, 1] - self.ptr[:, 0]
         self.pairs = int(counts.sum())
         self.rows = chunks(counts)
@@ -207,13 +208,14 @@ class Interaction:
             Second moments yy, xx, xy of elongated footprints over their variance, shape (n, 3).
         """
         n, moves = len(force), moment is not None
-        m = variance / self.eta**2
-        wide = m if growth is None else m + growth * (0.5 / self.eta**2)
-        dipole = np.zeros((1, 2)) if moment is None else moment / self.eta
-        grids = self.grids[:, : 1 + moves]
-        skew, shape = self.shaped(wide, form)
-        pairs = m, m.astype(np.float32), wide.astype(np.float32), skew, shape
-        scale = self.scale * np.array([1.0, self.eta**-2, 1 / self.eta])
+        skew, shape = self.shaped(form)
+        m, narrow = np.empty(n), np.empty((3, n), np.float32)
+        moment = np.empty((0, 2)) if moment is None else moment
+        dipole = np.empty((n if moves else 1, 2))
+        growth = np.empty(0) if growth is None else growth
+        _pair_kernels.in_split_lengths(variance, growth, moment, skew, self.eta, m, narrow, dipole)
+        single, wide, skewed = narrow
+        grids, scale = self.grids[:, : 1 + moves], self.scales
         found = Field(np.empty(n), np.empty(n), np.zeros((n, 2)), np.zeros(n), np.zeros(n))
 
         def sources(c: int, rows: NDArray[np.int64]) -> None:
@@ -222,7 +224,11 @@ class Interaction:
             _pair_kernels.near_fields(
                 rows,
                 force,
-                *pairs,
+                m,
+                single,
+                wide,
+                skewed,
+                shape,
                 dipole,
                 moves,
                 CAP,
@@ -268,16 +274,15 @@ class Interaction:
         return plan
 
     def shaped(
-        self, variance: NDArray[np.float64], form: NDArray[np.float64] | None
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """What near pairs read of footprints of moments `form` over their variance [eta^2]: half
-        the difference of their principal moments, shape (n,), and `form` by components, (3, n)."""
+        self, form: NDArray[np.float64] | None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float32]]:
+        """What near pairs read of footprints of moments `form` over their variance: half the
+        difference of their principal moments, shape (n,), and `form` by components, (3, n)."""
         form = self.round if form is None else form
         if form is not self.form[0]:
             skew = np.hypot(0.5 * (form[:, 1] - form[:, 0]), form[:, 2])
             self.form = form, skew, form.T.astype(np.float32, order="C")
-        _, skew, parts = self.form
-        return (variance * skew).astype(np.float32), parts
+        return self.form[1:]
 
     def potential(self, y: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacement [m] of the last field at any places [m], shape (n,), without near contacts.

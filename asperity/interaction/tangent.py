@@ -45,20 +45,30 @@ class Tangent:
         form: NDArray[np.float64] | None = None,
     ) -> None:
         self.plan = plan
-        self.index = np.flatnonzero(active)
-        n = len(self.index)
-        self.cell = plan.afar.cell[self.index]
-        rank = np.full(len(active), -1, np.int32)
-        rank[self.index] = np.arange(n, dtype=np.int32)
-        stiffness = stiffness[self.index]
-        variance = plan.footprints.variance(stiffness) / plan.eta**2
-        self.compliance = 1 / stiffness + (0.0 if extra is None else extra[self.index])
-        f0, f1, f2 = plan.own
-        held = np.minimum(variance, CAP)
-        self.diagonal = self.compliance / plan.scale - f0 - held * (f1 + 0.25 * held * f2)
-        all_variance = np.zeros(len(active))
-        all_variance[self.index] = variance
-        shapes = all_variance.astype(np.float32), *plan.shaped(all_variance, form)
+        n, body = int(np.count_nonzero(active)), plan.footprints
+        (factor, exponent), (skew, parts) = body.rule, plan.shaped(form)
+        rank, narrow = np.empty(len(active), np.int32), np.empty((2, len(active)), np.float32)
+        self.index, self.cell = np.empty(n, np.int64), np.empty(n, np.int32)
+        variance, self.compliance, self.diagonal = np.empty((3, n))
+        _tangent_kernels.active_points(
+            active,
+            stiffness,
+            np.empty(0) if extra is None else extra,
+            (factor / plan.eta**body.power, exponent),
+            plan.own,
+            CAP,
+            plan.scale,
+            skew,
+            plan.afar.cell,
+            rank,
+            narrow,
+            self.index,
+            variance,
+            self.compliance,
+            self.diagonal,
+            self.cell,
+        )
+        single, skewed = narrow
         rows = np.searchsorted(self.index, plan.rows)
         self.rows = rows if n * plan.pairs > PAIRS_PER_THREAD * len(active) else np.array([[0, n]])
         self.ptr = np.zeros((n, 2), np.int64)
@@ -85,7 +95,9 @@ class Tangent:
                 plan.col,
                 plan.pair,
                 rank,
-                *shapes,
+                single,
+                skewed,
+                parts,
                 CAP,
                 plan.shape,
                 plan.far,
