@@ -51,9 +51,9 @@ class Solver:
         return curve_of(values)
 
 
-def run_all(solver, path, *, resume, request=REQUEST):
+def run_all(solver, path, *, resume, request=REQUEST, loads=LOADS):
     return run_resumably(
-        solver, LOADS, "mean_pressure", path, model="bem", request=request, resume=resume
+        solver, loads, "mean_pressure", path, model="bem", request=request, resume=resume
     )
 
 
@@ -83,14 +83,19 @@ def test_points_that_did_not_converge_are_solved_again(tmp_path):
     assert again.solved == [5.0]
 
 
+def test_a_file_of_which_no_point_converged_is_solved_anew(tmp_path):
+    for _ in range(2):
+        again = Solver()
+        run_all(again, tmp_path / "r.h5", resume=True, loads=LOADS[3:])
+        assert again.solved == [5.0]
+
+
 def test_load_points_that_lie_closer_than_a_solve_misses_are_all_solved(tmp_path):
     path = tmp_path / "r.h5"
     dense = np.array([1.0, 1.0 + 0.3 * MISS, 1.0 + 0.6 * MISS])
     for part in (dense[:1], dense):
         again = Solver()
-        whole = run_resumably(
-            again, part, "mean_pressure", path, model="bem", request=REQUEST, resume=True
-        )
+        whole = run_all(again, path, resume=True, loads=part)
     assert again.solved == dense[1:].tolist()
     np.testing.assert_array_equal(whole.extra["asked"], dense)
 
