@@ -114,14 +114,11 @@ def _boundary_elements(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _laws(text: str | None) -> tuple[str, ...]:
-    from asperity.microcontact.laws import LAWS
+    from asperity.microcontact.laws import law_module
 
-    if text is None:
-        return ()
-    names = tuple(word.strip() for word in text.split(","))
+    names = () if text is None else tuple(word.strip() for word in text.split(","))
     for name in names:
-        if name not in LAWS:
-            raise InputError(f"no law is called {name!r}; the laws are {', '.join(LAWS)}")
+        law_module(name)
     return names
 
 

@@ -13,24 +13,27 @@ __all__ = ["edge_weights", "moment_weights"]
 
 Array = NDArray[np.float64]
 
+MOMENT_RADII, EDGE_RADII = 13, 25
+"""Radii of a ray, from 0 to 1 of its length, at which moments and edge operator are given."""
+
 
 @lru_cache(maxsize=8)
-def moment_weights(m: float, nodes: int, order: int, radii: int = 13) -> Array:
-    """Weights (radii, nodes) of ``h(a) = int t**(order+3) q(a t) (1-t*t)**((m-1)/2) dt``.
+def moment_weights(m: float, nodes: int, order: int) -> Array:
+    """Weights (`MOMENT_RADII`, nodes) of ``h(a) = int t**(order+3) q(a t) (1-t*t)**((m-1)/2) dt``.
 
     ``a`` runs over equispaced fractions of the ray from 0 to 1, ``q`` over equispaced nodes with
     local cubics between them.
     """
-    return _weights(m, nodes, order, radii)[0]
+    return _weights(m, nodes, order, MOMENT_RADII)[0]
 
 
 @lru_cache(maxsize=8)
-def edge_weights(m: float, nodes: int, order: int, radii: int = 25) -> Array:
-    """Weights (radii, nodes) of ``(order + 3 + m) h + a h'`` with h as in `moment_weights`.
+def edge_weights(m: float, nodes: int, order: int) -> Array:
+    """Weights (`EDGE_RADII`, nodes) of ``(order + 3 + m) h + a h'`` with h as in `moment_weights`.
 
     Times ``a**2`` this is the edge operator of harmonic `order` of one ray (docs/laws.md).
     """
-    value, slope = _weights(m, nodes, order, radii)
+    value, slope = _weights(m, nodes, order, EDGE_RADII)
     return (order + 3 + m) * value + slope
 
 

@@ -17,6 +17,9 @@ __all__ = ["HEIGHTS", "find", "naming_damage", "opened", "require_sound"]
 
 HEIGHTS = "heights"
 
+_LISTED = 12
+"""Datasets of a file that a message names."""
+
 
 def opened(path: Path) -> h5py.File:
     """The file, open for reading."""
@@ -78,16 +81,16 @@ def find(file: h5py.File, path: Path, name: str | None) -> h5py.Dataset:
     return found
 
 
-def _list_arrays(file: h5py.File, limit: int = 12) -> str:
+def _list_arrays(file: h5py.File) -> str:
     """Names, shapes and types of the datasets of a file, for a message."""
     found: list[str] = []
 
     def visit(name: str, item: Any) -> bool | None:
         if isinstance(item, h5py.Dataset):
             found.append(f"{name} {item.shape} {item.dtype}")
-        return True if len(found) > limit else None
+        return True if len(found) > _LISTED else None
 
     file.visititems(visit)
-    if len(found) > limit:
-        found[limit:] = ["..."]
+    if len(found) > _LISTED:
+        found[_LISTED:] = ["..."]
     return ", ".join(found) or "no dataset"

@@ -21,6 +21,9 @@ _REJECT = 6.0
 _MAD_TO_SIGMA = 1.4826
 """Standard deviation over median absolute deviation of a normal variable."""
 
+_BLOCKS = 24
+"""Blocks along each side whose medians the first fit takes."""
+
 _ROUNDS = 20
 """Fits at most."""
 
@@ -193,11 +196,10 @@ def _block_medians(
     present: NDArray[np.bool_],
     v: NDArray[np.float64],
     u: NDArray[np.float64],
-    blocks: int = 24,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Median height and mean place of the present points of a coarse grid of blocks."""
-    rows = np.array_split(np.arange(len(v)), min(blocks, len(v)))
-    columns = np.array_split(np.arange(len(u)), min(blocks, len(u)))
+    rows = np.array_split(np.arange(len(v)), min(_BLOCKS, len(v)))
+    columns = np.array_split(np.arange(len(u)), min(_BLOCKS, len(u)))
     found = []
     for row in rows:
         step_v = max(1, len(row) // 16)

@@ -7,13 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SurfaceError
 from ..heightmap import HeightMap
 
 __all__ = ["BearingCurve", "bearing_curve"]
 
 _CORE = 0.4
 """Share of the curve to which the line of the core is fitted (ISO 25178-2)."""
+
+_RATIOS = 2001
+"""Points of the curve."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,25 +83,10 @@ class BearingCurve:
         return float(trapezoid(values, self.ratio))
 
 
-def bearing_curve(hm: HeightMap, points: int = 2001) -> BearingCurve:
-    """Bearing curve of the points present.
-
-    Parameters
-    ----------
-    hm
-        The map, levelled.
-    points
-        Number of evenly spaced ratios, at least 11.
-
-    Raises
-    ------
-    SurfaceError
-        If `points` is below 11.
-    """
-    if points < 11:
-        raise SurfaceError(f"points is {points}; a bearing curve needs at least 11")
+def bearing_curve(hm: HeightMap) -> BearingCurve:
+    """Bearing curve of the points present of a levelled map."""
     present = np.sort(hm.heights[np.isfinite(hm.heights)])
-    ratio = np.linspace(0.0, 1.0, points)
+    ratio = np.linspace(0.0, 1.0, _RATIOS)
     place = (np.arange(present.size) + 0.5) / present.size
     height = np.interp(1.0 - ratio, place, present) - present.mean()
     height[0], height[-1] = present[-1] - present.mean(), present[0] - present.mean()

@@ -31,6 +31,8 @@ def test_one_spot_conducts_as_holm_says(sphere):
     conductance = constriction_conductance(curve, resistivity=(2e-7, 3e-7))
     radius = np.sqrt(curve.contact_area / np.pi)
     np.testing.assert_allclose(conductance * hm.area, 4 * radius / 5e-7, rtol=5e-3)
+    one_alone = constriction_conductance(curve, resistivity=(0.0, 5e-7))
+    np.testing.assert_allclose(one_alone, conductance, rtol=1e-12)
 
 
 def test_partial_slip_of_one_sphere_is_cattaneo_mindlin(sphere):
