@@ -132,6 +132,7 @@ def test_bearing_curve_of_known_distributions() -> None:
     assert volumes["Vvv"] == pytest.approx(0.5 * 0.2 * 0.4, rel=0.01)
     normal = surfaces.HeightMap(np.random.default_rng(2).normal(size=(400, 500)), 1.0)
     core = surfaces.bearing_curve(normal).core()
+    assert core["Sk"] == pytest.approx(2.57, rel=0.01)
     assert core["Smr1"] == pytest.approx(1.0 - core["Smr2"], abs=0.02)
     assert core["Spk"] == pytest.approx(core["Svk"], rel=0.05)
 
