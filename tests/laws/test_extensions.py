@@ -24,6 +24,7 @@ def test_round_punch_is_exact(m):
     assert punch.pressure(0.0, 0.1) == pytest.approx(
         2 / np.pi * (a * a - 0.01) ** ((m - 1) / 2), rel=1e-12
     )
+    assert punch.pressure([a, 1.01 * a], 0.0).tolist() == [np.inf, 0.0]
     assert np.all(punch.force([-1.0, 0.0, 2.0]) == [0.0, 0.0, 2 * punch.stiffness])
 
 

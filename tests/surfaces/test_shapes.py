@@ -42,6 +42,7 @@ def test_rounded_polygon_lies_between_the_polygon_and_its_circle():
     assert np.all(round_.psi(TURN) <= 1 + 1e-12)
     np.testing.assert_allclose(rounded_polygon(5, corner=1.0).psi(TURN), 1.0)
     np.testing.assert_allclose(rounded_polygon(5, corner=0.0).psi(TURN), sharp.psi(TURN))
+    assert rounded_polygon(5, corner=0.0).corners == sharp.corners and round_.corners == ()
     step = np.diff(round_.psi(np.linspace(0, 7, 20001)))
     assert np.max(np.abs(np.diff(step))) < 1e-6
 

@@ -67,6 +67,7 @@ def test_choice_follows_the_spectrum_and_the_load():
     ]
     assert sizes[0] < min(sizes[1:])
     assert sizes[3] > 160
+    assert accuracy.choose_grid(smooth, 0.035, 0.05, "periodic").shape == smooth.shape
     with pytest.raises(errors.InputError, match=r"accuracy is 2\.0"):
         accuracy.choose_grid(smooth, 2.0, 0.01, "periodic")
     with pytest.raises(errors.InputError, match="give accuracy as well"):
