@@ -8,16 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces._compiled import compiled, inner
+from surfaces._groups import root
 
 Index = NDArray[np.int64]
-
-
-@inner()
-def _root(parent: Index, i: int) -> int:
-    while parent[i] != i:
-        parent[i] = parent[parent[i]]
-        i = parent[i]
-    return i
 
 
 @inner()
@@ -58,7 +51,7 @@ def _join(
         shared = min(end[i], old_end[j]) - max(begin[i], old_begin[j])
         if shared > 0:
             common += shared
-            a, b = _root(parent, label + i), _root(parent, old_label + j)
+            a, b = root(parent, label + i), root(parent, old_label + j)
             if a != b:
                 parent[max(a, b)] = min(a, b)
                 joints += 1

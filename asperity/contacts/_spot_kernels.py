@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from surfaces._compiled import compiled
+from surfaces._groups import root
 
 
 @compiled()
@@ -23,12 +24,7 @@ def spots(pairs, depth, approach, area):
         b = pairs[k, 1]
         if area[a] <= 0.0 or area[b] <= 0.0 or approach[a] + approach[b] <= depth[k]:
             continue
-        while parent[a] != a:
-            parent[a] = parent[parent[a]]
-            a = parent[a]
-        while parent[b] != b:
-            parent[b] = parent[parent[b]]
-            b = parent[b]
+        a, b = root(parent, a), root(parent, b)
         if a != b:
             parent[max(a, b)] = min(a, b)
             left -= 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .._compiled import compiled, inner
+from .._groups import root
 
 
 @compiled(error_model="numpy")
@@ -116,14 +117,7 @@ def merge(height, low, high, passes, lowest, min_prominence):
         saddle[peak] = lowest
         parent[peak] = -1
     for e in range(passes.size):
-        ends = (low[e], high[e])
-        a, b = ends
-        while top[a] != a:
-            top[a] = top[top[a]]
-            a = top[a]
-        while top[b] != b:
-            top[b] = top[top[b]]
-            b = top[b]
+        a, b = root(top, low[e]), root(top, high[e])
         if a == b:
             continue
         if a > b:
@@ -132,13 +126,7 @@ def merge(height, low, high, passes, lowest, min_prominence):
         saddle[b] = passes[e]
         parent[b] = a
         if height[b] - passes[e] < min_prominence:
-            a, b = ends
-            while keeper[a] != a:
-                keeper[a] = keeper[keeper[a]]
-                a = keeper[a]
-            while keeper[b] != b:
-                keeper[b] = keeper[keeper[b]]
-                b = keeper[b]
+            a, b = root(keeper, low[e]), root(keeper, high[e])
             keeper[max(a, b)] = min(a, b)
     for peak in range(n):
         keeper[peak] = keeper[keeper[peak]]
