@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .derived.conductance import constriction_conductance as constriction_conductance
     from .derived.friction import FrictionCurve as FrictionCurve
     from .derived.friction import friction_curve as friction_curve
+    from .errors import AsperityError as AsperityError
     from .errors import ConvergenceError as ConvergenceError
     from .errors import InputError as InputError
     from .errors import ModelRangeError as ModelRangeError
@@ -52,6 +53,7 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 os.environ.setdefault("GOMP_SPINCOUNT", "10000")
 
 _HOME = {
+    "AsperityError": "errors",
     "BemIndentation": "bem.single",
     "BemSolution": "bem.solution",
     "Comparison": "comparison.result",

@@ -6,6 +6,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .errors import AsperityError as AsperityError
     from .errors import FileFormatError as FileFormatError
     from .errors import InputError as InputError
     from .errors import SurfaceError as SurfaceError
@@ -60,6 +61,7 @@ if TYPE_CHECKING:
     from .textures import two_scale as two_scale
 
 _HOME = {
+    "AsperityError": "errors",
     "Autocorrelation": "statistics.correlation",
     "BearingCurve": "statistics.bearing",
     "Fault": "files.hdf5",
