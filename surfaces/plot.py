@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from .heightmap import HeightMap
+from .heightmap import HeightMap, require_map
 from .peaks.peaks import Peaks
 from .peaks.profiles import Profiles
 from .statistics.bearing import BearingCurve
@@ -41,6 +41,7 @@ def plot_map(hm: HeightMap, peaks: Peaks | None = None) -> Figure:
     peaks
         Peaks to mark. Of more than 400 the most prominent 400 are marked; all basins are outlined.
     """
+    require_map(hm)
     stride = max(1, -(-max(hm.shape) // _PIXELS))
     heights = hm.heights[::stride, ::stride]
     scale, unit = _prefix(float(np.nanmax(np.abs(heights - np.nanmean(heights)))))

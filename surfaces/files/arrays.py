@@ -39,7 +39,7 @@ _DAMAGED = (
 
 _MISSING = {"", "nan", "na", "n/a", "bad", "none", "null", "-", "--", "---", "*", "**", "***"}
 _COMMENT = "#%;/!"
-_STATED = re.compile(r"^\W*(spacing|unit|periodic|name)\s*[:=]\s*(.+?)\s*$", re.IGNORECASE)
+_STATED = re.compile(r"^\W*(spacing|unit|periodic|name)\s*[:=]\s*(\S.*?)\s*$", re.IGNORECASE)
 
 
 def read_npy(

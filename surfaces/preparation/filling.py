@@ -11,7 +11,7 @@ from scipy.sparse import coo_matrix, diags
 from scipy.sparse.linalg import LinearOperator, cg, splu
 
 from ..errors import SurfaceError
-from ..heightmap import HeightMap
+from ..heightmap import HeightMap, require_map
 
 __all__ = ["fill_missing", "quick_fill"]
 
@@ -45,6 +45,7 @@ def fill_missing(hm: HeightMap, *, limit: float = 0.1) -> HeightMap:
     no flux across the border of a map that is not periodic). The filled heights lie between those
     around them: no summit is invented.
     """
+    require_map(hm)
     missing = np.isnan(hm.heights)
     count = int(np.count_nonzero(missing))
     fraction = count / missing.size

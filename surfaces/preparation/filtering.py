@@ -9,7 +9,7 @@ from scipy import fft
 from .. import _threads
 from .._memory import require_memory
 from ..errors import SurfaceError
-from ..heightmap import HeightMap
+from ..heightmap import HeightMap, require_map
 
 __all__ = ["bandpass", "crop", "make_periodic", "resample", "resample_waves"]
 
@@ -126,6 +126,7 @@ def crop(hm: HeightMap, rows: tuple[int, int], columns: tuple[int, int]) -> Heig
     SurfaceError
         If the rectangle is not inside the map.
     """
+    require_map(hm)
     for span, count, what in ((rows, hm.shape[0], "rows"), (columns, hm.shape[1], "columns")):
         whole = np.shape(span) == (2,) and all(isinstance(n, int | np.integer) for n in span)
         if not (whole and 0 <= span[0] < span[1] <= count):
@@ -262,6 +263,7 @@ def _rms(values: NDArray[np.float64]) -> float:
 
 
 def _require_full(hm: HeightMap, what: str) -> None:
+    require_map(hm)
     if hm.missing:
         row, column = np.argwhere(np.isnan(hm.heights))[0]
         raise SurfaceError(

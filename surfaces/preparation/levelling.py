@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SurfaceError
-from ..heightmap import HeightMap
+from ..heightmap import HeightMap, require_map
 
 __all__ = ["FORMS", "level"]
 
@@ -61,6 +61,7 @@ def level(hm: HeightMap, form: str = "plane") -> HeightMap:
     form. A periodic map has no tilt or form: only its mean is taken out. Where nothing but rounding
     is left, the heights are zero.
     """
+    require_map(hm)
     if form not in FORMS:
         raise SurfaceError(f"level is {form!r}; it must be None or one of {', '.join(FORMS)}")
     if hm.periodic:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from ..errors import SurfaceError
-from ..heightmap import HeightMap
+from ..heightmap import HeightMap, require_map
 from .filling import quick_fill
 
 __all__ = ["mark_outliers"]
@@ -48,6 +48,7 @@ def mark_outliers(hm: HeightMap, threshold: float = 6.0) -> HeightMap:
     until nothing more is found, at most five times, with spikes replaced by the medians: a spike
     wider than two points is taken from its rim inwards.
     """
+    require_map(hm)
     if not threshold >= 3.0:
         raise SurfaceError(f"outliers is {threshold}; use 3 or more robust standard deviations")
     present = np.isfinite(hm.heights)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..heightmap import HeightMap
+from ..heightmap import HeightMap, require_map
 
 __all__ = ["BearingCurve", "bearing_curve"]
 
@@ -85,6 +85,7 @@ class BearingCurve:
 
 def bearing_curve(hm: HeightMap) -> BearingCurve:
     """Bearing curve of the points present of a levelled map."""
+    require_map(hm)
     present = np.sort(hm.heights[np.isfinite(hm.heights)])
     ratio = np.linspace(0.0, 1.0, _RATIOS)
     place = (np.arange(present.size) + 0.5) / present.size

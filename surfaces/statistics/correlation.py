@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from ..errors import SurfaceError
-from ..heightmap import HeightMap
+from ..heightmap import HeightMap, require_map
 
 __all__ = ["THRESHOLD", "Autocorrelation", "Texture", "autocorrelation", "texture"]
 
@@ -82,6 +82,7 @@ def autocorrelation(hm: HeightMap) -> Autocorrelation:
     The mean product of all pairs of points present at each shift, over the variance: around the
     seam for a periodic map, without it (and unbiased) for one that is not.
     """
+    require_map(hm)
     present = np.isfinite(hm.heights)
     z = np.where(present, hm.heights - np.nanmean(hm.heights), 0.0)
     variance = float(np.sum(z * z)) / np.count_nonzero(present)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from ..errors import SurfaceError
-from ..heightmap import HeightMap
+from ..heightmap import HeightMap, require_map
 from ..preparation.levelling import level
 
 __all__ = ["SpectralMoments", "Spectrum", "power_spectrum", "power_spectrum_2d"]
@@ -183,6 +183,7 @@ def power_spectrum_2d(
 
 def _ready(hm: HeightMap) -> tuple[NDArray[np.float64], bool]:
     """Heights of zero mean, and whether they need a window."""
+    require_map(hm)
     if hm.missing:
         raise SurfaceError(
             f"{hm.missing} of {hm.heights.size} points are missing; a power spectrum needs a full "

@@ -61,6 +61,12 @@ def test_what_is_written_is_read(tmp_path: Path, suffix: str) -> None:
 
 
 @pytest.mark.parametrize("suffix", [".h5", ".npz", ".csv", ".txt"])
+def test_a_map_without_a_name_has_that_of_its_file(tmp_path: Path, suffix: str) -> None:
+    surfaces.write(sample().replace(name=""), tmp_path / f"map{suffix}")
+    assert surfaces.read(tmp_path / f"map{suffix}").name == "map"
+
+
+@pytest.mark.parametrize("suffix", [".h5", ".npz", ".csv", ".txt"])
 def test_any_name_comes_back_and_states_nothing_else(tmp_path: Path, suffix: str) -> None:
     hm = sample().replace(name="µ–日本\nspacing = 1 1")
     surfaces.write(hm, tmp_path / f"map{suffix}")

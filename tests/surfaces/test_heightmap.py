@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import surfaces
 from surfaces import HeightMap, SurfaceError, describe, prepare, segment, write
 
 GRID = np.arange(20.0).reshape(4, 5)
@@ -59,7 +60,25 @@ def test_periodic_is_true_or_false(periodic):
         HeightMap(GRID, 1e-6, periodic=periodic)
 
 
-@pytest.mark.parametrize("use", [prepare, describe, segment, lambda hm: write(hm, "map.h5")])
+@pytest.mark.parametrize(
+    "use",
+    [
+        prepare,
+        describe,
+        segment,
+        surfaces.level,
+        surfaces.fill_missing,
+        surfaces.mark_outliers,
+        surfaces.power_spectrum,
+        surfaces.autocorrelation,
+        surfaces.bearing_curve,
+        surfaces.plot_map,
+        lambda hm: surfaces.crop(hm, (0, 3), (0, 3)),
+        lambda hm: surfaces.resample(hm, 1e-6),
+        lambda hm: surfaces.bandpass(hm, longest=1e-5),
+        lambda hm: write(hm, "map.h5"),
+    ],
+)
 def test_a_bare_array_is_no_map(use):
     with pytest.raises(SurfaceError, match=r"HeightMap is needed, not ndarray: .*\(dy, dx\)"):
         use(GRID)
