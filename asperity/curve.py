@@ -59,21 +59,29 @@ class ContactRun:
 
     def microcontacts(self, point: int = -1) -> NDArray[np.void]:
         """Table of the contacts that carry load at a load point, see `contacts.table`."""
-        return microcontacts(self.bodies, self.states[point])
+        return microcontacts(self.bodies, self._state(point))
 
     def spots(self, point: int = -1) -> NDArray[np.void]:
         """Table of the separate spots at a load point, see `contacts.spots`."""
         from .contacts.spots import spot_table
 
-        return spot_table(self.bodies, self.states[point])
+        return spot_table(self.bodies, self._state(point))
 
     def contact_map(self, point: int = -1) -> NDArray[np.bool_]:
         """Pixels in contact at a load point, shape (ny, nx)."""
-        return contact_map(self.bodies, self.states[point])
+        return contact_map(self.bodies, self._state(point))
 
     def pressure_map(self, point: int = -1) -> NDArray[np.float64]:
         """Pressure [Pa] of every pixel at a load point, shape (ny, nx)."""
-        return pressure_map(self.bodies, self.states[point])
+        return pressure_map(self.bodies, self._state(point))
+
+    def _state(self, point: int) -> PopulationState:
+        try:
+            return self.states[point]
+        except (IndexError, TypeError):
+            raise InputError(
+                f"point is {point!r}; the load points are numbered 0 to {len(self.states) - 1}"
+            ) from None
 
 
 def contact_curve(
