@@ -87,27 +87,33 @@ def evaluate(
     """Laws at the approaches of the rows [rows[0], rows[1]); `Laws` says what the table holds, and
     `place` where. Zero force where they are not positive.
 
-    Contacts are taken in blocks, as pairs are (`_block_kernels`), so that vector instructions do
-    all but the ends of each block.
+    Closed contacts are taken in blocks, as pairs are (`_block_kernels`), so that vector
+    instructions do all but the ends of each block.
     """
     s = carray(columns(), (COLUMNS * BLOCK,))
-    first = carray(places(), (BLOCK,))
+    ends = carray(places(), (BLOCK,))
+    first = ends[:LANES]
+    closed = ends[LANES:]
     nodes = np.int32(table.shape[1])
     flat = table.reshape(-1)
     shares = _shares(power)
     steps = float(table.shape[1] - 1)
-    for begin in range(rows[0], rows[1], LANES):
-        count = min(LANES, rows[1] - begin)
+    i = rows[0]
+    while i < rows[1]:
+        count = 0
+        while i < rows[1] and count < LANES:
+            closed[count] = i
+            count += 1 if (approach[i] > 0.0) & (reach[index[i]] > 0.0) else 0
+            area[i], force[i], stiffness[i] = 0.0, 0.0, 0.0
+            energy[i], moment[i], growth[i] = 0.0, 0.0, 0.0
+            i += 1
         for k in range(count):
-            i = index[begin + k]
-            d = approach[begin + k]
-            top = reach[i]
-            closed = (d > 0.0) & (top > 0.0)
-            d = d if closed else 0.0
-            top = top if closed else 1.0
+            row = index[closed[k]]
+            d = approach[closed[k]]
+            top = reach[row]
             v = math.sqrt(min(d / top, 1.0)) * steps
             j = min(np.int32(v), nodes - np.int32(2))
-            first[k] = (place[i] * nodes + j) * np.int32(NUMBERS)
+            first[k] = (place[row] * nodes + j) * np.int32(NUMBERS)
             s[k + V], s[k + D], s[k + TOP], s[k + J] = v, d, top, j
         if power == 3.0:
             for k in range(count):
@@ -141,7 +147,6 @@ def evaluate(
             inner = flat[here + FIVE]
             s[k + AREA] = v * v * (inner + t * (flat[there + FIVE] - inner))
         for k in range(count):
-            i = begin + k
             d, over = s[k + D], s[k + D] - s[k + TOP]
             f, stiff, work, m, grown = s[k + F], s[k + K], s[k + WORK], s[k + M], s[k + GROWN]
             if over > 0.0:
@@ -150,13 +155,13 @@ def evaluate(
                 m = (m * f + full * stiff * over) / (f + stiff * over)
                 f += stiff * over
                 grown = full - m
-            closed = d > 0.0
-            area[i] = s[k + AREA]
-            force[i] = f
-            stiffness[i] = max(stiff, 0.05 * f / d) if closed else 0.0
-            energy[i] = work if closed else 0.0
-            moment[i] = max(m, 0.0) if closed else 0.0
-            growth[i] = grown if closed else 0.0
+            j = closed[k]
+            area[j] = s[k + AREA]
+            force[j] = f
+            stiffness[j] = max(stiff, 0.05 * f / d)
+            energy[j] = work
+            moment[j] = max(m, 0.0)
+            growth[j] = grown
 
 
 @compiled()

@@ -157,21 +157,33 @@ def gather(
 
 
 @compiled(fastmath=FAST)
-def sample(y, x, per_step, grid, out):
-    """Mesh potential at any points."""
+def sample(y, x, origin, unit, size, wrap, per_step, scale, grid, out):
+    """`scale` times the mesh potential at any points, which lie at (y - origin[0]) / unit in a cell
+    of this `size`; beyond one that does not repeat, zero."""
     my, mx = grid.shape
+    high, wide = size
     for i in range(y.size):
-        iy = int(y[i] * per_step[0])
-        ix = int(x[i] * per_step[1])
-        wy, _, _ = _weights(y[i] * per_step[0] - iy)
-        wx, _, _ = _weights(x[i] * per_step[1] - ix)
+        py = (y[i] - origin[0]) / unit
+        px = (x[i] - origin[1]) / unit
+        if wrap:
+            py -= math.floor(py / high) * high
+            px -= math.floor(px / wide) * wide
+        out[i] = 0.0
+        if not (0.0 <= py <= high and 0.0 <= px <= wide):
+            continue
+        py = min(py * per_step[0], my - 1e-9) if wrap else py * per_step[0]
+        px = min(px * per_step[1], mx - 1e-9) if wrap else px * per_step[1]
+        iy = int(py)
+        ix = int(px)
+        wy, _, _ = _weights(py - iy)
+        wx, _, _ = _weights(px - ix)
         lines = _lines(iy, my)
         columns = _lines(ix, mx)
         value = 0.0
         for a in range(4):
             for b in range(4):
                 value += wy[a] * wx[b] * grid[lines[a], columns[b]]
-        out[i] = value
+        out[i] = scale * value
 
 
 @compiled(fastmath=FAST)

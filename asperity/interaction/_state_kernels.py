@@ -4,29 +4,74 @@ from __future__ import annotations
 
 import math
 
+from numba import njit
+
 from surfaces._compiled import compiled
 
+TINY = 1e-200
+"""Approach [m] below which a contact stays where it is."""
 
-@compiled()
-def deflect(force, stiffness, approach, tilt, lean, modulus, power, limit, gain, aside):
-    """Height gained and shift (n, 2) of each contact; `deflection` has the formulas."""
+
+@njit(inline="always")
+def _beside(stiffness, approach, along_y, along_x, lean, modulus, power, limit):
+    """Shift (y, x) of a closed contact over the bounded share of it that is taken, the height that
+    it would gain, and its squared radius; `deflection` has the formulas."""
+    radius = power * stiffness / (2.0 * modulus)
+    square = radius * radius if power == 1.0 else radius ** (2.0 / power)
+    bend = square / (power * approach)
+    y = -bend * (lean[0] * along_y + lean[2] * along_x)
+    x = -bend * (lean[2] * along_y + lean[1] * along_x)
+    free = -0.5 * (along_y * y + along_x * x)
+    bound = 0.5 * limit * limit * power * approach
+    share = bound / (bound + free)
+    return share * y, share * x, share * free, square
+
+
+@compiled(error_model="numpy")
+def deflect(force, stiffness, approach, tilt, lean, modulus, power, limit, gain, aside, moment):
+    """Height gained, shift and force times shift (n, 2) of each contact."""
     for i in range(force.size):
-        bound = 0.5 * limit * limit * power * approach[i]
-        if force[i] <= 0.0 or bound < 1e-200:
-            gain[i] = 0.0
-            aside[i, 0] = 0.0
-            aside[i, 1] = 0.0
+        y, x, rise = 0.0, 0.0, 0.0
+        if force[i] > 0.0 and approach[i] > TINY:
+            y, x, rise, _ = _beside(
+                stiffness[i], approach[i], tilt[i, 0], tilt[i, 1], lean[i], modulus, power, limit
+            )
+        gain[i] = rise
+        aside[i, 0], aside[i, 1] = y, x
+        moment[i, 0], moment[i, 1] = force[i] * y, force[i] * x
+
+
+@compiled(error_model="numpy")
+def widen(
+    outgrown,
+    force,
+    stiffness,
+    area,
+    approach,
+    tilt,
+    lean,
+    modulus,
+    power,
+    limit,
+    wider,
+    widest,
+    grown,
+    shift,
+):
+    """Contact areas beside the summits, and the shifts over the radius without their bound, zero
+    where a contact is open or has not `outgrown` its paraboloid; `widened` has the formulas."""
+    for i in range(force.size):
+        grown[i] = area[i]
+        shift[i] = 0.0
+        if not (outgrown[i] and force[i] > 0.0 and approach[i] > TINY):
             continue
-        radius = power * stiffness[i] / (2.0 * modulus)
-        square = radius * radius if power == 1.0 else radius ** (2.0 / power)
-        bend = square / (power * approach[i])
-        along_y = lean[i, 0] * tilt[i, 0] + lean[i, 2] * tilt[i, 1]
-        along_x = lean[i, 2] * tilt[i, 0] + lean[i, 1] * tilt[i, 1]
-        free = 0.5 * bend * (tilt[i, 0] * along_y + tilt[i, 1] * along_x)
-        share = bound / (bound + free)
-        gain[i] = free * share
-        aside[i, 0] = -bend * share * along_y
-        aside[i, 1] = -bend * share * along_x
+        y, x, _, square = _beside(
+            stiffness[i], approach[i], tilt[i, 0], tilt[i, 1], lean[i], modulus, power, limit
+        )
+        share = math.pi * (y * y + x * x) / area[i]
+        grown[i] = area[i] * (1.0 + wider * min(share, widest))
+        slope = math.sqrt(tilt[i, 0] ** 2 + tilt[i, 1] ** 2)
+        shift[i] = math.sqrt(square) / (power * approach[i]) * slope
 
 
 @compiled()
@@ -39,8 +84,6 @@ def lag(force, stiffness, tilt, aside, fresh, moved, gain):
     load = 0.0
     for i in range(force.size):
         f = force[i]
-        if f == 0.0:
-            continue
         load += f
         pull = f * math.sqrt(tilt[i, 0] ** 2 + tilt[i, 1] ** 2)
         whole += pull * math.sqrt(fresh[i, 0] ** 2 + fresh[i, 1] ** 2)
@@ -63,17 +106,48 @@ def balance(stiffness, error):
 
 
 @compiled()
-def imbalance(gap, value, growth, slope, approach, force, stiffness, wanted, error):
-    """Fill z - s - u and what it exceeds the approach by; sum of stiffness times size of that, and
-    the load."""
+def imbalance(
+    height,
+    separation,
+    balanced,
+    gain,
+    moved,
+    longer,
+    value,
+    growth,
+    slope,
+    approach,
+    force,
+    stiffness,
+    gap,
+    wanted,
+    error,
+    active,
+):
+    """Fill z - s, z - s - u, what it exceeds the approach by, and whether that is positive.
+
+    Returns the rise of the plane, zero unless `balanced`, after which the errors times stiffness
+    cancel, their sum without signs, and the load.
+    """
     total = 0.0
+    moment = 0.0
     load = 0.0
-    for i in range(gap.size):
+    for i in range(height.size):
+        gap[i] = height[i] - separation + gain[i] - moved[i] - longer[i]
         wanted[i] = gap[i] - value[i] - growth[i] * slope[i]
         error[i] = wanted[i] - approach[i]
-        total += stiffness[i] * abs(error[i])
+        active[i] = approach[i] > 0.0
+        total += stiffness[i]
+        moment += stiffness[i] * error[i]
         load += force[i]
-    return total, load
+    rise = moment / total if balanced and total > 0.0 else 0.0
+    wrong = 0.0
+    for i in range(height.size):
+        gap[i] -= rise
+        wanted[i] -= rise
+        error[i] -= rise
+        wrong += stiffness[i] * abs(error[i])
+    return rise, wrong, load
 
 
 @compiled()

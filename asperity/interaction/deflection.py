@@ -8,9 +8,8 @@ from numpy.typing import NDArray
 from . import _state_kernels
 from .footprint import Footprints
 from .laws import Evaluated
-from .operator import ROUND
 
-__all__ = ["LARGEST_SHIFT", "LEANING", "deflection", "free_shift", "widening"]
+__all__ = ["LARGEST_SHIFT", "LEANING", "deflection", "widened"]
 
 LARGEST_SHIFT = 0.7
 """Bound of the shift over the contact radius: farther off the paraboloid is no guide."""
@@ -31,9 +30,10 @@ def deflection(
     law: Evaluated,
     approach: NDArray[np.float64],
     tilt: NDArray[np.float64],
-    lean: NDArray[np.float64] | None = None,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Height [m] that each contact gains by moving aside, shape (n,), and its shift [m], (n, 2).
+    lean: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Height [m] that each contact gains by moving aside, shape (n,), its shift [m], (n, 2), and
+    its force times that [N m].
 
     Parameters
     ----------
@@ -61,52 +61,39 @@ def deflection(
     radius a of its stiffness, so that a filled basin moves less and less; the shift is bounded
     smoothly by `LARGEST_SHIFT` a. Moments act on heights, not on each other's gradients.
     """
-    gain, aside = np.empty(len(approach)), np.empty((len(approach), 2))
+    gain, (aside, moment) = np.empty(len(approach)), np.empty((2, len(approach), 2))
     _state_kernels.deflect(
         law.force,
         law.stiffness,
         approach,
         np.ascontiguousarray(tilt),
-        np.tile(ROUND, (len(approach), 1)) if lean is None else lean,
+        lean,
         footprints.modulus,
         footprints.power,
         LARGEST_SHIFT,
         gain,
         aside,
+        moment,
     )
-    return gain, aside
+    return gain, aside, moment
 
 
-def free_shift(
+def widened(
     footprints: Footprints,
-    stiffness: NDArray[np.float64],
+    law: Evaluated,
     approach: NDArray[np.float64],
     tilt: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Shift over the radius that contacts would have without `LARGEST_SHIFT`, shape (n,).
+    lean: NDArray[np.float64],
+    outgrown: NDArray[np.bool_],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Contact areas [m^2] beside the summits, shape (n,), and for contacts that have outgrown the
+    paraboloid of their summit the shift over the radius that they would have without
+    `LARGEST_SHIFT`, zero for the others.
 
     Parameters
     ----------
-    footprints
-        Kernel of the half-space.
-    stiffness, approach, tilt
-        Stiffness [N/m], positive approach [m] and gradient [-] of contacts, as of `deflection`.
-    """
-    reach = footprints.radius(stiffness) / (footprints.power * approach)
-    return np.asarray(reach * np.hypot(*tilt.T))
-
-
-def widening(
-    law: Evaluated, aside: NDArray[np.float64], outgrown: NDArray[np.bool_]
-) -> NDArray[np.float64]:
-    """Contact area beside the summit over that about it, at the same force, shape (n,).
-
-    Parameters
-    ----------
-    law
-        Laws of the contacts.
-    aside
-        Their shifts [m], shape (n, 2).
+    footprints, law, approach, tilt, lean
+        As of `deflection`.
     outgrown
         Contacts that reach beyond the paraboloid of their summit, shape (n,).
 
@@ -119,6 +106,21 @@ def widening(
     with the contact radius, and `WIDER` was found from boundary elements, contact by contact: 1.25
     to 1.43 for cut-offs from 4 to 32 pixels and roll-offs of 8 to 32 cut-offs.
     """
-    square = np.pi * (aside[:, 0] ** 2 + aside[:, 1] ** 2)
-    share = np.divide(square, law.area, out=np.zeros(len(square)), where=outgrown & (square > 0))
-    return np.asarray(1.0 + WIDER * np.minimum(share, WIDEST))
+    area, shift = np.empty((2, len(approach)))
+    _state_kernels.widen(
+        outgrown,
+        law.force,
+        law.stiffness,
+        law.area,
+        approach,
+        np.ascontiguousarray(tilt),
+        lean,
+        footprints.modulus,
+        footprints.power,
+        LARGEST_SHIFT,
+        WIDER,
+        WIDEST,
+        area,
+        shift,
+    )
+    return area, shift

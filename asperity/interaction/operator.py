@@ -5,16 +5,19 @@ from __future__ import annotations
 import copy
 import functools
 import math
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from surfaces._threads import each
 
 from . import _list_kernels, _mesh_kernels, _pair_kernels
 from .afar import Afar
 from .footprint import Footprints, at_origin, pair_table, smooth_polynomials
 from .mesh import mesh_of
-from .near import chunks, near_pairs, run, total
+from .near import chunks, near_pairs, run
 
 __all__ = ["CAP", "Field", "Interaction"]
 
@@ -33,6 +36,9 @@ this second moment beyond the cut-off."""
 
 LARGEST_CUT = 0.499
 """Largest cut-off of a periodic cell over its shorter side."""
+
+PAIRS_ASIDE = 8_000
+"""Near pairs that repay to be summed beside the mesh, on another thread."""
 
 RUNG = 1.19
 """Ratio of the cut-offs that plans of a periodic cell may have: they share meshes then."""
@@ -105,6 +111,8 @@ class Interaction:
         Number of near pairs.
     afar
         The points by cells.
+    lowest
+        Least displacement [m] of the mesh part of the last field, or zero.
     round
         Moments yy, xx, xy of round footprints over their variance, shape (n, 3).
 
@@ -177,10 +185,10 @@ class Interaction:
         self.pairs = int(counts.sum())
         self.rows = chunks(counts)
         self.part = np.zeros((len(self.rows), len(y), 6))
-        self.grids = np.zeros((len(self.rows), 2, *self.mesh.shape))
+        self.masses = np.zeros((2, *self.mesh.shape))
         self.tangent_col = np.empty(len(self.col) + 1, np.int32)
         self.tangent_value = np.empty(len(self.col) + 1, np.float32)
-        self.smooth = np.zeros(self.mesh.shape)
+        self.smooth, self.lowest = np.zeros(self.mesh.shape), 0.0
         self.round = np.tile(ROUND, (len(y), 1))
         self.form = (np.empty(0), np.empty(0), np.empty(0, np.float32))
 
@@ -215,14 +223,17 @@ class Interaction:
         growth = np.empty(0) if growth is None else growth
         _pair_kernels.in_split_lengths(variance, growth, moment, skew, self.eta, m, narrow, dipole)
         single, wide, skewed = narrow
-        grids, scale = self.grids[:, : 1 + moves], self.scales
+        masses, scale = self.masses[: 1 + moves], self.scales
         found = Field(np.empty(n), np.empty(n), np.zeros((n, 2)), np.zeros(n), np.zeros(n))
 
-        def sources(c: int, rows: NDArray[np.int64]) -> None:
+        def far() -> NDArray[np.floating]:
             place = self.y, self.x, force, m, CAP, dipole, self.mesh.per_step
-            _mesh_kernels.deposit(rows, *place, grids[c])
+            _mesh_kernels.deposit(np.array([0, n]), *place, masses)
+            return self.mesh.convolve(masses)
+
+        def near(c: int) -> None:
             _pair_kernels.near_fields(
-                rows,
+                self.rows[c],
                 force,
                 m,
                 single,
@@ -247,9 +258,16 @@ class Interaction:
             place = self.y, self.x, force, m, CAP, self.own, self.mesh.per_step, scale
             _mesh_kernels.gather(rows, *place, smooth, self.part, *found)
 
-        run(sources, self.rows)
-        smooth = self.mesh.convolve(total(grids))
+        parts: list[Callable[[], Any]] = [
+            far,
+            *(functools.partial(near, c) for c in range(len(self.rows))),
+        ]
+        if self.pairs > PAIRS_ASIDE:
+            smooth = each(lambda part: part(), parts)[0]
+        else:
+            smooth, *_ = (part() for part in parts)
         self.smooth = smooth[0]
+        self.lowest = self.scale * min(0.0, float(self.smooth.min()))
         run(receivers, self.rows)
         return found
 
@@ -290,21 +308,10 @@ class Interaction:
         These add to it, so that it is a lower bound but for the moments. Beyond the points of a
         free half-space it is taken as zero, as far away.
         """
-        y, x = (y - self.origin[0]) / self.eta, (x - self.origin[1]) / self.eta
-        if self.wrap:
-            y, x = np.mod(y, self.size[0]), np.mod(x, self.size[1])
-            inside = np.ones(len(y), bool)
-        else:
-            inside = (y >= 0) & (y <= self.size[0]) & (x >= 0) & (x <= self.size[1])
-            y, x = np.where(inside, y, 0.0), np.where(inside, x, 0.0)
+        frame = self.origin, self.eta, self.size, self.wrap, self.mesh.per_step, self.scale
         out = np.empty(len(y))
-        _mesh_kernels.sample(y, x, self.mesh.per_step, self.smooth, out)
-        return np.where(inside, self.scale * out, 0.0)
-
-    @property
-    def lowest(self) -> float:
-        """Least displacement [m] of the mesh part of the last field, or zero."""
-        return float(self.scale * min(0.0, float(self.smooth.min())))
+        _mesh_kernels.sample(y, x, *frame, self.smooth, out)
+        return out
 
 
 def _repeated(wanted: float, least: float, most: float) -> float:
@@ -321,6 +328,8 @@ def _inside(place: NDArray[np.float64], size: float, wrap: bool) -> NDArray[np.f
     """Places in a cell that repeats, or not beyond the border of one that does not."""
     if not wrap:
         return np.clip(place, 0.0, size)
+    if place.min() >= 0.0 and place.max() < size:
+        return place
     place = np.mod(place, size)
     return np.where(place < size, place, 0.0)
 

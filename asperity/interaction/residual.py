@@ -21,28 +21,52 @@ class Residual:
     footprint in the field of the others adds to its tangent, dv/dF dN/dm, with
     dv/dF = 5/3 (v - m)/F as for Hertz; only its positive part is kept, which leaves the matrix
     positive definite.
+
+    Parameters
+    ----------
+    problem, state
+        Contacts, and where they are.
+    separation
+        Separation [m] at which they are judged.
+    balanced
+        Whether it is moved first to where the errors of the closed contacts, times stiffness,
+        cancel.
+
+    Attributes
+    ----------
+    separation
+        Separation [m] at which the contacts are judged.
     """
 
-    def __init__(self, problem: Problem, state: State, gap: NDArray[np.float64]) -> None:
-        law, field, n = state.laws, state.field, len(gap)
-        self.gap, self.wanted, self.error = gap, np.empty(n), np.empty(n)
-        error, load = _state_kernels.imbalance(
-            gap,
+    def __init__(self, problem: Problem, state: State, separation: float, balanced: bool) -> None:
+        law, field, n = state.laws, state.field, len(problem.height)
+        self.gap, self.wanted, self.error = np.empty((3, n))
+        self.active = np.empty(n, bool)
+        rise, error, load = _state_kernels.imbalance(
+            problem.height,
+            separation,
+            balanced,
+            state.gain,
+            field.moved,
+            field.longer,
             field.value,
             law.growth,
             field.slope,
             state.approach,
             law.force,
             law.stiffness,
+            self.gap,
             self.wanted,
             self.error,
+            self.active,
         )
+        self.separation = separation + rise
         problem.laws.expect(self.wanted)
-        closed = state.approach > 0
-        self.active = closed | ((self.wanted > 0) & problem.laws.usable)
         stiffness, growth, force, base = law.stiffness, law.growth, law.force, state.approach
-        fresh = np.flatnonzero(self.active & ~closed)
+        fresh = np.flatnonzero((self.wanted > 0) & ~self.active)
+        fresh = fresh[problem.laws.rows(fresh).usable]
         if fresh.size:
+            self.active[fresh] = True
             half = 0.5 * self.wanted[fresh]
             law = problem.laws.rows(fresh)(half)
             stiffness, growth, force, base = (

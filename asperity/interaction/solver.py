@@ -8,7 +8,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _state_kernels
 from .finish import FORCING, Solution, answer, finished, shared, tangent_of
 from .gradients import conjugate_gradients
 from .residual import Residual
@@ -101,8 +100,7 @@ def descend(
     A point is final if its residual is small together with what the last change of the shifts can
     still do to it (`State.lag`).
     """
-    if tilt is None:
-        tilt = np.zeros((len(start), 2))
+    tilt = np.zeros((len(start), 2)) if tilt is None else np.ascontiguousarray(tilt)
     if compliance is None:
         compliance = np.ones(len(start))
     state = State.at(problem, np.maximum(start, 0.0), tilt)
@@ -111,9 +109,8 @@ def descend(
     products, reason, held, share = 1, "", None, RELAXATION
     last = np.zeros(len(start))
     for step in range(limit + 1):
-        if load is not None:
-            separation = _balanced(problem, state, separation)
-        residual = Residual(problem, state, problem.height - separation + state.shift)
+        residual = Residual(problem, state, separation, load is not None)
+        separation = residual.separation
         missing = 0.0 if load is None else load - float(state.laws.force.sum())
         error, wrong = residual.relative + state.lag, abs(missing) / (load or 1.0)
         closed = int(np.count_nonzero(state.approach))
@@ -199,12 +196,6 @@ def _relaxed(
         return share
     found = -share * float(np.sum(stiffness * last * change)) / whole
     return min(max(found, SHARES[0]), SHARES[1])
-
-
-def _balanced(problem: Problem, state: State, separation: float) -> float:
-    """The separation at which the errors of the closed contacts, times stiffness, cancel."""
-    error = problem.height - separation + state.shift - state.displacement - state.approach
-    return separation + float(_state_kernels.balance(state.laws.stiffness, error))
 
 
 def _forcing(residual: float, tolerance: float) -> float:

@@ -100,10 +100,9 @@ class State:
             field = problem.plan.field(laws.force, laws.moment)
             return cls(approach, laws, field, tilt, np.zeros(len(approach)), tilt)
         body, lean = problem.plan.footprints, problem.lean
-        _, aside = deflection(body, laws, approach, tilt, lean)
-        moment = laws.force[:, None] * aside
+        _, aside, moment = deflection(body, laws, approach, tilt, lean)
         field = problem.plan.field(laws.force, laws.moment, laws.growth, moment, problem.form)
-        gain, fresh = deflection(body, laws, approach, field.tilt, lean)
+        gain, fresh, _ = deflection(body, laws, approach, field.tilt, lean)
         return cls(approach, laws, field, aside, gain, fresh)
 
     @property

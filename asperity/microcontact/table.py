@@ -148,11 +148,9 @@ class LawTable:
     def _node(
         self, index: ArrayLike, approach: ArrayLike
     ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        rows, depth = np.broadcast_arrays(
-            np.asarray(index, dtype=np.int64), np.asarray(approach, dtype=float)
-        )
+        rows = np.asarray(index, dtype=np.int64)
         reach = self.reach[rows]
-        share = np.divide(depth, reach, out=np.zeros(reach.shape), where=reach > 0)
+        share = np.asarray(approach, dtype=float) / np.where(reach > 0, reach, np.inf)
         u = np.sqrt(np.minimum(np.maximum(share, 0.0), 1.0))
         return rows, np.ceil(u * self.nodes).astype(np.int64)
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..flags import Flag
-from ..interaction.deflection import LEANING, deflection, free_shift, widening
+from ..interaction.deflection import LEANING, widened
 from ..interaction.operator import Interaction
 from ..interaction.state import Problem
 
@@ -183,6 +183,8 @@ class Listing:
     ) -> bool:
         """Whether more than `some` candidates that overlap are not listed; arguments as those of
         `Candidates.of`."""
+        if not len(self.others.rows):
+            return False
         missing = Candidates.of(self.others, field, separation, growth)
         return bool(np.count_nonzero(missing.overlap > 0) > some)
 
@@ -223,14 +225,11 @@ class Listing:
         law, problem, table = solution.laws, self.problem, population.table
         if not (problem.deflects and hasattr(table, "flags_at")):
             return law.area
-        beyond = table.flags_at(self.index, solution.approach) & Flag.BEYOND_RADIUS
-        body, lean = problem.plan.footprints, problem.lean
-        _, aside = deflection(body, law, solution.approach, solution.tilt, lean)
-        rough = (beyond > 0) & (law.force > 0)
-        area = law.area * widening(law, aside, rough)
-        rows = np.flatnonzero(rough)
-        shift = free_shift(body, law.stiffness[rows], solution.approach[rows], solution.tilt[rows])
-        rows, shift = rows[shift > LEANING[0]], shift[shift > LEANING[0]]
+        rough = (table.flags_at(self.index, solution.approach) & Flag.BEYOND_RADIUS) > 0
+        tilts = solution.tilt, problem.lean
+        area, shift = widened(problem.plan.footprints, law, solution.approach, *tilts, rough)
+        rows = np.flatnonzero(shift > LEANING[0])
+        shift = shift[rows]
         weight = _rise(shift, LEANING)
         share = weight @ area[rows] / max(area.sum(), np.finfo(float).tiny)
         if population.leaning is not None and share > LEAN[0]:

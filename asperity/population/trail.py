@@ -100,7 +100,7 @@ class Trail:
                     ahead, spent = foreseen(
                         listing.problem, approach, start[1], tolerance=tolerance
                     )
-                approach = ahead if np.isfinite(ahead).all() else approach
+                approach = ahead if math.isfinite(float(ahead.sum())) else approach
                 products += spent
             for problem in listing.problem.simpler():
                 # a trial step may run away; it is then refused, not warned about

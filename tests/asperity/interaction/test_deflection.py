@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from standin import HertzTable, random_population
 
-from asperity.interaction.deflection import LARGEST_SHIFT, WIDER, WIDEST, widening
+from asperity.interaction.deflection import LARGEST_SHIFT, WIDER, WIDEST, deflection, widened
 from asperity.interaction.footprint import Footprints
 from asperity.interaction.laws import Laws
 from asperity.interaction.operator import Interaction
@@ -129,11 +129,21 @@ def test_deflection_raises_the_load(m):
 
 def test_contacts_beside_rough_summits_are_wider():
     table = HertzTable(np.full(4, 0.1), np.full(4, 0.01))
-    laws = Laws(table, Footprints(1.0))(np.full(4, 1e-3))
+    body, approach, lean = Footprints(1.0), np.full(4, 1e-3), np.tile([1.0, 1.0, 0.0], (4, 1))
+    laws = Laws(table, body)(approach)
     radius = np.sqrt(laws.area / np.pi)
-    aside = np.outer([0.2, 0.2, 0.1, 3.0], [0.6, 0.8]) * radius[:, None]
+    # a paraboloid moves by R times the gradient, and less near the largest shift
+    free = np.array([0.2, 0.2, 0.1, 3.0])
+    tilt = np.outer(free, [0.6, 0.8]) * radius[:, None] / 0.1
     rough = np.array([False, True, True, True])
-    grown = widening(laws, aside, rough) - 1
-    assert grown[0] == 0.0
-    np.testing.assert_allclose(grown[1:], WIDER * np.array([0.04, 0.01, WIDEST]), rtol=1e-12)
-    assert (widening(laws, np.zeros((4, 2)), rough) == 1.0).all()
+    area, shift = widened(body, laws, approach, tilt, lean, rough)
+    np.testing.assert_allclose(shift, free * rough, rtol=1e-6)
+    aside = free / (1 + (free / LARGEST_SHIFT) ** 2)
+    np.testing.assert_allclose(
+        deflection(body, laws, approach, tilt, lean)[1],
+        -tilt * (0.1 * aside / free)[:, None],
+        rtol=1e-6,
+    )
+    grown = 1 + WIDER * np.minimum(aside**2, WIDEST) * rough
+    np.testing.assert_allclose(area, laws.area * grown, rtol=1e-6)
+    assert (widened(body, laws, approach, 0 * tilt, lean, rough)[0] == laws.area).all()
