@@ -53,7 +53,8 @@ def compiling(*parts: str) -> Iterator[None]:
     ----------
     parts
         Some of "laws" (law tables of summits), "contacts" (their interaction) and "bem" (boundary
-        elements), each compiled in a process of its own; peaks and summits are compiled here.
+        elements), each compiled in a process of its own; peaks, summits and what presses a basin
+        alone are compiled here, about as long as each of the first two takes.
     """
     if not _cold():
         yield
@@ -74,6 +75,7 @@ def compiling(*parts: str) -> Iterator[None]:
         with _collecting_nothing():
             yield
             _summits()
+            _basins()
         for child in children:
             child.wait()
     finally:  # of an interrupted run; those that have ended are left alone
@@ -182,10 +184,9 @@ def _laws() -> None:
         valid=np.ones(count, bool),
         owner=np.arange(count),
     )
-    for law in ("ellipse", "ritz", "harmonic"):
+    for law in ("ellipse", "ritz"):
         table = tabulate(profiles, BODY, law=law)
         table.evaluate(np.arange(count), table.reach)
-    _basins()
 
 
 def _basins() -> None:

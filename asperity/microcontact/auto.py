@@ -19,7 +19,7 @@ from surfaces.polar import PolarProfile, PowerSumProfile
 from ..flags import Flag
 from ..indentation import Indentation
 from ..material import HalfSpace
-from . import batch, ellipse, expansion, ritz_batch
+from . import ellipse, expansion, ritz_batch
 from .table import LawTable
 
 if TYPE_CHECKING:
@@ -79,8 +79,7 @@ def tabulate(
     continuation of the ellipse law can be off by factors. For such summits, about one in ten, the
     force of `ritz` is computed at a few approaches; where both disagree grossly, the summit is
     tabulated by `ritz` and the disagreement is its spread. So are summits whose smallest
-    polynomial is no summit: the ellipse law has nothing to say of them. A plateau on which `ritz`
-    finds a pull gets the harmonic law.
+    polynomial is no summit: the ellipse law has nothing to say of them.
     """
     table = replace(ellipse.tabulate(profiles, material, nodes=nodes), law=law)
     left = table.flags[:, 1 : int(EARLY * nodes) + 1] & Flag.BEYOND_RADIUS
@@ -92,13 +91,29 @@ def tabulate(
     if not wrong.size:
         return table
     second = ritz_batch.tabulate(profiles.rows(wrong), material, nodes=nodes)
+    _without_pull(second)
     _replace(table, wrong, second, ratio[wrong])
-    # on a plateau that rays leave uphill, direct maximisation finds a pull
-    pulled = wrong[~(second.force[:, 1:] > 0).all(axis=1)]
-    if pulled.size:
-        third = batch.tabulate(profiles.rows(pulled), material, law="harmonic", nodes=nodes)
-        _replace(table, pulled, third, ratio[pulled])
     return table
+
+
+def _without_pull(table: LawTable) -> None:
+    """Mend laws by direct maximisation that pull, in a table that nobody else holds.
+
+    On a plateau that rays leave uphill they do so at first. Up to the node at which F / u^p is
+    largest, u being the root of the approach over the reach, a paraboloid takes their place: of 12
+    such plateaus pressed alone the force is then off by 0.15 to 0.2 (rms of its logarithm) from a
+    twentieth of the reach on.
+    """
+    u = np.arange(1, table.nodes + 1) / table.nodes
+    pulls = (table.force[:, 1:] <= 0).any(axis=1) & (table.force > 0).any(axis=1)
+    for row in np.flatnonzero(pulls):
+        last = 1 + int(np.argmax(table.force[row, 1:] / u**table.exponent))
+        share = np.arange(last + 1) / last
+        force, depth = table.force[row, last], table.reach[row] * u[last - 1] ** 2
+        slope = 0.5 * table.exponent * force / depth
+        table.force[row, : last + 1] = force * share**table.exponent
+        table.stiffness[row, : last + 1] = slope * share ** (table.exponent - 2)
+        table.area[row, : last + 1] = table.area[row, last] * share**2
 
 
 def _worst_ratio(

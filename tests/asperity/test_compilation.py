@@ -38,7 +38,8 @@ def test_a_new_date_of_the_source_starts_processes_once(monkeypatch):
     for index in compilation._indices():
         os.utime(index, (0.0, 0.0))
     assert compilation._cold()
-    monkeypatch.setattr(compilation, "_summits", lambda: None)
+    for part in "_summits", "_basins":
+        monkeypatch.setattr(compilation, part, lambda: None)
     with compilation.compiling():
         pass
     assert not compilation._cold()
@@ -78,8 +79,8 @@ def forms():
     loops = {v for m in modules for v in vars(m).values() if isinstance(v, Dispatcher)}
     return {(str(loop.py_func), form) for loop in loops for form in loop.overloads}
 
-for part in (compilation._laws, compilation._contacts, compilation._summits):
-    part()
+for part in "laws", "contacts", "summits", "basins":
+    getattr(compilation, f"_{part}")()
 known = forms()
 contact_curve(compilation.small_map(), compilation.BODY)
 print({name for name, _ in forms() - known})

@@ -70,3 +70,30 @@ def test_a_summit_that_the_ellipse_law_gives_up_still_carries(profiles, monkeypa
     assert (table.reach[lost] > 0).all()
     np.testing.assert_array_equal(table.force[lost], other.force[lost])
     assert (table.spread[lost] == 1.0).all()
+
+
+def test_a_plateau_that_pulls_at_first_is_a_paraboloid_up_to_where_it_pushes_most(
+    profiles, monkeypatch
+):
+    monkeypatch.setattr(auto, "GROSS", 1.0)
+    tabulated, nodes = auto.ritz_batch.tabulate, ellipse.NODES
+
+    def pulled(*args, **options):
+        table = tabulated(*args, **options)
+        table.force[:, 1:6] = -table.force[:, -1:]
+        table.force[:, 6] *= 2.0
+        return table
+
+    kept, own = ritz.tabulate(profiles, STEEL, nodes=nodes), ellipse.tabulate(profiles, STEEL)
+    monkeypatch.setattr(auto.ritz_batch, "tabulate", pulled)
+    table = auto.tabulate(profiles, STEEL)
+    taken = np.flatnonzero((table.force != own.force).any(axis=1))
+    assert taken.size
+    u = np.arange(nodes + 1) / nodes
+    paraboloid = 2.0 * kept.force[taken, 6:7] * (u[:7] / u[6]) ** 3
+    np.testing.assert_allclose(table.force[taken, :7], paraboloid, rtol=1e-12)
+    np.testing.assert_array_equal(table.force[taken, 7:], kept.force[taken, 7:])
+    depth = table.reach[taken] * u[3] ** 2
+    force, stiffness, area = table.evaluate(taken, depth)
+    np.testing.assert_allclose(stiffness * depth, 1.5 * force, rtol=1e-9)
+    np.testing.assert_allclose(area, 0.25 * kept.area[taken, 6], rtol=1e-9)
