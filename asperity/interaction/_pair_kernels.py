@@ -110,14 +110,15 @@ def _fill(i, k, stop, ptr, row):
 
 
 @compiled()
-def in_split_lengths(variance, growth, moment, skew, eta, exact, narrow, dipole):
+def in_split_lengths(variance, growth, moment, size, skew, eta, exact, narrow, dipole):
     """What `near_fields` reads, in split lengths: `exact`, in single precision `variance`, `wide`
-    and `skew` as the rows of `narrow` (3, n), and `dipole` (n, 2); `growth` and `moment` may be
-    empty."""
+    and `skew` as the rows of `narrow` (3, n), and `dipole` (n, 2), for footprints of
+    `size` times the `variance` and `growth`; `growth` and `moment` may be empty."""
     square = 1.0 / (eta * eta)
     for i in range(variance.size):
-        exact[i] = variance[i] * square
-        wide = exact[i] + (0.5 * square * growth[i] if growth.size else 0.0)
+        unit = square * size[i]
+        exact[i] = unit * variance[i]
+        wide = exact[i] + (0.5 * unit * growth[i] if growth.size else 0.0)
         narrow[0, i] = exact[i]
         narrow[1, i] = wide
         narrow[2, i] = wide * skew[i]

@@ -39,6 +39,7 @@ def active_points(
     own,
     cap,
     scale,
+    size,
     skew,
     cell,
     rank,
@@ -49,10 +50,10 @@ def active_points(
     diagonal,
     near,
 ):
-    """The active points: their places `index`, their variance (f k)^q with f, q of `footprint`,
-    their own compliance and the diagonal of the matrix less its mesh part over `scale`, and their
-    cells `near`. Of all points their `rank` among these or -1, and in `narrow` (2, n) their
-    variance and that times `skew`, zero where they are not active."""
+    """The active points: their places `index`, their variance size (f k)^q with f, q of
+    `footprint`, their own compliance and the diagonal of the matrix less its mesh part over
+    `scale`, and their cells `near`. Of all points their `rank` among these or -1, and in `narrow`
+    (2, n) their variance and that times `skew`, zero where they are not active."""
     factor, exponent = footprint
     f0, f1, f2 = own
     n = 0
@@ -64,6 +65,7 @@ def active_points(
             continue
         k = stiffness[i]
         wide = factor * k * factor * k if exponent == 2.0 else (factor * k) ** exponent
+        wide *= size[i]
         held = min(wide, cap)
         rank[i] = n
         narrow[0, i] = wide

@@ -72,7 +72,8 @@ class Field(NamedTuple):
     moved
         Displacement [m] by the moments, shape (n,).
     longer
-        Displacement [m] by elongated footprints less that by round ones, shape (n,).
+        Displacement [m] by elongated footprints less that by round ones of their mean moment,
+        shape (n,).
     """
 
     value: NDArray[np.float64]
@@ -123,7 +124,8 @@ class Interaction:
     (1 + m_i/2 Laplacian) F_i delta(r - r_i), the moments being taken in the deposit and gather
     weights. The near part, within the cut-off, is
     g(r; m_i + m_j) - [1 + (m_i + m_j)/2 Laplacian + m_i m_j/4 Laplacian^2] f(r), exact there;
-    beyond it (m_i^2 + m_j^2)/8 Laplacian^2 of the point kernel is left out.
+    beyond it (m_i^2 + m_j^2)/8 Laplacian^2 of the point kernel is left out. An elongated footprint
+    is round with its mean moment in all of this; what it lacks then is added to near pairs.
     """
 
     def __init__(
@@ -190,7 +192,7 @@ class Interaction:
         self.tangent_value = np.empty(len(self.col) + 1, np.float32)
         self.smooth, self.lowest = np.zeros(self.mesh.shape), 0.0
         self.round = np.tile(ROUND, (len(y), 1))
-        self.form = (np.empty(0), np.empty(0), np.empty(0, np.float32))
+        self.form = (np.empty(0), np.empty(0), np.empty(0), np.empty(0, np.float32))
 
     def field(
         self,
@@ -216,12 +218,14 @@ class Interaction:
             Second moments yy, xx, xy of elongated footprints over their variance, shape (n, 3).
         """
         n, moves = len(force), moment is not None
-        skew, shape = self.shaped(form)
+        size, skew, shape = self.shaped(form)
         m, narrow = np.empty(n), np.empty((3, n), np.float32)
         moment = np.empty((0, 2)) if moment is None else moment
         dipole = np.empty((n if moves else 1, 2))
         growth = np.empty(0) if growth is None else growth
-        _pair_kernels.in_split_lengths(variance, growth, moment, skew, self.eta, m, narrow, dipole)
+        _pair_kernels.in_split_lengths(
+            variance, growth, moment, size, skew, self.eta, m, narrow, dipole
+        )
         single, wide, skewed = narrow
         masses, scale = self.masses[: 1 + moves], self.scales
         found = Field(np.empty(n), np.empty(n), np.zeros((n, 2)), np.zeros(n), np.zeros(n))
@@ -269,6 +273,7 @@ class Interaction:
         self.smooth = smooth[0]
         self.lowest = self.scale * min(0.0, float(self.smooth.min()))
         run(receivers, self.rows)
+        found.slope[:] *= size
         return found
 
     def holds(self, widest: float) -> bool:
@@ -293,13 +298,16 @@ class Interaction:
 
     def shaped(
         self, form: NDArray[np.float64] | None
-    ) -> tuple[NDArray[np.float64], NDArray[np.float32]]:
-        """What near pairs read of footprints of moments `form` over their variance: half the
-        difference of their principal moments, shape (n,), and `form` by components, (3, n)."""
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float32]]:
+        """Of footprints of moments `form` over their variance: the mean moment, which all pairs
+        take; and what near pairs read besides: half the difference of the principal moments over
+        it, both of shape (n,), and `form` over it by components, (3, n)."""
         form = self.round if form is None else form
         if form is not self.form[0]:
-            skew = np.hypot(0.5 * (form[:, 1] - form[:, 0]), form[:, 2])
-            self.form = form, skew, form.T.astype(np.float32, order="C")
+            size = 0.5 * (form[:, 0] + form[:, 1])
+            parts = form.T / size
+            skew = np.hypot(0.5 * (parts[1] - parts[0]), parts[2])
+            self.form = form, size, skew, parts.astype(np.float32, order="C")
         return self.form[1:]
 
     def potential(self, y: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -46,7 +46,7 @@ class Tangent:
     ) -> None:
         self.plan = plan
         n, body = int(np.count_nonzero(active)), plan.footprints
-        (factor, exponent), (skew, parts) = body.rule, plan.shaped(form)
+        (factor, exponent), (size, skew, parts) = body.rule, plan.shaped(form)
         rank, narrow = np.empty(len(active), np.int32), np.empty((2, len(active)), np.float32)
         self.index, self.cell = np.empty(n, np.int64), np.empty(n, np.int32)
         variance, self.compliance, self.diagonal = np.empty((3, n))
@@ -58,6 +58,7 @@ class Tangent:
             plan.own,
             CAP,
             plan.scale,
+            size,
             skew,
             plan.afar.cell,
             rank,

@@ -80,6 +80,31 @@ def test_field_of_a_long_pair_is_that_of_elliptic_gaussians(m, angle):
     assert field.value[here] + field.longer[here] == pytest.approx(exact, rel=0.025)
 
 
+@pytest.mark.parametrize("m", EXPONENTS)
+def test_far_from_a_long_footprint_its_mean_moment_is_felt(m):
+    """The mean over a circle of places beyond the near pairs, of long contacts as of elliptic
+    Gaussians."""
+    f, count, far, variance = Footprints(2.0, m), 24, 0.4, 1e-3
+    turn = 2 * np.pi * np.arange(count) / count
+    y, x = np.append(far * np.sin(turn), 0.0), np.append(far * np.cos(turn), 0.0)
+    plan = Interaction(y, x, (1.0, 1.0), "free", f, widest=variance, neighbours=4)
+    assert plan.cut * plan.eta < far
+    form = of(6.0, 0.4, m).spread
+    n, force = count + 1, (plan.order == count).astype(float)
+    field = plan.field(
+        force, np.full(n, variance), np.zeros(n), np.zeros((n, 2)), np.repeat(form, n, axis=0)
+    )
+    large, small, angle = principal(2 * variance * form[0])
+    node, weight = np.polynomial.hermite_e.hermegauss(40)
+    along = np.sqrt(large - small) * node
+    apart = np.hypot(y[:-1, None] + along * np.sin(angle), x[:-1, None] + along * np.cos(angle))
+    exact = np.mean(f.interaction(apart, small) @ weight / weight.sum())
+    ring = (field.value + field.longer)[force == 0]
+    lack = exact - float(f.interaction(far, 2 * variance))
+    assert lack > 1e-3 * exact
+    assert np.mean(ring) == pytest.approx(exact, abs=0.25 * lack)
+
+
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 def test_moments_are_the_adjoint_of_the_gradient(boundary):
     y, x, _, _ = random_population(80, CELL, 0)
