@@ -17,7 +17,7 @@ from .asperities import Asperities
 from .contacts.fields import contact_map, pressure_map
 from .contacts.spot_count import spot_count
 from .contacts.table import microcontacts
-from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, oddness, terms
+from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, oddness, weaknesses
 from .errors import InputError
 from .loadpoints import checked_loads
 from .plan import Plan, make_plan
@@ -249,7 +249,7 @@ def _curve(
         return np.array([getattr(state, name) for state in states])
 
     odd = oddness(hm)
-    weak = [terms(bodies, state, odd) for state in states]
+    weak = [weaknesses(bodies, state, odd) for state in states]
     pressure = column("mean_pressure")
     area = np.array([place.contact_area for place in places])
     separation = np.array([place.separation for place in places])

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .asperities import Asperities
     from .population.population import PopulationState
 
-__all__ = ["AREA_WEIGHTS", "LOAD_WEIGHTS", "TERMS", "estimate", "terms"]
+__all__ = ["AREA_WEIGHTS", "LOAD_WEIGHTS", "TERMS", "estimate", "terms", "weaknesses"]
 
 TERMS = (
     "coarse_contacts",
@@ -94,6 +94,15 @@ def terms(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, f
         few * np.sqrt(crowding),
     )
     return {name: float(value) for name, value in zip(TERMS, found, strict=True)}
+
+
+def weaknesses(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, float]:
+    """`terms` of a load point, part of them those of the finer contacts that count there."""
+    own, look = terms(bodies, state, odd), bodies.closer_look(state)
+    if look is None:
+        return own
+    closer = terms(look.bodies, look.state, odd)
+    return {name: own[name] + look.part * (closer[name] - own[name]) for name in TERMS}
 
 
 def oddness(hm: HeightMap) -> float:

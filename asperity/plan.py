@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,12 +18,12 @@ from .errors import InputError, SurfaceError
 from .loadpoints import checked_loads, expected_area_fraction, require_scene, slope_scale
 from .scales.fine_waves import FineScales
 from .scales.pixel_waves import refined_map, resolution_warning
-from .scales.split import split_scales
+from .scales.split import FEWEST_WAVES, split_scales
 
 if TYPE_CHECKING:
     from .material import HalfSpace
 
-__all__ = ["SCALES", "Plan", "make_plan"]
+__all__ = ["SCALES", "Plan", "finer_plan", "make_plan"]
 
 SCALES = ("auto", "all")
 """What may become of the finest waves of a map."""
@@ -46,6 +46,13 @@ little, and few contacts do not average that out."""
 
 _SAMPLE = 2**16
 """Heights that suffice for a quantile."""
+
+MORE_WAVES = 120.0
+"""Waves kept along the side of the map where few fine waves lie under the contacts."""
+
+SHORTER = 0.75
+"""Of those the shortest is at most this part of the shortest kept otherwise, or no more are kept:
+it would hardly differ."""
 
 NEGLIGIBLE_SHIFT = 2e-3
 """Shift by the neighbours, relative to the approach, below which interaction is left out."""
@@ -178,6 +185,22 @@ def make_plan(
     )
 
 
+def finer_plan(plan: Plan) -> Plan | None:
+    """The plan with more waves kept for contacts, for loads that contacts of few fine waves carry.
+
+    None if hardly more can be kept.
+    """
+    if plan.fine is None or plan.scene is None:
+        return None
+    longest = SHORTER * plan.fine.shortest
+    if np.sqrt(plan.scene[0].area) > longest * MORE_WAVES:
+        return None
+    resampled, fine, reasons = _grid(*plan.scene, True, "auto", MORE_WAVES)
+    if fine is not None and fine.shortest > longest:
+        return None
+    return replace(plan, resampled=resampled, fine=fine, above=None, reasons=tuple(reasons))
+
+
 def _require_usable(hm: HeightMap) -> None:
     found = hm.roughness
     if found.missing:
@@ -233,7 +256,7 @@ def _lowest_height(
 
 
 def _grid(
-    hm: HeightMap, material: HalfSpace, coupled: bool, scales: str
+    hm: HeightMap, material: HalfSpace, coupled: bool, scales: str, fewest: float = FEWEST_WAVES
 ) -> tuple[HeightMap | None, FineScales | None, list[str]]:
     """Map to solve, law of the waves that it leaves out, and why."""
     shape = f"{hm.shape[0]} x {hm.shape[1]}"
@@ -241,7 +264,7 @@ def _grid(
     if scales == "auto":
         split = "scales: all, contacts do not interact"
         if coupled:
-            split = split_scales(hm, material)
+            split = split_scales(hm, material, fewest)
     if not isinstance(split, str):
         coarse, fine = split
         return (

@@ -73,7 +73,9 @@ GRADED = 0.5
 """Largest |m| for which there is a law."""
 
 
-def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineScales] | str:
+def split_scales(
+    hm: HeightMap, material: HalfSpace, fewest: float = FEWEST_WAVES
+) -> tuple[HeightMap, FineScales] | str:
     """A map without its finest waves, on a grid that holds it well, and the law of those.
 
     Parameters
@@ -82,6 +84,8 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
         Height map without missing points.
     material
         Elastic half-space.
+    fewest
+        Of the shortest waves that are kept, so many fit the side of the map at least.
 
     Returns
     -------
@@ -90,7 +94,7 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
     Notes
     -----
     Waves are added from the longest on until the breadth m0 m4 / m2^2 of the spectrum (Nayak's
-    parameter) reaches `BROADEST`, `FEWEST_WAVES` along the side of the map at least, and none
+    parameter) reaches `BROADEST`, `fewest` along the side of the map at least, and none
     shorter than `UNRESOLVED` pixels. With lay the order and the breadth are those of the map
     stretched until its slope is the same in all directions. The law holds for random waves, whose
     strength may vary as a border fades (`pixel_waves.strength`). A map that is not periodic is
@@ -119,11 +123,11 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> tuple[HeightMap, FineSca
     last = int(np.argmax(breadth > BROADEST))  # 0 if it never is
     reach = np.sqrt(np.diag(np.linalg.inv(stretch @ stretch)))  # largest qy, qx where k = 1
     most = 2.0 * np.pi / (UNRESOLVED * np.max(reach * hm.spacing))
-    resolved = min(int(most / shell), m2.size - 1)
+    resolved = min(int(most / shell + 1e-6), m2.size - 1)  # whole numbers but for rounding
     steep = sums[:, 3]
     if steep[resolved] > (1.0 - TOO_MANY) * steep[-1] and breadth[-1] < WORTH_IT * BROADEST:
         return NARROW
-    few = round(FEWEST_WAVES * max(hm.size) / np.sqrt(hm.area))
+    few = round(fewest * max(hm.size) / np.sqrt(hm.area))
     last = min(max(last or resolved, few), resolved)
     if steep[last] > (1.0 - WORTH_LOSING) * steep[-1]:
         return "scales: all, the map has too few waves to take the finest out"

@@ -96,3 +96,12 @@ def test_long_contacts_do_not_hang_on_the_near_pairs_listed(monkeypatch):
     change = (few.separation - many.separation) * many.stiffness / many.mean_pressure
     assert np.abs(change).max() < 0.01
     np.testing.assert_allclose(few.contact_area, many.contact_area, rtol=0.01)
+
+
+def test_few_contacts_of_fine_waves():
+    """Where few fine waves lie under the contacts more of them are contacts: of each load alike."""
+    hm = surfaces.self_affine((240, 256), (240.0, 256.0), hurst=0.8, rms_slope=0.1, seed=12)
+    loads = np.array([4e-4, 4e-3, 4e-2]) * pressure_scale(hm, BODY)
+    curve, load, area = asked_apart(hm, loads)
+    assert curve.settings["shortest_wave"] is not None
+    assert load.max() < 0.005 and area.max() < 0.01
