@@ -46,6 +46,8 @@ class Elongation:
     axes in the same way: the rule of `Footprints`, that a footprint has the compliance of its
     contact, holds with the moments v g r along and v g / r across, where
     g^(p/2) = mean over directions of (r cos^2 + sin^2 / r)^(-p/2) (p = 1: 2 K(e) / (pi sqrt(r))).
+    By Jensen's inequality their mean is never below v: a round footprint of the mean moment leaves
+    the tangent matrix positive definite.
     An elliptic paraboloid of semi-axes a, b with r = a/b and e^2 = 1 - 1/r^2 has the radii
     a^2 / (d c) along and b^2 / (d c') across, c = 2 (K - E) / (e^2 K), c + c' = 2, of which the one
     along is bounded by `LARGEST_LEAN`.

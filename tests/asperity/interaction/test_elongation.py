@@ -49,6 +49,7 @@ def test_an_elongated_footprint_keeps_the_compliance_of_its_contact(m, ratio):
     theta = np.linspace(0, np.pi, 4001)[:-1]
     square = large * np.cos(theta) ** 2 + small * np.sin(theta) ** 2
     assert np.mean(square ** (-0.5 * (1 + m))) == pytest.approx(1.0, rel=2e-3)
+    assert large + small > 2.0
 
 
 def test_a_contact_leans_less_across_and_not_much_more_along():
