@@ -1,4 +1,4 @@
-"""Oracle and maps for the tests of the boundary-element room: numpy only, nothing of its code."""
+"""Oracle and maps for the tests of the boundary elements: numpy only, nothing of their code."""
 
 from __future__ import annotations
 

@@ -141,7 +141,7 @@ def test_a_free_boundary_cuts_a_periodic_map_at_its_border(rough):
     loads = default_pressures(rough, STEEL, count=3)
     whole = solve_contacts(rough, STEEL, make_plan(rough, STEEL, boundary="free"), pressures=loads)
     cut = rough.replace(periodic=False)
-    other = solve_contacts(cut, STEEL, make_plan(cut, STEEL), pressures=loads)
+    other = solve_contacts(cut, STEEL, pressures=loads)
     np.testing.assert_array_equal(whole.curve.separation, other.curve.separation)
     np.testing.assert_array_equal(whole.curve.contacts, other.curve.contacts)
     np.testing.assert_array_equal(whole.pressure_map(), other.pressure_map())
@@ -206,8 +206,7 @@ def test_a_separation_above_the_surface_carries_nothing(rough):
 
 
 def test_map_and_table_hold_the_same_area(rough):
-    plan = make_plan(rough, STEEL)
-    run = solve_contacts(rough, STEEL, plan, pressures=default_pressures(rough, STEEL)[-3:])
+    run = solve_contacts(rough, STEEL, pressures=default_pressures(rough, STEEL)[-3:])
     for state in run.states:
         table = microcontacts(run.bodies, state)
         pixels = np.count_nonzero(contact_map(run.bodies, state))
@@ -222,17 +221,13 @@ def test_table_says_where_contacts_lie_and_how_far_to_trust_them(rough):
     only contacts that fill part of their basin are cut off."""
     hm = paraboloid(1e-3)
     separation = [-hm.heights.mean() - 2e-7]
-    run = solve_contacts(
-        hm, STEEL, make_plan(hm, STEEL, separations=separation), separations=separation
-    )
+    run = solve_contacts(hm, STEEL, separations=separation)
     table = microcontacts(run.bodies, run.states[0])
     np.testing.assert_allclose(table["radii"][0], table["radius"][0], rtol=2e-3)
     assert table["flags"][0] == 0 and table["filled"][0] == 0 and table["estimate"][0] < 1e-3
     np.testing.assert_allclose(table["centre_x"], table["x"], atol=1e-8)
 
-    run = solve_contacts(
-        rough, STEEL, make_plan(rough, STEEL), pressures=default_pressures(rough, STEEL)[-2:]
-    )
+    run = solve_contacts(rough, STEEL, pressures=default_pressures(rough, STEEL)[-2:])
     table = microcontacts(run.bodies, run.states[-1])
     radii = table["radii"]
     assert radii.shape == (len(table), 16) and (radii > 0).all()
@@ -249,9 +244,7 @@ def test_table_says_where_contacts_lie_and_how_far_to_trust_them(rough):
 def test_pressure_map_carries_the_load_of_the_contacts_it_resolves():
     hm = paraboloid(1e-3)
     separation = [-hm.heights.mean() - 2e-7]
-    run = solve_contacts(
-        hm, STEEL, make_plan(hm, STEEL, separations=separation), separations=separation
-    )
+    run = solve_contacts(hm, STEEL, separations=separation)
     pressure = pressure_map(run.bodies, run.states[0])
     pixel = hm.spacing[0] * hm.spacing[1]
     assert pressure.sum() * pixel == pytest.approx(run.curve.load[0], rel=1e-9)
@@ -267,7 +260,7 @@ def test_contacts_smaller_than_a_pixel_are_in_the_maps_too(m):
     hm = self_affine((60, 80), (0.6e-3, 1.2e-3), hurst=0.8, rms_slope=0.1, seed=3)
     body = asperity.HalfSpace.from_modulus(2e11, m=m)
     loads = default_pressures(hm, body)[0] * np.array([1e-3, 0.1, 1.0])
-    run = solve_contacts(hm, body, make_plan(hm, body, pressures=loads), pressures=loads)
+    run = solve_contacts(hm, body, pressures=loads)
     for state, load in zip(run.states, run.curve.mean_pressure, strict=True):
         pressure = pressure_map(run.bodies, state)
         assert pressure.mean() == pytest.approx(load, rel=1e-9)
