@@ -68,7 +68,7 @@ def widen(
         y, x, _, square = _beside(
             stiffness[i], approach[i], tilt[i, 0], tilt[i, 1], lean[i], modulus, power, limit
         )
-        share = math.pi * (y * y + x * x) / area[i]
+        share = math.pi * power * power * (y * y + x * x) / area[i]
         grown[i] = area[i] * (1.0 + wider * min(share, widest))
         slope = math.sqrt(tilt[i, 0] ** 2 + tilt[i, 1] ** 2)
         shift[i] = math.sqrt(square) / (power * approach[i]) * slope

@@ -21,6 +21,9 @@ from ._lanes import FAST, LANES, entries, load, pick, root, some, splat, store, 
 CELLS = 24
 """Cells of a ray between which the root of its edge operator is linear."""
 
+MOST_UNEVEN = 1.0
+"""Largest sum (n - 1) e_n^2 over the harmonics of a planform that the correction takes."""
+
 _BLOCK = 5
 """Values of the edge operator summed at a time: a divisor of `CELLS` + 1."""
 
@@ -47,14 +50,28 @@ def _ray_radius(shape, cx, cy):
 
 
 @inner(fastmath=FAST, error_model="numpy")
+def _unevenness(radius, rays, lobes):
+    """sum (n - 1) e_n^2 of the amplitudes of harmonics n > 2 over the mean radius, from the sums of
+    the products of radii that lie 0, 1, 2 ... rays apart, which have the weights `lobes`."""
+    found, square = splat(0.0), splat(0.0)
+    for p in range(rays):
+        r = load(radius, p)
+        square += r * r
+        for lag in range(lobes.size):
+            found += lobes[lag] * r * load(radius, (p + lag) % rays)
+    return found / square
+
+
+@inner(fastmath=FAST, error_model="numpy")
 def _planform(radius, weight, direction, rays, m, punch, out, place_):
     """Area, stiffness and centre of planforms on rays, in four groups of `out`.
 
     `punch` holds the stiffnesses of unit punches over the logarithm of their axis ratio, the first
-    of these and the inverse of their step.
+    of these, the inverse of their step, and the weights of `_unevenness`.
 
     The stiffness is that of the ellipse of equal area and second moments, times the first
-    correction for the other harmonics.
+    correction 1 + (1 - m^2)/4 sum (n - 1) e_n^2 for the other harmonics, of amplitudes e_n over
+    the radius of the ellipse. The radii are left in units of that.
     """
     area, mx, my = splat(0.0), splat(0.0), splat(0.0)
     xx, xy, yy = splat(0.0), splat(0.0), splat(0.0)
@@ -77,8 +94,7 @@ def _planform(radius, weight, direction, rays, m, punch, out, place_):
     mean, bend = 0.5 * (xx + yy), 0.5 * (xx - yy)
     half = root(bend * bend + xy * xy)
     large, small = mean + half, most(mean - half, 2e-12 * mean)
-    inertia = large * small * (4 * math.pi * unit) * (4 * math.pi * unit)
-    stiffness, start, inverse = punch
+    stiffness, start, inverse, lobes = punch
     x = (0.5 * logarithm(small / large) - start) * inverse
     x = between(x, splat(1.0), splat(stiffness.size - 2.001))
     i = whole(x)
@@ -89,8 +105,13 @@ def _planform(radius, weight, direction, rays, m, punch, out, place_):
     k += entries(stiffness, i + 2.0) * ((u + 1.0) * u * (u - 1.0) * (1 / 6))
     k *= exponential((0.5 + 0.5 * m) * logarithm(area * (1 / math.pi)))
     store(out, place_, area)
-    excess = between(inertia - 1.0, splat(0.0), splat(1.0))
-    store(out, place_ + 1, k * (1.0 + (1 - m * m) / 8 * excess))
+    unit = 1.0 / (large * small)
+    for p in range(rays):
+        cx, cy = load(direction, p), load(direction, rays + p)
+        square = (yy * cx * cx - 2.0 * xy * cx * cy + xx * cy * cy) * unit
+        store(radius, p, load(radius, p) * root(most(square, splat(0.0))))
+    excess = between(_unevenness(radius, rays, lobes), splat(0.0), splat(MOST_UNEVEN))
+    store(out, place_ + 1, k * (1.0 + (1 - m * m) / 4 * excess))
     store(out, place_ + 2, mx)
     store(out, place_ + 3, my)
 

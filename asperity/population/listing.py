@@ -43,7 +43,7 @@ SKIN = 0.15
 ASTRAY = 1e-3
 """Share of the load that this distance may make in the slope of the field."""
 
-LEAN = (0.1, 0.15)
+LEAN = (0.22, 0.3)
 """Share of the contact area in contacts that lean up to which they keep the law of the level
 surface, and from which on all have that of the tilted one."""
 

@@ -127,9 +127,10 @@ def test_deflection_raises_the_load(m):
     assert 1.0 < moving.laws.force.sum() / still.laws.force.sum() < 1.3
 
 
-def test_contacts_beside_rough_summits_are_wider():
-    table = HertzTable(np.full(4, 0.1), np.full(4, 0.01))
-    body, approach, lean = Footprints(1.0), np.full(4, 1e-3), np.tile([1.0, 1.0, 0.0], (4, 1))
+@pytest.mark.parametrize("m", EXPONENTS)
+def test_contacts_beside_rough_summits_are_wider(m):
+    table = HertzTable(np.full(4, 0.1), np.full(4, 0.01), m=m)
+    body, approach, lean = Footprints(1.0, m), np.full(4, 1e-3), np.tile([1.0, 1.0, 0.0], (4, 1))
     laws = Laws(table, body)(approach)
     radius = np.sqrt(laws.area / np.pi)
     # a paraboloid moves by R times the gradient, and less near the largest shift
@@ -144,6 +145,6 @@ def test_contacts_beside_rough_summits_are_wider():
         -tilt * (0.1 * aside / free)[:, None],
         rtol=1e-6,
     )
-    grown = 1 + WIDER * np.minimum(aside**2, WIDEST) * rough
+    grown = 1 + WIDER * np.minimum(((1 + m) * aside) ** 2, WIDEST) * rough
     np.testing.assert_allclose(area, laws.area * grown, rtol=1e-6)
     assert (widened(body, laws, approach, 0 * tilt, lean, rough)[0] == laws.area).all()

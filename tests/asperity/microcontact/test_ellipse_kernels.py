@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from numba import njit
 from scipy.interpolate import CubicHermiteSpline
+from scipy.linalg import solve
 
+from asperity.bem.kernel import near_influence
 from asperity.microcontact import _basin_kernels, _fit_kernels, _polynomial_kernels, _row_kernels
 from asperity.microcontact._directions import place
 from asperity.microcontact._ellipse_kernels import SHAPE, STATES
@@ -194,6 +196,61 @@ def test_slopes_at_the_trusted_levels():
     assert columns[1, last] == pytest.approx(exact[last], rel=2e-2)
     np.testing.assert_allclose(columns[0, first:last], state[first:last, 0])
     np.testing.assert_allclose(columns[0, 0] / columns[0, 1], (levels[0] / levels[1]) ** p)
+
+
+@njit
+def _planform(radius, weight, direction, rays, m, punch, out):
+    _basin_kernels._planform(radius, weight, direction, rays, m, punch, out, 0)
+
+
+def shape_on_rays(outline, ratio, m, rays=16):
+    """Stiffness of a planform of modulus 1 over area^(p/2), from rays stretched along x."""
+    t = np.arange(rays) * 2 * np.pi / rays
+    x, y = ratio * np.cos(t) * outline(t), np.sin(t) * outline(t)
+    weight = 2 * np.pi / rays * ratio / (ratio**2 * np.cos(t) ** 2 + np.sin(t) ** 2)
+    radius = np.hypot(x, y)
+    direction = np.concatenate((x / radius, y / radius))
+    out = np.zeros(4 * LANES)
+    punch = _rules(m, rays, 17, 24)[3][1]
+    _planform(lanes(radius), lanes(weight), lanes(direction), rays, m, punch, out)
+    area, stiffness = out.reshape(4, LANES)[:2, 0]
+    return stiffness / area ** (0.5 + 0.5 * m)
+
+
+def shape_of_elements(outline, ratio, m, cells=19):
+    """The same up to a factor, from the pressures of elements about as long as wide once shrunk."""
+    place = (np.arange(-2 * cells, 2 * cells + 1) + 0.13) / cells
+    y, x = np.meshgrid(place, place, indexing="ij")
+    inside = np.argwhere(np.hypot(x, y) < outline(np.arctan2(y, x)))
+    influence = near_influence((place.size,) * 2, (1.0, ratio), m)
+    far = np.abs(inside[:, None] - inside[None])
+    pressure = solve(influence[far[..., 0], far[..., 1]], np.ones(len(inside)), assume_a="pos")
+    return pressure.sum() / len(inside) ** (0.5 + 0.5 * m)
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0])
+@pytest.mark.parametrize(("ratio", "lobes"), [(1.0, 3), (1.0, 4), (2.0, 3)])
+def test_lobes_stiffen_a_planform(m, ratio, lobes):
+    """By (1 - m^2)/4 (n - 1) e^2 at equal area, to second order, on circles and on ellipses."""
+    deep = 0.25
+    ours, exact = (
+        shape(lambda t: 1 + deep * np.cos(lobes * t), ratio, m) / shape(np.ones_like, ratio, m) - 1
+        for shape in (shape_on_rays, shape_of_elements)
+    )
+    assert ours == pytest.approx((1 - m * m) / 4 * (lobes - 1) * deep**2, rel=0.1)
+    assert ours == pytest.approx(exact, rel=0.25)
+
+
+def test_ellipses_have_no_lobes():
+    """Wherever the rays begin."""
+    level = shape_on_rays(np.ones_like, 2.0, 0.0)
+    assert level == pytest.approx(shape_on_rays(lambda t: 3.0 + 0 * t, 2.0, 0.0))
+    assert shape_on_rays(np.ones_like, 1.0, 0.0) == pytest.approx(2 / np.sqrt(np.pi), rel=1e-4)
+
+    def shifted(t):
+        return np.sqrt(1 - (0.2 * np.sin(t)) ** 2) - 0.2 * np.cos(t)
+
+    assert shape_on_rays(shifted, 2.0, 0.0) == pytest.approx(level, rel=2e-3)
 
 
 @njit
