@@ -40,7 +40,7 @@ keeps the rays of the contacts off the height that is cut."""
 _WORTH_IT = 0.6
 """Share of the heights from which on the whole map is segmented."""
 
-_SMALL = 2**18
+_SMALL = 2**20
 """Points up to which the whole map is segmented: laws of summits whose basins are cut differ a
 little, and few contacts do not average that out."""
 

@@ -155,7 +155,8 @@ def test_interaction_opens_the_surface(rough):
     assert coupled.load[0] < alone.load[0]
 
 
-def test_segmenting_only_the_top_changes_little():
+def test_segmenting_only_the_top_changes_little(monkeypatch):
+    monkeypatch.setattr("asperity.plan._SMALL", 2**18)
     large = self_affine(
         (640, 512), (6.4e-3, 5.12e-3), hurst=0.8, rms_slope=0.1, cutoff=5e-5, seed=4
     )
