@@ -9,7 +9,7 @@ import numpy as np
 from surfaces._compiled import compiled, inner
 from surfaces._spline import expand
 
-__all__ = ["ASPECTS", "REACH", "press_rows"]
+__all__ = ["ASPECTS", "MOST", "REACH", "WINDOW", "press_rows"]
 
 ASPECTS = np.array([1.0, 1.5, 2.25, 3.4, 5.0])
 """Ratios of the sides of the elements."""
@@ -307,7 +307,7 @@ def _area(number, nv, nu, hv, hu, closed, left, m, edge):
 
 @compiled(error_model="numpy")
 def press_rows(
-    first, last, rows, surface, summits, depths, unit, m, kernels, points, tolerance, out
+    first, last, rows, surface, summits, depths, unit, m, kernels, points, tolerance, out, space
 ):
     """Force [N], area [m^2] and centre y, x [m] of the contacts `rows[first:last]`.
 
@@ -316,20 +316,13 @@ def press_rows(
     floors [m] of all (finite ones are of joined summits, which get twice the elements); `depths`
     the approaches [m], (n, levels), rising, zero after the last; `unit` the compliance of an
     element of unit area; `out` is (n, levels, 4): zero where too few elements overlap, and from the
-    level on at which the basin reaches too far.
+    level on at which the basin reaches too far; `space` is scratch (`elements`).
     """
     heights, labels, owner, periodic, flat, width, spacing = surface
     peak_row, peak_col, places, tops, axes, curvature, floors = summits
-    mark = np.zeros((2 * WINDOW + 1, 2 * WINDOW + 1), np.int32)
-    pixel_rows, pixel_cols = np.empty((2, mark.size), np.int64)
-    gap, inside = np.empty(REACH * REACH), np.empty(REACH * REACH, np.int8)
-    stack, number = np.empty((2, REACH * REACH), np.int64)
+    (mark, pixel_rows, pixel_cols), (gap, inside, stack, number, box), elements = space
+    matrix, closed, overlap, work, row, col = elements
     edge = math.gamma(0.5 * (3.0 + m)) / math.gamma(0.5 * (5.0 - m))
-    matrix = np.empty((MOST, MOST), np.float32)
-    closed, overlap = np.empty((2, MOST), np.float32)
-    work = np.empty((3, MOST), np.float32)
-    row, col = np.empty((2, MOST), np.int64)
-    box = np.empty(4)
     (ny, nx), rim, stamp = heights.shape, max(spacing[0], spacing[1]), 0
     for slot in range(first, last):
         peak = rows[slot]

@@ -125,27 +125,25 @@ def _enter(lane, k, coefs, frames, scales, rays, pose, present):
 def march_rows(
     coefs, frames, scales, rays, levels, steps, m, rows, grid, moments, found, space
 ):  # fmt: skip
-    """Follow profiles through the approaches levels**2, each lane at its own pace.
+    """Follow profiles through approaches, each lane at its own pace.
 
-    Fills rows of the states (levels * STATES), of the contours at the last trusted levels, and of
-    the first and the last trusted level, -1 for both where there is none. `steps` Newton steps at
-    most before the first trusted level; a profile ends at the first level after it that is not
-    trusted. A lane whose profile has ended takes the next one; profiles whose last scale is zero
-    are left out.
+    `levels` are the approaches, and the logarithms of their ratios to those before. Fills rows of
+    the states (levels * STATES), of the contours at the last trusted levels, and of the first and
+    the last trusted level, -1 for both where there is none. `steps` Newton steps at most before the
+    first trusted level; a profile ends at the first level after it that is not trusted. A lane
+    whose profile has ended takes the next one; profiles whose last scale is zero are left out.
 
     The functional is evaluated on the nearest ellipse whose axis ratio is in the tables: the error
     is of third order in half of their spacing.
     """
     states, shapes, ends = found
     shrink, start, step, count = grid
-    n, size = len(scales), levels.size
+    depths, growths = levels
+    n, size = len(scales), depths.size
     work, present, (state, recorded) = space
     pose, local, values, own, fields, X, limit, system, number = work
     fits, edge, shape, single = present
-    depths, growths = levels * levels, np.zeros(size)
-    for level in range(1, size):
-        growths[level] = 2 * math.log(levels[level] / levels[level - 1])
-    who = np.zeros(LANES, np.int64)
+    who = np.empty(LANES, np.int64)
     following = np.int64(0)
     for lane in range(LANES):
         following = _usable_from(following, scales)
@@ -154,6 +152,7 @@ def march_rows(
             who[lane] = following
             following += 1
         elif lane > 0:
+            who[lane] = who[0]
             _enter(lane, who[0], coefs, frames, scales, rays, pose, present)
             single[_ALIVE * LANES + lane] = 0.0
         else:

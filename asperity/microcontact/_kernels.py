@@ -12,15 +12,13 @@ __all__ = ["evaluate_table", "resample"]
 
 
 @compiled()
-def evaluate_table(rows, approach, reach, force, stiffness, area, p):
-    """Force, its derivative and area at `approach`; see `LawTable`."""
-    n = rows.size
+def evaluate_table(rows, approach, reach, force, stiffness, area, p, scale, out):
+    """Force, its derivative and area at `approach` into `out` (3, n); see `LawTable`.
+
+    `scale` is u^-p at the nodes, but at the first.
+    """
     intervals = force.shape[1] - 1
-    out = np.zeros((3, n))
-    scale = np.ones(intervals + 1)
-    for j in range(1, intervals + 1):
-        scale[j] = (j / intervals) ** (-p)
-    for i in range(n):
+    for i in range(rows.size):
         row, d = rows[i], approach[i]
         top = reach[row]
         if d <= 0.0 or top <= 0.0:
@@ -55,7 +53,6 @@ def evaluate_table(rows, approach, reach, force, stiffness, area, p):
         out[0, i] = power * s
         out[1, i] = power * (p * s / u + g) / (2.0 * u * top)
         out[2, i] = b * u * u
-    return out
 
 
 @compiled()

@@ -8,7 +8,7 @@ of some two hundred unknowns.
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,10 +89,25 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
     unit = compliance((1.0, 1.0), material)
     rules = unit, material.m, _kernels(material.m), POINTS, TOLERANCE
     _threads.run(
-        lambda a, b: press_rows(a, b, rows, surface, tops, depths, *rules, out),
+        lambda a, b: press_rows(a, b, rows, surface, tops, depths, *rules, out, _space()),
         [(k, k + 1) for k in range(len(rows))],  # some take ten times as long as others
     )
     return out
+
+
+def _space() -> tuple[tuple[NDArray[Any], ...], ...]:
+    """Scratch of `press_rows`: of the window on the map, of the grid and of its elements."""
+    from ._element_kernels import MOST, REACH, WINDOW
+
+    mark, grid = np.zeros((2 * WINDOW + 1,) * 2, np.int32), REACH**2
+    return (
+        (mark, *np.empty((2, mark.size), np.int64)),
+        (np.empty(grid), np.empty(grid, np.int8), *np.empty((2, grid), np.int64), np.empty(4)),
+        (
+            np.empty((MOST, MOST), np.float32), *np.empty((2, MOST), np.float32),
+            np.empty((3, MOST), np.float32), *np.empty((2, MOST), np.int64),
+        ),
+    )  # fmt: skip
 
 
 @lru_cache(maxsize=4)

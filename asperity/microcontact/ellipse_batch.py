@@ -134,6 +134,7 @@ def _rules(m: float, rays: int, samples: int, nodes: int) -> tuple[Any, ...]:
             (float(fit.logs[1]), first, (last - first) / (_RATIOS - 1), _RATIOS - 1.0),
             tables.moments,
         ),
+        (u * u, 2.0 * np.log(u / np.append(u[0], u[:-1]))),
         (u, u ** (3 + m), _stencils(nodes)),
         (
             np.ascontiguousarray(_along_rays(m, samples).T),
@@ -196,7 +197,7 @@ def tabulate(
 
     n, rays = profiles.phi.shape
     m = material.m
-    fitting, marching, levels, rows = _rules(m, rays, profiles.t.size, nodes)
+    fitting, marching, followed, levels, rows = _rules(m, rays, profiles.t.size, nodes)
     samples = (
         packed(profiles.phi), profiles.angle, packed(profiles.weight), profiles.curvature,
         packed(profiles.edge), packed(profiles.q), profiles.valid, rays, profiles.t.size,
@@ -223,7 +224,7 @@ def tabulate(
             frames, coefs, scales, *rest = (array[: stop - start] for array in space)
             fit_rows(start, stop, samples, fitting, u[0] ** 2, m, frames, coefs, scales, fit_work)
             found = tuple(rest)
-            march_rows(coefs, frames, scales, rays, u, *marching, found, march_work)  # type: ignore[call-arg]
+            march_rows(coefs, frames, scales, rays, followed, *marching, found, march_work)  # type: ignore[call-arg]
             tabulate_rows(  # type: ignore[call-arg]
                 start, samples, frames, scales, found, levels, m, material.modulus, *rows,
                 out, row_work,

@@ -101,7 +101,9 @@ class LawTable:
         rows, depth = np.broadcast_arrays(
             np.asarray(index, dtype=np.int64), np.asarray(approach, dtype=float)
         )
-        values = evaluate_table(
+        scale = (np.maximum(np.arange(self.nodes + 1), 1) / self.nodes) ** -self.exponent
+        values = np.zeros((3, rows.size))
+        evaluate_table(
             np.ascontiguousarray(rows).ravel(),
             np.ascontiguousarray(depth).ravel(),
             self.reach,
@@ -109,6 +111,8 @@ class LawTable:
             self.stiffness,
             self.area,
             self.exponent,
+            scale,
+            values,
         )
         force, stiffness, area = (value.reshape(rows.shape) for value in values)
         return force, stiffness, area
