@@ -77,6 +77,12 @@ class Elongation:
         yy, xx, xy = self.spread.T
         return np.asarray(0.5 * (yy + xx) + np.hypot(0.5 * (yy - xx), xy))
 
+    def rounded(self, some: NDArray[np.bool_]) -> Elongation:
+        """The same with round footprints of `some` contacts, shape (n,)."""
+        still = np.array((1.0, 1.0, 0.0))
+        spread, lean = (np.where(some[:, None], still, v) for v in (self.spread, self.lean))
+        return Elongation(spread, lean)
+
     def rows(self, index: NDArray[np.int64]) -> Elongation:
         """Of the contacts `index` alone."""
         return Elongation(self.spread[index], self.lean[index])

@@ -51,6 +51,8 @@ class Solution:
         Newton steps, and applications of the interaction in all.
     reason
         "" if converged.
+    restless
+        Contacts whose shifts have changed most at last, shape (n,).
     shares
         Approach that each contact gains per fall of the plane [-], shape (n,), as far as known.
     answer
@@ -66,6 +68,7 @@ class Solution:
     steps: int
     products: int
     reason: str
+    restless: NDArray[np.bool_]
     shares: Array
     answer: Callable[[], tuple[float, Array]]
 

@@ -21,7 +21,8 @@ MAX_LOADED_STEPS = 30
 """Newton steps under a load before its separation is searched for instead."""
 
 MAX_LONG_STEPS = 16
-"""Newton steps with elongated footprints before round ones are taken instead."""
+"""Newton steps with elongated footprints before round ones are taken instead, first of the contacts
+that do not settle."""
 
 MAX_CUTS = 30
 NOISE = 1e-10
@@ -43,6 +44,10 @@ SHARES = (0.2, 1.0)
 
 SUFFICIENT = 1e-4
 """Share of the predicted fall of energy that a step must reach (Armijo)."""
+
+RESTLESS = 0.1
+"""Force that the last change of its shift makes in a contact, over the largest of all, from which
+on it has not settled."""
 
 ROUGH = 0.03
 """Residual above which the laws are taken anew within a step."""
@@ -171,6 +176,7 @@ def descend(
         step,
         products,
         reason,
+        _restless(state, last),
         compliance,
         functools.partial(answer, problem, residual, compliance),
     )
@@ -196,6 +202,12 @@ def _relaxed(
         return share
     found = -share * float(np.sum(stiffness * last * change)) / whole
     return min(max(found, SHARES[0]), SHARES[1])
+
+
+def _restless(state: State, behind: Array) -> NDArray[np.bool_]:
+    """Contacts that make the most of the last change of the shifts."""
+    change: Array = state.laws.stiffness * np.abs(behind)
+    return np.asarray(~(change < RESTLESS * change.max(initial=0.0)))
 
 
 def _forcing(residual: float, tolerance: float) -> float:

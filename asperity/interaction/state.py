@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -39,12 +38,11 @@ class Problem:
     deflects: bool = False
     elongation: Elongation | None = None
 
-    def simpler(self) -> Iterator[Problem]:
-        """This problem, and the same with round footprints: on a map that is rough to the pixel,
-        long footprints can overlap so far that their approximate sum has no solution."""
-        yield self
-        if self.elongation is not None:
-            yield replace(self, elongation=None)
+    def rounded(self, some: NDArray[np.bool_]) -> Problem:
+        """The same with round footprints of `some` contacts, shape (n,): long ones can overlap so
+        far that their approximate sum has no solution."""
+        assert self.elongation is not None
+        return replace(self, elongation=None if some.all() else self.elongation.rounded(some))
 
     @property
     def form(self) -> NDArray[np.float64]:

@@ -102,7 +102,8 @@ class Trail:
                     )
                 approach = ahead if math.isfinite(float(ahead.sum())) else approach
                 products += spent
-            for problem in listing.problem.simpler():
+            problem = listing.problem
+            for attempt in range(3):
                 # a trial step may run away; it is then refused, not warned about
                 with np.errstate(over="ignore", invalid="ignore"):
                     solution = descend(
@@ -115,8 +116,11 @@ class Trail:
                         compliance=np.where(start[4] > 0, start[4], 1.0),
                     )
                 solution = self._ordered(solution, tolerance)
-                if not solution.reason or good is not None:
+                if not solution.reason or good is not None or problem.elongation is None:
                     break
+                problem = problem.rounded(solution.restless | (attempt > 0))
+            if not solution.reason and problem.elongation is not None:
+                listing = replace(listing, problem=problem)
             separation, steps = solution.separation, steps + solution.steps
             products += solution.products
             values = np.stack(
@@ -292,6 +296,7 @@ class Trail:
             0,
             0,
             "",
+            still[:, 0] > 0,
             shares,
             lambda: (slope, shares),
         )

@@ -344,6 +344,7 @@ def run(args):
 
 JITCodeLibrary._object_compiled_hook = classmethod(interrupted)
 report.run = run
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background ignores it
 sys.exit(main.main(["report", "results.h5"]))
 """
     done = subprocess.run(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from standin import random_population
@@ -14,6 +16,7 @@ from asperity.interaction.laws import Laws
 from asperity.interaction.operator import Interaction
 from asperity.interaction.solver import descend
 from asperity.interaction.state import Problem
+from asperity.population import trail
 from asperity.population.population import Population
 
 EXPONENTS = (-0.3, 0.0, 0.5)
@@ -145,15 +148,38 @@ def test_a_turned_scene_carries_the_same():
     assert loads[0] == pytest.approx(loads[1], rel=2e-3)
 
 
-def test_round_footprints_stand_in_where_long_ones_have_no_solution(monkeypatch):
+def long_and_round():
+    """A population of long contacts, and the same with round ones."""
     y, x, height, table = random_population(64, (1.0, 1.0), 3, apart=True)
     common = {"x": x, "y": y, "height": height, "table": table, "cell": (1.0, 1.0)}
     common |= {"boundary": "periodic", "material": asperity.HalfSpace.from_modulus(1.0)}
     shape = {"curvature": np.tile([6.0, 1.0], (64, 1)), "angle": np.full(64, 0.3)}
-    long = Population(**common, **shape).solve(separation=0.01)
-    flat = Population(**common).solve(separation=0.01)
+    return Population(**common, **shape), Population(**common)
+
+
+def test_round_footprints_stand_in_where_long_ones_have_no_solution(monkeypatch):
+    long, flat = (population.solve(separation=0.01) for population in long_and_round())
     assert long.converged and long.mean_pressure != flat.mean_pressure
     monkeypatch.setattr(solver, "MAX_LONG_STEPS", 0)
-    stood = Population(**common, **shape).solve(separation=0.01)
+    stood = long_and_round()[0].solve(separation=0.01)
     assert stood.converged
     assert stood.mean_pressure == pytest.approx(flat.mean_pressure, rel=1e-6)
+
+
+def test_first_only_contacts_that_do_not_settle_become_round(monkeypatch):
+    problems = []
+
+    def stubborn(problem, *args, **more):
+        problems.append(problem)
+        solution = descend(problem, *args, **more)
+        if len(problems) > 1:
+            return solution
+        return replace(solution, reason="two contacts", restless=np.arange(len(problem.height)) < 2)
+
+    monkeypatch.setattr(trail, "descend", stubborn)
+    state = long_and_round()[0].solve(separation=0.01)
+    assert state.converged
+    first, second = (problem.elongation for problem in problems[:2])
+    for before, after in ((first.spread, second.spread), (first.lean, second.lean)):
+        np.testing.assert_array_equal(after[:2], [[1.0, 1.0, 0.0]] * 2)
+        np.testing.assert_array_equal(after[2:], before[2:])

@@ -211,7 +211,7 @@ def shape_on_rays(outline, ratio, m, rays=16):
     radius = np.hypot(x, y)
     direction = np.concatenate((x / radius, y / radius))
     out = np.zeros(4 * LANES)
-    punch = _rules(m, rays, 17, 24)[3][1]
+    punch = _rules(m, rays, 17, 24)[-1][1]
     _planform(lanes(radius), lanes(weight), lanes(direction), rays, m, punch, out)
     area, stiffness = out.reshape(4, LANES)[:2, 0]
     return stiffness / area ** (0.5 + 0.5 * m)
