@@ -52,7 +52,7 @@ class Solution:
     reason
         "" if converged.
     restless
-        Contacts whose shifts have changed most at last, shape (n,).
+        Contacts whose shifts have changed most at last, shape (n,); all far from a solution.
     shares
         Approach that each contact gains per fall of the plane [-], shape (n,), as far as known.
     answer

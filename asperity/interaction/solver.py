@@ -49,6 +49,9 @@ RESTLESS = 0.1
 """Force that the last change of its shift makes in a contact, over the largest of all, from which
 on it has not settled."""
 
+FAR = 0.1
+"""Residual above which it is no matter of single contacts."""
+
 ROUGH = 0.03
 """Residual above which the laws are taken anew within a step."""
 
@@ -176,7 +179,7 @@ def descend(
         step,
         products,
         reason,
-        _restless(state, last),
+        _restless(state, last, error),
         compliance,
         functools.partial(answer, problem, residual, compliance),
     )
@@ -204,8 +207,10 @@ def _relaxed(
     return min(max(found, SHARES[0]), SHARES[1])
 
 
-def _restless(state: State, behind: Array) -> NDArray[np.bool_]:
-    """Contacts that make the most of the last change of the shifts."""
+def _restless(state: State, behind: Array, error: float) -> NDArray[np.bool_]:
+    """Contacts that make the most of the last change of the shifts; all far from a solution."""
+    if error > FAR:
+        return np.ones(len(behind), bool)
     change: Array = state.laws.stiffness * np.abs(behind)
     return np.asarray(~(change < RESTLESS * change.max(initial=0.0)))
 
