@@ -96,7 +96,7 @@ def test_no_law_of_a_fading_border_pulls():
 def test_steps_that_run_away_are_refused_without_a_warning(angle):
     hm = _rough((128, 160), 8.0, seed=5, anisotropy=20.0, angle=angle)
     body = asperity.HalfSpace.from_modulus(1.0, m=-0.3)
-    places = hm.rms_height * np.array([1.0, 0.6, 0.4, 0.2, 0.1])
+    places = hm.rms_height * np.array([1.0, 0.4])
     curve = asperity.contact_curve(hm, body, separations=places)
     assert all(reason or good for reason, good in zip(curve.reasons, curve.converged, strict=True))
 
