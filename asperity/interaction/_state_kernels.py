@@ -43,16 +43,16 @@ def deflect(force, stiffness, approach, tilt, lean, modulus, power, limit, gain,
 
 @compiled(error_model="numpy")
 def widen(
-    outgrown,
     force,
     stiffness,
-    area,
     approach,
     tilt,
     lean,
     modulus,
     power,
     limit,
+    area,
+    outgrown,
     wider,
     widest,
     grown,

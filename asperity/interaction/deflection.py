@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -62,19 +64,9 @@ def deflection(
     smoothly by `LARGEST_SHIFT` a. Moments act on heights, not on each other's gradients.
     """
     gain, (aside, moment) = np.empty(len(approach)), np.empty((2, len(approach), 2))
-    _state_kernels.deflect(
-        law.force,
-        law.stiffness,
-        approach,
-        np.ascontiguousarray(tilt),
-        lean,
-        footprints.modulus,
-        footprints.power,
-        LARGEST_SHIFT,
-        gain,
-        aside,
-        moment,
-    )
+    read = _read(footprints, law, approach, tilt, lean)
+    kernel: Any = _state_kernels.deflect
+    kernel(law.force, *read, gain, aside, moment)
     return gain, aside, moment
 
 
@@ -109,20 +101,19 @@ def widened(
     radius is the fall of the field over the radius of the contact, over its approach.
     """
     area, shift = np.empty((2, len(approach)))
-    _state_kernels.widen(
-        outgrown,
-        law.force,
-        law.stiffness,
-        law.area,
-        approach,
-        np.ascontiguousarray(tilt),
-        lean,
-        footprints.modulus,
-        footprints.power,
-        LARGEST_SHIFT,
-        WIDER,
-        WIDEST,
-        area,
-        shift,
-    )
+    read = _read(footprints, law, approach, tilt, lean)
+    kernel: Any = _state_kernels.widen
+    kernel(law.force, *read, law.area, outgrown, WIDER, WIDEST, area, shift)
     return area, shift
+
+
+def _read(
+    footprints: Footprints,
+    law: Evaluated,
+    approach: NDArray[np.float64],
+    tilt: NDArray[np.float64],
+    lean: NDArray[np.float64],
+) -> tuple[Any, ...]:
+    """What both kernels read beside the forces."""
+    body = footprints.modulus, footprints.power, LARGEST_SHIFT
+    return law.stiffness, approach, np.ascontiguousarray(tilt), lean, *body

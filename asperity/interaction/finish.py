@@ -51,12 +51,12 @@ class Solution:
         Newton steps, and applications of the interaction in all.
     reason
         "" if converged.
-    restless
-        Contacts whose shifts have changed most at last, shape (n,); all far from a solution.
     shares
         Approach that each contact gains per fall of the plane [-], shape (n,), as far as known.
     answer
         Makes minus the slope of the load over the separation [N/m], and the shares.
+    restless
+        Contacts that have kept the point from settling, shape (n,); None if no single ones have.
     """
 
     separation: float
@@ -68,9 +68,9 @@ class Solution:
     steps: int
     products: int
     reason: str
-    restless: NDArray[np.bool_]
     shares: Array
     answer: Callable[[], tuple[float, Array]]
+    restless: NDArray[np.bool_] | None = None
 
 
 def finished(

@@ -179,9 +179,9 @@ def descend(
         step,
         products,
         reason,
-        _restless(state, last, error),
         compliance,
         functools.partial(answer, problem, residual, compliance),
+        _restless(state, last) if reason and error <= FAR else None,
     )
     if load is None or reason:
         return solution
@@ -207,12 +207,10 @@ def _relaxed(
     return min(max(found, SHARES[0]), SHARES[1])
 
 
-def _restless(state: State, behind: Array, error: float) -> NDArray[np.bool_]:
-    """Contacts that make the most of the last change of the shifts; all far from a solution."""
-    if error > FAR:
-        return np.ones(len(behind), bool)
+def _restless(state: State, behind: Array) -> NDArray[np.bool_]:
+    """Contacts that make the most of the last change of the shifts."""
     change: Array = state.laws.stiffness * np.abs(behind)
-    return np.asarray(~(change < RESTLESS * change.max(initial=0.0)))
+    return np.asarray(change >= RESTLESS * change.max(initial=0.0))
 
 
 def _forcing(residual: float, tolerance: float) -> float:

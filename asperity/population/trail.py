@@ -118,7 +118,7 @@ class Trail:
                 solution = self._ordered(solution, tolerance)
                 if not solution.reason or good is not None or problem.elongation is None:
                     break
-                problem = problem.rounded(solution.restless | (attempt > 0))
+                problem = problem.rounded(None if attempt else solution.restless)
             if not solution.reason and problem.elongation is not None:
                 listing = replace(listing, problem=problem)
             separation, steps = solution.separation, steps + solution.steps
@@ -296,7 +296,6 @@ class Trail:
             0,
             0,
             "",
-            still[:, 0] > 0,
             shares,
             lambda: (slope, shares),
         )

@@ -146,12 +146,15 @@ def spread_over(
 ) -> NDArray[np.float64]:
     """Closed areas [m^2] of another sum: of contacts of the areas `whole`, `area` of them closed.
 
-    Less is taken from what is closed, more from what is open, each by the same factor.
+    Less is taken from what is closed, more from what is open, each by the same factor; more than
+    all there is makes contacts wider.
     """
-    closed, left = float(area.sum()), whole - area
+    closed, most = float(area.sum()), float(whole.sum())
     if total <= closed:
         return np.asarray(area * (total / closed))
-    return np.asarray(whole - left * ((whole.sum() - total) / left.sum()))
+    if total >= most:
+        return np.asarray(whole * (total / most))
+    return np.asarray(whole - (whole - area) * ((most - total) / (most - closed)))
 
 
 def _strong(

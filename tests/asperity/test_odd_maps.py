@@ -93,7 +93,7 @@ def test_no_law_of_a_fading_border_pulls():
 
 
 @pytest.mark.parametrize("angle", [0.4, 1.57])
-def test_steps_that_run_away_are_refused_without_a_warning(angle):
+def test_ridges_that_overlap_are_solved_or_refused_without_a_warning(angle):
     hm = _rough((128, 160), 8.0, seed=5, anisotropy=20.0, angle=angle)
     body = asperity.HalfSpace.from_modulus(1.0, m=-0.3)
     places = hm.rms_height * np.array([1.0, 0.4])
