@@ -1,0 +1,37 @@
+from .bem.curve import bem_curve as bem_curve
+from .bem.single import BemIndentation as BemIndentation
+from .bem.solution import BemSolution as BemSolution
+from .bem.solve import bem_solve as bem_solve
+from .comparison.result import Comparison as Comparison
+from .comparison.run import compare as compare
+from .contacts.sizes import size_distribution as size_distribution
+from .curve import ContactRun as ContactRun
+from .curve import contact_curve as contact_curve
+from .curve import solve_contacts as solve_contacts
+from .derived.conductance import constriction_conductance as constriction_conductance
+from .derived.friction import FrictionCurve as FrictionCurve
+from .derived.friction import friction_curve as friction_curve
+from .errors import AsperityError as AsperityError
+from .errors import ConvergenceError as ConvergenceError
+from .errors import InputError as InputError
+from .errors import ModelRangeError as ModelRangeError
+from .indentation import Indentation as Indentation
+from .indentation import indent as indent
+from .indentation_bem import indent_bem as indent_bem
+from .material import HalfSpace as HalfSpace
+from .microcontact.friction import PartialSlip as PartialSlip
+from .microcontact.friction import partial_slip as partial_slip
+from .microcontact.friction import tangential_modulus as tangential_modulus
+from .microcontact.punch import FlatPunch as FlatPunch
+from .microcontact.punch import flat_punch as flat_punch
+from .microcontact.viscoelastic import Relaxation as Relaxation
+from .microcontact.viscoelastic import viscoelastic_indent as viscoelastic_indent
+from .plan import Plan as Plan
+from .plan import make_plan as make_plan
+from .population.population import Population as Population
+from .population.state import PopulationState as PopulationState
+from .results.curve import ContactCurve as ContactCurve
+from .results.paraview import write_vti as write_vti
+from .threads import set_threads as set_threads
+
+__version__: str
