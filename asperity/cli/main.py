@@ -7,22 +7,16 @@ import importlib
 import io
 import os
 import re
-import signal
 import sys
-import threading
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from types import FrameType
+from collections.abc import Sequence
 from typing import Any
 
 from asperity import __version__
+from asperity.cli.interrupt import interruptible
 from asperity.errors import AsperityError, ConvergenceError
 
 EXIT_OK, EXIT_NOT_CONVERGED, EXIT_BAD_INPUT = 0, 1, 2
 EXIT_INTERRUPTED = 130
-
-CALLED_BACK = {"_raw_object_cache_notify", "_raw_object_cache_getbuffer"}
-"""Functions that the compiler calls from within: an exception does not leave them."""
 
 COMMANDS = {
     "demo": "make a surface, run both models, write report.html and print the verdict",
@@ -84,7 +78,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     args = argparse.Namespace(command=named)
     try:
         args = build_parser(named).parse_args(arguments)
-        with _interruptible():
+        with interruptible():
             code = int(_module(args.command).run(args))
         sys.stdout.flush()
         return code
@@ -107,32 +101,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         where = f"{error.filename}: " if error.filename else ""
         _tell(args, f"{where}{error.strerror or error}")
         return EXIT_BAD_INPUT
-
-
-@contextmanager
-def _interruptible() -> Iterator[None]:
-    """Let Ctrl-C reach this program also while code is compiled."""
-    ours = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    if not ours or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    signal.signal(signal.SIGINT, _interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    """Raise KeyboardInterrupt; a moment later where it would be lost."""
-    while frame is not None:
-        if frame.f_code.co_name in CALLED_BACK:
-            again = threading.Timer(0.05, signal.raise_signal, [number])
-            again.daemon = True
-            again.start()
-            return
-        frame = frame.f_back
-    raise KeyboardInterrupt
 
 
 def _tell(args: argparse.Namespace, text: str) -> None:
