@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from ._contact_kernels import contact_counts
 
 __all__ = [
-    "contact_area",
-    "contact_edges",
     "contours",
     "histogram",
     "label_patches",
@@ -24,41 +22,16 @@ AREA_FACTOR = (math.pi - 1.0 + math.log(2.0)) / 24.0
 """Correction of the contact area per edge pixel (Yastrebov, Anciaux, Molinari 2017)."""
 
 
-def contact_edges(contact: NDArray[np.bool_], *, periodic: bool) -> int:
-    """Number of pixel edges between contact and no contact, across the seam if periodic."""
-    edges = np.count_nonzero(contact[1:] != contact[:-1])
-    edges += np.count_nonzero(contact[:, 1:] != contact[:, :-1])
-    if periodic:
-        edges += np.count_nonzero(contact[0] != contact[-1])
-        edges += np.count_nonzero(contact[:, 0] != contact[:, -1])
-    else:
-        edges += np.count_nonzero(contact[0]) + np.count_nonzero(contact[-1])
-        edges += np.count_nonzero(contact[:, 0]) + np.count_nonzero(contact[:, -1])
-    return int(edges)
-
-
-def contact_area(
-    contact: NDArray[np.bool_], spacing: tuple[float, float], *, periodic: bool
-) -> tuple[float, float]:
-    """Contact area [m^2] counted in pixels, and corrected for the pixels at its edge.
+def read_contact(
+    pressure: NDArray[np.float64], spacing: tuple[float, float], nx: int, *, periodic: bool
+) -> tuple[float, float, int]:
+    """Contact area [m^2] in pixels, the same corrected for the pixels at its edge, and the number
+    of patches, of a pressure with nx columns or more.
 
     Notes
     -----
     ``A = A_px - (pi - 1 + ln 2)/24 P d`` (Yastrebov, Anciaux, Molinari 2017), where P d is the
     number of edges times the pixel area, so that it holds for pixels that are not square.
-    """
-    pixel = spacing[0] * spacing[1]
-    raw = float(np.count_nonzero(contact)) * pixel
-    correction = AREA_FACTOR * contact_edges(contact, periodic=periodic) * pixel
-    return raw, max(raw - correction, 0.0)
-
-
-def read_contact(
-    pressure: NDArray[np.float64], spacing: tuple[float, float], nx: int, *, periodic: bool
-) -> tuple[float, float, int]:
-    """Areas of `contact_area` and number of patches of a pressure with nx columns or more.
-
-    In one pass, without a map of the contact.
     """
     pixels, edges, patches = contact_counts(pressure, nx, periodic)
     pixel = spacing[0] * spacing[1]

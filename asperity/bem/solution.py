@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..boundary import Boundary
 from .certificate import Certificate
-from .contact_map import contact_area, contours, histogram, label_patches
+from .contact_map import contours, histogram, label_patches, read_contact
 
 __all__ = ["BemSolution"]
 
@@ -70,18 +70,19 @@ class BemSolution:
         return self.pressure > 0.0
 
     @cached_property
-    def _areas(self) -> tuple[float, float]:
-        return contact_area(self.contact, self.spacing, periodic=self.boundary == "periodic")
+    def _reading(self) -> tuple[float, float, int]:
+        periodic, nx = self.boundary == "periodic", self.pressure.shape[1]
+        return read_contact(self.pressure, self.spacing, nx, periodic=periodic)
 
     @property
     def contact_area_raw(self) -> float:
         """Contact area counted in pixels [m^2]; too large by 3-16 % on rough maps."""
-        return self._areas[0]
+        return self._reading[0]
 
     @property
     def contact_area(self) -> float:
         """Contact area corrected for the pixels at its edge [m^2]."""
-        return self._areas[1]
+        return self._reading[1]
 
     @property
     def area_fraction(self) -> float:
@@ -101,7 +102,7 @@ class BemSolution:
     @property
     def contacts(self) -> int:
         """Number of separate contact patches."""
-        return int(self.patches.max())
+        return self._reading[2]
 
     def outlines(self) -> list[NDArray[np.float64]]:
         """Outlines of the patches, polygons (x, y) [m], shape (n, 2) each."""

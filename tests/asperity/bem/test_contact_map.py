@@ -31,6 +31,25 @@ def labels_by_hand(contact, periodic):
     return labels, count
 
 
+def edges_by_hand(contact, periodic):
+    """Pixel edges between contact and no contact, which surrounds a map that does not repeat."""
+    around = np.pad(contact, 1, mode="wrap" if periodic else "constant")
+    edges = np.count_nonzero(np.diff(around[1:-1], axis=1)) + np.count_nonzero(
+        np.diff(around[:, 1:-1], axis=0)
+    )
+    if periodic:  # the seam was counted on both sides
+        edges -= np.count_nonzero(contact[0] != contact[-1])
+        edges -= np.count_nonzero(contact[:, 0] != contact[:, -1])
+    return edges
+
+
+def read(contact, spacing, periodic):
+    """`read_contact` of a map, with more columns than it has."""
+    pressure = np.ones((contact.shape[0], contact.shape[1] + 2))
+    pressure[:, :-2] = contact
+    return contact_map.read_contact(pressure, spacing, contact.shape[1], periodic=periodic)
+
+
 @pytest.mark.parametrize("periodic", [False, True])
 @pytest.mark.parametrize("filling", [0.0, 0.1, 0.5, 0.65, 0.97, 1.0])
 def test_patches_match_a_flood_fill(periodic, filling):
@@ -39,14 +58,10 @@ def test_patches_match_a_flood_fill(periodic, filling):
     labels, count = contact_map.label_patches(contact, periodic=periodic)
     expected, number = labels_by_hand(contact, periodic)
     assert count == number == labels.max()
-    pressure = np.zeros((23, 33))
-    pressure[:, :31] = contact
-    pressure[:, 31:] = 1.0
-    *areas, patches = contact_map.read_contact(pressure, (0.5, 2.0), 31, periodic=periodic)
-    assert patches == number
-    assert areas == pytest.approx(
-        contact_map.contact_area(contact, (0.5, 2.0), periodic=periodic), rel=1e-12
-    )
+    raw, corrected, patches = read(contact, (0.5, 2.0), periodic)
+    assert (raw, patches) == (contact.sum(), number)
+    edge = contact_map.AREA_FACTOR * edges_by_hand(contact, periodic)
+    assert corrected == pytest.approx(max(raw - edge, 0.0), rel=1e-12)
     pairs = np.unique(np.stack([labels[contact], expected[contact]]), axis=1)
     assert pairs.shape[1] == number
     assert not labels[~contact].any()
@@ -58,9 +73,9 @@ def test_area_of_a_disc():
     y, x = (np.indices((n, 2 * n)) + 0.5) * np.array([2.0, 1.0])[:, None, None]
     radius = 90.0
     disc = (x - 397.3) ** 2 + (y - 402.1) ** 2 < radius**2
-    raw, corrected = contact_map.contact_area(disc, (2.0, 1.0), periodic=False)
+    raw, corrected, _ = read(disc, (2.0, 1.0), False)
     assert raw == pytest.approx(np.pi * radius**2, rel=1e-3)
-    edges = contact_map.contact_edges(disc, periodic=False)
+    edges = edges_by_hand(disc, False)
     assert edges == pytest.approx(8 * radius * 0.75, rel=0.02)
     assert raw - corrected == pytest.approx((np.pi - 1 + np.log(2)) / 24 * edges * 2.0)
 
@@ -68,8 +83,8 @@ def test_area_of_a_disc():
 def test_full_contact_has_no_edge_in_a_periodic_cell():
     """Nothing is taken off a closed contact."""
     full = np.ones((6, 9), bool)
-    assert contact_map.contact_area(full, (1.0, 2.0), periodic=True) == (108.0, 108.0)
-    assert contact_map.contact_edges(full, periodic=False) == 30
+    assert read(full, (1.0, 2.0), True) == (108.0, 108.0, 1)
+    assert read(full, (1.0, 2.0), False)[1] == 108.0 - 30 * 2.0 * contact_map.AREA_FACTOR
 
 
 def test_contours_enclose_their_patches():
