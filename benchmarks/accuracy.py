@@ -3,13 +3,16 @@
     python benchmarks/accuracy.py --points 512 --seeds 11 12 --out rows.csv
     python benchmarks/accuracy.py --points 256 --seeds 11 12 --measured-like --out like.csv
     python benchmarks/accuracy.py --drawn --seeds 101 102 --out drawn.csv
+    python benchmarks/accuracy.py --to-the-pixel --scales all --seeds 51 52
     python benchmarks/accuracy.py --maps folder --out maps.csv
 
 Families: isotropic with the cut-off at 4, 8, 16, 32 pixels and Hurst exponents 0.5, 0.8, 0.9,
 anisotropic 4:1, plateau-honed, and graded m = +-0.3. Those with --measured-like resemble measured
 maps: spectra to the pixel, noise, spikes, lay on a form, steps, few summits (smooth, steep, blunt),
 tapered borders. Ten mean pressures from about 0.1 % to 15 % of contact. Those with --drawn are
-drawn at random (drawn.py): eight mean pressures to about 30 % of contact, reference to 1e-4.
+drawn at random (drawn.py): eight mean pressures to about 30 % of contact, reference to 1e-4. Those
+with --to-the-pixel are isotropic, graded m = +-0.3, and of lay 2:1 and 4:1: six mean pressures to
+about 25 %, reference to 1e-4.
 
 The reference is solved on the map refined twice by its own Fourier series: the surface that the
 model sees, too. Columns: family, seed, area_fraction (reference, corrected), load_error at equal
@@ -26,6 +29,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from common import rough
 from drawn import FAMILIES, drawn
 from numpy.typing import NDArray
 
@@ -33,43 +37,44 @@ import asperity
 import surfaces
 from asperity.curve import solve_contacts
 from asperity.loadpoints import pressure_scale
-from asperity.plan import make_plan
+from asperity.plan import SCALES, make_plan
 from asperity.results.storage import write_csv
 
 TOLERANCE = 1e-6
 LOADS = np.geomspace(5e-4, 8e-2, 10)
 TOLERANCE_DRAWN = 1e-4
 LOADS_DRAWN = np.geomspace(2.5e-4, 0.16, 8)
+LOADS_PIXEL = np.array([2e-3, 8e-3, 1.6e-2, 3.5e-2, 7e-2, 0.13])
+
+RECIPES = {
+    f"isotropic H {hurst} cut-off {cutoff} px": {"hurst": hurst, "cutoff": cutoff}
+    for hurst, cutoff in ((0.8, 4), (0.8, 8), (0.8, 16), (0.8, 32), (0.5, 8), (0.9, 8))
+} | {
+    "anisotropic 4:1 cut-off 8 px": {"cutoff": 8, "anisotropy": 4.0},
+    "plateau-honed": {},
+    "graded m = 0.3": {"cutoff": 8, "m": 0.3},
+    "graded m = -0.3": {"cutoff": 8, "m": -0.3},
+}
+"""The families that the bars are set for, each by what it has of its own."""
+
+TO_THE_PIXEL = {
+    "to the pixel H 0.8": {"cutoff": None},
+    "to the pixel H 0.5": {"cutoff": None, "hurst": 0.5},
+    "to the pixel, graded m = 0.3": {"cutoff": None, "m": 0.3},
+    "to the pixel, graded m = -0.3": {"cutoff": None, "m": -0.3},
+    "to the pixel, lay 2:1": {"cutoff": None, "anisotropy": 2.0},
+    "to the pixel, lay 4:1": {"cutoff": None, "anisotropy": 4.0},
+}
+"""Families whose waves reach the pixel."""
 
 
-def families(points: int) -> dict[str, dict]:
-    """Recipes of the surfaces, pixel size 1."""
-    size = (float(points), float(points))
-
-    def rough(hurst: float, cutoff: float, **more: float) -> dict:
-        return dict(
-            size=size, hurst=hurst, rms_slope=0.1, rolloff=points / 8, cutoff=cutoff, **more
-        )
-
-    recipes = {
-        f"isotropic H {hurst} cut-off {cutoff} px": rough(hurst, cutoff)
-        for hurst, cutoff in ((0.8, 4), (0.8, 8), (0.8, 16), (0.8, 32), (0.5, 8), (0.9, 8))
-    }
-    recipes["anisotropic 4:1 cut-off 8 px"] = rough(0.8, 8, anisotropy=4.0)
-    recipes["plateau-honed"] = dict(plateau=True)
-    recipes["graded m = 0.3"] = dict(m=0.3, **rough(0.8, 8))
-    recipes["graded m = -0.3"] = dict(m=-0.3, **rough(0.8, 8))
-    return recipes
-
-
-def surface(points: int, seed: int, recipe: dict) -> surfaces.HeightMap:
-    """One map of a family."""
-    recipe = {k: v for k, v in recipe.items() if k != "m"}
-    if recipe.pop("plateau", False):
-        return surfaces.plateau_honed(
-            (points, points), (float(points),) * 2, rms_slope=0.1, cutoff=8.0, seed=seed
-        )
-    return surfaces.self_affine((points, points), seed=seed, **recipe)
+def surface(points: int, seed: int, recipe: dict[str, float]) -> surfaces.HeightMap:
+    """One map of a family, pixel size 1."""
+    shape, recipe = (points, points), {k: v for k, v in recipe.items() if k != "m"}
+    if not recipe:
+        size = (float(points), float(points))
+        return surfaces.plateau_honed(shape, size, rms_slope=0.1, cutoff=8.0, seed=seed)
+    return rough(shape, seed=seed, **recipe)
 
 
 def measured_like(points: int, seed: int) -> dict[str, surfaces.HeightMap]:
@@ -124,7 +129,9 @@ def curves(
     hm: surfaces.HeightMap, body: asperity.HalfSpace, boundary: str | None, args: argparse.Namespace
 ) -> tuple[asperity.ContactCurve, asperity.ContactCurve]:
     """Boundary elements on the refined map and on the map itself; kept and read back."""
-    loads, tolerance = (LOADS_DRAWN, TOLERANCE_DRAWN) if args.drawn else (LOADS, TOLERANCE)
+    loads, tolerance = LOADS, TOLERANCE
+    if args.drawn or args.to_the_pixel:
+        loads, tolerance = LOADS_DRAWN if args.drawn else LOADS_PIXEL, TOLERANCE_DRAWN
     kept = args.references
     fine = surfaces.resample(hm, np.asarray(hm.spacing) / 2)
     out = []
@@ -152,10 +159,11 @@ def rows_of(
     """Errors of one surface at all loads."""
     reference, own = curves(hm, body, boundary, args)
     start = time.perf_counter()
-    plan = make_plan(hm, body, pressures=reference.mean_pressure, boundary=boundary)
+    ways = {"boundary": boundary, "scales": args.scales}
+    plan = make_plan(hm, body, pressures=reference.mean_pressure, **ways)
     model = solve_contacts(hm, body, plan, pressures=reference.mean_pressure).curve
     seconds = time.perf_counter() - start
-    same = asperity.contact_curve(hm, body, separations=reference.separation, boundary=boundary)
+    same = asperity.contact_curve(hm, body, separations=reference.separation, **ways)
     slope = np.gradient(np.log(reference.mean_pressure), reference.separation)
     n = len(reference)
     table = {
@@ -199,7 +207,7 @@ def scenes(
                 if wanted(name):
                     yield name, seed, hm, 0.0, None
         else:
-            for name, recipe in families(args.points).items():
+            for name, recipe in (TO_THE_PIXEL if args.to_the_pixel else RECIPES).items():
                 if wanted(name):
                     hm = surface(args.points, seed, recipe)
                     yield name, seed, hm, recipe.get("m", 0.0), None
@@ -218,7 +226,9 @@ def main() -> None:
     source = parser.add_mutually_exclusive_group()
     source.add_argument("--measured-like", action="store_true", help="maps like measured ones")
     source.add_argument("--drawn", action="store_true", help="maps drawn at random")
+    source.add_argument("--to-the-pixel", action="store_true", help="maps rough to the pixel")
     source.add_argument("--maps", type=Path, help="folder of measured maps, in place of families")
+    parser.add_argument("--scales", choices=SCALES, default="auto", help="as of asperity curve")
     parser.add_argument("--references", type=Path, help="folder that keeps the reference curves")
     parser.add_argument("--out", type=Path)
     args = parser.parse_args()

@@ -19,6 +19,7 @@ import time
 from typing import NamedTuple
 
 import numpy as np
+from common import options, rough
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
@@ -56,20 +57,6 @@ class Run(NamedTuple):
     def in_class(self) -> bool:
         """Whether every load is within the bars of the microcontact model."""
         return bool((abs(self.load) <= BARS[0]).all() and (abs(self.area) <= BARS[1]).all())
-
-
-def rough(points: int, cutoff: float, seed: int) -> surfaces.HeightMap:
-    """Map of unit pixels."""
-    size = (float(points), float(points))
-    return surfaces.self_affine(
-        (points, points),
-        size,
-        hurst=0.8,
-        rms_slope=0.1,
-        rolloff=points / 8,
-        cutoff=cutoff,
-        seed=seed,
-    )
 
 
 def refined(hm: surfaces.HeightMap, factor: int) -> surfaces.HeightMap:
@@ -110,12 +97,12 @@ def errors(curve: Curve, judge: Curve, pressures: Array) -> tuple[Array, Array]:
 def main(arguments: argparse.Namespace) -> None:
     """Print one table per cut-off."""
     for cutoff in (2.0, 32.0):
-        small = rough(256, cutoff, 1)
+        small = rough((256, 256), cutoff, 1)
         loads = default_pressures(small, BODY)
         for way in (model, lambda hm, p: elements(hm, p, 1, 1e-2, len(p))):
             way(small, loads)
     for cutoff in arguments.cutoffs:
-        hm = rough(arguments.points, cutoff, arguments.seed)
+        hm = rough((arguments.points,) * 2, cutoff, arguments.seed)
         pressures = default_pressures(hm, BODY)
         judge = elements(refined(hm, arguments.refine), pressures, 1, 1e-4, len(pressures))
         ways = {"microcontacts": lambda hm, p: model(hm, p)}
@@ -161,9 +148,7 @@ def report(title: str, runs: list[Run]) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = options(__doc__)
     parser.add_argument("--points", type=int, default=1024)
     parser.add_argument("--cutoffs", type=float, nargs="+", default=[2.0, 4.0, 8.0, 32.0])
     parser.add_argument("--seed", type=int, default=51)

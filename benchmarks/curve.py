@@ -11,35 +11,25 @@ processor time of that run.
 
 from __future__ import annotations
 
-import argparse
-import platform
 import time
 
-import numba
+from common import machine, options, rough
 
-import surfaces
 from asperity import HalfSpace, contact_curve
 
 REPEATS = 5
 CUTOFFS = (2.0, 4.0, 8.0, 16.0, 32.0)
 
 
-def rough(n: int, cutoff: float) -> surfaces.HeightMap:
-    """Map of unit pixels."""
-    return surfaces.self_affine(
-        (n, n), (n, n), hurst=0.8, rms_slope=0.1, rolloff=n / 8, cutoff=cutoff, seed=3
-    )
-
-
 def main(n: int, cutoffs: tuple[float, ...]) -> None:
     """Print one row per cut-off."""
     material = HalfSpace.from_modulus(1.0)
-    for small in (rough(160, 2.0), rough(256, 32.0)):
-        contact_curve(small, material)
-    print(f"{platform.processor() or platform.machine()}, {numba.get_num_threads()} threads, {n}^2")
+    for side, cutoff in ((160, 2.0), (256, 32.0)):
+        contact_curve(rough((side, side), cutoff, 3), material)
+    print(f"{machine()}, {n}^2")
     print("cut-off  total [s]  processor [s]   peaks   grid        stages [s]")
     for cutoff in cutoffs:
-        hm = rough(n, cutoff)
+        hm = rough((n, n), cutoff, 3)
         runs = []
         for _ in range(REPEATS):
             fresh = hm.replace()
@@ -57,9 +47,7 @@ def main(n: int, cutoffs: tuple[float, ...]) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = options(__doc__)
     parser.add_argument("points", type=int, nargs="?", default=1024, help="points per side")
     parser.add_argument("cutoffs", type=float, nargs="*", default=CUTOFFS, help="[pixels]")
     args = parser.parse_args()

@@ -14,12 +14,12 @@ cost   milliseconds per separation at about 2000 and 14 000 closed contacts, 50 
 
 from __future__ import annotations
 
-import argparse
 import resource
 import time
 from collections import Counter
 
 import numpy as np
+from common import least, options, rough
 
 import surfaces
 from asperity import HalfSpace, Population
@@ -45,8 +45,7 @@ FAMILIES = {
 
 def population(n: int, law: str, seed: int = 1, **spectrum: float) -> tuple[Population, float]:
     """Population of a square map of unit pixels, and its rms height."""
-    spectrum = {"hurst": 0.8, "rms_slope": 0.1, "rolloff": n / 8, "cutoff": 4.0} | spectrum
-    hm = surfaces.self_affine((n, n), (float(n), float(n)), seed=seed, **spectrum)
+    hm = rough((n, n), seed=seed, **{"cutoff": 4.0} | spectrum)
     profiles = surfaces.fit_profiles(hm, surfaces.segment(hm))
     made = Population(
         x=profiles.x,
@@ -87,17 +86,6 @@ def accuracy() -> None:
                 rms = np.sqrt(np.mean(error**2) / np.mean(wanted**2))
                 largest = np.abs(error).max() / np.abs(dense).sum(1).mean()
                 print(f"{boundary:9s} {m:5.1f} {filling:9.1f} {rms:18.1e} {largest:24.1e}")
-
-
-def least(call: object, repeats: int = 5) -> float:
-    """Least seconds of several calls, after one that compiles."""
-    call()
-    seconds = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        call()
-        seconds.append(time.perf_counter() - start)
-    return min(seconds)
 
 
 def many() -> None:
@@ -264,9 +252,7 @@ PARTS = {
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = options(__doc__)
     parser.add_argument("parts", nargs="*", metavar="PART", help="of " + ", ".join(PARTS))
     parts = parser.parse_args().parts
     if unknown := set(parts) - set(PARTS):

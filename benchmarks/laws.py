@@ -10,45 +10,26 @@ at contacts without flag).
 
 from __future__ import annotations
 
-import argparse
-import platform
-import time
-from collections.abc import Callable
-
-import numba
 import numpy as np
+from common import least, machine, options, rough
 
 import surfaces
 from asperity import HalfSpace
 from asperity.microcontact import tabulate
 
-REPEATS = 7
 BAR = 20.0
 """Microseconds per profile that fit, table and evaluation may take together."""
 SHARES = np.linspace(0.02, 1.0, 50) ** 2
 
 
-def least(call: Callable[[], object]) -> float:
-    """Least seconds of several calls, after one that compiles."""
-    call()
-    seconds = []
-    for _ in range(REPEATS):
-        start = time.perf_counter()
-        call()
-        seconds.append(time.perf_counter() - start)
-    return min(seconds)
-
-
 def main(laws: list[str]) -> None:
     """Print one row per law and grading."""
-    hm = surfaces.self_affine(
-        (1024, 1024), (1024.0, 1024.0), hurst=0.8, rms_slope=0.1, rolloff=128, cutoff=4, seed=1
-    )
+    hm = rough((1024, 1024), 4.0, 1)
     peaks = surfaces.segment(hm)
     profiles = surfaces.fit_profiles(hm, peaks)
     n = len(profiles)
     fit = least(lambda: surfaces.fit_profiles(hm, peaks)) / n * 1e6
-    print(f"{platform.processor()}, {numba.get_num_threads()} threads, {n} profiles, seed 1")
+    print(f"{machine()}, {n} profiles, seed 1")
     print(f"law        m    fit  table  evaluate    sum [us per profile; bar {BAR:g}]")
     rows = np.arange(n)[:, None]
     for law in laws:
@@ -74,8 +55,6 @@ def main(laws: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = options(__doc__)
     parser.add_argument("laws", nargs="*", default=["hertz", "paper", "harmonic", "ellipse"])
     main(parser.parse_args().laws)

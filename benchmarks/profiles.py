@@ -10,26 +10,14 @@ the whole of their length, for the quintic spline in use and for two usual local
 
 from __future__ import annotations
 
-import argparse
-
 import numpy as np
+from common import options, rough
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
 import surfaces
 
 N, TIMES = 192, 6
-
-
-def refined(hm: surfaces.HeightMap) -> surfaces.HeightMap:
-    """The same periodic surface on a grid TIMES as fine; point (0, 0) is kept."""
-    n = hm.shape[0]
-    small, half = np.fft.rfft2(hm.heights), n // 2
-    large = np.zeros((n * TIMES, n * TIMES // 2 + 1), complex)
-    large[:half, :half] = small[:half, :half]
-    large[-half:, :half] = small[-half:, :half]
-    heights = np.fft.irfft2(large, s=(n * TIMES, n * TIMES)) * TIMES**2
-    return surfaces.HeightMap(heights, hm.spacing[0] / TIMES, periodic=True)
 
 
 def catmull_rom(heights: np.ndarray, y: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -60,14 +48,11 @@ def quantiles(error: np.ndarray) -> str:
 
 def row(cutoff: float) -> None:
     """Print the errors at one cut-off wavelength [pixels]."""
-    hm = surfaces.self_affine(
-        (N, N), (N, N), hurst=0.8, rms_slope=0.1, rolloff=N / 8, cutoff=cutoff, seed=3
-    )
-    fine = refined(hm)
+    hm = rough((N, N), cutoff, 3)
+    fine = surfaces.resample(hm, hm.spacing[0] / TIMES)
     coarse_fit = surfaces.fit_profiles(hm, surfaces.segment(hm))
     fine_fit = surfaces.fit_profiles(fine, surfaces.segment(fine))
-    shift = 0.5 * (1.0 - 1.0 / TIMES)  # both first pixel centers are the same point
-    place = np.stack([fine_fit.y + shift, fine_fit.x + shift], axis=1) % N
+    place = np.stack([fine_fit.y, fine_fit.x], axis=1) % N
     mine = np.stack([coarse_fit.y, coarse_fit.x], axis=1) % N
     away, match = cKDTree(place, boxsize=N).query(mine)
     good = np.flatnonzero((away < 0.5) & coarse_fit.valid & fine_fit.valid[match])
@@ -84,30 +69,26 @@ def row(cutoff: float) -> None:
         sin, cos = np.sin(coarse_fit.phi[good]), np.cos(coarse_fit.phi[good])
 
         def read(spline, order, y, x, scale):
-            at = [(y[:, None] + r * sin) * scale, (x[:, None] + r * cos) * scale]  # noqa: B023
+            at = [(p[:, None] + r * turn) * scale - 0.5 for p, turn in ((y, sin), (x, cos))]  # noqa: B023
             return ndimage.map_coordinates(
                 spline, at, order=order, mode="grid-wrap", prefilter=False
             )
 
-        truth = fine_fit.height[match, None] - read(
-            fine_spline, 5, place[match, 0] - 0.5, place[match, 1] - 0.5, TIMES
-        )
-        y, x = mine[good, 0] - 0.5, mine[good, 1] - 0.5
+        truth = fine_fit.height[match, None] - read(fine_spline, 5, *place[match].T, TIMES)
+        y, x = mine[good].T
         height = coarse_fit.height[good, None]
         choices = {
             "quintic spline": coarse_fit.q[good][:, :, node] * r**2,
             "cubic spline": height - read(cubic_spline, 3, y, x, 1),
             "Catmull-Rom": height
-            - catmull_rom(hm.heights, y[:, None] + r * sin, x[:, None] + r * cos),
+            - catmull_rom(hm.heights, y[:, None] + r * sin - 0.5, x[:, None] + r * cos - 0.5),
         }
         for name, f in choices.items():
             print(f"  f, t = {coarse_fit.t[node]:4.2f} {name:<15}{quantiles(f / truth - 1)}")
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = options(__doc__)
     parser.add_argument(
         "cutoffs", type=float, nargs="*", default=[4.0, 6.0, 8.0, 16.0], help="[pixels]"
     )

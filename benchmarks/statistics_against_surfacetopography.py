@@ -6,12 +6,12 @@ per quantity and map: ours, theirs, relative difference. Needs the extra ``asper
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from common import options
 from SurfaceTopography import Topography
 
 import surfaces
@@ -79,8 +79,6 @@ def main(paths: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = options(__doc__)
     parser.add_argument("maps", nargs="*", help="surface files")
     main(parser.parse_args().maps)

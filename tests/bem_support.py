@@ -65,12 +65,12 @@ def rough(shape=(60, 84), size=(1.0, 1.5), *, slope=1.0, cutoff=4.0, seed=0, per
     return HeightMap(heights, (dy, dx), periodic=periodic)
 
 
-def random_case(seed, largest=180):
+def random_case(seed):
     """Random map, half-space, mean pressure and boundary, for solving at any of them."""
     from asperity import HalfSpace
 
     rng = np.random.default_rng(1000 + seed)
-    shape = tuple(int(n) for n in rng.integers(20, largest, 2))
+    shape = tuple(int(n) for n in rng.integers(20, 180, 2))
     spacing = tuple(1e-6 * np.exp(rng.uniform(np.log(0.5), np.log(2.0), 2)))
     boundary = "periodic" if rng.random() < 0.6 else "free"
     m = float(rng.choice([0.0, 0.0, rng.uniform(-0.5, 0.8)]))
