@@ -6,12 +6,39 @@ import os
 
 from surfaces._threads import set_threads, threads
 
+from .errors import AsperityError
+
 __all__ = [
     "idle_threads",
+    "require_own_threads",
     "set_threads",
     "threads",
     "use_numba",
 ]
+
+_first: int | None = None
+"""Process in which compiled loops first ran on several threads."""
+
+
+def require_own_threads() -> None:
+    """Refuse a process forked from one whose compiled loops ran on threads: they would end it.
+
+    Raises
+    ------
+    AsperityError
+        Saying how to start such a process. GNU OpenMP does not outlive a fork.
+    """
+    global _first
+    _first = _first or os.getpid()
+    if _first == os.getpid():
+        return
+    import numba
+
+    if numba.threading_layer() == "omp":
+        raise AsperityError(
+            "boundary elements have run in the process from which this one was forked, and their "
+            'threads do not outlive that; use multiprocessing.get_context("spawn")'
+        )
 
 
 def idle_threads(limit: int) -> int:

@@ -13,6 +13,7 @@ from surfaces.heightmap import HeightMap
 from ..boundary import chosen_boundary
 from ..errors import InputError, SurfaceError
 from ..loadpoints import require_scene
+from ..threads import require_own_threads
 from ..threads import threads as thread_count
 from .correction import Level, Outcome
 from .grids import CoarseMaps, level_shapes, prolong
@@ -62,6 +63,7 @@ class ContactProblem:
         threads: int | None = None,
     ) -> None:
         require_scene(hm, mat)
+        require_own_threads()
         if hm.missing:
             raise SurfaceError(
                 f"{hm.name or 'the map'} has {hm.missing} missing points of {hm.heights.size}; "
