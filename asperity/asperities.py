@@ -19,6 +19,7 @@ from surfaces.peaks.summits import locate_summits
 from .contacts.spot_count import passes
 from .contacts.table import aspect_ratio
 from .dominant import Ranking
+from .lawless import flat_tops
 from .microcontact.elements import put
 from .microcontact.growing import GrowingTable
 from .microcontact.laws import tabulate
@@ -186,6 +187,11 @@ class Asperities:
     def aspect(self) -> NDArray[np.float64]:
         """Short over long axis of the contact on each summit, shape (n,)."""
         return aspect_ratio(self.profiles.curvature)
+
+    @functools.cached_property
+    def flat_tops(self) -> Array:
+        """Area [m^2] of the flat top of each summit, shape (n,); 0 where it has none."""
+        return flat_tops(self)
 
     def point(self, state: PopulationState) -> FinePoint:
         """Separation, area and stiffness of the whole surface at a state of its contacts."""

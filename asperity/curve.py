@@ -19,6 +19,7 @@ from .contacts.spot_count import spot_count
 from .contacts.table import microcontacts
 from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, oddness, weaknesses
 from .errors import InputError
+from .lawless import LAWLESS
 from .loadpoints import checked_loads
 from .plan import Plan, make_plan
 from .population.population import PopulationState
@@ -284,7 +285,7 @@ def _curve(
             "filled_share": column("filled_share"),
             "tangent_stiffness": tangent,
             "area_error_estimate": np.array([estimate(w, AREA_WEIGHTS) for w in weak]),
-            **{name: np.array([w[name] for w in weak]) for name in TERMS},
+            **{name: np.array([w[name] for w in weak]) for name in (*TERMS, *LAWLESS)},
         },
         reasons=tuple(state.reason for state in states),
     )

@@ -2,7 +2,8 @@
 
 The estimate is a sum of terms, each of which grows with one known weakness of the model; their
 weights are quantiles fitted on synthetic surfaces of several families (``benchmarks/accuracy.py``,
-``benchmarks/calibrate_estimate.py``) and checked on others: see ``docs/accuracy.md``.
+``benchmarks/calibrate_estimate.py``) and checked on others: see ``docs/accuracy.md``. Contacts that
+no law describes, which those surfaces hardly have, add terms of their own (`asperity.lawless`).
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .flags import Flag
+from .lawless import LAWLESS, lawless
 
 if TYPE_CHECKING:
     from surfaces.heightmap import HeightMap
@@ -19,7 +21,15 @@ if TYPE_CHECKING:
     from .asperities import Asperities
     from .population.population import PopulationState
 
-__all__ = ["AREA_WEIGHTS", "LOAD_WEIGHTS", "TERMS", "estimate", "terms", "weaknesses"]
+__all__ = [
+    "AREA_WEIGHTS",
+    "LOAD_WEIGHTS",
+    "TERMS",
+    "estimate",
+    "oddness",
+    "terms",
+    "weaknesses",
+]
 
 TERMS = (
     "coarse_contacts",
@@ -98,11 +108,11 @@ def terms(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, f
 
 def weaknesses(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, float]:
     """`terms` of a load point, part of them those of the finer contacts that count there."""
-    own, look = terms(bodies, state, odd), bodies.closer_look(state)
+    own, look = terms(bodies, state, odd) | lawless(bodies, state), bodies.closer_look(state)
     if look is None:
         return own
-    closer = terms(look.bodies, look.state, odd)
-    return {name: own[name] + look.part * (closer[name] - own[name]) for name in TERMS}
+    closer = terms(look.bodies, look.state, odd) | lawless(look.bodies, look.state)
+    return {name: own[name] + look.part * (closer[name] - own[name]) for name in own}
 
 
 def oddness(hm: HeightMap) -> float:
@@ -115,4 +125,5 @@ def oddness(hm: HeightMap) -> float:
 
 def estimate(values: dict[str, float], weights: tuple[float, ...]) -> float:
     """Weighted sum of the terms: the bound that nine errors in ten keep."""
-    return float(sum(w * values[name] for name, w in zip(TERMS, weights, strict=True)))
+    fitted = sum(w * values[name] for name, w in zip(TERMS, weights, strict=True))
+    return float(fitted + sum(w * values.get(name, 0.0) for name, w in LAWLESS.items()))

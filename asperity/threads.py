@@ -32,9 +32,9 @@ def require_own_threads() -> None:
     _first = _first or os.getpid()
     if _first == os.getpid():
         return
-    import numba
+    from numba.np.ufunc.parallel import threading_layer
 
-    if numba.threading_layer() == "omp":
+    if threading_layer() == "omp":  # type: ignore[no-untyped-call]
         raise AsperityError(
             "boundary elements have run in the process from which this one was forked, and their "
             'threads do not outlive that; use multiprocessing.get_context("spawn")'

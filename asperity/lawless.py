@@ -1,0 +1,93 @@
+"""Contacts that no law describes: on flat tops and ridges, and cut by the border of a punch.
+
+A law presses a summit that falls away on all sides. Where the highest points of a basin have one
+height, contact begins on all of them; where the border cuts a contact, there is no other side.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .contacts.table import summit_pixel
+
+if TYPE_CHECKING:
+    from .asperities import Asperities
+    from .population.population import PopulationState
+
+__all__ = ["LAWLESS", "flat_tops", "lawless"]
+
+Array = NDArray[np.float64]
+
+LINES = 64
+"""Rows and columns that show whether heights repeat."""
+
+LAWLESS = {"flat_tops": 1.0, "at_border": 0.6}
+"""Terms of the error estimate with their weights, for load and area alike: the largest errors where
+all contacts are such, of heights cut off at one rms height and of a single wave (0.7 to 0.99), of
+tilted maps and of cups (0.6)."""
+
+
+def lawless(bodies: Asperities, state: PopulationState) -> dict[str, float]:
+    """Load on contacts that no law describes, at one load point; each term from 0 to 1.
+
+    Returns
+    -------
+    flat_tops
+        Share of the load on flat tops and ridges: of each contact as much as the top is of it.
+    at_border
+        Square of the share on contacts that the border of a finite punch cuts, as far as it does:
+        a few among many do no harm, all of them leave little to trust.
+    """
+    closed = np.flatnonzero(state.force > 0)
+    if not closed.size:
+        return dict.fromkeys(LAWLESS, 0.0)
+    share, area = state.force[closed] / state.force.sum(), state.area[closed]
+    flat = share @ np.minimum(bodies.flat_tops[closed] / area, 1.0)
+    cut = 0.0
+    if bodies.plan.boundary == "free":
+        places = bodies.profiles.y[closed], bodies.profiles.x[closed]
+        sides = [
+            np.minimum(at, size - at) - 0.5 * step  # from the outermost points
+            for at, size, step in zip(places, bodies.hm.size, bodies.hm.spacing, strict=True)
+        ]
+        inside = np.clip(np.minimum(*sides) / np.sqrt(area / np.pi), 0.0, 1.0)
+        cut = share @ (1.0 - inside)
+    return {"flat_tops": float(flat), "at_border": float(cut**2)}
+
+
+def flat_tops(bodies: Asperities) -> Array:
+    """Area [m^2] of a disc that spreads as far as the highest points of each basin, shape (n,).
+
+    They are those of one height with the highest beside the summit. A disc of area A has the mean
+    squared distance A/(2 pi) from its middle.
+    """
+    hm, number = bodies.hm, np.arange(len(bodies.profiles))
+    if not _has_level_places(hm.heights):
+        return np.zeros(number.size)
+    wraps = hm.periodic and bodies.plan.boundary == "periodic"
+    row, col = np.divmod(summit_pixel(bodies, number, hm), hm.shape[1])
+    around = np.array([-1, 0, 1])
+    rows, cols = (
+        (at[:, None] + around) % n if wraps else np.clip(at[:, None] + around, 0, n - 1)
+        for at, n in zip((row, col), hm.shape, strict=True)
+    )
+    top = hm.heights[rows[:, :, None], cols[:, None, :]].max(axis=(1, 2))
+    owner = np.append(bodies.profiles.owner, number.size)[bodies.labels]
+    level = np.nonzero(hm.heights == np.append(top, np.inf)[owner])
+    own = owner[level]
+    square = np.zeros(own.size)
+    for at, summit, step, n in zip(level, (row, col), hm.spacing, hm.shape, strict=True):
+        away = at - summit[own]
+        square += (step * (away - n * np.round(away / n) if wraps else away)) ** 2
+    total = np.bincount(own, square, number.size)
+    return np.asarray(2.0 * np.pi * total / np.maximum(np.bincount(own, None, number.size), 1))
+
+
+def _has_level_places(heights: Array) -> bool:
+    """Whether neighbours have the same height, as far as some lines tell."""
+    lines = heights[:: max(1, len(heights) // LINES)]
+    columns = heights[:, :: max(1, heights.shape[1] // LINES)]
+    return bool((lines[:, 1:] == lines[:, :-1]).any() or (columns[1:] == columns[:-1]).any())

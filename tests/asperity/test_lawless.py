@@ -1,0 +1,73 @@
+"""Contacts that no law describes: the stated error covers what the model makes of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asperity
+from asperity.lawless import LAWLESS
+from asperity.loadpoints import default_pressures
+from surfaces import HeightMap, self_affine
+
+BODY = asperity.HalfSpace.from_modulus(1e11)
+SHAPE, SPACING = (72, 90), (1.5e-6, 1e-6)
+LY, LX = SHAPE[0] * SPACING[0], SHAPE[1] * SPACING[1]
+Y, X = ((np.indices(SHAPE)[axis] + 0.5) * SPACING[axis] for axis in (0, 1))
+
+
+def rough(periodic=True):
+    """Waves of 8 pixels and more."""
+    return self_affine(
+        SHAPE, (LY, LX), hurst=0.8, rms_slope=0.1, rolloff=5e-5, cutoff=12e-6, seed=5
+    ).replace(periodic=periodic)
+
+
+def test_the_area_of_a_single_wave_is_within_the_stated_error_of_westergaards():
+    hm = HeightMap(1e-7 * np.cos(2 * np.pi * X / LX), SPACING, periodic=True)
+    flat = np.pi * BODY.modulus * 1e-7 / LX
+    curve = asperity.contact_curve(hm, BODY, pressures=np.array([0.01, 0.05]) * flat)
+    exact = 2 / np.pi * np.arcsin(np.sqrt(curve.mean_pressure / flat))
+    wrong = np.abs(curve.area_fraction / exact - 1)
+    assert (wrong <= curve.extra["area_error_estimate"]).all()
+    assert curve.extra["flat_tops"] == pytest.approx([1.0, 1.0])
+
+
+def test_the_area_of_tops_cut_off_is_within_the_stated_error_of_the_plateaus():
+    hm = rough()
+    top = hm.rms_height
+    cut = HeightMap(np.minimum(hm.heights, top), SPACING, periodic=True)
+    curve = asperity.contact_curve(cut, BODY, pressures=default_pressures(cut, BODY, 4)[:2])
+    plateaus = np.mean(cut.heights == top)  # a flat punch touches all over at once
+    assert (curve.area_fraction < 0.5 * plateaus).all()
+    wrong = np.abs(curve.area_fraction / plateaus - 1)
+    assert (wrong <= curve.extra["area_error_estimate"]).all()
+
+
+@pytest.mark.parametrize("bend", [-1.0, 1.0], ids=["cup", "hill"])
+def test_on_a_cup_the_border_carries_and_the_stated_error_says_so(bend):
+    hill = -bend * ((X - LX / 2) ** 2 + (Y - LY / 2) ** 2) / 4e-4
+    hm = HeightMap(rough().heights + hill, SPACING)
+    curve = asperity.contact_curve(hm, BODY, pressures=default_pressures(hm, BODY, 4)[:2])
+    if bend > 0:
+        assert max(curve.extra["at_border"]) == 0.0
+        return
+    reference = asperity.bem_curve(hm, BODY, separations=curve.separation)
+    wrong = np.abs(curve.load / reference.load - 1)
+    assert max(wrong) > 0.1
+    assert (wrong <= curve.error_estimate).all()
+
+
+def test_waves_have_no_such_contacts_and_a_shift_moves_none():
+    hm = rough()
+    for name in LAWLESS:
+        curve = asperity.contact_curve(hm, BODY, pressures=default_pressures(hm, BODY, 3))
+        assert max(curve.extra[name]) == 0.0
+    steps = hm.replace(heights=np.round(hm.heights / hm.rms_height * 4) * hm.rms_height / 4)
+    moved = steps.replace(heights=np.roll(steps.heights, (31, 52), (0, 1)))
+    tops = [
+        asperity.contact_curve(m, BODY, pressures=default_pressures(m, BODY, 3)).extra["flat_tops"]
+        for m in (steps, moved)
+    ]
+    assert min(tops[0]) > 0.3
+    assert tops[1] == pytest.approx(tops[0], rel=0.05)
