@@ -230,7 +230,8 @@ class Asperities:
         closed = np.flatnonzero(state.force > 0)
         if not (closed.size and self.plan.interaction):
             return state
-        longer = np.exp(-(state.force[closed] @ np.log(self.aspect[closed])) / state.force.sum())
+        share = state.force[closed] / state.force.sum()
+        longer = np.exp(-np.sum(share * np.log(self.aspect[closed])))
         if longer * state.contact_area <= LONGEST * self.population.nominal_area:
             return state
         reason = "the contacts on the ridges of the lay are so long that they overlap end to end"

@@ -89,13 +89,14 @@ def terms(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, f
     pixel = hm.area / hm.heights.size
     steep, shallow = bodies.profiles.curvature[closed].T
     ratio = np.log(steep / np.clip(shallow, 1e-3 * steep, None))
-    crowding, long = state.contact_area / bodies.hm.area, share @ ratio
-    few, coarse = np.sqrt(share @ share), np.sqrt(pixel / (share @ state.area[closed]))
+    crowding, long = state.contact_area / bodies.hm.area, np.sum(share * ratio)
+    few = np.sqrt(np.sum(share**2))
+    coarse = np.sqrt(pixel / np.sum(share * state.area[closed]))
     taken = 0.0 if law is None else law.ratio / (1.0 + law.ratio)
     found = (
         coarse,
-        np.sqrt(share[outgrown] @ share[outgrown]),
-        odd * (share @ np.abs(table.spread_at(closed, depth))),
+        np.sqrt(np.sum(share[outgrown] ** 2)),
+        odd * np.sum(share * np.abs(table.spread_at(closed, depth))),
         taken * few,
         taken * coarse,
         few * long,

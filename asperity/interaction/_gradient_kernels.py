@@ -19,6 +19,21 @@ def weigh(stiffness, residual, held):
     return max(square - first * first / total, 0.0) if held else square
 
 
+@compiled(error_model="numpy")
+def stiffened(far, total, row):
+    """-(1 + G K)^-1 G of the symmetric G = -`far`, in its place, with K = diag(`total`), one spring
+    after another; `row` is scratch."""
+    count = total.size
+    for c in range(count):
+        weight = total[c] / (1.0 - total[c] * far[c, c])
+        for k in range(count):
+            row[k] = far[c, k]
+        for e in range(count):
+            share = weight * row[e]
+            for k in range(count):
+                far[e, k] += share * row[k]
+
+
 @inner(error_model="numpy")
 def _aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
     """`aim`, within compiled loops."""

@@ -123,7 +123,7 @@ def _answer(tangent: Tangent, residual: Residual, compliance: Array) -> tuple[fl
     shares = np.ones(len(residual.error))
     shares[rows] = solved.solution * tangent.compliance
     # stationary in the solution, so that its error counts twice
-    return float(solved.solution @ (1 + solved.residual)), shares, solved.products
+    return float(np.sum(solved.solution * (1 + solved.residual))), shares, solved.products
 
 
 def tangent_of(problem: Problem, residual: Residual) -> Tangent:

@@ -52,7 +52,7 @@ def foreseen(
     own, stiffness, base = law.force[rows], law.stiffness[rows], wanted[rows]
     lacking = own - force[rows]
     # sum |r| k, the residual, is at most the root of sum k r^2 times sum k
-    most = math.sqrt(float(stiffness.sum()) * float((lacking / stiffness) @ lacking))
+    most = math.sqrt(float(stiffness.sum()) * float(np.sum(lacking**2 / stiffness)))
     enough = LEFT * tolerance * float(own.sum()) / most if most > 0 else 1.0
     solved = conjugate_gradients(
         tangent, lacking / stiffness, tolerance=min(max(FORCING, enough), 1.0)

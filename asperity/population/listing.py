@@ -216,9 +216,9 @@ class Listing:
         """Whether contacts are too far from the centres of their laws for the plan to hold."""
         centre = population.table.centre_at(closed, approach)
         x, y = np.subtract(centre, self.offset[:, closed])
-        lower = law.stiffness @ (tilt[0] * y + tilt[1] * x)
-        far = law.force @ np.hypot(x, y) > STRAY * (law.force @ np.sqrt(law.area / np.pi))
-        return bool(far or abs(lower) > ASTRAY * law.force.sum())
+        lower = np.sum(law.stiffness * (tilt[0] * y + tilt[1] * x))
+        astray = np.hypot(x, y) - STRAY * np.sqrt(law.area / np.pi)
+        return bool(np.sum(law.force * astray) > 0.0 or abs(lower) > ASTRAY * law.force.sum())
 
     def areas(self, population: Population, solution: Solution) -> Array:
         """Contact areas [m^2], wider where contacts stand beside rough summits, shape (n,)."""
@@ -231,7 +231,7 @@ class Listing:
         rows = np.flatnonzero(shift > LEANING[0])
         shift = shift[rows]
         weight = _rise(shift, LEANING)
-        share = weight @ area[rows] / max(area.sum(), np.finfo(float).tiny)
+        share = np.sum(weight * area[rows]) / max(area.sum(), np.finfo(float).tiny)
         if population.leaning is not None and share > LEAN[0]:
             eased, approach = solution.tilt[rows] / (1.0 + shift[:, None]), solution.approach[rows]
             found = population.leaning(self.index[rows], eased, approach, law.force[rows])

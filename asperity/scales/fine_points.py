@@ -74,7 +74,7 @@ def particular(fine: FineScales, state: PopulationState) -> float:
     if not closed.size:
         return 0.0
     force, waves = state.force[closed], 1.0 + state.area[closed] / fine.shortest**2
-    number = force.sum() ** 2 / (force @ (force / waves))
+    number = force.sum() ** 2 / np.sum(force**2 / waves)
     return float(np.clip(np.log(MANY / number) / np.log(MANY / FEW), 0.0, 1.0))
 
 
@@ -115,7 +115,7 @@ def fine_point(
         kept = here.force > 0
         force, width = here.force[kept], here.area[kept]
         stored = fine.stored(force / width, share, strong[kept])
-        return float(width @ stored), float(force.sum())
+        return float(np.sum(width * stored)), float(force.sum())
 
     (low, less), (middle, load), (high, more) = (energy(step) for step in (-fall, 0.0, fall))
     factor = fine.lift(share)
