@@ -168,15 +168,21 @@ class Asperities:
 
     @property
     def labels(self) -> NDArray[np.int32]:
-        """Peak whose basin holds each pixel of the map, shape (ny, nx); -1 where not flooded."""
-        labels = self.peaks.labels
+        """Peak whose basin holds each pixel of the map, shape (ny, nx); -1 where not flooded.
+
+        On a finer grid the middle of a pixel may lie between pixels: the highest of them counts.
+        """
+        labels, heights = self.peaks.labels, self.solved.heights
         if labels.shape == self.hm.shape:
             return labels
-        rows, cols = (
-            ((np.arange(n) + 0.5) * (m / n)).astype(np.int64)
-            for n, m in zip(self.hm.shape, labels.shape, strict=True)
-        )
-        return labels[np.ix_(rows, cols)]
+        sizes = list(zip(self.hm.shape, labels.shape, strict=True))
+        rows, cols = ((2 * np.arange(n) + 1) * m // (2 * n) for n, m in sizes)
+        found, top = labels[np.ix_(rows, cols)], heights[np.ix_(rows, cols)]
+        above, left = (((2 * np.arange(n) + 1) * m - 1) // (2 * n) for n, m in sizes)
+        for place in (np.ix_(above, cols), np.ix_(rows, left), np.ix_(above, left)):
+            higher = heights[place] > top
+            found, top = np.where(higher, labels[place], found), np.maximum(top, heights[place])
+        return found
 
     @functools.cached_property
     def passes(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:

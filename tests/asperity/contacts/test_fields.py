@@ -100,6 +100,17 @@ def test_maps_move_with_the_surface():
     assert np.count_nonzero(first & second) > 0.97 * np.count_nonzero(first | second)
 
 
+def test_maps_are_mirrored_with_the_surface_on_a_grid_twice_as_fine():
+    hm = map_of(2, (96, 128))
+    run = run_of(hm, load=(4e-2,), interaction=False)
+    assert run.bodies.solved.shape[1] == 2 * hm.shape[1]  # middles lie between pixels
+    for turned in (np.flipud, np.fliplr):
+        mirrored = run_of(
+            hm.replace(heights=turned(hm.heights)), load=(4e-2,), interaction=False
+        )
+        assert turned(mirrored.pressure_map()) == pytest.approx(run.pressure_map(), rel=1e-5)
+
+
 def test_nothing_touches_at_no_load(broad):
     run = run_of(broad, load=(0.0, 1e-3))
     assert not run.pressure_map(0).any() and not run.contact_map(0).any()
