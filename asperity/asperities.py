@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import functools
 import time
 from dataclasses import dataclass, field, replace
@@ -182,6 +183,13 @@ class Asperities:
         for place in (np.ix_(above, cols), np.ix_(rows, left), np.ix_(above, left)):
             higher = heights[place] > top
             found, top = np.where(higher, labels[place], found), np.maximum(top, heights[place])
+        return found
+
+    @functools.cached_property
+    def coupled(self) -> Population:
+        """The same contacts with interaction, where the plan leaves it out."""
+        found = copy.copy(self.population)
+        found.interaction = found.boundary == "periodic" or len(found) > 1
         return found
 
     @functools.cached_property

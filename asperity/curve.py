@@ -17,11 +17,19 @@ from .asperities import Asperities
 from .contacts.fields import contact_map, pressure_map
 from .contacts.spot_count import spot_count
 from .contacts.table import microcontacts
-from .error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate, oddness, weaknesses
+from .error_estimate import (
+    AREA_WEIGHTS,
+    CALIBRATED,
+    LOAD_WEIGHTS,
+    TERMS,
+    estimate,
+    oddness,
+    weaknesses,
+)
 from .errors import InputError
 from .lawless import LAWLESS
 from .loadpoints import checked_loads
-from .plan import Plan, make_plan
+from .plan import Plan, interaction_needed, make_plan
 from .population.population import PopulationState
 from .results.curve import ContactCurve
 from .results.stiffness import curve_stiffness
@@ -113,9 +121,12 @@ def contact_curve(
     separations
         Separations [m], scalar or (n,), in place of the pressures.
     law
-        Contact law of one summit: "hertz", "paper", "harmonic", "ellipse", "ritz" or "auto".
+        Contact law of one summit: "hertz", "paper", "harmonic", "ellipse", "ritz" or "auto". Errors
+        are estimated with "auto" and "ellipse" only, and NaN with the others.
     interaction
-        False gives the classical sum of independent contacts.
+        False gives the classical sum of independent contacts; by how much its load at equal
+        separation differs from that of the same contacts with interaction is told in
+        `extra["interaction_difference"]`, and added to the error estimate.
     plan
         A plan made before by `make_plan`; overrides `law`, `interaction`, `boundary`, `scales`.
     boundary
@@ -197,7 +208,9 @@ def solve_contacts(
     states: dict[int, PopulationState] = {}
     places: dict[int, FinePoint] = {}
     patches: dict[int, int] = {}
-    state, lift = None, 0.0
+    left_out: dict[int, float] = {}
+    state, coupled, lift = None, None, 0.0
+    classical = not plan.interaction and interaction_needed(hm, material, kind, values)[0]
 
     def curve_of(points: Iterable[int]) -> ContactCurve:
         chosen = list(points)
@@ -207,6 +220,7 @@ def solve_contacts(
             [states[i] for i in chosen],
             [places[i] for i in chosen],
             [patches[i] for i in chosen],
+            [left_out[i] for i in chosen] if classical else None,
             solving,
         )
 
@@ -229,6 +243,11 @@ def solve_contacts(
             )
         place = bodies.point(state)
         states[i], places[i] = bodies.refused(without_gap(plan, state, place)), place
+        if classical:
+            coupled = bodies.coupled.solve(
+                separation=state.separation, state=coupled, tolerance=CLOSE
+            )
+            left_out[i] = _difference(state, coupled)
         patches[i], lift = spot_count(bodies, state), places[i].separation - state.separation
         if progress is not None:
             progress(state)
@@ -237,11 +256,21 @@ def solve_contacts(
     return ContactRun(curve_of(sorted(states)), bodies, tuple(states[i] for i in sorted(states)))
 
 
+def _difference(alone: PopulationState, coupled: PopulationState) -> float:
+    """Load of independent contacts over that of coupled ones, less one; NaN if not known."""
+    if not (alone.converged and coupled.converged):
+        return np.nan
+    if coupled.mean_pressure == 0.0:
+        return np.inf if alone.mean_pressure else 0.0
+    return alone.mean_pressure / coupled.mean_pressure - 1.0
+
+
 def _curve(
     bodies: Asperities,
     states: Sequence[PopulationState],
     places: Sequence[FinePoint],
     patches: Sequence[int],
+    left_out: Sequence[float] | None,
     solving: float,
 ) -> ContactCurve:
     hm, plan = bodies.hm, bodies.plan
@@ -255,6 +284,12 @@ def _curve(
     area = np.array([place.contact_area for place in places])
     separation = np.array([place.separation for place in places])
     tangent = np.array([place.stiffness for place in places])
+    known = 0.0 if plan.law in CALIBRATED else np.nan
+    load_error = known + np.array([estimate(w, LOAD_WEIGHTS) for w in weak])
+    area_error = known + np.array([estimate(w, AREA_WEIGHTS) for w in weak])
+    alone = {} if left_out is None else {"interaction_difference": np.array(left_out)}
+    for difference in alone.values():
+        load_error = load_error + np.abs(difference)
     return ContactCurve(
         separation=separation,
         mean_pressure=pressure,
@@ -265,7 +300,7 @@ def _curve(
         stiffness=curve_stiffness(pressure, separation, tangent, column("converged")),
         converged=column("converged"),
         residual=column("residual"),
-        error_estimate=np.array([estimate(w, LOAD_WEIGHTS) for w in weak]),
+        error_estimate=load_error,
         model="asperity",
         seconds={**bodies.seconds, "contact": solving},
         settings={
@@ -284,7 +319,8 @@ def _curve(
             "microcontacts": column("active"),
             "filled_share": column("filled_share"),
             "tangent_stiffness": tangent,
-            "area_error_estimate": np.array([estimate(w, AREA_WEIGHTS) for w in weak]),
+            "area_error_estimate": area_error,
+            **alone,
             **{name: np.array([w[name] for w in weak]) for name in (*TERMS, *LAWLESS)},
         },
         reasons=tuple(state.reason for state in states),

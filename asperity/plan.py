@@ -23,7 +23,7 @@ from .scales.split import FEWEST_WAVES, split_scales
 if TYPE_CHECKING:
     from .material import HalfSpace
 
-__all__ = ["SCALES", "Plan", "finer_plan", "make_plan"]
+__all__ = ["SCALES", "Plan", "finer_plan", "interaction_needed", "make_plan"]
 
 SCALES = ("auto", "all")
 """What may become of the finest waves of a map."""
@@ -156,7 +156,11 @@ def make_plan(
     reasons = [f"boundary: {edge} ({'as the map says' if boundary is None else 'as asked'})"]
     body = f"graded, m = {material.m:g}" if material.m != 0.0 else "homogeneous"
     reasons.append(f"material: {body}")
-    coupled, why = _interaction_needed(hm, material, kind, values, interaction)
+    if not isinstance(interaction, bool | np.bool_):
+        raise InputError(f"interaction is {interaction!r}; it must be True or False")
+    coupled, why = False, "interaction: off, as asked (the classical independent sum)"
+    if interaction:
+        coupled, why = interaction_needed(hm, material, kind, values)
     reasons.append(why)
     resampled, fine, whys = _grid(hm, material, coupled, scales)
     points = (hm if resampled is None else resampled).heights.size
@@ -212,11 +216,10 @@ def _require_usable(hm: HeightMap) -> None:
         raise SurfaceError("the map is constant: a flat map has no peaks to touch")
 
 
-def _interaction_needed(
-    hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarray, wanted: bool
+def interaction_needed(
+    hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarray
 ) -> tuple[bool, str]:
-    if not wanted:
-        return False, "interaction: off, as asked (the classical independent sum)"
+    """Whether neighbours matter at load points as `checked_loads` gives them, and why."""
     if kind != "pressure" or material.m != 0.0:
         return True, "interaction: on"
     force = float(values.max()) * hm.area

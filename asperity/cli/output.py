@@ -126,7 +126,8 @@ def finish(curve: ContactCurve, material: HalfSpace, args: argparse.Namespace) -
 
     more = derived.conductance(curve, args)
     if args.csv:
-        extra = {k: v for k, v in curve.extra.items() if k == "area_error_estimate"}
+        told = "area_error_estimate", "interaction_difference"
+        extra = {name: curve.extra[name] for name in told if name in curve.extra}
         write_csv(args.csv, {name: getattr(curve, name) for name in POINT_FIELDS} | extra | more)
     try:
         if args.slip:

@@ -279,6 +279,7 @@ class ContactCurve:
 
         stated = self.extra.get("area_error_estimate")
         area = "" if stated is None else f" in load, {span(stated, '')} in area"
+        alone = self.extra.get("interaction_difference")
         lines = [
             f"contact curve   {self.model}, {len(self)} points, {good} converged",
             f"separation      {span(self.separation, ' m')}",
@@ -290,6 +291,8 @@ class ContactCurve:
             + ", ".join(f"{stage} {value:.2g}" for stage, value in self.seconds.items())
             + ")",
         ]
+        if alone is not None:
+            lines.append(f"interaction     left out: load {span(100 * alone, ' %')} off by that")
         lines += [f"point {i}: {why}" for i, why in enumerate(self.reasons) if why]
         return "\n".join(lines)
 

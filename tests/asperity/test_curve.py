@@ -299,3 +299,32 @@ def test_maps_with_missing_points_are_refused(rough):
     heights[0, 0] = np.nan
     with pytest.raises(SurfaceError, match="fill"):
         asperity.contact_curve(rough.replace(heights=heights), STEEL)
+
+
+@pytest.mark.parametrize("body", [STEEL, asperity.HalfSpace.from_modulus(1e11, m=0.3)])
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_without_interaction_the_difference_is_told_and_stated(rough, body, boundary):
+    case = {"pressures": default_pressures(rough, body, count=3), "boundary": boundary}
+    alone = asperity.contact_curve(rough, body, interaction=False, **case)
+    coupled = asperity.contact_curve(
+        rough, body, separations=alone.separation, boundary=boundary, scales="all"
+    )
+    difference = alone.extra["interaction_difference"]
+    assert difference == pytest.approx(alone.load / coupled.load - 1, rel=0.02)
+    assert abs(difference[-1]) > 0.1
+    assert (alone.error_estimate > np.abs(difference)).all()
+    assert "left out" in str(alone)
+    assert "interaction_difference" not in coupled.extra
+
+
+def test_errors_of_other_laws_are_not_estimated(rough):
+    loads = default_pressures(rough, STEEL, count=3)[:1]
+    for law, known in (("hertz", False), ("ellipse", True)):
+        curve = asperity.contact_curve(rough, STEEL, pressures=loads, law=law)
+        stated = curve.error_estimate, curve.extra["area_error_estimate"]
+        assert np.isfinite(stated).all() == known
+
+
+def test_a_switch_that_is_no_switch_is_refused(rough):
+    with pytest.raises(InputError, match="True or False"):
+        asperity.contact_curve(rough, STEEL, interaction="off")
