@@ -52,6 +52,9 @@ MAX_SEARCH = 40
 SEARCH_TOLERANCE = 5e-3
 """Tolerance of a solve on the way to a mean pressure."""
 
+EXACT = 1e-6
+"""Relative error of the load of independent contacts, for which a step costs no field."""
+
 LEVEL = 1e-9
 """Rise of the flat under more load that rounding explains, over its fall since the first touch."""
 
@@ -218,12 +221,16 @@ class Trail:
         low, high, step = -math.inf, top, 0.1 * float(np.ptp(population.height)) or 0.1 * abs(top)
         if state is None or not state.mean_pressure > 0:
             state = self.at(self._independent_separation(pressure), tolerance)
+        bound = 0.5 * tolerance if population.interaction else EXACT
+        best, least = state, math.inf
         for _ in range(MAX_SEARCH):
             if not state.converged:
                 return state
             error = math.log(state.mean_pressure / pressure) if state.mean_pressure > 0 else -1e3
-            if abs(error) <= 0.5 * tolerance and state.residual <= tolerance:
-                return state
+            if abs(error) < least and state.residual <= tolerance:
+                best, least = state, abs(error)
+            if least <= bound:
+                return best
             here = state.separation
             # a rough pressure near the wanted one does not tell on which side it lies
             if abs(error) > 5 * state.residual:
@@ -237,6 +244,8 @@ class Trail:
             # far from the pressure a rough solve shows the way
             rough = max(tolerance, SEARCH_TOLERANCE if abs(error) > 10 * SEARCH_TOLERANCE else 0.0)
             state = state._trail.at(guess, rough)
+        if least <= 0.5 * tolerance:  # heights do not tell smaller loads apart
+            return best
         reason = f"{MAX_SEARCH} separations did not bring the mean pressure to {pressure:g} Pa"
         return replace(state, converged=False, reason=reason)
 

@@ -317,6 +317,15 @@ def test_without_interaction_the_difference_is_told_and_stated(rough, body, boun
     assert "interaction_difference" not in coupled.extra
 
 
+def test_independent_contacts_carry_the_load_asked_for(rough):
+    asked = default_pressures(rough, STEEL, count=4)
+    curve = asperity.contact_curve(rough, STEEL, pressures=asked, interaction=False)
+    assert curve.mean_pressure == pytest.approx(asked, rel=1e-5)
+    assert curve.at(pressure=asked[-1]).load == pytest.approx(asked[-1] * rough.area)
+    light = asperity.contact_curve(rough, STEEL, pressures=[1e-8, 1e-4, 1.0])
+    assert light.mean_pressure == pytest.approx([1e-8, 1e-4, 1.0], rel=1e-3)
+
+
 def test_errors_of_other_laws_are_not_estimated(rough):
     loads = default_pressures(rough, STEEL, count=3)[:1]
     for law, known in (("hertz", False), ("ellipse", True)):

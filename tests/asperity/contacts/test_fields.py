@@ -105,9 +105,7 @@ def test_maps_are_mirrored_with_the_surface_on_a_grid_twice_as_fine():
     run = run_of(hm, load=(4e-2,), interaction=False)
     assert run.bodies.solved.shape[1] == 2 * hm.shape[1]  # middles lie between pixels
     for turned in (np.flipud, np.fliplr):
-        mirrored = run_of(
-            hm.replace(heights=turned(hm.heights)), load=(4e-2,), interaction=False
-        )
+        mirrored = run_of(hm.replace(heights=turned(hm.heights)), load=(4e-2,), interaction=False)
         assert turned(mirrored.pressure_map()) == pytest.approx(run.pressure_map(), rel=1e-5)
 
 
