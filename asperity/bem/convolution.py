@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import Any, Protocol
 
 import numpy as np
-import scipy.fft
 from numpy.typing import NDArray
 
 from surfaces import _threads
@@ -65,9 +64,11 @@ def plan(
     """The convolution that is faster for a grid (ny, nx) and its padded shape.
 
     The limits come from single passes timed on two cores: whole transforms are faster below
-    1400 x 1400; padded, blocks are from 200 x 200 on, and take half the memory.
+    1400 x 1400; padded, blocks are from 200 x 200 on, and take half the memory. Of lengths that
+    FFTW is slow at, whole transforms (by scipy) are as fast as blocks at any size.
     """
-    if shape[0] * shape[1] <= _LARGEST_WHOLE[padded != shape]:
+    whole = shape[0] * shape[1] <= _LARGEST_WHOLE[padded != shape]
+    if whole or not transform.prefers_fftw(padded):
         return _Whole(shape, padded, threads, scratch or Scratch())
     return _Blocked(shape, padded, threads, scratch or Scratch())
 
@@ -99,8 +100,7 @@ class _Blocked:
         self.values = scratch.zeros((ny, nx))
         self.output = self._spectrum = scratch.zeros((ny, self._half), np.complex128)
         self.grid = self._spectrum.view(np.float64)
-        kind = _FFTWLines if transform.prefers_fftw(padded) else _ScipyLines
-        self._lines = [kind(padded) for _ in range(threads)]
+        self._lines = [_Lines(padded) for _ in range(threads)]
 
     def apply(self, symbol: NDArray[np.float64]) -> None:
         ny = self._shape[0]
@@ -141,28 +141,11 @@ class _Blocked:
             self.grid[y : y + _ROWS, :nx] = lines.rows[: len(block), :nx]
 
 
-class _Lines(Protocol):
-    """Transforms of a block of rows (count, nx) or of columns, each a line (count, ny)."""
+class _Lines:
+    """Transforms of a block of rows (count, nx) or of columns, each a line (count, ny), by FFTW.
 
-    rows: NDArray[np.float64]
-    half: NDArray[np.complex128]
-    columns: NDArray[np.complex128]
-
-    def forward_rows(self) -> None:
-        """rows -> half."""
-
-    def backward_rows(self) -> None:
-        """half, which is destroyed, -> rows."""
-
-    def forward_columns(self) -> None:
-        """columns -> columns."""
-
-    def backward_columns(self) -> None:
-        """columns -> columns."""
-
-
-class _FFTWLines:
-    """By FFTW."""
+    Rows go from `rows` to `half` and back, which destroys `half`; columns stay in their place.
+    """
 
     def __init__(self, padded: tuple[int, int]) -> None:
         import pyfftw
@@ -180,27 +163,3 @@ class _FFTWLines:
         self.backward_rows = planned(self.half, self.rows, "FFTW_BACKWARD")
         self.forward_columns = planned(self.columns, self.columns, "FFTW_FORWARD")
         self.backward_columns = planned(self.columns, self.columns, "FFTW_BACKWARD")
-
-
-class _ScipyLines:
-    """By scipy.fft."""
-
-    def __init__(self, padded: tuple[int, int]) -> None:
-        ny, nx = padded
-        self.rows = np.zeros((_ROWS, nx))
-        self.half = np.zeros((_ROWS, nx // 2 + 1), np.complex128)
-        self.columns = np.zeros((_COLUMNS, ny), np.complex128)
-
-    def forward_rows(self) -> None:
-        self.half[:] = scipy.fft.rfft(self.rows, axis=1)
-
-    def backward_rows(self) -> None:
-        n = self.rows.shape[1]
-        self.rows[:] = scipy.fft.irfft(self.half, n=n, axis=1, norm="forward", overwrite_x=True)
-
-    def forward_columns(self) -> None:
-        self.columns[:] = scipy.fft.fft(self.columns, axis=1, overwrite_x=True)
-
-    def backward_columns(self) -> None:
-        lines = scipy.fft.ifft(self.columns, axis=1, norm="forward", overwrite_x=True)
-        self.columns[:] = lines

@@ -49,10 +49,13 @@ def compliance(spacing: tuple[float, float], material: ElasticHalfSpace) -> floa
     -----
     ``Lambda(q) = 2**(1-m) pi / (E_m* Gamma((1+m)/2)**2) |q|**(m-1)`` at ``|q| = (dy dx)**-1/2``.
     """
-    m = material.m
     pixel = math.sqrt(spacing[0] * spacing[1])
-    factor = 2.0 ** (1.0 - m) * math.pi / math.gamma(0.5 * (1.0 + m)) ** 2
-    return float(factor * pixel ** (1.0 - m) / material.modulus)
+    return float(_unit(material.m) * pixel ** (1.0 - material.m) / material.modulus)
+
+
+def _unit(m: float) -> float:
+    """`compliance` of a pixel of unit area and unit modulus."""
+    return float(2.0 ** (1.0 - m) * math.pi / math.gamma(0.5 * (1.0 + m)) ** 2)
 
 
 def wave_numbers(
@@ -135,8 +138,7 @@ def near_influence(
 
 def _point_factor(m: float) -> float:
     """C_m over the compliance of a cell of unit area, with C_m = cos(m pi/2) / (pi E_m*)."""
-    unit = 2.0 ** (1.0 - m) * math.pi / math.gamma(0.5 * (1.0 + m)) ** 2
-    return float(math.sin(0.5 * math.pi * (1.0 - abs(m))) / math.pi / unit)
+    return math.sin(0.5 * math.pi * (1.0 - abs(m))) / math.pi / _unit(m)
 
 
 @lru_cache(maxsize=8)

@@ -72,7 +72,6 @@ def plan(
     rows: int | None = None,
     dtype: Any = np.float64,
     threads: int = 1,
-    library: str | None = None,
     scratch: Scratch | None = None,
 ) -> RealTransform:
     """Transform pair for a shape, by the library that is faster for it.
@@ -87,17 +86,13 @@ def plan(
         float64 or float32.
     threads
         Threads of the library; one is faster on small grids.
-    library
-        "fftw" or "scipy"; by default chosen by `prefers_fftw`.
     scratch
         Where the buffers come from.
     """
     scratch = scratch or Scratch()
     threads = threads if math.prod(shape) > _ONE_THREAD else 1
     rows = shape[0] if rows is None else rows
-    if library is None:
-        library = "fftw" if prefers_fftw(shape) else "scipy"
-    kind = _FFTWTransform if library == "fftw" else _ScipyTransform
+    kind = _FFTWTransform if prefers_fftw(shape) else _ScipyTransform
     return kind(shape, rows, np.dtype(dtype), threads, scratch)
 
 

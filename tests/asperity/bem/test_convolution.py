@@ -9,14 +9,12 @@ from asperity.bem import convolution
 from asperity.bem.scratch import Scratch
 
 
-@pytest.mark.parametrize("lines", [convolution._FFTWLines, convolution._ScipyLines])
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize(
     "shape, padded", [((40, 54), (40, 54)), ((37, 35), (37, 35)), ((33, 40), (66, 80))]
 )
-def test_blocked_convolution_is_the_whole_one(shape, padded, threads, lines, monkeypatch):
-    """Any kind of lines, periodic or padded, odd sizes, blocks that do not divide the grid."""
-    monkeypatch.setattr(convolution, "_FFTWLines", lines)
+def test_blocked_convolution_is_the_whole_one(shape, padded, threads):
+    """Periodic or padded, odd sizes, blocks that do not divide the grid."""
     rng = np.random.default_rng(1)
     symbol = rng.random((padded[0] // 2 + 1, padded[1] // 2 + 1))
     values = rng.standard_normal(shape)
