@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import EngFormatter, NullFormatter
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
@@ -65,14 +65,15 @@ def map_figure(comparison: Comparison) -> str:
     step = max(1, -(-max(bem.shape) // MAP_POINTS))
     picture = colors[bem.astype(np.int8) + 2 * model.astype(np.int8)][::step, ::step]
     height, width = (n * d for n, d in zip(bem.shape, comparison.about["spacing"], strict=True))
-    factor, unit = _length_unit(width)
 
     def draw(figure: Figure) -> None:
         axes = figure.add_subplot()
-        extent = (0.0, width * factor, height * factor, 0.0)
+        extent = (0.0, width, height, 0.0)
         axes.imshow(picture, extent=extent, interpolation="nearest")
         axes.grid(False)
-        axes.set(xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
+        for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
+            axis.set_major_formatter(EngFormatter(unit="m"))
+            axis.set_label_text(name)
         for color, label in (
             (BEM_COLOR, "boundary elements only"),
             (MODEL_COLOR, "microcontacts only"),
@@ -167,10 +168,3 @@ def _svg(draw: Callable[[Figure], None], size: tuple[float, float]) -> str:
     text = buffer.getvalue()
     drawing = text[text.index("<svg") :]
     return re.sub(r'(<svg [^>]*?)width="[^"]*" height="[^"]*"', r"\1", drawing, count=1)
-
-
-def _length_unit(length: float) -> tuple[float, str]:
-    for factor, unit in ((1.0, "m"), (1e3, "mm"), (1e6, "µm")):
-        if length * factor >= 0.5:
-            return factor, unit
-    return 1e9, "nm"
