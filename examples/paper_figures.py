@@ -23,6 +23,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from asperity import HalfSpace, indent, indent_bem
+from asperity.cli import bodies
 from asperity.comparison.single import Case, judge
 from surfaces import PowerSumProfile, shapes
 
@@ -103,16 +104,11 @@ class Bench:
         self.write(number, rows, figure)
 
     def _draw(self, axes: Any, case: Case) -> None:
-        import cv2
-
         reference = case.reference
         assert reference is not None
-        mask = reference.solutions[-1].contact.astype(np.uint8)
         scale = float(next(row.solution for row in case.rows if row.solution).radius)
-        outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-        for line in outlines:
-            x, y = reference.x[line[:, 0, 0]], reference.y[line[:, 0, 1]]
-            axes.fill(x / scale, y / scale, color="0.82", lw=0)
+        for outline in reference.solutions[-1].outlines():
+            axes.fill(*((outline - reference.summit[-1]) / scale).T, color="0.82", lw=0)
         for row in case.rows:
             if row.solution is not None:
                 edge = row.solution.contour(TURN) / scale
@@ -157,34 +153,26 @@ class Bench:
 
 
 def body(name: str, k: float) -> PowerSumProfile:
-    """Body by its name, such as ``polygon 4``, ``rounded 4 0.3``, ``random 7`` or ``bent``."""
-    kind, *numbers = name.split()
-    if kind == "polygon":
-        return shapes.polygon(int(numbers[0]), k)
-    if kind == "cosine":
-        return shapes.cosine_polygon(int(numbers[0]), k)
-    if kind == "rounded":
-        return shapes.rounded_polygon(int(numbers[0]), k, corner=float(numbers[1]))
-    if kind == "random":
-        seed = int(numbers[0])
-        return shapes.random_section(k, deviation=0.02 + 0.2 * (seed % 40) / 40, seed=seed)
-    if kind == "convex":
-        return shapes.random_polygon(k, sides=5 + int(numbers[0]) % 4, seed=int(numbers[0]))
-    return shapes.bent_body()
+    """Test body as `asperity indent --shape` names it; ``random:SEED`` of growing deviation."""
+    if name.startswith("random"):
+        seed = int(name.split(":")[1])
+        name = f"random:{0.02 + 0.2 * (seed % 40) / 40}:{seed}"
+    return bodies.body(name, None if name == "bent" else k, None)
 
 
 def errors_over_sides(bench: Bench, number: int) -> None:
     """Figure 2: e_F and e_a against the number of sides, k = 1 and 2."""
-    rows = [r for k in (1.0, 2.0) for n in range(3, 9) for r in bench.rows(f"polygon {n}", k)]
-    rows += [r for n in (3, 4, 6) for r in bench.rows(f"cosine {n}", 2.0)]
+    rows = [r for k in (1.0, 2.0) for n in range(3, 9) for r in bench.rows(f"polygon:{n}", k)]
+    rows += [r for n in (3, 4, 6) for r in bench.rows(f"cosine:{n}", 2.0)]
     figure = Figure(figsize=(9, 3.6))
     for i, key in enumerate(("e_F_percent", "e_a_percent", "e_A_percent")):
         axes = figure.add_subplot(1, 3, i + 1, xlabel="sides", ylabel=key.replace("_", " "))
         for law in bench.settings.laws:
             for k in (1.0, 2.0):
                 some = [r for r in rows if (r["law"], r["k"]) == (law, k) and "poly" in r["shape"]]
-                axes.plot([int(r["shape"].split()[1]) for r in some], [r[key] for r in some], "o-",
-                          ms=3, label=f"{law}, k = {k:g}")  # fmt: skip
+                sides = [int(r["shape"].split(":")[1]) for r in some]
+                label = f"{law}, k = {k:g}"
+                axes.plot(sides, [r[key] for r in some], "o-", ms=3, label=label)
         axes.axhline(0, color="0.7", lw=0.6)
         axes.legend(fontsize=6)
     figure.tight_layout()
@@ -196,7 +184,7 @@ def irregular_sections(bench: Bench, number: int) -> None:
     rows = []
     for k in (1.0, 2.0):
         for seed in range(bench.settings.sections):
-            name = f"random {seed}"
+            name = f"random:{seed}"
             deviation = shapes.deviation(body(name, k))
             rows += [{**r, "deviation": deviation} for r in bench.rows(name, k)]
     figure = Figure(figsize=(9, 3.6))
@@ -256,23 +244,23 @@ def figures(bench: Bench) -> dict[int, Callable[[], None]]:
     sides = (3, 4, 5, 6)
     some = [1, 9, 17, 25, 33, 39][: max(1, min(6, bench.settings.sections))]
     return {
-        1: lambda: bench.contours(1, [(f"polygon {n}", 1.0, 0.0, 1.0) for n in sides]),
+        1: lambda: bench.contours(1, [(f"polygon:{n}", 1.0, 0.0, 1.0) for n in sides]),
         2: lambda: errors_over_sides(bench, 2),
-        3: lambda: bench.pressures(3, "polygon 4", 1.0, 0.0, (0, 30, 40, 45)),
-        4: lambda: bench.pressures(4, "polygon 4", 2.0, 0.0, (0, 30, 40, 45)),
+        3: lambda: bench.pressures(3, "polygon:4", 1.0, 0.0, (0, 30, 40, 45)),
+        4: lambda: bench.pressures(4, "polygon:4", 2.0, 0.0, (0, 30, 40, 45)),
         5: lambda: bench.contours(
-            5, [(f"rounded {n} {c}", 1.0, 0.0, 1.0) for c in (0.1, 0.3, 0.5) for n in sides]
+            5, [(f"rounded:{n}:{c}", 1.0, 0.0, 1.0) for c in (0.1, 0.3, 0.5) for n in sides]
         ),
-        6: lambda: bench.pressures(6, "rounded 4 0.3", 1.0, 0.0, (0, 30, 45)),
-        7: lambda: bench.pressures(7, "rounded 4 0.3", 2.0, 0.0, (0, 30, 45)),
+        6: lambda: bench.pressures(6, "rounded:4:0.3", 1.0, 0.0, (0, 30, 45)),
+        7: lambda: bench.pressures(7, "rounded:4:0.3", 2.0, 0.0, (0, 30, 45)),
         8: lambda: irregular_sections(bench, 8),
-        9: lambda: bench.contours(9, [(f"random {s}", 1.0, 0.0, 1.0) for s in some]),
+        9: lambda: bench.contours(9, [(f"random:{s}", 1.0, 0.0, 1.0) for s in some]),
         10: lambda: general_body(bench, 10),
         11: lambda: general_body(bench, 11),
         12: lambda: bench.contours(
-            12, [(f"rounded {n} 0.3", 1.0, m, 1.0) for m in (0.5, -0.3) for n in (3, 4, 6)]
+            12, [(f"rounded:{n}:0.3", 1.0, m, 1.0) for m in (0.5, -0.3) for n in (3, 4, 6)]
         ),
-        13: lambda: bench.pressures(13, "rounded 4 0.3", 1.0, 0.5, (0, 30, 45)),
+        13: lambda: bench.pressures(13, "rounded:4:0.3", 1.0, 0.5, (0, 30, 45)),
     }
 
 
