@@ -2,7 +2,7 @@
 
 import os
 
-from surfaces._lazy import public_names
+import lazy_loader
 
 __version__ = "0.1.0"
 
@@ -13,4 +13,4 @@ __version__ = "0.1.0"
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 os.environ.setdefault("GOMP_SPINCOUNT", "10000")
 
-__getattr__, __dir__, __all__ = public_names(__name__, __file__)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
