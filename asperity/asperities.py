@@ -17,9 +17,9 @@ from surfaces.heightmap import HeightMap
 from surfaces.peaks.segmentation import segment
 from surfaces.peaks.summits import locate_summits
 
-from .contacts.spot_count import passes
 from .contacts.table import aspect_ratio
 from .dominant import Ranking
+from .joined import Basins
 from .lawless import flat_tops
 from .microcontact.elements import put
 from .microcontact.growing import GrowingTable
@@ -79,6 +79,8 @@ class Asperities:
         What it was made from.
     peaks, profiles
         Segmentation and summits; the rays of a summit are sampled when its law is made.
+    basins
+        What of the basins touches where contacts have joined.
     population
         The microcontacts with their laws and their interaction.
     seconds
@@ -90,6 +92,7 @@ class Asperities:
     plan: Plan
     peaks: Peaks
     profiles: Summits
+    basins: Basins
     population: Population
     seconds: dict[str, float]
     _looks: WeakKeyDictionary[PopulationState, CloserLook | None] = field(
@@ -147,6 +150,7 @@ class Asperities:
             return area
 
         start = clock()
+        basins = Basins(profiles, material)
         population = Population(
             x=profiles.x,
             y=profiles.y,
@@ -157,10 +161,11 @@ class Asperities:
             material=material,
             interaction=plan.interaction,
             leaning=leaning if plan.law == "auto" else None,
+            joined=basins.areas if plan.law == "auto" else None,
             curvature=profiles.curvature,
             angle=profiles.angle,
         )
-        return cls(hm, material, plan, peaks, profiles, population, seconds)
+        return cls(hm, material, plan, peaks, profiles, basins, population, seconds)
 
     @property
     def solved(self) -> HeightMap:
@@ -191,11 +196,6 @@ class Asperities:
         found = copy.copy(self.population)
         found.interaction = found.boundary == "periodic" or len(found) > 1
         return found
-
-    @functools.cached_property
-    def passes(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Pairs of summits whose basins adjoin, (n, 2), and how deep [m] the pass lies, (n,)."""
-        return passes(self)
 
     @functools.cached_property
     def aspect(self) -> NDArray[np.float64]:

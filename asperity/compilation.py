@@ -116,20 +116,24 @@ def _indices() -> list[Path]:
 
 
 def _summits() -> None:
-    """Peaks and summits of a map, the rays of a few, and the plan of its scales."""
+    """Peaks and summits of a map, the rays of a few, joined basins, and the plan of its scales."""
     from surfaces.peaks.segmentation import segment
     from surfaces.peaks.summits import locate_summits
 
     from .contacts._spot_kernels import spots
+    from .joined import Basins
     from .plan import make_plan
 
     hm = small_map()
     make_plan(hm, BODY)
     peaks = segment(hm)
     two = np.arange(2)
-    locate_summits(hm, peaks).leaning(two, np.zeros((2, 2)), np.zeros(2)).rows(two)
+    summits = locate_summits(hm, peaks)
+    summits.leaning(two, np.zeros((2, 2)), np.zeros(2)).rows(two)
     column = np.zeros(len(peaks))
     spots(peaks.neighbors, peaks.passes, column, column)
+    deep = np.full(len(peaks), np.ptp(hm.heights))
+    Basins(summits, BODY).areas(np.arange(len(peaks)), deep, deep, deep)
 
 
 def _contacts() -> None:

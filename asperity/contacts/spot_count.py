@@ -15,12 +15,9 @@ if TYPE_CHECKING:
     from ..asperities import Asperities
     from ..population.population import PopulationState
 
-__all__ = ["passes", "spot_count"]
+__all__ = ["spot_count"]
 
 Array = NDArray[np.float64]
-
-SAG = 0.7
-"""How much deeper a pass lies than its pixels show, over the rms second difference of heights."""
 
 PARTED, CROWDED = 0.97, 0.15
 """Spots that fine waves add, per wave under the contacts: the factor and the exponent, see
@@ -48,7 +45,7 @@ def spot_count(bodies: Asperities, state: PopulationState) -> int:
     """
     from ._spot_kernels import spots
 
-    pairs, depth = bodies.passes
+    pairs, depth = bodies.basins.passes
     count = float(spots(pairs, 2.0 * JOINED * depth, *_each(bodies.profiles, state)))
     fine, area = bodies.plan.fine, state.contact_area
     if fine is not None and area > 0.0:
@@ -67,14 +64,3 @@ def _each(summits: Summits, state: PopulationState) -> tuple[Array, Array]:
     approach[lost] = approach[into] - (summits.height[into] - summits.height[lost])
     area[lost] = np.where((summits.single[lost] == lost) & (approach[lost] > 0.0), area[into], 0.0)
     return approach, area
-
-
-def passes(bodies: Asperities) -> tuple[NDArray[np.int64], Array]:
-    """Pairs of summits whose basins adjoin, (n, 2), and the mean depth [m] of the pass between
-    them under both, (n,)."""
-    pairs = bodies.profiles.single[bodies.peaks.neighbors]
-    apart = pairs[:, 0] != pairs[:, 1]
-    pairs = pairs[apart]
-    bend = np.asarray(bodies.solved.roughness.curvature) * np.square(bodies.solved.spacing)
-    depth = bodies.profiles.height[pairs].mean(axis=1) - bodies.peaks.passes[apart]
-    return pairs, np.asarray(depth + SAG * np.sqrt(np.mean(bend**2)))

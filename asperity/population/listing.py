@@ -221,7 +221,8 @@ class Listing:
         return bool(np.sum(law.force * astray) > 0.0 or abs(lower) > ASTRAY * law.force.sum())
 
     def areas(self, population: Population, solution: Solution) -> Array:
-        """Contact areas [m^2], wider where contacts stand beside rough summits, shape (n,)."""
+        """Contact areas [m^2], wider where contacts stand beside rough summits or have joined
+        others, shape (n,)."""
         law, problem, table = solution.laws, self.problem, population.table
         if not (problem.deflects and hasattr(table, "flags_at")):
             return law.area
@@ -237,7 +238,9 @@ class Listing:
             found = population.leaning(self.index[rows], eased, approach, law.force[rows])
             found = np.where(found > 0.0, found, area[rows])
             area[rows] += _rise(share, LEAN) * weight * (found - area[rows])
-        return area
+        if population.joined is None:
+            return area
+        return population.joined(self.index, solution.approach, law.force, area)
 
 
 def _widest(population: Population, closed: Rows, law: Evaluated) -> float:

@@ -58,6 +58,9 @@ class Population:
     leaning
         Areas [m^2] of the contacts whose rows are given, with the gradients [-] of the displacement
         by all others, (k, 2), their approaches [m] and forces [N]; zero where not known.
+    joined
+        Areas [m^2] of the contacts whose rows are given, some of which have joined others, with
+        their approaches [m], forces [N] and the areas that they have alone.
     curvature, angle
         Principal curvatures [1/m], (n, 2), the larger first, and directions of the long axis [rad],
         (n,), of the summits; round footprints if not given.
@@ -87,6 +90,7 @@ class Population:
         interaction: bool = True,
         deflection: bool = True,
         leaning: Callable[[Rows, Array, Array, Array], Array] | None = None,
+        joined: Callable[[Rows, Array, Array, Array], Array] | None = None,
         curvature: ArrayLike | None = None,
         angle: ArrayLike | None = None,
     ) -> None:
@@ -107,7 +111,7 @@ class Population:
         self._table = table
         self.cell = (float(cell[0]), float(cell[1]))
         self.interaction = interaction and (boundary == "periodic" or len(self.height) > 1)
-        self.deflection, self.leaning = deflection, leaning
+        self.deflection, self.leaning, self.joined = deflection, leaning, joined
         self.footprints = Footprints(material.modulus, material.m)
         self.elongation: Elongation | None = None
         if curvature is not None and angle is not None:

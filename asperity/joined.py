@@ -1,0 +1,173 @@
+"""Contact areas where contacts have joined their neighbors."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import erf, erfinv
+
+from . import _joined_kernels
+from .dominant import JOINED
+
+if TYPE_CHECKING:
+    from surfaces.peaks.summits import Summits
+
+    from .material import HalfSpace
+
+__all__ = ["Basins"]
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+SAG = 0.7
+"""How much deeper a pass lies than its pixels show, over the rms second difference of heights."""
+
+BINS = 32
+"""Depths at which the pixels of a basin are counted (16 to 200 do not differ)."""
+
+DEEPEST = 1.5
+"""The last of them over the approach."""
+
+ASTRIDE = (0.15, 0.3)
+"""Share of its outline that a contact has in common with others up to which it is pressed alone,
+and from which on it is a part of a larger one."""
+
+CROSSED = 0.45
+"""Share of the passes about a contact that are closed beyond which it counts as joined."""
+
+SOME = (0.12, 0.18)
+"""Share of the contact area in such contacts up to which nothing is done, and from which on all."""
+
+
+@dataclass(frozen=True, eq=False)
+class Basins:
+    """The basins of all summits, on the pixels of their map.
+
+    Attributes
+    ----------
+    summits
+        Summits of a map.
+    material
+        Its half-space.
+
+    Notes
+    -----
+    The law of a contact presses its basin alone. Where contacts have joined, each is a part of a
+    larger one, and what bounds it no longer bears on the pressure. The mean pressure of the larger
+    one is that of any contact on such slopes, 0.6 E* times their rms for a paraboloid; boundary
+    elements find 0.56 to 0.65 on measured maps, of contacts that have up to half of their outline
+    in common with others. With slopes themselves in place of their squares forces add up over the
+    parts of a contact,
+
+        F = c E a^m int |grad h| dA,     c = 6/(pi p^2 (p + 2)),     p = 1 + m,
+
+    a the radius of a disc of the area of the contact: exact for a paraboloid (2/pi E* int |grad h|
+    dA for m = 0). The contact is the highest part of its basin that carries its force so. As the
+    basin fills, the pressure grows faster than the share f of it that is closed: by
+    erfinv(f)/(sqrt(pi)/2 f), as on random heights (Persson 2001).
+    """
+
+    summits: Summits
+    material: HalfSpace
+
+    @functools.cached_property
+    def passes(self) -> tuple[Rows, Array]:
+        """Pairs of summits whose basins adjoin, (n, 2), and the mean depth [m] of the pass between
+        them under both, (n,)."""
+        summits = self.summits
+        pairs = summits.single[summits.peaks.neighbors]
+        apart = pairs[:, 0] != pairs[:, 1]
+        pairs = pairs[apart]
+        bend = np.asarray(summits.hm.roughness.curvature) * np.square(summits.hm.spacing)
+        depth = summits.height[pairs].mean(axis=1) - summits.peaks.passes[apart]
+        return pairs, np.asarray(depth + SAG * np.sqrt(np.mean(bend**2)))
+
+    @functools.cached_property
+    def _around(self) -> Rows:
+        """Number of passes about each summit, shape (all,)."""
+        return np.bincount(self.passes[0].ravel(), minlength=len(self.summits))
+
+    def areas(self, index: Rows, approach: Array, force: Array, area: Array) -> Array:
+        """Contact areas [m^2] of the summits `index`, shape (n,).
+
+        Parameters
+        ----------
+        index
+            Rows of the summits, shape (n,); all others are open.
+        approach, force, area
+            Approaches [m], forces [N] and areas alone [m^2], shape (n,); zero where open.
+        """
+        part = _rise(self._joined(index, approach, area), SOME)
+        if part == 0.0:
+            return area
+        closed = np.flatnonzero(force > 0.0)
+        rows, force, alone = index[closed], force[closed], area[closed]
+        whole, fall, found = self._carrying(rows, approach[closed], force)
+        weight = part * _rise(self._astride(rows, fall, found), ASTRIDE)
+        area = area.copy()
+        area[closed] += np.where(whole > 0.0, weight * (whole - alone), 0.0)
+        return area
+
+    def _joined(self, index: Rows, approach: Array, area: Array) -> float:
+        """Share of the area in contacts of which many passes are closed."""
+        pairs, depth = self.passes
+        deep = np.zeros(len(self.summits))
+        deep[index] = approach
+        one, two = deep[pairs].T
+        closed = (one > 0.0) & (two > 0.0) & (one + two > 2.0 * JOINED * depth)
+        crossed = np.bincount(pairs[closed].ravel(), minlength=len(deep)) > CROSSED * self._around
+        return float(area @ crossed[index]) / max(float(area.sum()), np.finfo(float).tiny)
+
+    def _carrying(self, rows: Rows, approach: Array, force: Array) -> tuple[Array, Array, Rows]:
+        """Areas [m^2] of the highest parts of the basins that carry the forces, and how far [m]
+        they reach down, both (n,); pixels among which theirs are."""
+        summits, m = self.summits, self.material.m
+        depth = DEEPEST * approach
+        count, slope = np.zeros((2, len(rows), BINS))
+        kernel: Any = _joined_kernels.tally
+        found = np.empty(summits.hm.heights.size, np.int64)
+        number = kernel(*self._map(rows), summits.height[rows], depth, count, slope, found)
+        pixel, most = math.prod(summits.hm.spacing), summits.pixels[rows, None]
+        closed = np.clip(np.cumsum(count, axis=1), 1e-9, most)
+        stiff = 6.0 / (math.pi * (1.0 + m) ** 2 * (3.0 + m)) * self.material.modulus
+        carried = stiff * (pixel * closed / math.pi) ** (0.5 * m)
+        carried *= pixel * np.cumsum(slope, axis=1)
+        closed /= most + 1.0
+        filled = erfinv(closed)
+        carried *= filled / (0.5 * math.sqrt(math.pi) * closed)
+        carried, filled = (np.pad(a, ((0, 0), (1, 0))) for a in (carried, filled))
+        place = np.clip((carried <= force[:, None]).sum(axis=1) - 1, 0, BINS - 1)
+        ends = place[:, None] + [0, 1]
+        low, high = np.take_along_axis(carried, ends, axis=1).T
+        way = np.clip((force - low) / np.where(high > low, high - low, 1.0), 0.0, 1.0)
+        low, high = np.take_along_axis(filled, ends, axis=1).T
+        whole = pixel * (most[:, 0] + 1.0) * erf(low + way * (high - low))
+        return whole, depth * (place + way) / BINS, found[:number]
+
+    def _astride(self, rows: Rows, fall: Array, found: Rows) -> Array:
+        """Share of the outline of each contact in common with others, (n,), if they reach `fall`
+        [m] under their summits; their pixels are among those `found`."""
+        level = np.append(self.summits.height[rows] - fall, np.inf)
+        common, free = np.zeros((2, len(level)))
+        kernel: Any = _joined_kernels.outlines
+        kernel(*self._map(rows), level, found, common, free)
+        share = common / np.maximum(common + free, np.finfo(float).tiny)
+        return np.asarray(share[:-1])
+
+    def _map(self, rows: Rows) -> tuple[Any, ...]:
+        """What loops over the pixels read first, of the closed contacts on the summits `rows`."""
+        summits = self.summits
+        hm, place = summits.hm, np.full(len(summits), -1)
+        place[rows] = np.arange(len(rows))
+        slot = np.append(place[summits.owner], -1)
+        return hm.heights, summits.peaks.labels, slot, hm.periodic, hm.spacing
+
+
+def _rise(value: float | Array, ends: tuple[float, float]) -> Array:
+    """From 0 to 1 between two values."""
+    return np.clip((value - ends[0]) / (ends[1] - ends[0]), 0.0, 1.0)
