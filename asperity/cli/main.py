@@ -89,11 +89,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         goes_on = "; --resume goes on from its results file" if "resume" in args else ""
         _tell(args, f"interrupted{goes_on}")
         return EXIT_INTERRUPTED
-    except RuntimeError as error:
-        if "no locator available" not in str(error):
-            raise
-        _tell(args, "no folder takes compiled code; set NUMBA_CACHE_DIR to one that does")
-        return EXIT_BAD_INPUT
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_OK

@@ -224,8 +224,8 @@ def tabulate(
             frames, coefs, scales, *rest = (array[: stop - start] for array in space)
             fit_rows(start, stop, samples, fitting, u[0] ** 2, m, frames, coefs, scales, fit_work)
             found = tuple(rest)
-            march_rows(coefs, frames, scales, rays, followed, *marching, found, march_work)  # type: ignore[call-arg]
-            tabulate_rows(  # type: ignore[call-arg]
+            march_rows(coefs, frames, scales, rays, followed, *marching, found, march_work)
+            tabulate_rows(
                 start, samples, frames, scales, found, levels, m, material.modulus, *rows,
                 out, row_work,
             )  # fmt: skip

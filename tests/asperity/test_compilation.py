@@ -8,8 +8,11 @@ import subprocess
 import sys
 
 import pytest
+from numba.core import caching
 
 from asperity import compilation
+from asperity.errors import AsperityError
+from surfaces._compiled import compiled
 
 
 @pytest.mark.parametrize("part", ["laws", "contacts", "bem"])
@@ -87,3 +90,10 @@ print({name for name, _ in forms() - known})
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"
+
+
+def test_where_compiled_code_can_be_kept_nowhere_is_told(monkeypatch):
+    """As to a service that owns neither the installation nor a home."""
+    monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
+    with pytest.raises(AsperityError, match="set NUMBA_CACHE_DIR"):
+        compiled()(lambda x: x)

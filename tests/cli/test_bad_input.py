@@ -8,13 +8,13 @@ import sys
 from pathlib import Path
 
 import h5py
-import numba
 import numpy as np
 import pytest
 from numba.core import caching
 
 import surfaces
 from asperity.cli.main import main
+from surfaces._compiled import compiled
 
 STEEL = ["--E", "210e9", "--nu", "0.3"]
 MODELS = ["curve", "bem", "compare", "plan"]
@@ -308,7 +308,7 @@ def test_no_folder_for_compiled_code(folder, capsys, monkeypatch):
     monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
 
     def load(*_: object) -> None:
-        numba.njit(cache=True)(lambda x: x)
+        compiled()(lambda x: x)
 
     monkeypatch.setattr("asperity.cli.options.load_surface", load)
     assert "set NUMBA_CACHE_DIR" in refusal(["curve", "scan.h5", *STEEL], capsys)
