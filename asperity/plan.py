@@ -14,10 +14,11 @@ from surfaces.heightmap import HeightMap
 from surfaces.preparation.coarsening import coarse_map
 
 from .boundary import Boundary, chosen_boundary
+from .doubts import map_warnings
 from .errors import InputError, SurfaceError
 from .loadpoints import checked_loads, expected_area_fraction, require_scene, slope_scale
 from .scales.fine_waves import FineScales
-from .scales.pixel_waves import refined_map, resolution_warning
+from .scales.pixel_waves import refined_map
 from .scales.split import FEWEST_WAVES, split_scales
 
 if TYPE_CHECKING:
@@ -169,7 +170,7 @@ def make_plan(
         above, why = _lowest_height(hm, material, kind, values)
     reasons.append(why)
     reasons += whys
-    reasons += [f"resolution: {why}" for why in resolution_warning(hm)]
+    reasons += [f"warning: {why}" for why in map_warnings(hm)]
     memory = MODEL_BYTES_PER_POINT * points
     reasons.append(f"memory: about {memory / 2**20:.0f} MiB")
     _require_memory(memory)

@@ -29,6 +29,9 @@ __all__ = [
     "numbers",
 ]
 
+SOFTEST = 1e3
+"""Modulus [Pa] below which a unit is in doubt; a soft gel has more."""
+
 
 def add_surface_options(parser: argparse.ArgumentParser, *, several: bool = False) -> None:
     """Options that name the file(s) and say how the map is read and prepared."""
@@ -106,8 +109,7 @@ def add_load_options(parser: argparse.ArgumentParser) -> None:
 
 def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     """Read the map and prepare it as the options ask; refuse what no model can use."""
-    from asperity.scales.pixel_waves import resolution_warning
-    from surfaces.statistics.describe import unit_warning
+    from asperity.doubts import map_warnings
 
     hm = read_map(Path(file), args)
     if hm.missing and args.fill == "none":
@@ -118,22 +120,24 @@ def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     hm = prepared(hm, args)
     if np.ptp(hm.heights) == 0.0:
         raise SurfaceError(f"{Path(file).name} is constant: a flat map has no peaks to touch")
-    warnings = unit_warning(hm.roughness.rms_slope)
-    if args.command != "plan":  # which has it among its lines
-        warnings += resolution_warning(hm)
-    for warning in warnings:
-        sys.stderr.write(f"asperity {args.command}: {Path(file).name}: {warning}\n")
+    if args.command not in ("plan", "curve"):  # which have them among their lines
+        for warning in map_warnings(hm):
+            sys.stderr.write(f"asperity {args.command}: {Path(file).name}: {warning}\n")
     return hm if hm.name else hm.replace(name=Path(file).stem)
 
 
 def material(args: argparse.Namespace) -> HalfSpace:
     """Half-space from the options."""
-    if args.modulus is not None:
-        if args.E is not None or args.nu is not None:
-            raise InputError("give either --E (with --nu) or --modulus, not both")
-        return HalfSpace.from_modulus(args.modulus, m=args.m)
-    if args.E is None:
+    if args.modulus is not None and (args.E is not None or args.nu is not None):
+        raise InputError("give either --E (with --nu) or --modulus, not both")
+    if args.modulus is None and args.E is None:
         raise InputError("no material: give --E (Young's modulus in Pa) or --modulus (E* in Pa)")
+    given = args.E if args.modulus is None else args.modulus
+    if args.m == 0.0 and 0 < given < SOFTEST:
+        text = f"a modulus of {given:g} Pa is that of no solid: moduli are in Pa"
+        sys.stderr.write(f"asperity {args.command}: {text}\n")
+    if args.modulus is not None:
+        return HalfSpace.from_modulus(args.modulus, m=args.m)
     return HalfSpace(args.E, 0.3 if args.nu is None else args.nu, m=args.m)
 
 

@@ -293,6 +293,7 @@ class ContactCurve:
         ]
         if alone is not None:
             lines.append(f"interaction     left out: load {span(100 * alone, ' %')} off by that")
+        lines += [f"warning         {why}" for why in self.settings.get("warnings", ())]
         lines += [f"point {i}: {why}" for i, why in enumerate(self.reasons) if why]
         return "\n".join(lines)
 

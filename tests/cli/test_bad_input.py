@@ -86,7 +86,15 @@ def test_heights_in_another_unit_than_stated_are_noticed(folder, capsys):
     hm = good_map()
     surfaces.write(hm.replace(heights=1e6 * hm.heights), folder / "micrometres.h5")
     assert main(["plan", "micrometres.h5", *STEEL]) == 0
-    assert "micrometres.h5: the rms slope is 9.3e+04: check the unit" in capsys.readouterr().err
+    assert "warning: the rms slope is 9.3e+04: check the unit" in capsys.readouterr().out
+    assert main(["bem", "micrometres.h5", *STEEL, "--pressure", "1e7"]) == 0
+    assert "micrometres.h5: the rms slope is 9.3e+04: check" in capsys.readouterr().err
+
+
+def test_a_modulus_in_gigapascal_is_noticed(folder, capsys):
+    surfaces.write(good_map(), folder / "scan.h5")
+    assert main(["plan", "scan.h5", "--E", "210"]) == 0
+    assert "a modulus of 210 Pa is that of no solid" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", MODELS)

@@ -1,0 +1,45 @@
+"""What makes an answer about a map doubtful, known before anything runs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surfaces.heightmap import HeightMap
+from surfaces.statistics.describe import unit_warning
+
+from .scales.pixel_waves import resolution_warning
+
+__all__ = ["map_warnings"]
+
+SPIKE = 3.0
+"""Height of a point above all its neighbours, in rms heights, from which on it is called a spike:
+noise reaches 2.5, a map to the pixel 1."""
+
+
+def map_warnings(hm: HeightMap) -> list[str]:
+    """One sentence for each reason to doubt what any model makes of a map.
+
+    Parameters
+    ----------
+    hm
+        Height map without missing points.
+    """
+    return [*unit_warning(hm.roughness.rms_slope), *resolution_warning(hm), *_spike_warning(hm)]
+
+
+def _spike_warning(hm: HeightMap) -> list[str]:
+    heights, rms = hm.heights, hm.roughness.rms_height
+    row, col = np.unravel_index(int(np.argmax(heights)), hm.shape)
+    around = np.arange(-1, 2)
+    places = (
+        np.unique((at + around) % n if hm.periodic else np.clip(at + around, 0, n - 1))
+        for at, n in zip((row, col), hm.shape, strict=True)
+    )
+    second, first = np.partition(heights[np.ix_(*places)], -2, axis=None)[-2:]
+    above = float(first - second)
+    if not above > SPIKE * rms:
+        return []
+    return [
+        f"the highest point stands {above / rms:.0f} rms heights above its neighbors and holds up "
+        "the flat: if it is a spike, take it out (outliers=8, --outliers 8)"
+    ]

@@ -1,0 +1,49 @@
+"""Sentences about a map that no model should be trusted on as it is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asperity
+from asperity.doubts import map_warnings
+from surfaces import HeightMap, self_affine
+
+BODY = asperity.HalfSpace.from_modulus(1e11)
+
+
+def smooth(**changes):
+    hm = self_affine((48, 60), (7.2e-5, 6e-5), hurst=0.8, rms_slope=0.1, cutoff=1e-5, seed=1)
+    return hm.replace(**changes)
+
+
+def test_nothing_is_said_of_a_smooth_map():
+    assert map_warnings(smooth()) == []
+    curve = asperity.contact_curve(smooth(), BODY, pressures=[1e8])
+    assert curve.settings["warnings"] == []
+    assert "warning" not in str(curve)
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+@pytest.mark.parametrize("place", [(0, 0), (20, 59), (47, 30)])
+def test_a_spike_is_named_wherever_it_stands(periodic, place):
+    heights = smooth().heights.copy()
+    heights[place] += 8 * smooth().rms_height
+    (warning,) = [
+        text for text in map_warnings(smooth(heights=heights, periodic=periodic)) if "spike" in text
+    ]
+    assert "--outliers" in warning
+
+
+def test_noise_is_too_coarse_and_no_spike():
+    noise = np.random.default_rng(0).normal(size=(128, 160)) * 1e-8
+    (warning,) = map_warnings(HeightMap(noise, (1e-6, 2e-6)))
+    assert "too coarse" in warning
+
+
+def test_a_curve_carries_the_warnings_of_its_map(tmp_path):
+    hm = smooth(heights=1e6 * smooth().heights)
+    curve = asperity.contact_curve(hm, BODY, pressures=[1e7])
+    assert "check the unit" in str(curve)
+    curve.to_hdf5(tmp_path / "c.h5")
+    assert asperity.ContactCurve.from_hdf5(tmp_path / "c.h5").settings == curve.settings
