@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,7 +11,7 @@ from ._memory import require_memory
 from .errors import InputError
 from .heightmap import LONGEST, SHORTEST, HeightMap
 
-__all__ = ["self_affine"]
+__all__ = ["self_affine", "settings_of"]
 
 _EDGE = 1e-9  # relative tolerance of the band edges, below the spacing of wave numbers
 
@@ -71,6 +73,7 @@ def self_affine(
     ``max(|k|, 1/rolloff) ** -(1 + H)`` for ``|k| <= 1/cutoff`` and zero beyond, so that the power
     spectral density falls as ``|k| ** (-2 - 2 H)``. The mean and the Nyquist lines are zero.
     """
+    step = {"step": "self_affine", **settings_of(locals())}
     ny, nx = _checked_shape(shape)
     ly, lx = _checked_size(size)
     _check(0.0 <= hurst <= 1.0, f"hurst is {hurst}; it must lie between 0 and 1")
@@ -118,18 +121,12 @@ def self_affine(
     amplitude *= float(target or 0.0) / np.sqrt(total) * (ny * nx)
     heights = np.fft.irfft2(amplitude * np.exp(1j * phase), s=(ny, nx))
     heights -= heights.mean()
-    step = {
-        "step": "self_affine",
-        "hurst": hurst,
-        "rms_slope": rms_slope,
-        "rms_height": rms_height,
-        "rolloff": rolloff,
-        "cutoff": cutoff,
-        "anisotropy": anisotropy,
-        "angle": angle,
-        "seed": seed,
-    }
     return HeightMap(heights, (ly / ny, lx / nx), periodic=True, history=(step,))
+
+
+def settings_of(arguments: dict[str, Any]) -> dict[str, Any]:
+    """Arguments of a synthesis that its map does not show itself, for the history."""
+    return {k: v for k, v in arguments.items() if k not in ("shape", "size")}
 
 
 def _amplitude(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .errors import InputError
 from .heightmap import HeightMap
-from .synthesis import self_affine
+from .synthesis import self_affine, settings_of
 
 __all__ = ["ground", "plateau_honed", "redistribute", "turned", "two_scale"]
 
@@ -68,7 +68,7 @@ def plateau_honed(
     """
     if not 0.0 < plateau <= 1.0:
         raise InputError(f"plateau is {plateau}; it must be a fraction above 0, at most 1")
-    settings = _settings(locals())
+    settings = settings_of(locals())
     long = min(size) / 8.0 if rolloff is None else rolloff
     part: dict[str, Any] = {"hurst": hurst, "rms_height": 1.0, "rolloff": long}
     stretch = np.sqrt(_SCRATCH)  # the short wavelengths keep the roll-off asked for
@@ -124,7 +124,7 @@ def ground(
     InputError
         If `rms_slope` is not positive or no wave fits the map.
     """
-    settings = _settings(locals())
+    settings = settings_of(locals())
     long = min(size) / 8.0 if rolloff is None else rolloff
     stretch = np.sqrt(length)
     scratches = self_affine(
@@ -174,7 +174,7 @@ def turned(
     InputError
         If the feed is not positive, the nose too sharp for it, or the roughness negative.
     """
-    settings = _settings(locals())
+    settings = settings_of(locals())
     if not 0.0 < feed <= 2.0 * nose_radius:
         raise InputError(f"feed is {feed}; it must be positive and at most twice the nose radius")
     if not roughness >= 0.0:
@@ -242,7 +242,7 @@ def two_scale(
             f"coarse_height is {coarse_height} and fine_height {fine_height}; both are rms heights "
             "of at least 0 m"
         )
-    settings = _settings(locals())
+    settings = settings_of(locals())
     heights = np.zeros(shape)
     for k, (short, rms) in enumerate(((coarse, coarse_height), (fine, fine_height))):
         whole = self_affine(shape, size, hurst=hurst, rms_height=1.0, cutoff=short, seed=seed + k)
@@ -300,10 +300,6 @@ def redistribute(
         ranked[np.argsort(heights, axis=None, kind="stable")] = levels
         heights = ranked.reshape(hm.shape)
     return hm.replace(heights=heights, step={"step": "redistribute", "iterations": iterations})
-
-
-def _settings(arguments: dict[str, Any]) -> dict[str, Any]:
-    return {k: v for k, v in arguments.items() if k not in ("shape", "size")}
 
 
 def _longest(wavelength: float) -> Callable[[Array], NDArray[np.bool_]]:
