@@ -44,9 +44,7 @@ def contact_map(bodies: Asperities, state: PopulationState) -> NDArray[np.bool_]
 
 def pressure_map(bodies: Asperities, state: PopulationState) -> Array:
     """Pressure [Pa] of every pixel, shape (ny, nx), zero outside the contacts."""
-    pixel, _, pressure = pressed_pixels(bodies, state)
-    found = np.bincount(pixel, weights=pressure, minlength=bodies.hm.heights.size)
-    return np.asarray(found, float).reshape(bodies.hm.shape)
+    return _image(bodies.hm, *pressed_pixels(bodies, state))
 
 
 def pressed_pixels(bodies: Asperities, state: PopulationState) -> tuple[Index, Index, Array]:
@@ -85,7 +83,7 @@ def pressed_pixels(bodies: Asperities, state: PopulationState) -> tuple[Index, I
     pressure = _start(bodies, state)
     for _ in range(CORRECTIONS):
         pressed = grid.pressed(grid.wanted(pressure, grid.beside), state.area, state.force)
-        pressure = grid.image(pressed)
+        pressure = _image(solved, *pressed)
     if solved is whole:
         return pressed
     beside, fine, spread = grid.beside, 0.0, 0.0
@@ -98,7 +96,7 @@ def pressed_pixels(bodies: Asperities, state: PopulationState) -> tuple[Index, I
     area = bodies.closed_area(state)
     periodic = bodies.plan.boundary == "periodic"
     field = _cubic(grid.wanted(pressure, beside), whole.shape, periodic) + fine
-    pressure = full.image(full.pressed(field, area, state.force, spread))
+    pressure = _image(whole, *full.pressed(field, area, state.force, spread))
     return full.pressed(full.wanted(pressure, full.beside), area, state.force, spread)
 
 
@@ -210,12 +208,6 @@ class _Grid:
         over *= self._at_pixels(scale)
         return self.pixel[order][taken], self.own[taken], over[taken]
 
-    def image(self, pressed: tuple[Index, Index, Array]) -> Array:
-        """Pressure [Pa] on the map, shape (ny, nx)."""
-        pixel, _, pressure = pressed
-        found = np.bincount(pixel, weights=pressure, minlength=self.hm.heights.size)
-        return np.asarray(found, float).reshape(self.hm.shape)
-
     def _at_pixels(self, values: NDArray[Any]) -> NDArray[Any]:
         """Values of the contacts, at the pixels of their basins."""
         return np.repeat(values, np.diff(np.append(self.first, len(self.pixel))))
@@ -237,8 +229,13 @@ def _start(bodies: Asperities, state: PopulationState) -> Array:
     shape = (1.0 - distance**2) ** (0.5 * (1.0 + bodies.material.m))
     carried = np.bincount(own, weights=shape, minlength=len(state.force))
     share = state.force[own] * shape / (carried[own] * hm.spacing[0] * hm.spacing[1])
-    pressure = np.bincount(pixel, weights=share, minlength=hm.heights.size)
-    return pressure.astype(float, copy=False).reshape(hm.shape)
+    return _image(hm, pixel, own, share)
+
+
+def _image(hm: HeightMap, pixel: Index, own: Index, pressure: Array) -> Array:
+    """Pressure [Pa] of every pixel of a map, shape (ny, nx), of `pressed_pixels`."""
+    found = np.bincount(pixel, weights=pressure, minlength=hm.heights.size)
+    return np.asarray(found, float).reshape(hm.shape)
 
 
 def _whole(pixels: Array) -> Index:
