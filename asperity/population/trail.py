@@ -99,25 +99,20 @@ class Trail:
             start = values
             approach = start[0]
             if load is None and placed == 0 and len(self.points) > 1:
-                with np.errstate(over="ignore", invalid="ignore"):
-                    ahead, spent = foreseen(
-                        listing.problem, approach, start[1], tolerance=tolerance
-                    )
+                ahead, spent = foreseen(listing.problem, approach, start[1], tolerance=tolerance)
                 approach = ahead if math.isfinite(float(ahead.sum())) else approach
                 products += spent
             problem = listing.problem
             for attempt in range(3):
-                # a trial step may run away; it is then refused, not warned about
-                with np.errstate(over="ignore", invalid="ignore"):
-                    solution = descend(
-                        problem,
-                        separation,
-                        approach,
-                        tilt=start[2:4].T,
-                        tolerance=max(tolerance, BLIND) if blind else tolerance,
-                        load=load,
-                        compliance=np.where(start[4] > 0, start[4], 1.0),
-                    )
+                solution = descend(
+                    problem,
+                    separation,
+                    approach,
+                    tilt=start[2:4].T,
+                    tolerance=max(tolerance, BLIND) if blind else tolerance,
+                    load=load,
+                    compliance=np.where(start[4] > 0, start[4], 1.0),
+                )
                 solution = self._ordered(solution, tolerance)
                 if not solution.reason or good is not None or problem.elongation is None:
                     break
@@ -350,7 +345,5 @@ class Trail:
 def _per_area(
     answer: Callable[[], tuple[float, NDArray[np.float64]]], area: float
 ) -> tuple[float, NDArray[np.float64]]:
-    # a step may have run away; the point is refused then
-    with np.errstate(all="ignore"):
-        slope, shares = answer()
+    slope, shares = answer()
     return slope / area, shares
