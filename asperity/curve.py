@@ -17,7 +17,6 @@ from .asperities import Asperities
 from .contacts.fields import contact_map, pressure_map
 from .contacts.spot_count import spot_count
 from .contacts.table import microcontacts
-from .doubts import map_warnings
 from .error_estimate import (
     AREA_WEIGHTS,
     CALIBRATED,
@@ -315,7 +314,7 @@ def _curve(
             "m": bodies.material.m,
             "input": hm.digest,
             "peaks": len(bodies.peaks),
-            "warnings": map_warnings(hm),
+            "warnings": list(plan.warnings),
         },
         extra={
             "microcontacts": column("active"),

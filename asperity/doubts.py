@@ -15,6 +15,14 @@ SPIKE = 3.0
 """Height of a point above all its neighbours, in rms heights, from which on it is called a spike:
 noise reaches 2.5, a map to the pixel 1."""
 
+STRAIGHT = 0.4
+"""Share of the highest points in line with both neighbours from which on heights seem clipped: 0.6
+to 1 of plateaus, levelled or not, and of ridges; 0.2 of steps of a thirtieth of the rms height and
+of the coarsest of eight measured maps."""
+
+HIGHEST, LINES = 0.02, 16
+"""Share of the points that count as the highest, and rows and columns on which they are sought."""
+
 
 def map_warnings(hm: HeightMap) -> list[str]:
     """One sentence for each reason to doubt what any model makes of a map.
@@ -24,7 +32,12 @@ def map_warnings(hm: HeightMap) -> list[str]:
     hm
         Height map without missing points.
     """
-    return [*unit_warning(hm.roughness.rms_slope), *resolution_warning(hm), *_spike_warning(hm)]
+    return [
+        *unit_warning(hm.roughness.rms_slope),
+        *resolution_warning(hm),
+        *_spike_warning(hm),
+        *_straight_warning(hm),
+    ]
 
 
 def _spike_warning(hm: HeightMap) -> list[str]:
@@ -42,4 +55,22 @@ def _spike_warning(hm: HeightMap) -> list[str]:
     return [
         f"the highest point stands {above / rms:.0f} rms heights above its neighbors and holds up "
         "the flat: if it is a spike, take it out (outliers=8, --outliers 8)"
+    ]
+
+
+def _straight_warning(hm: HeightMap) -> list[str]:
+    heights, rounding = hm.heights, 8.0 * np.finfo(float).eps
+    largest = max(abs(hm.roughness.highest), abs(hm.roughness.lowest))
+    share = 0.0
+    for lines in (heights[:: -(-len(heights) // LINES)], heights[:, :: -(-hm.shape[1] // LINES)].T):
+        middle = lines[:, 1:-1]
+        bend = np.abs(lines[:, 2:] - 2.0 * middle + lines[:, :-2])
+        top = middle >= np.quantile(middle, 1.0 - HIGHEST)
+        share = max(share, float(np.mean(bend[top] <= rounding * largest)))
+    if share < STRAIGHT:
+        return []
+    return [
+        f"{100 * share:.0f} % of the highest points lie in line with their neighbors (clipped or "
+        "stepped heights, ridges): contact begins on all of them at once, which no law of a summit "
+        "describes"
     ]

@@ -81,6 +81,8 @@ class Plan:
         The map on another grid, solved in its place; None: the map itself.
     fine
         Law of the waves that this grid does not hold; None if it holds them all.
+    warnings
+        One line for each reason to doubt what any model makes of the map.
     seconds
         Time of the decisions [s].
     scene
@@ -95,6 +97,7 @@ class Plan:
     reasons: tuple[str, ...]
     resampled: HeightMap | None = field(default=None, repr=False)
     fine: FineScales | None = None
+    warnings: tuple[str, ...] = ()
     seconds: float = field(default=0.0, compare=False)
     scene: tuple[HeightMap, HalfSpace] | None = field(default=None, repr=False, compare=False)
 
@@ -170,7 +173,8 @@ def make_plan(
         above, why = _lowest_height(hm, material, kind, values)
     reasons.append(why)
     reasons += whys
-    reasons += [f"warning: {why}" for why in map_warnings(hm)]
+    warnings = tuple(map_warnings(hm))
+    reasons += [f"warning: {why}" for why in warnings]
     memory = MODEL_BYTES_PER_POINT * points
     reasons.append(f"memory: about {memory / 2**20:.0f} MiB")
     _require_memory(memory)
@@ -185,6 +189,7 @@ def make_plan(
         reasons=tuple(reasons),
         resampled=resampled,
         fine=fine,
+        warnings=warnings,
         seconds=seconds,
         scene=(hm, material),
     )

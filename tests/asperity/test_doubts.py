@@ -41,6 +41,17 @@ def test_noise_is_too_coarse_and_no_spike():
     assert "too coarse" in warning
 
 
+def test_clipped_heights_are_named_also_when_levelled_afterwards():
+    hm = smooth()
+    clipped = np.minimum(hm.heights, 1.5 * hm.rms_height)
+    tilted = clipped + 1e-3 * np.arange(60) * hm.spacing[1]
+    ridges = np.cos(0.2 * np.arange(48))[:, None] * np.ones(60)
+    steps = np.round(hm.heights / hm.rms_height * 300)
+    for heights, named in ((clipped, 1), (tilted, 1), (ridges, 1), (steps, 0)):
+        found = map_warnings(hm.replace(heights=1e-9 * heights / np.ptp(heights)))
+        assert len([text for text in found if "in line" in text]) == named
+
+
 def test_a_curve_carries_the_warnings_of_its_map(tmp_path):
     hm = smooth(heights=1e6 * smooth().heights)
     curve = asperity.contact_curve(hm, BODY, pressures=[1e7])
