@@ -253,22 +253,43 @@ def collect(rows, place, weight, vector, grid, diagonal, part, scale, out):
 
 
 @compiled(fastmath=FAST)
-def convolve(masses, turned, out):
-    """Circular convolution of `masses` (count, my, mx) into `out`, by sums over pairs of nodes.
+def convolve(masses, high, wide, transfer, out):
+    """Circular convolution of `masses` (count, my, mx) into `out` with an even kernel: waves that
+    are even and odd about the middle of the mesh along either side, by products of matrices.
 
-    `turned` (mx, 2 my mx) holds for each column b the kernel at the columns j - b, twice.
+    `high` and `wide` are the `Mesh.waves` along y and x; `transfer` (2, 2, my / 2, mx / 2) is that
+    of waves even or odd along x, and along y.
     """
     count, my, mx = masses.shape
-    size = my * mx
+    h, g = my // 2, mx // 2
+    part = np.empty((2, 2, h, g), masses.dtype)
+    other = np.empty((2, 2, h, g), masses.dtype)
     for k in range(count):
-        here = out[k].reshape(size)
-        here[:] = 0.0
-        for b in range(mx):
-            for a in range(my):
-                mass = masses[k, a, b]
-                kernel = turned[b, (my - a) * mx : (2 * my - a) * mx]
-                for t in range(size):
-                    here[t] += mass * kernel[t]
+        for i in range(h):
+            for j in range(g):
+                near, far = masses[k, i, j], masses[k, i, mx - 1 - j]
+                low, last = masses[k, my - 1 - i, j], masses[k, my - 1 - i, mx - 1 - j]
+                part[0, 0, i, j] = (near + far) + (low + last)
+                part[1, 0, i, j] = (near - far) + (low - last)
+                part[0, 1, i, j] = (near + far) - (low + last)
+                part[1, 1, i, j] = (near - far) - (low - last)
+        for b in range(2):
+            for a in range(2):
+                np.dot(high[0, a], part[b, a], other[b, a])
+            np.dot(other[b].reshape(2 * h, g), wide[1, b], part[b].reshape(2 * h, g))
+        part *= transfer
+        for b in range(2):
+            np.dot(part[b].reshape(2 * h, g), wide[0, b], other[b].reshape(2 * h, g))
+            for a in range(2):
+                np.dot(high[1, a], other[b, a], part[b, a])
+        for i in range(h):
+            for j in range(g):
+                even, across = part[0, 0, i, j], part[1, 0, i, j]
+                along, both = part[0, 1, i, j], part[1, 1, i, j]
+                out[k, i, j] = (even + across) + (along + both)
+                out[k, i, mx - 1 - j] = (even - across) + (along - both)
+                out[k, my - 1 - i, j] = (even + across) - (along + both)
+                out[k, my - 1 - i, mx - 1 - j] = (even - across) - (along - both)
 
 
 @compiled()
