@@ -16,9 +16,6 @@ __all__ = ["foreseen"]
 FORCING = 0.1
 """Relative accuracy of the linear solve at best."""
 
-LEFT = 0.6
-"""Residual that the forecast may leave, over the tolerance of the solve that starts from it."""
-
 Array = NDArray[np.float64]
 
 
@@ -53,7 +50,7 @@ def foreseen(
     lacking = own - force[rows]
     # sum |r| k, the residual, is at most the root of sum k r^2 times sum k
     most = math.sqrt(float(stiffness.sum()) * float(np.sum(lacking**2 / stiffness)))
-    enough = LEFT * tolerance * float(own.sum()) / most if most > 0 else 1.0
+    enough = tolerance * float(own.sum()) / most if most > 0 else 1.0
     solved = conjugate_gradients(
         tangent, lacking / stiffness, tolerance=min(max(FORCING, enough), 1.0)
     )

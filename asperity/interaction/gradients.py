@@ -50,7 +50,7 @@ def conjugate_gradients(
         Products spent at most.
     """
     stiffness, cell = 1 / matrix.compliance, matrix.cell
-    inverse, total = matrix.plan.afar.inverse(cell, stiffness)
+    inverse, total = matrix.far
     far = np.empty(len(total))
     system = stiffness, cell, inverse, total, held, far
     solution, residual, count = np.zeros(len(right)), right.copy(), 0

@@ -90,7 +90,8 @@ class Mesh:
         """Potential at the nodes [C_m eta^-p] of masses at the nodes, meshes (count, my, mx)."""
         if self.waves:
             potential = np.empty_like(masses)
-            _mesh_kernels.convolve(masses, *self.waves, self.transfer, potential)
+            high, wide = self.waves
+            _mesh_kernels.convolve(masses, high, wide, self.transfer, potential)
             return potential
         workers = threads() if self.transfer.size > NODES_PER_THREAD else 1
         spectrum = scipy.fft.rfft2(masses, workers=workers)

@@ -16,13 +16,16 @@ from surfaces._threads import each
 from . import _list_kernels, _mesh_kernels, _pair_kernels
 from .afar import Afar
 from .footprint import Footprints, at_origin, pair_table, smooth_polynomials
-from .mesh import mesh_of
+from .mesh import Mesh, mesh_of
 from .near import chunks, near_pairs, run
 
 __all__ = ["CAP", "Field", "Interaction"]
 
 NEIGHBOURS = 15
 """Neighbours within the cut-off, on average."""
+
+FEW, NEAREST = 3_500, 11
+"""Points whose mesh is short, and their neighbours: pairs and mesh then take the same time."""
 
 CUT = 2.0
 """Cut-off of the near pairs over the split length eta."""
@@ -135,7 +138,7 @@ class Interaction:
         footprints: Footprints,
         *,
         widest: float = 0.0,
-        neighbours: float = NEIGHBOURS,
+        neighbours: float | None = None,
         cut: float = CUT,
         nodes: float = NODES,
     ) -> None:
@@ -149,6 +152,8 @@ class Interaction:
             small = 1e-9 * math.hypot(*cell)
             y, x = y - self.origin[0], x - self.origin[1]
             size = (float(y.max()) + small, float(x.max()) + small)
+        if neighbours is None:
+            neighbours = NEAREST if len(y) <= FEW else NEIGHBOURS
         # within this distance of a point there are `neighbours` of a plane or, if more, of a line
         reach = max(
             math.sqrt(neighbours / math.pi * size[0] * size[1] / len(y)),
@@ -170,12 +175,21 @@ class Interaction:
         start = np.empty(cells[0] * cells[1] + 1, np.int64)
         _list_kernels.by_cell(y, x, size, cells, self.order, start)
         self.y, self.x = y[self.order], x[self.order]
-        self.ptr, self.col, self.pair = near_pairs(
-            self.y, self.x, start, cells, size, periodic, cut
-        )
         self.size, self.wrap, self.cut = size, periodic, cut
-        self.mesh = mesh_of(footprints, size, periodic, nodes, np.float64)
-        self.tangent_mesh = mesh_of(footprints, size, periodic, TANGENT_NODES * nodes, np.float32)
+
+        def pairs() -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float32]]:
+            return near_pairs(self.y, self.x, start, cells, size, periodic, cut)
+
+        def meshes() -> tuple[Mesh, Mesh]:
+            return (
+                mesh_of(footprints, size, periodic, nodes, np.float64),
+                mesh_of(footprints, size, periodic, TANGENT_NODES * nodes, np.float32),
+            )
+
+        near, mesh = each(lambda part: part(), (pairs, meshes))
+        self.ptr, self.col, self.pair = near
+        self.mesh: Mesh = mesh[0]
+        self.tangent_mesh: Mesh = mesh[1]
         self.afar = Afar(self)
         self.value_table, self.shape, self.far = _tables(footprints.m, cut * cut)
         self.own = at_origin(footprints.m)

@@ -38,11 +38,11 @@ class Problem:
     deflects: bool = False
     elongation: Elongation | None = None
 
-    def rounded(self, some: NDArray[np.bool_] | None) -> Problem:
-        """The same with round footprints of `some` contacts, shape (n,), or all: long ones can
-        overlap so far that their approximate sum has no solution."""
-        if self.elongation is None or some is None:
-            return replace(self, elongation=None)
+    def rounded(self, some: NDArray[np.bool_]) -> Problem:
+        """The same with round footprints of `some` contacts, shape (n,): long ones can overlap so
+        far that their approximate sum has no solution."""
+        if self.elongation is None:
+            return self
         return replace(self, elongation=self.elongation.rounded(some))
 
     @property

@@ -5,11 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces._threads import each
+
 from . import _mesh_kernels, _tangent_kernels
 from .near import run, total
-from .operator import BEADS, CAP, Interaction
+from .operator import BEADS, CAP, PAIRS_ASIDE, Interaction
 
 __all__ = ["Tangent"]
+
+Array = NDArray[np.float64]
 
 PAIRS_PER_THREAD = 40_000
 """Pairs whose part of a product repays a thread."""
@@ -40,9 +44,9 @@ class Tangent:
         self,
         plan: Interaction,
         active: NDArray[np.bool_],
-        stiffness: NDArray[np.float64],
-        extra: NDArray[np.float64] | None = None,
-        form: NDArray[np.float64] | None = None,
+        stiffness: Array,
+        extra: Array | None = None,
+        form: Array | None = None,
     ) -> None:
         self.plan = plan
         n, body = int(np.count_nonzero(active)), plan.footprints
@@ -77,8 +81,9 @@ class Tangent:
         self.place, self.weight = np.empty((n, 2), np.int32), np.empty((n, 4, 4), np.float32)
         self.grids = np.empty((len(self.rows), 1, *plan.tangent_mesh.shape), np.float32)
         self.part = np.empty((len(self.rows), n))
+        self._far: tuple[Array, Array] | None = None
 
-        def make(c: int, part: NDArray[np.int64]) -> None:
+        def weights(c: int) -> None:
             _mesh_kernels.spline(
                 rows[c],
                 self.index,
@@ -90,8 +95,10 @@ class Tangent:
                 self.place,
                 self.weight,
             )
+
+        def pairs(c: int) -> None:
             _tangent_kernels.tangent_list(
-                part,
+                plan.rows[c],
                 plan.ptr,
                 plan.col,
                 plan.pair,
@@ -109,17 +116,39 @@ class Tangent:
                 self.value,
             )
 
-        run(make, plan.rows)
+        def both(c: int) -> None:
+            weights(c)
+            pairs(c)
+
+        def beside(c: int) -> None:
+            weights(c)
+            self._far = self._cells()
+
+        if len(rows) > 1 or plan.pairs <= PAIRS_ASIDE:
+            run(lambda c, _: both(c), rows)
+        else:
+            each(lambda part: part(0), (beside, pairs))
 
     def __len__(self) -> int:
         return len(self.index)
 
-    def stiffen(self, change: NDArray[np.float64]) -> None:
+    def stiffen(self, change: Array) -> None:
         """Add `change` [m/N] to the own compliance of the points, shape (len(self),)."""
         self.compliance = self.compliance + change
         self.diagonal = self.diagonal + change / self.plan.scale
+        self._far = None
 
-    def __call__(self, vector: NDArray[np.float64]) -> NDArray[np.float64]:
+    @property
+    def far(self) -> tuple[Array, Array]:
+        """`Afar.inverse` of the points by their own compliance."""
+        if self._far is None:
+            self._far = self._cells()
+        return self._far
+
+    def _cells(self) -> tuple[Array, Array]:
+        return self.plan.afar.inverse(self.cell, 1 / self.compliance)
+
+    def __call__(self, vector: Array) -> Array:
         """Matrix times vector [m] for forces `vector` [N], shape (len(self),)."""
         out = np.empty(len(vector))
 

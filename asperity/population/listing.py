@@ -9,12 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..flags import Flag
+from ..interaction import _state_kernels
 from ..interaction.deflection import LEANING, widened
 from ..interaction.operator import Interaction
 from ..interaction.state import Problem
 
 if TYPE_CHECKING:
+    from ..interaction.elongation import Elongation
     from ..interaction.finish import Solution
+    from ..interaction.footprint import Footprints
     from ..interaction.laws import Evaluated
     from .population import Population
 
@@ -141,9 +144,11 @@ class Listing:
         closed: Rows,
         approach: Array,
         spare: float,
+        rounded: bool = False,
     ) -> Listing:
         """Of the candidates that overlap, and of `spare` times as many, at least those closed with
-        an approach [m]."""
+        an approach [m]; with round footprints if they are `rounded`."""
+        elongation = None if rounded else population.elongation
         rows, overlap = candidates.rows, candidates.overlap
         touches = np.zeros(len(population), bool)
         touches[closed] = True
@@ -166,7 +171,7 @@ class Listing:
             population.cell,
             population.boundary,
             population.footprints,
-            widest=_widest(population, closed[some], law),
+            widest=_widest(population.footprints, elongation, closed[some], law),
         )
         index = index[plan.order]
         problem = Problem(
@@ -174,7 +179,7 @@ class Listing:
             population.laws.rows(index),
             plan,
             population.deflection,
-            None if population.elongation is None else population.elongation.rows(index),
+            None if elongation is None else elongation.rows(index),
         )
         return cls(problem, index, population.fallen.without(index), offset, offset)
 
@@ -197,17 +202,19 @@ class Listing:
         touches = np.flatnonzero(values[0] > 0)
         some = touches[:: 1 + len(touches) // SAMPLE]
         law = population.laws.rows(rows[some])(values[0, some])
-        if not self.problem.plan.holds(_widest(population, rows[some], law)):
+        elongation = None if self.problem.elongation is None else population.elongation
+        plan = self.problem.plan
+        if not plan.holds(_widest(plan.footprints, elongation, rows[some], law)):
             return None
         if not self._strayed(population, rows[some], law, *values[[0, 2, 3]][:, some]):
             return self
         closed, approach = rows[touches], values[0, touches]
         offset = self.offset.copy()
         offset[:, closed] = population.table.centre_at(closed, approach)
-        if np.abs(offset - self.listed).max() > SKIN * self.problem.plan.eta:
+        if np.abs(offset - self.listed).max() > SKIN * plan.eta:
             return None
         dx, dy = (offset - self.offset)[:, self.index]
-        problem = replace(self.problem, plan=self.problem.plan.moved(dy, dx))
+        problem = replace(self.problem, plan=plan.moved(dy, dx))
         return replace(self, problem=problem, offset=offset)
 
     def _strayed(
@@ -226,30 +233,34 @@ class Listing:
         law, problem, table = solution.laws, self.problem, population.table
         if not (problem.deflects and hasattr(table, "flags_at")):
             return law.area
-        rough = (table.flags_at(self.index, solution.approach) & Flag.BEYOND_RADIUS) > 0
+        rough, depth = np.empty(len(self.index), bool), solution.approach
+        which = table.flags, np.uint8(Flag.BEYOND_RADIUS)
+        _state_kernels.flagged(self.index, depth, table.reach, *which, rough)
         tilts = solution.tilt, problem.lean
-        area, shift = widened(problem.plan.footprints, law, solution.approach, *tilts, rough)
+        area, shift = widened(problem.plan.footprints, law, depth, *tilts, rough)
         rows = np.flatnonzero(shift > LEANING[0])
         shift = shift[rows]
         weight = _rise(shift, LEANING)
         share = np.sum(weight * area[rows]) / max(area.sum(), np.finfo(float).tiny)
         if population.leaning is not None and share > LEAN[0]:
-            eased, approach = solution.tilt[rows] / (1.0 + shift[:, None]), solution.approach[rows]
-            found = population.leaning(self.index[rows], eased, approach, law.force[rows])
+            eased = solution.tilt[rows] / (1.0 + shift[:, None])
+            found = population.leaning(self.index[rows], eased, depth[rows], law.force[rows])
             found = np.where(found > 0.0, found, area[rows])
             area[rows] += _rise(share, LEAN) * weight * (found - area[rows])
         if population.joined is None:
             return area
-        return population.joined(self.index, solution.approach, law.force, area)
+        return population.joined(self.index, depth, law.force, area)
 
 
-def _widest(population: Population, closed: Rows, law: Evaluated) -> float:
+def _widest(
+    footprints: Footprints, elongation: Elongation | None, closed: Rows, law: Evaluated
+) -> float:
     """Variance [m^2] that few footprints of the contacts `closed` exceed."""
     if not len(closed):
         return 0.0
-    variance = population.footprints.variance(law.stiffness)
-    if population.elongation is not None:
-        along = population.elongation.rows(closed).along
+    variance = footprints.variance(law.stiffness)
+    if elongation is not None:
+        along = elongation.rows(closed).along
         variance = variance * np.maximum(1.0, LONG * along)
     most = int(0.98 * (len(variance) - 1))
     return float(np.partition(variance, most)[most])

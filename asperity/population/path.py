@@ -47,29 +47,24 @@ def forecast(points: tuple[Point, ...], separation: float, count: int) -> Array:
         values, fall = last.values.copy(), last.separation - separation
         values[0] += np.where(values[0] > 0, values[4] * fall, 0.0)
         return values
-    if all(point.rows is last.rows for point in points):
-        shares = weights(separation, [point.separation for point in points])
-        values = np.asarray(
-            sum(share * point.values for share, point in zip(shares, points, strict=True))
-        )
-        values[4] = last.values[4]
-        return values
-    known = np.ones(len(last.rows), bool)
-    share, parts = np.zeros((len(points), len(known))), [last.values]
-    share[-1] = 1.0
+    share: list[float | Array] = [1.0]
+    known, parts = None, [last.values]
     for back in range(2, len(points) + 1):
-        other = points[-back]
-        if other.rows is last.rows:
-            parts.insert(0, other.values)
-        else:
+        other, found = points[-back], weights(separation, [p.separation for p in points[-back:]])
+        values = other.values
+        if other.rows is not last.rows:
             place = np.full(count, -1, np.int32)
             place[other.rows] = np.arange(len(other.rows), dtype=np.int32)
-            place = place[last.rows]
-            known = known & (place >= 0)
-            parts.insert(0, other.values[:, place])
-        found = weights(separation, [point.separation for point in points[-back:]])
-        share[-back:] = np.where(known, found[:, None], share[-back:])
-    values = np.asarray(sum(weight * part for weight, part in zip(share, parts, strict=True)))
+            place = place.take(last.rows)
+            known = place >= 0 if known is None else known & (place >= 0)
+            values = values.take(place, axis=1)
+        parts.insert(0, values)
+        share.insert(0, 0.0)
+        for k, weight in enumerate(found):
+            share[k] = weight if known is None else np.where(known, weight, share[k])
+    values = share[0] * parts[0]
+    for weight, part in zip(share[1:], parts[1:], strict=True):
+        values += weight * part
     values[4] = last.values[4]
     return values
 

@@ -44,7 +44,7 @@ LACKING = 0.05
 """Contacts that a list may lack after a solve, over the closed ones and the tolerance."""
 
 CROWDED = 0.3
-"""Contact area over nominal area beyond which a load that does not come out is refused."""
+"""Contact area over nominal area beyond which a point that does not come out is refused."""
 
 MAX_SEARCH = 40
 """Separations tried to reach a mean pressure."""
@@ -86,12 +86,13 @@ class Trail:
         if listing is not None:
             lacks = listing.lacks(self.field, separation, growth)
             listing = None if lacks else listing.about(population, rows, values)
+        blind, rounded = not self.points, False
         for placed in range(MAX_PLACED + 1):
-            blind = not self.points and placed == 0
             if listing is None:
                 closed = values[0] > 0
                 near = Candidates.of(population.fallen, trail.field, separation, growth)
-                listing = Listing.of(population, near, rows[closed], values[0, closed], spare)
+                touching = rows[closed], values[0, closed]
+                listing = Listing.of(population, near, *touching, spare, rounded)
             if rows is not listing.index:
                 start = np.zeros((len(values), len(population)))
                 start[:, rows] = values
@@ -103,7 +104,7 @@ class Trail:
                 approach = ahead if math.isfinite(float(ahead.sum())) else approach
                 products += spent
             problem = listing.problem
-            for attempt in range(3):
+            for _ in range(2):
                 solution = descend(
                     problem,
                     separation,
@@ -114,13 +115,19 @@ class Trail:
                     compliance=np.where(start[4] > 0, start[4], 1.0),
                 )
                 solution = self._ordered(solution, tolerance)
-                if not solution.reason or good is not None or problem.elongation is None:
+                steps, products = steps + solution.steps, products + solution.products
+                share = float(solution.laws.area.sum()) / population.nominal_area
+                again = bool(solution.reason) and good is None and share <= CROWDED
+                again = again and problem.elongation is not None
+                if not again or solution.restless is None:
                     break
-                problem = problem.rounded(None if attempt else solution.restless)
-            if not solution.reason and problem.elongation is not None:
+                problem = problem.rounded(solution.restless)
+            if again and placed < MAX_PLACED:
+                listing, rounded = None, True
+                continue
+            if not solution.reason:
                 listing = replace(listing, problem=problem)
-            separation, steps = solution.separation, steps + solution.steps
-            products += solution.products
+            separation = solution.separation
             values = np.stack(
                 (solution.wanted, solution.laws.force, *solution.tilt.T, solution.shares)
             )
@@ -135,9 +142,16 @@ class Trail:
             few = LACKING * tolerance * np.count_nonzero(values[0] > 0)
             lacks = listing.lacks(trail.field, separation, growth, few)
             listing = None if lacks or blind else listing.about(population, rows, values)
+            blind = False
             if listing is last:
                 break
             good = None if listing is None else (trail, solution, values)
+        if solution.reason and share > CROWDED:
+            reason = (
+                f"contacts fill {100 * share:.0f} % of the nominal area and do not settle "
+                f"({solution.reason}): they are too crowded to be separate"
+            )
+            solution = replace(solution, reason=reason)
         return trail._state(solution, values, steps, products)
 
     def _ordered(self, solution: Solution, tolerance: float) -> Solution:
@@ -185,13 +199,8 @@ class Trail:
         found = self.at(self._forecast(pressure, state), tolerance, pressure)
         if found.converged:
             return found
-        share = found.contact_area / population.nominal_area
-        if share > CROWDED:
-            reason = (
-                f"contacts fill {100 * share:.0f} % of the nominal area and do not settle "
-                f"({found.reason}): they are too crowded to be separate"
-            )
-            return replace(found, reason=reason)
+        if found.contact_area > CROWDED * population.nominal_area:
+            return found
         searched = self._search(pressure, tolerance, state)
         return searched if searched.converged or searched.residual < found.residual else found
 
