@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -146,7 +146,7 @@ def viscoelastic_indent(
         return ViscoelasticContact(
             instants, given, viscoelastic_force(relaxation, instants, elastic.force), elastic
         )
-    response = _creep(relaxation, instants, given)
+    response = viscoelastic_force(relaxation, instants, given, inverse=True)
     _growing(response)
     depth = np.zeros(given.shape)
     touching = response > 0
@@ -155,48 +155,26 @@ def viscoelastic_indent(
     return ViscoelasticContact(instants, depth, given, indent(profile, unit, depth, law=law))
 
 
-def viscoelastic_force(relaxation: Relaxation, time: Array, elastic: Array) -> Array:
-    """Force [N] from the elastic force per modulus [m^2] at the times [s], linear in between."""
-    force = np.empty(time.shape)
-    _walk(relaxation, time, lambda i, kept, gain: elastic[i], force)
-    return force
-
-
-def _creep(relaxation: Relaxation, time: Array, load: Array) -> Array:
-    """Elastic force per modulus [m^2] that the load needs: the inverse of the relaxation."""
-    response = np.empty(time.shape)
-
-    def solve(i: int, kept: float, gain: float) -> float:
-        response[i] = (load[i] - kept) / gain
-        return float(response[i])
-
-    _walk(relaxation, time, solve, np.empty(time.shape))
-    return response
-
-
-def _walk(
-    relaxation: Relaxation,
-    time: Array,
-    state: Callable[[int, float, float], float],
-    force: Array,
-) -> None:
-    """March the arms through time; `state(i, kept, gain)` gives F_el/E* at instant i.
-
-    The force at i is ``kept + gain * state``.
-    """
+def viscoelastic_force(
+    relaxation: Relaxation, time: Array, given: Array, *, inverse: bool = False
+) -> Array:
+    """Force [N] from the elastic force per modulus [m^2] at the times [s], linear in between; or,
+    `inverse`, the latter from the former."""
     strength, tau = np.asarray(relaxation.strengths), np.asarray(relaxation.times)
-    value = state(0, 0.0, relaxation.glassy)
-    arms = strength * value
-    force[0] = relaxation.glassy * value
-    for i in range(1, time.size):
-        x = (time[i] - time[i - 1]) / tau
-        decay, share = np.exp(-x), -np.expm1(-x) / x
+    arms, last = np.zeros(strength.shape), 0.0
+    decay, share = np.zeros(strength.shape), np.ones(strength.shape)  # a step at the first time
+    found = np.empty(time.shape)
+    for i, value in enumerate(given.tolist()):
+        if i > 0:
+            x = (time[i] - time[i - 1]) / tau
+            decay, share = np.exp(-x), -np.expm1(-x) / x
         gain = relaxation.equilibrium + float(np.sum(strength * share))
-        kept = float(np.sum(arms * decay - strength * share * value))
-        following = state(i, kept, gain)
-        arms = arms * decay + strength * share * (following - value)
-        value = following
-        force[i] = kept + gain * value
+        kept = float(np.sum(arms * decay - strength * share * last))
+        response = (value - kept) / gain if inverse else value
+        found[i] = response if inverse else kept + gain * response
+        arms = arms * decay + strength * share * (response - last)
+        last = response
+    return found
 
 
 def _growing(values: Array) -> None:
