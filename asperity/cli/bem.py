@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 
 from asperity.cli import derived, options, output
 
@@ -32,12 +33,7 @@ def run(args: argparse.Namespace) -> int:
     from asperity.bem.curve import bem_curve
 
     settings = {"tolerance": args.tolerance, "boundary": args.boundary}
-
-    def solve(kind, values, progress, checkpoint):  # type: ignore[no-untyped-def]
-        return bem_curve(
-            hm, material, **{kind: values}, **settings, progress=progress, checkpoint=checkpoint
-        )
-
+    solve = partial(bem_curve, hm, material, **settings)
     request = output.request_of(hm, material, args, settings)
     curve = output.solve_and_keep(
         solve, hm, material, loads, args.results, "bem", request, args.resume

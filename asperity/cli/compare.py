@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 import sys
+from functools import partial
 from pathlib import Path
 
 from asperity.cli import options, output
 from asperity.cli.main import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
 from asperity.cli.surface import expand
 from asperity.errors import AsperityError
-from asperity.results.curve import ContactCurve
 
 EPILOG = """examples:
   asperity compare scan.h5 --E 210e9 --nu 0.3
@@ -71,16 +71,8 @@ def _compare_one(file, args, material, loads, targets) -> bool:  # type: ignore[
     if args.resume and Path(results).exists():
         require_continuable(results, request)
 
-    def solve(kind, values, progress, checkpoint):  # type: ignore[no-untyped-def]
-        return bem_curve(
-            hm, material, **{kind: values}, **settings, progress=progress, checkpoint=checkpoint
-        )
-
-    def reference() -> ContactCurve:
-        return output.solve_and_keep(
-            solve, hm, material, loads, results, "bem", request, args.resume
-        )
-
+    solve = partial(bem_curve, hm, material, **settings)
+    kept = (hm, material, loads, results, "bem", request, args.resume)
     shown, advance = output.bar(None, Path(file).name)
     with shown:
 
@@ -94,7 +86,7 @@ def _compare_one(file, args, material, loads, targets) -> bool:  # type: ignore[
             **loads,
             **options.model(args),
             tolerance=args.tolerance,
-            reference=reference,
+            reference=partial(output.solve_and_keep, solve, *kept),
             progress=stage,
         )
     content = comparison.to_results()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from functools import partial
 
 from asperity.cli import derived, options, output
 
@@ -43,12 +44,7 @@ def run(args: argparse.Namespace) -> int:
     from asperity.plan import make_plan
 
     plan = make_plan(hm, material, **loads, **options.model(args))
-
-    def solve(kind, values, progress, checkpoint):  # type: ignore[no-untyped-def]
-        return contact_curve(
-            hm, material, **{kind: values}, plan=plan, progress=progress, checkpoint=checkpoint
-        )
-
+    solve = partial(contact_curve, hm, material, plan=plan)
     request = output.request_of(hm, material, args, options.model(args))
     curve = output.solve_and_keep(
         solve, hm, material, loads, args.results, "asperity", request, args.resume

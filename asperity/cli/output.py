@@ -87,7 +87,8 @@ def solve_and_keep(
     request: dict[str, Any],
     resume: bool,
 ) -> ContactCurve:
-    """Run ``solve(kind, values, progress, checkpoint)``, each finished point kept in the file."""
+    """Run a solver that takes load points, `progress` and `checkpoint`, such as `contact_curve` of
+    a map and a material; each finished point is kept in the file."""
     from asperity.loadpoints import checked_loads
     from asperity.results.resume import run_resumably
 
@@ -95,7 +96,7 @@ def solve_and_keep(
     shown, advance = bar(len(values), "load points")
     with shown:
         return run_resumably(
-            lambda points, keep: solve(f"{kind}s", points, advance, keep),
+            lambda points, keep: solve(**{f"{kind}s": points}, progress=advance, checkpoint=keep),
             values,
             "mean_pressure" if kind == "pressure" else "separation",
             path,
