@@ -37,42 +37,43 @@ def stiffened(far, total, row):
 @inner(error_model="numpy")
 def _aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
     """`aim`, within compiled loops."""
-    count = far.size
+    count = total.size
     square = 0.0
     first = 0.0
     whole = 0.0
-    far[:] = 0.0
+    for c in range(count):
+        far[1, c] = 0.0
     for i in range(residual.size):
         moment = stiffness[i] * residual[i]
-        far[cell[i]] += moment
+        far[1, cell[i]] += moment
         square += moment * residual[i]
-    moments = far.copy()
     product = square
     response = 0.0
     answer = 0.0
-    even = far.copy()
     for c in range(count):
-        first += moments[c]
+        first += far[1, c]
         whole += total[c]
-        far[c] = 0.0
-        even[c] = 1.0
+        here = 0.0
+        even = 1.0
         for e in range(count):
-            far[c] += inverse[c, e] * moments[e]
-            even[c] += inverse[c, e] * total[e]
-        product += moments[c] * far[c]
-        response += moments[c] + total[c] * far[c]
-        answer += total[c] * even[c]
+            here += inverse[c, e] * far[1, e]
+            even += inverse[c, e] * total[e]
+        product += far[1, c] * here
+        response += far[1, c] + total[c] * here
+        answer += total[c] * even
+        far[0, c] = here
+        far[2, c] = even
     mean = 0.0
     if held:
         shift = response / answer
         for c in range(count):
-            far[c] -= shift * even[c]
+            far[0, c] -= shift * far[2, c]
         mean = first / whole
         square = max(square - mean * first, 0.0)
         product = max(product - shift * response, 0.0)
     ratio = product / last
     for i in range(direction.size):
-        direction[i] = stiffness[i] * (residual[i] + far[cell[i]]) + ratio * direction[i]
+        direction[i] = stiffness[i] * (residual[i] + far[0, cell[i]]) + ratio * direction[i]
     return square, mean, product
 
 
@@ -81,7 +82,7 @@ def aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
     """New `direction`: the preconditioned residual z_i = k_i (r_i + far_c), c the cell of i, its
     sum zero if held, plus the old one times the sum of r z over the `last` such sum.
 
-    Fills `far` by cells, where `inverse` and `total` are E and K of `Afar`. Returns what `weigh`
+    `inverse` and `total` are E and K of `Afar`, `far` (3, cells) is scratch. Returns what `weigh`
     does, the mean of r weighted by k if held, and the sum of r z.
     """
     return _aim(last, direction, residual, stiffness, cell, inverse, total, held, far)

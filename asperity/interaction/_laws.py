@@ -165,10 +165,10 @@ def evaluate(
 
 
 @compiled()
-def convex(place, force):
-    """Replace each row of `force` by the largest convex function below it (lower hull)."""
+def convex(place, force, stack):
+    """Replace each row of `force` by the largest convex function below it (lower hull); `stack`
+    (nodes,) is scratch."""
     nodes = place.size
-    stack = np.empty(nodes, np.int64)
     for row in force:
         top = 0
         for j in range(nodes):
@@ -196,8 +196,8 @@ def _slope(e0, e1, e2, e3, power, v):
 
 
 @compiled()
-def tabulate(reach, force, stiffness, area, power, factor, exponent, table):
-    """Fill the rows of `table` (see `Laws`) from sound nodal values.
+def tabulate(reach, force, stiffness, area, power, factor, exponent, scratch, table):
+    """Fill the rows of `table` (see `Laws`) from sound nodal values; `scratch` is (3, nodes).
 
     A footprint has the variance (factor k)^exponent. The moment (1/F) int v dF is integrated by
     Gauss quadrature on each interval, and its slopes are limited so that it grows between the nodes
@@ -206,9 +206,8 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, table):
     steps = force.shape[1] - 1
     shares = _shares(power)
     x, g = GAUSS_NODES, GAUSS_WEIGHTS
-    moment = np.zeros(steps + 1)
-    bend = np.zeros(steps + 1)
-    fall = np.zeros(steps + 1)
+    moment, bend, fall = scratch[0], scratch[1], scratch[2]
+    moment[0], bend[0] = 0.0, 0.0
     for j in range(steps):
         fall[j] = (j + 1.0) ** -power
     for r in range(reach.size):

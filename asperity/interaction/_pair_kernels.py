@@ -18,6 +18,7 @@ from ._block_kernels import (
     NEGLIGIBLE,
     NEXT,
     ONCE,
+    ONE,
     PULL,
     PULL_COLUMN,
     PULL_ROW,
@@ -164,10 +165,13 @@ def near_fields(
     s = carray(floats(), (COLUMNS * BLOCK,))
     d = carray(doubles(), (2 * BLOCK,))
     row = carray(places(), (BLOCK,))
-    row[:] = 0
-    listed = np.zeros((2, BLOCK), np.int32)
-    away = np.ones((2, BLOCK), np.float32)
-    lack = np.empty((4, BLOCK), np.float32)
+    listed = carray(places(), (2, BLOCK))
+    away = carray(floats(), (2, BLOCK))
+    lack = carray(floats(), (4, BLOCK))
+    for k in range(BLOCK):
+        row[k] = 0
+        listed[0, k], listed[1, k] = 0, 0
+        away[0, k], away[1, k] = ONE, ONE
     whole = cap
     cap = np.float32(cap)
     a = np.float32(0.5 * power)

@@ -44,4 +44,4 @@ def _on_stack(kind: Any, element: Any, count: int) -> Any:
 doubles = _on_stack(types.float64, ir.DoubleType(), 2 * BLOCK)
 columns = _on_stack(types.float64, ir.DoubleType(), COLUMNS * BLOCK)
 floats = _on_stack(types.float32, ir.FloatType(), COLUMNS * BLOCK)
-places = _on_stack(types.int32, ir.IntType(32), BLOCK)
+places = _on_stack(types.int32, ir.IntType(32), 2 * BLOCK)

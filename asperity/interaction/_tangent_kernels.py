@@ -15,6 +15,7 @@ from ._block_kernels import (
     INVERSE,
     NEGLIGIBLE,
     NEXT,
+    ONE,
     ROOT,
     SKEW,
     VALUE,
@@ -102,12 +103,14 @@ def tangent_list(
     s = carray(floats(), (COLUMNS * BLOCK,))
     row = carray(places(), (BLOCK,))
     column = carray(places(), (BLOCK,))
-    row[:] = 0
-    column[:] = 0
-    listed = np.zeros((2, BLOCK), np.int32)
-    away = np.ones((2, BLOCK), np.float32)
-    lack = np.empty((4, BLOCK), np.float32)
-    target = np.empty(BLOCK, np.int32)
+    target = carray(places(), (BLOCK,))
+    listed = carray(places(), (2, BLOCK))
+    away = carray(floats(), (2, BLOCK))
+    lack = carray(floats(), (4, BLOCK))
+    for k in range(BLOCK):
+        row[k], column[k] = 0, 0
+        listed[0, k], listed[1, k] = 0, 0
+        away[0, k], away[1, k] = ONE, ONE
     dy = s[DY : DY + NEXT]
     dx = s[DX : DX + NEXT]
     cap = np.float32(cap)

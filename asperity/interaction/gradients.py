@@ -51,7 +51,7 @@ def conjugate_gradients(
     """
     stiffness, cell = 1 / matrix.compliance, matrix.cell
     inverse, total = matrix.far
-    far = np.empty(len(total))
+    far = np.empty((3, len(total)))
     system = stiffness, cell, inverse, total, held, far
     solution, residual, count = np.zeros(len(right)), right.copy(), 0
     goal = tolerance**2 * kernels.weigh(stiffness, right, held)

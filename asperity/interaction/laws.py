@@ -263,6 +263,7 @@ class _Store:
                 area[a:b],
                 self.exponent,
                 *self.footprints.rule,
+                np.empty((3, force.shape[1])),
                 table[a:b],
             ),
             blocks(len(rows), 1000),
@@ -286,7 +287,7 @@ def _sound(
     # a law that stands still would have an infinite compliance
     hull = np.maximum(force[broken], 1e-3 * force[broken, -1:] * u2**2)
     hull[:, 0] = 0.0
-    _laws.convex(u2, hull)
+    _laws.convex(u2, hull, np.empty(len(u2), np.int64))
     depth = reach[broken, None] * np.diff(u2)
     secant = np.minimum(np.diff(hull, axis=1) / depth, cap[broken, None])
     force[broken, 1:] = np.cumsum(secant * depth, axis=1)

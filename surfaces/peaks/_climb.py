@@ -32,13 +32,13 @@ _QUARTIC, _RESIDUAL = _quartic_rows()
 
 @inner(error_model="numpy")
 def local_fit(heights, periodic, row, col, c):
-    """Quartic c (15,) through the 5 x 5 points about a pixel; True where it represents them.
+    """Quartic through the 5 x 5 points about a pixel, the first 15 of c (40,); True where it
+    represents them.
 
     It does if no point is off by more than `_LOCAL` of their range. Such a fit is as good as the
     spline and does not feel kinks of the map that are three or more pixels away.
     """
     ny, nx = heights.shape
-    points = np.empty(25)
     low, high = np.inf, -np.inf
     inside = 2 <= row < ny - 2 and 2 <= col < nx - 2
     if not (inside or periodic):
@@ -49,18 +49,19 @@ def local_fit(heights, periodic, row, col, c):
         for b in range(5):
             j = col + b - 2 if inside else (col + b - 2) % nx
             z = heights[i, j] - top
-            points[5 * a + b] = z
-            low, high = min(low, z), max(high, z)
+            c[15 + 5 * a + b] = z
+            low = z if z < low else low
+            high = z if z > high else high
     for m in range(25):
         off = 0.0
         for k in range(25):
-            off += _RESIDUAL[m, k] * points[k]
+            off += _RESIDUAL[m, k] * c[15 + k]
         if abs(off) > _LOCAL * (high - low):
             return False
     for m in range(15):
         c[m] = 0.0
         for k in range(25):
-            c[m] += _QUARTIC[m, k] * points[k]
+            c[m] += _QUARTIC[m, k] * c[15 + k]
     c[0] += top
     return True
 
@@ -176,11 +177,13 @@ def climb(heights, flat, width, labels, periodic, row, col, n, lean, c):
 
 @compiled(error_model="numpy")
 def summits(
-    heights, flat, width, labels, periodic, row, col, lean, order, places, expansions, kinds, first,
-    last,
+    heights, flat, width, labels, periodic, row, col, lean, order, places, expansions, kinds, c,
+    first, last,
 ):  # fmt: skip
-    """Climb from the peaks ``order[first:last]``: places (n, 2), expansions (n, 6), kinds (n,)."""
-    c = np.empty(15)
+    """Climb from the peaks ``order[first:last]``: places (n, 2), expansions (n, 6), kinds (n,).
+
+    c (40,) is scratch.
+    """
     for k in range(first, last):
         n = order[k]
         if k + _AHEAD < last:

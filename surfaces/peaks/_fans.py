@@ -109,7 +109,11 @@ class Fans:
             pixel, limit, _RADII, self._shares, tip, slot, self.edge, self.q,
         )  # fmt: skip
         # the calls before are too short for several threads, which would wait for each other
-        _threads.run(lambda a, b: _rays.fit(*given, a, b), _threads.blocks(peak.size, 64))
+        size = self.phi.shape[1], self._shares.size
+        _threads.run(
+            lambda a, b: _rays.fit(*given, *_rays.scratch(*size), a, b),
+            _threads.blocks(peak.size, 64),
+        )
         blunt = slot[of.kinds[peak] != _climb.SUMMIT]
         self.q[blunt, :, 0] = self.q[blunt, :, 1]
 

@@ -22,20 +22,18 @@ _COLS = np.array([-1, 0, 1, -1, 1, -1, 0, 1])
 
 
 @compiled(error_model="numpy")
-def ascend(heights, periodic, above, inverse, link, peaks, flats, runs, start, stop):
+def ascend(
+    heights, periodic, above, inverse, link, peaks, flats, runs, start, stop, window, way, lows
+):
     """Link each flooded pixel of the rows [start, stop) to its steepest higher neighbor.
 
     `inverse` holds 1/distance to the neighbors above, beside and diagonal. Pixels without a higher
     neighbor are collected: strict peaks in `peaks`, members of plateaus in `flats`. `runs` gets the
-    first pixel and the end of each flooded run of a row. Returns the three counts and the lowest
-    height flooded.
+    first pixel and the end of each flooded run of a row. The lowest flooded height of each column
+    lowers `lows`; `window` (3, nx + 2) and `way` (nx,) are scratch. Returns the three counts.
     """
     ny, nx = heights.shape
     inv_y, inv_x, inv_d = inverse
-    window = np.empty((3, nx + 2))
-    way, lows = np.empty(nx, np.int32), np.empty(nx)
-    for j in range(nx):
-        lows[j] = np.inf
     one, two, side, top = np.uint64(1), np.uint64(2), np.int32(1), FLAT + np.int32(1)
     n_peaks = 0
     n_flats = 0
@@ -75,25 +73,25 @@ def ascend(heights, periodic, above, inverse, link, peaks, flats, runs, start, s
                 on = up - side
                 s = (north[c + one] - z) * inv_y
                 on = up if s > best else on
-                best = max(s, best)
+                best = s if s > best else best
                 s = (north[c + two] - z) * inv_d
                 on = up + side if s > best else on
-                best = max(s, best)
+                best = s if s > best else best
                 s = (here[c] - z) * inv_x
                 on = -side if s > best else on
-                best = max(s, best)
+                best = s if s > best else best
                 s = (here[c + two] - z) * inv_x
                 on = side if s > best else on
-                best = max(s, best)
+                best = s if s > best else best
                 s = (south[c] - z) * inv_d
                 on = down - side if s > best else on
-                best = max(s, best)
+                best = s if s > best else best
                 s = (south[c + one] - z) * inv_y
                 on = down if s > best else on
-                best = max(s, best)
+                best = s if s > best else best
                 s = (south[c + two] - z) * inv_d
                 on = down + side if s > best else on
-                best = max(s, best)
+                best = s if s > best else best
                 on = on if best >= 0.0 else top
                 way[c] = on if best != 0.0 else FLAT
                 lows[c] = z if z < lows[c] else lows[c]
@@ -112,10 +110,7 @@ def ascend(heights, periodic, above, inverse, link, peaks, flats, runs, start, s
                     link[base + c] = FLAT
                     flats[n_flats] = base + c
                     n_flats += 1
-    lowest = np.inf
-    for j in range(nx):
-        lowest = lows[j] if lows[j] < lowest else lowest
-    return n_peaks, n_flats, n_runs, lowest
+    return n_peaks, n_flats, n_runs
 
 
 @inner(error_model="numpy")

@@ -6,8 +6,9 @@ costs half as much then as on its own.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from numba import from_dtype
 
 from .._compiled import compiled, inner
 from .._spline_filter import PAD
@@ -23,26 +24,24 @@ _ALL = 2**LANES - 1
 _LOWEST = np.array([LANES] + [(n & -n).bit_length() - 1 for n in range(1, _ALL + 1)])
 _HIGHEST = np.array([n.bit_length() - 1 for n in range(_ALL + 1)])
 
-_RAY = from_dtype(
-    np.dtype(
-        [
-            ("peak", np.int64),
-            ("y", np.float64),  # summit [pixels]
-            ("x", np.float64),
-            ("z", np.float64),
-            ("way_y", np.float64),  # step of one pixel
-            ("way_x", np.float64),
-            ("fall", np.float64),  # tilt of the surface [m per step]
-            ("dip", np.float64),  # how far f may fall again
-            ("end", np.float64),  # length, or what limits it [steps]
-            ("top", np.int64),  # number of the highest sample
-            ("high", np.float64),  # it, and the samples before and after it
-            ("before", np.float64),
-            ("after", np.float64),
-            ("latest", np.float64),
-            ("outside", np.int64),  # whether the latest lies in another basin
-        ]
-    )
+_RAY = np.dtype(
+    [
+        ("peak", np.int64),
+        ("y", np.float64),  # summit [pixels]
+        ("x", np.float64),
+        ("z", np.float64),
+        ("way_y", np.float64),  # step of one pixel
+        ("way_x", np.float64),
+        ("fall", np.float64),  # tilt of the surface [m per step]
+        ("dip", np.float64),  # how far f may fall again
+        ("end", np.float64),  # length, or what limits it [steps]
+        ("top", np.int64),  # number of the highest sample
+        ("high", np.float64),  # it, and the samples before and after it
+        ("before", np.float64),
+        ("after", np.float64),
+        ("latest", np.float64),
+        ("outside", np.int64),  # whether the latest lies in another basin
+    ]
 )
 
 
@@ -78,13 +77,14 @@ def _look(
 
 
 @inner(error_model="numpy")
-def _march(flat, cell, labels, owner, rays, live, radii, corners, rest, weights, pixels, zs):
+def _march(
+    flat, cell, labels, owner, rays, live, signs, radii, corners, rest, weights, pixels, zs
+):  # fmt: skip
     """Find the `end` of the rays of `live`: the first local maximum of f, or their limit.
 
     LANES samples of each ray are taken at once, as long as it goes on.
     """
     going = live.size
-    signs = np.empty(going, np.int64)
     for first in range(1, radii.size, LANES):
         _look(
             flat, cell, rays, live[:going], np.int64(1), radii, first, corners, rest, weights,
@@ -146,10 +146,22 @@ def _crest(ray, radii):
     return max(min(edge, ray.end), 0.5)
 
 
+def scratch(rays: int, nodes: int) -> tuple[Any, tuple[Any, ...], tuple[Any, ...]]:
+    """Work space of `fit` for so many rays of a peak and nodes of a ray."""
+    together, block = max(_TOGETHER, rays), _CHUNK * LANES
+    numbers = (together, together, block, together * nodes)
+    values = (block, block * TAPS, nodes, nodes, together * nodes)
+    return (
+        np.empty(together, _RAY),
+        tuple(np.empty(size, np.int64) for size in numbers),
+        tuple(np.empty(size) for size in values),
+    )
+
+
 @compiled(error_model="numpy")
 def fit(
     flat, cell, labels, owner, dip, peak, y, x, z, way_y, way_x, fall, pixel, limit, radii, shares,
-    tip, slot, edge, q, first, last,
+    tip, slot, edge, q, rays, numbers, values, first, last,
 ):  # fmt: skip
     """Fill the lengths and nodes of the rays of some peaks; see `surfaces.peaks.profiles.Profiles`.
 
@@ -170,19 +182,19 @@ def fit(
         Half the curvatures along the rays, shape (n, rays).
     slot, edge, q
         Row of each peak in the lengths [m] and the nodes.
+    rays, numbers, values
+        `scratch`.
     first, last
         Peaks to fill, from `first` to before `last`.
     """
     count, nodes = q.shape[1:]
     groups = shares.size // LANES
-    together = max(_TOGETHER, count)
-    rays, live = np.empty(together, _RAY), np.empty(together, np.int64)
-    zs = np.empty(together * shares.size)
-    pixels, corners = np.empty(zs.size, np.int64), np.empty(_CHUNK * LANES, np.int64)
-    rest, weights = np.empty(_CHUNK * LANES), np.empty(_CHUNK * LANES * TAPS)
+    live, signs, corners, pixels = numbers
+    rest, weights, squares, inverses, zs = values
     nx, width = int(cell[1]), int(cell[5])
-    squares = shares * shares
-    inverses = 1.0 / squares
+    for j in range(shares.size):
+        squares[j] = shares[j] * shares[j]
+        inverses[j] = 1.0 / squares[j]
     peaks = max(1, _TOGETHER // count)
     for start in range(first, last, peaks):
         some = min(peaks, last - start)
@@ -200,7 +212,7 @@ def fit(
                 ray.end, ray.dip = limit[n, p], dip[n]
                 ray.high, ray.latest, ray.top, ray.outside = 0.0, 0.0, 0, 0
         _march(
-            flat, cell, labels, owner, rays, live[:used], radii, corners, rest, weights,
+            flat, cell, labels, owner, rays, live[:used], signs, radii, corners, rest, weights,
             pixels, zs,
         )  # fmt: skip
         for k in range(used):

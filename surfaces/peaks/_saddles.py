@@ -101,21 +101,13 @@ def _doubled(keys, passes, used):
 
 
 @compiled(error_model="numpy")
-def merge(height, low, high, passes, lowest, min_prominence):
+def merge(height, low, high, passes, min_prominence, top, keeper, saddle, parent):
     """Join basins over their passes, highest first.
 
-    Returns saddle height and parent of each peak (its saddle's higher side), and the peak that
-    keeps each peak's basin when those below `min_prominence` are pruned.
+    Fills, but for the highest peak, `saddle` heights and the `parent` of each peak (its saddle's
+    higher side), and the peak that keeps each peak's basin when those below `min_prominence` are
+    pruned. At first each peak is its own `keeper`, and its own `top`, the highest of its group.
     """
-    n = height.size
-    top = np.empty(n, np.int64)  # union-find: every root is the highest peak of its group
-    keeper = np.empty(n, np.int64)
-    saddle = np.empty(n)
-    parent = np.empty(n, np.int64)
-    for peak in range(n):
-        top[peak] = keeper[peak] = peak
-        saddle[peak] = lowest
-        parent[peak] = -1
     for e in range(passes.size):
         a, b = root(top, low[e]), root(top, high[e])
         if a == b:
@@ -127,7 +119,7 @@ def merge(height, low, high, passes, lowest, min_prominence):
         parent[b] = a
         if height[b] - passes[e] < min_prominence:
             a, b = root(keeper, low[e]), root(keeper, high[e])
-            keeper[max(a, b)] = min(a, b)
-    for peak in range(n):
+            a, b = (a, b) if a < b else (b, a)
+            keeper[b] = a
+    for peak in range(height.size):
         keeper[peak] = keeper[keeper[peak]]
-    return saddle, parent, keeper

@@ -137,8 +137,11 @@ def _merged(
     """Saddle, parent and keeper of each peak from the passes, of which a pair may have several."""
     order = _falling(passes, keys)
     low = keys[order] // height.size
-    saddle, parent, keeper = _saddles.merge(
-        height, low, keys[order] - low * height.size, passes[order], lowest, limit
+    saddle, parent = np.full(height.size, lowest), np.full(height.size, -1)
+    keeper, top = np.arange(height.size), np.arange(height.size)
+    _saddles.merge(
+        *(height, low, keys[order] - low * height.size, passes[order], limit),
+        *(top, keeper, saddle, parent),
     )
     return saddle, parent, keeper
 
@@ -181,14 +184,18 @@ def _links(
     nx = heights.shape[1]
     link = np.empty(heights.size, np.int32)
 
-    def ascend(start: int, stop: int) -> tuple[NDArray[np.int32], ...]:
+    def ascend(
+        start: int, stop: int
+    ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32], float]:
         peaks = np.empty((stop - start) * nx, np.int32)
         flats = np.empty((stop - start) * nx, np.int32)
         runs = np.empty(((stop - start) * (nx // 2 + 1), 2), np.int32)
-        n_peaks, n_flats, n_runs, lowest = _flood.ascend(
-            heights, hm.periodic, above, inverse, link, peaks, flats, runs, start, stop
+        window, way, lows = np.empty((3, nx + 2)), np.empty(nx, np.int32), np.full(nx, np.inf)
+        n_peaks, n_flats, n_runs = _flood.ascend(
+            *(heights, hm.periodic, above, inverse, link, peaks, flats, runs, start, stop),
+            *(window, way, lows),
         )
-        return peaks[:n_peaks], flats[:n_flats], runs[:n_runs], lowest
+        return peaks[:n_peaks], flats[:n_flats], runs[:n_runs], float(lows.min())
 
     found = _threads.run(ascend, _threads.lines(heights.shape[0], heights.size))
     summits = [part[0] for part in found]

@@ -104,7 +104,8 @@ class Summits:
         expansions = np.empty((len(self), 6))
         _climb.summits(
             hm.heights, self.spline.ravel(), self.spline.shape[1], peaks.labels, hm.periodic, row,
-            col, own["lean"], index, own["places"], expansions, own["kinds"], 0, len(index),
+            col, own["lean"], index, own["places"], expansions, own["kinds"],
+            np.empty(40), 0, len(index),
         )  # fmt: skip
         found = np.empty((len(index), 3)), np.empty((len(index), 2)), np.empty(len(index))
         _climb.frames(
@@ -178,7 +179,7 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
     _threads.run(
         lambda a, b: _climb.summits(
             hm.heights, spline.ravel(), spline.shape[1], peaks.labels, hm.periodic, peaks.row,
-            peaks.col, level, near, places, expansions, kinds, a, b,
+            peaks.col, level, near, places, expansions, kinds, np.empty(40), a, b,
         ),
         _threads.blocks(n, 512),
     )  # fmt: skip

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from .._compiled import compiled, inner
 
 
 @compiled(error_model="numpy", fastmath={"reassoc", "contract"})
-def sums(heights, start, bounds, first, last, lows, tops, rows):
+def sums(heights, start, bounds, first, last, lows, tops, rows, out):
     """Sums over the bands [first, last) of rows and over the differences that begin there.
 
-    Returns the number, sum and sum of squares of the heights about `start`; along y and then x the
-    number and sum of squares of the first differences, and the number, sums of squares and of
-    fourth powers of the second ones; and the last three of those second differences that cross the
-    border as if the map were repeated. The lowest height of every column of a band lowers `lows`,
-    the highest raises `tops`, and its row is kept in `rows`, all of shape (bands, nx).
+    Adds to `out` (19,) the number, sum and sum of squares of the heights about `start`; along y and
+    then x the number and sum of squares of the first differences, and the number, sums of squares
+    and of fourth powers of the second ones; and the last three of those second differences that
+    cross the border as if the map were repeated. The lowest height of every column of a band lowers
+    `lows`, the highest raises `tops`, and its row is kept in `rows`, all of shape (bands, nx).
     """
     ny, nx = heights.shape
-    out = np.zeros(19)
     for band in range(first, last):
         for i in range(bounds[band], bounds[band + 1]):
             here, below, beneath = heights[i], heights[(i + 1) % ny], heights[(i + 2) % ny]
@@ -37,7 +34,6 @@ def sums(heights, start, bounds, first, last, lows, tops, rows):
                     out[2] += (z - start) * (z - start)
                 _add_point(z, below[j], beneath[j], ny - i, out, 3, 13)
                 _add_point(z, here[(j + 1) % nx], here[(j + 2) % nx], nx - j, out, 8, 16)
-    return out
 
 
 @inner(error_model="numpy", fastmath={"reassoc", "contract"})

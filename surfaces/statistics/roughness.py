@@ -86,11 +86,13 @@ def roughness(hm: HeightMap) -> Roughness:
     lows, tops = np.full((bands, nx), np.inf), np.full((bands, nx), -np.inf)
     rows = np.zeros((bands, nx), np.int64)
     start = heights[0, 0] if heights[0, 0] == heights[0, 0] else np.nanmean(heights)
-    parts = _threads.run(
-        lambda a, b: kernels.sums(heights, start, bounds, a, b, lows, tops, rows),
-        _threads.lines(bands, heights.size),
-    )
-    total = np.sum(parts, axis=0)
+
+    def part(first: int, last: int) -> NDArray[np.float64]:
+        out = np.zeros(19)
+        kernels.sums(heights, start, bounds, first, last, lows, tops, rows, out)
+        return out
+
+    total = np.sum(_threads.run(part, _threads.lines(bands, heights.size)), axis=0)
     number, first, second = total[0], total[1], total[2]
     seam = total[13:] if hm.periodic else np.zeros(6)
     mean = first / number
