@@ -17,6 +17,7 @@ from .asperities import Asperities
 from .contacts.fields import contact_map, pressure_map
 from .contacts.spot_count import spot_count
 from .contacts.table import microcontacts
+from .doubts import LONGEST_LAY
 from .error_estimate import (
     AREA_WEIGHTS,
     CALIBRATED,
@@ -122,7 +123,8 @@ def contact_curve(
         Separations [m], scalar or (n,), in place of the pressures.
     law
         Contact law of one summit: "hertz", "paper", "harmonic", "ellipse", "ritz" or "auto". Errors
-        are estimated with "auto" and "ellipse" only, and NaN with the others.
+        are estimated with "auto" and "ellipse" only, and NaN with the others, as with a lay of
+        10:1 and more.
     interaction
         False gives the classical sum of independent contacts; by how much its load at equal
         separation differs from that of the same contacts with interaction is told in
@@ -284,7 +286,7 @@ def _curve(
     area = np.array([place.contact_area for place in places])
     separation = np.array([place.separation for place in places])
     tangent = np.array([place.stiffness for place in places])
-    known = 0.0 if plan.law in CALIBRATED else np.nan
+    known = 0.0 if plan.law in CALIBRATED and plan.lay < LONGEST_LAY else np.nan
     load_error = known + np.array([estimate(w, LOAD_WEIGHTS) for w in weak])
     area_error = known + np.array([estimate(w, AREA_WEIGHTS) for w in weak])
     alone = {} if left_out is None else {"interaction_difference": np.array(left_out)}

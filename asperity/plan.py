@@ -14,7 +14,7 @@ from surfaces.heightmap import HeightMap
 from surfaces.preparation.coarsening import coarse_map
 
 from .boundary import Boundary, chosen_boundary
-from .doubts import map_warnings
+from .doubts import lay, map_warnings
 from .errors import InputError, SurfaceError
 from .loadpoints import checked_loads, expected_area_fraction, require_scene, slope_scale
 from .scales.fine_waves import FineScales
@@ -83,6 +83,8 @@ class Plan:
         Law of the waves that this grid does not hold; None if it holds them all.
     warnings
         One line for each reason to doubt what any model makes of the map.
+    lay
+        Slope across the lay of the map over that along it.
     seconds
         Time of the decisions [s].
     scene
@@ -98,6 +100,7 @@ class Plan:
     resampled: HeightMap | None = field(default=None, repr=False)
     fine: FineScales | None = None
     warnings: tuple[str, ...] = ()
+    lay: float = 1.0
     seconds: float = field(default=0.0, compare=False)
     scene: tuple[HeightMap, HalfSpace] | None = field(default=None, repr=False, compare=False)
 
@@ -190,6 +193,7 @@ def make_plan(
         resampled=resampled,
         fine=fine,
         warnings=warnings,
+        lay=lay(hm),
         seconds=seconds,
         scene=(hm, material),
     )

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.doubts import map_warnings
-from surfaces import HeightMap, self_affine
+from asperity.doubts import LONGEST_LAY, lay, map_warnings
+from surfaces import HeightMap, self_affine, turned
 
 BODY = asperity.HalfSpace.from_modulus(1e11)
 
@@ -50,6 +50,33 @@ def test_clipped_heights_are_named_also_when_levelled_afterwards():
     for heights, named in ((clipped, 1), (tilted, 1), (ridges, 1), (steps, 0)):
         found = map_warnings(hm.replace(heights=1e-9 * heights / np.ptp(heights)))
         assert len([text for text in found if "in line" in text]) == named
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.6, np.pi / 2])
+def test_the_lay_is_found_in_any_direction(angle):
+    case = {"hurst": 0.8, "rms_slope": 0.1, "rolloff": 4e-4, "cutoff": 8e-5, "seed": 1}
+    size = (1.6e-3, 1.92e-3)
+    for ratio in (1.0, 4.0):
+        hm = self_affine((160, 240), size, anisotropy=ratio, angle=angle, **case)
+        assert lay(hm) == pytest.approx(ratio, rel=0.15)
+
+
+def test_errors_on_turned_ridges_are_not_stated():
+    """The load of the model is several times that of boundary elements there."""
+    hm = turned(
+        (64, 80),
+        (6.4e-4, 8e-4),
+        feed=2e-4,
+        nose_radius=8e-4,
+        roughness=2e-7,
+        hurst=0.8,
+        cutoff=8e-5,
+    )
+    assert lay(hm) > LONGEST_LAY
+    curve = asperity.contact_curve(hm, BODY, pressures=[1e6])
+    assert np.isnan(curve.error_estimate).all()
+    assert np.isnan(curve.extra["area_error_estimate"]).all()
+    assert "across the lay" in str(curve)
 
 
 def test_a_curve_carries_the_warnings_of_its_map(tmp_path):
