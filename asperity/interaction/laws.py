@@ -200,7 +200,7 @@ class Laws:
 
     def filled(self, law: Evaluated) -> NDArray[np.bool_]:
         """Which contacts cover more than `FILLED` of the area that they have at reach."""
-        return np.asarray(law.area > FILLED * self.store.largest[self.index])
+        return np.asarray(law.area > FILLED * self.store.largest.take(self.index))
 
 
 class _Store:

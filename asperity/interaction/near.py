@@ -36,6 +36,9 @@ def total(grids: NDArray[np.floating]) -> NDArray[np.floating]:
 
 def run(loop: Callable[[int, NDArray[np.int64]], None], rows: NDArray[np.int64]) -> None:
     """Call loop(c, rows[c]) for every chunk of rows, on as many threads."""
+    if len(rows) == 1:
+        loop(0, rows[0])
+        return
     each(lambda c: loop(c, rows[c]), range(len(rows)))
 
 

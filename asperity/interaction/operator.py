@@ -115,6 +115,8 @@ class Interaction:
         Number of near pairs.
     afar
         The points by cells.
+    lowest
+        Least displacement [m] of the mesh part of the last field, or zero.
     round
         Moments yy, xx, xy of round footprints over their variance, shape (n, 3).
 
@@ -202,7 +204,7 @@ class Interaction:
         self.masses = np.zeros((2, *self.mesh.shape))
         self.tangent_col = np.empty(len(self.col) + 1, np.int32)
         self.tangent_value = np.empty(len(self.col) + 1, np.float32)
-        self.smooth = np.zeros(self.mesh.shape)
+        self.smooth, self.lowest = np.zeros(self.mesh.shape), 0.0
         self.round = np.tile(ROUND, (len(y), 1))
         self.form = (np.empty(0), np.empty(0), np.empty(0), np.empty(0, np.float32))
 
@@ -283,6 +285,7 @@ class Interaction:
         else:
             smooth, *_ = (part() for part in parts)
         self.smooth = smooth[0]
+        self.lowest = float(self.scale * min(0.0, float(self.smooth.min())))
         run(receivers, self.rows)
         found.slope[:] *= size
         return found
@@ -331,11 +334,6 @@ class Interaction:
         out = np.empty(len(y))
         _mesh_kernels.sample(y, x, *frame, self.smooth, out)
         return out
-
-    @property
-    def lowest(self) -> float:
-        """Least displacement [m] of the mesh part of the last field, or zero."""
-        return float(self.scale * min(0.0, float(self.smooth.min())))
 
 
 def _repeated(wanted: float, least: float, most: float) -> float:

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 __all__ = ["PopulationState"]
 
+Array = NDArray[np.float64]
+
 
 @dataclass(frozen=True, eq=False)
 class PopulationState:
@@ -46,10 +48,6 @@ class PopulationState:
     """
 
     separation: float
-    approach: NDArray[np.float64]
-    force: NDArray[np.float64]
-    stiffness: NDArray[np.float64]
-    area: NDArray[np.float64]
     mean_pressure: float
     contact_area: float
     active: int
@@ -61,10 +59,37 @@ class PopulationState:
     products: int
     lowest_candidate: float
     _trail: Trail = field(repr=False)
-    _answer: Callable[[], tuple[float, NDArray[np.float64]]] = field(repr=False)
+    _rows: NDArray[np.int64] = field(repr=False)
+    _known: tuple[Array, Array, Array, Array] = field(repr=False)
+    _answer: Callable[[], tuple[float, Array]] = field(repr=False)
 
     @functools.cached_property
-    def _answered(self) -> tuple[float, NDArray[np.float64]]:
+    def approach(self) -> Array:
+        """Approaches [m] of all summits, made when asked for as those below."""
+        return self._of_all(self._known[0])
+
+    @functools.cached_property
+    def force(self) -> Array:
+        """Forces [N] of all summits."""
+        return self._of_all(self._known[1])
+
+    @functools.cached_property
+    def stiffness(self) -> Array:
+        """Stiffnesses [N/m] of all summits."""
+        return self._of_all(self._known[2])
+
+    @functools.cached_property
+    def area(self) -> Array:
+        """Contact areas [m^2] of all summits."""
+        return self._of_all(self._known[3])
+
+    def _of_all(self, known: Array) -> Array:
+        values = np.zeros(len(self._trail.population))
+        values[self._rows] = known
+        return values
+
+    @functools.cached_property
+    def _answered(self) -> tuple[float, Array]:
         return self._answer()
 
     @property
@@ -73,9 +98,9 @@ class PopulationState:
         return self._answered[0]
 
     @property
-    def response(self) -> NDArray[np.float64]:
+    def response(self) -> Array:
         """Approach that each contact gains per fall of the flat [-], shape (n,)."""
-        gained = np.ones(len(self.force))
+        gained = np.ones(len(self._trail.population))
         if self._trail.points:
             gained[self._trail.points[-1].rows] = self._answered[1]
         return gained

@@ -279,19 +279,15 @@ class Trail:
         self, solution: Solution, values: NDArray[np.float64], steps: int, products: int
     ) -> PopulationState:
         assert self.listing is not None
-        index, n = self.listing.index, len(self.population)
-        approach, force, stiffness, area = (np.zeros(n) for _ in range(4))
-        approach[index] = solution.approach
-        force[index] = solution.laws.force
-        stiffness[index] = solution.laws.stiffness
-        area[index] = self.listing.areas(self.population, solution)
+        index = self.listing.index
         pressure = float(solution.laws.force.sum()) / self.population.nominal_area
         point = Point(solution.separation, pressure, index, values)
         heaviest = self.heaviest
         if not solution.reason and (heaviest is None or pressure > heaviest[1]):
             heaviest = solution.separation, pressure
         trail = replace(self, points=(*self.points[1 - MEMORY :], point), heaviest=heaviest)
-        return trail._pack(approach, force, stiffness, area, solution, steps, products)
+        area = self.listing.areas(self.population, solution)
+        return trail._pack(index, area, solution, steps, products)
 
     def _independent(self, separation: float) -> PopulationState:
         population = self.population
@@ -313,13 +309,11 @@ class Trail:
             lambda: (slope, shares),
         )
         trail = replace(self, listing=None)
-        return trail._pack(approach, laws.force, laws.stiffness, laws.area, done, 0, 0)
+        return trail._pack(np.arange(len(approach)), laws.area, done, 0, 0)
 
     def _pack(
         self,
-        approach: NDArray[np.float64],
-        force: NDArray[np.float64],
-        stiffness: NDArray[np.float64],
+        rows: NDArray[np.int64],
         area: NDArray[np.float64],
         solution: Solution,
         steps: int,
@@ -327,15 +321,12 @@ class Trail:
     ) -> PopulationState:
         population = self.population
         laws = population.laws if self.listing is None else self.listing.problem.laws
-        load = float(solution.laws.force.sum())
+        law = solution.laws
+        load = float(law.force.sum())
         lowest = 0.0 if self.field is None else self.field.lowest
-        filled = float(solution.laws.force[laws.filled(solution.laws)].sum())
+        filled = float(law.force[laws.filled(law)].sum())
         return PopulationState(
             separation=solution.separation,
-            approach=approach,
-            force=force,
-            stiffness=stiffness,
-            area=area,
             mean_pressure=load / population.nominal_area,
             contact_area=float(area.sum()),
             active=int(np.count_nonzero(solution.approach)),
@@ -347,6 +338,8 @@ class Trail:
             products=products,
             lowest_candidate=solution.separation + 1.1 * lowest,
             _trail=self,
+            _rows=rows,
+            _known=(solution.approach, law.force, law.stiffness, area),
             _answer=functools.partial(_per_area, solution.answer, population.nominal_area),
         )
 
