@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -81,6 +83,31 @@ def test_contacts_apart_keep_their_areas():
     basins, rows = Basins(summits, HalfSpace.from_modulus(1.0)), np.arange(len(summits))
     area = np.full(len(rows), 2.0)
     assert basins.areas(rows, np.full(len(rows), 0.1), area, area) is area
+
+
+def crowded(fall: float):
+    """Areas of the contacts of an egg box, all of them joined, from those of their laws."""
+    hm = egg_box()
+    summits = locate_summits(hm, segment(hm))
+    basins, rows = Basins(summits, HalfSpace.from_modulus(1.0)), np.arange(len(summits))
+    deep, force = np.full(len(rows), 2.0), np.full(len(rows), 60.0)
+    alone = fall * basins._carrying(rows, deep, force)[0]
+    return basins, (rows, deep, force, alone)
+
+
+def test_joining_adds_area():
+    basins, state = crowded(0.5)
+    np.testing.assert_allclose(basins.areas(*state), 2.0 * state[-1], rtol=1e-9)
+    basins, state = crowded(2.0)
+    assert basins.areas(*state) is state[-1]
+
+
+def test_contacts_that_the_border_cuts_keep_their_law():
+    basins, state = crowded(0.5)
+    border = np.array([True, False, False, True])
+    cut = Basins(replace(basins.summits, border=border), basins.material)
+    ratio = np.where(border, 1.0, 2.0)
+    np.testing.assert_allclose(cut.areas(*state), ratio * state[-1], rtol=1e-9)
 
 
 @pytest.mark.parametrize("periodic", [True, False])
