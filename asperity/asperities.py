@@ -119,14 +119,14 @@ class Asperities:
         seconds["profiles"] = clock() - start
         seconds["laws"] = 0.0
         ranking = None
-        # of maps that a coarser grid holds expansions reach far
-        if plan.law == "auto" and (plan.fine is not None or solved.heights.size >= hm.heights.size):
+        if plan.law == "auto":
             ranking = Ranking(profiles)
             if above is not None and not ranking.full:
                 # laws may not depend on the loads that are asked for
                 return cls.of(hm, material, replace(plan, above=None))
             ranking = ranking.joined(material)
             profiles = ranking.summits
+        forms = profiles if ranking is None else ranking
 
         def laws(rows: Rows) -> LawTable:
             begun = clock()
@@ -162,8 +162,8 @@ class Asperities:
             interaction=plan.interaction,
             leaning=leaning if plan.law == "auto" else None,
             joined=basins.areas if plan.law == "auto" else None,
-            curvature=profiles.curvature,
-            angle=profiles.angle,
+            curvature=forms.curvature,
+            angle=forms.angle,
         )
         return cls(hm, material, plan, peaks, profiles, basins, population, seconds)
 

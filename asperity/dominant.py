@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from surfaces.peaks._climb import PLATEAU
 
 from .flags import Flag
+from .interaction.elongation import ASPECT_EXPONENT
 from .microcontact.elements import press
 
 if TYPE_CHECKING:
@@ -68,6 +69,10 @@ class Ranking:
         As given.
     full
         Whether there are so many that a lower one cannot change the choice.
+    curvature, angle
+        What tells the forms of the contacts: principal curvatures [1/m], shape (n, 2), and
+        direction of the long axis [rad], (n,), of the summits; of joined ones those of a summit
+        with a contact of their moments.
 
     Notes
     -----
@@ -90,6 +95,7 @@ class Ranking:
         steep, shallow = summits.curvature.T
         self._ridge = steep > RIDGE * shallow
         self.summits = summits
+        self.curvature, self.angle = summits.curvature, summits.angle
 
     def joining(self) -> tuple[Rows, Array, Array]:
         """Pairs of summits, (k, 2), that join while they carry much of the load; the approaches [m]
@@ -120,10 +126,13 @@ class Ranking:
         depth = np.zeros(len(roots))
         np.maximum.at(depth, slot, approach.max(axis=1))
         depths = depth[:, None] * np.array([1.0, 2.0])
-        pressed = press(one, roots, depths, material)[:, -1, 0] > 0.0
+        found = press(one, roots, depths, material)[:, -1]
+        pressed = found[:, 0] > 0.0
         if not pressed.all():
             one = self.summits.joined(pairs[pressed[slot]], low[pressed[slot]])
-        return Ranking(one)
+        ranking = Ranking(one)
+        ranking.curvature, ranking.angle = _formed(one, roots[pressed], found[pressed, 4:].T)
+        return ranking
 
     def dominant(self, rows: Rows, table: LawTable) -> Rows:
         """Slots of a law table of the summits `rows` whose law has to be exact: joined ones too."""
@@ -155,3 +164,16 @@ def _weight(summits: Summits) -> Array:
     if none.any() and not none.all():
         weight[none] = np.median(weight[~none])
     return np.asarray(weight)
+
+
+def _formed(summits: Summits, rows: Rows, moments: Array) -> tuple[Array, Array]:
+    """Principal curvatures [1/m] and directions [rad] of summits, where those of some have contacts
+    of the moments yy, xx, yx, shape (3, k)."""
+    curvature, angle = summits.curvature.copy(), summits.angle.copy()
+    yy, xx, yx = moments
+    mean, skew = 0.5 * (yy + xx), np.hypot(0.5 * (yy - xx), yx)
+    steep = ((mean + skew) / (mean - skew)) ** (0.25 / ASPECT_EXPONENT)
+    middle = np.sqrt(np.prod(curvature[rows], axis=1))
+    curvature[rows] = np.stack((middle * steep, middle / steep), axis=1)
+    angle[rows] = 0.5 * np.arctan2(2.0 * yx, xx - yy)
+    return curvature, angle

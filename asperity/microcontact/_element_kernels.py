@@ -309,13 +309,14 @@ def _area(number, nv, nu, hv, hu, closed, left, m, edge):
 def press_rows(
     first, last, rows, surface, summits, depths, unit, m, kernels, points, tolerance, out, space
 ):
-    """Force [N], area [m^2] and centre y, x [m] of the contacts `rows[first:last]`.
+    """Force [N], area [m^2], centre y, x [m] and moments yy, xx, yx [m^2] of the pressure about it,
+    of the contacts `rows[first:last]`.
 
     `surface` holds heights, labels, owners of labels, periodicity, spline, its width and the
     spacing; `summits` the pixels, places [pixels], heights [m], axes [rad], curvatures [1/m] and
     floors [m] of all (finite ones are of joined summits, which get twice the elements); `depths`
     the approaches [m], (n, levels), rising, zero after the last; `unit` the compliance of an
-    element of unit area; `out` is (n, levels, 4): zero where too few elements overlap, and from the
+    element of unit area; `out` is (n, levels, 7): zero where too few elements overlap, and from the
     level on at which the basin reaches too far; `space` is scratch (`elements`).
     """
     heights, labels, owner, periodic, flat, width, spacing = surface
@@ -389,4 +390,12 @@ def press_rows(
             out[slot, level, 1] = element * _area(
                 number, nv, nu, math.sqrt(hv / hu), math.sqrt(hu / hv), closed, work[1], m, edge
             )
-            out[slot, level, 2], out[slot, level, 3] = y / force, x / force
+            y /= force
+            x /= force
+            out[slot, level, 2], out[slot, level, 3] = y, x
+            for k in range(total):
+                u, v = u0 + col[k] * hu, v0 + row[k] * hv
+                dy, dx, part = s * u + c * v - y, c * u - s * v - x, closed[k] / force
+                out[slot, level, 4] += part * dy * dy
+                out[slot, level, 5] += part * dx * dx
+                out[slot, level, 6] += part * dy * dx

@@ -32,6 +32,9 @@ STEPS = np.array([0, 1, 2, 4, 6, 9, 13, 23])
 """Nodes of the table, from the last that the expansion describes on, at which a basin is pressed;
 and the last node."""
 
+STEPS_JOINED = np.array([0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 19, 23])
+"""The same of joined summits, whose contacts grow by leaps."""
+
 POINTS = 300.0
 """Elements of the box about the part of a basin above the flat, of which contact takes a third."""
 
@@ -49,7 +52,8 @@ FEWEST = 3
 
 
 def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> Array:
-    """Force [N], area [m^2] and centre y, x [m] from the summit of basins pressed alone.
+    """Force [N], area [m^2], centre y, x [m] from the summit and moments yy, xx, yx [m^2] of the
+    pressure about it, of basins pressed alone.
 
     Parameters
     ----------
@@ -64,7 +68,7 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
 
     Returns
     -------
-    Array of shape (n, levels, 4); zero where too few elements overlap, and from the level on at
+    Array of shape (n, levels, 7); zero where too few elements overlap, and from the level on at
     which a basin reaches too far.
 
     Notes
@@ -85,7 +89,7 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
         peaks.row, peaks.col, summits.places, summits.height, summits.angle, summits.curvature,
         summits.floor,
     )  # fmt: skip
-    out = np.zeros((*depths.shape, 4))
+    out = np.zeros((*depths.shape, 7))
     unit = compliance((1.0, 1.0), material)
     rules = unit, material.m, _kernels(material.m), POINTS, TOLERANCE
     _threads.run(
@@ -146,10 +150,13 @@ def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: Ha
         return
     beyond = (table.flags[slots] & Flag.BEYOND_RADIUS) > 0
     first = np.where(beyond.any(axis=1), beyond.argmax(axis=1) - 1, table.nodes)
-    for k in np.flatnonzero(np.isfinite(summits.floor[rows])):
+    joined = np.isfinite(summits.floor[rows])
+    for k in np.flatnonzero(joined):
         first[k] = min(first[k], _second(table, slots[k], summits, rows[k]))
     first = np.maximum(first, 1)
-    wanted = np.minimum(first[:, None] + STEPS, table.nodes)
+    few = np.pad(STEPS, (0, len(STEPS_JOINED) - len(STEPS)), "edge")
+    steps = np.where(joined[:, None], STEPS_JOINED, few)
+    wanted = np.minimum(first[:, None] + steps, table.nodes)
     wanted[:, 1:][np.diff(wanted, axis=1) == 0] = 0
     u = np.arange(table.nodes + 1) / table.nodes
     found = press(summits, rows, table.reach[slots, None] * u[wanted] ** 2, material)
@@ -158,7 +165,7 @@ def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: Ha
     node = slots[lost], first[lost]
     found[lost, 0, 0], found[lost, 0, 1] = table.force[node], table.area[node]
     if table.centre is not None:
-        found[lost, 0, 2:] = table.centre[node][:, ::-1]
+        found[lost, 0, 2:4] = table.centre[node][:, ::-1]
     offsets = np.where(found[:, :, 0] > 0.0, wanted - first[:, None], -1)
     before = np.minimum(first - 1, BEFORE)
     kinds, kind = np.unique(np.column_stack((before, offsets)), axis=0, return_inverse=True)
@@ -203,7 +210,8 @@ def _join(table: LawTable, slots: Rows, begin: Rows, places: Rows, values: Array
 
 
 def _scale(table: LawTable, slots: Rows, end: Rows, values: Array) -> None:
-    """Scale some rows to the force and the area at a node of each, from there on."""
+    """Scale some rows to the force and the area at a node of each, from there on, and keep the
+    centre."""
     later = np.arange(table.nodes + 1) >= end[:, None]
     for array, wanted, old in (
         (table.stiffness, values[:, 0], table.force),
@@ -211,3 +219,6 @@ def _scale(table: LawTable, slots: Rows, end: Rows, values: Array) -> None:
         (table.area, values[:, 1], table.area),
     ):
         array[slots] *= np.where(later, (wanted / old[slots, end])[:, None], 1.0)
+    if table.centre is not None:
+        centre = values[:, None, [3, 2]]
+        table.centre[slots] = np.where(later[:, :, None], centre, table.centre[slots])

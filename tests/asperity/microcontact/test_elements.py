@@ -9,8 +9,10 @@ import pytest
 
 import asperity
 from asperity import dominant
+from asperity.asperities import Asperities
 from asperity.dominant import Ranking
 from asperity.flags import Flag
+from asperity.interaction.elongation import Elongation
 from asperity.microcontact import elements
 from asperity.microcontact.hertz import elliptic_contact
 from asperity.microcontact.laws import tabulate
@@ -56,7 +58,13 @@ def test_ellipsoid(m, ratio, angle):
     np.testing.assert_allclose(found[:, 0], exact.force, rtol=6e-3)
     area = np.pi * exact.semi_major * exact.semi_minor
     np.testing.assert_allclose(found[:, 1], area, rtol=0.03 if m >= 0 else 0.04)
-    np.testing.assert_allclose(found[:, 2:], 0.0, atol=0.02 * np.sqrt(area.max()))
+    np.testing.assert_allclose(found[:, 2:4], 0.0, atol=0.02 * np.sqrt(area.max()))
+    long, short = exact.semi_major**2 / (5 + m), exact.semi_minor**2 / (5 + m)
+    c, s = np.cos(angle), np.sin(angle)
+    moments = np.array(
+        [long * s * s + short * c * c, long * c * c + short * s * s, (long - short) * s * c]
+    )
+    np.testing.assert_allclose(found[:, 4:], moments.T, atol=0.02 * long.max())
 
 
 def test_lobes_as_the_whole_map_pressed():
@@ -91,9 +99,11 @@ def test_exchanging_the_axes_exchanges_the_centre():
         for each in (hm, turned)
     )
     size = np.sqrt(found[:, 1])
-    assert (np.abs(found[:, 2:]).min(axis=1) > 0.01 * size).all()
+    assert (np.abs(found[:, 2:4]).min(axis=1) > 0.01 * size).all()
     np.testing.assert_allclose(other[:, :2], found[:, :2], rtol=6e-3)
-    np.testing.assert_allclose(other[:, 2:], found[:, :1:-1], atol=3e-3 * size.max())
+    np.testing.assert_allclose(other[:, 2:4], found[:, 3:1:-1], atol=3e-3 * size.max())
+    moments = found[:, [5, 4, 6]]
+    np.testing.assert_allclose(other[:, 4:], moments, atol=3e-3 * np.square(size.max()))
 
 
 @pytest.mark.parametrize("shift", [(0, 0), (-30, -41), (-31, -42), (30, 41)])
@@ -105,7 +115,7 @@ def test_a_contact_across_the_seam_of_a_periodic_map(shift):
     found = elements.press(summits_of(there), np.zeros(1, np.int64), depth, BODY)[0]
     exact = elliptic_contact(0.03, 0.01, depth[0], BODY)
     np.testing.assert_allclose(found[:, 0], exact.force, rtol=6e-3)
-    np.testing.assert_allclose(found[:, 2:], 0.0, atol=0.02 * exact.semi_major.max())
+    np.testing.assert_allclose(found[:, 2:4], 0.0, atol=0.02 * exact.semi_major.max())
 
 
 def test_below_what_was_segmented_nothing_is_pressed():
@@ -168,13 +178,25 @@ def test_few_contacts_are_dominant_whatever_is_asked_for(rough):
     assert ranking.dominant(rows, inside).size == 0
 
 
-def test_load_of_few_long_ridges_comes_out():
-    hm = self_affine(
-        (256, 256), (256.0, 256.0), hurst=0.8, rms_slope=0.1, rolloff=32.0, cutoff=8.0,
-        anisotropy=4.0, seed=13,
-    )  # fmt: skip
+LONG_RIDGES = {
+    "shape": (256, 256),
+    "size": (256.0, 256.0),
+    "hurst": 0.8,
+    "rolloff": 32.0,
+    "cutoff": 8.0,
+} | {"anisotropy": 4.0, "seed": 13}
+SMOOTH_HILLS = (  # a coarser grid holds them
+    {"shape": (120, 160), "size": (120.0, 192.0), "hurst": 0.9, "cutoff": 24.0, "seed": 8}
+)
+
+
+@pytest.mark.parametrize(
+    ("recipe", "pressure"), [(LONG_RIDGES, 4e-4), (SMOOTH_HILLS, 6e-3)], ids=["ridges", "hills"]
+)
+def test_load_of_few_contacts_comes_out(recipe, pressure):
+    hm = self_affine(**recipe, rms_slope=0.1)
     fine = resample(hm, np.asarray(hm.spacing) / 2)
-    exact = asperity.bem_solve(fine, BODY, pressure=4e-4, tolerance=1e-3)
+    exact = asperity.bem_solve(fine, BODY, pressure=pressure, tolerance=1e-3)
     apart, alone = (
         asperity.contact_curve(hm, BODY, separations=exact.separation, law=law)
         for law in ("auto", "ellipse")
@@ -252,3 +274,36 @@ def test_the_law_of_joined_summits_goes_on_from_the_first(rough):
     kept = ahead & ~beyond
     np.testing.assert_allclose(table.force[0, kept], before[kept], rtol=5e-3)
     assert (np.diff(table.force[0]) > 0).all()
+
+
+def test_where_a_basin_reaches_too_far_the_centre_stays(rough, monkeypatch):
+    rows = np.flatnonzero(rough.valid)[:12]
+    table = tabulate(rough.rows(rows), BODY, law="ellipse")
+    slots = np.flatnonzero((table.flags & Flag.BEYOND_RADIUS).any(axis=1) & (table.reach > 0))
+    found, levels = elements.press, 5
+
+    def reaching(*scene):
+        pressed = found(*scene)
+        pressed[:, levels:] = 0.0
+        return pressed
+
+    monkeypatch.setattr(elements, "press", reaching)
+    elements.put(table, slots, rough, rows[slots], BODY)
+    first = ((table.flags[slots] & Flag.BEYOND_RADIUS) > 0).argmax(axis=1) - 1
+    last = np.maximum(first, 1) + elements.STEPS[levels - 1]
+    assert (last < table.nodes - 1).any()
+    for slot, node in zip(slots, last, strict=True):
+        later = table.centre[slot, node:]
+        np.testing.assert_allclose(later, np.broadcast_to(later[:1], later.shape), rtol=1e-12)
+
+
+def test_joined_summits_have_the_form_of_their_contact():
+    hm = two_summits()  # one beside the other along x, each longer along x than along y
+    bodies = Asperities.of(hm, BODY, asperity.make_plan(hm, BODY))
+    assert bodies.profiles.owner[1] == 0
+    highest = Elongation.of(
+        bodies.profiles.curvature, bodies.profiles.angle, bodies.population.footprints
+    )
+    across, along, skew = bodies.population.elongation.spread[0]
+    assert along > 1.5 * highest.spread[0, 1] and across < highest.spread[0, 0]
+    assert abs(skew) < 0.02 * along
