@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from numbers import Real
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -58,7 +60,7 @@ def total_resistivity(resistivity: tuple[float, float]) -> float:
     InputError
         If there are not two numbers, one is negative, or the sum is not positive and finite.
     """
-    if np.shape(resistivity) != (2,):
+    if np.shape(resistivity) != (2,) or not all(isinstance(rho, Real) for rho in resistivity):
         raise InputError(f"resistivity is {resistivity!r}; give one number for each of two bodies")
     total = float(sum(resistivity))
     if not (min(resistivity) >= 0 and 0 < total < np.inf):

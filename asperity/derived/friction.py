@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,8 +70,13 @@ def friction_curve(
     the larger separation s* (Ciavarella 1998, Jaeger 1998, for any set of contacts on elastically
     similar half-spaces). One loading from rest, constant mu, homogeneous bodies.
     """
-    if not (0 < friction < np.inf and 0 < modulus_ratio < np.inf and points >= 2):
-        raise InputError("friction and modulus_ratio must be positive, points at least 2")
+    given = friction, modulus_ratio, mean_pressure, points
+    if not all(isinstance(value, Real) and 0 < float(value) < np.inf for value in given):
+        raise InputError(
+            f"friction, modulus_ratio, mean_pressure and points are {given}; give positive numbers"
+        )
+    if points < 2 or points != int(points):
+        raise InputError(f"points is {points}; give a whole number, at least 2")
     if curve.settings.get("m", 0.0) != 0.0:
         raise InputError("partial slip needs homogeneous half-spaces, m = 0")
     whole = curve.at(pressure=mean_pressure)

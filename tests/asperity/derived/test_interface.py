@@ -85,3 +85,16 @@ def test_numbers_out_of_range(sphere):
         friction_curve(sphere[1], 1e15, friction=0.3, modulus_ratio=1.0)
     with pytest.raises(InputError, match="lighter load points"):
         friction_curve(sphere[1], float(sphere[1].mean_pressure[0]), friction=1, modulus_ratio=1)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"friction": "0.3"}, {"friction": [0.3, 0.4]}, {"modulus_ratio": None}, {"points": 2.5}],
+)
+def test_what_is_no_number_is_refused(sphere, wrong):
+    curve = sphere[1]
+    case = {"friction": 0.3, "modulus_ratio": 1.2} | wrong
+    with pytest.raises(InputError, match="number"):
+        friction_curve(curve, float(curve.mean_pressure[-1]), **case)
+    with pytest.raises(InputError, match="number"):
+        constriction_conductance(curve, resistivity=("1e-7", 1e-7))
