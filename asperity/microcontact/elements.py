@@ -210,8 +210,7 @@ def _join(table: LawTable, slots: Rows, begin: Rows, places: Rows, values: Array
 
 
 def _scale(table: LawTable, slots: Rows, end: Rows, values: Array) -> None:
-    """Scale some rows to the force and the area at a node of each, from there on, and keep the
-    centre."""
+    """Scale some rows to the force and the area at a node of each, from there on."""
     later = np.arange(table.nodes + 1) >= end[:, None]
     for array, wanted, old in (
         (table.stiffness, values[:, 0], table.force),
@@ -219,6 +218,3 @@ def _scale(table: LawTable, slots: Rows, end: Rows, values: Array) -> None:
         (table.area, values[:, 1], table.area),
     ):
         array[slots] *= np.where(later, (wanted / old[slots, end])[:, None], 1.0)
-    if table.centre is not None:
-        centre = values[:, None, [3, 2]]
-        table.centre[slots] = np.where(later[:, :, None], centre, table.centre[slots])

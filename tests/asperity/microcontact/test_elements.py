@@ -276,27 +276,6 @@ def test_the_law_of_joined_summits_goes_on_from_the_first(rough):
     assert (np.diff(table.force[0]) > 0).all()
 
 
-def test_where_a_basin_reaches_too_far_the_centre_stays(rough, monkeypatch):
-    rows = np.flatnonzero(rough.valid)[:12]
-    table = tabulate(rough.rows(rows), BODY, law="ellipse")
-    slots = np.flatnonzero((table.flags & Flag.BEYOND_RADIUS).any(axis=1) & (table.reach > 0))
-    found, levels = elements.press, 5
-
-    def reaching(*scene):
-        pressed = found(*scene)
-        pressed[:, levels:] = 0.0
-        return pressed
-
-    monkeypatch.setattr(elements, "press", reaching)
-    elements.put(table, slots, rough, rows[slots], BODY)
-    first = ((table.flags[slots] & Flag.BEYOND_RADIUS) > 0).argmax(axis=1) - 1
-    last = np.maximum(first, 1) + elements.STEPS[levels - 1]
-    assert (last < table.nodes - 1).any()
-    for slot, node in zip(slots, last, strict=True):
-        later = table.centre[slot, node:]
-        np.testing.assert_allclose(later, np.broadcast_to(later[:1], later.shape), rtol=1e-12)
-
-
 def test_joined_summits_have_the_form_of_their_contact():
     hm = two_summits()  # one beside the other along x, each longer along x than along y
     bodies = Asperities.of(hm, BODY, asperity.make_plan(hm, BODY))

@@ -38,10 +38,10 @@ def test_where_few_fine_waves_lie_under_the_contacts_more_of_them_are_contacts(
         return slope * (curve.separation - exact.separation), curve.error_estimate
 
     found, stated = errors()
-    assert np.abs(found).max() < 0.01 and (np.abs(found) < stated).all()
+    assert (np.abs(found) < np.minimum(stated, 0.03)).all()
     monkeypatch.setattr("asperity.asperities.particular", lambda *_: 0.0)
     mean, wider = errors()
-    assert np.abs(mean).min() > 0.02 and (wider > stated).all()
+    assert np.linalg.norm(found) < 0.5 * np.linalg.norm(mean) and (wider > stated).all()
 
 
 def test_their_table_has_the_area_of_the_curve(one_hill):

