@@ -12,16 +12,17 @@ from surfaces._compiled import compiled
 
 
 @compiled(error_model="numpy")
-def tally(heights, labels, slot, periodic, spacing, top, depth, count, slope, found):
-    """Pixels of closed basins, and the sums of their slopes, by the depth under the summit.
+def tally(heights, labels, slot, periodic, spacing, first, last, top, depth, count, slope, found):
+    """Pixels of closed basins in the rows [first, last), and the sums of their slopes, by the depth
+    under the summit.
 
     Basins have the summit `top` (n,) and are counted down to `depth` (n,), into the bins of `count`
-    and `slope` (n, bins). Returns how many pixels that are; `found` (ny nx,) begins with them.
+    and `slope` (n, bins). Returns how many pixels that are; `found` begins with them.
     """
     ny, nx = heights.shape
     bins = count.shape[1]
     number = 0
-    for i in range(ny):
+    for i in range(first, last):
         inside = 0 < i < ny - 1
         up = i - 1 if i > 0 else (ny - 1 if periodic else 0)
         down = i + 1 if i < ny - 1 else (0 if periodic else i)

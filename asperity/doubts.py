@@ -60,7 +60,8 @@ def lay(hm: HeightMap) -> float:
 
 def _spike_warning(hm: HeightMap) -> list[str]:
     heights, rms = hm.heights, hm.roughness.rms_height
-    row, col = np.unravel_index(int(np.argmax(heights)), hm.shape)
+    band, col = np.unravel_index(int(np.argmax(hm.roughness.tops)), hm.roughness.tops.shape)
+    row = hm.roughness.rows[band, col]
     around = np.arange(-1, 2)
     places = (
         np.unique((at + around) % n if hm.periodic else np.clip(at + around, 0, n - 1))

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import erf, erfinv
 
+from surfaces import _threads
+
 from . import _joined_kernels
 from .dominant import JOINED
 
@@ -131,15 +133,23 @@ class Basins:
         crossed = np.bincount(pairs[closed].ravel(), minlength=len(deep)) > CROSSED * self._around
         return float(area @ crossed[index]) / max(float(area.sum()), np.finfo(float).tiny)
 
-    def _carrying(self, rows: Rows, approach: Array, force: Array) -> tuple[Array, Array, Rows]:
+    def _carrying(
+        self, rows: Rows, approach: Array, force: Array
+    ) -> tuple[Array, Array, list[NDArray[np.int32]]]:
         """Areas [m^2] of the highest parts of the basins that carry the forces, and how far [m]
-        they reach down, both (n,); pixels among which theirs are."""
+        they reach down, both (n,); pixels among which theirs are, in parts."""
         summits, m = self.summits, self.material.m
-        depth = DEEPEST * approach
-        count, slope = np.zeros((2, len(rows), BINS))
+        depth, scene = DEEPEST * approach, self._map(rows)
         kernel: Any = _joined_kernels.tally
-        found = np.empty(summits.hm.heights.size, np.int64)
-        number = kernel(*self._map(rows), summits.height[rows], depth, count, slope, found)
+
+        def part(first: int, last: int) -> tuple[Array, NDArray[np.int32]]:
+            sums = np.zeros((2, len(rows), BINS))
+            found = np.empty((last - first) * summits.hm.shape[1], np.int32)
+            number = kernel(*scene, first, last, summits.height[rows], depth, *sums, found)
+            return sums, found[:number]
+
+        parts = _threads.run(part, _threads.lines(len(summits.hm.heights), summits.hm.heights.size))
+        count, slope = np.sum([sums for sums, _ in parts], axis=0)
         pixel, most = math.prod(summits.hm.spacing), summits.pixels[rows, None]
         closed = np.clip(np.cumsum(count, axis=1), 1e-9, most)
         stiff = 6.0 / (math.pi * (1.0 + m) ** 2 * (3.0 + m)) * self.material.modulus
@@ -155,15 +165,20 @@ class Basins:
         way = np.clip((force - low) / np.where(high > low, high - low, 1.0), 0.0, 1.0)
         low, high = np.take_along_axis(filled, ends, axis=1).T
         whole = pixel * (most[:, 0] + 1.0) * erf(low + way * (high - low))
-        return whole, depth * (place + way) / BINS, found[:number]
+        return whole, depth * (place + way) / BINS, [found for _, found in parts]
 
-    def _astride(self, rows: Rows, fall: Array, found: Rows) -> Array:
+    def _astride(self, rows: Rows, fall: Array, found: list[NDArray[np.int32]]) -> Array:
         """Share of the outline of each contact in common with others, (n,), if they reach `fall`
         [m] under their summits; their pixels are among those `found`."""
-        level = np.append(self.summits.height[rows] - fall, np.inf)
-        common, free = np.zeros((2, len(level)))
+        level, scene = np.append(self.summits.height[rows] - fall, np.inf), self._map(rows)
         kernel: Any = _joined_kernels.outlines
-        kernel(*self._map(rows), level, found, common, free)
+
+        def part(pixels: NDArray[np.int32]) -> Array:
+            lengths = np.zeros((2, len(level)))
+            kernel(*scene, level, pixels, *lengths)
+            return lengths
+
+        common, free = np.sum(_threads.each(part, found), axis=0)
         share = common / np.maximum(common + free, np.finfo(float).tiny)
         return np.asarray(share[:-1])
 

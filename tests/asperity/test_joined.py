@@ -129,12 +129,14 @@ def test_pixels_and_outlines_are_counted_as_one_by_one(periodic):
     top, depth = heights.max() + np.array([0.0, 0.2, 0.1]), np.array([2.0, 3.0, 4.0])
     count, total = np.zeros((2, 3, 5))
     read = heights, labels, slot, periodic, SPACING
-    found = np.empty(heights.size, np.int64)
-    number = kernels.tally(*read, top, depth, count, total, found)
+    found, number = np.empty(heights.size, np.int32), 0
+    for first, last in ((0, 4), (4, 9)):
+        number += kernels.tally(*read, first, last, top, depth, count, total, found[number:])
     assert number == count.sum()
+    assert np.isin(own.ravel()[found[:number]], [0, 1, 2]).all()
     level = np.append(rng.normal(size=3), np.inf)
     common, free = np.zeros((2, 4))
-    kernels.outlines(*read, level, np.arange(heights.size), common, free)
+    kernels.outlines(*read, level, np.arange(heights.size, dtype=np.int32), common, free)
     closed = heights > level[own]
     for k in range(3):
         place = ((top[k] - heights) / depth[k] * 5).astype(int)
