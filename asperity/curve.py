@@ -289,9 +289,10 @@ def _curve(
     known = 0.0 if plan.law in CALIBRATED and plan.lay < LONGEST_LAY else np.nan
     load_error = known + np.array([estimate(w, LOAD_WEIGHTS) for w in weak])
     area_error = known + np.array([estimate(w, AREA_WEIGHTS) for w in weak])
-    alone = {} if left_out is None else {"interaction_difference": np.array(left_out)}
-    for difference in alone.values():
-        load_error = load_error + np.abs(difference)
+    alone = {}
+    if left_out is not None:
+        alone["interaction_difference"] = np.array(left_out)
+        load_error += np.abs(left_out)
     return ContactCurve(
         separation=separation,
         mean_pressure=pressure,

@@ -309,8 +309,7 @@ def _area(number, nv, nu, hv, hu, closed, left, m, edge):
 def press_rows(
     first, last, rows, surface, summits, depths, unit, m, kernels, points, tolerance, out, space
 ):
-    """Force [N], area [m^2], centre y, x [m] and moments yy, xx, yx [m^2] of the pressure about it,
-    of the contacts `rows[first:last]`.
+    """Force, area, centre y, x and moments yy, xx, yx of the pressure of `rows[first:last]` [SI].
 
     `surface` holds heights, labels, owners of labels, periodicity, spline, its width and the
     spacing; `summits` the pixels, places [pixels], heights [m], axes [rad], curvatures [1/m] and
