@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import math
 import re
 import zipfile
@@ -19,7 +20,7 @@ from ..errors import FileFormatError, InputError
 from ..heightmap import HeightMap
 from ..units import metres_per
 
-__all__ = ["is_text_grid", "read_npy", "read_npz", "read_text", "write_npz", "write_text"]
+__all__ = ["heading", "read_npy", "read_npz", "read_text", "write_npz", "write_text"]
 
 _DAMAGED = (
     EOFError,
@@ -39,6 +40,7 @@ _DAMAGED = (
 
 _MISSING = {"", "nan", "na", "n/a", "bad", "none", "null", "-", "--", "---", "*", "**", "***"}
 _COMMENT = "#%;/!"
+_HEAD = 2**16  # bytes that tell how a text is encoded
 _STATED = re.compile(r"^\W*(spacing|unit|periodic|name)\s*[:=]\s*(\S.*?)\s*$", re.IGNORECASE)
 
 
@@ -84,18 +86,22 @@ def read_npz(
         raise FileFormatError(f"{path}: damaged or not a plain npz file ({error})") from error
 
 
-def is_text_grid(path: Path) -> bool:
-    """Whether the file is text whose first line, comments left out, is a row of numbers."""
+def heading(path: Path) -> str | None:
+    """What of a text is no row of numbers before the first: None if nothing, "" if it is no text.
+
+    Comments do not count.
+    """
     try:
-        with path.open(encoding="utf-8-sig") as file:
-            for line in file:
+        with _opened(path) as file:
+            for number, line in enumerate(file, start=1):
                 if line.strip() and line.lstrip()[0] not in _COMMENT:
-                    separator, decimal = _separator(line)
-                    cells = _cells(line, separator, decimal)
-                    return all(_is_number(cell) for cell in cells)
-    except UnicodeDecodeError:
-        return False
-    return True
+                    word = next(
+                        (c for c in _cells(line, *_separator(line)) if not _is_number(c)), None
+                    )
+                    return None if word is None else _no_number(number, word)
+    except UnicodeError:
+        return ""
+    return None
 
 
 def read_text(
@@ -108,8 +114,8 @@ def read_text(
     )
     try:
         stated, rows = _parsed(path)
-    except UnicodeDecodeError as error:
-        raise FileFormatError(f"{path}: damaged text ({error.reason}, {error.start})") from error
+    except UnicodeError as error:
+        raise FileFormatError(f"{path}: damaged text ({error})") from error
     if "spacing" in stated:
         try:
             stated["spacing"] = [float(word) for word in re.split(r"[,\s]+", stated["spacing"])]
@@ -165,12 +171,27 @@ def _require_unnamed(path: Path, dataset: str | None) -> None:
         raise FileFormatError(f"{path}: holds one array without a name; leave out --dataset")
 
 
+def _opened(path: Path) -> IO[str]:
+    """The text, in the encoding that its first bytes tell; a single byte is a letter otherwise."""
+    with path.open("rb") as file:
+        head = file.read(_HEAD)
+    if b"\0" in head and not head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        raise UnicodeError("zero bytes")
+    if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return path.open(encoding="utf-16")
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(head)
+    except UnicodeDecodeError:
+        return path.open(encoding="latin-1")
+    return path.open(encoding="utf-8-sig")
+
+
 def _parsed(path: Path) -> tuple[dict[str, Any], list[NDArray[np.float64]]]:
     """What the comments state, and the rows of numbers."""
     stated: dict[str, Any] = {}
     rows: list[NDArray[np.float64]] = []
     layout: tuple[str | None, bool] | None = None
-    with path.open(encoding="utf-8-sig") as file:
+    with _opened(path) as file:
         for number, line in enumerate(file, start=1):
             if not line.strip():
                 continue
@@ -264,6 +285,10 @@ def _is_number(cell: str) -> bool:
     return True
 
 
+def _no_number(line: int, cell: str) -> str:
+    return f"line {line} holds {cell[:20]!r}, which is no number; start comments with #"
+
+
 def _numbers(cells: list[str], path: Path, line: int) -> NDArray[np.float64]:
     try:
         return np.array(cells, dtype=np.float64)
@@ -271,7 +296,5 @@ def _numbers(cells: list[str], path: Path, line: int) -> NDArray[np.float64]:
         pass
     bad = next((cell for cell in cells if not _is_number(cell)), None)
     if bad is not None:
-        raise FileFormatError(
-            f"{path}: line {line} holds {bad[:20]!r}, which is no number; start comments with #"
-        )
+        raise FileFormatError(f"{path}: {_no_number(line, bad)}")
     return np.array([np.nan if c.lower() in _MISSING else float(c) for c in cells])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from numpy.typing import ArrayLike
@@ -149,9 +150,10 @@ def _reader(
         return arrays.read_npy
     if suffix == ".npz":
         return arrays.read_npz
-    if suffix in _TEXT and arrays.is_text_grid(path):
+    words = arrays.heading(path) if suffix in _TEXT else ""
+    if words is None:
         return arrays.read_text
-    return instruments.read_instrument
+    return partial(instruments.read_instrument, hint=f"; as text, {words}" if words else "")
 
 
 def _read_hdf5(

@@ -42,7 +42,11 @@ _DAMAGED = (
 
 
 def read_instrument(
-    path: Path, dataset: str | None, unit: str | None, spacing: ArrayLike | None
+    path: Path,
+    dataset: str | None,
+    unit: str | None,
+    spacing: ArrayLike | None,
+    hint: str = "",
 ) -> HeightMap:
     """Read one channel of an instrument's file.
 
@@ -54,13 +58,15 @@ def read_instrument(
         Name of the channel, or its number as text; the default channel if None.
     unit, spacing
         Unit of the heights and pixel size (dy, dx) [m] where the file states none.
+    hint
+        What keeps the file from being read as text, told if it is of no known format.
 
     Raises
     ------
     FileFormatError
         If the extra is missing or broken, or the file cannot be read with it.
     """
-    library = _library(path)
+    library = _library(path, hint)
     try:
         with np.errstate(all="ignore"), library.open_topography(str(path)) as reader:
             channel = _channel(reader, path, dataset)
@@ -82,12 +88,12 @@ def read_instrument(
     except library.Exceptions.CannotDetectFileFormat as error:
         raise FileFormatError(
             f"{path}: not HDF5, npy, npz or rows of numbers, nor a format that SurfaceTopography "
-            "knows, or damaged"
+            f"knows, or damaged{hint}"
         ) from error
     except (*_DAMAGED, library.Exceptions.ReadFileError) as error:
         reason = " ".join(str(error).split())[:120]
         raise FileFormatError(
-            f"{path}: damaged, or not as its format says ({type(error).__name__}: {reason})"
+            f"{path}: damaged, or not as its format says ({type(error).__name__}: {reason}){hint}"
         ) from error
     if instrument:
         origin["instrument"] = str(instrument)
@@ -123,7 +129,7 @@ def _sizes(
     return {"physical_sizes": (float(nx * dx), float(ny * dy))}
 
 
-def _library(path: Path) -> Any:
+def _library(path: Path, hint: str) -> Any:
     try:
         return importlib.import_module("SurfaceTopography")
     except ModuleNotFoundError as error:
@@ -132,7 +138,7 @@ def _library(path: Path) -> Any:
                 f"{path}: the extra for instrument formats is broken ({error}); run {_PIP}"
             ) from error
         raise FileFormatError(
-            f"{path}: not HDF5, npy, npz or rows of numbers; instrument formats need: {_PIP}"
+            f"{path}: not HDF5, npy, npz or rows of numbers; instrument formats need: {_PIP}{hint}"
         ) from error
     except _BROKEN_EXTRA as error:
         reason = " ".join(str(error).split())[:120]

@@ -129,6 +129,28 @@ def test_text_comments_may_state_units(tmp_path: Path) -> None:
         surfaces.read(path, unit="um")
 
 
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-16", "utf-8-sig"])
+def test_the_unit_of_a_text_is_read_in_any_encoding(tmp_path: Path, encoding: str) -> None:
+    path = tmp_path / "a.txt"
+    text = "# Höhe\n# unit = µm\n# spacing = 1e-6 2e-6\n1 2 3\n4 5 6\n7 8 9\n"
+    path.write_text(text, encoding=encoding)
+    assert surfaces.read(path).heights[0, 1] == pytest.approx(2e-6)
+
+
+@pytest.mark.parametrize("name", ["a.txt", "a.csv"])
+@pytest.mark.parametrize("library", [True, False])
+def test_a_heading_that_nothing_reads_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, library: bool
+) -> None:
+    if library:
+        pytest.importorskip("SurfaceTopography")
+    else:
+        monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+    (tmp_path / name).write_text("# a map\nx,y,z\n1,2,3\n4,5,6\n7,8,9\n")
+    with pytest.raises(FileFormatError, match=r"line 2 holds .x.*start comments with #"):
+        surfaces.read(tmp_path / name, unit="um", spacing=1e-6)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
