@@ -6,13 +6,12 @@ import copy
 import functools
 import time
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces import _threads
 from surfaces.heightmap import HeightMap
 from surfaces.peaks.segmentation import segment
 from surfaces.peaks.summits import locate_summits
@@ -21,33 +20,26 @@ from .contacts.table import aspect_ratio
 from .dominant import Ranking
 from .joined import Basins
 from .lawless import flat_tops
-from .microcontact.elements import put
 from .microcontact.growing import GrowingTable
-from .microcontact.laws import tabulate
 from .plan import Plan, finer_plan
 from .population.population import Population, PopulationState
 from .scales.fine_points import FinePoint, closed_area, fine_point, particular, spread_over
+from .summit_laws import SummitLaws
 
 if TYPE_CHECKING:
     from surfaces.peaks.peaks import Peaks
     from surfaces.peaks.summits import Summits
 
     from .material import HalfSpace
-    from .microcontact.table import LawTable
 
 __all__ = ["Asperities"]
 
 Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 LONGEST = 1.9
 """Share of the map in discs on the long axes of the contacts beyond which a point is refused. With
 lay of 10:1 (shortest wave 8 pixels) the load is 24 to 32 % too high there, at 9 % of contact, with
 20:1 half as much again at 5 %; 4:1 reaches 1.8 at 27 %, maps without lay 1 (seeds 1, 2, 11)."""
-
-PASSED = 0.2
-"""Depth of a hollow under a contact that leans, over its approach, beyond which it ends there (0.1
-to 0.4 hardly differ; seeds 1, 2, 11 and 12)."""
 
 CLOSE_ENOUGH = 4e-3
 """Bound on the residual of a load on finer contacts, which are few and start from nothing."""
@@ -126,46 +118,31 @@ class Asperities:
                 return cls.of(hm, material, replace(plan, above=None))
             ranking = ranking.joined(material)
             profiles = ranking.summits
+        laws = SummitLaws(hm, profiles, ranking, material, plan.law, seconds)
         forms = profiles if ranking is None else ranking
-
-        def laws(rows: Rows) -> LawTable:
-            begun = clock()
-            sampled = profiles.rows(rows)
-            between = clock()
-            table = tabulate(sampled, material, law=plan.law)
-            if ranking is not None:
-                chosen = ranking.dominant(rows, table)
-                put(table, chosen, profiles, rows[chosen], material)
-            seconds["profiles"] += between - begun
-            seconds["laws"] += clock() - between
-            _threads.aside(lambda: hm.digest)  # wanted at the end; solving leaves a thread idle
-            return table
-
-        def leaning(rows: Rows, tilt: Array, approach: Array, force: Array) -> Array:
-            summits, area = profiles.leaning(rows, tilt, PASSED * approach), np.zeros(len(rows))
-            alone = np.flatnonzero(summits.valid[rows] & np.isinf(summits.floor[rows]))
-            if alone.size:
-                table = tabulate(summits.rows(rows[alone]), material, law="ellipse")
-                area[alone] = table.area_under(force[alone])
-            return area
-
-        start = clock()
         basins = Basins(profiles, material)
         population = Population(
             x=profiles.x,
             y=profiles.y,
             height=profiles.height - mean,
-            table=GrowingTable(len(profiles), laws),
+            table=GrowingTable(len(profiles), laws.table),
             cell=hm.size,
             boundary=plan.boundary,
             material=material,
             interaction=plan.interaction,
-            leaning=leaning if plan.law == "auto" else None,
+            leaning=laws.leaning if plan.law == "auto" else None,
             joined=basins.areas if plan.law == "auto" else None,
             curvature=forms.curvature,
             angle=forms.angle,
         )
         return cls(hm, material, plan, peaks, profiles, basins, population, seconds)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the looks, whose weak references cannot be kept; they are taken anew."""
+        return vars(self) | {"_looks": None}
+
+    def __setstate__(self, kept: dict[str, Any]) -> None:
+        vars(self).update(kept, _looks=WeakKeyDictionary())
 
     @property
     def solved(self) -> HeightMap:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -283,11 +283,14 @@ def _angular(psi: Any) -> Angular:
     if not np.all(np.isfinite(values)):
         raise InputError("the samples of psi must be finite")
     if values.ndim == 0:
-        constant = float(values)
-        return lambda phi: np.full(np.shape(phi), constant)
+        return partial(_constant, float(values))
     if values.ndim != 1 or values.size < 4:
         raise InputError("psi must be a function, a number or at least 4 equispaced samples")
     return _periodic(values)
+
+
+def _constant(value: float, phi: Array) -> Array:
+    return np.full(np.shape(phi), value)
 
 
 def _periodic(values: Array) -> Angular:
@@ -295,10 +298,16 @@ def _periodic(values: Array) -> Angular:
 
     n = values.size
     node = 2 * np.pi * np.arange(-3, n + 4) / n
-    curve = PchipInterpolator(node, values[np.arange(-3, n + 4) % n])
-    return lambda phi: curve(np.mod(phi, 2 * np.pi))
+    return partial(_over_turns, PchipInterpolator(node, values[np.arange(-3, n + 4) % n]))
+
+
+def _over_turns(curve: Angular, phi: Array) -> Array:
+    return np.asarray(curve(np.mod(phi, 2 * np.pi)))
 
 
 def _homogeneous(coefficients: Mapping[tuple[int, int], float], degree: int) -> Angular:
-    terms = [(i, j, c) for (i, j), c in coefficients.items() if i + j == degree]
-    return lambda phi: sum(c * np.cos(phi) ** i * np.sin(phi) ** j for i, j, c in terms)
+    return partial(_form, [(i, j, c) for (i, j), c in coefficients.items() if i + j == degree])
+
+
+def _form(terms: list[tuple[int, int, float]], phi: Array) -> Any:
+    return sum(c * np.cos(phi) ** i * np.sin(phi) ** j for i, j, c in terms)

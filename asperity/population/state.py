@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,6 +64,12 @@ class PopulationState:
     _known: tuple[Array, Array, Array, Array] = field(repr=False)
     _answer: Callable[[], tuple[float, Array]] = field(repr=False)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the lists behind it, which the next solve makes anew, and with the tangent."""
+        trail = dataclasses.replace(self._trail, listing=None, field=None)
+        answer = functools.partial(_given, self._answered)
+        return vars(self) | {"_trail": trail, "_answer": answer}
+
     @functools.cached_property
     def approach(self) -> Array:
         """Approaches [m] of all summits, made when asked for as those below."""
@@ -104,3 +111,7 @@ class PopulationState:
         if self._trail.points:
             gained[self._trail.points[-1].rows] = self._answered[1]
         return gained
+
+
+def _given(answered: tuple[float, Array]) -> tuple[float, Array]:
+    return answered

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import pickle
 
 import numpy as np
 import pytest
@@ -46,6 +47,21 @@ def test_one_cap_is_hertz(law):
     np.testing.assert_allclose(curve.contact_area, np.pi * 1e-3 * approach, rtol=2e-3)
     np.testing.assert_array_equal(curve.contacts, 1)
     np.testing.assert_allclose(curve.stiffness * hm.area, 1.5 * force / approach, rtol=1e-2)
+
+
+@pytest.mark.parametrize("law", ["auto", "harmonic"])
+def test_a_run_is_the_same_after_pickling(rough, law):
+    plan = make_plan(rough, STEEL, law=law)
+    run = solve_contacts(rough, STEEL, plan, pressures=[1e7, 1e8])
+    back = pickle.loads(pickle.dumps(run))
+    np.testing.assert_array_equal(back.microcontacts(), run.microcontacts())
+    np.testing.assert_array_equal(back.pressure_map(0), run.pressure_map(0))
+    one, other = (
+        each.bodies.population.solve(mean_pressure=2e8, state=each.states[-1], tolerance=1e-4)
+        for each in (run, back)
+    )
+    np.testing.assert_allclose(other.force, one.force, rtol=1e-2, atol=1e-3 * one.force.max())
+    assert other.normal_stiffness == pytest.approx(one.normal_stiffness, rel=1e-2)
 
 
 def test_pressure_and_separation_control_agree(rough):

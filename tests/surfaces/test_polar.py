@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -24,6 +26,20 @@ def test_polynomial_is_evaluated_in_cartesian_terms():
     x, y = np.array([0.3, -1.0, 2.0]), np.array([0.1, 0.7, -0.4])
     expected = x**2 + 0.3 * x * y + 2 * y**2 + 0.1 * x**3 * y
     np.testing.assert_allclose(profile(np.hypot(x, y), np.arctan2(y, x)), expected, rtol=1e-13)
+
+
+@pytest.mark.parametrize(
+    "profile",
+    [
+        PowerLawProfile(2, 0.5),
+        PowerLawProfile(1.5, [1.0, 1.1, 1.2, 1.1]),
+        PolynomialProfile({(2, 0): 1.0, (1, 1): 0.3, (0, 2): 2.0}),
+        PolarProfile(np.arange(5.0), TURN, np.arange(5.0)[:, None] ** 2 + 0 * TURN),
+    ],
+)
+def test_profiles_are_the_same_after_pickling(profile):
+    back, r = pickle.loads(pickle.dumps(profile)), np.linspace(0, 4, 9)[:, None]
+    np.testing.assert_array_equal(back(r, TURN + 0.1), profile(r, TURN + 0.1))
 
 
 @pytest.mark.parametrize("k", [1, 2, 3])
