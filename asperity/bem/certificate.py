@@ -57,7 +57,7 @@ class Reading:
     total
         Sum of the pressure.
     moment
-        Sum of pressure times displacement [m times the unit of pressure].
+        Sum of pressure times displacement [m^2].
     block_low
         Lowest gap of each run of 64 points, -inf where there is pressure [m].
     """
@@ -84,7 +84,7 @@ def certify(
     Parameters
     ----------
     pressure
-        Non-negative pressure in any unit, at least as large as the map.
+        Non-negative pressure p~ [m] (`kernel`), at least as large as the map.
     displacement
         Displacement of that pressure by the exact operator [m], at least as large as the map.
     heights
@@ -92,27 +92,29 @@ def certify(
     rms_height
         Root-mean-square height [m].
     mean_pressure
-        Prescribed mean pressure, in the unit of `pressure`; or
+        Prescribed mean of `pressure` [m]; or
     offset
         prescribed value of u - h in the contact [m].
 
     Notes
     -----
-    The length of scale is the rms height; for a map flat to within rounding of the displacement,
-    a millionth of the largest displacement, below which float64 cannot resolve the gap.
+    The length of scale is the rms height; for a map flat to within rounding, what float64 resolves
+    of the gap: a millionth of the largest displacement or of the mean pressure, a length too (a
+    flat map in a periodic cell is not displaced), and 1e-8 of the level of the contact.
     """
     ny, nx = heights.shape
     block_low = np.empty((ny, -(-nx // BLOCK)))
     count, gap_sum, lowest, total, work, moment, largest = contact_sums(
         pressure, displacement, heights, block_low
     )
-    scale = max(rms_height, 1e-6 * largest, float(np.finfo(float).tiny))
+    level = gap_sum / count if count else lowest
+    resolved = max(1e-6 * largest, 1e-6 * total / heights.size, 1e-8 * abs(level))
+    scale = max(rms_height, resolved, float(np.finfo(float).tiny))
     if count == 0:
         missing = 0.0 if not mean_pressure else 1.0
         penetration = 0.0 if offset is None else max(0.0, offset - lowest) / scale
         level = lowest if offset is None else offset
         return Reading(Certificate(missing, 0.0, penetration), level, scale, 0.0, 0.0, block_low)
-    level = gap_sum / count
     if offset is not None:
         load = abs(level - offset) / scale
     elif mean_pressure:

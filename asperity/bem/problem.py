@@ -29,7 +29,8 @@ _COARSE_TOLERANCE = 1e-2
 """Bound on the certificate on the coarser grids."""
 
 _FIRST_LOAD = 1e-3
-"""First mean of p~ tried for a prescribed separation, over the rms height."""
+"""First mean of p~ tried for a prescribed separation, over the rms height; for a flat map this
+is at least the same part of how far it is pressed in."""
 
 _POWER = 1.5
 """Exponent of load over approach that a given start assumes until two loads are known."""
@@ -121,7 +122,8 @@ class ContactProblem:
         """
         pressure, search = self.level.pressure, None
         if offset is not None:
-            search = LoadSearch(offset, _FIRST_LOAD * self.level.rms_height)
+            length = max(self.level.rms_height, _FIRST_LOAD * (offset + self.level.highest))
+            search = LoadSearch(offset, _FIRST_LOAD * length)
         if not self.touches(load, offset):
             pressure[:] = 0.0
             return 0, search

@@ -119,10 +119,11 @@ def test_zero_load():
     assert apart.gap.min() == pytest.approx(solution.separation, rel=1e-12)
 
 
+@pytest.mark.parametrize("shape", [(24, 36), (33, 47), (128, 96)])
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
-def test_flat_map(boundary):
+def test_flat_map(boundary, shape):
     """A flat map: uniform pressure in a periodic cell, a punch in free space."""
-    hm = HeightMap(np.full((24, 36), 2.5e-6), (1e-3, 2e-3))
+    hm = HeightMap(np.full(shape, 2.5e-6), (1e-3, 2e-3))
     solution = bem_solve(hm, BODY, pressure=3.0, boundary=boundary, tolerance=1e-8)
     assert solution.converged
     assert solution.area_fraction == pytest.approx(1.0, rel=0.05)
@@ -131,6 +132,8 @@ def test_flat_map(boundary):
         assert solution.separation == pytest.approx(0.0, abs=1e-12)
     else:
         assert solution.pressure[0, 0] > 2 * solution.pressure[12, 18] > 0
+        again = bem_solve(hm, BODY, separation=solution.separation, boundary=boundary)
+        assert again.converged and again.load == pytest.approx(solution.load, rel=1e-5)
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
