@@ -193,7 +193,7 @@ class ContactCurve:
             return (np.exp(found) if in_log else found)[()]
 
         return CurvePoint(
-            separation=read("separation", False),
+            separation=read("separation", False) if separation is None else asked[()],
             mean_pressure=np.exp(key)[()],
             load=read("load", True),
             area_fraction=read("area_fraction", True),

@@ -49,6 +49,14 @@ def test_reading_off_an_exponential_law_is_exact_between_points():
     np.testing.assert_allclose(back.mean_pressure, asked, rtol=1e-9)
 
 
+def test_what_is_asked_for_comes_back():
+    """Pressure over separation and separation over pressure are two interpolations."""
+    curve = power_law_curve()
+    bent = dataclasses.replace(curve, separation=np.expm1(3e5 * curve.separation))
+    asked = bent.separation[:-1] + 0.4 * np.diff(bent.separation)
+    np.testing.assert_array_equal(bent.at(separation=asked).separation, asked)
+
+
 def test_scalar_question_scalar_answer():
     point = power_law_curve().at(pressure=1e5)
     assert np.ndim(point.area_fraction) == 0
