@@ -210,7 +210,7 @@ def _basins() -> None:
         curvature=np.ones((1, 2)),
         floor=np.zeros(1),
     )
-    press(cast("Summits", summits), one, np.zeros((1, 0)), BODY)
+    press(cast("Summits", summits), one, np.zeros((1, 1)), BODY)
 
 
 def _bem() -> None:

@@ -9,16 +9,12 @@ import numpy as np
 from surfaces._compiled import compiled, inner
 from surfaces._spline import expand
 
-__all__ = ["ASPECTS", "MOST", "REACH", "WINDOW", "press_rows"]
+from ._closing_kernels import MOST, REACH, solve
+
+__all__ = ["ASPECTS", "WINDOW", "press_levels"]
 
 ASPECTS = np.array([1.0, 1.5, 2.25, 3.4, 5.0])
 """Ratios of the sides of the elements."""
-
-REACH = 64
-"""Largest number of elements along a side of the grid of one contact."""
-
-MOST = 700
-"""Largest number of elements of one contact."""
 
 WINDOW = 96
 """Half the side [pixels] of the window in which the basin of a summit is looked at."""
@@ -38,8 +34,15 @@ TIP = 1.7
 NONE = -1
 """Number of elements of other basins and of those that the flat does not reach."""
 
-LONGEST = 200
-"""Steps of conjugate gradients."""
+
+@inner(error_model="numpy")
+def _wrapped(place, count):
+    """A place in a periodic row of so many, which lies not far outside: no division is needed."""
+    while place < 0:
+        place += count
+    while place >= count:
+        place -= count
+    return place
 
 
 @inner(error_model="numpy")
@@ -63,7 +66,7 @@ def _flood(heights, labels, owner, periodic, peak, row, col, level, mark, stamp,
             if mark[WINDOW + dr, WINDOW + dc] == stamp:
                 continue
             if periodic:
-                r, c = r % ny, c % nx
+                r, c = _wrapped(r, ny), _wrapped(c, nx)
             elif r < 0 or c < 0 or r >= ny or c >= nx:
                 return 0
             if heights[r, c] < level:
@@ -85,7 +88,7 @@ def _turn(heights, rows, cols, count, level, spacing):
     ny, nx = heights.shape
     w = my = mx = yy = xx = yx = 0.0
     for k in range(count):
-        up = max(heights[rows[k] % ny, cols[k] % nx] - level, 0.0)
+        up = max(heights[_wrapped(rows[k], ny), _wrapped(cols[k], nx)] - level, 0.0)
         y, x = (rows[k] - rows[0]) * spacing[0], (cols[k] - cols[0]) * spacing[1]
         w += up
         my += up * y
@@ -135,7 +138,7 @@ def _sample(
             row, col = math.floor(y + 0.5), math.floor(x + 0.5)
             if periodic:
                 y, x = y - ny * math.floor(y / ny), x - nx * math.floor(x / nx)
-                row, col = row % ny, col % nx
+                row, col = _wrapped(row, ny), _wrapped(col, nx)
             elif row < 0 or col < 0 or row >= ny or col >= nx:
                 continue
             own = labels[row, col]
@@ -165,71 +168,6 @@ def _sample(
     box[0], box[1] = u0 + (low_u - 0.7) * hu, u0 + (high_u + 0.7) * hu
     box[2], box[3] = v0 + (low_v - 0.7) * hv, v0 + (high_v + 0.7) * hv
     return nv, nu, hv, hu, kind, u0, v0
-
-
-@inner(fastmath=True, error_model="numpy")
-def _solve(count, row, col, gap, kernel, tolerance, matrix, pressure, work):
-    """Pressures p >= 0 that close the overlaps: the minimum of p G p / 2 - p gap.
-
-    Conjugate gradients that are restricted to the closed elements (Polonsky & Keer 1999), from the
-    pressures of a paraboloid of this depth. `gap` is the overlap over its largest value. Leaves the
-    overlap that remains in the second row of `work`.
-    """
-    last = 0
-    while last < count:  # elements that follow each other in a row of the grid
-        first = last
-        while last < count and row[last] == row[first] and col[last] - col[first] == last - first:
-            last += 1
-        for i in range(count):
-            begin, away = REACH + col[first] - col[i], abs(row[i] - row[first])
-            line, offsets = matrix[i, first:last], kernel[away, begin : begin + last - first]
-            for k in range(line.size):
-                line[k] = offsets[k]
-    way, left, change = work[0], work[1], work[2]
-    scale = 4.0 / math.pi * math.sqrt(2.0 * math.pi / count)
-    for i in range(count):
-        pressure[i] = scale * math.sqrt(max(2.0 * gap[i] - 1.0, 0.0))
-        way[i] = 0.0
-    before, fresh, known = 1.0, True, False
-    for _ in range(LONGEST):
-        total, error, square = 0.0, 0.0, 0.0
-        for i in range(count):
-            if not known:
-                held = np.float32(0.0)
-                for k in range(count):
-                    held += matrix[i, k] * pressure[k]
-                left[i] = gap[i] - held
-            total += pressure[i] * gap[i]
-            if pressure[i] > 0.0:
-                square += left[i] * left[i]
-                error += abs(left[i]) * pressure[i]
-        if error <= tolerance * total:
-            break
-        share = np.float32(0.0 if fresh else square / before)
-        before = square
-        for i in range(count):
-            way[i] = left[i] + share * way[i] if pressure[i] > 0.0 else np.float32(0.0)
-        above, below = 0.0, 0.0
-        for i in range(count):
-            held = np.float32(0.0)
-            for k in range(count):
-                held += matrix[i, k] * way[k]
-            change[i] = held
-            below += held * way[i]
-            above += left[i] * way[i]
-        step = np.float32(above / below)
-        fresh, known = False, True
-        for i in range(count):
-            if pressure[i] > 0.0:
-                pressure[i] += step * way[i]
-                if pressure[i] < 0.0:
-                    pressure[i], known = np.float32(0.0), False
-            elif left[i] > 0.0:
-                pressure[i] = step * left[i]
-                fresh, known = True, False
-        if known:
-            for i in range(count):
-                left[i] -= step * change[i]
 
 
 @inner(error_model="numpy")
@@ -306,95 +244,98 @@ def _area(number, nv, nu, hv, hu, closed, left, m, edge):
 
 
 @compiled(error_model="numpy")
-def press_rows(
-    first, last, rows, surface, summits, depths, unit, m, kernels, points, tolerance, out, space
-):
-    """Force, area, centre y, x and moments yy, xx, yx of the pressure of `rows[first:last]` [SI].
+def press_levels(
+    slot, first, last, peak, surface, summits, depths, unit, m, kernels, points, tolerance, out,
+    space,
+):  # fmt: skip
+    """Force, area, centre y, x and moments yy, xx, yx of the pressure of a peak [SI].
 
-    `surface` holds heights, labels, owners of labels, periodicity, spline, its width and the
-    spacing; `summits` the pixels, places [pixels], heights [m], axes [rad], curvatures [1/m] and
-    floors [m] of all (finite ones are of joined summits, which get twice the elements); `depths`
-    the approaches [m], (n, levels), rising, zero after the last; `unit` the compliance of an
-    element of unit area; `out` is (n, levels, 7): zero where too few elements overlap, and from the
-    level on at which the basin reaches too far; `space` is scratch (`elements`).
+    At the levels from `first` to before `last` of the row `slot` of `depths`. `surface` holds
+    heights, labels, owners of labels, periodicity, spline, its width and the spacing; `summits` the
+    pixels, places [pixels], heights [m], axes [rad], curvatures [1/m] and floors [m] of all (finite
+    ones are of joined summits, which get twice the elements); `depths` the approaches [m],
+    (n, levels), rising, zero after the last; `unit` the compliance of an element of unit area;
+    `out` is (n, levels, 7): zero where too few elements overlap, its force negative where the basin
+    reaches too far, which ends it; `space` is scratch (`elements`).
     """
     heights, labels, owner, periodic, flat, width, spacing = surface
     peak_row, peak_col, places, tops, axes, curvature, floors = summits
     (mark, pixel_rows, pixel_cols), (gap, inside, stack, number, box), elements = space
-    matrix, closed, overlap, work, row, col = elements
+    system, closed, overlap, work, row, col = elements
     edge = math.gamma(0.5 * (3.0 + m)) / math.gamma(0.5 * (5.0 - m))
     (ny, nx), rim, stamp = heights.shape, max(spacing[0], spacing[1]), 0
-    for slot in range(first, last):
-        peak = rows[slot]
-        top = tops[peak]
-        place = places[peak]  # on the side of the seam where its pixel is
-        for level in range(depths.shape[1]):
-            depth = depths[slot, level]
-            if not depth > 0.0:
-                break
-            stamp += 1
-            below = max(top - depth - floors[peak], 0.0)
-            wanted = 2.0 * points if floors[peak] < np.inf else points
-            count = _flood(
-                heights, labels, owner, periodic, peak, peak_row[peak], peak_col[peak],
-                top - depth - below, mark, stamp, pixel_rows, pixel_cols,
-            )  # fmt: skip
-            if count == 0:
-                break
-            turn = axes[peak]
-            if count > FEW:
-                turn = _turn(heights, pixel_rows, pixel_cols, count, top - depth - below, spacing)
-            c, s = math.cos(turn), math.sin(turn)
-            box[0], box[1], box[2], box[3] = -rim, rim, -rim, rim
-            for k in range(count):
-                if heights[pixel_rows[k] % ny, pixel_cols[k] % nx] < top - depth:
-                    continue
-                y = (pixel_rows[k] - place[0]) * spacing[0]
-                x = (pixel_cols[k] - place[1]) * spacing[1]
-                u, v = c * x + s * y, c * y - s * x
-                box[0], box[1] = min(box[0], u - rim), max(box[1], u + rim)
-                box[2], box[3] = min(box[2], v - rim), max(box[3], v + rim)
-            if count <= FEW:
-                for k in range(4):
-                    tip = TIP * math.sqrt(depth / curvature[peak, 1 - k // 2])
-                    box[k] = min(max(box[k], -tip), tip)
-            for _ in range(FITS):
-                size = (box[1] - box[0]) * (box[3] - box[2])
-                nv, nu, hv, hu, kind, u0, v0 = _sample(
-                    heights, labels, owner, periodic, flat, width, peak, place, top, depth,
-                    below, spacing, turn, box, wanted, gap, inside, stack,
-                )  # fmt: skip
-                if (box[1] - box[0]) * (box[3] - box[2]) > TIGHT * size:
-                    break
-            total = np.int64(0)
-            for k in range(nv * nu):
-                if inside[k] and gap[k] > 0.0 and total < MOST:
-                    row[total], col[total], overlap[total] = k // nu, k % nu, gap[k] / depth
-                    total += 1
-            if total == MOST:
-                break
-            if total < 4:
+    top = tops[peak]
+    place = places[peak]  # on the side of the seam where its pixel is
+    mark[:] = 0
+    for level in range(first, last):
+        depth = depths[slot, level]
+        if not depth > 0.0:
+            break
+        stamp += 1
+        below = max(top - depth - floors[peak], 0.0)
+        wanted = 2.0 * points if floors[peak] < np.inf else points
+        count = _flood(
+            heights, labels, owner, periodic, peak, peak_row[peak], peak_col[peak],
+            top - depth - below, mark, stamp, pixel_rows, pixel_cols,
+        )  # fmt: skip
+        if count == 0:
+            out[slot, level, 0] = -1.0
+            break
+        turn = axes[peak]
+        if count > FEW:
+            turn = _turn(heights, pixel_rows, pixel_cols, count, top - depth - below, spacing)
+        c, s = math.cos(turn), math.sin(turn)
+        box[0], box[1], box[2], box[3] = -rim, rim, -rim, rim
+        for k in range(count):
+            if heights[_wrapped(pixel_rows[k], ny), _wrapped(pixel_cols[k], nx)] < top - depth:
                 continue
-            _solve(total, row, col, overlap, kernels[kind], tolerance, matrix, closed, work)
-            force, y, x = 0.0, 0.0, 0.0
-            number[: nv * nu] = NONE
-            for k in range(total):
-                number[row[k] * nu + col[k]] = k
-                u, v = u0 + col[k] * hu, v0 + row[k] * hv
-                force += closed[k]
-                y += closed[k] * (s * u + c * v)
-                x += closed[k] * (c * u - s * v)
-            element = hu * hv
-            out[slot, level, 0] = force * depth * element ** (0.5 * (1.0 + m)) / unit
-            out[slot, level, 1] = element * _area(
-                number, nv, nu, math.sqrt(hv / hu), math.sqrt(hu / hv), closed, work[1], m, edge
-            )
-            y /= force
-            x /= force
-            out[slot, level, 2], out[slot, level, 3] = y, x
-            for k in range(total):
-                u, v = u0 + col[k] * hu, v0 + row[k] * hv
-                dy, dx, part = s * u + c * v - y, c * u - s * v - x, closed[k] / force
-                out[slot, level, 4] += part * dy * dy
-                out[slot, level, 5] += part * dx * dx
-                out[slot, level, 6] += part * dy * dx
+            y = (pixel_rows[k] - place[0]) * spacing[0]
+            x = (pixel_cols[k] - place[1]) * spacing[1]
+            u, v = c * x + s * y, c * y - s * x
+            box[0], box[1] = min(box[0], u - rim), max(box[1], u + rim)
+            box[2], box[3] = min(box[2], v - rim), max(box[3], v + rim)
+        if count <= FEW:
+            for k in range(4):
+                tip = TIP * math.sqrt(depth / curvature[peak, 1 - k // 2])
+                box[k] = min(max(box[k], -tip), tip)
+        for _ in range(FITS):
+            size = (box[1] - box[0]) * (box[3] - box[2])
+            nv, nu, hv, hu, kind, u0, v0 = _sample(
+                heights, labels, owner, periodic, flat, width, peak, place, top, depth,
+                below, spacing, turn, box, wanted, gap, inside, stack,
+            )  # fmt: skip
+            if (box[1] - box[0]) * (box[3] - box[2]) > TIGHT * size:
+                break
+        total = np.int64(0)
+        for k in range(nv * nu):
+            if inside[k] and gap[k] > 0.0 and total < MOST:
+                row[total], col[total], overlap[total] = k // nu, k % nu, gap[k] / depth
+                total += 1
+        if total == MOST:
+            out[slot, level, 0] = -1.0
+            break
+        if total < 4:
+            continue
+        solve(total, row, col, overlap, kernels[kind], tolerance, system, closed, work)
+        force, y, x = 0.0, 0.0, 0.0
+        number[: nv * nu] = NONE
+        for k in range(total):
+            number[row[k] * nu + col[k]] = k
+            u, v = u0 + col[k] * hu, v0 + row[k] * hv
+            force += closed[k]
+            y += closed[k] * (s * u + c * v)
+            x += closed[k] * (c * u - s * v)
+        element = hu * hv
+        out[slot, level, 0] = force * depth * element ** (0.5 * (1.0 + m)) / unit
+        out[slot, level, 1] = element * _area(
+            number, nv, nu, math.sqrt(hv / hu), math.sqrt(hu / hv), closed, work[0], m, edge
+        )
+        y /= force
+        x /= force
+        out[slot, level, 2], out[slot, level, 3] = y, x
+        for k in range(total):
+            u, v = u0 + col[k] * hu, v0 + row[k] * hv
+            dy, dx, part = s * u + c * v - y, c * u - s * v - x, closed[k] / force
+            out[slot, level, 4] += part * dy * dy
+            out[slot, level, 5] += part * dx * dx
+            out[slot, level, 6] += part * dy * dx

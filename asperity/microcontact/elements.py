@@ -7,6 +7,7 @@ of some two hundred unknowns.
 
 from __future__ import annotations
 
+import itertools
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -47,6 +48,9 @@ SPREAD = 0.005
 BEFORE = 4
 """Nodes of the expansion whose forces the spline runs through, before the first that is pressed."""
 
+TOGETHER = 8
+"""Levels of a basin that one thread presses: some basins take ten times as long as others."""
+
 FEWEST = 3
 """Nodes pressed with less than which a law stays as it is."""
 
@@ -78,7 +82,7 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
     of the part of the basin above the flat. The edge of contact lies between elements, where
     pressure and gap of a smooth contact come to zero.
     """
-    from ._element_kernels import press_rows
+    from ._element_kernels import press_levels
 
     hm, peaks = summits.hm, summits.peaks
     surface = (
@@ -92,24 +96,37 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
     out = np.zeros((*depths.shape, 7))
     unit = compliance((1.0, 1.0), material)
     rules = unit, material.m, _kernels(material.m), POINTS, TOLERANCE
-    _threads.run(
-        lambda a, b: press_rows(a, b, rows, surface, tops, depths, *rules, out, _space()),
-        [(k, k + 1) for k in range(len(rows))],  # some take ten times as long as others
-    )
+    spare: list[Any] = []
+
+    def part(some: tuple[int, int]) -> None:
+        slot, first = some
+        space = spare.pop() if spare else _space()
+        last = min(first + TOGETHER, depths.shape[1])
+        press_levels(slot, first, last, rows[slot], surface, tops, depths, *rules, out, space)
+        spare.append(space)
+
+    parts = itertools.product(range(len(rows)), range(0, depths.shape[1], TOGETHER))
+    _threads.each(part, [(k, a) for k, a in parts if a == 0 or depths[k, a] > 0.0])
+    out[np.logical_or.accumulate(out[:, :, 0] < 0.0, axis=1)] = 0.0
     return out
 
 
 def _space() -> tuple[tuple[NDArray[Any], ...], ...]:
-    """Scratch of `press_rows`: of the window on the map, of the grid and of its elements."""
-    from ._element_kernels import MOST, REACH, WINDOW
+    """Scratch of `press_levels`: of the window on the map, of the grid and of its elements."""
+    from ._closing_kernels import CHUNK, MOST, REACH
+    from ._element_kernels import WINDOW
 
-    mark, grid = np.zeros((2 * WINDOW + 1,) * 2, np.int32), REACH**2
+    mark, grid = np.empty((2 * WINDOW + 1,) * 2, np.int32), REACH**2
     return (
         (mark, *np.empty((2, mark.size), np.int64)),
         (np.empty(grid), np.empty(grid, np.int8), *np.empty((2, grid), np.int64), np.empty(4)),
         (
-            np.empty((MOST, MOST), np.float32), *np.empty((2, MOST), np.float32),
-            np.empty((3, MOST), np.float32), *np.empty((2, MOST), np.int64),
+            (
+                np.empty((MOST, MOST + CHUNK), np.float32), np.empty(MOST, bool),
+                np.empty(MOST, np.int64),
+            ),
+            *np.empty((2, MOST), np.float32), np.empty((4, MOST), np.float32),
+            *np.empty((2, MOST), np.int64),
         ),
     )  # fmt: skip
 
@@ -117,12 +134,13 @@ def _space() -> tuple[tuple[NDArray[Any], ...], ...]:
 @lru_cache(maxsize=4)
 def _kernels(m: float) -> NDArray[np.float32]:
     """Displacements by an element of unit area at offsets (row, column), sides as `ASPECTS`."""
-    from ._element_kernels import ASPECTS, REACH
+    from ._closing_kernels import CHUNK, REACH
+    from ._element_kernels import ASPECTS
 
-    out = np.zeros((len(ASPECTS), REACH, 2 * REACH), np.float32)
+    out = np.zeros((len(ASPECTS), REACH, 2 * REACH + CHUNK), np.float32)
     for kernel, aspect in zip(out, ASPECTS, strict=True):
         right = near_influence((REACH, REACH), (aspect**-0.5, aspect**0.5), m)
-        kernel[:, REACH:] = right
+        kernel[:, REACH : 2 * REACH] = right
         kernel[:, 1:REACH] = right[:, :0:-1]
     return out
 
