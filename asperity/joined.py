@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -113,8 +114,8 @@ class Basins:
             return area
         closed = np.flatnonzero(force > 0.0)
         rows, force, alone = index[closed], force[closed], area[closed]
-        whole, fall, found = self._carrying(rows, approach[closed], force)
-        weight = part * _rise(self._astride(rows, fall, found), ASTRIDE)
+        whole, fall = self._carrying(rows, approach[closed], force)
+        weight = part * _rise(self._astride(rows, fall), ASTRIDE)
         inner = (whole > 0.0) & ~self.summits.border[rows]
         gain = np.where(inner, weight * (whole - alone), 0.0)
         if gain.sum() <= 0.0:
@@ -133,23 +134,19 @@ class Basins:
         crossed = np.bincount(pairs[closed].ravel(), minlength=len(deep)) > CROSSED * self._around
         return float(area @ crossed[index]) / max(float(area.sum()), np.finfo(float).tiny)
 
-    def _carrying(
-        self, rows: Rows, approach: Array, force: Array
-    ) -> tuple[Array, Array, list[NDArray[np.int32]]]:
+    def _carrying(self, rows: Rows, approach: Array, force: Array) -> tuple[Array, Array]:
         """Areas [m^2] of the highest parts of the basins that carry the forces, and how far [m]
-        they reach down, both (n,); pixels among which theirs are, in parts."""
+        they reach down, both (n,)."""
         summits, m = self.summits, self.material.m
         depth, scene = DEEPEST * approach, self._map(rows)
         kernel: Any = _joined_kernels.tally
 
-        def part(first: int, last: int) -> tuple[Array, NDArray[np.int32]]:
+        def part(first: int, last: int) -> Array:
             sums = np.zeros((2, len(rows), BINS))
-            found = np.empty((last - first) * summits.hm.shape[1], np.int32)
-            number = kernel(*scene, first, last, summits.height[rows], depth, *sums, found)
-            return sums, found[:number]
+            kernel(*scene, first, last, summits.height[rows], depth, *sums)
+            return sums
 
-        parts = _threads.run(part, _threads.lines(len(summits.hm.heights), summits.hm.heights.size))
-        count, slope = np.sum([sums for sums, _ in parts], axis=0)
+        count, slope = self._over_lines(part)
         pixel, most = math.prod(summits.hm.spacing), summits.pixels[rows, None]
         closed = np.clip(np.cumsum(count, axis=1), 1e-9, most)
         stiff = 6.0 / (math.pi * (1.0 + m) ** 2 * (3.0 + m)) * self.material.modulus
@@ -165,22 +162,29 @@ class Basins:
         way = np.clip((force - low) / np.where(high > low, high - low, 1.0), 0.0, 1.0)
         low, high = np.take_along_axis(filled, ends, axis=1).T
         whole = pixel * (most[:, 0] + 1.0) * erf(low + way * (high - low))
-        return whole, depth * (place + way) / BINS, [found for _, found in parts]
+        return whole, depth * (place + way) / BINS
 
-    def _astride(self, rows: Rows, fall: Array, found: list[NDArray[np.int32]]) -> Array:
+    def _astride(self, rows: Rows, fall: Array) -> Array:
         """Share of the outline of each contact in common with others, (n,), if they reach `fall`
-        [m] under their summits; their pixels are among those `found`."""
-        level, scene = np.append(self.summits.height[rows] - fall, np.inf), self._map(rows)
+        [m] under their summits."""
+        level, scene = self.summits.height[rows] - fall, self._map(rows)
         kernel: Any = _joined_kernels.outlines
 
-        def part(pixels: NDArray[np.int32]) -> Array:
+        def part(first: int, last: int) -> Array:
             lengths = np.zeros((2, len(level)))
-            kernel(*scene, level, pixels, *lengths)
+            scratch = np.empty((2, self.summits.hm.shape[1]), np.int64)
+            kernel(*scene, first, last, level, scratch, *lengths)
             return lengths
 
-        common, free = np.sum(_threads.each(part, found), axis=0)
-        share = common / np.maximum(common + free, np.finfo(float).tiny)
-        return np.asarray(share[:-1])
+        common, free = self._over_lines(part)
+        return np.asarray(common / np.maximum(common + free, np.finfo(float).tiny))
+
+    def _over_lines(self, part: Callable[[int, int], Array]) -> Array:
+        """Sum of what blocks of the rows of the map give, on all threads."""
+        heights = self.summits.hm.heights
+        return np.asarray(
+            np.sum(_threads.run(part, _threads.lines(len(heights), heights.size)), axis=0)
+        )
 
     def _map(self, rows: Rows) -> tuple[Any, ...]:
         """What loops over the pixels read first, of the closed contacts on the summits `rows`."""
