@@ -206,25 +206,36 @@ def _join(table: LawTable, slots: Rows, begin: Rows, places: Rows, values: Array
 
     `values` (n, levels, 4) are those of the last places; at the others, below 0, the rows tell.
     """
-    from scipy.interpolate import CubicSpline, PchipInterpolator
+    from scipy.interpolate import PchipInterpolator
 
     p, nodes, u = table.exponent, table.nodes, np.arange(table.nodes + 1) / table.nodes
     inside, after = np.arange(places[-1] + 1), places[places >= 0]
     row, node = slots[:, None], begin[:, None] + inside
     known, own = u[begin[:, None] + places], u[node]
     force = np.hstack((table.force[row, node[:, :1] + places[places < 0]], values[:, :, 0]))
-    line = CubicSpline(places, force / known**p, axis=1, bc_type="natural")
+    line, rise = ((force / known**p) @ part.T for part in _natural(tuple(places.tolist())))
     found = values[:, :, [1, 3, 2]]
     found[:, :, 0] /= known[:, places >= 0] ** 2
     smooth = PchipInterpolator(after, found, axis=1)(inside)
     _scale(table, slots, node[:, -1], values[:, -1])
-    table.force[row, node] = own**p * line(inside)
-    slope = own ** (p - 2) * (p * line(inside) + own * nodes * line(inside, 1))
+    table.force[row, node] = own**p * line
+    slope = own ** (p - 2) * (p * line + own * nodes * rise)
     table.stiffness[row, node] = slope / (2.0 * table.reach[row])
     table.area[row, node] = own**2 * smooth[:, :, 0]
     table.spread[row, node] = SPREAD
     if table.centre is not None:
         table.centre[row, node] = smooth[:, :, 1:]
+
+
+@lru_cache(maxsize=64)
+def _natural(places: tuple[int, ...]) -> tuple[Array, Array]:
+    """Natural cubic spline through the values at some `places`: itself and its slope at 0, 1 ... to
+    the last place, one column per value."""
+    from scipy.interpolate import CubicSpline
+
+    line = CubicSpline(places, np.eye(len(places)), bc_type="natural")
+    inside = np.arange(places[-1] + 1)
+    return line(inside), line(inside, 1)
 
 
 def _scale(table: LawTable, slots: Rows, end: Rows, values: Array) -> None:
