@@ -31,7 +31,7 @@ SAG = 0.7
 """How much deeper a pass lies than its pixels show, over the rms second difference of heights."""
 
 BINS = 32
-"""Depths at which the pixels of a basin are counted (16 to 200 do not differ)."""
+"""Depths at which the pixels of a basin are counted, a power of 2 (16 to 200 do not differ)."""
 
 DEEPEST = 1.5
 """The last of them over the approach."""
@@ -147,21 +147,27 @@ class Basins:
             return sums
 
         count, slope = self._over_lines(part)
-        pixel, most = math.prod(summits.hm.spacing), summits.pixels[rows, None]
-        closed = np.clip(np.cumsum(count, axis=1), 1e-9, most)
+        count, slope = np.cumsum(count, axis=1), np.cumsum(slope, axis=1)
+        pixel, most = math.prod(summits.hm.spacing), summits.pixels[rows]
+        every = np.arange(len(rows))
         stiff = 6.0 / (math.pi * (1.0 + m) ** 2 * (3.0 + m)) * self.material.modulus
-        carried = stiff * (pixel * closed / math.pi) ** (0.5 * m)
-        carried *= pixel * np.cumsum(slope, axis=1)
-        closed /= most + 1.0
-        filled = erfinv(closed)
-        carried *= filled / (0.5 * math.sqrt(math.pi) * closed)
-        carried, filled = (np.pad(a, ((0, 0), (1, 0))) for a in (carried, filled))
-        place = np.clip((carried <= force[:, None]).sum(axis=1) - 1, 0, BINS - 1)
-        ends = place[:, None] + [0, 1]
-        low, high = np.take_along_axis(carried, ends, axis=1).T
+
+        def down_to(bins: Rows) -> tuple[Array, Array]:
+            """What the highest bins carry, so many of each basin, and erfinv of their share."""
+            last = np.maximum(bins - 1, 0)
+            closed = np.clip(count[every, last], 1e-9, most)
+            carried = stiff * (pixel * closed / math.pi) ** (0.5 * m) * pixel * slope[every, last]
+            closed /= most + 1.0
+            filled = erfinv(closed)
+            carried *= filled / (0.5 * math.sqrt(math.pi) * closed)
+            return np.where(bins > 0, carried, 0.0), np.where(bins > 0, filled, 0.0)
+
+        place = np.zeros(len(rows), np.int64)
+        for step in 2 ** np.arange(int(math.log2(BINS)))[::-1]:
+            place += np.where(down_to(place + step)[0] <= force, step, 0)
+        (low, start), (high, end) = down_to(place), down_to(place + 1)
         way = np.clip((force - low) / np.where(high > low, high - low, 1.0), 0.0, 1.0)
-        low, high = np.take_along_axis(filled, ends, axis=1).T
-        whole = pixel * (most[:, 0] + 1.0) * erf(low + way * (high - low))
+        whole = pixel * (most + 1.0) * erf(start + way * (end - start))
         return whole, depth * (place + way) / BINS
 
     def _astride(self, rows: Rows, fall: Array) -> Array:
