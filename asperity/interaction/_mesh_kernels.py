@@ -263,7 +263,7 @@ def convolve(masses, high, wide, transfer, out):
     count, my, mx = masses.shape
     h, g = my // 2, mx // 2
     part = np.empty((2, 2, h, g), masses.dtype)
-    other = np.empty((2, 2, h, g), masses.dtype)
+    other = np.empty((h, g), masses.dtype)
     for k in range(count):
         for i in range(h):
             for j in range(g):
@@ -275,13 +275,15 @@ def convolve(masses, high, wide, transfer, out):
                 part[1, 1, i, j] = (near - far) - (low - last)
         for b in range(2):
             for a in range(2):
-                np.dot(high[0, a], part[b, a], other[b, a])
-            np.dot(other[b].reshape(2 * h, g), wide[1, b], part[b].reshape(2 * h, g))
-        part *= transfer
-        for b in range(2):
-            np.dot(part[b].reshape(2 * h, g), wide[0, b], other[b].reshape(2 * h, g))
-            for a in range(2):
-                np.dot(high[1, a], other[b, a], part[b, a])
+                # a product of arrays, or another shape of one, would take 1 s each to compile
+                one = part[b, a]
+                np.dot(high[0, a], one, other)
+                np.dot(other, wide[1, b], one)
+                for i in range(h):
+                    for j in range(g):
+                        one[i, j] *= transfer[b, a, i, j]
+                np.dot(one, wide[0, b], other)
+                np.dot(high[1, a], other, one)
         for i in range(h):
             for j in range(g):
                 even, across = part[0, 0, i, j], part[1, 0, i, j]
