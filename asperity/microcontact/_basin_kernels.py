@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from surfaces._compiled import compiled, inner
+from surfaces._compiled import inner
 
 from ._contour_kernels import NODES
 from ._directions import place
@@ -137,7 +137,7 @@ def _operator(q, first, nodes, weights, unit, out):
             store(out, block + j, most(s, splat(0.0)) * (unit * (1.0 * (block + j) ** 2)))
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def fill(
     q, nodes, weights, weight, direction, edge, rays, scale, shape, state, last, levels, m, punch,
     out, space,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surfaces._compiled import compiled, inner
+from surfaces._compiled import inner
 
 from ._directions import place
 from ._lane_functions import between, least, most
@@ -62,7 +62,7 @@ _MEMBERS = np.concatenate([np.flatnonzero(_CLASS == c) for c in range(4)])
 _BEGIN = np.searchsorted(np.sort(_CLASS), np.arange(5))
 
 
-@compiled(fastmath=FAST, error_model="numpy", inline="always")
+@inner(fastmath=FAST, error_model="numpy", inline="always")
 def _mirrored(a, b, c, d):
     """Sums over the mirror images: even, odd in both, odd in x, odd in y."""
     return a + b + c + d, a - b + c - d, a - b - c + d, a + b - c - d
@@ -195,7 +195,7 @@ def displace(fields, limit, X, system, vector):
     return gain, shift, total, push, free, widest, contour, slide
 
 
-@compiled(inline="always")
+@inner(inline="always")
 def _mode(c, i, q):
     if c == 0:
         return _EVEN[i, q]

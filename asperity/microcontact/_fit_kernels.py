@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from surfaces._compiled import compiled, inner
+from surfaces._compiled import inner
 
 from ._lane_functions import between, least, most
 from ._lane_layout import groups
@@ -65,7 +65,7 @@ def fit_space(rays: int, radii: int, points: int) -> tuple[Any, ...]:
     return groups(rays * radii), groups(4 * points * FITS), groups(2 * (DEGREE + 1))
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def fit(q, nodes, edge, scale, reach, wide, rules, number, coefs, space):
     """Least-squares polynomials of summits on nested ellipses.
 

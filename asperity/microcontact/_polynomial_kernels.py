@@ -6,7 +6,7 @@ x**i y**j of `galin.monomials`.
 
 from __future__ import annotations
 
-from surfaces._compiled import compiled
+from surfaces._compiled import compiled, inner
 
 from ._lanes import FAST, load, store
 from .galin import DEGREE
@@ -15,7 +15,7 @@ TERMS = (DEGREE + 1) * (DEGREE + 2) // 2
 """Number of monomials: a constant, so that the loops unroll."""
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST, error_model="numpy")
 def move(x0, y0, sine, tangent, out):
     """Coefficients about (x0, y0) in turned axes, by Taylor shifts and three shears.
 
