@@ -1,7 +1,8 @@
 """How loops are compiled, in one place.
 
 The machine code is kept on disk, threads run beside it, and no wrapper for callers in C is made:
-nobody calls it, and it took a twentieth of the compilation.
+nobody calls it, and it took a twentieth of the compilation. Numbers are divided as numpy divides
+them: a test of each divisor, with its exception, would be compiled too.
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     AsperityError
         If the machine code can be kept nowhere.
     """
-    own = partial(njit, cache=True, nogil=True, no_cfunc_wrapper=True, **options)
+    own = partial(
+        njit, **{"error_model": "numpy"} | options, cache=True, nogil=True, no_cfunc_wrapper=True
+    )
 
     def compile_when_called(function: Callable[..., Any]) -> Any:
         try:
@@ -40,6 +43,6 @@ def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     return compile_when_called
 
 
-inner = partial(njit, no_cfunc_wrapper=True, no_cpython_wrapper=True)
+inner = partial(njit, error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True)
 """Decorator of a loop that compiled loops alone call. They hold its code, which is kept with
 theirs; no wrapper for callers in Python is made, which took up to half of its compilation."""
