@@ -64,10 +64,10 @@ def conjugate_gradients(
     direction = np.zeros(len(right))
     error, mean, product = kernels.aim(math.inf, direction, residual, *system)
     while error > goal and count < limit:
-        curvature, after = kernels.advance(
+        taken, after = kernels.advance(
             product, direction, matrix(direction), solution, residual, *system
         )
-        if curvature <= 0.0:
+        if not taken:
             # pairs of elongated footprints are approximate, and the matrix with them
             solution = solution if solution.any() else direction
             break

@@ -126,6 +126,22 @@ def test_conjugate_gradients_solve_the_tangent_system():
     assert np.abs(tangent(solved.solution) - right).max() < 1e-5
 
 
+class Thin:
+    """A diagonal matrix of unit springs, of which the last meets hardly any resistance."""
+
+    compliance, cell = np.ones(3), np.zeros(3, np.int64)
+    far = np.zeros((1, 1)), np.array([3.0])
+
+    def __call__(self, change):
+        return change * [1.0, 1.0, 1e-4]
+
+
+@pytest.mark.parametrize("right", [[0.0, 0.0, 1.0], [1.0, 2.0, 3.0]])
+def test_conjugate_gradients_do_not_run_away_where_the_matrix_is_nearly_singular(right):
+    solved = conjugate_gradients(Thin(), np.array(right), tolerance=1e-6)
+    assert 0.0 < np.abs(solved.solution).max() <= 3.0 * max(right)
+
+
 def test_conjugate_gradients_hold_the_sum():
     """T x + c = r with a given sum of x, from any start that has it."""
     problem = make(200)
