@@ -44,11 +44,19 @@ SKIN = 0.15
 """Distance from where the near pairs were listed, over the split length, that points may reach."""
 
 ASTRAY = 1e-3
-"""Share of the load that this distance may make in the slope of the field."""
+"""Share of the load that their distance from their centres may make in the slope of the field."""
+
+ALLOWED, MANY = 0.1, 5000
+"""Of so many contacts and more this part of the tolerance, which is the error of the load that it
+allows; of fewer proportionally less, but no less than `ASTRAY`: one that leaps counts more."""
 
 LEAN = (0.22, 0.3)
 """Share of the contact area in contacts that lean up to which they keep the law of the level
 surface, and from which on all have that of the tilted one."""
+
+MOST_OF_THEM = 0.95
+"""Share of the area of contacts that lean in those, the largest first, that get the tilted law: the
+others are 30 % of their number, and what they gain is 0.1 % of all area."""
 
 
 class Falling(NamedTuple):
@@ -193,10 +201,14 @@ class Listing:
         missing = Candidates.of(self.others, field, separation, growth)
         return bool(np.count_nonzero(missing.overlap > 0) > some)
 
-    def about(self, population: Population, rows: Rows, values: Array) -> Listing | None:
+    def about(
+        self, population: Population, rows: Rows, values: Array, tolerance: float
+    ) -> Listing | None:
         """The list with its points moved to the centres of the laws, if they are too far from them
-        at the `Point.values` of the summits `rows`, otherwise itself; None if the footprints have
-        outgrown its plan, or points come too far from where their near pairs were listed."""
+        at the `Point.values` of the summits `rows` for a `tolerance`, otherwise itself; None if the
+        footprints have outgrown its plan, or points are too far from their centres where they may
+        stand. Few contacts leap so far, to another top of their basin, and a list made for their
+        last place would be as wrong when they leap back."""
         if not population.centred:
             return self
         touches = np.flatnonzero(values[0] > 0)
@@ -206,26 +218,35 @@ class Listing:
         plan = self.problem.plan
         if not plan.holds(_widest(plan.footprints, elongation, rows[some], law)):
             return None
-        if not self._strayed(population, rows[some], law, *values[[0, 2, 3]][:, some]):
+        bound = max(ASTRAY, ALLOWED * tolerance * min(1.0, len(touches) / MANY))
+        seen = bound, rows[some], law, *values[[0, 2, 3]][:, some]
+        if not self._strayed(population, *seen):
             return self
         closed, approach = rows[touches], values[0, touches]
-        offset = self.offset.copy()
-        offset[:, closed] = population.table.centre_at(closed, approach)
-        if np.abs(offset - self.listed).max() > SKIN * plan.eta:
-            return None
+        offset, skin = self.offset.copy(), SKIN * plan.eta
+        reach = population.table.centre_at(closed, approach) - self.listed[:, closed]
+        offset[:, closed] = self.listed[:, closed] + np.clip(reach, -skin, skin)
         dx, dy = (offset - self.offset)[:, self.index]
         problem = replace(self.problem, plan=plan.moved(dy, dx))
-        return replace(self, problem=problem, offset=offset)
+        moved = replace(self, problem=problem, offset=offset)
+        return None if moved._strayed(population, *seen) else moved
 
     def _strayed(
-        self, population: Population, closed: Rows, law: Evaluated, approach: Array, *tilt: Array
+        self,
+        population: Population,
+        bound: float,
+        closed: Rows,
+        law: Evaluated,
+        approach: Array,
+        *tilt: Array,
     ) -> bool:
-        """Whether contacts are too far from the centres of their laws for the plan to hold."""
+        """Whether contacts are too far from the centres of their laws for the plan to hold, or make
+        more than the share `bound` of the load in the slope of the field."""
         centre = population.table.centre_at(closed, approach)
         x, y = np.subtract(centre, self.offset[:, closed])
         lower = np.sum(law.stiffness * (tilt[0] * y + tilt[1] * x))
         astray = np.hypot(x, y) - STRAY * np.sqrt(law.area / np.pi)
-        return bool(np.sum(law.force * astray) > 0.0 or abs(lower) > ASTRAY * law.force.sum())
+        return bool(np.sum(law.force * astray) > 0.0 or abs(lower) > bound * law.force.sum())
 
     def areas(self, population: Population, solution: Solution) -> Array:
         """Contact areas [m^2], wider where contacts stand beside rough summits or have joined
@@ -241,9 +262,14 @@ class Listing:
         rows = np.flatnonzero(shift > LEANING[0])
         shift = shift[rows]
         weight = _rise(shift, LEANING)
-        share = np.sum(weight * area[rows]) / max(area.sum(), np.finfo(float).tiny)
+        leaning = weight * area[rows]
+        share = leaning.sum() / max(area.sum(), np.finfo(float).tiny)
         if population.leaning is not None and share > LEAN[0]:
-            eased = solution.tilt[rows] / (1.0 + shift[:, None])
+            order = np.argsort(-leaning, kind="stable")
+            held = np.cumsum(leaning[order])
+            most = order[: np.searchsorted(held, MOST_OF_THEM * held[-1]) + 1]
+            rows, weight = rows[most], weight[most]
+            eased = solution.tilt[rows] / (1.0 + shift[most, None])
             found = population.leaning(self.index[rows], eased, depth[rows], law.force[rows])
             found = np.where(found > 0.0, found, area[rows])
             area[rows] += _rise(share, LEAN) * weight * (found - area[rows])

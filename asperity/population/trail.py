@@ -85,7 +85,7 @@ class Trail:
         listing = self.listing
         if listing is not None:
             lacks = listing.lacks(self.field, separation, growth)
-            listing = None if lacks else listing.about(population, rows, values)
+            listing = None if lacks else listing.about(population, rows, values, tolerance)
         blind, rounded = not self.points, False
         for placed in range(MAX_PLACED + 1):
             if listing is None:
@@ -141,7 +141,8 @@ class Trail:
             # those that only just touch carry less than their share of the load
             few = LACKING * tolerance * np.count_nonzero(values[0] > 0)
             lacks = listing.lacks(trail.field, separation, growth, few)
-            listing = None if lacks or blind else listing.about(population, rows, values)
+            again = not (lacks or blind)
+            listing = listing.about(population, rows, values, tolerance) if again else None
             blind = False
             if listing is last:
                 break
