@@ -190,7 +190,7 @@ class Laws:
         missing = np.flatnonzero(~self.ready)
         lacking = int(np.count_nonzero(wanted[missing] > 0))
         if lacking:
-            block = max(lacking + lacking // 8, BLOCK, int(self.store.ready.sum()) // 10)
+            block = max(lacking + lacking // 8, BLOCK, int(self.store.ready.sum()) // 40)
             nearest = missing[np.argsort(-wanted[missing], kind="stable")[:block]]
             self.store.need(self.index[nearest])
 

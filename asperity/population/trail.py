@@ -258,8 +258,6 @@ class Trail:
         """Separation at which independent contacts would carry the pressure, within a few %."""
         population = self.population
         depth = population.fallen.depth
-        high = -float(depth[0])
-        width = 0.01 * float(np.ptp(population.height)) or 0.01 * abs(high)
         population.laws.rows(population.falling[:BLOCK]).make()  # one by one they would cost more
 
         def carried(separation: float) -> float:
@@ -267,10 +265,13 @@ class Trail:
             laws = population.laws.rows(above)(-separation - depth[: len(above)])
             return float(laws.force.sum()) / population.nominal_area
 
-        low = high - width
+        # by numbers of summits: one that stands out must not lead far down among the others
+        high, end = -float(depth[0]), BLOCK
+        width = 0.01 * float(np.ptp(population.height)) or 0.01 * abs(high)
+        low = -float(depth[min(end, len(depth) - 1)])
         while carried(low) < pressure:
-            high, width = low, 2 * width
-            low = high - width
+            high, end, width = low, 2 * end, 2 * width
+            low = -float(depth[end]) if end < len(depth) else low - width
         for _ in range(8):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if carried(middle) > pressure else (low, middle)
