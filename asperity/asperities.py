@@ -71,6 +71,8 @@ class Asperities:
         What it was made from.
     peaks, profiles
         Segmentation and summits; the rays of a summit are sampled when its law is made.
+    laws
+        Makes the laws of the summits.
     basins
         What of the basins touches where contacts have joined.
     population
@@ -84,6 +86,7 @@ class Asperities:
     plan: Plan
     peaks: Peaks
     profiles: Summits
+    laws: SummitLaws
     basins: Basins
     population: Population
     seconds: dict[str, float]
@@ -135,7 +138,7 @@ class Asperities:
             curvature=forms.curvature,
             angle=forms.angle,
         )
-        return cls(hm, material, plan, peaks, profiles, basins, population, seconds)
+        return cls(hm, material, plan, peaks, profiles, laws, basins, population, seconds)
 
     def __getstate__(self) -> dict[str, Any]:
         """Without the looks, whose weak references cannot be kept; they are taken anew."""
@@ -236,6 +239,17 @@ class Asperities:
         if self.closer_look(state) is None:
             return area
         return spread_over(self.point(state).contact_area, area, state.area)
+
+    def warnings(self, separation: float) -> list[str]:
+        """Reasons to doubt load points down to a separation [m], besides those of the plan."""
+        height = self.population.height[sorted(self.laws.without)]
+        silent = int(np.count_nonzero(height > separation))
+        if not silent:
+            return []
+        return [
+            f"summits above the flat that have no contact by the law {self.plan.law!r} and carry "
+            f'nothing: {silent}; take law="auto" (--law auto)'
+        ]
 
     def deep_enough(self, state: PopulationState) -> bool:
         """Whether no contact came near the height below which nothing was segmented."""

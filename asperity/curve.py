@@ -317,7 +317,7 @@ def _curve(
             "m": bodies.material.m,
             "input": hm.digest,
             "peaks": len(bodies.peaks),
-            "warnings": list(plan.warnings),
+            "warnings": [*plan.warnings, *bodies.warnings(separation.min())],
         },
         extra={
             "microcontacts": column("active"),

@@ -24,10 +24,13 @@ Array = NDArray[np.float64]
 LINES = 64
 """Rows and columns that show whether heights repeat."""
 
-LAWLESS = {"flat_tops": 1.0, "at_border": 0.6}
+LAWLESS = {"flat_tops": 1.0, "at_border": 0.6, "unsure": 1.0}
 """Terms of the error estimate with their weights, for load and area alike: the largest errors where
 all contacts are such, of heights cut off at one rms height and of a single wave (0.7 to 0.99), of
-tilted maps and of cups (0.6)."""
+tilted maps and of cups (0.6), of single tips r and r^4 (0.8 to 1.6)."""
+
+UNSURE = 0.5
+"""Error of its force that a law expects from which on it tells nothing of a contact."""
 
 
 def lawless(bodies: Asperities, state: PopulationState) -> dict[str, float]:
@@ -40,6 +43,8 @@ def lawless(bodies: Asperities, state: PopulationState) -> dict[str, float]:
     at_border
         Square of the share on contacts that the border of a finite punch cuts, as far as it does:
         a few among many do no harm, all of them leave little to trust.
+    unsure
+        Square of the share on contacts whose law expects an error of `UNSURE` and more of itself.
     """
     closed = np.flatnonzero(state.force > 0)
     if not closed.size:
@@ -55,7 +60,9 @@ def lawless(bodies: Asperities, state: PopulationState) -> dict[str, float]:
         ]
         inside = np.clip(np.minimum(*sides) / np.sqrt(area / np.pi), 0.0, 1.0)
         cut = share @ (1.0 - inside)
-    return {"flat_tops": float(flat), "at_border": float(cut**2)}
+    spread = bodies.population.table.spread_at(closed, state.approach[closed])
+    unsure = share @ (np.abs(spread) >= UNSURE)
+    return {"flat_tops": float(flat), "at_border": float(cut**2), "unsure": float(unsure**2)}
 
 
 def flat_tops(bodies: Asperities) -> Array:

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import asperity
+from asperity.errors import ModelRangeError
 from asperity.lawless import LAWLESS
 from asperity.loadpoints import default_pressures
-from surfaces import HeightMap, self_affine
+from surfaces import HeightMap, PowerLawProfile, self_affine
 
 BODY = asperity.HalfSpace.from_modulus(1e11)
 SHAPE, SPACING = (72, 90), (1.5e-6, 1e-6)
@@ -71,3 +72,49 @@ def test_waves_have_no_such_contacts_and_a_shift_moves_none():
     ]
     assert min(tops[0]) > 0.3
     assert tops[1] == pytest.approx(tops[0], rel=0.05)
+
+
+def tip(k, place=0.5):
+    """A hill of slope 0.01 at its foot that falls as r^k, on many pixels, its tip on one of them;
+    and its profile."""
+    spacing, radius = (1.2e-6, 1e-6), 1.28e-4
+    y, x = (np.arange(n) * step for n, step in zip((200, 256), spacing, strict=True))
+    r = np.hypot(y[:, None] - y[100], x - x[int(256 * place)])
+    return HeightMap(-0.01 * radius ** (1 - k) * r**k, spacing), 0.01 * radius ** (1 - k)
+
+
+@pytest.mark.parametrize(("k", "least"), [(1, 1e-7), (1.5, 5e-8)])
+def test_what_the_rays_of_a_single_tip_miss_is_within_the_stated_error(k, least):
+    hm, scale = tip(k)
+    approach = np.array([least, 2e-7, 4e-7])
+    curve = asperity.contact_curve(hm, BODY, separations=-hm.heights.mean() - approach)
+    exact = asperity.indent(PowerLawProfile(k, scale), BODY, approach)
+    wrong = np.abs(curve.load / exact.force - 1)
+    assert max(wrong) > 0.05
+    assert (wrong <= curve.error_estimate).all()
+    wrong = np.abs(curve.contact_area / exact.contact_area - 1)
+    assert (wrong <= curve.extra["area_error_estimate"]).all()
+
+
+def test_a_blunt_tip_that_the_rays_hold_is_not_doubted():
+    hm, scale = tip(3)
+    approach = np.array([1e-7, 2e-7, 4e-7])
+    curve = asperity.contact_curve(hm, BODY, separations=-hm.heights.mean() - approach)
+    exact = asperity.indent(PowerLawProfile(3, scale), BODY, approach)
+    np.testing.assert_allclose(curve.load, exact.force, rtol=0.01)
+    assert max(curve.error_estimate) < 0.2
+
+
+@pytest.mark.parametrize("loads", [{"pressures": [1e5]}, {"separations": [0.0]}])
+def test_a_law_that_has_no_contact_for_the_highest_summit_is_refused(loads):
+    with pytest.raises(ModelRangeError, match="'harmonic' has no contact for the highest summit"):
+        asperity.contact_curve(tip(1)[0], BODY, law="harmonic", **loads)
+
+
+def test_summits_that_carry_nothing_are_warned_of():
+    """A steep cap and, a little lower, a tip."""
+    cap, lower = 8 * tip(2, 0.1)[0].heights, tip(1, 0.6)[0].heights - 2e-7
+    hm = HeightMap(np.maximum(cap, lower), (1.2e-6, 1e-6))
+    for law, depth, told in (("harmonic", 3e-7, 1), ("harmonic", 1e-7, 0), ("auto", 3e-7, 0)):
+        curve = asperity.contact_curve(hm, BODY, separations=[-hm.heights.mean() - depth], law=law)
+        assert sum("carry nothing: 1" in why for why in curve.settings["warnings"]) == told
