@@ -5,12 +5,16 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SurfaceError
 from .spectrum import Spectrum
+
+if TYPE_CHECKING:
+    from scipy.optimize import OptimizeResult
 
 __all__ = ["SpectrumFit", "fit_spectrum"]
 
@@ -106,14 +110,12 @@ def fit_spectrum(spectrum: Spectrum) -> SpectrumFit:
         for parts in ((False, False), (True, False), (False, True), (True, True))
         if len(x) >= _SEGMENT * (1 + sum(parts)) and not (parts[1] and sharp)
     ]
+    parts, fit = min(choices, key=lambda choice: _information(choice[1]))
+    return _described(fit, parts, x, y, spectrum, sharp)
 
-    def information(choice: tuple[tuple[bool, bool], NDArray[np.float64]]) -> float:
-        parts, parameters = choice
-        misfit = float(np.sum((root * (y - _model(parameters, x, parts))) ** 2))
-        return misfit + len(parameters) * math.log(len(x))
 
-    parts, parameters = min(choices, key=information)
-    return _described(parameters, parts, x, y, root, spectrum, sharp)
+def _information(fit: OptimizeResult) -> float:
+    return float(2.0 * fit.cost + fit.x.size * math.log(fit.fun.size))
 
 
 def _model(
@@ -135,8 +137,8 @@ def _refined(
     y: NDArray[np.float64],
     root: NDArray[np.float64],
     parts: tuple[bool, bool],
-) -> NDArray[np.float64]:
-    """Best breaks among the rings, then between them."""
+) -> OptimizeResult:
+    """Best breaks among the rings, then between them, by least squares."""
     from scipy.optimize import least_squares
 
     places = range(_SEGMENT - 1, len(x) - _SEGMENT + 1)
@@ -156,26 +158,21 @@ def _refined(
         start += [x[low]] * parts[0]
         start += [x[high], solution[2]] if parts[1] else []
         starts.append((float(np.sum((matrix @ solution - y * root) ** 2)), start))
-    fitted = least_squares(lambda p: root * (_model(p, x, parts) - y), min(starts)[1])
-    return np.asarray(fitted.x, dtype=np.float64)
+    return least_squares(lambda p: root * (_model(p, x, parts) - y), min(starts)[1])
 
 
 def _described(
-    parameters: NDArray[np.float64],
+    fit: OptimizeResult,
     parts: tuple[bool, bool],
     x: NDArray[np.float64],
     y: NDArray[np.float64],
-    root: NDArray[np.float64],
     spectrum: Spectrum,
     sharp: bool,
 ) -> SpectrumFit:
-    from scipy.optimize import least_squares
-
-    residual = y - _model(parameters, x, parts)
-    fitted = least_squares(lambda p: root * (_model(p, x, parts) - y), parameters)
+    parameters, model = fit.x, _model(fit.x, x, parts)
     freedom = max(1, len(x) - len(parameters))
-    scale = max(1.0, float(np.sum((root * residual) ** 2)) / freedom)
-    errors = np.sqrt(np.diag(np.linalg.pinv(fitted.jac.T @ fitted.jac)) * scale)
+    scale = max(1.0, 2.0 * fit.cost / freedom)
+    errors = np.sqrt(np.diag(np.linalg.pinv(fit.jac.T @ fit.jac)) * scale)
     hurst, hurst_error = -0.5 * parameters[1] - 1.0, 0.5 * errors[1]
     rolloff = rolloff_error = cutoff = cutoff_error = math.nan
     kind = ""
@@ -200,7 +197,7 @@ def _described(
         cutoff_error=cutoff_error,
         cutoff_kind=kind,
         level=float(math.exp(parameters[0])),
-        scatter=float(np.sqrt(np.mean(residual**2))),
+        scatter=float(np.sqrt(np.mean((y - model) ** 2))),
         q=np.exp(x),
-        density=np.exp(_model(parameters, x, parts)),
+        density=np.exp(model),
     )
