@@ -168,10 +168,12 @@ def _weight(summits: Summits) -> Array:
 
 def _formed(summits: Summits, rows: Rows, moments: Array) -> tuple[Array, Array]:
     """Principal curvatures [1/m] and directions [rad] of summits, where those of some have contacts
-    of the moments yy, xx, yx, shape (3, k)."""
+    of the moments yy, xx, yx, shape (3, k); their own where the moments are those of no area."""
     curvature, angle = summits.curvature.copy(), summits.angle.copy()
     yy, xx, yx = moments
     mean, skew = 0.5 * (yy + xx), np.hypot(0.5 * (yy - xx), yx)
+    wide = mean > skew
+    rows, yy, xx, yx, mean, skew = (array[wide] for array in (rows, yy, xx, yx, mean, skew))
     steep = ((mean + skew) / (mean - skew)) ** (0.25 / ASPECT_EXPONENT)
     middle = np.sqrt(np.prod(curvature[rows], axis=1))
     curvature[rows] = np.stack((middle * steep, middle / steep), axis=1)

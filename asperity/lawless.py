@@ -49,8 +49,9 @@ def lawless(bodies: Asperities, state: PopulationState) -> dict[str, float]:
     closed = np.flatnonzero(state.force > 0)
     if not closed.size:
         return dict.fromkeys(LAWLESS, 0.0)
-    share, area = state.force[closed] / state.force.sum(), state.area[closed]
-    flat = share @ np.minimum(bodies.flat_tops[closed] / area, 1.0)
+    share = state.force[closed] / state.force.sum()
+    area = np.maximum(state.area[closed], np.finfo(float).tiny)
+    flat = share @ (np.minimum(bodies.flat_tops[closed], area) / area)
     cut = 0.0
     if bodies.plan.boundary == "free":
         places = bodies.profiles.y[closed], bodies.profiles.x[closed]

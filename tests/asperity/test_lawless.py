@@ -7,7 +7,7 @@ import pytest
 
 import asperity
 from asperity.errors import ModelRangeError
-from asperity.lawless import LAWLESS
+from asperity.lawless import LAWLESS, lawless
 from asperity.loadpoints import default_pressures
 from surfaces import HeightMap, PowerLawProfile, self_affine
 
@@ -118,3 +118,10 @@ def test_summits_that_carry_nothing_are_warned_of():
     for law, depth, told in (("harmonic", 3e-7, 1), ("harmonic", 1e-7, 0), ("auto", 3e-7, 0)):
         curve = asperity.contact_curve(hm, BODY, separations=[-hm.heights.mean() - depth], law=law)
         assert sum("carry nothing: 1" in why for why in curve.settings["warnings"]) == told
+
+
+def test_contacts_that_lost_their_area_are_judged():
+    hm = rough()
+    run = asperity.solve_contacts(hm, BODY, pressures=default_pressures(hm, BODY, 2)[:1])
+    vars(run.states[0])["area"] = np.zeros(len(run.bodies.population))
+    assert np.isfinite(list(lawless(run.bodies, run.states[0]).values())).all()

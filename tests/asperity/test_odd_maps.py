@@ -50,6 +50,15 @@ def test_gradings_at_the_edge_of_their_range(m):
     assert curve.converged.all() and (np.diff(curve.area_fraction) > 0).all()
 
 
+def test_joined_contacts_without_an_area_keep_the_form_of_their_summit():
+    """Near m = -1 a contact pressed alone may have a force and the moments of no area."""
+    hm = surfaces.self_affine(
+        (64, 96), (1e-3, 1.5e-3), hurst=0.8, rms_slope=0.1, rolloff=3e-4, cutoff=6e-5, seed=1
+    )
+    curve = asperity.contact_curve(hm, asperity.HalfSpace(200e9 * 2e-5**0.99, 0.3, -0.99))
+    assert curve.converged.all() and np.isfinite(curve.error_estimate).all()
+
+
 def test_a_negative_mean_gap_is_refused():
     x = 2 * np.pi * np.arange(72) / 18
     hm = surfaces.HeightMap(np.tile(np.cos(x), (64, 1)), (1.0, 1.0), periodic=True)
