@@ -27,7 +27,7 @@ from .error_estimate import (
     oddness,
     weaknesses,
 )
-from .errors import InputError
+from .errors import ConvergenceError, InputError
 from .lawless import LAWLESS
 from .loadpoints import checked_loads
 from .plan import Plan, interaction_needed, make_plan
@@ -61,6 +61,11 @@ class ContactRun:
         The decomposed surface.
     states
         The state of all microcontacts at each load point, in the order of the curve.
+
+    Raises
+    ------
+    ConvergenceError
+        If a table or a map is asked for at a load point that did not converge.
     """
 
     curve: ContactCurve
@@ -87,11 +92,14 @@ class ContactRun:
 
     def _state(self, point: int) -> PopulationState:
         try:
-            return self.states[point]
+            found = self.states[point]
         except (IndexError, TypeError):
             raise InputError(
                 f"point is {point!r}; the load points are numbered 0 to {len(self.states) - 1}"
             ) from None
+        if not found.converged:
+            raise ConvergenceError(f"load point {point} cannot be used: {found.reason}")
+        return found
 
 
 def contact_curve(

@@ -123,7 +123,9 @@ def _number(value: float, name: str) -> float:
     except (TypeError, ValueError):
         raise InputError(f"{name} must be a number, got {value!r}") from None
     if not math.isfinite(number):
-        raise InputError(f"{name} must be finite, got {number}")
+        rigid = number == math.inf and name in ("E", "modulus")
+        hint = "; of a rigid and an elastic body take the elastic one alone" if rigid else ""
+        raise InputError(f"{name} must be finite, got {number}{hint}")
     return number
 
 

@@ -80,7 +80,7 @@ class Comparison:
         row, ours = self.table[self.map_point], self.pareto[0]
         text = (
             f"At a mean pressure of {row['mean_pressure']:.3g} Pa, "
-            f"{100 * row['area_bem']:.2g} % of the nominal area touches at a separation of "
+            f"{100 * row['area_bem']:.3g} % of the nominal area touches at a separation of "
             f"{row['separation_bem']:.3g} m (boundary elements). "
         )
         judged = int(np.count_nonzero(np.isfinite(self.table["area_error"])))

@@ -125,7 +125,7 @@ def compare(
         say(f"boundary elements {grid[0]} x {grid[1]}, tolerance {LOOSE_TOLERANCE:.0e}")
         rows.append(coarse_run(hm, material, grid, plan.boundary, judge))
     say("contact maps")
-    point = _map_point(judge)
+    point = _map_point(judge, run.curve)
     solution = bem_solve(
         hm,
         material,
@@ -133,18 +133,22 @@ def compare(
         tolerance=tolerance,
         boundary=plan.boundary,
     )
-    maps = {"bem": solution.contact, "asperity": run.contact_map(point)}
-    union = np.count_nonzero(maps["bem"] | maps["asperity"])
-    both = np.count_nonzero(maps["bem"] & maps["asperity"])
+    maps = {"bem": solution.contact, "asperity": np.zeros_like(solution.contact)}
+    contacts = microcontacts(run.bodies, run.states[point])[:0]
+    overlap = np.nan
+    if run.curve.converged[point]:
+        maps["asperity"], contacts = run.contact_map(point), run.microcontacts(point)
+        union = np.count_nonzero(maps["bem"] | maps["asperity"])
+        overlap = np.count_nonzero(maps["bem"] & maps["asperity"]) / union if union else 1.0
     return Comparison(
         model=run.curve,
         reference=judge,
         table=table,
         pareto=np.array(rows, dtype=PARETO_TYPE),
-        overlap=both / union if union else 1.0,
+        overlap=overlap,
         maps=maps,
         map_point=point,
-        microcontacts=microcontacts(run.bodies, run.states[point]),
+        microcontacts=contacts,
         plan=plan.reasons,
         about=_about(hm, material),
     )
@@ -159,10 +163,11 @@ def _compile(material: HalfSpace, plan: Plan) -> None:
     bem_curve(small, material, pressures=loads, tolerance=LOOSE_TOLERANCE, boundary=plan.boundary)
 
 
-def _map_point(reference: ContactCurve) -> int:
-    """The load point whose contact area fraction is nearest to `MAP_AREA_FRACTION`."""
-    fraction = np.maximum(reference.area_fraction, 1e-12)
-    return int(np.argmin(np.abs(np.log(fraction / MAP_AREA_FRACTION))))
+def _map_point(reference: ContactCurve, model: ContactCurve) -> int:
+    """The load point whose contact area fraction is nearest to `MAP_AREA_FRACTION`, of those that
+    came out in both if there are such."""
+    away = np.abs(np.log(np.maximum(reference.area_fraction, 1e-12) / MAP_AREA_FRACTION))
+    return int(np.argmin(np.where(reference.converged & model.converged, away, 1e3 + away)))
 
 
 def _table(
@@ -178,9 +183,9 @@ def _table(
         {
             "mean_pressure": reference.mean_pressure,
             "area_bem": reference.area_fraction,
-            "area_model": model.area_fraction,
+            "area_model": np.where(model.converged, model.area_fraction, np.nan),
             "separation_bem": reference.separation,
-            "separation_model": model.separation,
+            "separation_model": np.where(model.converged, model.separation, np.nan),
             "load_error": np.where(loaded & same.converged, load_error, np.nan),
             "area_error": np.where(loaded & model.converged, area_error, np.nan),
             "separation_error": np.where(loaded & model.converged, apart, np.nan),

@@ -209,7 +209,10 @@ def _column(value: ArrayLike, name: str) -> NDArray[np.float64]:
 
 
 def _finite(value: float | None, name: str) -> float:
-    number = math.nan if value is None else float(value)
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        number = math.nan
     if not math.isfinite(number):
-        raise InputError(f"{name} must be finite, got {value!r}")
+        raise InputError(f"{name} must be a finite number, got {value!r}")
     return number

@@ -104,10 +104,21 @@ def test_nothing_that_can_be_judged_is_said_so(tmp_path):
     found = asperity.compare(hm, STEEL, pressures=[1e12])
     assert not found.converged
     assert "can be judged" in found.verdict() and "nan" not in found.verdict()
-    assert np.isnan(found.table["separation_error"]).all()
+    for name in ("separation_error", "area_model", "separation_model"):
+        assert np.isnan(found.table[name]).all()
+    assert np.isnan(found.overlap) and not found.maps["asperity"].any()
+    assert "100 % of the nominal area" in found.verdict() and len(found.microcontacts) == 0
+    found.to_hdf5(tmp_path / "r.h5")
+    assert np.isnan(Comparison.from_hdf5(tmp_path / "r.h5").overlap)
     found.to_html(tmp_path / "r.html")
     text = (tmp_path / "r.html").read_text()
     assert text.count("<svg") == 4 and "nan" not in re.sub("<svg.*?</svg>", "", text, flags=re.S)
+
+
+def test_the_maps_are_of_a_load_that_came_out(tmp_path):
+    hm = self_affine((30, 40), (3e-4, 8e-4), hurst=0.8, rms_slope=0.1, cutoff=1.2e-4, seed=1)
+    found = asperity.compare(hm, STEEL, pressures=[1e12, 1e7])
+    assert found.map_point == 1 and found.overlap > 0.4
 
 
 def test_points_that_are_not_judged_are_counted(comparison):

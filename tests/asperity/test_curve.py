@@ -12,7 +12,7 @@ import asperity
 from asperity.contacts.fields import contact_map, pressure_map
 from asperity.contacts.table import ellipses, microcontacts
 from asperity.curve import solve_contacts
-from asperity.errors import InputError, SurfaceError
+from asperity.errors import ConvergenceError, InputError, SurfaceError
 from asperity.loadpoints import default_pressures
 from asperity.plan import make_plan
 from surfaces import HeightMap, self_affine
@@ -287,6 +287,14 @@ def test_fewer_points_for_a_smooth_map_change_little():
         mine, full = contact_map(few.bodies, state), contact_map(many.bodies, other)
         assert mine.shape == hm.shape
         assert np.count_nonzero(mine & full) > 0.9 * np.count_nonzero(mine | full)
+
+
+def test_a_load_point_that_did_not_converge_has_no_tables(rough):
+    run = solve_contacts(rough, STEEL, pressures=[1e7, 1e12])
+    for ask in (run.microcontacts, run.spots, run.contact_map, run.pressure_map):
+        with pytest.raises(ConvergenceError, match="-1 cannot be used: contacts fill"):
+            ask()
+        assert len(ask(0))
 
 
 def test_a_load_point_that_is_none(rough):
