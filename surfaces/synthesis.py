@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+import functools
+import inspect
+from collections.abc import Callable
+from typing import ParamSpec
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +14,31 @@ from ._memory import require_memory
 from .errors import InputError
 from .heightmap import LONGEST, SHORTEST, HeightMap
 
-__all__ = ["self_affine", "settings_of"]
+__all__ = ["self_affine", "synthesis"]
+
+Arguments = ParamSpec("Arguments")
 
 _EDGE = 1e-9  # relative tolerance of the band edges, below the spacing of wave numbers
 
 
+def synthesis(make: Callable[Arguments, HeightMap]) -> Callable[Arguments, HeightMap]:
+    """A function that makes a periodic map of a shape and a size: both are checked, and its name
+    and its other arguments are what the history of the map begins with."""
+
+    @functools.wraps(make)
+    def checked(*args: Arguments.args, **kwargs: Arguments.kwargs) -> HeightMap:
+        given = inspect.signature(make).bind(*args, **kwargs)
+        given.apply_defaults()
+        settings = dict(given.arguments)
+        given.arguments["shape"] = _checked_shape(settings.pop("shape"))
+        given.arguments["size"] = _checked_size(settings.pop("size"))
+        hm = make(*given.args, **given.kwargs)
+        return hm.replace(history=({"step": make.__name__, **settings},))
+
+    return checked
+
+
+@synthesis
 def self_affine(
     shape: tuple[int, int],
     size: tuple[float, float],
@@ -73,9 +96,7 @@ def self_affine(
     ``max(|k|, 1/rolloff) ** -(1 + H)`` for ``|k| <= 1/cutoff`` and zero beyond, so that the power
     spectral density falls as ``|k| ** (-2 - 2 H)``. The mean and the Nyquist lines are zero.
     """
-    step = {"step": "self_affine", **settings_of(locals())}
-    ny, nx = _checked_shape(shape)
-    ly, lx = _checked_size(size)
+    (ny, nx), (ly, lx) = shape, size
     _check(0.0 <= hurst <= 1.0, f"hurst is {hurst}; it must lie between 0 and 1")
     _check(
         1.0 <= anisotropy < np.inf, f"anisotropy is {anisotropy}; it must be at least 1, and finite"
@@ -121,12 +142,7 @@ def self_affine(
     amplitude *= float(target or 0.0) / np.sqrt(total) * (ny * nx)
     heights = np.fft.irfft2(amplitude * np.exp(1j * phase), s=(ny, nx))
     heights -= heights.mean()
-    return HeightMap(heights, (ly / ny, lx / nx), periodic=True, history=(step,))
-
-
-def settings_of(arguments: dict[str, Any]) -> dict[str, Any]:
-    """Arguments of a synthesis that its map does not show itself, for the history."""
-    return {k: v for k, v in arguments.items() if k not in ("shape", "size")}
+    return HeightMap(heights, (ly / ny, lx / nx), periodic=True)
 
 
 def _amplitude(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .errors import InputError
 from .heightmap import HeightMap
-from .synthesis import self_affine, settings_of
+from .synthesis import self_affine, synthesis
 
 __all__ = ["ground", "plateau_honed", "redistribute", "turned", "two_scale"]
 
@@ -20,6 +20,7 @@ _SCRATCH = 12.0
 """Length over width of the scratches of a honed surface."""
 
 
+@synthesis
 def plateau_honed(
     shape: tuple[int, int],
     size: tuple[float, float],
@@ -68,7 +69,6 @@ def plateau_honed(
     """
     if not 0.0 < plateau <= 1.0:
         raise InputError(f"plateau is {plateau}; it must be a fraction above 0, at most 1")
-    settings = settings_of(locals())
     long = min(size) / 8.0 if rolloff is None else rolloff
     part: dict[str, Any] = {"hurst": hurst, "rms_height": 1.0, "rolloff": long}
     stretch = np.sqrt(_SCRATCH)  # the short wavelengths keep the roll-off asked for
@@ -83,9 +83,10 @@ def plateau_honed(
     worn = 0.5 * (1.0 + plateau) * scratches - np.hypot(half * scratches, 0.1)
     worn /= worn.std()
     rough = self_affine(shape, size, cutoff=2.0 * cutoff, seed=seed, **part).heights
-    return _finished(worn + fine * rough, size, cutoff, rms_slope, "plateau_honed", settings)
+    return _finished(worn + fine * rough, size, cutoff, rms_slope, "plateau_honed")
 
 
+@synthesis
 def ground(
     shape: tuple[int, int],
     size: tuple[float, float],
@@ -124,7 +125,6 @@ def ground(
     InputError
         If `rms_slope` is not positive or no wave fits the map.
     """
-    settings = settings_of(locals())
     long = min(size) / 8.0 if rolloff is None else rolloff
     stretch = np.sqrt(length)
     scratches = self_affine(
@@ -135,9 +135,10 @@ def ground(
         shape, size, hurst=hurst, rms_height=fine, rolloff=long, cutoff=cutoff, seed=seed
     )
     heights = scratches.heights + rough.heights
-    return _finished(heights, size, cutoff, rms_slope, "ground", settings)
+    return _finished(heights, size, cutoff, rms_slope, "ground")
 
 
+@synthesis
 def turned(
     shape: tuple[int, int],
     size: tuple[float, float],
@@ -174,7 +175,6 @@ def turned(
     InputError
         If the feed is not positive, the nose too sharp for it, or the roughness negative.
     """
-    settings = settings_of(locals())
     if not 0.0 < feed <= 2.0 * nose_radius:
         raise InputError(f"feed is {feed}; it must be positive and at most twice the nose radius")
     if not roughness >= 0.0:
@@ -190,9 +190,10 @@ def turned(
             shape, size, hurst=hurst, rms_height=roughness, rolloff=min(width, *size),
             cutoff=cutoff, seed=seed,
         ).heights  # fmt: skip
-    return _map(heights, size, "turned", settings)
+    return _map(heights, size, "turned")
 
 
+@synthesis
 def two_scale(
     shape: tuple[int, int],
     size: tuple[float, float],
@@ -242,7 +243,6 @@ def two_scale(
             f"coarse_height is {coarse_height} and fine_height {fine_height}; both are rms heights "
             "of at least 0 m"
         )
-    settings = settings_of(locals())
     heights = np.zeros(shape)
     for k, (short, rms) in enumerate(((coarse, coarse_height), (fine, fine_height))):
         whole = self_affine(shape, size, hurst=hurst, rms_height=1.0, cutoff=short, seed=seed + k)
@@ -250,7 +250,7 @@ def two_scale(
         if not band.any():
             raise InputError(f"no wave fits between {width * short:g} and {short:g} m")
         heights += band * (rms / band.std())
-    return _map(heights, size, "two_scale", settings)
+    return _map(heights, size, "two_scale")
 
 
 def redistribute(
@@ -327,7 +327,6 @@ def _finished(
     cutoff: float,
     rms_slope: float,
     name: str,
-    settings: dict[str, Any],
 ) -> HeightMap:
     """Band-limited map of zero mean, scaled to the rms slope of its spectrum."""
     if not rms_slope > 0.0:
@@ -338,13 +337,9 @@ def _finished(
     fx = np.fft.fftfreq(nx, size[1] / nx)[None, :]
     power = np.abs(np.fft.fft2(smooth) / smooth.size) ** 2
     slope = 2.0 * np.pi * np.sqrt(np.sum(power * (fy**2 + fx**2)))
-    return _map(smooth * (rms_slope / slope), size, name, settings)
+    return _map(smooth * (rms_slope / slope), size, name)
 
 
-def _map(
-    heights: Array, size: tuple[float, float], name: str, settings: dict[str, Any]
-) -> HeightMap:
+def _map(heights: Array, size: tuple[float, float], name: str) -> HeightMap:
     spacing = (size[0] / heights.shape[0], size[1] / heights.shape[1])
-    return HeightMap(
-        heights, spacing, periodic=True, name=name, history=({"step": name, **settings},)
-    )
+    return HeightMap(heights, spacing, periodic=True, name=name)

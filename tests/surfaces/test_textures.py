@@ -78,6 +78,28 @@ def test_redistribute_gives_the_heights_and_keeps_the_spectrum():
     assert np.corrcoef(old.ravel(), new.ravel())[0, 1] > 0.98
 
 
+@pytest.mark.parametrize(
+    ("make", "more"),
+    [
+        (surfaces.plateau_honed, {"rms_slope": 0.1, "cutoff": 0.1}),
+        (surfaces.ground, {"rms_slope": 0.1, "cutoff": 0.1}),
+        (surfaces.turned, {"feed": 0.1, "nose_radius": 0.1}),
+        (
+            surfaces.two_scale,
+            {"coarse": 0.2, "fine": 0.1, "coarse_height": 1.0, "fine_height": 0.1},
+        ),
+    ],
+)
+def test_no_texture_is_made_of_a_cell_that_is_none(make, more):
+    for shape in ((0, 0), (3.5, 4), "ab", (32,)):
+        with pytest.raises(surfaces.InputError, match="shape is"):
+            make(shape, SIZE, **more)
+    with pytest.raises(surfaces.InputError, match="size is"):
+        make(SHAPE, 1.0, **more)
+    step = make(SHAPE, SIZE, **more).history[0]
+    assert step["step"] == make.__name__ and more.items() <= step.items() and "size" not in step
+
+
 def test_refusals():
     with pytest.raises(surfaces.InputError, match="plateau is"):
         textures.plateau_honed(SHAPE, SIZE, rms_slope=0.1, cutoff=0.05, plateau=0.0)
