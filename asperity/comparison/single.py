@@ -92,8 +92,10 @@ class Case:
                 continue
             first = row.approach_error if by_load else row.force_error
             values = [float(one.approach if by_load else one.force), float(one.contact_area)]
-            shares = [first, row.contour_error, row.area_error, float(one.error_estimate)]
-            cells = _cells(values, 1, ".5g") + _cells(shares, 100, ".3f")
+            errors = [first, row.contour_error, row.area_error]
+            judged = _cells(errors, 100, ".3f") if self.reference else 3 * [" " * 12]
+            cells = [*_cells(values, 1, ".5g"), *judged]
+            cells += _cells([float(one.error_estimate)], 100, ".3f")
             cells += _cells([row.seconds], 1e3, ".2f")
             lines.append("  ".join([f"{row.law:>12}", *cells, one.flag_names()]).rstrip())
         if self.reference is not None:

@@ -115,7 +115,11 @@ def read_results(path: str | os.PathLike[str]) -> ResultFile:
         with h5py.File(path, "r") as file:
             schema = file.attrs.get("schema")
             if schema != SCHEMA:
-                raise FileFormatError(f"{path} has schema {schema!r}; expected {SCHEMA!r}")
+                held = "a height map" if "heights" in file else f"of schema {schema!r}"
+                raise FileFormatError(
+                    f"{path} is {held}, no results file of schema {SCHEMA!r}; make one with "
+                    "asperity compare, curve or bem"
+                )
             return ResultFile(
                 curves={k: _read_curve(g) for k, g in file.get("curves", {}).items()},
                 tables={k: _plain(d[()]) for k, d in file.get("tables", {}).items()},

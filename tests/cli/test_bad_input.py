@@ -367,5 +367,6 @@ def test_unknown_command(capsys):
 
 def test_report_of_something_else(folder, capsys):
     surfaces.write(good_map(), folder / "scan.h5")
-    assert "schema" in refusal(["report", "scan.h5"], capsys)
+    told = refusal(["report", "scan.h5"], capsys)
+    assert "is a height map, no results file" in told and "asperity compare" in told
     assert "no such results file" in refusal(["report", "absent.h5"], capsys)
