@@ -13,6 +13,8 @@ __all__ = ["interruptible"]
 CALLED_BACK = {"_raw_object_cache_notify", "_raw_object_cache_getbuffer"}
 """Functions that the compiler calls from within: an exception does not leave them."""
 
+_later = threading.Timer(0.0, signal.raise_signal)
+
 
 @contextmanager
 def interruptible() -> Iterator[None]:
@@ -25,16 +27,19 @@ def interruptible() -> Iterator[None]:
     try:
         yield
     finally:
+        _later.cancel()
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    """Raise KeyboardInterrupt; a moment later where it would be lost."""
+    """Raise KeyboardInterrupt; once, a moment later, where it would be lost."""
+    global _later
     while frame is not None:
         if frame.f_code.co_name in CALLED_BACK:
-            again = threading.Timer(0.05, signal.raise_signal, [number])
-            again.daemon = True
-            again.start()
+            _later.cancel()
+            _later = threading.Timer(0.05, signal.raise_signal, [number])
+            _later.daemon = True
+            _later.start()
             return
         frame = frame.f_back
     raise KeyboardInterrupt
