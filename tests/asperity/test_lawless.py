@@ -125,3 +125,14 @@ def test_contacts_that_lost_their_area_are_judged():
     run = asperity.solve_contacts(hm, BODY, pressures=default_pressures(hm, BODY, 2)[:1])
     vars(run.states[0])["area"] = np.zeros(len(run.bodies.population))
     assert np.isfinite(list(lawless(run.bodies, run.states[0]).values())).all()
+
+
+def test_one_contact_among_many_whose_law_tells_nothing_does_little_harm():
+    hm = rough()
+    run = asperity.solve_contacts(hm, BODY, pressures=default_pressures(hm, BODY, 2)[1:])
+    force, table = run.states[0].force, run.bodies.population.table
+    table.spread[:] = 0.0
+    table.spread[force.argmax()] = 1.0
+    share = force.max() / force.sum()
+    assert share < 0.8
+    assert lawless(run.bodies, run.states[0])["unsure"] == pytest.approx(share**2)
