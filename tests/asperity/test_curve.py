@@ -56,6 +56,7 @@ def test_a_run_is_the_same_after_pickling(rough, law):
     back = pickle.loads(pickle.dumps(run))
     np.testing.assert_array_equal(back.microcontacts(), run.microcontacts())
     np.testing.assert_array_equal(back.pressure_map(0), run.pressure_map(0))
+    assert back.states[0].normal_stiffness == run.states[0].normal_stiffness
     one, other = (
         each.bodies.population.solve(mean_pressure=2e8, state=each.states[-1], tolerance=1e-4)
         for each in (run, back)
