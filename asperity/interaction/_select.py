@@ -25,12 +25,14 @@ _INDICES, _FLOATS = ir.VectorType(_INDEX, LANES), ir.VectorType(_FLOAT, LANES)
 
 
 def _compress(builder: Any, vector: Any, data: Any, place: Any, mask: Any) -> None:
-    """Write the lanes in the mask from an element of the data on, without gaps."""
+    """Write the lanes in the mask from an element of the data on, without gaps, and zeros behind
+    them up to all lanes: to leave these out takes some processors ten times as long."""
     kind = vector.type
-    name = f"llvm.masked.compressstore.v{LANES}{'i32' if kind.element == _INDEX else 'f32'}"
-    takes = ir.FunctionType(ir.VoidType(), [kind, kind.element.as_pointer(), _TRUTH])
+    name = f"llvm.experimental.vector.compress.v{LANES}{'i32' if kind.element == _INDEX else 'f32'}"
+    takes = ir.FunctionType(kind, [kind, _TRUTH, kind])
     function = cgutils.get_or_insert_function(builder.module, takes, name)
-    builder.call(function, [vector, builder.gep(data, [place]), mask])
+    close = builder.call(function, [vector, mask, vectors.constant(kind, 0)])
+    vectors.store(builder, close, data, place)
 
 
 def _count(builder: Any, mask: Any) -> Any:
@@ -63,7 +65,8 @@ def keep_near(
     """Points from `first` on, up to eight and before `last`, closer than sqrt(cut) to a place.
 
     Writes their numbers and `here` (y, x) less their places y, x, less what brings these within
-    half of `size` (y, x), to `col`, `dy` and `dx` from element `place` on. Returns their number.
+    half of `size` (y, x), to `col`, `dy` and `dx` from element `place` on, and zeros behind them
+    up to eight elements in all. Returns their number.
     `y` and `x` are read up to seven elements beyond the last.
     """
     pair = types.UniTuple(types.float64, 2)

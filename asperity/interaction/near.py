@@ -24,14 +24,17 @@ their memory is taken."""
 
 
 SLACK = 8
-"""Places behind the last pair that whole vectors may read."""
+"""Places behind the last pair of a chunk that whole vectors may read or write."""
 
 
-def total(grids: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Sum of the meshes of all chunks, in the place of the first."""
-    for grid in grids[1:]:
-        grids[0] += grid
-    return np.asarray(grids[0])
+def total(
+    parts: NDArray[np.floating], rows: NDArray[np.int64] | None = None
+) -> NDArray[np.floating]:
+    """Sum of what all chunks have made, in the place of the first; of these `rows` only, if any."""
+    here = slice(None) if rows is None else slice(*rows)
+    for part in parts[1:]:
+        parts[0, here] += part[here]
+    return np.asarray(parts[0])
 
 
 def run(loop: Callable[[int, NDArray[np.int64]], None], rows: NDArray[np.int64]) -> None:
@@ -73,10 +76,9 @@ def near_pairs(
     else:
         # memory that is never touched costs nothing
         room[:] = most
-    first[1:] = np.cumsum(room)
-    if first[-1]:
-        room_all = first[-1] + SLACK
-        col, pair = np.zeros(room_all, np.int32), np.zeros((2, room_all), np.float32)
+    if room.any():
+        first[1:] = np.cumsum(room + SLACK)
+        col, pair = np.zeros(first[-1], np.int32), np.zeros((2, first[-1]), np.float32)
         run(find, rows)
     return ptr, col, pair
 
