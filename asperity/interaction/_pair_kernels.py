@@ -14,10 +14,7 @@ from ._block_kernels import (
     FAST,
     FLAT,
     INVERSE,
-    LEVEL,
     NEGLIGIBLE,
-    NEXT,
-    ONCE,
     ONE,
     PULL,
     PULL_COLUMN,
@@ -28,40 +25,43 @@ from ._block_kernels import (
     TINY,
     TO_COLUMN,
     TO_ROW,
-    TWICE,
     WIDE,
     ZERO,
     long_pairs,
     look,
-    set_doubt,
     set_powers,
-    set_reach,
     smooth,
     whole_lanes,
     within,
 )
-from ._scratch import BLOCK, COLUMNS, doubles, floats, places
+from ._records import add_records
+from ._scratch import BLOCK, COLUMNS, columns, doubles, floats, places
 from .footprint import PAIR_NODES
+
+PAIRS = BLOCK // 2
+"""Pairs of a block."""
+
+# columns of the scratch in double precision
+SUM, NEAR, OVER, OWN, OTHER, PART = (np.uint64(column * PAIRS) for column in range(6))
+TWO, FOUR = np.uint64(2), np.uint64(4)
 
 
 @njit(inline="always")
-def _exact(count, s, d, row, column, dy, dx, variance, power):
-    """R^(-p/2) and 1/R in double precision, into `d` and its second half: energies are compared
-    over steps that single precision does not resolve."""
+def _exact(count, s, d, dy, dx, power):
+    """R^(-p/2) and 1/R in double precision, into the columns `NEAR` and `OVER` of `d`: energies are
+    compared over steps that single precision does not resolve."""
     if power == 1.0:
         for k in range(count):
-            r2 = np.float64(dy[k]) * dy[k] + np.float64(dx[k]) * dx[k] + TINY
-            reach = r2 + (variance[np.uint64(row[k])] + variance[np.uint64(column[k])])
+            reach = np.float64(dy[k]) * dy[k] + np.float64(dx[k]) * dx[k] + TINY + d[k + SUM]
             root = np.float64(s[k + ROOT])
             root = root * (1.5 - 0.5 * reach * root * root)
-            d[k] = root
-            d[k + NEXT] = root * root
+            d[k + NEAR] = root
+            d[k + OVER] = root * root
     else:
         for k in range(count):
-            r2 = np.float64(dy[k]) * dy[k] + np.float64(dx[k]) * dx[k] + TINY
-            reach = r2 + (variance[np.uint64(row[k])] + variance[np.uint64(column[k])])
-            d[k] = reach ** (-0.5 * power)
-            d[k + NEXT] = 1.0 / reach
+            reach = np.float64(dy[k]) * dy[k] + np.float64(dx[k]) * dx[k] + TINY + d[k + SUM]
+            d[k + NEAR] = reach ** (-0.5 * power)
+            d[k + OVER] = 1.0 / reach
 
 
 @njit(inline="always")
@@ -88,16 +88,23 @@ def _add_long(count, listed, lack, force, dipole, out):
 
 
 @njit(inline="always")
-def _fill(i, k, stop, ptr, row):
-    """Write the row of each pair of the block that starts at pair k of row i into `row`; returns
-    the number of pairs, and the row and pair after the last. A block ends before a gap."""
+def _fill(i, k, stop, ptr, col, record, row, both, d):
+    """Write what the pairs of the block that starts at pair k of row i read of their points: the
+    row into `row`, sums of records into `both`, the variances that the mesh knows into the columns
+    `OWN` and `OTHER` of `d`. Returns the number of pairs, and the row and pair after the last. A
+    block ends before a gap."""
     count = np.uint64(0)
-    size = np.uint64(BLOCK // 2)
+    size = np.uint64(PAIRS)
     while True:
         end = np.uint64(ptr[i, 1])
         take = min(end - k, size - count)
+        own = record[i, 3]
         for t in range(count, count + take):
+            j = np.uint64(col[k + t - count])
+            add_records(record, i, j, both, t)
             row[t] = np.int32(i)
+            d[t + OWN] = own
+            d[t + OTHER] = record[j, 3]
         count += take
         k += take
         if k < end:
@@ -110,19 +117,39 @@ def _fill(i, k, stop, ptr, row):
             return count, i, k
 
 
+@njit(inline="always")
+def _set_sums(count, s, d, both, dy, dx, moves):
+    """Sums of two records as columns: variances `SUM` of `d` and `BOTH`, with `ROOT` for R; if
+    `moves`, `WIDE` with `STEEP` for R, and `SKEW`, positive where a pair may differ from a round
+    one by more than `NEGLIGIBLE`."""
+    for k in range(count):
+        total = both[FOUR * k]
+        d[k + SUM] = total
+        s[k + BOTH] = total
+        s[k + ROOT] = dy[k] * dy[k] + dx[k] * dx[k] + np.float32(total) + TINY
+    if moves:
+        for k in range(count):
+            wide = np.float32(both[FOUR * k + np.uint64(1)])
+            reach = dy[k] * dy[k] + dx[k] * dx[k] + wide + TINY
+            s[k + WIDE] = wide
+            s[k + STEEP] = reach
+            s[k + SKEW] = np.float32(both[FOUR * k + TWO]) - NEGLIGIBLE * reach
+
+
 @compiled()
-def in_split_lengths(variance, growth, moment, size, skew, eta, exact, narrow, dipole):
-    """What `near_fields` reads, in split lengths: `exact`, in single precision `variance`, `wide`
-    and `skew` as the rows of `narrow` (3, n), and `dipole` (n, 2), for footprints of
-    `size` times the `variance` and `growth`; `growth` and `moment` may be empty."""
+def in_split_lengths(variance, growth, moment, size, skew, cap, eta, exact, record, wide, dipole):
+    """What `near_fields` reads, in split lengths, for footprints of `size` times the `variance` and
+    `growth`; `growth` and `moment` may be empty. `exact` is the variance."""
     square = 1.0 / (eta * eta)
     for i in range(variance.size):
         unit = square * size[i]
         exact[i] = unit * variance[i]
-        wide = exact[i] + (0.5 * unit * growth[i] if growth.size else 0.0)
-        narrow[0, i] = exact[i]
-        narrow[1, i] = wide
-        narrow[2, i] = wide * skew[i]
+        broad = exact[i] + (0.5 * unit * growth[i] if growth.size else 0.0)
+        wide[i] = broad
+        record[i, 0] = exact[i]
+        record[i, 1] = broad
+        record[i, 2] = broad * skew[i]
+        record[i, 3] = min(exact[i], cap)
     for i in range(len(moment)):
         dipole[i, 0] = moment[i, 0] / eta
         dipole[i, 1] = moment[i, 1] / eta
@@ -132,10 +159,8 @@ def in_split_lengths(variance, growth, moment, size, skew, eta, exact, narrow, d
 def near_fields(
     rows,
     force,
-    exact,
-    variance,
+    record,
     wide,
-    skew,
     form,
     dipole,
     moves,
@@ -155,24 +180,25 @@ def near_fields(
 
     The energy of the pair (i, j) is F_i F_j N(r; m_i, m_j); v0_i = sum F_j N and
     v1_i = sum F_j dN/dm_i. The smooth part that is subtracted takes variances up to `cap` only,
-    as the mesh does. `variance` is in single precision, as are all arrays of pairs, and `exact` the
-    same in double. Gradients are those of footprints of variance `wide` (the mean of receiver and
-    source), of moments `form` (3, n), yy, xx, xy, over their variance, which differ from round ones
-    by `skew` (n,). They, the field of forces times shifts `dipole` (n, 2) and the last column are
-    made only if `moves`.
+    as the mesh does. `record` (n, 4) holds the variance; that of the footprints of the gradients,
+    `wide` in single precision, the mean of receiver and source; by how much these differ from round
+    ones; and what the mesh takes of the variance. Moments of the footprints over their variance are
+    `form` (3, n), yy, xx, xy. Gradients, the field of forces times shifts `dipole` (n, 2) and the
+    last column are made only if `moves`.
     """
     out[:] = 0.0
     s = carray(floats(), (COLUMNS * BLOCK,))
-    d = carray(doubles(), (2 * BLOCK,))
+    d = carray(columns(), (COLUMNS * BLOCK,))
+    both = carray(doubles(), (2 * BLOCK,))
     row = carray(places(), (BLOCK,))
     listed = carray(places(), (2, BLOCK))
     away = carray(floats(), (2, BLOCK))
     lack = carray(floats(), (4, BLOCK))
+    both[:] = 0.0
+    d[:] = 0.0
     for k in range(BLOCK):
-        row[k] = 0
         listed[0, k], listed[1, k] = 0, 0
         away[0, k], away[1, k] = ONE, ONE
-    whole = cap
     cap = np.float32(cap)
     a = np.float32(0.5 * power)
     i = np.uint64(rows[0])
@@ -183,49 +209,40 @@ def near_fields(
     held = np.uint64(0)
     while i < stop:
         begin = e
-        count, i, e = _fill(i, e, stop, ptr, row)
+        count, i, e = _fill(i, e, stop, ptr, col, record, row, both, d)
         lanes = whole_lanes(count)
         column = col[begin : begin + lanes]
         dy = pair[0][begin : begin + lanes]
         dx = pair[1][begin : begin + lanes]
-        set_reach(lanes, s, BOTH, row, column, dy, dx, variance)
+        _set_sums(lanes, s, d, both, dy, dx, moves)
         set_powers(lanes, s, ROOT, power)
-        _exact(lanes, s, d, row, column, dy, dx, exact, power)
+        _exact(lanes, s, d, dy, dx, power)
         for k in range(lanes):
-            vi = variance[np.uint64(row[k])]
-            vj = variance[np.uint64(column[k])]
-            ci = min(vi, cap)
-            cj = min(vj, cap)
+            ci = np.float32(d[k + OWN])
+            cj = np.float32(d[k + OTHER])
             value, bend, cross, pull, turn = smooth(dy[k] * dy[k] + dx[k] * dx[k], far, a)
             inverse = s[k + INVERSE]
             slope = look(shape, 2, s[k + BOTH] * inverse) * s[k + ROOT] * inverse
-            s[k + TO_ROW] = slope - (bend + cj * cross if vi < cap else ZERO)
-            s[k + TO_COLUMN] = slope - (bend + ci * cross if vj < cap else ZERO)
-            s[k + LEVEL] = value
-            s[k + ONCE] = bend
-            s[k + TWICE] = cross
+            s[k + TO_ROW] = slope - (bend + cj * cross if ci < cap else ZERO)
+            s[k + TO_COLUMN] = slope - (bend + ci * cross if cj < cap else ZERO)
+            d[k + PART] = value + (d[k + OWN] + d[k + OTHER]) * bend
+            d[k + PART] += d[k + OWN] * d[k + OTHER] * cross
             s[k + BEND] = pull
             s[k + CROSS] = turn
         for k in range(lanes):
-            vi = exact[np.uint64(row[k])]
-            vj = exact[np.uint64(column[k])]
-            ci = min(vi, whole)
-            cj = min(vj, whole)
-            place = within((vi + vj) * d[k + NEXT] * PAIR_NODES, 1.0 * PAIR_NODES)
+            place = within(d[k + SUM] * d[k + OVER] * PAIR_NODES, 1.0 * PAIR_NODES)
             c = np.uint64(np.int32(place))
             value = value_table[0, c] + (place - c) * value_table[1, c]
-            d[k] = value * d[k] - s[k + LEVEL] - (ci + cj) * s[k + ONCE] - ci * cj * s[k + TWICE]
+            d[k + NEAR] = value * d[k + NEAR] - d[k + PART]
         if moves:
-            set_reach(lanes, s, WIDE, row, column, dy, dx, wide)
-            set_doubt(lanes, s, row, column, STEEP, skew)
             set_powers(lanes, s, STEEP, power)
             for k in range(lanes):
                 inverse = s[k + FLAT]
                 pull = look(shape, 4, s[k + WIDE] * inverse) * s[k + STEEP] * inverse - s[k + BEND]
                 turn = s[k + CROSS]
                 s[k + PULL] = pull
-                s[k + PULL_ROW] = pull - min(variance[np.uint64(column[k])], cap) * turn
-                s[k + PULL_COLUMN] = pull - min(variance[np.uint64(row[k])], cap) * turn
+                s[k + PULL_ROW] = pull - np.float32(d[k + OTHER]) * turn
+                s[k + PULL_COLUMN] = pull - np.float32(d[k + OWN]) * turn
         k = np.uint64(0)
         while k < count:
             h = np.uint64(row[k])
@@ -238,7 +255,7 @@ def near_fields(
                 for t in range(k, last):
                     j = np.uint64(column[t])
                     fj = force[j]
-                    value = d[t]
+                    value = d[t + NEAR]
                     by = np.float64(dy[t])
                     bx = np.float64(dx[t])
                     pull = np.float64(s[t + PULL])
@@ -258,7 +275,7 @@ def near_fields(
                 for t in range(k, last):
                     j = np.uint64(column[t])
                     fj = force[j]
-                    value = d[t]
+                    value = d[t + NEAR]
                     a0 += fj * value
                     a1 += fj * s[t + TO_ROW]
                     out[j, 0] += fi * value

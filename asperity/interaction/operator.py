@@ -233,14 +233,13 @@ class Interaction:
         """
         n, moves = len(force), moment is not None
         size, skew, shape = self.shaped(form)
-        m, narrow = np.empty(n), np.empty((3, n), np.float32)
+        m, record, wide = np.empty(n), np.empty((n, 4)), np.empty(n, np.float32)
         moment = np.empty((0, 2)) if moment is None else moment
         dipole = np.empty((n if moves else 1, 2))
         growth = np.empty(0) if growth is None else growth
         _pair_kernels.in_split_lengths(
-            variance, growth, moment, size, skew, self.eta, m, narrow, dipole
+            variance, growth, moment, size, skew, CAP, self.eta, m, record, wide, dipole
         )
-        single, wide, skewed = narrow
         masses, scale = self.masses[: 1 + moves], self.scales
         found = Field(np.empty(n), np.empty(n), np.zeros((n, 2)), np.zeros(n), np.zeros(n))
 
@@ -253,10 +252,8 @@ class Interaction:
             _pair_kernels.near_fields(
                 self.rows[c],
                 force,
-                m,
-                single,
+                record,
                 wide,
-                skewed,
                 shape,
                 dipole,
                 moves,
