@@ -9,25 +9,19 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+from numba import carray, njit
 
 from surfaces._compiled import compiled
+
+from ._patches import add_moved, add_spread, add_stored, read, read_stored, set_stored
+from ._scratch import doubles, floats
 
 FAST = {"reassoc", "contract", "nsz"}
 
 
-@njit(inline="always")
-def _weights(t):
-    """Cubic B-spline weights of the four nodes about a point, their first and second slopes."""
-    s = 1.0 - t
-    w = (
-        s * s * s / 6.0,
-        (3.0 * t - 6.0) * t * t / 6.0 + 4.0 / 6.0,
-        (3.0 * s - 6.0) * s * s / 6.0 + 4.0 / 6.0,
-        t * t * t / 6.0,
-    )
-    d = (-0.5 * s * s, (1.5 * t - 2.0) * t, 0.5 + (1.0 - 1.5 * t) * t, 0.5 * t * t)
-    return w, d, (s, 3.0 * t - 2.0, 1.0 - 3.0 * t, t)
+NODES, SIZE = np.uint64(4), np.uint64(16)
+# lines of a patch on its own
+PATCH = (np.uint64(0), np.uint64(4), np.uint64(8), np.uint64(12))
 
 
 @njit(inline="always")
@@ -41,6 +35,38 @@ def _lines(first, count):
     return a, b, c, d
 
 
+@njit(inline="always")
+def _places(lines, first, width):
+    """First of the four nodes from line `first` across on, on each of the lines."""
+    a, b, c, d = lines
+    return a * width + first, b * width + first, c * width + first, d * width + first
+
+
+@njit(inline="always")
+def _at(py, px):
+    """First line and column about a point, and its shares of a step."""
+    iy, ix = int(py), int(px)
+    return np.uint64(iy), np.uint64(ix), (py - iy, px - ix)
+
+
+@njit(inline="always")
+def _add_patch(mesh, lines, first, patch):
+    """Add a patch of 4 by 4 nodes that reaches over the seam."""
+    columns = _lines(first, mesh.shape[1])
+    for a in range(4):
+        for b in range(4):
+            mesh[lines[a], columns[b]] += patch[4 * a + b]
+
+
+@njit(inline="always")
+def _copy_patch(mesh, lines, first, patch):
+    """Copy 4 by 4 nodes that lie about the seam."""
+    columns = _lines(first, mesh.shape[1])
+    for a in range(4):
+        for b in range(4):
+            patch[4 * a + b] = mesh[lines[a], columns[b]]
+
+
 @compiled(fastmath=FAST)
 def deposit(rows, y, x, force, variance, cap, dipole, per_step, grid):
     """Spread sources on the meshes `grid` (1 or 2, my, mx).
@@ -49,33 +75,42 @@ def deposit(rows, y, x, force, variance, cap, dipole, per_step, grid):
     there is one: forces times shifts `dipole` (n, 2).
     """
     grid[:] = 0.0
-    moves = grid.shape[0] > 1
+    patch = carray(doubles(), (16,))
     my, mx = grid.shape[1:]
+    width = np.uint64(mx)
     ny, nx = per_step
-    one = np.uint64(1)
-    for i in range(rows[0], rows[1]):
+    for i in range(np.uint64(rows[0]), np.uint64(rows[1])):
         f = force[i]
         if f == 0.0:
             continue
-        iy = int(y[i] * ny)
-        ix = int(x[i] * nx)
-        wy, dy, cy = _weights(y[i] * ny - iy)
-        wx, dx, cx = _weights(x[i] * nx - ix)
+        iy, ix, at = _at(y[i] * ny, x[i] * nx)
         lines = _lines(iy, my)
-        columns = _lines(ix, mx)
         half = 0.5 * min(variance[i], cap)
-        for a in range(4):
-            value = f * (wy[a] + half * ny * ny * cy[a])
-            bent = f * half * nx * nx * wy[a]
-            for b in range(4):
-                grid[0, lines[a], columns[b]] += value * wx[b] + bent * cx[b]
-        if moves:
-            along = dipole[i, 0] * ny
-            across = dipole[i, 1] * nx
-            for a in range(4):
-                for b in range(4):
-                    change = along * dy[a] * wx[b] + across * wy[a] * dx[b]
-                    grid[one, lines[a], columns[b]] += change
+        spread = (half * ny * ny, half * nx * nx)
+        if ix + NODES <= width:
+            places = _places(lines, ix, width)
+            add_spread(grid[0], places, at, spread, f)
+            if grid.shape[0] > 1:
+                add_moved(grid[1], places, at, (dipole[i, 0] * ny, dipole[i, 1] * nx))
+            continue
+        patch[:] = 0.0
+        add_spread(patch, PATCH, at, spread, f)
+        _add_patch(grid[0], lines, ix, patch)
+        if grid.shape[0] > 1:
+            patch[:] = 0.0
+            add_moved(patch, PATCH, at, (dipole[i, 0] * ny, dipole[i, 1] * nx))
+            _add_patch(grid[1], lines, ix, patch)
+
+
+@njit(inline="always")
+def _read(mesh, iy, ix, at, patch):
+    """`read` about a point of a mesh that repeats; `patch` is scratch."""
+    lines = _lines(iy, mesh.shape[0])
+    width = np.uint64(mesh.shape[1])
+    if ix + NODES <= width:
+        return read(mesh, _places(lines, ix, width), at)
+    _copy_patch(mesh, lines, ix, patch)
+    return read(patch, PATCH, at)
 
 
 @compiled(fastmath=FAST)
@@ -90,76 +125,43 @@ def gather(
     per_step,
     scale,
     grid,
-    part,
+    near,
     value,
     slope,
     tilt,
     moved,
     longer,
 ):
-    """Sum of the mesh part, less what each point does to itself there, and the near `part`s.
+    """Sum of the mesh part, less what each point does to itself there, and the `near` part (n, 6).
 
     Into `value`, `slope`, `tilt` (n, 2), `moved` and `longer`, times `scale` (3): of lengths, of
-    slopes over variance, and of gradients; the last three
-    only if there is a second mesh.
+    slopes over variance, and of gradients; the last three only if there is a second mesh.
     """
-    moves = grid.shape[0] > 1
-    my, mx = grid.shape[1:]
+    patch = carray(doubles(), (16,))
     ny, nx = per_step
     f0, f1, f2 = own
-    one = np.uint64(1)
-    for i in range(rows[0], rows[1]):
-        iy = int(y[i] * ny)
-        ix = int(x[i] * nx)
-        wy, dy, cy = _weights(y[i] * ny - iy)
-        wx, dx, cx = _weights(x[i] * nx - ix)
-        lines = _lines(iy, my)
-        columns = _lines(ix, mx)
-        level, bent, along, across, other = 0.0, 0.0, 0.0, 0.0, 0.0
-        for b in range(4):
-            p, q, r = 0.0, 0.0, 0.0
-            for a in range(4):
-                here = grid[0, lines[a], columns[b]]
-                p += wy[a] * here
-                q += cy[a] * here
-                r += dy[a] * here
-            level += wx[b] * p
-            bent += ny * ny * wx[b] * q + nx * nx * cx[b] * p
-            along += wx[b] * r
-            across += dx[b] * p
+    for i in range(np.uint64(rows[0]), np.uint64(rows[1])):
+        iy, ix, at = _at(y[i] * ny, x[i] * nx)
+        level, along, across, bent, curved = _read(grid[0], iy, ix, at, patch)
         held = min(variance[i], cap)
-        bent *= 0.5
+        bent = 0.5 * (ny * ny * bent + nx * nx * curved)
         level += held * bent - force[i] * (f0 + held * (f1 + 0.25 * held * f2))
         bent = bent - force[i] * (0.5 * f1 + 0.25 * held * f2) if variance[i] < cap else 0.0
-        for c in range(part.shape[0]):
-            level += part[c, i, 0]
-            bent += part[c, i, 1]
-        value[i] = scale[0] * level
-        slope[i] = scale[1] * bent
-        if moves:
-            for b in range(4):
-                p = 0.0
-                for a in range(4):
-                    p += wy[a] * grid[one, lines[a], columns[b]]
-                other += wx[b] * p
-            along *= ny
-            across *= nx
-            extra = 0.0
-            for c in range(part.shape[0]):
-                along += part[c, i, 2]
-                across += part[c, i, 3]
-                other += part[c, i, 4]
-                extra += part[c, i, 5]
-            tilt[i, 0] = scale[2] * along
-            tilt[i, 1] = scale[2] * across
-            moved[i] = scale[0] * other
-            longer[i] = scale[0] * extra
+        value[i] = scale[0] * (level + near[i, 0])
+        slope[i] = scale[1] * (bent + near[i, 1])
+        if grid.shape[0] > 1:
+            other = _read(grid[1], iy, ix, at, patch)[0]
+            tilt[i, 0] = scale[2] * (ny * along + near[i, 2])
+            tilt[i, 1] = scale[2] * (nx * across + near[i, 3])
+            moved[i] = scale[0] * (other + near[i, 4])
+            longer[i] = scale[0] * near[i, 5]
 
 
 @compiled(fastmath=FAST)
 def sample(y, x, origin, unit, size, wrap, per_step, scale, grid, out):
     """`scale` times the mesh potential at any points, which lie at (y - origin[0]) / unit in a cell
     of this `size`; beyond one that does not repeat, zero."""
+    patch = carray(doubles(), (16,))
     my, mx = grid.shape
     high, wide = size
     for i in range(y.size):
@@ -173,17 +175,8 @@ def sample(y, x, origin, unit, size, wrap, per_step, scale, grid, out):
             continue
         py = min(py * per_step[0], my - 1e-9) if wrap else py * per_step[0]
         px = min(px * per_step[1], mx - 1e-9) if wrap else px * per_step[1]
-        iy = int(py)
-        ix = int(px)
-        wy, _, _ = _weights(py - iy)
-        wx, _, _ = _weights(px - ix)
-        lines = _lines(iy, my)
-        columns = _lines(ix, mx)
-        value = 0.0
-        for a in range(4):
-            for b in range(4):
-                value += wy[a] * wx[b] * grid[lines[a], columns[b]]
-        out[i] = scale * value
+        iy, ix, at = _at(py, px)
+        out[i] = scale * _read(grid, iy, ix, at, patch)[0]
 
 
 @compiled(fastmath=FAST)
@@ -191,65 +184,51 @@ def spline(rows, index, y, x, variance, cap, per_step, place, weight):
     """First line and column (n, 2) and the 16 weights (n, 4, 4) of spread forces at the points
     `index`, as `deposit` and `gather` apply them."""
     ny, nx = per_step
-    for k in range(rows[0], rows[1]):
-        i = index[k]
-        iy = int(y[i] * ny)
-        ix = int(x[i] * nx)
-        wy, _, cy = _weights(y[i] * ny - iy)
-        wx, _, cx = _weights(x[i] * nx - ix)
+    for k in range(np.uint64(rows[0]), np.uint64(rows[1])):
+        i = np.uint64(index[k])
+        iy, ix, at = _at(y[i] * ny, x[i] * nx)
         half = 0.5 * min(variance[k], cap)
         place[k, 0] = iy
         place[k, 1] = ix
-        for a in range(4):
-            value = wy[a] + half * ny * ny * cy[a]
-            bent = half * nx * nx * wy[a]
-            for b in range(4):
-                weight[k, a, b] = value * wx[b] + bent * cx[b]
+        set_stored(weight, SIZE * k, at, (half * ny * ny, half * nx * nx))
 
 
 @compiled()
 def spread(rows, place, weight, vector, grid):
     """Forces `vector` on the mesh by stored weights."""
     grid[:] = 0.0
+    patch = carray(floats(), (16,))
     my, mx = grid.shape
-    for k in range(rows[0], rows[1]):
+    width = np.uint64(mx)
+    for k in range(np.uint64(rows[0]), np.uint64(rows[1])):
+        ix = np.uint64(place[k, 1])
+        lines = _lines(place[k, 0], my)
+        first = SIZE * k
         value = np.float32(vector[k])
-        iy = place[k, 0]
-        ix = place[k, 1]
-        if ix + 4 <= mx:
-            for a in range(4):
-                row = iy + a if iy + a < my else iy + a - my
-                for b in range(4):
-                    grid[row, ix + b] += value * weight[k, a, b]
+        if ix + NODES <= width:
+            add_stored(grid, _places(lines, ix, width), weight, first, value)
         else:
-            for a in range(4):
-                row = iy + a if iy + a < my else iy + a - my
-                for b in range(4):
-                    grid[row, (ix + b) % mx] += value * weight[k, a, b]
+            patch[:] = 0.0
+            add_stored(patch, PATCH, weight, first, value)
+            _add_patch(grid, lines, ix, patch)
 
 
 @compiled()
-def collect(rows, place, weight, vector, grid, diagonal, part, scale, out):
-    """scale (diagonal vector + mesh potential by stored weights + near `part`s), into `out`."""
+def collect(rows, place, weight, vector, grid, diagonal, near, scale, out):
+    """scale (diagonal vector + mesh potential by stored weights + `near`), into `out`."""
+    patch = carray(floats(), (16,))
     my, mx = grid.shape
-    for k in range(rows[0], rows[1]):
-        iy = place[k, 0]
-        ix = place[k, 1]
-        total = np.float32(0.0)
-        if ix + 4 <= mx:
-            for a in range(4):
-                row = iy + a if iy + a < my else iy + a - my
-                for b in range(4):
-                    total += weight[k, a, b] * grid[row, ix + b]
+    width = np.uint64(mx)
+    for k in range(np.uint64(rows[0]), np.uint64(rows[1])):
+        ix = np.uint64(place[k, 1])
+        lines = _lines(place[k, 0], my)
+        first = SIZE * k
+        if ix + NODES <= width:
+            total = read_stored(grid, _places(lines, ix, width), weight, first)
         else:
-            for a in range(4):
-                row = iy + a if iy + a < my else iy + a - my
-                for b in range(4):
-                    total += weight[k, a, b] * grid[row, (ix + b) % mx]
-        value = diagonal[k] * vector[k] + total
-        for c in range(part.shape[0]):
-            value += part[c, k]
-        out[k] = scale * value
+            _copy_patch(grid, lines, ix, patch)
+            total = read_stored(patch, PATCH, weight, first)
+        out[k] = scale * (diagonal[k] * vector[k] + total + near[k])
 
 
 @compiled(fastmath=FAST)

@@ -17,7 +17,7 @@ from . import _list_kernels, _mesh_kernels, _pair_kernels
 from .afar import Afar
 from .footprint import Footprints, at_origin, pair_table, smooth_polynomials
 from .mesh import Mesh, mesh_of
-from .near import chunks, near_pairs, run
+from .near import chunks, near_pairs, run, total
 
 __all__ = ["CAP", "Field", "Interaction"]
 
@@ -271,7 +271,7 @@ class Interaction:
 
         def receivers(_: int, rows: NDArray[np.int64]) -> None:
             place = self.y, self.x, force, m, CAP, self.own, self.mesh.per_step, scale
-            _mesh_kernels.gather(rows, *place, smooth, self.part, *found)
+            _mesh_kernels.gather(rows, *place, smooth, total(self.part, rows), *found)
 
         parts: list[Callable[[], Any]] = [
             far,

@@ -166,7 +166,7 @@ class Tangent:
                 vector,
                 smooth[0],
                 self.diagonal,
-                self.part,
+                total(self.part, rows),
                 self.plan.scale,
                 out,
             )
