@@ -106,6 +106,27 @@ def lag(force, stiffness, tilt, aside, fresh, moved, gain):
     return change / whole * max(afar, own) / load if whole > 0.0 else 0.0
 
 
+@compiled(error_model="numpy")
+def mismatch(rows, own, stiffness, wanted, force, right, exponent, share):
+    """What a forecast of the forces lacks to the laws' `own` at the contacts `rows`, over the
+    stiffness, into `right`; the exponent of the power laws that they follow, and the forecast over
+    `own`. Returns the sum of `own`, and the root of the sum of the squares of the lacks over
+    stiffness times the sum of that."""
+    load = 0.0
+    total = 0.0
+    square = 0.0
+    for k in range(rows.size):
+        i = rows[k]
+        lack = own[i] - force[i]
+        right[k] = lack / stiffness[i]
+        exponent[k] = min(own[i] / (stiffness[i] * wanted[i]), 1.0)
+        share[k] = force[i] / own[i]
+        load += own[i]
+        total += stiffness[i]
+        square += lack * right[k]
+    return load, math.sqrt(total * square)
+
+
 @compiled()
 def balance(stiffness, error):
     """Mean of the errors, weighted by stiffness."""
@@ -135,11 +156,13 @@ def imbalance(
     wanted,
     error,
     active,
+    closing,
 ):
     """Fill z - s, z - s - u, what it exceeds the approach by, and whether that is positive.
 
     Returns the rise of the plane, zero unless `balanced`, after which the errors times stiffness
-    cancel, their sum without signs, and the load.
+    cancel, their sum without signs, the load, and the number of open contacts that
+    want to close, which are listed in `closing`.
     """
     total = 0.0
     moment = 0.0
@@ -154,12 +177,15 @@ def imbalance(
         load += force[i]
     rise = moment / total if balanced and total > 0.0 else 0.0
     wrong = 0.0
+    fresh = 0
     for i in range(height.size):
         gap[i] -= rise
         wanted[i] -= rise
         error[i] -= rise
         wrong += stiffness[i] * abs(error[i])
-    return rise, wrong, load
+        closing[fresh] = i
+        fresh += (wanted[i] > 0.0) & (not active[i])
+    return rise, wrong, load, fresh
 
 
 @compiled()

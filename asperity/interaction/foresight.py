@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _state_kernels
 from .gradients import conjugate_gradients
 from .state import Problem
 from .tangent import Tangent
@@ -46,15 +45,13 @@ def foreseen(
     closed = law.force > 0
     tangent = Tangent(problem.plan, closed, law.stiffness, None, problem.form)
     rows = tangent.index
-    own, stiffness, base = law.force[rows], law.stiffness[rows], wanted[rows]
-    lacking = own - force[rows]
-    # sum |r| k, the residual, is at most the root of sum k r^2 times sum k
-    most = math.sqrt(float(stiffness.sum()) * float(np.sum(lacking**2 / stiffness)))
-    enough = tolerance * float(own.sum()) / most if most > 0 else 1.0
-    solved = conjugate_gradients(
-        tangent, lacking / stiffness, tolerance=min(max(FORCING, enough), 1.0)
-    )
+    right, exponent, share = np.empty((3, len(rows)))
+    known = law.force, law.stiffness, wanted, force
+    # the residual, sum |r| k, is at most the root of sum k r^2 times sum k
+    load, most = _state_kernels.mismatch(rows, *known, right, exponent, share)
+    enough = tolerance * load / most if most > 0 else 1.0
+    solved = conjugate_gradients(tangent, right, tolerance=min(max(FORCING, enough), 1.0))
+    share += solved.solution / law.force.take(rows)
     approach = np.maximum(wanted, 0.0)
-    grown = np.maximum((force[rows] + solved.solution) / own, 0.0)
-    approach[rows] = base * grown ** np.minimum(own / (stiffness * base), 1.0)
+    approach[rows] *= np.maximum(share, 0.0) ** exponent
     return approach, solved.products

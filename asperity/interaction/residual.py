@@ -42,7 +42,8 @@ class Residual:
         law, field, n = state.laws, state.field, len(problem.height)
         self.gap, self.wanted, self.error = np.empty((3, n))
         self.active = np.empty(n, bool)
-        rise, error, load = _state_kernels.imbalance(
+        closing = np.empty(n, np.int64)
+        rise, error, load, count = _state_kernels.imbalance(
             problem.height,
             separation,
             balanced,
@@ -59,11 +60,12 @@ class Residual:
             self.wanted,
             self.error,
             self.active,
+            closing,
         )
         self.separation = separation + rise
         problem.laws.expect(self.wanted)
         stiffness, growth, force, base = law.stiffness, law.growth, law.force, state.approach
-        fresh = np.flatnonzero((self.wanted > 0) & ~self.active)
+        fresh = closing[:count]
         fresh = fresh[problem.laws.rows(fresh).usable]
         if fresh.size:
             self.active[fresh] = True

@@ -124,6 +124,8 @@ class State:
     def lag(self) -> float:
         """Share of the load that the difference between `aside` and `fresh` can make: that of the
         moments' work, times the weight of the whole deflection."""
+        if self.fresh is self.aside:
+            return 0.0
         return float(
             _state_kernels.lag(
                 self.laws.force,
