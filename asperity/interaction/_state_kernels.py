@@ -74,18 +74,6 @@ def widen(
         shift[i] = math.sqrt(square) / (power * approach[i]) * slope
 
 
-@compiled(error_model="numpy")
-def flagged(index, approach, reach, flags, wanted, out):
-    """Which contacts have one of the flags `wanted` at the node at or above their approach, of
-    tables `flags` up to their `reach`, into `out`; `LawTable.flags_at` for many contacts."""
-    last = flags.shape[1] - 1
-    for i in range(index.size):
-        row = index[i]
-        share = approach[i] / reach[row] if reach[row] > 0.0 else 0.0
-        node = math.ceil(math.sqrt(min(max(share, 0.0), 1.0)) * last)
-        out[i] = flags[row, node] & wanted > 0
-
-
 @compiled()
 def lag(force, stiffness, tilt, aside, fresh, moved, gain):
     """Share of the load that the difference between `aside` and `fresh` can make."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from surfaces._compiled import compiled, inner
 
-__all__ = ["evaluate_table", "resample"]
+__all__ = ["evaluate_table", "flags_of_table", "resample"]
 
 
 @compiled()
@@ -53,6 +53,16 @@ def evaluate_table(rows, approach, reach, force, stiffness, area, p, scale, out)
         out[0, i] = power * s
         out[1, i] = power * (p * s / u + g) / (2.0 * u * top)
         out[2, i] = b * u * u
+
+
+@compiled()
+def flags_of_table(rows, approach, reach, flags, out):
+    """Flags of the node at or above `approach` into `out`, the last node's beyond the reach."""
+    last = flags.shape[1] - 1
+    for i in range(rows.size):
+        row = rows[i]
+        share = approach[i] / reach[row] if reach[row] > 0.0 else 0.0
+        out[i] = flags[row, math.ceil(math.sqrt(min(max(share, 0.0), 1.0)) * last)]
 
 
 @compiled()

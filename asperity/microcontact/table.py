@@ -143,7 +143,15 @@ class LawTable:
 
     def flags_at(self, index: ArrayLike, approach: ArrayLike) -> NDArray[np.uint8]:
         """Flags of the node at or above `approach`; the last node's beyond the reach."""
-        return np.asarray(self.flags[self._node(index, approach)])
+        from ._kernels import flags_of_table
+
+        rows, depth = np.broadcast_arrays(
+            np.asarray(index, dtype=np.int64), np.asarray(approach, dtype=float)
+        )
+        out = np.empty(rows.shape, np.uint8)
+        places = np.ascontiguousarray(rows).ravel(), np.ascontiguousarray(depth).ravel()
+        flags_of_table(*places, self.reach, self.flags, out.ravel())
+        return out
 
     def spread_at(self, index: ArrayLike, approach: ArrayLike) -> Array:
         """Error estimate of the node at or above `approach`; the last node's beyond the reach."""

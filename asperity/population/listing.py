@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..flags import Flag
-from ..interaction import _state_kernels
 from ..interaction.deflection import LEANING, widened
 from ..interaction.operator import Interaction
 from ..interaction.state import Problem
@@ -112,7 +111,7 @@ class Candidates:
         """At a separation; `growth` is how much deeper the field can be where it is negative."""
         rows, y, x, depth = summits
         low = growth * (0.0 if field is None else field.lowest)
-        end = np.searchsorted(depth, -(separation + 1.1 * low))
+        end = depth.searchsorted(-(separation + 1.1 * low))
         rows, overlap = rows[:end], -separation - depth[:end]
         if field is None:
             return cls(rows, overlap - 1.1 * low, low)
@@ -254,9 +253,8 @@ class Listing:
         law, problem, table = solution.laws, self.problem, population.table
         if not (problem.deflects and hasattr(table, "flags_at")):
             return law.area
-        rough, depth = np.empty(len(self.index), bool), solution.approach
-        which = table.flags, np.uint8(Flag.BEYOND_RADIUS)
-        _state_kernels.flagged(self.index, depth, table.reach, *which, rough)
+        depth = solution.approach
+        rough = table.flags_at(self.index, depth) & np.uint8(Flag.BEYOND_RADIUS) > 0
         tilts = solution.tilt, problem.lean
         area, shift = widened(problem.plan.footprints, law, depth, *tilts, rough)
         rows = np.flatnonzero(shift > LEANING[0])
