@@ -21,9 +21,13 @@ from .path import MEMORY, Point, forecast, weights
 from .state import PopulationState
 
 if TYPE_CHECKING:
+    from ..interaction.state import Problem
     from .population import Population
 
 __all__ = ["Trail"]
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
 
 SPARE = 1.5
 """Listed summits over those that can touch now, so that lists last for several separations."""
@@ -59,6 +63,30 @@ LEVEL = 1e-9
 """Rise of the flat under more load that rounding explains, over its fall since the first touch."""
 
 
+def _listed(
+    population: Population,
+    rows: Rows,
+    values: Array,
+    field: Interaction | None,
+    separation: float,
+    growth: float,
+    spare: float,
+    rounded: bool,
+) -> Listing:
+    """Lists for a separation, about the `Point.values` of the summits `rows`."""
+    closed = values[0] > 0
+    near = Candidates.of(population.fallen, field, separation, growth)
+    return Listing.of(population, near, rows[closed], values[0, closed], spare, rounded)
+
+
+def _along(index: Rows, rows: Rows, values: Array, count: int) -> tuple[Rows, Array]:
+    """The summits of a list and the `Point.values` of each, of those known of `rows`; `count` are
+    all summits."""
+    known = np.zeros((len(values), count))
+    known[:, rows] = values
+    return index, known[:, index]
+
+
 @dataclass(frozen=True, eq=False)
 class Trail:
     """The last points, and the lists made for them."""
@@ -76,7 +104,6 @@ class Trail:
         population = self.population
         if not population.interaction:
             return self._independent(separation)
-        trail, steps, products, good = self, 0, 0, None
         load = None if pressure is None else pressure * population.nominal_area
         rows, values = self._start(separation, load)
         growth, spare = DEEPER, SPARE
@@ -86,51 +113,37 @@ class Trail:
         if listing is not None:
             lacks = listing.lacks(self.field, separation, growth)
             listing = None if lacks else listing.about(population, rows, values, tolerance)
+        trail, good, steps, products = self, None, 0, 0
         blind, rounded = not self.points, False
         for placed in range(MAX_PLACED + 1):
             if listing is None:
-                closed = values[0] > 0
-                near = Candidates.of(population.fallen, trail.field, separation, growth)
-                touching = rows[closed], values[0, closed]
-                listing = Listing.of(population, near, *touching, spare, rounded)
+                lists = trail.field, separation, growth, spare, rounded
+                listing = _listed(population, rows, values, *lists)
             if rows is not listing.index:
-                start = np.zeros((len(values), len(population)))
-                start[:, rows] = values
-                rows, values = listing.index, start[:, listing.index]
-            start = values
-            approach = start[0]
+                rows, values = _along(listing.index, rows, values, len(population))
+            problem, approach = listing.problem, values[0]
             if load is None and placed == 0 and len(self.points) > 1:
-                ahead, spent = foreseen(listing.problem, approach, start[1], tolerance=tolerance)
+                ahead, products = foreseen(problem, approach, values[1], tolerance=tolerance)
                 approach = ahead if math.isfinite(float(ahead.sum())) else approach
-                products += spent
-            problem = listing.problem
-            for _ in range(2):
-                solution = descend(
-                    problem,
-                    separation,
-                    approach,
-                    tilt=start[2:4].T,
-                    tolerance=max(tolerance, BLIND) if blind else tolerance,
-                    load=load,
-                    compliance=np.where(start[4] > 0, start[4], 1.0),
-                )
-                solution = self._ordered(solution, tolerance)
-                steps, products = steps + solution.steps, products + solution.products
-                share = float(solution.laws.area.sum()) / population.nominal_area
-                again = bool(solution.reason) and good is None and share <= CROWDED
-                again = again and problem.elongation is not None
-                if not again or solution.restless is None:
-                    break
-                problem = problem.rounded(solution.restless)
-            if again and placed < MAX_PLACED:
-                listing, rounded = None, True
-                continue
+            solve = functools.partial(
+                self._solved, separation, load, approach, values, tolerance, blind
+            )
+            solution = solve(problem)
+            steps, products = steps + solution.steps, products + solution.products
+            if good is None and self._unsettled(problem, solution):
+                if solution.restless is not None:
+                    problem = problem.rounded(solution.restless)
+                    solution = solve(problem)
+                    steps, products = steps + solution.steps, products + solution.products
+                if placed < MAX_PLACED and self._unsettled(problem, solution):
+                    listing, rounded = None, True
+                    continue
             if not solution.reason:
                 listing = replace(listing, problem=problem)
-            separation = solution.separation
             values = np.stack(
                 (solution.wanted, solution.laws.force, *solution.tilt.T, solution.shares)
             )
+            separation = solution.separation
             trail = replace(trail, listing=listing, field=listing.problem.plan)
             if solution.reason and good is not None:
                 trail, solution, values = good  # whose contacts have hardly strayed
@@ -147,21 +160,54 @@ class Trail:
             if listing is last:
                 break
             good = None if listing is None else (trail, solution, values)
-        if solution.reason and share > CROWDED:
+        if solution.reason and self._share(solution) > CROWDED:
             reason = (
-                f"contacts fill {100 * share:.0f} % of the nominal area and do not settle "
-                f"({solution.reason}): they are too crowded to be separate"
+                f"contacts fill {100 * self._share(solution):.0f} % of the nominal area and do not "
+                f"settle ({solution.reason}): they are too crowded to be separate"
             )
             solution = replace(solution, reason=reason)
         return trail._state(solution, values, steps, products)
+
+    def _solved(
+        self,
+        separation: float,
+        load: float | None,
+        approach: Array,
+        values: Array,
+        tolerance: float,
+        blind: bool,
+        problem: Problem,
+    ) -> Solution:
+        """What a problem comes to from approaches and the other `Point.values`, refused if it is
+        out of order."""
+        found = descend(
+            problem,
+            separation,
+            approach,
+            tilt=values[2:4].T,
+            tolerance=max(tolerance, BLIND) if blind else tolerance,
+            load=load,
+            compliance=np.where(values[4] > 0, values[4], 1.0),
+        )
+        return self._ordered(found, tolerance)
+
+    def _unsettled(self, problem: Problem, solution: Solution) -> bool:
+        """Whether long footprints, not the crowd, may be why a point did not come out."""
+        return bool(
+            solution.reason and problem.elongation is not None and self._share(solution) <= CROWDED
+        )
+
+    def _share(self, solution: Solution) -> float:
+        """Contact area over nominal area."""
+        return float(solution.laws.area.sum()) / self.population.nominal_area
 
     def _ordered(self, solution: Solution, tolerance: float) -> Solution:
         """The solution, refused if the flat would stand higher than under less load, as above no
         elastic body: footprints that overlap far can pass their load to each other until few
         contacts carry it."""
-        if solution.reason or not solution.laws.force.any():
-            return solution
         load = float(solution.laws.force.sum()) / self.population.nominal_area
+        if solution.reason or not load > 0:
+            return solution
         top = float(self.population.height[self.population.falling[0]])
         for separation, pressure in ((top, 0.0), self.heaviest or (top, 0.0)):
             apart = abs(load - pressure) > 2 * tolerance * max(load, pressure)
@@ -174,9 +220,7 @@ class Trail:
                 return replace(solution, reason=reason)
         return solution
 
-    def _start(
-        self, separation: float, load: float | None
-    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    def _start(self, separation: float, load: float | None) -> tuple[Rows, Array]:
         """Summits with something to start from, and `Point.values` of each."""
         population = self.population
         if self.points:
@@ -278,7 +322,7 @@ class Trail:
         return 0.5 * (low + high)
 
     def _state(
-        self, solution: Solution, values: NDArray[np.float64], steps: int, products: int
+        self, solution: Solution, values: Array, steps: int, products: int
     ) -> PopulationState:
         assert self.listing is not None
         index = self.listing.index
@@ -315,8 +359,8 @@ class Trail:
 
     def _pack(
         self,
-        rows: NDArray[np.int64],
-        area: NDArray[np.float64],
+        rows: Rows,
+        area: Array,
         solution: Solution,
         steps: int,
         products: int,
@@ -346,8 +390,6 @@ class Trail:
         )
 
 
-def _per_area(
-    answer: Callable[[], tuple[float, NDArray[np.float64]]], area: float
-) -> tuple[float, NDArray[np.float64]]:
+def _per_area(answer: Callable[[], tuple[float, Array]], area: float) -> tuple[float, Array]:
     slope, shares = answer()
     return slope / area, shares
