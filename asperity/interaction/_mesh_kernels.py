@@ -79,6 +79,7 @@ def deposit(rows, y, x, force, variance, cap, dipole, per_step, grid):
     my, mx = grid.shape[1:]
     width = np.uint64(mx)
     ny, nx = per_step
+    forces, shifts = grid[0], grid[-1]
     for i in range(np.uint64(rows[0]), np.uint64(rows[1])):
         f = force[i]
         if f == 0.0:
@@ -89,17 +90,17 @@ def deposit(rows, y, x, force, variance, cap, dipole, per_step, grid):
         spread = (half * ny * ny, half * nx * nx)
         if ix + NODES <= width:
             places = _places(lines, ix, width)
-            add_spread(grid[0], places, at, spread, f)
+            add_spread(forces, places, at, spread, f)
             if grid.shape[0] > 1:
-                add_moved(grid[1], places, at, (dipole[i, 0] * ny, dipole[i, 1] * nx))
+                add_moved(shifts, places, at, (dipole[i, 0] * ny, dipole[i, 1] * nx))
             continue
         patch[:] = 0.0
         add_spread(patch, PATCH, at, spread, f)
-        _add_patch(grid[0], lines, ix, patch)
+        _add_patch(forces, lines, ix, patch)
         if grid.shape[0] > 1:
             patch[:] = 0.0
             add_moved(patch, PATCH, at, (dipole[i, 0] * ny, dipole[i, 1] * nx))
-            _add_patch(grid[1], lines, ix, patch)
+            _add_patch(shifts, lines, ix, patch)
 
 
 @njit(inline="always")
@@ -139,10 +140,11 @@ def gather(
     """
     patch = carray(doubles(), (16,))
     ny, nx = per_step
+    forces, shifts = grid[0], grid[-1]
     f0, f1, f2 = own
     for i in range(np.uint64(rows[0]), np.uint64(rows[1])):
         iy, ix, at = _at(y[i] * ny, x[i] * nx)
-        level, along, across, bent, curved = _read(grid[0], iy, ix, at, patch)
+        level, along, across, bent, curved = _read(forces, iy, ix, at, patch)
         held = min(variance[i], cap)
         bent = 0.5 * (ny * ny * bent + nx * nx * curved)
         level += held * bent - force[i] * (f0 + held * (f1 + 0.25 * held * f2))
@@ -150,7 +152,7 @@ def gather(
         value[i] = scale[0] * (level + near[i, 0])
         slope[i] = scale[1] * (bent + near[i, 1])
         if grid.shape[0] > 1:
-            other = _read(grid[1], iy, ix, at, patch)[0]
+            other = _read(shifts, iy, ix, at, patch)[0]
             tilt[i, 0] = scale[2] * (ny * along + near[i, 2])
             tilt[i, 1] = scale[2] * (nx * across + near[i, 3])
             moved[i] = scale[0] * (other + near[i, 4])
