@@ -191,6 +191,17 @@ def test_units_do_not_matter(m):
     assert two.active == one.active
 
 
+@pytest.mark.parametrize("fall, share", [(-0.02, 0.5), (0.02, 2.0)])
+def test_a_flat_above_that_under_less_load_is_refused(fall, share):
+    """Overlapping footprints can make such points; here a point met before is what is wrong."""
+    population = make(196, apart=True)
+    state = population.solve(separation=0.0)
+    assert population.solve(separation=0.0, state=state).converged
+    wrong = replace(state._trail, heaviest=(fall, share * state.mean_pressure))
+    refused = population.solve(separation=0.0, state=replace(state, _trail=wrong))
+    assert not refused.converged and "higher than under less load" in refused.reason
+
+
 def test_a_filled_plane_is_refused_with_its_reason():
     y, x, height, table = random_population(324, CELL, 2, apart=True)
     table = replace(table, reach=4.0 * table.reach)
