@@ -27,12 +27,13 @@ _INDICES, _FLOATS = ir.VectorType(_INDEX, LANES), ir.VectorType(_FLOAT, LANES)
 def _compress(builder: Any, vector: Any, data: Any, place: Any, mask: Any) -> None:
     """Write the lanes in the mask from an element of the data on, without gaps, and zeros behind
     them up to all lanes: to leave these out takes some processors ten times as long."""
-    kind = vector.type
-    name = f"llvm.experimental.vector.compress.v{LANES}{'i32' if kind.element == _INDEX else 'f32'}"
-    takes = ir.FunctionType(kind, [kind, _TRUTH, kind])
+    # as integers: where processors lack the instruction, LLVM cannot expand that of floats
+    name = f"llvm.experimental.vector.compress.v{LANES}i32"
+    takes = ir.FunctionType(_INDICES, [_INDICES, _TRUTH, _INDICES])
     function = cgutils.get_or_insert_function(builder.module, takes, name)
-    close = builder.call(function, [vector, mask, vectors.constant(kind, 0)])
-    vectors.store(builder, close, data, place)
+    whole = builder.bitcast(vector, _INDICES)
+    close = builder.call(function, [whole, mask, vectors.constant(_INDICES, 0)])
+    vectors.store(builder, builder.bitcast(close, vector.type), data, place)
 
 
 def _count(builder: Any, mask: Any) -> Any:

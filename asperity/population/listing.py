@@ -45,9 +45,16 @@ SKIN = 0.15
 ASTRAY = 1e-3
 """Share of the load that their distance from their centres may make in the slope of the field."""
 
-ALLOWED, MANY = 0.1, 5000
-"""Of so many contacts and more this part of the tolerance, which is the error of the load that it
-allows; of fewer proportionally less, but no less than `ASTRAY`: one that leaps counts more."""
+MANY = 5000
+"""Closed contacts from which on the two bounds below hold; for fewer they are proportionally
+smaller, as one that leaps counts more."""
+
+ALLOWED = 0.1
+"""Part of the tolerance that this error of the load may be, no less than `ASTRAY`."""
+
+LEAPING = 0.02
+"""Share of the load in contacts that leap farther than the skin beyond which lists are made for
+their new places."""
 
 LEAN = (0.22, 0.3)
 """Share of the contact area in contacts that lean up to which they keep the law of the level
@@ -206,8 +213,8 @@ class Listing:
         """The list with its points moved to the centres of the laws, if they are too far from them
         at the `Point.values` of the summits `rows` for a `tolerance`, otherwise itself; None if the
         footprints have outgrown its plan, or points are too far from their centres where they may
-        stand. Few contacts leap so far, to another top of their basin, and a list made for their
-        last place would be as wrong when they leap back."""
+        stand. Of many contacts few leap so far, to another top of their basin, and a list made for
+        their last place would be as wrong when they leap back."""
         if not population.centred:
             return self
         touches = np.flatnonzero(values[0] > 0)
@@ -217,13 +224,17 @@ class Listing:
         plan = self.problem.plan
         if not plan.holds(_widest(plan.footprints, elongation, rows[some], law)):
             return None
-        bound = max(ASTRAY, ALLOWED * tolerance * min(1.0, len(touches) / MANY))
+        many = min(1.0, len(touches) / MANY)
+        bound = max(ASTRAY, many * ALLOWED * tolerance)
         seen = bound, rows[some], law, *values[[0, 2, 3]][:, some]
         if not self._strayed(population, *seen):
             return self
         closed, approach = rows[touches], values[0, touches]
         offset, skin = self.offset.copy(), SKIN * plan.eta
         reach = population.table.centre_at(closed, approach) - self.listed[:, closed]
+        far = (np.abs(reach) > skin).any(axis=0)
+        if values[1, touches[far]].sum() > many * LEAPING * values[1].sum():
+            return None
         offset[:, closed] = self.listed[:, closed] + np.clip(reach, -skin, skin)
         dx, dy = (offset - self.offset)[:, self.index]
         problem = replace(self.problem, plan=plan.moved(dy, dx))
