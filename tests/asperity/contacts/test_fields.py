@@ -106,7 +106,9 @@ def test_maps_are_mirrored_with_the_surface_on_a_grid_twice_as_fine():
     assert run.bodies.solved.shape[1] == 2 * hm.shape[1]  # middles lie between pixels
     for turned in (np.flipud, np.fliplr):
         mirrored = run_of(hm.replace(heights=turned(hm.heights)), load=(4e-2,), interaction=False)
-        assert turned(mirrored.pressure_map()) == pytest.approx(run.pressure_map(), rel=1e-5)
+        one, other = run.pressure_map(), turned(mirrored.pressure_map())
+        # at the edge of a contact pressure rises from nothing within a pixel
+        assert other == pytest.approx(one, rel=1e-5, abs=1e-9 * one.max())
 
 
 def test_nothing_touches_at_no_load(broad):
