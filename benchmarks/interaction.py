@@ -33,6 +33,7 @@ from asperity.microcontact.table import LawTable
 from asperity.threads import threads
 
 MATERIAL = HalfSpace.from_modulus(1.0)
+REPEATS = 7
 FAMILIES = {
     "cut-off 4 px": {"cutoff": 4.0},
     "cut-off 8 px": {"cutoff": 8.0},
@@ -211,7 +212,7 @@ def tolerance() -> None:
 
 def cost() -> None:
     """Milliseconds per separation."""
-    print(f"cost per separation, {threads()} threads, 50 to a curve, least of 3 runs, law hertz")
+    print(f"cost per separation, {threads()} threads, 50 to a curve, least of {REPEATS} runs, law hertz")
     print("map              deflection   closed    area   ms wall   ms processor   products")
     for n, cutoff, closed in ((1024, 8.0, 2000), (2048, 4.0, 14_000)):
         bodies, rms = population(n, "hertz", cutoff=cutoff)
@@ -223,7 +224,7 @@ def cost() -> None:
                 low -= 0.1 * rms
                 state = bodies.solve(separation=low, state=state)
             runs = []
-            for _ in range(3):
+            for _ in range(REPEATS):
                 state, rows = None, []
                 for separation in np.linspace(top, low, 50):
                     wall, busy = time.perf_counter(), time.process_time()
