@@ -212,7 +212,8 @@ def tolerance() -> None:
 
 def cost() -> None:
     """Milliseconds per separation."""
-    print(f"cost per separation, {threads()} threads, 50 to a curve, least of {REPEATS} runs, law hertz")
+    how = f"50 to a curve, least of {REPEATS} runs, law hertz"
+    print(f"cost per separation, {threads()} threads, {how}")
     print("map              deflection   closed    area   ms wall   ms processor   products")
     for n, cutoff, closed in ((1024, 8.0, 2000), (2048, 4.0, 14_000)):
         bodies, rms = population(n, "hertz", cutoff=cutoff)

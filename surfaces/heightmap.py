@@ -23,6 +23,9 @@ __all__ = ["HeightMap", "checked_spacing", "require_map"]
 SHORTEST, LONGEST = 1e-40, 1e40
 """Lengths [m] between which the fourth power of every slope is a floating-point number."""
 
+SLIMMEST = 1e3
+"""Ratio of the pixel sizes beyond which one of them is in another unit: no instrument has it."""
+
 
 @dataclass(frozen=True, eq=False)
 class HeightMap:
@@ -47,7 +50,8 @@ class HeightMap:
     ------
     SurfaceError
         If the heights are not a real 2-D array of at least 3 x 3 points, hold infinities, are all
-        missing, or if they or the spacing are no lengths that can be calculated with.
+        missing, or if they or the spacing are no lengths that can be calculated with, or one pixel
+        size is more than 1000 times the other.
 
     Notes
     -----
@@ -185,6 +189,11 @@ def checked_spacing(spacing: Any) -> tuple[float, float]:
         raise SurfaceError(
             f"spacing is {tuple(pair.tolist())}; both pixel sizes (dy, dx) must be positive "
             "lengths in m"
+        )
+    if pair.max() > SLIMMEST * pair.min():
+        raise SurfaceError(
+            f"spacing is {tuple(pair.tolist())}; one pixel size (dy, dx) is more than "
+            f"{SLIMMEST:g} times the other: give both in m"
         )
     return float(pair[0]), float(pair[1])
 

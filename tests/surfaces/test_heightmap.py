@@ -53,6 +53,13 @@ def test_what_is_no_pixel_size(spacing):
         HeightMap(GRID, spacing)
 
 
+def test_pixel_sizes_in_two_units():
+    """One in metres, one in nanometres: what follows would take all memory there is."""
+    assert HeightMap(GRID, (1e-6, 1e-3)).spacing == (1e-6, 1e-3)
+    with pytest.raises(SurfaceError, match="more than 1000 times the other: give both in m"):
+        HeightMap(GRID, (1e-6, 1.1e-3))
+
+
 @pytest.mark.parametrize("periodic", ["no", 1, None])
 def test_periodic_is_true_or_false(periodic):
     """Not a text, which would be true whatever it says."""
