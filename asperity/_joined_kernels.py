@@ -12,7 +12,7 @@ import math
 from surfaces._compiled import compiled, inner
 
 
-@compiled(error_model="numpy")
+@compiled()
 def tally(heights, labels, slot, periodic, spacing, first, last, top, depth, count, slope):
     """Pixels of closed basins, and the sums of their slopes, by the depth under the summit.
 

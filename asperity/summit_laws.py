@@ -34,7 +34,6 @@ PASSED = 0.2
 """Depth of a hollow under a contact that leans, over its approach, beyond which it ends there (0.1
 to 0.4 hardly differ; seeds 1, 2, 11 and 12)."""
 
-
 SHARP = 2.5
 """Ratio of f/r^2 at a tip and at the first node of its rays from which on the rays do not
 resolve it: 12 and 4 of r and r^1.5 on 256 points, at most 2.3 on nine measured and random maps."""

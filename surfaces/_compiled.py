@@ -26,9 +26,8 @@ def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     AsperityError
         If the machine code can be kept nowhere.
     """
-    own = partial(
-        njit, **{"error_model": "numpy"} | options, cache=True, nogil=True, no_cfunc_wrapper=True
-    )
+    shared = {"error_model": "numpy", "cache": True, "nogil": True, "no_cfunc_wrapper": True}
+    own = partial(njit, **shared, **options)
 
     def compile_when_called(function: Callable[..., Any]) -> Any:
         try:

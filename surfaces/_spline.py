@@ -39,7 +39,7 @@ def coefficients(heights: NDArray[np.float64], periodic: bool) -> NDArray[np.flo
     return out
 
 
-@compiled(error_model="numpy")
+@compiled()
 def expand(flat, width, y, x):
     """Height, gradient and second derivatives (h, h_y, h_x, h_yy, h_xy, h_xx) per pixel.
 
@@ -52,7 +52,7 @@ def expand(flat, width, y, x):
     return spline_expansion(flat, corner, width, y - row, x - col)
 
 
-@compiled(error_model="numpy")
+@compiled()
 def evaluate_all(flat, width, ys, xs, out):
     """Heights at several points."""
     for k in range(ys.size):

@@ -91,7 +91,7 @@ def _turn(typing: Any, source: Any, start: Any, step: Any, target: Any, to: Any,
     return types.void(source, place, place, target, place, place), code
 
 
-@inner(error_model="numpy")
+@inner()
 def _filter(line, m, periodic):
     """Fill the padding of the m points of the lines and filter them in place."""
     n = m + 2 * PAD
@@ -120,7 +120,7 @@ def _filter(line, m, periodic):
         _backwards(line, i * LINES, (i + 1) * LINES, (i + 2) * LINES)
 
 
-@compiled(error_model="numpy")
+@compiled()
 def filter_columns(heights, periodic, flat, line, start, stop):
     """Filter the columns [start, stop) of the map into the padded array `flat`."""
     ny, nx = heights.shape
@@ -144,7 +144,7 @@ def filter_columns(heights, periodic, flat, line, start, stop):
                 flat[place + k] = line[i * LINES + k]
 
 
-@compiled(error_model="numpy")
+@compiled()
 def filter_rows(flat, nx, periodic, line, start, stop):
     """Filter the rows [start, stop) of the padded array in place."""
     width = nx + 2 * PAD

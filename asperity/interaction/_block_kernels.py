@@ -114,7 +114,7 @@ def set_doubt(count, s, row, column, reach, skew):
         s[k + SKEW] = both - NEGLIGIBLE * s[k + reach]
 
 
-@inner(error_model="numpy", fastmath=FAST)
+@inner(fastmath=FAST)
 def long_pairs(count, listed, away, wide, form, shape, beads, power, lack):
     """What listed pairs of footprints i, j (2, n), `away` (2, n) from each other, lack for not
     being round, into `lack` (4, n): value, gradient by y and x, and by how much their moments

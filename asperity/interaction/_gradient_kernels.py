@@ -24,7 +24,7 @@ def weigh(stiffness, residual, held):
     return max(square - first * first / total, 0.0) if held else square
 
 
-@compiled(error_model="numpy")
+@compiled()
 def stiffened(far, total, row):
     """-(1 + G K)^-1 G of the symmetric G = -`far`, in its place, with K = diag(`total`), one spring
     after another; `row` is scratch."""
@@ -39,7 +39,7 @@ def stiffened(far, total, row):
                 far[e, k] += share * row[k]
 
 
-@inner(error_model="numpy")
+@inner()
 def _aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
     """`aim`, within compiled loops."""
     count = total.size
@@ -82,7 +82,7 @@ def _aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
     return square, mean, product
 
 
-@compiled(error_model="numpy")
+@compiled()
 def aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
     """New `direction`: the preconditioned residual z_i = k_i (r_i + far_c), c the cell of i, its
     sum zero if held, plus the old one times the sum of r z over the `last` such sum.
@@ -93,7 +93,7 @@ def aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
     return _aim(last, direction, residual, stiffness, cell, inverse, total, held, far)
 
 
-@compiled(error_model="numpy")
+@compiled()
 def advance(
     product, direction, image, solution, residual, stiffness, cell, inverse, total, held, far
 ):

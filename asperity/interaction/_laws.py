@@ -68,7 +68,7 @@ def _primitive(e0, e1, e2, e3, shares, factor, v):
     return v * v * factor * (e0 * q0 + v * (e1 * q1 + v * (e2 * q2 + v * (e3 * q3))))
 
 
-@compiled(error_model="numpy", fastmath=FAST)
+@compiled(fastmath=FAST)
 def evaluate(
     rows,
     index,

@@ -155,7 +155,7 @@ def in_split_lengths(variance, growth, moment, size, skew, cap, eta, exact, reco
         dipole[i, 1] = moment[i, 1] / eta
 
 
-@compiled(error_model="numpy", fastmath=FAST)
+@compiled(fastmath=FAST)
 def near_fields(
     rows,
     force,

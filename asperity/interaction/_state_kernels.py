@@ -27,7 +27,7 @@ def _beside(stiffness, approach, along_y, along_x, lean, modulus, power, limit):
     return share * y, share * x, share * free, square
 
 
-@compiled(error_model="numpy")
+@compiled()
 def deflect(force, stiffness, approach, tilt, lean, modulus, power, limit, gain, aside, moment):
     """Height gained, shift and force times shift (n, 2) of each contact."""
     for i in range(force.size):
@@ -41,7 +41,7 @@ def deflect(force, stiffness, approach, tilt, lean, modulus, power, limit, gain,
         moment[i, 0], moment[i, 1] = force[i] * y, force[i] * x
 
 
-@compiled(error_model="numpy")
+@compiled()
 def widen(
     force,
     stiffness,
@@ -94,7 +94,7 @@ def lag(force, stiffness, tilt, aside, fresh, moved, gain):
     return change / whole * max(afar, own) / load if whole > 0.0 else 0.0
 
 
-@compiled(error_model="numpy")
+@compiled()
 def mismatch(rows, own, stiffness, wanted, force, right, exponent, share):
     """What a forecast of the forces lacks to the laws' `own` at the contacts `rows`, over the
     stiffness, into `right`; the exponent of the power laws that they follow, and the forecast over

@@ -31,7 +31,7 @@ from ._block_kernels import (
 from ._scratch import BLOCK, COLUMNS, floats, places
 
 
-@compiled(error_model="numpy")
+@compiled()
 def active_points(
     active,
     stiffness,
@@ -79,7 +79,7 @@ def active_points(
         n += 1
 
 
-@compiled(error_model="numpy", fastmath=FAST)
+@compiled(fastmath=FAST)
 def tangent_list(
     rows,
     ptr,

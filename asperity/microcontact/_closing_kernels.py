@@ -23,7 +23,7 @@ LONGEST = 200
 """Steps of conjugate gradients."""
 
 
-@inner(fastmath=True, error_model="numpy")
+@inner(fastmath=True)
 def _relieve(count, amounts, row, col, kernel, system, out):
     """Take the displacements of all elements by the pressures `amounts` off `out`.
 
@@ -48,7 +48,7 @@ def _relieve(count, amounts, row, col, kernel, system, out):
             out[k] -= amount * line[k]
 
 
-@inner(fastmath=True, error_model="numpy")
+@inner(fastmath=True)
 def solve(count, row, col, gap, kernel, tolerance, system, pressure, work):
     """Pressures p >= 0 that close the overlaps: the minimum of p G p / 2 - p gap.
 

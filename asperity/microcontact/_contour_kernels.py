@@ -62,13 +62,13 @@ _MEMBERS = np.concatenate([np.flatnonzero(_CLASS == c) for c in range(4)])
 _BEGIN = np.searchsorted(np.sort(_CLASS), np.arange(5))
 
 
-@inner(fastmath=FAST, error_model="numpy", inline="always")
+@inner(fastmath=FAST, inline="always")
 def _mirrored(a, b, c, d):
     """Sums over the mirror images: even, odd in both, odd in x, odd in y."""
     return a + b + c + d, a - b + c - d, a - b - c + d, a + b - c - d
 
 
-@inner(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST)
 def amplitudes(values, rows, number, own, fields):
     """Fields over the nodes of a quarter for each profile from its row of the tables.
 
@@ -93,7 +93,7 @@ def amplitudes(values, rows, number, own, fields):
         transpose(own, f, FIELDS, fields, f * LANES)
 
 
-@inner(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST)
 def limits(edge, rays, stretch, x0, y0, tc, ts, a, b, mask, limit):
     """Displacements at which the nodes meet the edge, linear between the rays, where `mask`."""
     for c in range(4):
@@ -111,14 +111,14 @@ def limits(edge, rays, stretch, x0, y0, tc, ts, a, b, mask, limit):
             store(limit, c * NODES + q, where(mask, displacement, 1e300))
 
 
-@inner(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST)
 def _displaced(P, Q, limit):
     """Displacement P / Q up to its limit, and 1 where it is free."""
     x = P / Q
     return least(x, limit), where(x <= limit, splat(1.0), 0.0)
 
 
-@inner(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST)
 def displace(fields, limit, X, system, vector):
     """Displacements of the contour, and the Newton system of the five parameters of the ellipse.
 
@@ -204,7 +204,7 @@ def _mode(c, i, q):
     return _ALONG[i, q] if c == 2 else _ACROSS[i, q]
 
 
-@inner(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST)
 def second_order(X, rows, number, own, forms):
     """Second-order stiffness of the displaced contour, from its Fourier coefficients."""
     for n in range(LANES):

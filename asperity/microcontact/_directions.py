@@ -8,7 +8,7 @@ from ._lane_functions import most
 from ._lanes import FAST, absolute, splat, where
 
 
-@inner(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST)
 def place(x, y, rays):
     """Angle of (x, y) in steps between `rays` equispaced rays, right to 5e-5 of a quarter."""
     ax, ay = absolute(x), absolute(y)

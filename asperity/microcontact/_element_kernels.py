@@ -35,7 +35,7 @@ NONE = -1
 """Number of elements of other basins and of those that the flat does not reach."""
 
 
-@inner(error_model="numpy")
+@inner()
 def _wrapped(place, count):
     """A place in a periodic row of so many, which lies not far outside: no division is needed."""
     while place < 0:
@@ -45,7 +45,7 @@ def _wrapped(place, count):
     return place
 
 
-@inner(error_model="numpy")
+@inner()
 def _flood(heights, labels, owner, periodic, peak, row, col, level, mark, stamp, rows, cols):
     """Pixels of a basin above `level` that hang together with the pixel (row, col).
 
@@ -82,7 +82,7 @@ def _flood(heights, labels, owner, periodic, peak, row, col, level, mark, stamp,
     return count
 
 
-@inner(error_model="numpy")
+@inner()
 def _turn(heights, rows, cols, count, level, spacing):
     """Direction [rad] of the long axis of the pixels above `level`, weighted by their height."""
     ny, nx = heights.shape
@@ -101,7 +101,7 @@ def _turn(heights, rows, cols, count, level, spacing):
     return 0.5 * math.atan2(2.0 * (yx / w - my * mx), (xx / w - mx * mx) - (yy / w - my * my))
 
 
-@inner(error_model="numpy")
+@inner()
 def _sample(
     heights, labels, owner, periodic, flat, width, peak, place, top, depth, below, spacing, turn,
     box, points, gap, inside, stack,
@@ -170,7 +170,7 @@ def _sample(
     return nv, nu, hv, hu, kind, u0, v0
 
 
-@inner(error_model="numpy")
+@inner()
 def _way(inside, outside, side, closed, left, m, edge):
     """Way from a closed element towards an open one, over their distance, to the edge of contact.
 
@@ -192,7 +192,7 @@ def _way(inside, outside, side, closed, left, m, edge):
     return 1.0 - b * w / side
 
 
-@inner(error_model="numpy")
+@inner()
 def _area(number, nv, nu, hv, hu, closed, left, m, edge):
     """Area over that of an element within the contour of a contact.
 
@@ -243,7 +243,7 @@ def _area(number, nv, nu, hv, hu, closed, left, m, edge):
     return total
 
 
-@compiled(error_model="numpy")
+@compiled()
 def press_levels(
     slot, first, last, peak, surface, summits, depths, unit, m, kernels, points, tolerance, out,
     space,

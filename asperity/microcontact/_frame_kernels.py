@@ -26,7 +26,7 @@ _POWER = 0.63
 """The axis ratio of a Hertzian contact is about this power of the ratio of curvatures."""
 
 
-@inner(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST)
 def _frame(phi, angle, weight, large, small, edge, q, nodes, skews, rays, scales, frame, wide):
     """Length, height, ratio of the rays and number of the base ellipse of profiles.
 
@@ -78,7 +78,7 @@ def _frame(phi, angle, weight, large, small, edge, q, nodes, skews, rays, scales
     return number
 
 
-@inner(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST)
 def _first_ellipse(coefs, depth, m, scales):
     """Logarithms of the semi-axes for the paraboloids in the smallest fits."""
     o = (FITS - 1) * TERMS
@@ -104,7 +104,7 @@ def frame_space(rays: int, nodes: int, rules: tuple[Any, ...]) -> tuple[Any, ...
     return tuple(map(groups, samples)), tuple(map(groups, own)), fitting
 
 
-@compiled(error_model="numpy")
+@compiled()
 def fit_rows(begin, end, profiles, rules, depth, m, frames, coefs, scales, space):
     """Frames (rows of directions, lengths and reaches of the rays), fits and scales of profiles.
 

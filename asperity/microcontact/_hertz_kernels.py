@@ -11,7 +11,7 @@ from surfaces._compiled import compiled
 from ._lanes import FAST
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@compiled(fastmath=FAST)
 def mean_excess(begin, end, q, edge, weight, curvature, axes, valid, weights, m, u, out):
     """Mean of f minus the paraboloid over the elliptic punch of semi-axes `axes` times u.
 

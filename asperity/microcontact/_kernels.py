@@ -119,7 +119,7 @@ def resample(u, ratios, flags, good, basin, intervals, p):
     return reach, values[0], values[1], values[2], marks, values[3]
 
 
-@inner(error_model="numpy")
+@inner()
 def _lagrange(u, base, x, w, dw):
     """Weights of the value and of the slope at x of the cubic through four nodes."""
     for k in range(4):

@@ -15,7 +15,7 @@ TERMS = (DEGREE + 1) * (DEGREE + 2) // 2
 """Number of monomials: a constant, so that the loops unroll."""
 
 
-@inner(fastmath=FAST, error_model="numpy")
+@inner(fastmath=FAST)
 def move(x0, y0, sine, tangent, out):
     """Coefficients about (x0, y0) in turned axes, by Taylor shifts and three shears.
 
@@ -47,7 +47,7 @@ def move(x0, y0, sine, tangent, out):
                         store(out, o + k - j, load(out, o + k - j) - above)
 
 
-@compiled(fastmath=FAST, error_model="numpy")
+@compiled(fastmath=FAST)
 def solve(matrix, vector):
     """Gaussian elimination in place of a positive system of five; upper triangle given."""
     n = 5

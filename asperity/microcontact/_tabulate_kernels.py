@@ -16,7 +16,7 @@ from ._lanes import LANES, load
 from ._row_kernels import carried_on, expanded_levels, marked, resampled, row_space
 
 
-@inner(error_model="numpy")
+@inner()
 def _write(made, nodes, lane, length, angle, units, n, out):
     """Row n of the table from a lane of the finished rows, in `units`."""
     _, force, stiffness, area, flags, spread, centre = out
@@ -50,7 +50,7 @@ def table_space(rays: int, samples: int, levels: int, nodes: int) -> tuple[Any, 
     )
 
 
-@compiled(error_model="numpy")
+@compiled()
 def tabulate_rows(
     begin, profiles, frames, scales, found, levels, m, modulus, weights, punch, resampling, out,
     space,

@@ -79,12 +79,11 @@ def _listed(
     return Listing.of(population, near, rows[closed], values[0, closed], spare, rounded)
 
 
-def _along(index: Rows, rows: Rows, values: Array, count: int) -> tuple[Rows, Array]:
-    """The summits of a list and the `Point.values` of each, of those known of `rows`; `count` are
-    all summits."""
+def _along(index: Rows, rows: Rows, values: Array, count: int) -> Array:
+    """The `Point.values` of the summits `index`, of those known of `rows`, among `count` in all."""
     known = np.zeros((len(values), count))
     known[:, rows] = values
-    return index, known[:, index]
+    return known[:, index]
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +119,8 @@ class Trail:
                 lists = trail.field, separation, growth, spare, rounded
                 listing = _listed(population, rows, values, *lists)
             if rows is not listing.index:
-                rows, values = _along(listing.index, rows, values, len(population))
+                values = _along(listing.index, rows, values, len(population))
+                rows = listing.index
             problem, approach = listing.problem, values[0]
             if load is None and placed == 0 and len(self.points) > 1:
                 ahead, products = foreseen(problem, approach, values[1], tolerance=tolerance)

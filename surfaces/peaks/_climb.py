@@ -30,7 +30,7 @@ def _quartic_rows() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 _QUARTIC, _RESIDUAL = _quartic_rows()
 
 
-@inner(error_model="numpy")
+@inner()
 def local_fit(heights, periodic, row, col, c):
     """Quartic through the 5 x 5 points about a pixel, the first 15 of c (40,); True where it
     represents them.
@@ -66,7 +66,7 @@ def local_fit(heights, periodic, row, col, c):
     return True
 
 
-@inner(error_model="numpy")
+@inner()
 def _quartic(c, y, x):
     """Height, gradient and second derivatives (h, h_y, h_x, h_yy, h_xy, h_xx) of the quartic."""
     h, h_y, h_x, h_yy, h_xy, h_xx = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -86,7 +86,7 @@ def _quartic(c, y, x):
     return h, h_y, h_x, h_yy, h_xy, h_xx
 
 
-@inner(error_model="numpy")
+@inner()
 def wrapped(at, n):
     """The coordinate inside the period n."""
     if 0.0 <= at < n:
@@ -98,14 +98,14 @@ def wrapped(at, n):
     return at
 
 
-@inner(error_model="numpy")
+@inner()
 def nearest(at, n):
     """The pixel at a coordinate inside the period n."""
     pixel = int(at + 0.5)
     return pixel if pixel < n else pixel - n
 
 
-@inner(error_model="numpy")
+@inner()
 def _newton(e):
     """Step of Newton's method uphill, with the absolute values of the principal curvatures.
 
@@ -128,7 +128,7 @@ def _newton(e):
     return step_y, step_x, high < 0.0
 
 
-@inner(error_model="numpy")
+@inner()
 def climb(heights, flat, width, labels, periodic, row, col, n, lean, c):
     """Climb from the summit pixel of peak n to the maximum of the interpolated surface.
 
@@ -175,7 +175,7 @@ def climb(heights, flat, width, labels, periodic, row, col, n, lean, c):
     return float(row), float(col), e, PLATEAU
 
 
-@compiled(error_model="numpy")
+@compiled()
 def summits(
     heights, flat, width, labels, periodic, row, col, lean, order, places, expansions, kinds, c,
     first, last,
@@ -198,7 +198,7 @@ def summits(
             expansions[n, i] = e[i]
 
 
-@compiled(error_model="numpy")
+@compiled()
 def uphill(heights, labels, owner, periodic, lean, rows, row, col):
     """Move the pixels (row, col) of the peaks `rows` to the maxima of the tilted map about them.
 
@@ -227,7 +227,7 @@ def uphill(heights, labels, owner, periodic, lean, rows, row, col):
         row[n], col[n] = y % ny, x % nx
 
 
-@inner(error_model="numpy")
+@inner()
 def _frame(a, b, c):
     """Principal curvatures k1 >= k2 > 0 of (a x^2 + 2 b x y + c y^2)/2 and the axis of k2."""
     half = math.hypot(0.5 * (a - c), b)
@@ -237,7 +237,7 @@ def _frame(a, b, c):
     return k1, k2, axis - math.pi if axis > 0.5 * math.pi else axis
 
 
-@compiled(error_model="numpy")
+@compiled()
 def frames(
     heights, spacing, row, col, depth, pixels, places, expansions, kinds, summit, curvature, angle
 ):

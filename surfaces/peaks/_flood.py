@@ -21,7 +21,7 @@ _ROWS = np.array([-1, -1, -1, 0, 0, 1, 1, 1])  # of the eight neighbors
 _COLS = np.array([-1, 0, 1, -1, 1, -1, 0, 1])
 
 
-@compiled(error_model="numpy")
+@compiled()
 def ascend(
     heights, periodic, above, inverse, link, peaks, flats, runs, start, stop, window, way, lows
 ):
@@ -113,7 +113,7 @@ def ascend(
     return n_peaks, n_flats, n_runs
 
 
-@inner(error_model="numpy")
+@inner()
 def _beside(p, k, shape, periodic):
     """Neighbor k of pixel p; -1 beyond the border."""
     ny, nx = shape
@@ -125,7 +125,7 @@ def _beside(p, k, shape, periodic):
     return row * nx + col
 
 
-@compiled(error_model="numpy")
+@compiled()
 def _spread(flat, shape, periodic, link, queue, at, tail):
     """Link the plateau around the `tail` pixels in the queue towards them, nearest first.
 
@@ -146,7 +146,7 @@ def _spread(flat, shape, periodic, link, queue, at, tail):
     return tail
 
 
-@compiled(error_model="numpy")
+@compiled()
 def drain_plateaus(flat, shape, periodic, link, flats):
     """Link the pixels of plateaus; return the pixels that stand for plateaus that are peaks.
 
@@ -194,7 +194,7 @@ def drain_plateaus(flat, shape, periodic, link, flats):
     return found[:n_peaks]
 
 
-@compiled(error_model="numpy")
+@compiled()
 def follow(link, runs):
     """Replace the links of the pixels of all runs by the label at the end of their way up.
 

@@ -45,7 +45,7 @@ _RAY = np.dtype(
 )
 
 
-@inner(error_model="numpy")
+@inner()
 def _look(
     flat, cell, rays, live, groups, radii, first, corners, rest, weights, pixels, out
 ):  # fmt: skip
@@ -76,7 +76,7 @@ def _look(
                     out[group * LANES + k] -= ray.fall * radius
 
 
-@inner(error_model="numpy")
+@inner()
 def _march(
     flat, cell, labels, owner, rays, live, signs, radii, corners, rest, weights, pixels, zs
 ):  # fmt: skip
@@ -104,7 +104,7 @@ def _march(
             break
 
 
-@inner(error_model="numpy")
+@inner()
 def _advance(ray, signs, radii, first, at, zs):
     """Take a ray on by the samples from number `first` on; returns whether it goes on.
 
@@ -134,7 +134,7 @@ def _advance(ray, signs, radii, first, at, zs):
     return not ended and stop == LANES
 
 
-@inner(error_model="numpy")
+@inner()
 def _crest(ray, radii):
     """Where f is highest: at the vertex of the parabola through the highest of its samples."""
     edge = radii[ray.top]
@@ -158,7 +158,7 @@ def scratch(rays: int, nodes: int) -> tuple[Any, tuple[Any, ...], tuple[Any, ...
     )
 
 
-@compiled(error_model="numpy")
+@compiled()
 def fit(
     flat, cell, labels, owner, dip, peak, y, x, z, way_y, way_x, fall, pixel, limit, radii, shares,
     tip, slot, edge, q, rays, numbers, values, first, last,

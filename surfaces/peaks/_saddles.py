@@ -8,7 +8,7 @@ from .._compiled import compiled, inner
 from .._groups import root
 
 
-@compiled(error_model="numpy")
+@compiled()
 def touching(heights, labels, periodic, counts, runs):
     """Add the pixels of each basin, and find the highest pass between touching basins, in the runs.
 
@@ -91,7 +91,7 @@ def touching(heights, labels, periodic, counts, runs):
     return keys[:used], passes[:used]
 
 
-@inner(error_model="numpy")
+@inner()
 def _doubled(keys, passes, used):
     """The same lists with twice the room."""
     more_keys, more_passes = np.empty(2 * keys.size, np.int64), np.empty(2 * keys.size)
@@ -100,7 +100,7 @@ def _doubled(keys, passes, used):
     return more_keys, more_passes
 
 
-@compiled(error_model="numpy")
+@compiled()
 def merge(height, low, high, passes, min_prominence, top, keeper, saddle, parent):
     """Join basins over their passes, highest first.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from .._compiled import compiled, inner
 
 
-@compiled(error_model="numpy", fastmath={"reassoc", "contract"})
+@compiled(fastmath={"reassoc", "contract"})
 def sums(heights, start, bounds, first, last, lows, tops, rows, out):
     """Sums over the bands [first, last) of rows and over the differences that begin there.
 
@@ -36,7 +36,7 @@ def sums(heights, start, bounds, first, last, lows, tops, rows, out):
                 _add_point(z, here[(j + 1) % nx], here[(j + 2) % nx], nx - j, out, 8, 16)
 
 
-@inner(error_model="numpy", fastmath={"reassoc", "contract"})
+@inner(fastmath={"reassoc", "contract"})
 def _add_row(here, below, beneath, start, i, ny, lows, tops, rows, out):
     """Add all points of a row but the last two; returns how many, none if some are missing."""
     count = here.size - 2
@@ -80,7 +80,7 @@ def _add_row(here, below, beneath, start, i, ny, lows, tops, rows, out):
     return count
 
 
-@inner(error_model="numpy")
+@inner()
 def _add_point(a, b, c, left, out, at, seam):
     """Add the differences present of three points in a line, of which `left` are in the map."""
     d = b - a
