@@ -61,7 +61,7 @@ class CloserLook(NamedTuple):
     part: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Asperities:
     """A surface taken apart into peaks, ready to be loaded.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import operator
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -90,9 +91,14 @@ class ContactRun:
         """Pressure [Pa] of every pixel at a load point, shape (ny, nx)."""
         return pressure_map(self.bodies, self._state(point))
 
+    def __str__(self) -> str:
+        return f"{self.curve}\nsummits         {len(self.bodies.population)}"
+
+    __repr__ = __str__
+
     def _state(self, point: int) -> PopulationState:
         try:
-            found = self.states[point]
+            found = self.states[operator.index(point)]
         except (IndexError, TypeError):
             raise InputError(
                 f"point is {point!r}; the load points are numbered 0 to {len(self.states) - 1}"

@@ -143,6 +143,8 @@ class Indentation:
             lines.append(" ".join(f"{value:14.5e}" for value in row) + f"  {names}")
         return "\n".join(lines)
 
+    __repr__ = __str__
+
 
 def indent(
     profile: PowerSumProfile | PolarProfile,

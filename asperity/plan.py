@@ -127,6 +127,8 @@ class Plan:
     def __str__(self) -> str:
         return "\n".join(self.reasons)
 
+    __repr__ = __str__
+
 
 def make_plan(
     hm: HeightMap,

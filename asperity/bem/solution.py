@@ -133,3 +133,5 @@ class BemSolution:
         if self.reason:
             lines.append(f"not converged    {self.reason}")
         return "\n".join(lines)
+
+    __repr__ = __str__

@@ -181,3 +181,5 @@ class Comparison:
         ]
         lines += [f"  contact-map overlap {self.overlap:.2f}", self.verdict()]
         return "\n".join(lines)
+
+    __repr__ = __str__

@@ -30,7 +30,7 @@ LAWS = {
 
 def law_module(law: str) -> ModuleType:
     """Module of the law called `law`, imported when first used."""
-    if law not in LAWS:
+    if not isinstance(law, str) or law not in LAWS:
         raise InputError(f"no law is called {law!r}; the laws are {', '.join(LAWS)}")
     return importlib.import_module(LAWS[law])
 

@@ -35,7 +35,7 @@ class PopulationState:
     contact_area
         Sum of the contact areas [m^2].
     active
-        Number of closed contacts.
+        Number of contacts that carry load.
     filled_share
         Share of the load on contacts that cover more than half of their basin [-].
     residual

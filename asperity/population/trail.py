@@ -375,7 +375,7 @@ class Trail:
             separation=solution.separation,
             mean_pressure=load / population.nominal_area,
             contact_area=float(area.sum()),
-            active=int(np.count_nonzero(solution.approach)),
+            active=int(np.count_nonzero(law.force)),
             filled_share=filled / load if load > 0 else 0.0,
             residual=solution.residual,
             converged=not solution.reason,

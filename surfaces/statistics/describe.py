@@ -75,6 +75,8 @@ class Statistics:
         rows += [("warning", warning) for warning in self.warnings]
         return "\n".join(f"{name:12s}{text}" for name, text in rows)
 
+    __repr__ = __str__
+
     def _groups(self) -> list[tuple[str, dict[str, float]]]:
         spatial = {
             "Sal": self.texture.shortest,

@@ -53,6 +53,7 @@ def test_one_cap_is_hertz(law):
 def test_a_run_is_the_same_after_pickling(rough, law):
     plan = make_plan(rough, STEEL, law=law)
     run = solve_contacts(rough, STEEL, plan, pressures=[1e7, 1e8])
+    assert repr(run).startswith(str(run.curve))  # what a notebook shows
     back = pickle.loads(pickle.dumps(run))
     np.testing.assert_array_equal(back.microcontacts(), run.microcontacts())
     np.testing.assert_array_equal(back.pressure_map(0), run.pressure_map(0))
@@ -301,8 +302,9 @@ def test_a_load_point_that_did_not_converge_has_no_tables(rough):
 def test_a_load_point_that_is_none(rough):
     run = solve_contacts(rough, STEEL, pressures=[1e7, 2e7])
     for ask in (run.microcontacts, run.spots, run.contact_map, run.pressure_map):
-        with pytest.raises(InputError, match="numbered 0 to 1"):
-            ask(2)
+        for none in (2, slice(0, 1), 1.0):
+            with pytest.raises(InputError, match="numbered 0 to 1"):
+                ask(none)
     assert len(run.microcontacts(1)) == len(run.microcontacts(-1))
 
 
@@ -338,6 +340,15 @@ def test_independent_contacts_carry_the_load_asked_for(rough):
     assert light.mean_pressure == pytest.approx([1e-8, 1e-4, 1.0], rel=1e-3)
 
 
+def test_independent_contacts_are_counted_as_their_table_has_them():
+    """Summits that no law is made for, such as those pressed with a neighbour, carry nothing."""
+    hm = self_affine((96, 128), (96.0, 128.0), hurst=0.8, rms_slope=0.1, rolloff=24.0, seed=2)
+    loads = {"pressures": default_pressures(hm, STEEL)[[3, 9]]}
+    run = solve_contacts(hm, STEEL, make_plan(hm, STEEL, interaction=False, **loads), **loads)
+    for point, count in enumerate(run.curve.extra["microcontacts"]):
+        assert count == len(run.microcontacts(point))
+
+
 def test_errors_of_other_laws_are_not_estimated(rough):
     loads = default_pressures(rough, STEEL, count=3)[:1]
     for law, known in (("hertz", False), ("ellipse", True)):
@@ -349,3 +360,5 @@ def test_errors_of_other_laws_are_not_estimated(rough):
 def test_a_switch_that_is_no_switch_is_refused(rough):
     with pytest.raises(InputError, match="True or False"):
         asperity.contact_curve(rough, STEEL, interaction="off")
+    with pytest.raises(InputError, match="no law is called"):
+        asperity.contact_curve(rough, STEEL, law=["hertz"])
