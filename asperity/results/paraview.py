@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surfaces._writing import replacing
+from surfaces.heightmap import checked_spacing
 
 from ..errors import InputError
 
@@ -21,7 +22,7 @@ VTK_TYPES = {"f8": "Float64", "f4": "Float32", "i8": "Int64", "i4": "Int32", "u1
 
 
 def write_vti(
-    path: str | os.PathLike[str], fields: Mapping[str, ArrayLike], spacing: tuple[float, float]
+    path: str | os.PathLike[str], fields: Mapping[str, ArrayLike], spacing: ArrayLike
 ) -> None:
     """Write fields over the pixels of a map as cell data of a VTK image.
 
@@ -32,19 +33,24 @@ def write_vti(
     fields
         Arrays by name, all of one shape (ny, nx): the first axis is y, as everywhere here.
     spacing
-        Pixel size (dy, dx) [m].
+        Pixel size (dy, dx) [m], or one number for square pixels.
 
     Raises
     ------
     InputError
-        If there is no field, shapes differ, or the file cannot be written.
+        If there is no field, shapes differ, a field holds no real numbers, or the file cannot be
+        written.
+    SurfaceError
+        If the spacing is no pixel size.
 
     Notes
     -----
     VTK XML format 1.0 with inline base64 data: a UInt64 count of bytes, then the bytes with x
     running fastest.
     """
-    arrays = {name: _vtk_array(field) for name, field in fields.items()}
+    if not isinstance(fields, Mapping):
+        raise InputError('the fields of an image are given by name: {"pressure": pressure}')
+    arrays = {name: _vtk_array(name, field) for name, field in fields.items()}
     shapes = {array.shape for array in arrays.values()}
     if len(shapes) != 1 or len(shape := shapes.pop()) != 2:
         raise InputError("the fields of an image must be (ny, nx) arrays of one shape")
@@ -54,7 +60,7 @@ def write_vti(
     root = ElementTree.Element(
         "VTKFile", type="ImageData", version="1.0", byte_order=order, header_type="UInt64"
     )
-    dy, dx = spacing
+    dy, dx = checked_spacing(spacing)
     image = ElementTree.SubElement(
         root, "ImageData", WholeExtent=extent, Origin="0 0 0", Spacing=f"{dx!r} {dy!r} {dx!r}"
     )
@@ -69,9 +75,11 @@ def write_vti(
         ElementTree.ElementTree(root).write(partial, encoding="utf-8", xml_declaration=True)
 
 
-def _vtk_array(field: ArrayLike) -> np.ndarray:
+def _vtk_array(name: str, field: ArrayLike) -> np.ndarray:
     """The field in native byte order and in a type that VTK knows."""
     array = np.ascontiguousarray(field)
+    if array.dtype.kind not in "biuf":
+        raise InputError(f"the field {name!r} of an image must hold real numbers")
     array = array.astype(array.dtype.newbyteorder("="))
     if array.dtype == bool:
         return array.astype(np.uint8)

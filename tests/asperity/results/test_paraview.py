@@ -27,6 +27,25 @@ def test_a_transposed_view_is_written_as_it_is_seen(tmp_path):
     np.testing.assert_array_equal(read_vti(tmp_path / "f.vti")[2]["p"], field.ravel())
 
 
+@pytest.mark.parametrize("spacing", [np.array([2e-9, 1e-9]), np.float32(1.0)])
+def test_spacing_may_be_numbers_of_numpy(tmp_path, spacing):
+    write_vti(tmp_path / "f.vti", {"p": np.ones((2, 3))}, spacing)
+    dy, dx = np.broadcast_to(spacing, 2)
+    assert read_vti(tmp_path / "f.vti")[1] == (dx, dy)
+
+
+@pytest.mark.parametrize("spacing", [0.0, (1.0, np.nan), (1.0, 1.0, 1.0), "pixel"])
+def test_no_pixel_size_is_refused(tmp_path, spacing):
+    with pytest.raises(InputError, match="spacing is"):
+        write_vti(tmp_path / "f.vti", {"p": np.ones((2, 3))}, spacing)
+
+
+@pytest.mark.parametrize("fields", [np.eye(3), {"a": np.eye(3) * 1j}, {"a": [["x", "y"]]}])
+def test_fields_without_names_or_numbers_are_refused(tmp_path, fields):
+    with pytest.raises(InputError, match=r"by name|must hold real numbers"):
+        write_vti(tmp_path / "f.vti", fields, (1.0, 1.0))
+
+
 @pytest.mark.parametrize("fields", [{}, {"a": np.zeros(3)}, {"a": np.eye(2), "b": np.eye(3)}])
 def test_what_is_no_image_is_refused(tmp_path, fields):
     with pytest.raises(InputError, match="one shape"):
