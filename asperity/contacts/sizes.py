@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from numbers import Integral
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -30,11 +32,15 @@ def size_distribution(area: ArrayLike, *, bins: int = 20) -> NDArray[np.void]:
     Raises
     ------
     InputError
-        If an area is not positive and finite, or there is no bin.
+        If an area is not positive and finite, or `bins` no whole number above 0.
     """
-    sizes = np.asarray(area, dtype=np.float64).ravel()
-    if not ((sizes > 0).all() and np.isfinite(sizes).all()) or bins < 1:
-        raise InputError("contact areas must be positive and finite, bins at least 1")
+    try:
+        sizes = np.asarray(area, dtype=np.float64).ravel()
+    except (TypeError, ValueError):
+        raise InputError('contact areas are numbers: give the column table["area"]') from None
+    usable = (sizes > 0).all() and np.isfinite(sizes).all()
+    if not (usable and isinstance(bins, Integral) and bins >= 1):
+        raise InputError("contact areas must be positive and finite, bins a whole number above 0")
     edges = np.empty(0)
     if sizes.size:
         edges = np.geomspace(sizes.min() * (1 - 1e-9), sizes.max() * (1 + 1e-9), bins + 1)

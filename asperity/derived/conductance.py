@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..results.curve import ContactCurve
+from ..results.curve import ContactCurve, require_curve
 
 __all__ = ["constriction_conductance", "total_resistivity"]
 
@@ -42,11 +42,12 @@ def constriction_conductance(
     the same potential problem (Barber 2003): ``C = 2 k / (E* (rho_1 + rho_2))`` with the
     normal stiffness k. One circular spot gives Holm's ``4 a / (rho_1 + rho_2)``.
     """
+    require_curve(curve)
     if curve.settings.get("m", 0.0) != 0.0:
         raise InputError("the conductance analogy holds for homogeneous half-spaces, m = 0")
     if modulus is None:
         modulus = curve.settings.get("modulus")
-    if modulus is None or not 0 < modulus < np.inf:
+    if not (isinstance(modulus, Real) and 0 < modulus < np.inf):
         raise InputError(f"the composite modulus is {modulus} Pa; it must be positive and finite")
     stiffness = np.where(curve.converged, curve.stiffness, np.nan)
     return np.asarray(2.0 * stiffness / (modulus * total_resistivity(resistivity)))

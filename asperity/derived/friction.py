@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..results.curve import ContactCurve
+from ..results.curve import SLACK, ContactCurve, require_curve
 
 __all__ = ["FrictionCurve", "friction_curve"]
 
@@ -62,7 +62,8 @@ def friction_curve(
     Raises
     ------
     InputError
-        If an argument is out of range or the curve does not reach `mean_pressure`.
+        If an argument is out of range, or the curve does not begin below `mean_pressure` or does
+        not reach it.
 
     Notes
     -----
@@ -70,6 +71,7 @@ def friction_curve(
     the larger separation s* (Ciavarella 1998, Jaeger 1998, for any set of contacts on elastically
     similar half-spaces). One loading from rest, constant mu, homogeneous bodies.
     """
+    require_curve(curve)
     given = friction, modulus_ratio, mean_pressure, points
     if not all(isinstance(value, Real) and 0 < float(value) < np.inf for value in given):
         raise InputError(
@@ -81,7 +83,7 @@ def friction_curve(
         raise InputError("partial slip needs homogeneous half-spaces, m = 0")
     whole = curve.at(pressure=mean_pressure)
     lightest = float(curve.mean_pressure[curve.converged & (curve.mean_pressure > 0)].min())
-    if not lightest < mean_pressure:
+    if not lightest < (1 - SLACK) * mean_pressure:
         raise InputError(
             f"the curve begins at {lightest:.4g} Pa, not below {mean_pressure:.4g} Pa; "
             "partial slip needs lighter load points as well"

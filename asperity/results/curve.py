@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import __version__
 from ..errors import InputError
 
-__all__ = ["POINT_FIELDS", "ContactCurve", "CurvePoint"]
+__all__ = ["POINT_FIELDS", "ContactCurve", "CurvePoint", "require_curve"]
 
 POINT_FIELDS = (
     "separation",
@@ -167,7 +167,8 @@ class ContactCurve:
             raise InputError("the curve has fewer than two converged points with load")
         log_p = np.log(self.mean_pressure[order])
         try:
-            asked = np.asarray(separation if pressure is None else pressure, dtype=float)
+            given: Any = separation if pressure is None else pressure
+            asked: NDArray[np.float64] = np.ma.filled(np.ma.asarray(given, dtype=float), np.nan)
         except (TypeError, ValueError):
             raise InputError("the curve is read off at a number or an array of numbers") from None
         if pressure is not None:
@@ -203,9 +204,20 @@ class ContactCurve:
         )
 
     def select(self, points: ArrayLike) -> ContactCurve:
-        """The curve of some load points (indices or a mask), in that order."""
+        """The curve of some load points (indices or a mask), in that order.
+
+        Raises
+        ------
+        InputError
+            If one of them is no load point.
+        """
         chosen = np.asarray(points)
-        index = np.arange(len(self))[chosen if chosen.size else []]
+        try:
+            index = np.atleast_1d(np.arange(len(self))[chosen if chosen.size else []])
+        except IndexError:
+            raise InputError(
+                f"points are {points!r}; the load points are numbered 0 to {len(self) - 1}"
+            ) from None
         return dataclasses.replace(
             self,
             **{name: getattr(self, name)[index] for name in POINT_FIELDS},
@@ -216,7 +228,8 @@ class ContactCurve:
     def joined(self, later: ContactCurve) -> ContactCurve:
         """This curve followed by the points of a later run of the same model; times add up.
 
-        Where tangents are known the stiffness is that of all points together.
+        Where tangents are known the stiffness is that of all points together. What one of the runs
+        did not find out, such as the difference that interaction makes, is NaN at its points.
         """
         from .stiffness import curve_stiffness
 
@@ -224,7 +237,12 @@ class ContactCurve:
             name: np.concatenate([getattr(self, name), getattr(later, name)])
             for name in POINT_FIELDS
         }
-        extra = {k: np.concatenate([self.extra[k], v]) for k, v in later.extra.items()}
+        extra = {
+            name: np.concatenate(
+                [part.extra.get(name, np.full(len(part), np.nan)) for part in (self, later)]
+            )
+            for name in dict.fromkeys([*self.extra, *later.extra])
+        }
         if "tangent_stiffness" in extra:
             columns["stiffness"] = curve_stiffness(
                 columns["mean_pressure"],
@@ -296,6 +314,23 @@ class ContactCurve:
         lines += [f"warning         {why}" for why in self.settings.get("warnings", ())]
         lines += [f"point {i}: {why}" for i, why in enumerate(self.reasons) if why]
         return "\n".join(lines)
+
+    __repr__ = __str__
+
+
+def require_curve(curve: object) -> None:
+    """Refuse what is no contact curve, such as the run that holds one.
+
+    Raises
+    ------
+    InputError
+        Saying what to give instead.
+    """
+    if not isinstance(curve, ContactCurve):
+        raise InputError(
+            f"a contact curve is needed, not {type(curve).__name__}: asperity.contact_curve(...), "
+            "or run.curve of solve_contacts"
+        )
 
 
 def _within(

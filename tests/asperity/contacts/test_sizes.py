@@ -33,7 +33,12 @@ def test_few_and_equal_contacts(area, rows):
     assert len(table) == rows and table["contacts"].sum() == len(area)
 
 
-@pytest.mark.parametrize(("area", "bins"), [([-1.0], 3), ([np.nan], 3), ([1.0], 0)])
+@pytest.mark.parametrize(("area", "bins"), [([-1.0], 3), ([np.nan], 3), ([1.0], 0), ([1.0], 2.5)])
 def test_what_is_no_area_or_no_bin(area, bins):
     with pytest.raises(InputError, match="positive"):
         size_distribution(area, bins=bins)
+
+
+def test_a_whole_table_is_no_column():
+    with pytest.raises(InputError, match="the column"):
+        size_distribution(np.ones(3, dtype=[("area", float), ("force", float)]))

@@ -87,6 +87,21 @@ def test_numbers_out_of_range(sphere):
         friction_curve(sphere[1], float(sphere[1].mean_pressure[0]), friction=1, modulus_ratio=1)
 
 
+def test_the_lightest_load_point_asked_for_has_no_partial_slip(sphere):
+    """A solved pressure may lie below the one that was asked for by the tolerance of the solve."""
+    asked = float(sphere[1].mean_pressure[0]) * (1 + 1e-6)
+    with pytest.raises(InputError, match="lighter load points"):
+        friction_curve(sphere[1], asked, friction=0.3, modulus_ratio=1.2)
+
+
+@pytest.mark.parametrize("curve", [None, "results.h5", STEEL])
+def test_what_is_no_curve_is_refused(curve):
+    with pytest.raises(InputError, match="contact curve is needed"):
+        constriction_conductance(curve, resistivity=(1.0, 1.0))
+    with pytest.raises(InputError, match="contact curve is needed"):
+        friction_curve(curve, 1e6, friction=0.3, modulus_ratio=1.2)
+
+
 @pytest.mark.parametrize(
     "wrong",
     [{"friction": "0.3"}, {"friction": [0.3, 0.4]}, {"modulus_ratio": None}, {"points": 2.5}],

@@ -90,7 +90,15 @@ def test_one_question_at_a_time(question):
         power_law_curve().at(**question)
 
 
-@pytest.mark.parametrize("question", [{"pressure": 1e9}, {"pressure": -1.0}, {"separation": 1.0}])
+@pytest.mark.parametrize(
+    "question",
+    [
+        {"pressure": 1e9},
+        {"pressure": -1.0},
+        {"pressure": np.ma.array([1e5, 1e6], mask=[False, True])},
+        {"separation": 1.0},
+    ],
+)
 def test_reading_off_outside_the_curve_is_refused(question):
     with pytest.raises(InputError, match="outside the converged curve"):
         power_law_curve().at(**question)
@@ -105,6 +113,33 @@ def test_print_tells_the_points_that_failed():
     text = str(power_law_curve(broken=3))
     assert "12 points, 11 converged" in text
     assert "point 3: stopped" in text
+
+
+def test_a_notebook_shows_what_is_printed():
+    assert repr(power_law_curve()) == str(power_law_curve())
+
+
+def test_points_are_selected_by_number_or_mask():
+    curve = power_law_curve()
+    np.testing.assert_array_equal(curve.select([2, -1]).load, curve.load[[2, 11]])
+    np.testing.assert_array_equal(curve.select(curve.load > 1.0).load, curve.load[curve.load > 1.0])
+    assert len(curve.select(3)) == 1 and len(curve.select([])) == 0
+
+
+@pytest.mark.parametrize("points", [[12], [True, False], 1.5, "first"])
+def test_points_that_are_none_are_refused(points):
+    with pytest.raises(InputError, match="numbered 0 to 11"):
+        power_law_curve().select(points)
+
+
+def test_what_one_run_did_not_find_out_is_not_known_of_its_points():
+    first = power_law_curve(3)
+    told = {**first.extra, "interaction_difference": np.array([0.1, 0.2, 0.3])}
+    second = dataclasses.replace(first, extra=told)
+    for one, other, known in ((first, second, slice(3, 6)), (second, first, slice(0, 3))):
+        found = one.joined(other).extra["interaction_difference"]
+        np.testing.assert_array_equal(found[known], [0.1, 0.2, 0.3])
+        assert np.isnan(np.delete(found, np.arange(6)[known])).all()
 
 
 def test_file_gives_back_the_curve(tmp_path):
