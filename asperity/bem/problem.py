@@ -70,7 +70,7 @@ class ContactProblem:
                 f"{hm.name or 'the map'} has {hm.missing} missing points of {hm.heights.size}; "
                 'fill them first, for example surfaces.prepare(hm, fill="harmonic")'
             )
-        if not 1e-12 <= tolerance <= 0.1:
+        if not 1e-12 <= _number(tolerance) <= 0.1:
             raise InputError(f"tolerance is {tolerance!r}; give a number from 1e-12 to 0.1")
         self.boundary = chosen_boundary(hm, boundary)
         require_memory(hm.shape, self.boundary)
@@ -89,20 +89,21 @@ class ContactProblem:
         given: Any = separation if pressure is None else pressure
         if np.ndim(given):
             raise InputError("a solution is of one load; asperity.bem_curve takes several")
+        value = _number(given)
         if pressure is not None:
-            if not (math.isfinite(pressure) and pressure >= 0.0):
+            if not (math.isfinite(value) and value >= 0.0):
                 raise InputError(
                     f"pressure is {pressure!r} Pa; give a finite mean pressure, not negative"
                 )
-            return pressure * self.compliance, None
-        if separation is None or not math.isfinite(separation):
+            return value * self.compliance, None
+        if not math.isfinite(value):
             raise InputError(f"separation is {separation!r} m; give a finite distance")
-        if self.boundary == "periodic" and separation <= 0.0:
+        if self.boundary == "periodic" and value <= 0.0:
             raise InputError(
-                f"separation is {separation:.4g} m; in a periodic cell it is the mean gap, which "
+                f"separation is {value:.4g} m; in a periodic cell it is the mean gap, which "
                 "is positive below full contact; prescribe a pressure instead"
             )
-        return 0.0, -separation - self.level.mean_height
+        return 0.0, -value - self.level.mean_height
 
     def touches(self, load: float, offset: float | None) -> bool:
         """Whether there is any contact at the prescribed load or level."""
@@ -222,3 +223,11 @@ class ContactProblem:
             "spacing": self.hm.spacing,
             "threads": thread_count(),
         }
+
+
+def _number(value: Any) -> float:
+    """The value as a float, NaN if it is no number."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        return math.nan

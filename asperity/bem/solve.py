@@ -109,7 +109,10 @@ def bem_solve(
 
 def _given(guess: BemSolution | ArrayLike, shape: tuple[int, int]) -> NDArray[np.float64]:
     """Pressure of a guess, checked."""
-    given = guess.pressure if isinstance(guess, BemSolution) else np.asarray(guess, np.float64)
+    try:
+        given = guess.pressure if isinstance(guess, BemSolution) else np.asarray(guess, np.float64)
+    except (TypeError, ValueError):  # no numbers
+        given = np.empty(0)
     if given.shape != shape or not np.isfinite(given).all():
         raise InputError(f"guess has shape {given.shape}; give finite pressures of shape {shape}")
     return given

@@ -238,9 +238,12 @@ def test_stagnation_is_not_convergence(monkeypatch):
         ({"pressure": [1.0, 2.0]}, "bem_curve takes several"),
         ({"pressure": -1.0}, "not negative"),
         ({"pressure": np.nan}, "finite mean pressure"),
+        ({"pressure": "much"}, "finite mean pressure"),
         ({"separation": 0.0}, "prescribe a pressure instead"),
         ({"separation": np.inf}, "finite distance"),
         ({"pressure": 1.0, "tolerance": 1e-14}, "tolerance is"),
+        ({"pressure": 1.0, "tolerance": "loose"}, "tolerance is"),
+        ({"pressure": 1.0, "guess": "none"}, "guess has shape"),
         ({"pressure": 1.0, "boundary": "open"}, "boundary is 'open'"),
     ],
 )
