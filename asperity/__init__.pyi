@@ -1,3 +1,4 @@
+from . import microcontact as microcontact
 from .bem.curve import bem_curve as bem_curve
 from .bem.single import BemIndentation as BemIndentation
 from .bem.solution import BemSolution as BemSolution

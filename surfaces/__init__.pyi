@@ -1,3 +1,4 @@
+from . import shapes as shapes
 from .errors import AsperityError as AsperityError
 from .errors import FileFormatError as FileFormatError
 from .errors import InputError as InputError

@@ -27,6 +27,12 @@ def test_every_public_name_resolves(package):
         _ = module.nothing
 
 
+@pytest.mark.parametrize("name", ["asperity.microcontact.Flag", "surfaces.shapes.polygon"])
+def test_modules_that_the_pages_name_need_no_import_of_their_own(name):
+    code = f"import asperity, surfaces; {name}"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
 def test_geometry_knows_nothing_of_mechanics():
     code = "import sys, surfaces; [getattr(surfaces, n) for n in surfaces.__all__]; "
     code += "print([m for m in sys.modules if m.split('.')[0] == 'asperity'])"
