@@ -128,16 +128,11 @@ class Trail:
             solve = functools.partial(
                 self._solved, separation, load, approach, values, tolerance, blind
             )
-            solution = solve(problem)
+            problem, solution = self._settled(solve, problem, rounding=good is None)
             steps, products = steps + solution.steps, products + solution.products
-            if good is None and self._unsettled(problem, solution):
-                if solution.restless is not None:
-                    problem = problem.rounded(solution.restless)
-                    solution = solve(problem)
-                    steps, products = steps + solution.steps, products + solution.products
-                if placed < MAX_PLACED and self._unsettled(problem, solution):
-                    listing, rounded = None, True
-                    continue
+            if good is None and placed < MAX_PLACED and self._unsettled(problem, solution):
+                listing, rounded = None, True
+                continue
             if not solution.reason:
                 listing = replace(listing, problem=problem)
             values = np.stack(
@@ -190,6 +185,19 @@ class Trail:
             compliance=np.where(values[4] > 0, values[4], 1.0),
         )
         return self._ordered(found, tolerance)
+
+    def _settled(
+        self, solve: Callable[[Problem], Solution], problem: Problem, *, rounding: bool
+    ) -> tuple[Problem, Solution]:
+        """What a problem comes to; with `rounding`, if long footprints may have kept single
+        contacts from settling, with round ones of these."""
+        found = solve(problem)
+        if not (rounding and self._unsettled(problem, found)) or found.restless is None:
+            return problem, found
+        problem = problem.rounded(found.restless)
+        again = solve(problem)
+        steps, products = found.steps + again.steps, found.products + again.products
+        return problem, replace(again, steps=steps, products=products)
 
     def _unsettled(self, problem: Problem, solution: Solution) -> bool:
         """Whether long footprints, not the crowd, may be why a point did not come out."""
@@ -358,12 +366,7 @@ class Trail:
         return trail._pack(np.arange(len(approach)), laws.area, done, 0, 0)
 
     def _pack(
-        self,
-        rows: Rows,
-        area: Array,
-        solution: Solution,
-        steps: int,
-        products: int,
+        self, rows: Rows, area: Array, solution: Solution, steps: int, products: int
     ) -> PopulationState:
         population = self.population
         laws = population.laws if self.listing is None else self.listing.problem.laws
