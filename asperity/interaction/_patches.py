@@ -7,6 +7,7 @@ second nodes.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from llvmlite import ir
@@ -52,13 +53,19 @@ def _each(builder: Any, vector: Any) -> list[Any]:
     return [vectors.shuffled(builder, vector, vector, [lane] * NODES) for lane in range(NODES)]
 
 
-def _add(builder: Any, data: Any, place: Any, change: Any) -> None:
-    vectors.store(
-        builder,
-        builder.fadd(vectors.load(builder, data, place, change.type), change),
-        data,
-        place,
-    )
+def _add(builder: Any, data: Any, lines: Any, changes: Iterable[Any]) -> None:
+    """Add a vector to each line."""
+    for a, change in enumerate(changes):
+        place = builder.extract_value(lines, a)
+        held = vectors.load(builder, data, place, change.type)
+        vectors.store(builder, builder.fadd(held, change), data, place)
+
+
+def _stored(builder: Any, data: Any, place: Any) -> Iterator[Any]:
+    """Lines of the 16 weights from element `place` on."""
+    for _ in range(NODES):
+        yield vectors.load(builder, data, place, _SINGLE)
+        place = builder.add(place, ir.Constant(place.type, NODES))
 
 
 def _spread(builder: Any, at: Any, half: Any) -> list[Any]:
@@ -85,8 +92,7 @@ def add_spread(typing: Any, mesh: Any, lines: Any, at: Any, half: Any, force: An
         mesh, lines, at, half, force = arguments
         data = vectors.data_of(context, builder, signature.args[0], mesh)
         force = vectors.everywhere(builder, force, NODES)
-        for a, line in enumerate(_spread(builder, at, half)):
-            _add(builder, data, builder.extract_value(lines, a), builder.fmul(force, line))
+        _add(builder, data, lines, (builder.fmul(force, w) for w in _spread(builder, at, half)))
         return context.get_dummy_value()
 
     return signature, codegen
@@ -107,9 +113,11 @@ def add_moved(typing: Any, mesh: Any, lines: Any, at: Any, moment: Any) -> Any:
             for axis in (0, 1)
         )
         parts = (_each(builder, builder.fmul(*pair)) for pair in ((by, steep), (bx, along)))
-        for a, (p, q) in enumerate(zip(*parts, strict=True)):
-            change = vectors.multiply_add(builder, p, across, builder.fmul(q, slope))
-            _add(builder, data, builder.extract_value(lines, a), change)
+        changes = (
+            vectors.multiply_add(builder, p, across, builder.fmul(q, slope))
+            for p, q in zip(*parts, strict=True)
+        )
+        _add(builder, data, lines, changes)
         return context.get_dummy_value()
 
     return signature, codegen
@@ -168,10 +176,8 @@ def add_stored(typing: Any, mesh: Any, lines: Any, weight: Any, place: Any, forc
         data = vectors.data_of(context, builder, signature.args[0], mesh)
         stored = vectors.data_of(context, builder, signature.args[2], weight)
         force = vectors.everywhere(builder, force, NODES)
-        for a in range(NODES):
-            part = vectors.load(builder, stored, place, _SINGLE)
-            _add(builder, data, builder.extract_value(lines, a), builder.fmul(force, part))
-            place = builder.add(place, ir.Constant(place.type, NODES))
+        changes = (builder.fmul(force, part) for part in _stored(builder, stored, place))
+        _add(builder, data, lines, changes)
         return context.get_dummy_value()
 
     return signature, codegen
@@ -187,11 +193,9 @@ def read_stored(typing: Any, mesh: Any, lines: Any, weight: Any, place: Any) -> 
         data = vectors.data_of(context, builder, signature.args[0], mesh)
         stored = vectors.data_of(context, builder, signature.args[2], weight)
         total = vectors.constant(_SINGLE, 0.0)
-        for a in range(NODES):
-            part = vectors.load(builder, stored, place, _SINGLE)
+        for a, part in enumerate(_stored(builder, stored, place)):
             line = vectors.load(builder, data, builder.extract_value(lines, a), _SINGLE)
             total = vectors.multiply_add(builder, part, line, total)
-            place = builder.add(place, ir.Constant(place.type, NODES))
         return vectors.sum_lanes(builder, total)
 
     return signature, codegen
