@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numba import carray, njit
 
-from surfaces._compiled import compiled
+from surfaces._compiled import compiled, inner
 
 from ._patches import add_moved, add_spread, add_stored, read, read_stored, set_stored
 from ._scratch import doubles, floats
@@ -24,7 +24,7 @@ NODES, SIZE = np.uint64(4), np.uint64(16)
 PATCH = (np.uint64(0), np.uint64(4), np.uint64(8), np.uint64(12))
 
 
-@njit(inline="always")
+@inner()
 def _lines(first, count):
     """Four lines of the mesh from the first on."""
     a = np.uint64(first)
@@ -35,7 +35,7 @@ def _lines(first, count):
     return a, b, c, d
 
 
-@njit(inline="always")
+@inner()
 def _places(lines, first, width):
     """First of the four nodes from line `first` across on, on each of the lines."""
     a, b, c, d = lines
