@@ -104,8 +104,15 @@ def _info(path: Path, args: argparse.Namespace) -> bool:
 
 
 def _told(step: Mapping[str, object]) -> str:
-    details = ", ".join(f"{key} {value}" for key, value in step.items() if key != "step")
+    details = ", ".join(f"{key} {_short(value)}" for key, value in step.items() if key != "step")
     return f"{step.get('step', '?')}: {details}"
+
+
+def _short(value: object) -> str:
+    """A value of the history, its numbers to six digits."""
+    if isinstance(value, list | tuple):
+        return " ".join(map(_short, value))
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _validate(path: Path, args: argparse.Namespace) -> bool:

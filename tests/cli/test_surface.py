@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import h5py
@@ -53,7 +54,11 @@ def test_prepare_writes_history(folder: Path, capsys: pytest.CaptureFixture[str]
     ready = surfaces.read(target)
     assert ready.periodic and ready.missing == 0 and ready.shape == (40, 62)
     assert [step["step"] for step in ready.history] == ["read", "level", "fill", "periodic"]
-    assert "fill: method harmonic, count 1" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "fill: method harmonic, count 1" in told
+    steps = "\n".join(line.partition(": ")[2] for line in told.splitlines())
+    digits = [n.lstrip("0.").replace(".", "") for n in re.findall(r"[\d.]*\d", steps)]
+    assert max(map(len, digits)) == 6
 
 
 def test_prepare_crop_and_resample(folder: Path) -> None:
