@@ -240,13 +240,13 @@ def solve_contacts(
             solving,
         )
 
-    bound = TOLERANCE if kind == "pressure" else CLOSE
+    bound, top = (TOLERANCE, float(values.max())) if kind == "pressure" else (CLOSE, None)
     for i in np.argsort(values if kind == "pressure" else -values, kind="stable").tolist():
         asked = {"mean_pressure" if kind == "pressure" else "separation": float(values[i])}
         if plan.fine is not None and kind == "separation":
             state = at_separation(bodies, float(values[i]), lift, state, bound)
         else:
-            state = bodies.population.solve(**asked, state=state, tolerance=bound)
+            state = bodies.population.solve(**asked, state=state, tolerance=bound, heaviest=top)
         if not bodies.deep_enough(state):
             return solve_contacts(
                 hm,

@@ -62,6 +62,25 @@ def test_a_growing_table_gives_the_same_curve(boundary, interaction):
     assert 0 < counts[3] < 700
 
 
+def test_laws_for_loads_to_come_are_made_in_few_blocks():
+    pressures, found = np.geomspace(3e-4, 3e-2, 10), []
+    for heaviest in (None, pressures[-1]):
+        y, x, height, _, table, asked = tables(12000)
+        population = Population(
+            x=x, y=y, height=height, table=table, cell=CELL, boundary="periodic",
+            material=HalfSpace.from_modulus(1.0),
+        )  # fmt: skip
+        state, curve = None, []
+        for pressure in pressures:
+            state = population.solve(mean_pressure=pressure, state=state, heaviest=heaviest)
+            assert state.converged
+            curve.append(state.separation)
+        found.append((curve, len(asked), table.ready.sum(), state.active))
+    (plain, blocks, *_), (curve, fewer, made, active) = found
+    np.testing.assert_allclose(curve, plain, rtol=1e-9)
+    assert 2 * fewer < blocks and made < 1.5 * active
+
+
 def test_summits_without_a_law_stay_open():
     y, x, height, whole, _, _ = tables(100)
     dead = np.argsort(-height)[:10]
