@@ -162,7 +162,8 @@ def _strong(
 ) -> NDArray[np.float64]:
     """Strength of the fine waves under contacts."""
     ly, lx = population.cell
-    return fine.strength.at(population.y[rows] / ly, population.x[rows] / lx)
+    places = population.y[rows] / ly, population.x[rows] / lx
+    return fine.strength.at(*places, population.height[rows])
 
 
 def at_separation(

@@ -35,6 +35,10 @@ BROADEST = 14.0
 WORTH_IT = 1.8
 """Breadth over `BROADEST` from which on the finest waves are taken out."""
 
+WORTH_IT_WORN = 3.0
+"""The same where the waves are worn down: on 512 points of a side to the pixel (2.5) all summits
+take as long and are nearer."""
+
 UNRESOLVED = 3.0
 """Pixels below which the summits of a wave are uncertain."""
 
@@ -97,8 +101,8 @@ def split_scales(
     parameter) reaches `BROADEST`, `fewest` along the side of the map at least, and none
     shorter than `UNRESOLVED` pixels. With lay the order and the breadth are those of the map
     stretched until its slope is the same in all directions. The law holds for random waves, whose
-    strength may vary as a border fades (`pixel_waves.strength`). A map that is not periodic is
-    taken with its mirror images, in which lay would be lost.
+    strength may vary as a border fades or with the height (`pixel_waves.strength`). A map that is
+    not periodic is taken with its mirror images, in which lay would be lost.
     """
     if abs(material.m) > GRADED:
         return f"scales: all, the law of fine waves is for |m| <= {GRADED:g}"
@@ -126,6 +130,8 @@ def split_scales(
     resolved = min(int(most / shell + 1e-6), m2.size - 1)  # whole numbers but for rounding
     steep = sums[:, 3]
     if steep[resolved] > (1.0 - TOO_MANY) * steep[-1] and breadth[-1] < WORTH_IT * BROADEST:
+        return NARROW
+    if strong.worn[0].size and breadth[-1] < WORTH_IT_WORN * BROADEST:
         return NARROW
     few = round(fewest * max(hm.size) / np.sqrt(hm.area))
     last = min(max(last or resolved, few), resolved)

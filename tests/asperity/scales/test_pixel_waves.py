@@ -69,6 +69,19 @@ def test_waves_under_a_window_are_random_and_as_strong_as_the_window():
     assert strength(smooth.replace(heights=window * smooth.heights)) is None
 
 
+def test_worn_waves_are_random_and_as_strong_as_their_height_lets_them():
+    """The variance is that of the slope of the new over the old heights, squared."""
+    hm = wavy((320, 360))
+    old = (hm.heights - hm.heights.mean()) / hm.rms_height
+    half = np.hypot(0.325 * old, 0.1)
+    worn = hm.replace(heights=hm.rms_height * (0.675 * old - half) + 3.0 * hm.rms_height)
+    assert min(worn.roughness.kurtosis) > 3.8
+    exact = np.square(0.675 - 0.325**2 * old / half)
+    found = strength(worn).at(np.zeros(1), np.zeros(1), worn.heights - worn.heights.mean())
+    assert np.sqrt(np.mean((found * exact.mean() - exact) ** 2)) < 0.06 * exact.mean()
+    assert strength(worn.replace(heights=np.where(old > 0, 0.1 * old, old))) is None
+
+
 def test_the_finer_grid_holds_the_same_waves():
     for hm in (wavy(), dataclasses.replace(wavy(), periodic=False)):
         fine = refined_map(hm)

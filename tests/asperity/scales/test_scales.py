@@ -150,6 +150,21 @@ def test_maps_of_other_borders_agree_with_boundary_elements(loads, border):
     assert np.abs(curve.contact_area / exact.contact_area - 1).max() < 0.06
 
 
+def test_worn_plateaus_agree_with_boundary_elements():
+    """Their fine waves are weak where contacts are."""
+    recipe = {"shape": (400, 400), "size": (400.0, 400.0), "rms_slope": 0.1, "seed": 2}
+    hm = surfaces.plateau_honed(**recipe, cutoff=2.0, rolloff=100.0)
+    found = split_scales(hm, STEEL)[1].strength
+    assert found.at(np.zeros(1), np.zeros(1), hm.rms_height) < 0.5
+    pressures = np.array([1e-2, 3e-2]) * pressure_scale(hm, STEEL)
+    exact = asperity.bem_curve(hm, STEEL, pressures=pressures, tolerance=1e-3)
+    curve = asperity.contact_curve(hm, STEEL, separations=exact.separation)
+    assert np.abs(curve.mean_pressure / pressures - 1).max() < 0.03
+    assert np.abs(curve.contact_area / exact.contact_area - 1).max() < 0.06
+    less = surfaces.plateau_honed(**recipe, cutoff=2.0)
+    assert "narrow" in split_scales(less, STEEL)
+
+
 def test_the_law_of_stronger_waves_is_that_of_more_variance_and_energy():
     more = dataclasses.replace(FINE, variance=4 * FINE.variance, energy=4 * FINE.energy)
     at = np.array([3e8, 2e9]), 0.1
