@@ -136,9 +136,11 @@ def _worn(hm: HeightMap) -> Strength | None:
     total = np.zeros(LEVELS)
     for bend, height in zip(bends, heights, strict=True):
         square, level = np.square(bend).ravel(), np.searchsorted(levels, height)
-        count = np.bincount(level, minlength=LEVELS)
-        mean = np.bincount(level, square, LEVELS) / np.maximum(count, 1)
-        if not mean.all() or abs(np.mean(np.square(square / mean[level])) - 3.0) > WORN_KURTOSIS:
+        mean, fourth = (
+            np.bincount(level, power, LEVELS) / np.maximum(np.bincount(level, minlength=LEVELS), 1)
+            for power in (square, np.square(square))
+        )
+        if not mean.all() or np.mean(np.abs(fourth / mean**2 - 3.0)) > WORN_KURTOSIS:
             return None
         total += mean
     return Strength(worn=(levels, total / total.mean()))

@@ -82,6 +82,13 @@ def test_worn_waves_are_random_and_as_strong_as_their_height_lets_them():
     assert strength(worn.replace(heights=np.where(old > 0, 0.1 * old, old))) is None
 
 
+def test_caps_of_one_height_are_not_worn_waves():
+    """What bends them follows their height, and has on the mean the kurtosis of random waves."""
+    y, x = np.meshgrid(*2 * [(np.arange(320) % 64 + 0.5) / 64 - 0.5], indexing="ij")
+    caps = HeightMap(np.sqrt(0.5 - y**2 - x**2), (1.0, 1.0), periodic=True)
+    assert strength(caps) is None
+
+
 def test_the_finer_grid_holds_the_same_waves():
     for hm in (wavy(), dataclasses.replace(wavy(), periodic=False)):
         fine = refined_map(hm)
