@@ -219,14 +219,14 @@ class Asperities:
         plan = finer_plan(self.plan)
         return None if plan is None else Asperities.of(self.hm, self.material, plan)
 
-    def refused(self, state: PopulationState) -> PopulationState:
-        """The state, refused where contacts are so long that they overlap end to end."""
+    def refused(self, state: PopulationState, place: FinePoint) -> PopulationState:
+        """The state of a point, refused where contacts are so long that they overlap end to end."""
         closed = np.flatnonzero(state.force > 0)
         if not (closed.size and self.plan.interaction):
             return state
         share = state.force[closed] / state.force.sum()
         longer = np.exp(-np.sum(share * np.log(self.aspect[closed])))
-        if longer * state.contact_area <= LONGEST * self.population.nominal_area:
+        if longer * place.contact_area <= LONGEST * self.population.nominal_area:
             return state
         reason = "the contacts on the ridges of the lay are so long that they overlap end to end"
         return replace(state, converged=False, reason=state.reason or reason)

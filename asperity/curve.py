@@ -258,7 +258,7 @@ def solve_contacts(
                 checkpoint=checkpoint,
             )
         place = bodies.point(state)
-        states[i], places[i] = bodies.refused(without_gap(plan, state, place)), place
+        states[i], places[i] = bodies.refused(without_gap(plan, state, place), place), place
         if classical:
             coupled = bodies.coupled.solve(
                 separation=state.separation, state=coupled, tolerance=CLOSE

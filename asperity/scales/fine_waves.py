@@ -23,10 +23,8 @@ MORE_SPREAD = 0.13
 GRADED_SPREAD = (0.70, 0.55)
 """c1, c2: on a graded body times 1 - c1 m - c2 m^2 (|m| <= 0.5)."""
 
-LAY_SPREAD = 1.0
-"""With lay times 1 - c (1 - w), w the evenness of the slopes. From the pressures of boundary
-elements c is 0.7 (lay of 2:1 to 8:1); from the mean pressures of the contacts, which the law has,
-1: with 0.7 the area of lay 3:1 and 4:1 is 1 to 3 % lower (seeds 1 and 2)."""
+LAY_SPREAD = 0.7
+"""With lay times 1 - c (1 - w), w the evenness of the slopes (lay of 2:1 to 8:1)."""
 
 LIFT = 0.18
 """How far the flat is lifted at no contact, over the first-order value less one."""
@@ -82,14 +80,15 @@ class FineScales:
         A/A0 = 1 / sqrt(1 + b),   Phi = e arsinh(sqrt(b)) / sqrt(b),   b = g V / s^2,
 
     Phi = int u dp being the complementary energy of the local gap u. Of the area of a contact of
-    radius a the waves part it as if V were V x^2 / (x^2 + `SEEN`^2), x being a times their number.
-    Contacts about to open spread less than V: g = g0 + (1 - g0) P^2, with P the share of the
-    nominal area in contact, here the mean of that with and without the fine waves; Wang & Mueser
-    (2017) have g0 = 5/9, boundary elements give 0.50 to 0.63 (`SPREAD`), 0.4 to 0.66 for m = 0.3 to
-    -0.3 and 0.35 to 0.45 for lay of 4:1. To first order in the fine waves a load F lifts the flat
-    by d(sum Phi)/dF; boundary elements give the factor 1 + c (1 - P)^n, c = `LIFT`,
-    n = `LIFT_POWER`. All were found without microcontacts, from the pressures of solutions of the
-    longer waves, for Hurst exponents 0.5 to 0.9 and one to four octaves (docs/accuracy.md).
+    radius a the waves part it as if V were V x^2 / (x^2 + `SEEN`^2), x being a w times their number
+    (with lay contacts are long, and the waves part them across). Contacts about to open spread less
+    than V: g = g0 + (1 - g0) P^2, with P the share of the nominal area in contact, here the mean of
+    that with and without the fine waves; Wang & Mueser (2017) have g0 = 5/9, boundary elements give
+    0.50 to 0.63 (`SPREAD`), 0.4 to 0.66 for m = 0.3 to -0.3 and 0.35 to 0.45 for lay of 4:1. To
+    first order in the fine waves a load F lifts the flat by d(sum Phi)/dF; boundary elements give
+    the factor 1 + c (1 - P)^n, c = `LIFT`, n = `LIFT_POWER`. All were found without microcontacts,
+    from the pressures of solutions of the longer waves, for Hurst exponents 0.5 to 0.9 and one to
+    four octaves (docs/accuracy.md).
     """
 
     shortest: float
@@ -120,7 +119,8 @@ class FineScales:
         A contact is taken as far wider than the fine waves if no area is given; `strong` is their
         strength under it.
         """
-        unseen = SEEN**2 * np.pi / (self.number**2 * np.asarray(area, float))
+        narrow = self.evenness * self.number
+        unseen = SEEN**2 * np.pi / (narrow**2 * np.asarray(area, float))
         opening = self._opening(pressure, share, strong) ** 2 / (1.0 + unseen)
         return np.asarray(1.0 / np.sqrt(1.0 + opening))
 
