@@ -218,7 +218,7 @@ def test_with_lay_waves_are_told_apart_along_and_across(rough):
         assert 0.45 < fine.evenness < 0.6  # those left out have more of the lay than all, 0.6
 
 
-def test_maps_that_keep_all_their_summits():
+def test_maps_that_keep_all_their_summits(monkeypatch):
     def why(hm, body=STEEL):
         found = split_scales(hm, body)
         assert isinstance(found, str)
@@ -228,7 +228,11 @@ def test_maps_that_keep_all_their_summits():
     assert "|m| <= 0.5" in why(rough, asperity.HalfSpace.from_modulus(2e11, m=0.6))
     assert "direction" in why(broad(anisotropy=12.0))
     assert "direction" in why(broad(anisotropy=8.0, hurst=0.3, cutoff=4.4e-6))
-    assert not isinstance(split_scales(broad(anisotropy=8.0), STEEL), str)
+    assert "narrow" in why(broad(anisotropy=5.0))
+    with monkeypatch.context() as less:
+        less.setattr("asperity.scales.split.SURELY_WORTH_IT", 0.5)
+        assert not isinstance(split_scales(broad(anisotropy=5.0), STEEL), str)
+        assert "direction" in why(broad(anisotropy=5.0, angle=0.5))
     for angle in (0.0, 0.8):
         lay = dataclasses.replace(broad(anisotropy=3.0, angle=angle), periodic=False)
         assert "for periodic maps only" in why(lay)
