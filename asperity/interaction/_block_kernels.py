@@ -14,6 +14,7 @@ from numba import carray, njit
 
 from surfaces._compiled import inner
 
+from ._records import two_floats
 from ._scratch import BLOCK, COLUMNS, floats
 from .footprint import PAIR_NODES, SMOOTH_DEGREE
 
@@ -51,8 +52,9 @@ def within(place, end):
 def look(shape, column, w):
     """Column of the table at w in [0, 1], linear between nodes."""
     place = within(w * np.float32(PAIR_NODES), np.float32(PAIR_NODES))
-    c = np.uint64(np.int32(place))
-    return shape[column, c] + (place - np.float32(c)) * shape[column + 1, c]
+    c = np.int32(place)
+    value, rise = two_floats(shape, np.uint64(column * (PAIR_NODES + 1) + c))
+    return value + (place - np.float32(c)) * rise
 
 
 @njit(inline="always")
@@ -138,7 +140,7 @@ def long_pairs(count, listed, away, wide, form, shape, beads, power, lack):
         root = s[k + LONG]
         inverse = s[k + OVER]
         w = s[k + WIDTH] * inverse
-        pull = look(shape, 4, w) * root * inverse
+        pull = look(shape, 2, w) * root * inverse
         s[k + FULL] = -look(shape, 0, w) * root
         s[k + GY] = -pull * away[0, k]
         s[k + GX] = -pull * away[1, k]
@@ -166,7 +168,7 @@ def long_pairs(count, listed, away, wide, form, shape, beads, power, lack):
             root = s[k + LONG]
             inverse = s[k + OVER]
             w = s[k + WIDTH] * inverse
-            pull = beads[1, b] * look(shape, 4, w) * root * inverse
+            pull = beads[1, b] * look(shape, 2, w) * root * inverse
             s[k + FULL] += beads[1, b] * look(shape, 0, w) * root
             s[k + GY] += pull * (away[0, k] + beads[0, b] * s[k + EY])
             s[k + GX] += pull * (away[1, k] + beads[0, b] * s[k + EX])

@@ -222,7 +222,7 @@ def near_fields(
             cj = np.float32(d[k + OTHER])
             value, bend, cross, pull, turn = smooth(dy[k] * dy[k] + dx[k] * dx[k], far, a)
             inverse = s[k + INVERSE]
-            slope = look(shape, 2, s[k + BOTH] * inverse) * s[k + ROOT] * inverse
+            slope = look(shape, 1, s[k + BOTH] * inverse) * s[k + ROOT] * inverse
             s[k + TO_ROW] = slope - (bend + cj * cross if ci < cap else ZERO)
             s[k + TO_COLUMN] = slope - (bend + ci * cross if cj < cap else ZERO)
             d[k + PART] = value + (d[k + OWN] + d[k + OTHER]) * bend
@@ -238,7 +238,7 @@ def near_fields(
             set_powers(lanes, s, STEEP, power)
             for k in range(lanes):
                 inverse = s[k + FLAT]
-                pull = look(shape, 4, s[k + WIDE] * inverse) * s[k + STEEP] * inverse - s[k + BEND]
+                pull = look(shape, 2, s[k + WIDE] * inverse) * s[k + STEEP] * inverse - s[k + BEND]
                 turn = s[k + CROSS]
                 s[k + PULL] = pull
                 s[k + PULL_ROW] = pull - np.float32(d[k + OTHER]) * turn

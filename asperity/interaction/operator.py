@@ -359,14 +359,15 @@ def _tables(
 ) -> tuple[NDArray[np.float64], NDArray[np.float32], NDArray[np.float32]]:
     """What the near pairs read of the kernel.
 
-    Columns of `pair_table`, each followed by its rise from node to node: the first in double
-    precision, shape (2, nodes + 1), all in single, (6, nodes + 1); and `smooth_polynomials` in
-    single precision, followed by a row that starts with the place about which they are expanded.
+    The first column of `pair_table` in double precision, followed by its rise from node to node,
+    shape (2, nodes + 1); all in single, each number with its rise, (3, nodes + 1, 2); and
+    `smooth_polynomials` in single precision, followed by a row that starts with the place about
+    which they are expanded.
     """
     table = pair_table(m).T
     rise = np.diff(table, axis=1, append=table[:, -1:])
-    shape = np.stack((table, rise), axis=1).reshape(6, -1)
-    value = shape[:2].copy()
+    shape = np.stack((table, rise), axis=-1)
+    value = shape[0].T.copy()
     far = smooth_polynomials(m, limit)
     far = np.concatenate((far, np.full((1, far.shape[1]), limit / 2)))
-    return value, shape.astype(np.float32), far.astype(np.float32)
+    return value, shape.astype(np.float32, order="C"), far.astype(np.float32)
