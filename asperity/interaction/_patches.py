@@ -53,6 +53,11 @@ def _each(builder: Any, vector: Any) -> list[Any]:
     return [vectors.shuffled(builder, vector, vector, [lane] * NODES) for lane in range(NODES)]
 
 
+def _kind(mesh: Any) -> Any:
+    """Vector of four nodes of a mesh of this numba type."""
+    return _SINGLE if mesh.dtype == types.float32 else _DOUBLE
+
+
 def _add(builder: Any, data: Any, lines: Any, changes: Iterable[Any]) -> None:
     """Add a vector to each line."""
     for a, change in enumerate(changes):
@@ -117,6 +122,8 @@ def add_moved(typing: Any, mesh: Any, lines: Any, at: Any, moment: Any) -> Any:
             vectors.multiply_add(builder, p, across, builder.fmul(q, slope))
             for p, q in zip(*parts, strict=True)
         )
+        if _kind(signature.args[0]) is _SINGLE:
+            changes = (builder.fptrunc(change, _SINGLE) for change in changes)
         _add(builder, data, lines, changes)
         return context.get_dummy_value()
 
@@ -134,8 +141,10 @@ def read(typing: Any, mesh: Any, lines: Any, at: Any) -> Any:
         along = [_each(builder, part) for part in _weights(builder, at, 0)]
         across = _weights(builder, at, 1)
         sums: list[Any] = [None] * 3
+        kind = _kind(signature.args[0])
         for a in range(NODES):
-            line = vectors.load(builder, data, builder.extract_value(lines, a), _DOUBLE)
+            line = vectors.load(builder, data, builder.extract_value(lines, a), kind)
+            line = line if kind is _DOUBLE else builder.fpext(line, _DOUBLE)
             for order, part in enumerate(along):
                 sums[order] = (
                     builder.fmul(part[a], line)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import functools
 import math
 
@@ -85,6 +86,14 @@ class Mesh:
             h, g = (n // 2 for n in self.shape)
             transfer = np.stack([[transfer[a : a + h, b : b + g] for a in (0, 1)] for b in (0, 1)])
         self.transfer: NDArray[np.floating] = transfer.astype(precision, copy=False)
+
+    @functools.cached_property
+    def single(self) -> Mesh:
+        """The same in single precision."""
+        mesh = copy.copy(self)
+        mesh.waves = tuple(waves.astype(np.float32) for waves in self.waves)
+        mesh.transfer = self.transfer.astype(np.float32)
+        return mesh
 
     def convolve(self, masses: NDArray[np.floating]) -> NDArray[np.floating]:
         """Potential at the nodes [C_m eta^-p] of masses at the nodes, meshes (count, my, mx)."""

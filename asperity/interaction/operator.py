@@ -191,6 +191,7 @@ class Interaction:
         near, mesh = each(lambda part: part(), (pairs, meshes))
         self.ptr, self.col, self.pair = near
         self.mesh: Mesh = mesh[0]
+        self.mesh_aside = self.mesh.single
         self.tangent_mesh: Mesh = mesh[1]
         self.afar = Afar(self)
         self.value_table, self.shape, self.far = _tables(footprints.m, cut * cut)
@@ -201,7 +202,8 @@ class Interaction:
         self.pairs = int(counts.sum())
         self.rows = chunks(counts)
         self.part = np.zeros((len(self.rows), len(y), 6))
-        self.masses = np.zeros((2, *self.mesh.shape))
+        self.masses = np.zeros((1, *self.mesh.shape))
+        self.aside = np.zeros((1, *self.mesh.shape), np.float32)
         self.tangent_col = np.empty(len(self.col) + 1, np.int32)
         self.tangent_value = np.empty(len(self.col) + 1, np.float32)
         self.smooth, self.lowest = np.zeros(self.mesh.shape), 0.0
@@ -240,13 +242,13 @@ class Interaction:
         _pair_kernels.in_split_lengths(
             variance, growth, moment, size, skew, CAP, self.eta, m, record, wide, dipole
         )
-        masses, scale = self.masses[: 1 + moves], self.scales
+        masses, aside = self.masses, self.aside[: int(moves)]
         found = Field(np.empty(n), np.empty(n), np.zeros((n, 2)), np.zeros(n), np.zeros(n))
 
-        def far() -> NDArray[np.floating]:
+        def far() -> tuple[NDArray[np.floating], NDArray[np.floating]]:
             place = self.y, self.x, force, m, CAP, dipole, self.mesh.per_step
-            _mesh_kernels.deposit(np.array([0, n]), *place, masses)
-            return self.mesh.convolve(masses)
+            _mesh_kernels.deposit(np.array([0, n]), *place, masses, aside)
+            return self.mesh.convolve(masses), self.mesh_aside.convolve(aside) if moves else aside
 
         def near(c: int) -> None:
             _pair_kernels.near_fields(
@@ -270,21 +272,21 @@ class Interaction:
             )
 
         def receivers(_: int, rows: NDArray[np.int64]) -> None:
-            place = self.y, self.x, force, m, CAP, self.own, self.mesh.per_step, scale
-            _mesh_kernels.gather(rows, *place, smooth, total(self.part, rows), *found)
+            place = self.y, self.x, force, m, CAP, self.own, self.mesh.per_step, self.scales
+            near = total(self.part, rows)
+            _mesh_kernels.gather(rows, *place, size, smooth, other, near, *found)
 
         parts: list[Callable[[], Any]] = [
             far,
             *(functools.partial(near, c) for c in range(len(self.rows))),
         ]
         if self.pairs > PAIRS_ASIDE:
-            smooth = each(lambda part: part(), parts)[0]
+            (smooth, other), *_ = each(lambda part: part(), parts)
         else:
-            smooth, *_ = (part() for part in parts)
+            (smooth, other), *_ = [part() for part in parts]
         self.smooth = smooth[0]
         self.lowest = float(self.scale * min(0.0, float(self.smooth.min())))
         run(receivers, self.rows)
-        found.slope[:] *= size
         return found
 
     def holds(self, widest: float) -> bool:
