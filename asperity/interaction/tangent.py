@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces._threads import each
-
 from . import _mesh_kernels, _tangent_kernels
 from .near import run, total
-from .operator import BEADS, CAP, PAIRS_ASIDE, Interaction
+from .operator import BEADS, CAP, Interaction
 
 __all__ = ["Tangent"]
 
@@ -83,7 +81,7 @@ class Tangent:
         self.part = np.empty((len(self.rows), n))
         self._far: tuple[Array, Array] | None = None
 
-        def weights(c: int) -> None:
+        def rows_of(c: int, _: NDArray[np.int64]) -> None:
             _mesh_kernels.spline(
                 rows[c],
                 self.index,
@@ -95,8 +93,6 @@ class Tangent:
                 self.place,
                 self.weight,
             )
-
-        def pairs(c: int) -> None:
             _tangent_kernels.tangent_list(
                 plan.rows[c],
                 plan.ptr,
@@ -116,18 +112,7 @@ class Tangent:
                 self.value,
             )
 
-        def both(c: int) -> None:
-            weights(c)
-            pairs(c)
-
-        def beside(c: int) -> None:
-            weights(c)
-            self._far = self._cells()
-
-        if len(rows) > 1 or plan.pairs <= PAIRS_ASIDE:
-            run(lambda c, _: both(c), rows)
-        else:
-            each(lambda part: part(0), (beside, pairs))
+        run(rows_of, rows)
 
     def __len__(self) -> int:
         return len(self.index)
@@ -142,11 +127,8 @@ class Tangent:
     def far(self) -> tuple[Array, Array]:
         """`Afar.inverse` of the points by their own compliance."""
         if self._far is None:
-            self._far = self._cells()
+            self._far = self.plan.afar.inverse(self.cell, 1 / self.compliance)
         return self._far
-
-    def _cells(self) -> tuple[Array, Array]:
-        return self.plan.afar.inverse(self.cell, 1 / self.compliance)
 
     def __call__(self, vector: Array) -> Array:
         """Matrix times vector [m] for forces `vector` [N], shape (len(self),)."""
