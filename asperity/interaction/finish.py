@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -71,6 +72,11 @@ class Solution:
     shares: Array
     answer: Callable[[], tuple[float, Array]]
     restless: NDArray[np.bool_] | None = None
+
+    @functools.cached_property
+    def load(self) -> float:
+        """Sum of the forces [N]."""
+        return float(self.laws.force.sum())
 
 
 def finished(

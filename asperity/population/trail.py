@@ -213,7 +213,7 @@ class Trail:
         """The solution, refused if the flat would stand higher than under less load, as above no
         elastic body: footprints that overlap far can pass their load to each other until few
         contacts carry it."""
-        load = float(solution.laws.force.sum()) / self.population.nominal_area
+        load = solution.load / self.population.nominal_area
         if solution.reason or not load > 0:
             return solution
         top = float(self.population.height[self.population.falling[0]])
@@ -334,7 +334,7 @@ class Trail:
     ) -> PopulationState:
         assert self.listing is not None
         index = self.listing.index
-        pressure = float(solution.laws.force.sum()) / self.population.nominal_area
+        pressure = solution.load / self.population.nominal_area
         point = Point(solution.separation, pressure, index, values)
         heaviest = self.heaviest
         if not solution.reason and (heaviest is None or pressure > heaviest[1]):
@@ -371,7 +371,7 @@ class Trail:
         population = self.population
         laws = population.laws if self.listing is None else self.listing.problem.laws
         law = solution.laws
-        load = float(law.force.sum())
+        load = solution.load
         lowest = 0.0 if self.field is None else self.field.lowest
         filled = float(law.force[laws.filled(law)].sum())
         return PopulationState(
