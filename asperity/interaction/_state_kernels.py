@@ -8,6 +8,8 @@ from numba import njit
 
 from surfaces._compiled import compiled
 
+FAST = {"reassoc", "contract", "nsz", "arcp"}
+
 TINY = 1e-200
 """Approach [m] below which a contact stays where it is."""
 
@@ -74,7 +76,7 @@ def widen(
         shift[i] = math.sqrt(square) / (power * approach[i]) * slope
 
 
-@compiled()
+@compiled(fastmath=FAST)
 def lag(force, stiffness, tilt, aside, fresh, moved, gain):
     """Share of the load that the difference between `aside` and `fresh` can make."""
     whole = 0.0
@@ -85,10 +87,10 @@ def lag(force, stiffness, tilt, aside, fresh, moved, gain):
     for i in range(force.size):
         f = force[i]
         load += f
-        pull = f * math.sqrt(tilt[i, 0] ** 2 + tilt[i, 1] ** 2)
-        whole += pull * math.sqrt(fresh[i, 0] ** 2 + fresh[i, 1] ** 2)
+        slope = tilt[i, 0] ** 2 + tilt[i, 1] ** 2
+        whole += f * math.sqrt(slope * (fresh[i, 0] ** 2 + fresh[i, 1] ** 2))
         dy, dx = fresh[i, 0] - aside[i, 0], fresh[i, 1] - aside[i, 1]
-        change += pull * math.sqrt(dy * dy + dx * dx)
+        change += f * math.sqrt(slope * (dy * dy + dx * dx))
         afar += stiffness[i] * abs(moved[i])
         own += 2.0 * stiffness[i] * gain[i]
     return change / whole * max(afar, own) / load if whole > 0.0 else 0.0
@@ -126,7 +128,7 @@ def balance(stiffness, error):
     return moment / total if total > 0.0 else 0.0
 
 
-@compiled()
+@compiled(fastmath=FAST)
 def imbalance(
     height,
     separation,
