@@ -40,7 +40,7 @@ this second moment beyond the cut-off."""
 LARGEST_CUT = 0.499
 """Largest cut-off of a periodic cell over its shorter side."""
 
-PAIRS_ASIDE = 8_000
+PAIRS_ASIDE = 40_000
 """Near pairs that repay to be summed beside the mesh, on another thread."""
 
 RUNG = 1.19
