@@ -9,6 +9,7 @@ from numba import carray, njit
 
 from surfaces._compiled import compiled
 
+from ..microcontact._kernels import BLUNT
 from ._scratch import BLOCK, COLUMNS, columns, places
 
 NUMBERS = 6
@@ -149,6 +150,15 @@ def evaluate(
         for k in range(count):
             d, over = s[k + D], s[k + D] - s[k + TOP]
             f, stiff, work, m, grown = s[k + F], s[k + K], s[k + WORK], s[k + M], s[k + GROWN]
+            v, here = s[k + V], np.uint64(first[k])
+            if v < 1.0 and flat[here + THREE] > 0.0:  # a tip that is no paraboloid
+                there, rise, wide = here + np.uint64(NUMBERS), flat[here], flat[here + FOUR]
+                f = flat[there] * v**rise
+                stiff = 0.5 * rise * f / d
+                work = f * d / (1.0 + 0.5 * rise)
+                m = flat[here + THREE] * v**wide
+                grown = m * wide / rise
+                s[k + AREA] = flat[there + FIVE] * v ** flat[here + ONE]
             if over > 0.0:
                 full = m + grown
                 work += over * (f + 0.5 * stiff * over)
@@ -201,7 +211,9 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, scratch, ta
 
     A footprint has the variance (factor k)^exponent. The moment (1/F) int v dF is integrated by
     Gauss quadrature on each interval, and its slopes are limited so that it grows between the nodes
-    too (Fritsch and Carlson 1980).
+    too (Fritsch and Carlson 1980). Of a tip that is no paraboloid the first node holds other
+    numbers: in the place of s and its slope the exponents of force and area over v, in that of the
+    moment and its slope the moment at the next node and the exponent of the moment.
     """
     steps = force.shape[1] - 1
     shares = _shares(power)
@@ -217,10 +229,24 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, scratch, ta
         work = 0.0
         load = 0.0
         spread = 0.0
+        tip, wide = 0.0, 0.0
         for j in range(steps):
             v = j + 1.0
             s1 = force[r, j + 1] * fall[j]
             d1 = stiffness[r, j + 1] * width * v * fall[j] - power * s1 / v
+            if j == 0 and abs(d1) > BLUNT * s1:
+                rise = math.log2(force[r, 2] / force[r, 1])
+                rise = min(max(rise, 2.0), 2.0 * power - 2.0)  # from punch to cone
+                wide = exponent * (rise - 2.0)
+                variance = _raise(factor * rise * s1 / width, exponent)
+                tip = variance * rise / (rise + wide)
+                table[r, 0, 0], table[r, 0, 1] = rise, 2.0 * (rise - 2.0) / (power - 2.0)
+                table[r, 0, 2] = 0.0
+                work, load, spread = width * s1 / (rise + 2.0), s1, tip * s1
+                moment[1], bend[1] = tip, (variance - tip) * rise
+                table[r, 1, 5] = area[r, 1]
+                s0, d0 = s1, (rise - power) * s1
+                continue
             if j == 0:
                 # straight, through the first node, not below a fifth of its value
                 d1 = min(d1, 0.8 * s1)
@@ -252,8 +278,8 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, scratch, ta
         table[r, steps, 0] = s0
         table[r, steps, 1] = d0
         table[r, steps, 2] = work
-        table[r, 0, 3] = moment[0]
-        table[r, 0, 4] = bend[0]
+        table[r, 0, 3] = tip
+        table[r, 0, 4] = wide
         table[r, 0, 5] = area[r, 1]
         for j in range(1, steps + 1):
             before = moment[j] - moment[j - 1]

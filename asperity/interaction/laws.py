@@ -114,9 +114,10 @@ class Laws:
     in [j, j+1]; the moment and its slope dm/dv; area/v^2.
 
     s is a cubic Hermite polynomial, linear in the first interval, so that Hertz contacts are exact
-    at any grading. The energy is integrated in closed form; the moment is a growing cubic
-    Hermite polynomial with the slope dm/dF = (v - m)/F at the nodes. Beyond `reach` the basin is
-    filled: the contact is a flat punch of constant stiffness and footprint.
+    at any grading; of a tip that is no paraboloid (`BLUNT`) all are powers of v there. The energy
+    is integrated in closed form; the moment is a growing cubic Hermite polynomial with the slope
+    dm/dF = (v - m)/F at the nodes. Beyond `reach` the basin is filled: the contact is a flat punch
+    of constant stiffness and footprint.
 
     The coupled problem needs what every true law has (docs/half_space.md): a contact grows with its
     approach, and its stiffness with it, up to that of a flat punch of the contact. A table that

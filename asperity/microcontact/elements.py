@@ -19,6 +19,7 @@ from surfaces import _threads
 from ..bem.kernel import compliance, near_influence
 from ..flags import Flag
 from ..material import HalfSpace
+from ._kernels import BLUNT
 from .table import LawTable
 
 if TYPE_CHECKING:
@@ -204,15 +205,19 @@ def _second(table: LawTable, slot: int, summits: Summits, row: int) -> int:
 def _join(table: LawTable, slots: Rows, begin: Rows, places: Rows, values: Array) -> None:
     """Put what was found at the nodes `begin` + `places` in some rows, from the node `begin` on.
 
-    `values` (n, levels, 4) are those of the last places; at the others, below 0, the rows tell.
+    `values` (n, levels, 4) are those of the last places; at the others, below 0, the rows tell. Of
+    a tip that is no paraboloid the force over its own power of u is what changes slowly.
     """
     from scipy.interpolate import PchipInterpolator
 
-    p, nodes, u = table.exponent, table.nodes, np.arange(table.nodes + 1) / table.nodes
+    nodes, u = table.nodes, np.arange(table.nodes + 1) / table.nodes
     inside, after = np.arange(places[-1] + 1), places[places >= 0]
     row, node = slots[:, None], begin[:, None] + inside
     known, own = u[begin[:, None] + places], u[node]
     force = np.hstack((table.force[row, node[:, :1] + places[places < 0]], values[:, :, 0]))
+    p = np.log(force[:, 1:2] / force[:, :1]) / np.log(known[:, 1:2] / known[:, :1])
+    powers = (known[:, :1] == u[1]) & (np.abs(p - table.exponent) > BLUNT)
+    p = np.where(powers, np.clip(p, 2.0, 2.0 * table.exponent - 2.0), table.exponent)
     line, rise = ((force / known**p) @ part.T for part in _natural(tuple(places.tolist())))
     found = values[:, :, [1, 3, 2]]
     found[:, :, 0] /= known[:, places >= 0] ** 2

@@ -11,6 +11,7 @@ from standin import HertzTable
 from asperity.errors import InputError
 from asperity.interaction.footprint import Footprints
 from asperity.interaction.laws import FILLED, STIFFEST, Laws
+from asperity.microcontact.table import LawTable
 
 EXPONENTS = (-0.3, 0.0, 0.5)
 TABLE = HertzTable(np.array([1.0, 3.0]), np.array([0.2, 0.5]))
@@ -29,6 +30,42 @@ def test_hertz_and_filled_basin_are_reproduced(m):
         assert (
             laws.filled(law) == (area > FILLED * np.pi * (1 + m) * table.radius * table.reach)
         ).all()
+
+
+def tip(power, m):
+    """Law of f = r^power: force and area as powers of the approach, to a reach of 2."""
+    grid = 2.0 * (np.arange(13) / 12)[None] ** 2
+    rise = 1.0 + (1.0 + m) / power
+    one = np.full(1, 2.0)
+    force, stiffness = 3.0 * grid**rise, 3.0 * rise * grid ** (rise - 1.0)
+    area = 500.0 * grid ** (2.0 / power)
+    flat = {"flags": np.zeros(grid.shape, np.uint8), "spread": np.zeros(grid.shape)}
+    return LawTable(one, force, stiffness, area, exponent=3.0 + m, **flat), rise
+
+
+@pytest.mark.parametrize("m", EXPONENTS)
+@pytest.mark.parametrize("power", [1.0, 1.5, 4.0, 12.0])
+def test_a_tip_that_is_no_paraboloid_keeps_its_powers_below_the_first_node(power, m):
+    table, rise = tip(power, m)
+    f = Footprints(1.0, m)
+    laws = Laws(table, f)
+    d = table.approach()[0, 1] * np.array([1e-4, 0.01, 0.5, 0.999])
+    for depth in d:
+        law, own = laws(np.full(1, depth)), table.evaluate(0, depth)
+        force, stiffness = 3.0 * depth**rise, 3.0 * rise * depth ** (rise - 1.0)
+        for found, exact in (
+            (law.force, force), (law.stiffness, stiffness), (law.area, 500 * depth ** (2 / power)),
+            (law.energy, force * depth / (rise + 1.0)), (law.moment + law.growth,
+            f.variance(stiffness)), (own[0], force), (own[1], stiffness), (own[2], law.area[0]),
+        ):  # fmt: skip
+            np.testing.assert_allclose(found, exact, rtol=1e-9)
+        h = 1e-4 * depth
+        up, down = laws(np.full(1, depth + h)), laws(np.full(1, depth - h))
+        growth = law.force * (up.moment - down.moment) / (up.force - down.force)
+        np.testing.assert_allclose(growth, law.growth, rtol=1e-4, atol=1e-9 * law.moment[0])
+    below, above = (laws(np.full(1, table.approach()[0, 1] * (1 + e))) for e in (-1e-9, 1e-9))
+    for name in ("force", "stiffness", "area", "energy", "moment"):
+        np.testing.assert_allclose(getattr(below, name), getattr(above, name), rtol=1e-6)
 
 
 def test_open_contacts_carry_nothing():
