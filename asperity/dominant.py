@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.peaks._climb import PLATEAU
+from surfaces.peaks._climb import PLATEAU, RIM
 
 from .flags import Flag
 from .interaction.elongation import ASPECT_EXPONENT
@@ -83,7 +83,7 @@ class Ranking:
     """
 
     def __init__(self, summits: Summits) -> None:
-        usable = np.flatnonzero(summits.valid & ~summits.border)
+        usable = np.flatnonzero(summits.valid & (summits.kinds != RIM))
         order = usable[np.argsort(-summits.height[usable], kind="stable")]
         self._usable = np.zeros(len(summits), bool)
         self._usable[usable] = True

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from surfaces import _threads
 
 from .errors import ModelRangeError
+from .flags import Flag
 from .microcontact.elements import put
 from .microcontact.laws import tabulate
 
@@ -34,9 +35,12 @@ PASSED = 0.2
 """Depth of a hollow under a contact that leans, over its approach, beyond which it ends there (0.1
 to 0.4 hardly differ; seeds 1, 2, 11 and 12)."""
 
-SHARP = 2.5
+SHARP = 1.5
 """Ratio of f/r^2 at a tip and at the first node of its rays from which on the rays do not
 resolve it: 12 and 4 of r and r^1.5 on 256 points, at most 2.3 on nine measured and random maps."""
+
+MISSED = 0.05
+"""Error of its force by that from which on a tip is pressed alone as a dominant contact may be."""
 
 
 class SummitLaws:
@@ -119,13 +123,16 @@ class SummitLaws:
 
 
 def _doubt_tips(profiles: Profiles, table: LawTable) -> None:
-    """Raise the expected errors of contacts that reach little beyond a tip between two nodes."""
+    """Raise the expected errors of contacts that reach little beyond a tip between two nodes, and
+    mark them as beyond what the expansion describes."""
     tip, first = (profiles.q[:, :, node].mean(axis=1) for node in (0, 1))
     ratio = tip / np.maximum(first, TINY)
     sharp = np.flatnonzero(profiles.valid & (ratio > SHARP))
     if not sharp.size:
         return
     inner = np.pi * np.mean((profiles.t[1] * profiles.edge[sharp]) ** 2, axis=1)
-    part = inner[:, None] / np.maximum(table.area[sharp], TINY)
-    missed = np.minimum((ratio[sharp, None] - 1.0) * np.minimum(part, 1.0), 1.0)
+    part = inner[:, None] / np.maximum(table.area[sharp], inner[:, None])
+    missed = np.minimum((ratio[sharp, None] - 1.0) * part, 1.0)
     table.spread[sharp] = np.maximum(table.spread[sharp], missed)
+    missed[:, 0] = 0.0
+    table.flags[sharp] |= np.where(missed > MISSED, Flag.BEYOND_RADIUS, 0).astype(np.uint8)

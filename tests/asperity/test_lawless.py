@@ -83,17 +83,14 @@ def tip(k, place=0.5):
     return HeightMap(-0.01 * radius ** (1 - k) * r**k, spacing), 0.01 * radius ** (1 - k)
 
 
-@pytest.mark.parametrize(("k", "least"), [(1, 1e-7), (1.5, 5e-8)])
-def test_what_the_rays_of_a_single_tip_miss_is_within_the_stated_error(k, least):
+@pytest.mark.parametrize(("k", "least"), [(1, 1e-7), (1.5, 5e-8), (4, 1e-8)])
+def test_a_single_tip_is_pressed_where_its_rays_or_its_polynomial_miss_it(k, least):
     hm, scale = tip(k)
     approach = np.array([least, 2e-7, 4e-7])
     curve = asperity.contact_curve(hm, BODY, separations=-hm.heights.mean() - approach)
     exact = asperity.indent(PowerLawProfile(k, scale), BODY, approach)
-    wrong = np.abs(curve.load / exact.force - 1)
-    assert max(wrong) > 0.05
-    assert (wrong <= curve.error_estimate).all()
-    wrong = np.abs(curve.contact_area / exact.contact_area - 1)
-    assert (wrong <= curve.extra["area_error_estimate"]).all()
+    np.testing.assert_allclose(curve.load, exact.force, rtol=0.03)
+    np.testing.assert_allclose(curve.contact_area, exact.contact_area, rtol=0.05)
 
 
 def test_a_blunt_tip_that_the_rays_hold_is_not_doubted():
