@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from surfaces._memory import available_bytes
 from surfaces.heightmap import HeightMap
+from surfaces.peaks.flat_tops import flat_share
 from surfaces.preparation.coarsening import coarse_map
 
 from .boundary import Boundary, chosen_boundary
@@ -54,6 +55,10 @@ MORE_WAVES = 120.0
 SHORTER = 0.75
 """Of those the shortest is at most this part of the shortest kept otherwise, or no more are kept:
 it would hardly differ."""
+
+CLIPPED = 0.4
+"""Share of the highest points on flat tops from which on a map stays on its own grid: waves through
+heights cut off ring, and have summits where it has none."""
 
 NEGLIGIBLE_SHIFT = 2e-3
 """Shift by the neighbours, relative to the approach, below which interaction is left out."""
@@ -297,7 +302,9 @@ def _grid(
     if held is not None:
         holds = f"grid: {held.shape[0]} x {held.shape[1]} points hold the map of {shape}"
         return held, None, [split, holds]
-    finer = refined_map(hm) if scales == "auto" else None
+    finer = None
+    if scales == "auto" and flat_share(hm) < CLIPPED:
+        finer = refined_map(hm)
     if isinstance(finer, HeightMap):
         holds = (
             f"grid: {finer.shape[0]} x {finer.shape[1]} points show the summits of {shape}, whose "

@@ -143,7 +143,7 @@ def _sample(
                 continue
             own = labels[row, col]
             if own >= 0 and owner[own] == peak:
-                gap[k] = depth - (top - expand(flat, width, y, x)[0])
+                gap[k] = depth - max(top - expand(flat, width, y, x)[0], 0.0)
                 if gap[k] > best:
                     best, first = gap[k], k
     if first < 0:

@@ -13,6 +13,7 @@ from ..errors import InputError, SurfaceError
 from ..heightmap import HeightMap
 from . import _climb
 from ._fans import PART, Fans
+from .flat_tops import flat_tops
 from .peaks import Peaks
 from .profiles import Profiles
 
@@ -20,6 +21,7 @@ __all__ = ["Summits", "fit_profiles", "locate_summits"]
 
 _BAND = 32  # rows whose peaks are looked at together
 _SAME = 0.2  # two summits nearer than this [pixels] are one
+_RING = 0.1  # of the height of a flat top, up to which the spline rings on it
 
 Array = NDArray[np.float64]
 
@@ -183,6 +185,15 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
         ),
         _threads.blocks(n, 512),
     )  # fmt: skip
+    dip = np.full(n, peaks.min_prominence)
+    flat, middle = flat_tops(hm, peaks)
+    flat, middle = (array[kinds[flat] != _climb.RIM] for array in (flat, middle))
+    if flat.size:
+        row, col = peaks.row.copy(), peaks.col.copy()
+        row[flat], col[flat] = middle.T
+        places[flat], kinds[flat] = middle, _climb.PLATEAU
+        peaks = replace(peaks, row=row, col=col)
+    dip[flat] = np.maximum(dip[flat], _RING * depth[flat])
     owner = _owners(hm, peaks, places, kinds)
     own = owner == np.arange(n)
     counts = np.rint(peaks.basin_area / np.prod(hm.spacing)).astype(np.int64)
@@ -197,7 +208,7 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
     x, y, height = (np.ascontiguousarray(column) for column in summit.T)
     return Summits(
         x, y, height, curvature, angle, pixels, border, own, owner, peaks, hm, spline, places,
-        kinds, np.full(n, np.inf), level, np.full(n, peaks.min_prominence), owner,
+        kinds, np.full(n, np.inf), level, dip, owner,
     )  # fmt: skip
 
 
@@ -236,9 +247,10 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
     local maximum of f, or a tenth beyond the point where it leaves the basin of its peak for
     another: basins are not star-shaped, and rays cut at their edge cover only nine tenths of the
     map. A plateau, which has no curvature of its own, starts with the paraboloid that fills its
-    basin. A peak that is highest at the border of a map that is not periodic is mirrored there
-    and compressed by 1.7 across it: a whole contact that carries as much as the half there is.
-    Unflooded pixels count to no basin, so that `segment(above=...)` changes hardly a ray
+    basin; a flat top (`flat_tops`) does so in its middle, and its rays pass over the rings that the
+    spline makes on it. A peak that is highest at the border of a map that is not periodic is
+    mirrored there and compressed by 1.7 across it: a whole contact that carries as much as the half
+    there is. Unflooded pixels count to no basin, so that `segment(above=...)` changes hardly a ray
     above that height.
     """
     return locate_summits(hm, peaks).rows(np.arange(len(peaks)), rays=rays, nodes=nodes)

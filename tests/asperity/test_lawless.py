@@ -40,9 +40,29 @@ def test_the_area_of_tops_cut_off_is_within_the_stated_error_of_the_plateaus():
     cut = HeightMap(np.minimum(hm.heights, top), SPACING, periodic=True)
     curve = asperity.contact_curve(cut, BODY, pressures=default_pressures(cut, BODY, 4)[:2])
     plateaus = np.mean(cut.heights == top)  # a flat punch touches all over at once
-    assert (curve.area_fraction < 0.5 * plateaus).all()
     wrong = np.abs(curve.area_fraction / plateaus - 1)
     assert (wrong <= curve.extra["area_error_estimate"]).all()
+    curve = asperity.contact_curve(cut, BODY, pressures=default_pressures(cut, BODY, 4)[2:])
+    reference = asperity.bem_curve(cut, BODY, pressures=curve.mean_pressure, tolerance=1e-4)
+    np.testing.assert_allclose(curve.contact_area, reference.contact_area, rtol=0.2)
+    curve = asperity.contact_curve(cut, BODY, separations=reference.separation)
+    np.testing.assert_allclose(curve.load, reference.load, rtol=0.1)
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+def test_a_cut_cone_is_a_flat_punch(periodic):
+    y, x = (np.arange(n) * step for n, step in zip((100, 120), (1.2, 1.0), strict=True))
+    r = np.hypot(y[:, None] - y[43], x - x[70])
+    hm = HeightMap(-0.2 * np.maximum(r - 20.0, 0.0), (1.2, 1.0), periodic=periodic)
+    body = asperity.HalfSpace.from_modulus(1.0)
+    approach = np.array([0.02, 0.04])
+    curve = asperity.contact_curve(
+        hm, body, separations=-hm.heights.mean() - approach, boundary="free"
+    )
+    area = np.count_nonzero(r <= 20.0) * 1.2
+    np.testing.assert_allclose(curve.load, 2.0 * 20.3 * approach, rtol=0.06)
+    np.testing.assert_allclose(curve.contact_area, area, rtol=0.05)
+    assert max(curve.error_estimate) < 0.8
 
 
 @pytest.mark.parametrize("bend", [-1.0, 1.0], ids=["cup", "hill"])
@@ -70,7 +90,7 @@ def test_waves_have_no_such_contacts_and_a_shift_moves_none():
         asperity.contact_curve(m, BODY, pressures=default_pressures(m, BODY, 3)).extra["flat_tops"]
         for m in (steps, moved)
     ]
-    assert min(tops[0]) > 0.3
+    assert min(tops[0]) > 0.2
     assert tops[1] == pytest.approx(tops[0], rel=0.05)
 
 
