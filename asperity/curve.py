@@ -29,7 +29,7 @@ from .error_estimate import (
     weaknesses,
 )
 from .errors import ConvergenceError, InputError
-from .lawless import LAWLESS
+from .lawless import LAWLESS, TELLS_NOTHING
 from .loadpoints import checked_loads
 from .plan import Plan, interaction_needed, make_plan
 from .population.population import PopulationState
@@ -303,6 +303,13 @@ def _curve(
     known = 0.0 if plan.law in CALIBRATED and plan.lay < LONGEST_LAY else np.nan
     load_error = known + np.array([estimate(w, LOAD_WEIGHTS) for w in weak])
     area_error = known + np.array([estimate(w, AREA_WEIGHTS) for w in weak])
+    warnings = [*plan.warnings, *bodies.warnings(separation.min())]
+    tiny = sum(w["unresolved"] > TELLS_NOTHING for w in weak)
+    if tiny:
+        warnings.append(
+            f"at {tiny} of {len(weak)} load points contacts are as small as a pixel of the map, "
+            "which does not tell their loads: take smaller pixels or more load"
+        )
     alone = {}
     if left_out is not None:
         alone["interaction_difference"] = np.array(left_out)
@@ -331,7 +338,7 @@ def _curve(
             "m": bodies.material.m,
             "input": hm.digest,
             "peaks": len(bodies.peaks),
-            "warnings": [*plan.warnings, *bodies.warnings(separation.min())],
+            "warnings": warnings,
         },
         extra={
             "microcontacts": column("active"),

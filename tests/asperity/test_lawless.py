@@ -83,7 +83,7 @@ def test_waves_have_no_such_contacts_and_a_shift_moves_none():
     hm = rough()
     for name in LAWLESS:
         curve = asperity.contact_curve(hm, BODY, pressures=default_pressures(hm, BODY, 3))
-        assert max(curve.extra[name]) == 0.0
+        assert max(curve.extra[name]) < (1e-3 if name == "unresolved" else 1e-12)
     steps = hm.replace(heights=np.round(hm.heights / hm.rms_height * 4) * hm.rms_height / 4)
     moved = steps.replace(heights=np.roll(steps.heights, (31, 52), (0, 1)))
     tops = [
@@ -168,3 +168,24 @@ def test_one_contact_among_many_whose_law_tells_nothing_does_little_harm():
     share = force.max() / force.sum()
     assert share < 0.8
     assert lawless(run.bodies, run.states[0])["unsure"] == pytest.approx(share**2)
+
+
+def test_contacts_smaller_than_a_pixel_are_named_and_doubted():
+    """Hills of one pixel's step, their tops between the points of the map."""
+    y, x = np.indices((48, 60))
+    hm = HeightMap(
+        np.cos(2 * np.pi * (y - 0.37) / 12) + np.cos(2 * np.pi * (x - 0.41) / 12), (1.0, 1.0),
+        periodic=True,
+    )  # fmt: skip
+    body = asperity.HalfSpace.from_modulus(1.0)
+    loads = np.array([4e-4, 1e-3, 1e-1])
+    reference = asperity.bem_curve(hm, body, pressures=loads, tolerance=1e-5)
+    curve = asperity.contact_curve(hm, body, separations=reference.separation)
+    wrong = np.abs(curve.load / reference.load - 1)
+    assert wrong[0] > 0.3
+    assert (wrong <= curve.error_estimate).all()
+    assert curve.extra["unresolved"][2] == 0.0
+    told = [why for why in curve.settings["warnings"] if "as small as a pixel" in why]
+    assert len(told) == 1
+    light = asperity.contact_curve(hm, body, separations=reference.separation[2:])
+    assert not any("as small as a pixel" in why for why in light.settings["warnings"])
