@@ -36,9 +36,12 @@ def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[n
     """
     heights, shape = hm.heights, np.array(hm.shape)
     tops = np.stack((peaks.row, peaks.col), axis=1)
-    rows = np.zeros(0, np.int64)
-    if has_level_places(heights):
-        rows = np.flatnonzero(_level_steps(hm, tops)[:, 1::2].any(axis=1))
+    line, level = heights.shape[1], heights.ravel()
+    at = peaks.row * line + peaks.col
+    here, beside = level.take(at), (level.take(at + k, mode="wrap") for k in (1, -1, line, -line))
+    rows = np.flatnonzero(np.logical_or.reduce([height == here for height in beside]))
+    if not rows.size:
+        return rows, tops[:0]
     top, slot = np.full(len(peaks) + 1, np.inf), np.zeros(len(peaks) + 1, np.int64)
     top[rows], slot[rows] = heights[tuple(tops[rows].T)], np.arange(rows.size)
     points = np.argwhere(heights == top[peaks.labels])
