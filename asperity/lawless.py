@@ -67,7 +67,8 @@ def lawless(bodies: Asperities, state: PopulationState) -> dict[str, float]:
     unsure
         Square of the share on contacts whose law expects an error of `UNSURE` and more of itself.
     unresolved
-        One over the number of pixels of the contacts, less that of `RESOLVED`, weighted by load.
+        One over the number of pixels of the contacts, less that of `RESOLVED`, weighted by load; of
+        the smaller pixels where a map whose waves reach the pixel is solved on those.
     """
     closed = np.flatnonzero(state.force > 0)
     if not closed.size:
@@ -93,7 +94,8 @@ def lawless(bodies: Asperities, state: PopulationState) -> dict[str, float]:
         inside = np.clip(np.minimum(*sides) / np.sqrt(area / np.pi), 0.0, 1.0)
         cut = share @ (1.0 - inside)
     unsure = share @ (spread >= UNSURE)
-    pixels = area / np.prod(bodies.hm.spacing)
+    solved = bodies.hm if bodies.plan.resampled is None else bodies.plan.resampled
+    pixels = area / min(np.prod(hm.spacing) for hm in (bodies.hm, solved))
     unresolved = share @ np.maximum(1.0 / np.maximum(pixels, TINIEST) - 1.0 / RESOLVED, 0.0)
     return {
         "flat_tops": float(flat),
