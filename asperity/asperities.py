@@ -42,7 +42,7 @@ lay of 10:1 (shortest wave 8 pixels) the load is 24 to 32 % too high there, at 9
 20:1 half as much again at 5 %; 4:1 reaches 1.8 at 27 %, maps without lay 1 (seeds 1, 2, 11)."""
 
 CLOSE_ENOUGH = 4e-3
-"""Bound on the residual of a load on finer contacts, which are few and start from nothing."""
+"""Bound on the residual of a load on finer contacts, which are few."""
 
 
 class CloserLook(NamedTuple):
@@ -141,11 +141,11 @@ class Asperities:
         return cls(hm, material, plan, peaks, profiles, laws, basins, population, seconds)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Without the looks, whose weak references cannot be kept; they are taken anew."""
-        return vars(self) | {"_looks": None}
+        """With the looks as pairs, since weak references cannot be kept."""
+        return vars(self) | {"_looks": list(self._looks.items())}
 
     def __setstate__(self, kept: dict[str, Any]) -> None:
-        vars(self).update(kept, _looks=WeakKeyDictionary())
+        vars(self).update(kept, _looks=WeakKeyDictionary(kept["_looks"]))
 
     @property
     def solved(self) -> HeightMap:
@@ -208,10 +208,16 @@ class Asperities:
         part = 0.0 if self.plan.fine is None else particular(self.plan.fine, state)
         if part == 0.0 or self._finer is None:
             return None
-        # from nothing each time: it may not depend on what was asked before
-        load, population = state.mean_pressure, self._finer.population
-        found = population.solve(mean_pressure=load, tolerance=CLOSE_ENOUGH)
-        return CloserLook(self._finer, found, part) if found.converged else None
+        bodies, load = self._finer, state.mean_pressure
+        seen = [look.state for look in self._looks.values() if look and look.bodies is bodies]
+        last = seen[-1] if seen else None
+        found = bodies.population.solve(mean_pressure=load, state=last, tolerance=CLOSE_ENOUGH)
+        if not bodies.deep_enough(found):
+            vars(self)["_finer"] = Asperities.of(
+                self.hm, self.material, replace(bodies.plan, above=None)
+            )
+            return self._look(state)
+        return CloserLook(bodies, found, part) if found.converged else None
 
     @functools.cached_property
     def _finer(self) -> Asperities | None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from surfaces._memory import available_bytes
 from surfaces.heightmap import HeightMap
@@ -18,12 +18,13 @@ from .boundary import Boundary, chosen_boundary
 from .doubts import lay, map_warnings
 from .errors import InputError, SurfaceError
 from .loadpoints import checked_loads, expected_area_fraction, require_scene, slope_scale
-from .scales.fine_waves import FineScales
+from .scales.fine_points import MANY
 from .scales.pixel_waves import refined_map
-from .scales.split import FEWEST_WAVES, split_scales
+from .scales.split import Split, split_scales
 
 if TYPE_CHECKING:
     from .material import HalfSpace
+    from .scales.fine_waves import FineScales
 
 __all__ = ["SCALES", "Plan", "finer_plan", "interaction_needed", "make_plan"]
 
@@ -46,15 +47,12 @@ _SMALL = 2**20
 """Points up to which the whole map is segmented: laws of summits whose basins are cut differ a
 little, and few contacts do not average that out."""
 
+_QUICK = 2**18
+"""The same for loads that few fine waves carry: their contacts are few and high, and finding all
+summits would take as long as solving them."""
+
 _SAMPLE = 2**16
 """Heights that suffice for a quantile."""
-
-MORE_WAVES = 120.0
-"""Waves kept along the side of the map where few fine waves lie under the contacts."""
-
-SHORTER = 0.75
-"""Of those the shortest is at most this part of the shortest kept otherwise, or no more are kept:
-it would hardly differ."""
 
 CLIPPED = 0.4
 """Share of the highest points on flat tops from which on a map stays on its own grid: waves through
@@ -84,8 +82,8 @@ class Plan:
         One line for each choice.
     resampled
         The map on another grid, solved in its place; None: the map itself.
-    fine
-        Law of the waves that this grid does not hold; None if it holds them all.
+    split
+        The split of its waves into those of this grid and finer ones; None if it holds them all.
     warnings
         One line for each reason to doubt what any model makes of the map.
     lay
@@ -103,11 +101,16 @@ class Plan:
     memory: int
     reasons: tuple[str, ...]
     resampled: HeightMap | None = field(default=None, repr=False)
-    fine: FineScales | None = None
+    split: Split | None = field(default=None, repr=False, compare=False)
     warnings: tuple[str, ...] = ()
     lay: float = 1.0
     seconds: float = field(default=0.0, compare=False)
     scene: tuple[HeightMap, HalfSpace] | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def fine(self) -> FineScales | None:
+        """Law of the waves that the grid does not hold; None if it holds them all."""
+        return None if self.split is None else self.split.fine
 
     def require_scene_of(self, hm: HeightMap, material: HalfSpace) -> None:
         """Refuse the plan for a map or material whose other grid or fine law it does not hold.
@@ -176,7 +179,12 @@ def make_plan(
     if interaction:
         coupled, why = interaction_needed(hm, material, kind, values)
     reasons.append(why)
-    resampled, fine, whys = _grid(hm, material, coupled, scales)
+    split, whys = _split(hm, material, coupled, scales)
+    if split is None:
+        resampled, holds = _grid(hm, scales)
+        whys.append(holds)
+    else:
+        resampled = split.coarse
     points = (hm if resampled is None else resampled).heights.size
     above, why = None, "segmentation: the whole map, which has few points"
     if points > _SMALL:
@@ -198,7 +206,7 @@ def make_plan(
         memory=memory,
         reasons=tuple(reasons),
         resampled=resampled,
-        fine=fine,
+        split=split,
         warnings=warnings,
         lay=lay(hm),
         seconds=seconds,
@@ -211,15 +219,17 @@ def finer_plan(plan: Plan) -> Plan | None:
 
     None if hardly more can be kept.
     """
-    if plan.fine is None or plan.scene is None:
+    if plan.split is None or plan.scene is None:
         return None
-    longest = SHORTER * plan.fine.shortest
-    if np.sqrt(plan.scene[0].area) > longest * MORE_WAVES:
+    hm, material = plan.scene
+    split = plan.split.finer(material)
+    if split is plan.split:
         return None
-    resampled, fine, reasons = _grid(*plan.scene, True, "auto", MORE_WAVES)
-    if fine is not None and fine.shortest > longest:
-        return None
-    return replace(plan, resampled=resampled, fine=fine, above=None, reasons=tuple(reasons))
+    resampled = _grid(hm, "auto")[0] if split is None else split.coarse
+    above = None
+    if (hm if resampled is None else resampled).heights.size > _QUICK:
+        above = _above_contacts(_sample(hm), MANY * plan.split.fine.shortest**2 / hm.area)
+    return replace(plan, resampled=resampled, split=split, above=above)
 
 
 def _require_usable(hm: HeightMap) -> None:
@@ -258,64 +268,68 @@ def _lowest_height(
 ) -> tuple[float | None, str]:
     """Height under which no summit is expected to touch, relative to the mean plane."""
     whole = None, "segmentation: the whole map, the load may reach deep"
-    share = 0.0
+    sample = _sample(hm)
     if kind == "pressure":
-        share = _SPARE_SHARE + _DEPTH * expected_area_fraction(hm, material, float(values.max()))
-        if share >= _WORTH_IT:
+        share = expected_area_fraction(hm, material, float(values.max()))
+        candidate = _above_contacts(sample, share)
+        if candidate is None:
             return whole
-    sample = hm.heights[:: _stride(hm), :: _stride(hm)].ravel() - hm.roughness.mean
-    if kind == "separation":
+    else:
         highest = hm.roughness.highest - hm.roughness.mean
         candidate = min(float(values.min()), highest) - 0.5 * hm.roughness.rms_height
-    else:
-        candidate = float(np.quantile(sample, 1.0 - share))
     top = float(np.mean(sample > candidate))
     if top >= _WORTH_IT:
         return whole
     return candidate, f"segmentation: only the top {100 * top:.0f} % of the heights"
 
 
-def _grid(
-    hm: HeightMap, material: HalfSpace, coupled: bool, scales: str, fewest: float = FEWEST_WAVES
-) -> tuple[HeightMap | None, FineScales | None, list[str]]:
-    """Map to solve, law of the waves that it leaves out, and why."""
+def _sample(hm: HeightMap) -> NDArray[np.float64]:
+    """Heights [m] above the mean plane of so many points that they tell a quantile."""
+    step = max(1, int(np.sqrt(hm.heights.size / _SAMPLE)))
+    return hm.heights[::step, ::step].ravel() - hm.roughness.mean
+
+
+def _above_contacts(sample: NDArray[np.float64], share: float) -> float | None:
+    """Height above which all candidates for contact lie, up to a share of the area in contact;
+    None where that is hardly less than all of the heights."""
+    top = _SPARE_SHARE + _DEPTH * share
+    return None if top >= _WORTH_IT else float(np.quantile(sample, 1.0 - top))
+
+
+def _split(
+    hm: HeightMap, material: HalfSpace, coupled: bool, scales: str
+) -> tuple[Split | None, list[str]]:
+    """Whether the finest waves are taken out, and why."""
+    if scales != "auto":
+        return None, ["scales: all, as asked"]
+    if not coupled:
+        return None, ["scales: all, contacts do not interact"]
+    split = split_scales(hm, material)
+    if isinstance(split, str):
+        return None, [split]
+    (ny, nx), fine = split.coarse.shape, split.fine
+    return split, [
+        f"scales: waves shorter than {fine.shortest:.3g} m act as a law of the contacts of "
+        f"the others; they hold {100 * fine.ratio / (1 + fine.ratio):.0f} % of the squared slope",
+        f"grid: {ny} x {nx} points hold the longer waves of {hm.shape[0]} x {hm.shape[1]}",
+    ]
+
+
+def _grid(hm: HeightMap, scales: str) -> tuple[HeightMap | None, str]:
+    """Map on another grid to solve, with all its waves, and why."""
     shape = f"{hm.shape[0]} x {hm.shape[1]}"
-    split: tuple[HeightMap, FineScales] | str = "scales: all, as asked"
-    if scales == "auto":
-        split = "scales: all, contacts do not interact"
-        if coupled:
-            split = split_scales(hm, material, fewest)
-    if not isinstance(split, str):
-        coarse, fine = split
-        return (
-            coarse,
-            fine,
-            [
-                f"scales: waves shorter than {fine.shortest:.3g} m act as a law of the contacts of "
-                f"the others; they hold {100 * fine.ratio / (1 + fine.ratio):.0f} % of the squared "
-                "slope",
-                f"grid: {coarse.shape[0]} x {coarse.shape[1]} points hold the longer waves of "
-                f"{shape}",
-            ],
-        )
     held = coarse_map(hm)
     if held is not None:
-        holds = f"grid: {held.shape[0]} x {held.shape[1]} points hold the map of {shape}"
-        return held, None, [split, holds]
+        return held, f"grid: {held.shape[0]} x {held.shape[1]} points hold the map of {shape}"
     finer = None
     if scales == "auto" and flat_share(hm) < CLIPPED:
         finer = refined_map(hm)
     if isinstance(finer, HeightMap):
-        holds = (
+        return finer, (
             f"grid: {finer.shape[0]} x {finer.shape[1]} points show the summits of {shape}, whose "
             "waves reach the pixel"
         )
-        return finer, None, [split, holds]
-    return None, None, [split, f"grid: {shape} points, {finer or 'as given'}"]
-
-
-def _stride(hm: HeightMap) -> int:
-    return max(1, int(np.sqrt(hm.heights.size / _SAMPLE)))
+    return None, f"grid: {shape} points, {finer or 'as given'}"
 
 
 def _require_memory(needed: int) -> None:

@@ -24,7 +24,7 @@ __all__ = [
     "without_gap",
 ]
 
-FEW, MANY = 24.0, 128.0
+FEW, MANY = 32.0, 100.0
 """Fine waves under the contacts, (sum F)^2 / sum(F^2 / n) of them, up to which each counts and from
 which on their mean tells; a contact has n = 1 + its area over the square of the longest."""
 

@@ -8,26 +8,26 @@ contacts the short waves leave part of the area open and lift the flat.
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
 
-from surfaces._threads import blocks, run, threads
 from surfaces.heightmap import HeightMap
 
 from ..interaction.footprint import Footprints
 from .fine_waves import FineScales
-from .pixel_waves import TO_THE_PIXEL, fineness, strength
+from .pixel_waves import TO_THE_PIXEL, Strength, fineness, strength
+from .shells import Shells
 
 if TYPE_CHECKING:
     from ..material import HalfSpace
 
-__all__ = ["split_scales"]
+__all__ = ["Split", "split_scales"]
 
 Array = NDArray[np.float64]
-Waves = NDArray[np.complex128] | Array
 
 BROADEST = 14.0
 """Breadth m0 m4 / m2^2 of the spectrum up to which basins are left as they are."""
@@ -52,17 +52,14 @@ FEWEST_WAVES = 50
 """Of the shortest waves that are kept, so many fit the side of the map at least. Where few hills
 carry the load, as on spectra without a roll-off, the law of the waves on each of them is rough."""
 
+MORE_WAVES, SHORTER = 120, 0.75
+"""Of the shortest waves that are kept where few fine waves lie under the contacts, so many fit the
+side of the map at least, and they are at most this part of the shortest kept otherwise."""
+
 WORTH_LOSING = 0.03
 """Share of the squared slope that the finest waves hold at least, if they are taken out."""
 
 NARROW = "scales: all, the spectrum is narrow enough for a contact at each summit"
-
-POINTS = 6.0
-"""Points per shortest wave that is kept: with four the load is 1 to 2 % lower at 10 to 25 % of
-contact, with eight no more than 0.4 % higher."""
-
-FEWEST = 96
-"""Least points of the shorter side of the grid of the longer waves."""
 
 LAY = 0.2
 """Anisotropy (s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes s1, s2 of a map (0.52 at 2:1,
@@ -86,9 +83,48 @@ GRADED = 0.5
 """Largest |m| for which there is a law."""
 
 
-def split_scales(
-    hm: HeightMap, material: HalfSpace, fewest: float = FEWEST_WAVES
-) -> tuple[HeightMap, FineScales] | str:
+@dataclass(frozen=True, eq=False, repr=False)
+class Split:
+    """A map without its finest waves, and the law of these.
+
+    Attributes
+    ----------
+    coarse
+        Map of the longer waves, on a grid that holds it well.
+    fine
+        Law of the finer ones.
+    shells
+        The waves of the map, but of those `fine` is about only the ones that `finer` may keep.
+    last, finest
+        Shells of the shortest waves that are kept, and that may be.
+    """
+
+    coarse: HeightMap
+    fine: FineScales
+    shells: Shells
+    last: int
+    finest: int
+
+    def finer(self, material: HalfSpace) -> Split | None:
+        """The same with more waves kept for contacts; itself if hardly more can be, None if hardly
+        any would be left for the law."""
+        shells, last = self.shells, self._next
+        fine = _law(shells, last, material, self.fine.strength)
+        if fine is not None and self.last > SHORTER * last:
+            return self
+        coarse = None if fine is None else shells.map(last)
+        if fine is None or coarse is None:
+            return None
+        return Split(coarse, fine, shells, last, last)
+
+    @property
+    def _next(self) -> int:
+        """Shell up to which `finer` keeps waves."""
+        more = math.ceil(self.last / SHORTER)
+        return min(max(more, _shell(MORE_WAVES, self.shells.hm)), self.finest)
+
+
+def split_scales(hm: HeightMap, material: HalfSpace) -> Split | str:
     """A map without its finest waves, on a grid that holds it well, and the law of those.
 
     Parameters
@@ -97,17 +133,15 @@ def split_scales(
         Height map without missing points.
     material
         Elastic half-space.
-    fewest
-        Of the shortest waves that are kept, so many fit the side of the map at least.
 
     Returns
     -------
-    The map of the longer waves and the law of the finer ones, or the reason to leave the map whole.
+    The split, or the reason to leave the map whole.
 
     Notes
     -----
     Waves are added from the longest on until the breadth m0 m4 / m2^2 of the spectrum (Nayak's
-    parameter) reaches `BROADEST`, `fewest` along the side of the map at least, and none
+    parameter) reaches `BROADEST`, `FEWEST_WAVES` along the side of the map at least, and none
     shorter than `UNRESOLVED` pixels. With lay the order and the breadth are those of the map
     stretched halfway, in ratio, to the same slope in all directions: waves short enough along the
     ridges are kept to part them, as contacts of whole ridges carry too much. The law holds for
@@ -122,42 +156,52 @@ def split_scales(
     strong = strength(hm)
     if strong is None:
         return "scales: all, the finest waves are not random, so that no law holds for all of them"
-    waves = _waves(hm)
-    stretch = np.eye(2)
-    shell, sums = _shells(waves, hm, material.m, stretch)
-    lay = _lay(sums[-1])
+    shells = Shells.of(hm, material.m)
+    lay = _lay(shells.sums[-1])
     if not hm.periodic and max(lay, _diagonal(hm)) > LAY:
         return "scales: all, there is a law of fine waves with lay for periodic maps only"
-    straight = abs(sums[-1, 5]) < TURNED * lay * sums[-1, 3] and fineness(hm) >= FINE_LAY
+    aside, square = abs(shells.sums[-1, 5]), shells.sums[-1, 3]
+    straight = aside < TURNED * lay * square and fineness(hm) >= FINE_LAY
     if lay > LONGEST_LAY[int(straight)]:
         return "scales: all, the waves have nearly one direction, for which there is no law"
     if lay > LAY:
-        stretch = _halfway(sums[-1])
-        shell, sums = _shells(waves, hm, material.m, stretch)
-    m0, m2, m4 = sums[:, :3].T
+        shells = shells.stretched(_halfway(shells.sums[-1]), material.m)
+    m0, m2, m4 = shells.sums[:, :3].T
     breadth = np.divide(1.5 * m0 * m4, m2**2, out=np.zeros(m2.size), where=m2 > 0.0)
     last = int(np.argmax(breadth > BROADEST))  # 0 if it never is
-    reach = np.sqrt(np.diag(np.linalg.inv(stretch @ stretch)))  # largest qy, qx where k = 1
-    most = 2.0 * np.pi / (UNRESOLVED * np.max(reach * hm.spacing))
-    resolved = min(int(most / shell + 1e-6), m2.size - 1)  # whole numbers but for rounding
-    steep = sums[:, 3]
-    if steep[resolved] > (1.0 - TOO_MANY) * steep[-1] and breadth[-1] < WORTH_IT * BROADEST:
+    most = 2.0 * np.pi / (UNRESOLVED * np.max(shells.reach * hm.spacing))
+    finest = min(int(most / shells.width + 1e-6), m2.size - 1)  # whole numbers but for rounding
+    steep = shells.sums[:, 3]
+    if steep[finest] > (1.0 - TOO_MANY) * steep[-1] and breadth[-1] < WORTH_IT * BROADEST:
         return NARROW
     odd = strong.worn[0].size or lay > LONGEST_LAY[0]
     if odd and breadth[-1] < SURELY_WORTH_IT * BROADEST:
         return NARROW
-    few = round(fewest * max(hm.size) / np.sqrt(hm.area))
-    last = min(max(last or resolved, few), resolved)
-    if steep[last] > (1.0 - WORTH_LOSING) * steep[-1]:
+    last = min(max(last or finest, _shell(FEWEST_WAVES, hm)), finest)
+    fine = _law(shells, last, material, strong)
+    if fine is None:
         return "scales: all, the map has too few waves to take the finest out"
-    limit = (last + 0.5) * shell
-    coarse = _without(waves, limit, hm, stretch, 2.0 * np.pi / (shell * last * reach))
+    coarse = shells.map(last)
     if coarse is None:
         return "scales: all, the map is too small to take its finest waves out"
+    split = Split(coarse, fine, shells, last, finest)
+    return replace(split, shells=shells.inner(split._next))
+
+
+def _shell(waves: float, hm: HeightMap) -> int:
+    """Shell of which so many waves fit the side of the map."""
+    return round(waves * max(hm.size) / math.sqrt(hm.area))
+
+
+def _law(shells: Shells, last: int, material: HalfSpace, strong: Strength) -> FineScales | None:
+    """Law of the waves beyond the shell `last`; None where these are hardly any."""
+    sums = shells.sums
+    if sums[last, 3] > (1.0 - WORTH_LOSING) * sums[-1, 3]:
+        return None
     lost = sums[-1] - sums[last]
     stiffness = 1.0 / Footprints(material.modulus, material.m).symbol
-    return coarse, FineScales(
-        shortest=2.0 * np.pi / (shell * last),
+    return FineScales(
+        shortest=2.0 * np.pi / (shells.width * last),
         ratio=float(lost[7] / sums[last, 7]),
         variance=float(stiffness**2 * lost[7]),
         energy=float(0.5 * stiffness * lost[6]),
@@ -166,19 +210,6 @@ def split_scales(
         evenness=float(np.sqrt(1.0 - _lay(lost) ** 2)),
         strength=strong,
     )
-
-
-def _waves(hm: HeightMap) -> Waves:
-    """Transform of a periodic map, or cosines of another and its mirror images.
-
-    Those are as if from the real transform of a map of their own: every column but the first
-    stands for two.
-    """
-    if hm.periodic:
-        return np.asarray(fft.rfft2(hm.heights, workers=threads()))
-    waves = fft.dctn(hm.heights, norm="ortho", workers=threads()) * np.sqrt(hm.heights.size)
-    waves[:, 1:] *= np.sqrt(0.5)
-    return np.asarray(waves)
 
 
 def _breadth(hm: HeightMap) -> float:
@@ -201,34 +232,6 @@ def _diagonal(hm: HeightMap) -> float:
     return float(2.0 * abs(np.mean(y * x)) / np.mean(y * y + x * x))
 
 
-def _shells(waves: Waves, hm: HeightMap, m: float, stretch: Array) -> tuple[float, Array]:
-    """Width [1/m] of the shells of equal wave number, and their running sums (`shell_sums`).
-
-    `stretch` is the map of (qy, qx) to the wave numbers by which they are told apart.
-    """
-    from ._spectrum_kernels import shell_sums
-
-    qy, qx = _numbers(hm)
-    width = 2.0 * np.pi / max(hm.size)
-    (yy, xy), (_, xx) = stretch @ stretch
-    highest = np.abs(qy).max()
-    longest = np.sqrt(yy * highest**2 + 2.0 * abs(xy) * highest * qx[-1] + xx * qx[-1] ** 2)
-    count = int(longest / width + 0.5) + 1
-    waves[0, 0] = 0.0
-    metric = float(xx), float(xy), float(yy)
-
-    def part(first: int, last: int) -> Array:
-        out = np.zeros((count, 8))
-        even = hm.periodic and hm.shape[1] % 2 == 0
-        shell_sums(waves[first:last], qy[first:last], qx, width, even, metric, m, out)
-        return out
-
-    found = np.sum(run(part, blocks(len(qy), 64)), axis=0) / hm.heights.size**2
-    if not hm.periodic:
-        found[:, 5] = 0.0  # mirror images have both signs of qx qy
-    return width, np.cumsum(found, axis=0)
-
-
 def _lay(sums: Array) -> float:
     """(s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes."""
     return float(np.hypot(sums[4], sums[5]) / sums[3])
@@ -240,62 +243,3 @@ def _halfway(sums: Array) -> Array:
     square, aside, cross = sums[3:6]
     values, axes = np.linalg.eigh([[square - aside, cross], [cross, square + aside]])
     return np.asarray(axes * (np.sqrt(np.prod(values)) / values) ** 0.25 @ axes.T)
-
-
-def _numbers(hm: HeightMap) -> tuple[Array, Array]:
-    """Wave numbers [1/m] of the rows and columns of `_waves`."""
-    (ny, nx), (dy, dx) = hm.shape, hm.spacing
-    if not hm.periodic:
-        return np.arange(float(ny)) * np.pi / hm.size[0], np.arange(float(nx)) * np.pi / hm.size[1]
-    qy, qx = fft.fftfreq(ny, dy), fft.rfftfreq(nx, dx)
-    return np.asarray(2.0 * np.pi * qy, float), np.asarray(2.0 * np.pi * qx, float)
-
-
-def _without(
-    waves: Waves, limit: float, hm: HeightMap, stretch: Array, shortest: Array
-) -> HeightMap | None:
-    """The map of the waves up to the number `limit`, on a grid of `POINTS` per shortest wave.
-
-    `shortest` are their lengths [m] along y and x.
-    """
-    shape = [
-        fft.next_fast_len(int(np.ceil(POINTS * length / wave)), real=True)
-        for length, wave in zip(hm.size, shortest, strict=True)
-    ]
-    if min(shape) < FEWEST:
-        return None
-    ny, nx = shape
-    held = _held(waves, limit, hm, stretch, (ny, nx))
-    if hm.periodic:
-        # pixel centres: the coarse grid begins half a coarse pixel from the border
-        y = np.exp(1j * np.pi * (1.0 - ny / hm.shape[0]) * fft.fftfreq(ny))
-        x = np.exp(1j * np.pi * (1.0 - nx / hm.shape[1]) * fft.rfftfreq(nx))
-        heights = fft.irfft2(held * y[:, None] * x, s=(ny, nx), workers=threads())
-        heights *= ny * nx / hm.heights.size
-    else:
-        held[:, 1:] *= np.sqrt(2.0)
-        heights = fft.idctn(held, norm="ortho", workers=threads())
-        heights *= np.sqrt(ny * nx) / hm.heights.size
-    heights += hm.roughness.mean
-    step = {"step": "bandpass", "shortest": float(np.sqrt(np.prod(shortest))), "to": [ny, nx]}
-    return hm.replace(heights=heights, spacing=(hm.size[0] / ny, hm.size[1] / nx), step=step)
-
-
-def _held(
-    waves: Waves, limit: float, hm: HeightMap, stretch: Array, shape: tuple[int, int]
-) -> Waves:
-    """The waves up to the number `limit`, in the layout of another grid."""
-    (ny, nx), (my, mx) = shape, (min(n, m) for n, m in zip(shape, hm.shape, strict=True))
-    if hm.periodic:
-        half, width = (my - 1) // 2, (mx - 1) // 2 + 1
-        rows = np.r_[0 : half + 1, hm.shape[0] - half : hm.shape[0]]
-        places, columns = np.r_[0 : half + 1, ny - half : ny], nx // 2 + 1
-    else:
-        rows, width = np.arange(my), mx
-        places, columns = rows, nx
-    qy, qx = _numbers(hm)
-    y, x = qy[rows, None], qx[:width]
-    stretched = sum(np.square(a * y + b * x) for a, b in stretch)
-    held = np.zeros((ny, columns), complex if hm.periodic else float)
-    held[places, :width] = np.where(stretched < limit**2, waves[rows, :width], 0.0)
-    return np.asarray(held)

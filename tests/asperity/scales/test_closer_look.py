@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from types import SimpleNamespace
 
 import numpy as np
@@ -28,7 +29,7 @@ def test_where_few_fine_waves_lie_under_the_contacts_more_of_them_are_contacts(
     one_hill, monkeypatch
 ):
     """A mean tells little of the few waves that happen to be there."""
-    loads = np.array([1.2e-3, 4e-3]) * pressure_scale(one_hill, STEEL)
+    loads = np.array([1.2e-3, 2e-3]) * pressure_scale(one_hill, STEEL)
     refined = surfaces.resample(one_hill, np.asarray(one_hill.spacing) / 2)
     exact = asperity.bem_curve(refined, STEEL, pressures=loads, tolerance=1e-4)
     slope = np.log(loads[1] / loads[0]) / (exact.separation[0] - exact.separation[1])
@@ -64,6 +65,37 @@ def test_where_hardly_more_waves_can_be_kept_there_is_no_closer_look(one_hill):
     assert finer_plan(make_plan(one_hill, STEEL)).fine.shortest < 0.75 * kept
     assert finer_plan(make_plan(broad((120, 144), rolloff=None), STEEL)) is None
     assert finer_plan(make_plan(broad(), STEEL, scales="all")) is None
+
+
+def test_where_many_waves_are_kept_a_closer_look_keeps_a_third_more():
+    """On a map of many hills the fewest waves of a closer look would be hardly more."""
+    hm = broad((720, 900), rolloff=9e-5)
+    plan = make_plan(hm, STEEL)
+    assert np.sqrt(hm.area) / plan.fine.shortest > 92
+    finer = finer_plan(plan)
+    assert 1.30 < plan.fine.shortest / finer.fine.shortest < 1.37
+    assert finer.above is not None and finer_plan(finer) is None
+
+
+def test_a_closer_look_takes_the_whole_map_where_contacts_come_near_its_cut(one_hill, monkeypatch):
+    load = 1.2e-3 * pressure_scale(one_hill, STEEL)
+    whole = asperity.contact_curve(one_hill, STEEL, pressures=load)
+    for name, value in (("_QUICK", 0), ("_SPARE_SHARE", 0.02), ("_DEPTH", 0.0)):
+        monkeypatch.setattr(f"asperity.plan.{name}", value)
+    plan = make_plan(one_hill, STEEL)
+    assert finer_plan(plan).above is not None
+    run = solve_contacts(one_hill, STEEL, plan, pressures=load)
+    assert run.bodies.closer_look(run.states[0]).bodies.plan.above is None
+    assert run.curve.separation == pytest.approx(whole.separation, rel=1e-9)
+
+
+def test_closer_looks_are_kept_with_a_run(one_hill):
+    """Taken anew they would start from other contacts, and differ within the tolerance."""
+    loads = np.array([4e-4, 1.2e-3]) * pressure_scale(one_hill, STEEL)
+    run = solve_contacts(one_hill, STEEL, pressures=loads)
+    kept = pickle.loads(pickle.dumps(run))
+    for state, again in reversed(list(zip(run.states, kept.states, strict=True))):
+        assert kept.bodies.point(again) == run.bodies.point(state)
 
 
 @settings(deadline=None, derandomize=True, max_examples=20)

@@ -88,7 +88,8 @@ def test_more_pressure_closes_more_and_stores_more(pressure, share):
 
 
 def test_the_map_is_the_band_of_longer_waves(rough):
-    coarse, fine = split_scales(rough, STEEL)
+    split = split_scales(rough, STEEL)
+    coarse, fine = split.coarse, split.fine
     shell = 1 / max(rough.size)
     edge = 1 / (1 / fine.shortest + 0.5 * shell)
     band = surfaces.resample(surfaces.bandpass(rough, shortest=edge), coarse.spacing)
@@ -113,7 +114,8 @@ def sums(hm: HeightMap, body) -> tuple[float, float, np.ndarray]:
 @pytest.mark.parametrize("m", [0.0, 0.3, -0.3])
 def test_pressure_and_energy_are_those_of_the_waves_left_out(m, more):
     hm, body = broad(**more), asperity.HalfSpace.from_modulus(2e11, m=m)
-    coarse, fine = split_scales(hm, body)
+    split = split_scales(hm, body)
+    coarse, fine = split.coarse, split.fine
     (whole, stored, slopes), (longer, held, gentle) = (sums(map_, body) for map_ in (hm, coarse))
     assert fine.variance == pytest.approx(whole - longer, rel=1e-6)
     assert fine.energy == pytest.approx(stored - held, rel=1e-6)
@@ -124,7 +126,8 @@ def test_pressure_and_energy_are_those_of_the_waves_left_out(m, more):
 
 def test_a_free_map_is_taken_with_its_mirror_images(rough):
     free = dataclasses.replace(rough, periodic=False)
-    coarse, fine = split_scales(free, STEEL)
+    split = split_scales(free, STEEL)
+    coarse, fine = split.coarse, split.fine
     mirrored, smooth = (
         surfaces.prepare(hm, level=None, periodic="mirror") for hm in (free, coarse)
     )
@@ -135,8 +138,8 @@ def test_a_free_map_is_taken_with_its_mirror_images(rough):
     band = surfaces.resample(surfaces.bandpass(mirrored, shortest=edge), smooth.spacing)
     ny, nx = coarse.shape
     np.testing.assert_allclose(coarse.heights, band.heights[:ny, :nx], atol=1e-9 * rough.rms_height)
-    _, periodic = split_scales(rough, STEEL)
-    assert fine.variance == pytest.approx(periodic.variance, rel=0.1)
+    periodic = split_scales(rough, STEEL)
+    assert fine.variance == pytest.approx(periodic.fine.variance, rel=0.1)
 
 
 @pytest.mark.parametrize("border", ["free", "fading"])
@@ -156,7 +159,7 @@ def test_worn_plateaus_agree_with_boundary_elements():
     """Their fine waves are weak where contacts are."""
     recipe = {"shape": (400, 400), "size": (400.0, 400.0), "rms_slope": 0.1, "seed": 2}
     hm = surfaces.plateau_honed(**recipe, cutoff=2.0, rolloff=100.0)
-    found = split_scales(hm, STEEL)[1].strength
+    found = split_scales(hm, STEEL).fine.strength
     assert found.at(np.zeros(1), np.zeros(1), hm.rms_height) < 0.5
     pressures = np.array([1e-2, 3e-2]) * pressure_scale(hm, STEEL)
     exact = asperity.bem_curve(hm, STEEL, pressures=pressures, tolerance=1e-3)
@@ -175,8 +178,8 @@ def test_the_law_of_stronger_waves_is_that_of_more_variance_and_energy():
 
 
 def test_the_law_does_not_jump_at_a_homogeneous_body_nor_at_no_lay(rough):
-    plain = split_scales(rough, STEEL)[1]
-    near = split_scales(rough, asperity.HalfSpace.from_modulus(2e11, m=1e-7))[1]
+    plain = split_scales(rough, STEEL).fine
+    near = split_scales(rough, asperity.HalfSpace.from_modulus(2e11, m=1e-7)).fine
     for name in ("shortest", "spread", "energy", "variance", "ratio"):
         assert getattr(near, name) == pytest.approx(getattr(plain, name), rel=1e-5)
     assert near.lift(0.1) == pytest.approx(plain.lift(0.1), rel=1e-6)
@@ -202,10 +205,11 @@ def test_vanishing_fine_waves_leave_the_contacts_as_they_are():
 
 def test_with_lay_waves_are_told_apart_along_and_across(rough):
     """Of a map squeezed in one direction the shortest that is kept is squeezed half as far."""
-    law = split_scales(rough, STEEL)[1]
+    law = split_scales(rough, STEEL).fine
     for factors in ((1.0, 3.0), (3.0, 1.0)):
         spacing = tuple(d * f for d, f in zip(rough.spacing, factors, strict=True))
-        coarse, fine = split_scales(HeightMap(rough.heights, spacing, periodic=True), STEEL)
+        split = split_scales(HeightMap(rough.heights, spacing, periodic=True), STEEL)
+        coarse, fine = split.coarse, split.fine
         waves = np.abs(np.fft.fft2(coarse.heights))
         kept = waves > 1e-9 * waves.max()
         reach = [
@@ -368,7 +372,7 @@ def test_no_wave_shorter_than_three_pixels_is_kept():
     """A spectrum that is not broad is cut there if it holds much beyond, else not at all."""
     for hurst in (0.6, 0.7):
         hm = broad(rolloff=2.9e-5, hurst=hurst, cutoff=2.2e-6)
-        kept = split_scales(hm, STEEL)[1].shortest / max(hm.spacing)
+        kept = split_scales(hm, STEEL).fine.shortest / max(hm.spacing)
         assert 3.0 <= kept < 3.1
     for hurst, cutoff, rolloff in ((0.8, 2.2e-6, 2.9e-5), (0.9, 2.2e-6, 2.9e-5), (0.8, 3e-6, 6e-5)):
         found = split_scales(broad(rolloff=rolloff, hurst=hurst, cutoff=cutoff), STEEL)
@@ -380,7 +384,7 @@ def test_without_a_rolloff_enough_waves_are_kept(hurst):
     """The longest waves make a spectrum as broad as one likes, and all others would be short."""
     hm = broad(hurst=hurst, rolloff=None)
     side = np.sqrt(hm.area)
-    assert side / split_scales(hm, STEEL)[1].shortest == pytest.approx(50, rel=0.02)
+    assert side / split_scales(hm, STEEL).fine.shortest == pytest.approx(50, rel=0.02)
     assert "too few waves" in split_scales(broad(hurst=hurst, rolloff=None, cutoff=5e-6), STEEL)
 
 
