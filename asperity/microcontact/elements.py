@@ -20,6 +20,7 @@ from ..bem.kernel import compliance, near_influence
 from ..flags import Flag
 from ..material import HalfSpace
 from ._kernels import BLUNT
+from .monotone import monotone
 from .table import LawTable
 
 if TYPE_CHECKING:
@@ -186,13 +187,13 @@ def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: Ha
     if table.centre is not None:
         found[lost, 0, 2:4] = table.centre[node][:, ::-1]
     offsets = np.where(found[:, :, 0] > 0.0, wanted - first[:, None], -1)
-    before = np.minimum(first - 1, BEFORE)
-    kinds, kind = np.unique(np.column_stack((before, offsets)), axis=0, return_inverse=True)
-    for group, (count, *after) in enumerate(kinds.tolist()):
-        some, known = np.flatnonzero(kind == group), np.flatnonzero(np.array(after) >= 0)
-        if len(known) >= FEWEST:
-            places = np.append(np.arange(-count, 0), np.array(after)[known])
-            _join(table, slots[some], first[some], places, found[np.ix_(some, known)])
+    order = np.argsort(offsets < 0, axis=1, kind="stable")
+    offsets = np.take_along_axis(offsets, order, axis=1)
+    found = np.take_along_axis(found, order[:, :, None], axis=1)
+    count = np.count_nonzero(offsets >= 0, axis=1)
+    some = np.flatnonzero(count >= FEWEST)
+    if some.size:
+        _join(table, slots[some], first[some], offsets[some], count[some], found[some])
 
 
 def _second(table: LawTable, slot: int, summits: Summits, row: int) -> int:
@@ -202,34 +203,51 @@ def _second(table: LawTable, slot: int, summits: Summits, row: int) -> int:
     return int(table.nodes * min(max(ahead, 0.0) / table.reach[slot], 1.0) ** 0.5)
 
 
-def _join(table: LawTable, slots: Rows, begin: Rows, places: Rows, values: Array) -> None:
-    """Put what was found at the nodes `begin` + `places` in some rows, from the node `begin` on.
+def _join(
+    table: LawTable, slots: Rows, begin: Rows, offsets: Rows, count: Rows, values: Array
+) -> None:
+    """Put what was found at the nodes `begin` + `offsets` in some rows, from the node `begin` on.
 
-    `values` (n, levels, 4) are those of the last places; at the others, below 0, the rows tell. Of
-    a tip that is no paraboloid the force over its own power of u is what changes slowly.
+    Of `values` (n, levels, 7) the first `count` are known.
     """
-    from scipy.interpolate import PchipInterpolator
+    u = np.arange(table.nodes + 1) / table.nodes
+    wanted = values[:, :, [1, 3, 2]]
+    wanted[:, :, 0] /= u[begin[:, None] + np.maximum(offsets, 0)] ** 2
+    smooth = monotone(offsets, count, wanted, np.arange(table.nodes + 1))
+    every, end = np.arange(len(slots)), count - 1
+    last = offsets[every, end]
+    _scale(table, slots, begin + last, values[every, end])
+    k, inside = np.nonzero(np.arange(table.nodes + 1) <= last[:, None])
+    row, node = slots[k], begin[k] + inside
+    table.area[row, node] = u[node] ** 2 * smooth[k, inside, 0]
+    table.spread[row, node] = SPREAD
+    if table.centre is not None:
+        table.centre[row, node] = smooth[k, inside, 1:]
+    before = np.minimum(begin - 1, BEFORE)
+    kinds, kind = np.unique(np.column_stack((before, offsets)), axis=0, return_inverse=True)
+    for group, (earlier, *after) in enumerate(kinds.tolist()):
+        some = np.flatnonzero(kind == group)
+        places = [*range(-earlier, 0), *(node for node in after if node >= 0)]
+        _push(table, slots[some], begin[some], places, values[some, : len(places) - earlier, 0])
 
+
+def _push(table: LawTable, slots: Rows, begin: Rows, places: list[int], found: Array) -> None:
+    """Forces found at the nodes `begin` + `places`, those not below 0, and stiffnesses between.
+
+    Of a tip that is no paraboloid the force over its own power of u is what changes slowly.
+    """
     nodes, u = table.nodes, np.arange(table.nodes + 1) / table.nodes
-    inside, after = np.arange(places[-1] + 1), places[places >= 0]
+    earlier, inside = len(places) - found.shape[1], np.arange(places[-1] + 1)
     row, node = slots[:, None], begin[:, None] + inside
-    known, own = u[begin[:, None] + places], u[node]
-    force = np.hstack((table.force[row, node[:, :1] + places[places < 0]], values[:, :, 0]))
+    known, own = u[begin[:, None] + np.array(places)], u[node]
+    force = np.hstack((table.force[row, begin[:, None] + np.arange(-earlier, 0)], found))
     p = np.log(force[:, 1:2] / force[:, :1]) / np.log(known[:, 1:2] / known[:, :1])
     powers = (known[:, :1] == u[1]) & (np.abs(p - table.exponent) > BLUNT)
     p = np.where(powers, np.clip(p, 2.0, 2.0 * table.exponent - 2.0), table.exponent)
-    line, rise = ((force / known**p) @ part.T for part in _natural(tuple(places.tolist())))
-    found = values[:, :, [1, 3, 2]]
-    found[:, :, 0] /= known[:, places >= 0] ** 2
-    smooth = PchipInterpolator(after, found, axis=1)(inside)
-    _scale(table, slots, node[:, -1], values[:, -1])
+    line, rise = ((force / known**p) @ part.T for part in _natural(tuple(places)))
     table.force[row, node] = own**p * line
     slope = own ** (p - 2) * (p * line + own * nodes * rise)
     table.stiffness[row, node] = slope / (2.0 * table.reach[row])
-    table.area[row, node] = own**2 * smooth[:, :, 0]
-    table.spread[row, node] = SPREAD
-    if table.centre is not None:
-        table.centre[row, node] = smooth[:, :, 1:]
 
 
 @lru_cache(maxsize=64)
