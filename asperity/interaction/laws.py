@@ -15,7 +15,7 @@ from .footprint import Footprints
 
 __all__ = ["BLOCK", "FILLED", "STIFFEST", "Evaluated", "Growing", "LawNodes", "Laws"]
 
-BLOCK = 256
+BLOCK = 128
 """Laws made at least at a time, on demand."""
 
 FEW = 64
