@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.peaks.flat_tops import has_level_places
-
 from .contacts.table import summit_pixel
 from .microcontact.elements import SPREAD
 
@@ -112,7 +110,7 @@ def flat_tops(bodies: Asperities) -> Array:
     squared distance A/(2 pi) from its middle.
     """
     hm, number = bodies.hm, np.arange(len(bodies.profiles))
-    if not has_level_places(hm.heights):
+    if not hm.repeats:
         return np.zeros(number.size)
     wraps = hm.periodic and bodies.plan.boundary == "periodic"
     row, col = np.divmod(summit_pixel(bodies, number, hm), hm.shape[1])

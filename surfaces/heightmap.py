@@ -126,6 +126,13 @@ class HeightMap:
         return line_power(self)
 
     @functools.cached_property
+    def repeats(self) -> bool:
+        """Whether neighbors have the same height, see `flat_tops.has_level_places`."""
+        from .peaks.flat_tops import has_level_places
+
+        return has_level_places(self.heights)
+
+    @functools.cached_property
     def digest(self) -> str:
         """SHA-256 of heights, spacing and periodicity: identifies the input of a result."""
         hasher = hashlib.sha256(np.array([*self.spacing, float(self.periodic)]).tobytes())

@@ -14,7 +14,7 @@ HIGHEST = 0.02
 """Share of the points that count as the highest."""
 
 LINES = 64
-"""Rows and columns that show whether heights repeat."""
+"""Rows that show whether heights repeat, along them and to the next."""
 
 
 def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -61,7 +61,7 @@ def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[n
 def flat_share(hm: HeightMap) -> float:
     """Share of the highest points whose eight neighbors have their height."""
     heights = hm.heights
-    if not has_level_places(heights):
+    if not hm.repeats:
         return 0.0
     top = np.argwhere(heights >= np.quantile(heights, 1.0 - HIGHEST))
     return float(np.mean(_level_steps(hm, top).all(axis=1)))
@@ -69,9 +69,9 @@ def flat_share(hm: HeightMap) -> float:
 
 def has_level_places(heights: NDArray[np.float64]) -> bool:
     """Whether neighbours have the same height, as far as some lines tell."""
-    lines = heights[:: max(1, len(heights) // LINES)]
-    columns = heights[:, :: max(1, heights.shape[1] // LINES)]
-    return bool((lines[:, 1:] == lines[:, :-1]).any() or (columns[1:] == columns[:-1]).any())
+    step = max(1, len(heights) // LINES)
+    lines, below = heights[:-1:step], heights[1::step]
+    return bool((lines[:, 1:] == lines[:, :-1]).any() or (lines == below).any())
 
 
 def _level_steps(hm: HeightMap, points: NDArray[np.int64]) -> NDArray[np.bool_]:
