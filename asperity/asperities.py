@@ -93,6 +93,9 @@ class Asperities:
     _looks: WeakKeyDictionary[PopulationState, CloserLook | None] = field(
         default_factory=WeakKeyDictionary, repr=False
     )
+    _places: WeakKeyDictionary[PopulationState, FinePoint] = field(
+        default_factory=WeakKeyDictionary, repr=False
+    )
 
     @classmethod
     def of(cls, hm: HeightMap, material: HalfSpace, plan: Plan) -> Asperities:
@@ -141,11 +144,13 @@ class Asperities:
         return cls(hm, material, plan, peaks, profiles, laws, basins, population, seconds)
 
     def __getstate__(self) -> dict[str, Any]:
-        """With the looks as pairs, since weak references cannot be kept."""
-        return vars(self) | {"_looks": list(self._looks.items())}
+        """With what is known of states as pairs, since weak references cannot be kept."""
+        known = {name: list(getattr(self, name).items()) for name in ("_looks", "_places")}
+        return vars(self) | known
 
     def __setstate__(self, kept: dict[str, Any]) -> None:
-        vars(self).update(kept, _looks=WeakKeyDictionary(kept["_looks"]))
+        known = {name: WeakKeyDictionary(kept[name]) for name in ("_looks", "_places")}
+        vars(self).update(kept | known)
 
     @property
     def solved(self) -> HeightMap:
@@ -189,8 +194,12 @@ class Asperities:
 
     def point(self, state: PopulationState) -> FinePoint:
         """Separation, area and stiffness of the whole surface at a state of its contacts."""
-        place, look = self._point(state), self.closer_look(state)
-        return place if look is None else place.towards(look.bodies._point(look.state), look.part)
+        if state not in self._places:
+            place, look = self._point(state), self.closer_look(state)
+            if look is not None:
+                place = place.towards(look.bodies._point(look.state), look.part)
+            self._places[state] = place
+        return self._places[state]
 
     def _point(self, state: PopulationState) -> FinePoint:
         if self.plan.fine is None:

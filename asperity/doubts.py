@@ -80,12 +80,14 @@ def _spike_warning(hm: HeightMap) -> list[str]:
 def _straight_warning(hm: HeightMap) -> list[str]:
     heights, rounding = hm.heights, 8.0 * np.finfo(float).eps
     largest = max(abs(hm.roughness.highest), abs(hm.roughness.lowest))
-    share = 0.0
-    for lines in (heights[:: -(-len(heights) // LINES)], heights[:, :: -(-hm.shape[1] // LINES)].T):
-        middle = lines[:, 1:-1]
-        bend = np.abs(lines[:, 2:] - 2.0 * middle + lines[:, :-2])
-        top = middle >= np.quantile(middle, 1.0 - HIGHEST)
-        share = max(share, float(np.mean(bend[top] <= rounding * largest)))
+    step = -(-len(heights) // LINES)
+    above, line, below = (heights[at : len(heights) - 2 + at : step] for at in range(3))
+    top = line >= np.quantile(line, 1.0 - HIGHEST)
+    across = (above - 2.0 * line + below)[top]
+    along = (line[:, 2:] - 2.0 * line[:, 1:-1] + line[:, :-2])[top[:, 1:-1]]
+    share = max(
+        float(np.mean(np.abs(bend) <= rounding * largest)) for bend in (along, across) if bend.size
+    )
     if share < STRAIGHT:
         return []
     return [
