@@ -19,7 +19,7 @@ from surfaces.peaks.summits import locate_summits
 from .contacts.table import aspect_ratio
 from .dominant import Ranking
 from .joined import Basins
-from .lawless import flat_tops
+from .lawless import top_areas
 from .microcontact.growing import GrowingTable
 from .plan import Plan, finer_plan
 from .population.population import Population, PopulationState
@@ -188,9 +188,9 @@ class Asperities:
         return aspect_ratio(self.profiles.curvature)
 
     @functools.cached_property
-    def flat_tops(self) -> Array:
+    def top_areas(self) -> Array:
         """Area [m^2] of the flat top of each summit, shape (n,); 0 where it has none."""
-        return flat_tops(self)
+        return top_areas(self)
 
     def point(self, state: PopulationState) -> FinePoint:
         """Separation, area and stiffness of the whole surface at a state of its contacts."""

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .asperities import Asperities
     from .population.population import PopulationState
 
-__all__ = ["LAWLESS", "flat_tops", "lawless"]
+__all__ = ["LAWLESS", "lawless", "top_areas"]
 
 Array = NDArray[np.float64]
 
@@ -74,7 +74,7 @@ def lawless(bodies: Asperities, state: PopulationState) -> dict[str, float]:
     share = state.force[closed] / state.force.sum()
     area = np.maximum(state.area[closed], np.finfo(float).tiny)
     spread = np.abs(bodies.population.table.spread_at(closed, state.approach[closed]))
-    spans = bodies.flat_tops[closed]
+    spans = bodies.top_areas[closed]
     tops = np.minimum(spans, area)
     flat = share @ (tops / area)
     if flat > 0.0:
@@ -103,7 +103,7 @@ def lawless(bodies: Asperities, state: PopulationState) -> dict[str, float]:
     }
 
 
-def flat_tops(bodies: Asperities) -> Array:
+def top_areas(bodies: Asperities) -> Array:
     """Area [m^2] of a disc that spreads as far as the highest points of each basin, shape (n,).
 
     They are those of one height with the highest beside the summit. A disc of area A has the mean

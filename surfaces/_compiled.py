@@ -15,7 +15,14 @@ from numba import njit
 
 from .errors import AsperityError
 
-__all__ = ["compiled", "inner"]
+__all__ = ["QUOTIENTS", "SUMS", "compiled", "inner"]
+
+SUMS = {"reassoc", "contract", "nsz"}
+"""What a loop may do with sums: take terms in another order, fuse products into them, and forget
+the sign of zero. Infinities and NaN keep their meaning."""
+
+QUOTIENTS = SUMS | {"arcp"}
+"""The same, and multiply by the inverse in place of a division."""
 
 
 def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:

@@ -12,9 +12,9 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
-from surfaces._compiled import compiled
+from surfaces._compiled import SUMS, compiled
 
-_FAST = {"reassoc", "contract", "nsz", "nnan"}
+_FAST = SUMS | {"nnan"}
 BLOCK = 64
 Grid = NDArray[np.floating[Any]]
 

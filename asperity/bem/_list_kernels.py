@@ -8,15 +8,14 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
-from surfaces._compiled import compiled
+from surfaces._compiled import SUMS, compiled
 
-_FAST = {"reassoc", "contract", "nsz"}
 Single = NDArray[np.float32]
 Double = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
-@compiled(parallel=True, fastmath=_FAST)
+@compiled(parallel=True, fastmath=SUMS)
 def measure(
     p: Double,
     moved: Single,
@@ -61,7 +60,7 @@ def measure(
     return level, lowest, work / total, inside, energy, shift
 
 
-@compiled(parallel=True, fastmath=_FAST)
+@compiled(parallel=True, fastmath=SUMS)
 def turn(
     active: Flags,
     count: int,
@@ -98,7 +97,7 @@ def turn(
     return norm
 
 
-@compiled(parallel=True, fastmath=_FAST)
+@compiled(parallel=True, fastmath=SUMS)
 def advance(
     active: Flags,
     count: int,
@@ -145,7 +144,7 @@ def advance(
     return negative
 
 
-@compiled(parallel=True, fastmath=_FAST)
+@compiled(parallel=True, fastmath=SUMS)
 def cut(p: Double, base: Double, moved: Single, total: float) -> float:
     """Cut negative pressures, scale to the load, and form p - base; returns the largest |p - base|.
 

@@ -8,12 +8,11 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
-from surfaces._compiled import compiled
+from surfaces._compiled import SUMS, compiled
 
 from ._simd import LANES, RADIUS, points_short, tile, tile_short
 from ._simd import points as points_wide
 
-_FAST = {"reassoc", "contract", "nsz"}
 _SHORTEST = 4
 _BLOCK = 64
 _ROWS = 16
@@ -120,7 +119,7 @@ def near(
         result[points[m, 1]] = found[3]
 
 
-@compiled(parallel=True, fastmath=_FAST)
+@compiled(parallel=True, fastmath=SUMS)
 def spread(
     start: Index,
     columns: NDArray[np.int32],
@@ -192,7 +191,7 @@ def spread(
                     target[x] += weight * row[x]
 
 
-@compiled(parallel=True, fastmath=_FAST)
+@compiled(parallel=True, fastmath=SUMS)
 def gather(
     start: Index,
     columns: NDArray[np.int32],

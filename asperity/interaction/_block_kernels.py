@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numba import carray, njit
 
-from surfaces._compiled import inner
+from surfaces._compiled import QUOTIENTS, inner
 
 from ._records import two_floats
 from ._scratch import BLOCK, COLUMNS, floats
@@ -21,7 +21,7 @@ from .footprint import PAIR_NODES, SMOOTH_DEGREE
 ROUNDEST = np.float32(0.06)
 """Least variance of the round parts of a long footprint over that along it."""
 NEGLIGIBLE = np.float32(0.02)
-FAST = {"reassoc", "contract", "nsz", "arcp", "afn"}
+FAST = QUOTIENTS | {"afn"}
 ZERO, ONE, HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
 TINY = np.float32(1e-12)
 """Least R [eta^2]: two summits may lie at one place."""

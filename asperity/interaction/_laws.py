@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numba import carray, njit
 
-from surfaces._compiled import compiled
+from surfaces._compiled import QUOTIENTS, compiled
 
 from ..microcontact._kernels import BLUNT
 from ._scratch import BLOCK, COLUMNS, columns, places
@@ -18,7 +18,6 @@ NUMBERS = 6
 LANES = BLOCK // 2
 """Contacts of a block."""
 
-FAST = {"reassoc", "contract", "nsz", "arcp"}
 ONE, TWO, THREE, FOUR, FIVE = (np.uint64(number) for number in range(1, NUMBERS))
 
 # columns of the scratch
@@ -69,7 +68,7 @@ def _primitive(e0, e1, e2, e3, shares, factor, v):
     return v * v * factor * (e0 * q0 + v * (e1 * q1 + v * (e2 * q2 + v * (e3 * q3))))
 
 
-@compiled(fastmath=FAST)
+@compiled(fastmath=QUOTIENTS)
 def evaluate(
     rows,
     index,

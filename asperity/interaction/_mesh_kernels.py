@@ -11,13 +11,10 @@ import math
 import numpy as np
 from numba import carray, njit
 
-from surfaces._compiled import compiled, inner
+from surfaces._compiled import SUMS, compiled, inner
 
 from ._patches import add_moved, add_spread, add_stored, read, read_stored, set_stored
 from ._scratch import doubles, floats
-
-FAST = {"reassoc", "contract", "nsz"}
-
 
 NODES, SIZE = np.uint64(4), np.uint64(16)
 # lines of a patch on its own
@@ -67,7 +64,7 @@ def _copy_patch(mesh, lines, first, patch):
             patch[4 * a + b] = mesh[lines[a], columns[b]]
 
 
-@compiled(fastmath=FAST)
+@compiled(fastmath=SUMS)
 def deposit(rows, y, x, force, variance, cap, dipole, per_step, masses, aside):
     """Spread sources on the meshes `masses` (1, my, mx) and `aside` (0 or 1, my, mx).
 
@@ -118,7 +115,7 @@ def _read(mesh, iy, ix, at, patch):
     return read(patch, PATCH, at)
 
 
-@compiled(fastmath=FAST)
+@compiled(fastmath=SUMS)
 def gather(
     rows,
     y,
@@ -169,7 +166,7 @@ def gather(
             longer[i] = scale[0] * near[i, 5]
 
 
-@compiled(fastmath=FAST)
+@compiled(fastmath=SUMS)
 def sample(y, x, origin, unit, size, wrap, per_step, scale, grid, out):
     """`scale` times the mesh potential at any points, which lie at (y - origin[0]) / unit in a cell
     of this `size`; beyond one that does not repeat, zero."""
@@ -191,7 +188,7 @@ def sample(y, x, origin, unit, size, wrap, per_step, scale, grid, out):
         out[i] = scale * _read(grid, iy, ix, at, patch)[0]
 
 
-@compiled(fastmath=FAST)
+@compiled(fastmath=SUMS)
 def spline(rows, index, y, x, variance, cap, per_step, place, weight):
     """First line and column (n, 2) and the 16 weights (n, 4, 4) of spread forces at the points
     `index`, as `deposit` and `gather` apply them."""
@@ -243,7 +240,7 @@ def collect(rows, place, weight, vector, grid, diagonal, near, scale, out):
         out[k] = scale * (diagonal[k] * vector[k] + total + near[k])
 
 
-@compiled(fastmath=FAST)
+@compiled(fastmath=SUMS)
 def convolve(masses, high, wide, transfer, out):
     """Circular convolution of `masses` (count, my, mx) into `out` with an even kernel: waves that
     are even and odd about the middle of the mesh along either side, by products of matrices.

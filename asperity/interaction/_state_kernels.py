@@ -6,9 +6,7 @@ import math
 
 from numba import njit
 
-from surfaces._compiled import compiled
-
-FAST = {"reassoc", "contract", "nsz", "arcp"}
+from surfaces._compiled import QUOTIENTS, compiled
 
 TINY = 1e-200
 """Approach [m] below which a contact stays where it is."""
@@ -76,7 +74,7 @@ def widen(
         shift[i] = math.sqrt(square) / (power * approach[i]) * slope
 
 
-@compiled(fastmath=FAST)
+@compiled(fastmath=QUOTIENTS)
 def lag(force, stiffness, tilt, aside, fresh, moved, gain):
     """Share of the load that the difference between `aside` and `fresh` can make."""
     whole = 0.0
@@ -128,7 +126,7 @@ def balance(stiffness, error):
     return moment / total if total > 0.0 else 0.0
 
 
-@compiled(fastmath=FAST)
+@compiled(fastmath=QUOTIENTS)
 def imbalance(
     height,
     separation,

@@ -18,9 +18,9 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import intrinsic, models, register_model
 
 from surfaces import _vectors as vectors
+from surfaces._compiled import QUOTIENTS
 
-FAST = {"contract", "reassoc", "nsz", "arcp"}
-"""Rearranged sums; infinities and NaN keep their meaning."""
+FAST = QUOTIENTS
 
 LANES = 8
 """Numbers in a vector."""

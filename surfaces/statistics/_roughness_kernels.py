@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from .._compiled import compiled, inner
+from .._compiled import SUMS, compiled, inner
 
 
-@compiled(fastmath={"reassoc", "contract"})
+@compiled(fastmath=SUMS)
 def sums(heights, start, bounds, first, last, lows, tops, rows, out):
     """Sums over the bands [first, last) of rows and over the differences that begin there.
 
@@ -36,7 +36,7 @@ def sums(heights, start, bounds, first, last, lows, tops, rows, out):
                 _add_point(z, here[(j + 1) % nx], here[(j + 2) % nx], nx - j, out, 8, 16)
 
 
-@inner(fastmath={"reassoc", "contract"})
+@inner(fastmath=SUMS)
 def _add_row(here, below, beneath, start, i, ny, lows, tops, rows, out):
     """Add all points of a row but the last two; returns how many, none if some are missing."""
     count = here.size - 2
