@@ -221,10 +221,9 @@ class Asperities:
         seen = [look.state for look in self._looks.values() if look and look.bodies is bodies]
         last = seen[-1] if seen else None
         found = bodies.population.solve(mean_pressure=load, state=last, tolerance=CLOSE_ENOUGH)
-        if not bodies.deep_enough(found):
-            vars(self)["_finer"] = Asperities.of(
-                self.hm, self.material, replace(bodies.plan, above=None)
-            )
+        if not bodies.deep_enough(found):  # as for a curve, with the whole map from now on
+            plan = replace(bodies.plan, above=None)
+            vars(self)["_finer"] = Asperities.of(self.hm, self.material, plan)
             return self._look(state)
         return CloserLook(bodies, found, part) if found.converged else None
 
