@@ -90,10 +90,7 @@ class Asperities:
     basins: Basins
     population: Population
     seconds: dict[str, float]
-    _looks: WeakKeyDictionary[PopulationState, CloserLook | None] = field(
-        default_factory=WeakKeyDictionary, repr=False
-    )
-    _places: WeakKeyDictionary[PopulationState, FinePoint] = field(
+    _seen: WeakKeyDictionary[PopulationState, tuple[FinePoint, CloserLook | None]] = field(
         default_factory=WeakKeyDictionary, repr=False
     )
 
@@ -144,13 +141,11 @@ class Asperities:
         return cls(hm, material, plan, peaks, profiles, laws, basins, population, seconds)
 
     def __getstate__(self) -> dict[str, Any]:
-        """With what is known of states as pairs, since weak references cannot be kept."""
-        known = {name: list(getattr(self, name).items()) for name in ("_looks", "_places")}
-        return vars(self) | known
+        """With what was seen of states as pairs, since weak references cannot be kept."""
+        return vars(self) | {"_seen": list(self._seen.items())}
 
     def __setstate__(self, kept: dict[str, Any]) -> None:
-        known = {name: WeakKeyDictionary(kept[name]) for name in ("_looks", "_places")}
-        vars(self).update(kept | known)
+        vars(self).update(kept, _seen=WeakKeyDictionary(kept["_seen"]))
 
     @property
     def solved(self) -> HeightMap:
@@ -194,12 +189,7 @@ class Asperities:
 
     def point(self, state: PopulationState) -> FinePoint:
         """Separation, area and stiffness of the whole surface at a state of its contacts."""
-        if state not in self._places:
-            place, look = self._point(state), self.closer_look(state)
-            if look is not None:
-                place = place.towards(look.bodies._point(look.state), look.part)
-            self._places[state] = place
-        return self._places[state]
+        return self._seen_of(state)[0]
 
     def _point(self, state: PopulationState) -> FinePoint:
         if self.plan.fine is None:
@@ -209,17 +199,23 @@ class Asperities:
 
     def closer_look(self, state: PopulationState) -> CloserLook | None:
         """The load of a state on finer contacts; None where fine waves average out under these."""
-        if state not in self._looks:
-            self._looks[state] = self._look(state)
-        return self._looks[state]
+        return self._seen_of(state)[1]
+
+    def _seen_of(self, state: PopulationState) -> tuple[FinePoint, CloserLook | None]:
+        if state not in self._seen:
+            place, look = self._point(state), self._look(state)
+            if look is not None:
+                place = place.towards(look.bodies._point(look.state), look.part)
+            self._seen[state] = place, look
+        return self._seen[state]
 
     def _look(self, state: PopulationState) -> CloserLook | None:
         part = 0.0 if self.plan.fine is None else particular(self.plan.fine, state)
         if part == 0.0 or self._finer is None:
             return None
         bodies, load = self._finer, state.mean_pressure
-        seen = [look.state for look in self._looks.values() if look and look.bodies is bodies]
-        last = seen[-1] if seen else None
+        looks = [look for _, look in self._seen.values() if look and look.bodies is bodies]
+        last = looks[-1].state if looks else None
         found = bodies.population.solve(mean_pressure=load, state=last, tolerance=CLOSE_ENOUGH)
         if not bodies.deep_enough(found):  # as for a curve, with the whole map from now on
             plan = replace(bodies.plan, above=None)

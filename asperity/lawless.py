@@ -92,8 +92,7 @@ def lawless(bodies: Asperities, state: PopulationState) -> dict[str, float]:
         inside = np.clip(np.minimum(*sides) / np.sqrt(area / np.pi), 0.0, 1.0)
         cut = share @ (1.0 - inside)
     unsure = share @ (spread >= UNSURE)
-    solved = bodies.hm if bodies.plan.resampled is None else bodies.plan.resampled
-    pixels = area / min(np.prod(hm.spacing) for hm in (bodies.hm, solved))
+    pixels = area / min(np.prod(hm.spacing) for hm in (bodies.hm, bodies.solved))
     unresolved = share @ np.maximum(1.0 / np.maximum(pixels, TINIEST) - 1.0 / RESOLVED, 0.0)
     return {
         "flat_tops": float(flat),

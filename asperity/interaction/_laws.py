@@ -9,7 +9,7 @@ from numba import carray, njit
 
 from surfaces._compiled import QUOTIENTS, compiled
 
-from ..microcontact._kernels import BLUNT
+from ..microcontact._kernels import BLUNT, tip_power
 from ._scratch import BLOCK, COLUMNS, columns, places
 
 NUMBERS = 6
@@ -234,8 +234,7 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, scratch, ta
             s1 = force[r, j + 1] * fall[j]
             d1 = stiffness[r, j + 1] * width * v * fall[j] - power * s1 / v
             if j == 0 and abs(d1) > BLUNT * s1:
-                rise = math.log2(force[r, 2] / force[r, 1])
-                rise = min(max(rise, 2.0), 2.0 * power - 2.0)  # from punch to cone
+                rise = tip_power(force[r, 1], force[r, 2], power)
                 wide = exponent * (rise - 2.0)
                 variance = _raise(factor * rise * s1 / width, exponent)
                 tip = variance * rise / (rise + wide)

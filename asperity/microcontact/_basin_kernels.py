@@ -9,14 +9,14 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from surfaces._compiled import inner
+from surfaces._compiled import QUOTIENTS, inner
 
 from ._contour_kernels import NODES
 from ._directions import place
 from ._ellipse_kernels import STATES
 from ._lane_functions import between, exponential, least, logarithm, most, sine_cosine
 from ._lane_layout import groups
-from ._lanes import FAST, LANES, entries, load, pick, root, some, splat, store, where, whole
+from ._lanes import LANES, entries, load, pick, root, some, splat, store, where, whole
 
 CELLS = 24
 """Cells of a ray between which the root of its edge operator is linear."""
@@ -28,7 +28,7 @@ _BLOCK = 5
 """Values of the edge operator summed at a time: a divisor of `CELLS` + 1."""
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _ray_radius(shape, cx, cy):
     """Radii of the contours of the expansion in the directions (cx, cy) from the summits, or -1."""
     a, b = load(shape, 0), load(shape, 1)
@@ -49,7 +49,7 @@ def _ray_radius(shape, cx, cy):
     return where((rest > 0.0) & (oo < 0.98), r, -1.0)
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _unevenness(radius, rays, lobes):
     """sum (n - 1) e_n^2 of the amplitudes of harmonics n > 2 over the mean radius, from the sums of
     the products of radii that lie 0, 1, 2 ... rays apart, which have the weights `lobes`."""
@@ -62,7 +62,7 @@ def _unevenness(radius, rays, lobes):
     return found / square
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _planform(radius, weight, direction, rays, m, punch, out, place_):
     """Area, stiffness and centre of planforms on rays, in four groups of `out`.
 
@@ -121,7 +121,7 @@ def basin_space(rays: int, levels: int) -> tuple[Any, ...]:
     return groups(CELLS + 1), groups(CELLS + 1), groups(levels * rays)
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _operator(q, first, nodes, weights, unit, out):
     """Edge operator at the ends of the cells of a ray with nodes q[first : first + nodes]."""
     for block in range(0, CELLS + 1, _BLOCK):
@@ -137,7 +137,7 @@ def _operator(q, first, nodes, weights, unit, out):
             store(out, block + j, most(s, splat(0.0)) * (unit * (1.0 * (block + j) ** 2)))
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def fill(
     q, nodes, weights, weight, direction, edge, rays, scale, shape, state, last, levels, m, punch,
     out, space,

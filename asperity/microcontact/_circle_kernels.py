@@ -10,17 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from surfaces._compiled import compiled, inner
+from surfaces._compiled import QUOTIENTS, compiled, inner
 
 from ._lane_functions import least, most, sine_cosine
 from ._lane_layout import groups, spread_rows
-from ._lanes import FAST, LANES, add, load, pick, splat, store, where, whole
+from ._lanes import LANES, add, load, pick, splat, store, where, whole
 
 QUANTITIES = 11
 """Numbers at every radius, see `expand_profiles`."""
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _directions(phi, rays, count, cosine, sine):
     """cos n phi and sin n phi of all rays, n < count."""
     for k in range(rays):
@@ -35,7 +35,7 @@ def _directions(phi, rays, count, cosine, sine):
             cn, sn = cn * c - sn * s, sn * c + cn * s
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _lengthen(q, rays, nodes, out):
     """The nodes of all rays, with one more at both ends for parabolic slopes there."""
     wide = nodes + 2
@@ -49,7 +49,7 @@ def _lengthen(q, rays, nodes, out):
         store(out, o + 1, 3.0 * (load(out, o) - load(out, o - 1)) + load(out, o - 2))
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _applied(q, first, wide, edge, a, m, nodes, radial, share, rays, k, out):
     """Radial operators of ray k at the radii a, times its share of the angle.
 
@@ -96,7 +96,7 @@ def _applied(q, first, wide, edge, a, m, nodes, radial, share, rays, k, out):
         store(out, n * rays + k, share * load(out, n * rays + k))
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _sum(array, first, count):
     total = splat(0.0)
     for k in range(first, first + count):
@@ -104,7 +104,7 @@ def _sum(array, first, count):
     return total
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _reduced(applied, rays, cosine, sine, share, harmonics, waves, row, place):
     """Angular part of `expand_profiles` for one radius; `waves` is working space."""
     count = harmonics.size - 1
@@ -159,7 +159,7 @@ def circle_space(rays: int, samples: int, count: int) -> tuple[Any, ...]:
     return tuple(map(groups, own)), tuple(map(groups, angular))
 
 
-@compiled(fastmath=FAST)
+@compiled(fastmath=QUOTIENTS)
 def expand_profiles(begin, end, profiles, fractions, nodes, radial, harmonics, m, out, space):
     """Approach, its slope, mean profile and squared edge amplitudes at a grid of radii.
 

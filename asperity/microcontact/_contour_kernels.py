@@ -9,24 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from surfaces._compiled import inner
+from surfaces._compiled import QUOTIENTS, inner
 
 from ._directions import place
 from ._lane_functions import between, least, most
-from ._lanes import (
-    FAST,
-    LANES,
-    absolute,
-    add,
-    load,
-    pick,
-    root,
-    splat,
-    store,
-    transpose,
-    where,
-    whole,
-)
+from ._lanes import LANES, absolute, add, load, pick, root, splat, store, transpose, where, whole
 from ._polynomial_kernels import TERMS
 from .galin import DEGREE
 
@@ -62,13 +49,13 @@ _MEMBERS = np.concatenate([np.flatnonzero(_CLASS == c) for c in range(4)])
 _BEGIN = np.searchsorted(np.sort(_CLASS), np.arange(5))
 
 
-@inner(fastmath=FAST, inline="always")
+@inner(fastmath=QUOTIENTS, inline="always")
 def _mirrored(a, b, c, d):
     """Sums over the mirror images: even, odd in both, odd in x, odd in y."""
     return a + b + c + d, a - b + c - d, a - b - c + d, a + b - c - d
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def amplitudes(values, rows, number, own, fields):
     """Fields over the nodes of a quarter for each profile from its row of the tables.
 
@@ -93,7 +80,7 @@ def amplitudes(values, rows, number, own, fields):
         transpose(own, f, FIELDS, fields, f * LANES)
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def limits(edge, rays, stretch, x0, y0, tc, ts, a, b, mask, limit):
     """Displacements at which the nodes meet the edge, linear between the rays, where `mask`."""
     for c in range(4):
@@ -111,14 +98,14 @@ def limits(edge, rays, stretch, x0, y0, tc, ts, a, b, mask, limit):
             store(limit, c * NODES + q, where(mask, displacement, 1e300))
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _displaced(P, Q, limit):
     """Displacement P / Q up to its limit, and 1 where it is free."""
     x = P / Q
     return least(x, limit), where(x <= limit, splat(1.0), 0.0)
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def displace(fields, limit, X, system, vector):
     """Displacements of the contour, and the Newton system of the five parameters of the ellipse.
 
@@ -204,7 +191,7 @@ def _mode(c, i, q):
     return _ALONG[i, q] if c == 2 else _ACROSS[i, q]
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def second_order(X, rows, number, own, forms):
     """Second-order stiffness of the displaced contour, from its Fourier coefficients."""
     for n in range(LANES):

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from surfaces._compiled import inner
+from surfaces._compiled import QUOTIENTS, inner
 
 from ._lane_functions import most
-from ._lanes import FAST, absolute, splat, where
+from ._lanes import absolute, splat, where
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def place(x, y, rays):
     """Angle of (x, y) in steps between `rays` equispaced rays, right to 5e-5 of a quarter."""
     ax, ay = absolute(x), absolute(y)

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from surfaces._compiled import compiled, inner
+from surfaces._compiled import QUOTIENTS, compiled, inner
 
 from ._contour_kernels import FIELDS, NODES, amplitudes, displace, limits, second_order
 from ._fit_kernels import FITS
 from ._lane_functions import between, exponential, most, sine_cosine
 from ._lane_layout import groups
-from ._lanes import FAST, LANES, absolute, entries, load, some, splat, store, where, whole
+from ._lanes import LANES, absolute, entries, load, some, splat, store, where, whole
 from ._polynomial_kernels import TERMS, move, solve
 from .galin import DEGREE
 
@@ -51,7 +51,7 @@ _SINGLE = 7
 made at it, first and last trusted level, and 1 while it is followed."""
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _mixed(fit, fits, position, out):
     """Polynomials between two nested ones: `position` 0 is the largest, fits - 1 the smallest."""
     for r in range(TERMS):
@@ -62,7 +62,7 @@ def _mixed(fit, fits, position, out):
             store(out, r, load(out, r) + weight * load(fit, s * TERMS + r))
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _values(coefs, a, b, depth, moments, out):
     """Monomials at the ends of the axes: f minus the approach, and each times its degree.
 
@@ -121,7 +121,7 @@ def _enter(lane, k, coefs, frames, scales, rays, pose, present):
     single[_ALIVE * LANES + lane] = 1.0
 
 
-@compiled(fastmath=FAST)
+@compiled(fastmath=QUOTIENTS)
 def march_rows(
     coefs, frames, scales, rays, levels, steps, m, rows, grid, moments, found, space
 ):  # fmt: skip
@@ -261,7 +261,7 @@ def _usable_from(k, scales):
     return k
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _advance(pose, along, across, a, b, tc, ts):
     """Newton step from the pose that was used, about the semi-axes a, b; returns its size."""
     for i in range(5):
@@ -282,7 +282,7 @@ def _advance(pose, along, across, a, b, tc, ts):
     return still
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _predict(pose, stop, going, level, growths):
     """Slopes of the poses over the logarithm of the approach, and poses at the next levels."""
     growth = entries(growths, level)
@@ -297,7 +297,7 @@ def _predict(pose, stop, going, level, growths):
         store(pose, _USED + i, where(going, present + slope * following, used))
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _keep(shape, mask, a, b, x0, y0, turn, X):
     """Remember the contours where the mask holds."""
     store(shape, 0, where(mask, a, load(shape, 0)))

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from surfaces._compiled import inner
+from surfaces._compiled import QUOTIENTS, inner
 
 from ._lane_functions import between, least, most
 from ._lane_layout import groups
-from ._lanes import FAST, load, pick, some, splat, store, where, whole
+from ._lanes import load, pick, some, splat, store, where, whole
 from ._polynomial_kernels import TERMS
 from .galin import DEGREE
 
@@ -20,7 +20,7 @@ FITS = 5
 """Nested fits of a summit."""
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _sample(q, rays, nodes, edge, reach, radii, scale, out):
     """scale * f at the falling radii `reach * radii` of rays with q = f/r**2 at equispaced nodes.
 
@@ -65,7 +65,7 @@ def fit_space(rays: int, radii: int, points: int) -> tuple[Any, ...]:
     return groups(rays * radii), groups(4 * points * FITS), groups(2 * (DEGREE + 1))
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def fit(q, nodes, edge, scale, reach, wide, rules, number, coefs, space):
     """Least-squares polynomials of summits on nested ellipses.
 
@@ -116,7 +116,7 @@ def fit(q, nodes, edge, scale, reach, wide, rules, number, coefs, space):
                 store(coefs, s * TERMS + r, found * unit * (1 / radii[rings[s, 0]] ** (i + j)))
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def usable(coefs):
     """1 where the fits are finite and the smallest ellipse rises across the ridge, else 0."""
     fine = load(coefs, (FITS - 1) * TERMS + 5) > 0.0

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from surfaces._compiled import compiled, inner
+from surfaces._compiled import QUOTIENTS, compiled, inner
 
 from ._fit_kernels import FITS, fit, fit_space, usable
 from ._lane_functions import between, exponential, least, logarithm, most, sine_cosine
 from ._lane_layout import collect_rows, groups, ordered, spread_rows
-from ._lanes import FAST, LANES, load, root, splat, store, where, whole
+from ._lanes import LANES, load, root, splat, store, where, whole
 from ._polynomial_kernels import TERMS
 
 SMALLEST_RATIO = 1 / 40
@@ -26,7 +26,7 @@ _POWER = 0.63
 """The axis ratio of a Hertzian contact is about this power of the ratio of curvatures."""
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _frame(phi, angle, weight, large, small, edge, q, nodes, skews, rays, scales, frame, wide):
     """Length, height, ratio of the rays and number of the base ellipse of profiles.
 
@@ -78,7 +78,7 @@ def _frame(phi, angle, weight, large, small, edge, q, nodes, skews, rays, scales
     return number
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _first_ellipse(coefs, depth, m, scales):
     """Logarithms of the semi-axes for the paraboloids in the smallest fits."""
     o = (FITS - 1) * TERMS

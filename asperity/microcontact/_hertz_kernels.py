@@ -6,12 +6,10 @@ import math
 
 import numpy as np
 
-from surfaces._compiled import compiled
-
-from ._lanes import FAST
+from surfaces._compiled import QUOTIENTS, compiled
 
 
-@compiled(fastmath=FAST)
+@compiled(fastmath=QUOTIENTS)
 def mean_excess(begin, end, q, edge, weight, curvature, axes, valid, weights, m, u, out):
     """Mean of f minus the paraboloid over the elliptic punch of semi-axes `axes` times u.
 

@@ -8,12 +8,19 @@ import numpy as np
 
 from surfaces._compiled import compiled, inner
 
-__all__ = ["BLUNT", "evaluate_table", "flags_of_table", "resample"]
+__all__ = ["BLUNT", "evaluate_table", "flags_of_table", "resample", "tip_power"]
 
 BLUNT = 0.1
 """Difference of the exponents of force at the first node and of a paraboloid, over the root of the
 approach, from which on a tip is no paraboloid: r^2.2, r^1.8, and 1 to 6 % of the summits of random
 and measured maps. Down to the tip force and area then are powers."""
+
+
+@inner()
+def tip_power(first, second, p):
+    """Exponent of force over the root of the approach at a tip that is no paraboloid, whose is `p`,
+    from the forces at the first two nodes: between those of a punch and of a cone."""
+    return min(max(math.log2(second / first), 2.0), 2.0 * p - 2.0)
 
 
 @compiled()
@@ -43,8 +50,7 @@ def evaluate_table(rows, approach, reach, force, stiffness, area, p, scale, out)
         g1 = 2.0 * u1 * top * stiffness[row, j + 1] * scale[j + 1] - p * s1 / u1
         b1 = area[row, j + 1] / (u1 * u1)
         if j == 0 and abs(g1) * u1 > BLUNT * s1 and 0.0 < force[row, 1] < force[row, 2]:
-            rise = math.log2(force[row, 2] / force[row, 1])
-            rise = min(max(rise, 2.0), 2.0 * p - 2.0)  # from punch to cone
+            rise = tip_power(force[row, 1], force[row, 2], p)
             out[0, i] = force[row, 1] * x**rise
             out[1, i] = 0.5 * rise * out[0, i] / d
             out[2, i] = area[row, 1] * x ** (2.0 * (rise - 2.0) / (p - 2.0))

@@ -6,34 +6,34 @@ import math
 
 import numpy as np
 
-from surfaces._compiled import inner
+from surfaces._compiled import QUOTIENTS, inner
 
-from ._lanes import FAST, exponent, mantissa, power_of_two, splat, where, whole
+from ._lanes import exponent, mantissa, power_of_two, splat, where, whole
 
 _INVERSE_FACTORIALS = np.array([1 / math.factorial(k) for k in range(11)])
 _SINES = np.array([(-1.0) ** k / math.factorial(2 * k + 1) for k in range(7)])
 _COSINES = np.array([(-1.0) ** k / math.factorial(2 * k) for k in range(7)])
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def least(a, b):
     """Smaller of two in each lane; the second where the first is not a number."""
     return where(a < b, a, b)
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def most(a, b):
     """Larger of two in each lane; the second where the first is not a number."""
     return where(a > b, a, b)
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def between(value, low, high):
     """Value kept between two; the lower where it is not a number."""
     return least(most(value, low), high)
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def exponential(x):
     """e to the power of every lane, for |x| < 700."""
     n = whole(x * 1.4426950408889634 + 0.5)
@@ -44,7 +44,7 @@ def exponential(x):
     return s * power_of_two(n)
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def logarithm(x):
     """Natural logarithm of positive numbers."""
     e, m = exponent(x), mantissa(x)
@@ -58,7 +58,7 @@ def logarithm(x):
     return e * 0.6931471805599453 + z * s
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def sine_cosine(x):
     """Sine and cosine for |x| < 2."""
     h = 0.5 * x

@@ -18,9 +18,6 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import intrinsic, models, register_model
 
 from surfaces import _vectors as vectors
-from surfaces._compiled import QUOTIENTS
-
-FAST = QUOTIENTS
 
 LANES = 8
 """Numbers in a vector."""

@@ -6,16 +6,16 @@ x**i y**j of `galin.monomials`.
 
 from __future__ import annotations
 
-from surfaces._compiled import compiled, inner
+from surfaces._compiled import QUOTIENTS, compiled, inner
 
-from ._lanes import FAST, load, store
+from ._lanes import load, store
 from .galin import DEGREE
 
 TERMS = (DEGREE + 1) * (DEGREE + 2) // 2
 """Number of monomials: a constant, so that the loops unroll."""
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def move(x0, y0, sine, tangent, out):
     """Coefficients about (x0, y0) in turned axes, by Taylor shifts and three shears.
 
@@ -47,7 +47,7 @@ def move(x0, y0, sine, tangent, out):
                         store(out, o + k - j, load(out, o + k - j) - above)
 
 
-@compiled(fastmath=FAST)
+@compiled(fastmath=QUOTIENTS)
 def solve(matrix, vector):
     """Gaussian elimination in place of a positive system of five; upper triangle given."""
     n = 5

@@ -9,17 +9,17 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from surfaces._compiled import compiled, inner
+from surfaces._compiled import QUOTIENTS, compiled, inner
 
 from ._lane_functions import between, exponential, least, logarithm
 from ._lane_layout import groups
-from ._lanes import FAST, LANES, absolute, load, pick, root, some, splat, store, total, where, whole
+from ._lanes import LANES, absolute, load, pick, root, some, splat, store, total, where, whole
 
 _TRIES, _NEAR, _STILL = 6, 2e-3, 1e-4
 """Newton steps of a ray at most, the relative step and the relative change that end a search."""
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _moment(table, first, radii, x):
     """Moment h and x dh/dx at x = a/edge; equispaced table from 0, local cubics."""
     y = x * (radii - 1.0)
@@ -35,7 +35,7 @@ def _moment(table, first, radii, x):
     return v1 + u * (c1 + u * (c2 + u * c3)), (c1 + u * (2.0 * c2 + 3.0 * u * c3)) * y
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _power(x, exponent):
     """x to a power of which the frequent ones are known."""
     if exponent == 0.0:
@@ -45,7 +45,7 @@ def _power(x, exponent):
     return exponential(exponent * logarithm(x))
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _lengthen(moments, count, radii, edge, d, multiplier, m, a, moving):
     """Take the radii of all rays to their maxima, from where they are on."""
     for g in range(count):
@@ -71,7 +71,7 @@ def _lengthen(moments, count, radii, edge, d, multiplier, m, a, moving):
             break
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _march(moments, count, radii, weight, edge, levels, m, rounds, a, moving, out):
     """Maximise the functional over free rays a <= edge at the approaches levels**2.
 
@@ -118,7 +118,7 @@ def ray_space(rays: int, nodes: int, radii: int) -> tuple[Any, ...]:
     return tuple(map(groups, (count, count, nodes, count * radii, count, count)))
 
 
-@compiled(fastmath=FAST)
+@compiled(fastmath=QUOTIENTS)
 def march_rays(begin, end, profiles, weights, levels, m, rounds, out, space):
     """Profiles [begin, end): fills out (n, levels, 4).
 

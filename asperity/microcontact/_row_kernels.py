@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from surfaces._compiled import compiled, inner
+from surfaces._compiled import QUOTIENTS, compiled, inner
 
 from ._ellipse_kernels import STATES
 from ._lane_functions import between, exponential, least, logarithm, most
 from ._lane_layout import groups
-from ._lanes import FAST, absolute, entries, load, pick, splat, store, where
+from ._lanes import absolute, entries, load, pick, splat, store, where
 
 WIDTH = 5
 """Levels from which a slope is taken at most."""
@@ -32,7 +32,7 @@ def row_space(levels: int, nodes: int) -> tuple[Any, ...]:
     return groups(5 * levels), groups(MADE * nodes)
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _second_order_area(state, level, stiffness):
     """Contact area whose contour has the stiffness dF/dd to second order.
 
@@ -46,7 +46,7 @@ def _second_order_area(state, level, stiffness):
     return between(area, least(ellipse, contour), most(ellipse, contour))
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def expanded_levels(state, first, last, levels, powers, stencils, p, columns):
     """Force, stiffness and area at the trusted levels, and below them in proportion.
 
@@ -92,7 +92,7 @@ def expanded_levels(state, first, last, levels, powers, stencils, p, columns):
         store(columns, 2 * count + i, where(below, spot, load(columns, 2 * count + i)))
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def _log_ratio(inner, outer):
     """Log ratio of the two descriptions where they meet, kept to what a mended summit can need."""
     both = (inner > 0.0) & (outer > 0.0)
@@ -100,7 +100,7 @@ def _log_ratio(inner, outer):
     return logarithm(ratio)
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def carried_on(filling, last, levels, basin, p, columns):
     """Force, stiffness and area beyond the levels `last`: planforms on rays.
 
@@ -137,7 +137,7 @@ def carried_on(filling, last, levels, basin, p, columns):
         store(columns, 2 * count + i, area)
 
 
-@compiled(fastmath=FAST)
+@compiled(fastmath=QUOTIENTS)
 def resampled(columns, levels, powers, resampling, p, made):
     """Force, stiffness and area at u = nodes: Hermite of force / u**p, convex over u * u.
 
@@ -190,7 +190,7 @@ def resampled(columns, levels, powers, resampling, p, made):
         before = square
 
 
-@inner(fastmath=FAST)
+@inner(fastmath=QUOTIENTS)
 def marked(state, filling, first, last, basin, resampling, made):
     """Flags, spread and centre of the rows."""
     nodes, _, place, hermite = resampling

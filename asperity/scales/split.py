@@ -116,12 +116,12 @@ class Split:
         any would be left for the law."""
         shells, last = self.shells, self._next
         fine = _law(shells, last, material, self.fine.strength)
-        if fine is not None and self.last > SHORTER * last:
-            return self
-        coarse = None if fine is None else shells.map(last, FEWER_POINTS)
-        if fine is None or coarse is None:
+        if fine is None:
             return None
-        return Split(coarse, fine, shells, last, last)
+        if self.last > SHORTER * last:
+            return self
+        coarse = shells.map(last, FEWER_POINTS)
+        return None if coarse is None else Split(coarse, fine, shells, last, last)
 
     @property
     def _next(self) -> int:

@@ -1,0 +1,87 @@
+"""The law of fine waves within one contact."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scales_support import FINE
+from scipy.integrate import quad
+from scipy.special import erf, exp1
+
+
+@pytest.mark.parametrize("pressure", [2e7, 3e8, 2e9, 3e10])
+@pytest.mark.parametrize("share", [0.0, 0.4])
+def test_closed_forms_are_means_over_rayleighs_distribution(pressure, share):
+    scale = np.sqrt(2 / np.pi) * pressure
+    spread = (FINE.spread + (1 - FINE.spread) * share**2) * FINE.variance
+
+    def mean(law):
+        def weighed(t):
+            return t * np.exp(-0.5 * t * t) * law(t * scale / np.sqrt(2 * spread))
+
+        return quad(weighed, 0, 1, epsrel=1e-9)[0] + quad(weighed, 1, 12, epsrel=1e-9)[0]
+
+    def energy(x):
+        return erf(x) + (x * exp1(x * x) / np.sqrt(np.pi) if 0 < x < 20 else 0.0)
+
+    assert FINE.remaining(pressure, share) == pytest.approx(mean(erf), rel=1e-6)
+    assert FINE.stored(pressure, share) == pytest.approx(FINE.energy * mean(energy), rel=1e-6)
+
+
+def test_pressed_hard_all_is_closed_and_all_energy_stored():
+    assert FINE.remaining(1e14, 0.1) == pytest.approx(1.0, abs=1e-8)
+    assert FINE.stored(1e14, 0.1) == pytest.approx(FINE.energy, rel=1e-6)
+    assert FINE.lift(1.0) == 1.0
+
+
+@settings(deadline=None, derandomize=True, max_examples=20)
+@given(st.floats(1e6, 1e11), st.floats(0.0, 0.9), st.floats(1e-18, 1e-6))
+def test_a_contact_smaller_than_the_fine_waves_stays_whole(pressure, share, area):
+    areas = np.array([1e-22, area, 2.0 * area, np.inf])
+    kept = FINE.remaining(pressure, share, areas)
+    assert np.all(np.diff(kept) <= 0)
+    assert kept[0] == pytest.approx(1.0, abs=1e-2)
+    assert kept[-1] == FINE.remaining(pressure, share)
+    # half the pressure of the fine waves where a wave number times the radius is 1, with lay 1 / w
+    for evenness in (1.0, 0.5):
+        law = dataclasses.replace(FINE, evenness=evenness)
+        halved = dataclasses.replace(law, variance=0.5 * FINE.variance)
+        assert law.remaining(
+            pressure, share, np.pi / (evenness * FINE.number) ** 2
+        ) == pytest.approx(halved.remaining(pressure, share))
+
+
+@settings(deadline=None, derandomize=True, max_examples=20)
+@given(st.floats(1e6, 1e11), st.floats(0.0, 0.9))
+def test_more_pressure_closes_more_and_stores_more(pressure, share):
+    pair = np.array([pressure, 1.1 * pressure])
+    closed, stored = FINE.remaining(pair, share), FINE.stored(pair, share)
+    assert 0 < closed[0] < closed[1] <= 1
+    assert 0 < stored[0] < stored[1] <= FINE.energy
+    assert FINE.remaining(pressure, share) >= FINE.remaining(pressure, min(share + 0.1, 1.0))
+
+
+def test_the_law_of_stronger_waves_is_that_of_more_variance_and_energy():
+    more = dataclasses.replace(FINE, variance=4 * FINE.variance, energy=4 * FINE.energy)
+    at = np.array([3e8, 2e9]), 0.1
+    np.testing.assert_allclose(FINE.remaining(*at, strong=4.0), more.remaining(*at), rtol=1e-12)
+    np.testing.assert_allclose(FINE.stored(*at, strong=4.0), more.stored(*at), rtol=1e-12)
+
+
+@settings(deadline=None, derandomize=True, max_examples=20)
+@given(st.floats(-0.5, 0.5), st.floats(0.3, 1.0), st.floats(0.1, 50.0))
+def test_part_of_the_pressure_spreads(m, evenness, ratio):
+    law = dataclasses.replace(FINE, m=m, evenness=evenness, ratio=ratio)
+    assert 0 < law.spread < 1 <= law.lift(0.1)
+    assert law.spread <= dataclasses.replace(law, evenness=1.0).spread
+    assert law.spread <= dataclasses.replace(law, m=m - 0.01).spread
+
+
+def test_vanishing_fine_waves_leave_the_contacts_as_they_are():
+    law = dataclasses.replace(FINE, variance=1e-12 * FINE.variance, energy=1e-6 * FINE.energy)
+    assert law.remaining(3e8, 0.1) == pytest.approx(1.0, abs=1e-9)
+    assert law.stored(3e8, 0.1) == pytest.approx(law.energy, rel=1e-6)
