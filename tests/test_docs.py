@@ -6,6 +6,7 @@ import re
 import shlex
 from pathlib import Path
 from runpy import run_path
+from textwrap import dedent
 
 import numpy as np
 import pytest
@@ -27,8 +28,10 @@ HEADER = r"asperity (?:" + "|".join(COMMANDS) + r") [^\n#`]+"
 
 def _blocks(language: str) -> list[tuple[str, str]]:
     """Page and text of the fenced blocks of a language."""
-    pattern = re.compile(rf"^```{language}\n(.*?)^```", re.MULTILINE | re.DOTALL)
-    return [(page.name, text) for page in PAGES for text in pattern.findall(page.read_text())]
+    pattern = re.compile(rf"^( *)```{language}\n(.*?)^ *```", re.MULTILINE | re.DOTALL)
+    return [
+        (page.name, dedent(text)) for page in PAGES for _, text in pattern.findall(page.read_text())
+    ]
 
 
 @pytest.fixture
