@@ -99,6 +99,11 @@ def test_the_pages_for_users_are_short():
     assert len(words) <= 7000
 
 
+def test_histories_and_seeds_are_left_to_the_pages_for_developers():
+    for page in FOR_USERS:
+        assert not re.search(r"seeds? \d|\d -> |before -> now", page.read_text()), page.name
+
+
 def test_commands_on_the_pages_are_understood():
     found = [words for page in PAGES for words in _commands(page.read_text())]
     assert len(found) >= 12
