@@ -29,8 +29,8 @@ def table(name: str) -> str:
     """Markdown of one CSV file."""
     with (DATA / f"{name}.csv").open(newline="", encoding="utf-8") as file:
         heading, *rows = csv.reader(file)
-    lines = [heading, ["---"] * len(heading), *rows]
-    return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
+    lines = [f"| {' | '.join(cells)} |\n" for cells in (heading, *rows)]
+    return "".join([lines[0], "|---" * len(heading), "|\n", *lines[1:]])
 
 
 def filled(text: str) -> str:

@@ -137,7 +137,9 @@ def test_commands_of_the_readme_run(folder, capsys):
 
 
 MEASURED = re.findall(
-    r"^    asperity (surface peaks .*)$", (ROOT / "docs" / "howto.md").read_text(), re.MULTILINE
+    r"^    asperity (surface peaks .*)$",
+    (ROOT / "docs" / "development" / "peaks.md").read_text(),
+    re.MULTILINE,
 )
 
 
