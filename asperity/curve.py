@@ -44,7 +44,7 @@ __all__ = ["ContactRun", "contact_curve", "solve_contacts"]
 
 TOLERANCE = 5e-2
 """Bound on the residual under a load before its last Newton step, whose effect on load and area is
-a tenth of it or less (docs/interaction.md)."""
+a tenth of it or less (docs/development/interaction.md)."""
 
 CLOSE = 4e-3
 """The same at a separation, where no step follows."""
@@ -171,8 +171,8 @@ def contact_curve(
     Notes
     -----
     Each local peak is confined to its basin and carries the load of its contact law at the approach
-    d_i = z_i - s - sum_j G_ij F_j (docs/laws.md, docs/interaction.md); contacts that touch
-    remain separate and interact.
+    d_i = z_i - s - sum_j G_ij F_j (docs/development/laws.md, docs/development/interaction.md);
+    contacts that touch remain separate and interact.
     """
     if plan is None:
         plan = make_plan(
