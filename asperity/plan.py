@@ -15,6 +15,7 @@ from surfaces.peaks.flat_tops import flat_share
 from surfaces.preparation.coarsening import coarse_map
 
 from .boundary import Boundary, chosen_boundary
+from .compilation import compile_ahead
 from .doubts import lay, map_warnings
 from .errors import InputError, SurfaceError
 from .loadpoints import checked_loads, expected_area_fraction, require_scene, slope_scale
@@ -163,6 +164,7 @@ def make_plan(
     InputError
         If the load points are not usable or the memory would not suffice.
     """
+    compile_ahead("summits")
     start = time.perf_counter()
     if scales not in SCALES:
         raise InputError(f"scales is {scales!r}; choose one of {', '.join(SCALES)}")

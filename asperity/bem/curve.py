@@ -15,6 +15,7 @@ from scipy.interpolate import CubicSpline
 from surfaces.heightmap import HeightMap
 
 from ..boundary import chosen_boundary
+from ..compilation import compile_ahead
 from ..errors import InputError
 from ..loadpoints import checked_loads, expected_area_fraction
 from ..material import HalfSpace
@@ -120,6 +121,7 @@ def bem_curve(
     """
     if check and accuracy is None:
         raise InputError("check tells how well an accuracy is held; give accuracy as well")
+    compile_ahead("bem")
     kind, values = checked_loads(hm, mat, pressures, separations)
     few = loads_to_solve(values) if accuracy is not None and kind == "pressure" else None
     if few is not None:

@@ -13,13 +13,14 @@ from surfaces.heightmap import HeightMap
 
 from ..bem.curve import bem_curve
 from ..bem.solve import bem_solve
-from ..compilation import compiling, small_map
+from ..compilation import CURVE, compile_ahead
 from ..contacts.table import microcontacts
 from ..curve import solve_contacts
 from ..loadpoints import checked_loads, default_pressures, slope_scale
 from ..plan import Plan, make_plan
 from ..results.curve import ContactCurve
 from ..results.tables import structured
+from ..warmup import small_map
 from .coarse_bem import LOOSE_TOLERANCE, coarse_grids, coarse_run, rms
 from .result import Comparison
 
@@ -101,8 +102,8 @@ def compare(
         **loads,
     }
     say("compilation")
-    with compiling("laws", "contacts", "bem"):
-        first = make_plan(hm, material, **chosen) if plan is None else plan
+    compile_ahead("bem", *CURVE)
+    first = make_plan(hm, material, **chosen) if plan is None else plan
     _compile(material, first)
     if plan is None:  # once more, on a map without stored means: its time belongs to the model
         plan = make_plan(hm.replace(), material, **chosen)
