@@ -12,7 +12,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -22,8 +21,9 @@ from surfaces._threads import available
 
 __all__ = ["CURVE", "compile_ahead", "compiling"]
 
-CURVE = ("contacts", "laws", "summits", "basins")
-"""Parts of a contact curve; the one that takes longest first."""
+CURVE = ("contacts", "laws", "basins", "summits")
+"""Parts of a contact curve, in an order that shares the work (14, 11, 4 and 8 s) among two or four
+processors: each takes every second of them, or one."""
 
 _MESSAGE = "asperity: compiling for this machine, about 30 s, once\n"
 _compiled: set[str] = set()
@@ -86,27 +86,25 @@ def _alone() -> Iterator[None]:
 
 
 def _compile(parts: list[str]) -> None:
-    """Compile parts in processes of their own, one for each processor at a time."""
+    """Compile parts in as many processes as there are processors, each several parts in turn."""
     # a copy of the package in the working folder would be compiled instead of this one
     home = str(Path(__file__).parents[1])
     paths = os.pathsep.join(filter(None, (home, os.environ.get("PYTHONPATH"))))
     keeps = {"PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(cache_folder().parent)}
-    running: list[subprocess.Popen[bytes]] = []
-    waiting = list(parts)
+    count = min(len(parts), available())
+    children = [
+        subprocess.Popen(
+            [sys.executable, "-P", "-m", f"{__package__}.warmup", *parts[k::count]],
+            env=os.environ | keeps,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        for k in range(count)
+    ]
     try:
-        while waiting or running:
-            while waiting and len(running) < available():
-                running.append(
-                    subprocess.Popen(
-                        [sys.executable, "-P", "-m", f"{__package__}.warmup", waiting.pop(0)],
-                        env=os.environ | keeps,
-                        stdout=subprocess.DEVNULL,
-                        stderr=subprocess.DEVNULL,
-                    )
-                )
-            time.sleep(0.02)
-            running = [child for child in running if child.poll() is None]
+        for child in children:
+            child.wait()
     finally:  # of an interrupted run; those that have ended are left alone
-        for child in running:
+        for child in children:
             child.terminate()
             child.wait()

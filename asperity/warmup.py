@@ -1,7 +1,7 @@
 """Scenes that meet every loop of daily use: each part of the first run compiles its own.
 
-Run as ``python -m asperity.warmup PART`` by `asperity.compilation`. A part is run once on a tiny
-scene, which keeps its machine code on disk; that code is the same for every body and boundary.
+Run as ``python -m asperity.warmup PART ...`` by `asperity.compilation`. A part is run once on a
+tiny scene, which keeps its machine code on disk; it is the same for every body and boundary.
 """
 
 from __future__ import annotations
@@ -49,7 +49,8 @@ def _summits() -> None:
     from .plan import make_plan
 
     hm = small_map()
-    make_plan(hm, BODY)
+    for periodic in True, False:
+        make_plan(hm.replace(periodic=periodic), BODY)
     peaks = segment(hm)
     two = np.arange(2)
     summits = locate_summits(hm, peaks)
@@ -61,7 +62,7 @@ def _summits() -> None:
 
 
 def _contacts() -> None:
-    """Spheres that touch a flat together, under two loads: few on a small mesh, and many."""
+    """Spheres that touch a flat together: few on a small mesh, and many; also at separations."""
     from .microcontact.table import LawTable
     from .population.population import Population
 
@@ -88,6 +89,8 @@ def _contacts() -> None:
     state = None
     for pressure in 1e-5, 2e-5, 1e-3, 2e-3:
         state = population.solve(mean_pressure=pressure, state=state)
+    for share in 0.98, 0.96, 0.94:
+        state = population.solve(separation=share * state.separation, state=state)
 
 
 def _laws() -> None:
@@ -160,5 +163,6 @@ if __name__ == "__main__":
     # the compiler's objects are many and stay: looking through them for cycles again and again
     # takes a tenth of its time
     gc.disable()
-    with compiling(sys.argv[1]):
-        PARTS[sys.argv[1]]()
+    for part in sys.argv[1:]:
+        with compiling(part):
+            PARTS[part]()

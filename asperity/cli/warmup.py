@@ -20,6 +20,6 @@ def run(args: argparse.Namespace) -> int:
     from asperity.compilation import CURVE, compile_ahead
     from surfaces._compiled import cache_folder
 
-    compile_ahead("bem", *CURVE)
+    compile_ahead(*CURVE, "bem")
     print(f"compiled code   {cache_folder()}")
     return EXIT_OK

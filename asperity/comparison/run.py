@@ -102,7 +102,7 @@ def compare(
         **loads,
     }
     say("compilation")
-    compile_ahead("bem", *CURVE)
+    compile_ahead(*CURVE, "bem")
     first = make_plan(hm, material, **chosen) if plan is None else plan
     _compile(material, first)
     if plan is None:  # once more, on a map without stored means: its time belongs to the model

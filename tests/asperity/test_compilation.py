@@ -28,7 +28,7 @@ def started_parts(monkeypatch, command):
     start, parts, children = subprocess.Popen, [], []
 
     def started(arguments, **options):
-        parts.append(arguments[-1])
+        parts.append(arguments[4:])
         children.append(start(command, **options))
         return children[-1]
 
@@ -45,9 +45,10 @@ def test_each_part_runs_in_a_process_of_its_own(part):
 
 
 def test_one_line_says_that_parts_are_compiled_and_only_once(nothing_known, monkeypatch, capsys):
+    monkeypatch.setattr(compilation, "available", lambda: 2)
     parts, _ = started_parts(monkeypatch, ["true"])
-    compilation.compile_ahead("laws", "contacts")
-    assert parts == ["laws", "contacts"]
+    compilation.compile_ahead(*compilation.CURVE)
+    assert parts == [["contacts", "basins"], ["laws", "summits"]]
     assert capsys.readouterr().err == "asperity: compiling for this machine, about 30 s, once\n"
     compilation.compile_ahead("laws", "contacts")
     assert (len(parts), capsys.readouterr().err) == (2, "")
@@ -74,13 +75,16 @@ def test_a_part_that_fails_is_left_to_the_run_itself(nothing_known):
 
 def test_an_interrupted_run_waits_for_no_compiler(nothing_known, monkeypatch):
     """Ctrl-C reaches this process alone where a supervisor sends it."""
+    wait, interrupts = subprocess.Popen.wait, iter([KeyboardInterrupt])
 
-    def interrupt(_):
-        raise KeyboardInterrupt
+    def interrupted(child, *given, **options):
+        for interrupt in interrupts:
+            raise interrupt
+        return wait(child, *given, **options)
 
-    _, children = started_parts(monkeypatch, ["sleep", "60"])
+    monkeypatch.setattr(subprocess.Popen, "wait", interrupted)
     monkeypatch.setattr(compilation, "available", lambda: 2)
-    monkeypatch.setattr(compilation.time, "sleep", interrupt)
+    _, children = started_parts(monkeypatch, ["sleep", "60"])
     with pytest.raises(KeyboardInterrupt):
         compilation.compile_ahead("laws", "contacts", "bem")
     assert [child.returncode for child in children] == [-signal.SIGTERM] * 2
@@ -100,11 +104,13 @@ for part in "laws", "contacts", "summits", "basins":
 known = forms()
 for changes in {}, {"periodic": False}:
     contact_curve(warmup.small_map().replace(**changes), warmup.BODY)
-contact_curve(warmup.small_map(), warmup.BODY, interaction=False)
-print({name for name, _ in forms() - known})
+hm = warmup.small_map()
+contact_curve(hm, warmup.BODY, interaction=False)
+contact_curve(hm, warmup.BODY, separations=[2.5 * hm.rms_height, 2.2 * hm.rms_height, 0.0])
+print(forms() - known or "{}")
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "set()"
+    assert done.stdout.strip() == "{}"
 
 
 @pytest.mark.parametrize(
