@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import fcntl
 import json
+import math
 import os
 import subprocess
 import sys
@@ -21,11 +22,12 @@ from surfaces._threads import available
 
 __all__ = ["CURVE", "compile_ahead", "compiling"]
 
-CURVE = ("contacts", "laws", "basins", "summits")
-"""Parts of a contact curve, in an order that shares the work (14, 11, 4 and 8 s) among two or four
-processors: each takes every second of them, or one."""
+CURVE = ("contacts", "laws", "summits", "basins")
+"""Parts of a contact curve."""
 
-_MESSAGE = "asperity: compiling for this machine, about 30 s, once\n"
+SECONDS = {"bem": 18.0, "contacts": 15.0, "laws": 12.0, "summits": 9.0, "basins": 5.0}
+"""Time that each part takes [s] on a processor of its own, of 2.5 GHz."""
+
 _compiled: set[str] = set()
 
 
@@ -44,9 +46,8 @@ def compile_ahead(*parts: str) -> None:
     if _missing(parts):
         with _alone():
             missing = _missing(parts)  # another process may have compiled them meanwhile
-            if missing and sys.stderr is not None:
-                sys.stderr.write(_MESSAGE)
-            _compile(missing)
+            if missing:
+                _compile(_shared(missing, available()))
     _compiled.update(parts)
 
 
@@ -85,21 +86,36 @@ def _alone() -> Iterator[None]:
         yield
 
 
-def _compile(parts: list[str]) -> None:
-    """Compile parts in as many processes as there are processors, each several parts in turn."""
+def _shared(parts: list[str], processors: int) -> list[list[str]]:
+    """Parts for each processor, so that all end at about the same time."""
+    shares: list[list[str]] = [[] for _ in range(min(len(parts), processors))]
+    for part in sorted(parts, key=_time, reverse=True):
+        min(shares, key=lambda share: sum(map(_time, share))).append(part)
+    return shares
+
+
+def _time(part: str) -> float:
+    return SECONDS.get(part, 0.0)
+
+
+def _compile(shares: list[list[str]]) -> None:
+    """Compile each share of the parts in a process of its own."""
+    longest = max(sum(map(_time, share)) for share in shares)
+    if sys.stderr is not None:
+        about = 10 * math.ceil(0.13 * longest)
+        sys.stderr.write(f"asperity: compiling for this machine, about {about} s, once\n")
     # a copy of the package in the working folder would be compiled instead of this one
     home = str(Path(__file__).parents[1])
     paths = os.pathsep.join(filter(None, (home, os.environ.get("PYTHONPATH"))))
     keeps = {"PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(cache_folder().parent)}
-    count = min(len(parts), available())
     children = [
         subprocess.Popen(
-            [sys.executable, "-P", "-m", f"{__package__}.warmup", *parts[k::count]],
+            [sys.executable, "-P", "-m", f"{__package__}.warmup", *share],
             env=os.environ | keeps,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
-        for k in range(count)
+        for share in shares
     ]
     try:
         for child in children:

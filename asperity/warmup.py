@@ -89,8 +89,8 @@ def _contacts() -> None:
     state = None
     for pressure in 1e-5, 2e-5, 1e-3, 2e-3:
         state = population.solve(mean_pressure=pressure, state=state)
-    for share in 0.98, 0.96, 0.94:
-        state = population.solve(separation=share * state.separation, state=state)
+    for separation in 7e-3, 6e-3, 5e-3:
+        state = population.solve(separation=separation, state=state)
 
 
 def _laws() -> None:

@@ -111,7 +111,7 @@ def _newton(e):
     """Step of Newton's method uphill, with the absolute values of the principal curvatures.
 
     Returns the step over y and x, and whether the expansion `e`, which has some curvature, is
-    concave. Along a level ridge it is not: the curvature there is rounding, of either sign.
+    concave, or level along a ridge: the curvature there is rounding, of either sign.
     """
     mean, shear, cross = 0.5 * (e[3] + e[5]), 0.5 * (e[3] - e[5]), e[4]
     half = math.sqrt(shear * shear + cross * cross)
@@ -126,7 +126,7 @@ def _newton(e):
     second = (e[1] * along_x - e[2] * along_y) / max(abs(low), _LEVEL * size)
     step_y = first * along_y + second * along_x
     step_x = first * along_x - second * along_y
-    return step_y, step_x, False
+    return step_y, step_x, high < _LEVEL * size
 
 
 @inner()
@@ -222,7 +222,8 @@ def uphill(heights, labels, owner, periodic, lean, rows, row, col):
                 rise -= lean[n, 0] * (r - y) + lean[n, 1] * (c - x)
                 if rise > best:
                     best, up, right = rise, r - y, c - x
-            if best == 0.0:
+            # along a level ridge of a periodic map a tilt leads uphill for ever
+            if best == 0.0 or abs(y - row[n]) >= ny or abs(x - col[n]) >= nx:
                 break
             y, x = y + up, x + right
         row[n], col[n] = y % ny, x % nx

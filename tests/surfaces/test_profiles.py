@@ -11,7 +11,7 @@ from scipy.interpolate import BSpline
 
 import surfaces
 from surfaces import _spline
-from surfaces.peaks._climb import PLATEAU
+from surfaces.peaks._climb import SUMMIT
 from surfaces.peaks.summits import locate_summits
 
 
@@ -173,12 +173,20 @@ def test_plateau_is_a_blunt_summit():
 
 
 @pytest.mark.parametrize("bend", [-1e-12, 0.0, 1e-12])
-def test_a_level_ridge_has_no_summit_whatever_the_rounding_of_its_curvature(bend):
+def test_a_level_ridge_has_a_summit_whatever_the_rounding_of_its_curvature(bend):
     y, x = np.mgrid[-9:10, -12:13]
     hm = surfaces.HeightMap(np.cos(x / 5.0) + bend * y**2, 1.0)
     peaks = surfaces.segment(hm.replace(heights=np.cos(x / 5.0) - 1e-12 * y**2))
     assert (peaks.row[0], peaks.col[0]) == (9, 12)
-    assert locate_summits(hm, peaks).kinds[0] == PLATEAU
+    assert locate_summits(hm, peaks).kinds[0] == SUMMIT
+
+
+def test_a_tilt_along_a_level_ridge_of_a_periodic_map_comes_to_an_end():
+    x = 2.0 * np.pi * np.arange(24) / 24
+    hm = surfaces.HeightMap(np.tile(np.cos(x), (20, 1)), 1.0, periodic=True)
+    summits = locate_summits(hm, surfaces.segment(hm))
+    tilted = summits.leaning(np.array([0]), np.array([[1e-3, 0.0]]), np.zeros(1))
+    assert len(tilted) == 1
 
 
 @pytest.mark.parametrize("periodic", [True, False])
