@@ -23,7 +23,7 @@ PAGES = [
     ROOT / "CHANGELOG.md",
     *sorted((ROOT / "docs" / "development").glob("*.md")),
 ]
-HEADER = r"asperity (?:" + "|".join(COMMANDS) + r") [^\n#`]+"
+HEADER = r"asperity (?:" + "|".join(COMMANDS) + r")(?= |\n)[^\n#`]*"
 
 
 def _blocks(language: str) -> list[tuple[str, str]]:
@@ -124,7 +124,7 @@ def test_examples_of_the_help_are_understood(command, capsys):
 def _commands(text: str) -> list[list[str]]:
     """Arguments of the complete commands in a text: those that name a file or a shape, whole."""
     found = (shlex.split(line)[1:] for line in re.findall(HEADER, text.replace("\n--", " --")))
-    complete = re.compile(r"\.h5|FILE|--shape|--folder")
+    complete = re.compile(r"\.h5|FILE|--shape|--folder|^warmup$")
     return [words for words in found if "..." not in words and complete.search(" ".join(words))]
 
 
