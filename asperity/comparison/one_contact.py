@@ -137,7 +137,7 @@ def judge(
     driven = {"approach": approach, "load": load}
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     if grid is not None:
-        from asperity.indentation_bem import indent_bem
+        from asperity.bem.single import indent_bem
 
         start = time.perf_counter()
         reference = indent_bem(profile, material, **driven, grid=grid, tolerance=tolerance)

@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError, ModelRangeError
 from asperity.halfspace.flags import INVALID, Flag
-from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.material import HalfSpace, require_half_space
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .laws import law_module
 
-__all__ = ["Indentation", "indent", "require_half_space"]
+__all__ = ["Indentation", "indent"]
 
 Array = NDArray[np.float64]
 
@@ -236,15 +236,6 @@ def _finite(values: ArrayLike | None, name: str) -> Array:
     if array.ndim > 1 or not np.all(np.isfinite(array)):
         raise InputError(f"{name} must be a finite number or a one-dimensional array of them")
     return array
-
-
-def require_half_space(material: object) -> None:
-    """Refuse what is no half-space, such as a bare modulus."""
-    if not isinstance(material, HalfSpace):
-        raise InputError(
-            f"the material must be a half-space, got {type(material).__name__}: "
-            "give asperity.HalfSpace(E, nu) or HalfSpace.from_modulus(E*)"
-        )
 
 
 def _require_profile(profile: object) -> None:
