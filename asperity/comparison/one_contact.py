@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from asperity.errors import ModelRangeError
 from asperity.halfspace.material import HalfSpace
-from asperity.microcontact.indent import Indentation, indent
+from asperity.microcontact.indent import indent
+from asperity.microcontact.indentation import Indentation
 from asperity.microcontact.laws import LAWS
 from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 
