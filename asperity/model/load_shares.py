@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from asperity.halfspace.flags import Flag
 from asperity.interaction.elongation import ASPECT_EXPONENT
 from asperity.microcontact.basin_bem.press import press
-from surfaces.peaks._climb import PLATEAU, RIM
+from surfaces.peaks.summit_arrays import PLATEAU, RIM
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace

@@ -11,13 +11,13 @@ from surfaces.numerics.compiled import compiled, inner
 from surfaces.numerics.splines import PAD, expand
 
 from ._prefetch import prefetch_block
+from .summit_arrays import PLATEAU, RIM, SUMMIT
 
 FLATTEST = 1e-3  # least ratio of the principal curvatures
 _LOCAL = 1e-4  # largest misfit of the local quartic, relative to the range of its points
 _LEVEL = 1e-6  # ratio of the principal curvatures below which rounding may decide the smaller sign
 
 _AHEAD = 8  # summits
-SUMMIT, PLATEAU, RIM = 0, -1, -2
 
 
 def _quartic_rows() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -204,7 +204,8 @@ def summits(
 def uphill(heights, labels, owner, periodic, lean, rows, row, col):
     """Move the pixels (row, col) of the peaks `rows` to the maxima of the tilted map about them.
 
-    Steps lead to the highest of the eight neighbors of the same peak.
+    Steps lead to the highest of the eight neighbors of the same peak. A walk that leads once round
+    a periodic cell climbs for ever (a level ridge that runs round it): its pixel stays where it is.
     """
     ny, nx = heights.shape
     for n in rows:
@@ -227,6 +228,9 @@ def uphill(heights, labels, owner, periodic, lean, rows, row, col):
             if best == 0.0 or abs(y - row[n]) >= ny or abs(x - col[n]) >= nx:
                 break
             y, x = y + up, x + right
+            if abs(y - row[n]) >= ny or abs(x - col[n]) >= nx:
+                y, x = row[n], col[n]
+                break
         row[n], col[n] = y % ny, x % nx
 
 
