@@ -16,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compile what the disk does not hold, and name the folder that keeps it."""
-    from asperity.cli.main import EXIT_OK
+    from asperity.cli.exit_codes import EXIT_OK
     from asperity.compilation import CURVE, compile_ahead
     from surfaces.numerics.compiled import cache_folder
 
