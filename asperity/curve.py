@@ -17,10 +17,10 @@ from asperity.contacts.spot_count import spot_count
 from asperity.contacts.table import microcontacts
 from asperity.halfspace.load_points import checked_loads
 from asperity.interaction.population import PopulationState
-from asperity.model.decomposition import Asperities
+from asperity.model.decomposition import Decomposition
 from asperity.model.map_checks import LONGEST_LAY
 from asperity.model.plan import Plan, interaction_needed, make_plan
-from asperity.multiscale.surface_point import FinePoint, at_separation, without_gap
+from asperity.multiscale.surface_point import SurfacePoint, at_separation, without_gap
 from asperity.results.curve import ContactCurve
 from asperity.results.stiffness import curve_stiffness
 from asperity.trust.error_estimate import (
@@ -29,10 +29,10 @@ from asperity.trust.error_estimate import (
     LOAD_WEIGHTS,
     TERMS,
     estimate,
-    oddness,
+    nonrandomness,
     weaknesses,
 )
-from asperity.trust.outside_model import LAWLESS, TELLS_NOTHING
+from asperity.trust.outside_model import OUTSIDE_MODEL, TELLS_NOTHING
 from surfaces.heightmap import HeightMap
 
 from .errors import ConvergenceError, InputError
@@ -52,13 +52,13 @@ CLOSE = 4e-3
 
 @dataclass(frozen=True, eq=False)
 class ContactRun:
-    """A contact curve with the bodies and states behind it.
+    """A contact curve with the decomposition and states behind it.
 
     Attributes
     ----------
     curve
         The contact curve.
-    bodies
+    decomposition
         The decomposed surface.
     states
         The state of all microcontacts at each load point, in the order of the curve.
@@ -70,29 +70,29 @@ class ContactRun:
     """
 
     curve: ContactCurve
-    bodies: Asperities
+    decomposition: Decomposition
     states: tuple[PopulationState, ...]
 
     def microcontacts(self, point: int = -1) -> NDArray[np.void]:
         """Table of the contacts that carry load at a load point, see `contacts.table`."""
-        return microcontacts(self.bodies, self._state(point))
+        return microcontacts(self.decomposition, self._state(point))
 
     def spots(self, point: int = -1) -> NDArray[np.void]:
         """Table of the separate spots at a load point, see `contacts.spots`."""
         from asperity.contacts.spots import spot_table
 
-        return spot_table(self.bodies, self._state(point))
+        return spot_table(self.decomposition, self._state(point))
 
     def contact_map(self, point: int = -1) -> NDArray[np.bool_]:
         """Pixels in contact at a load point, shape (ny, nx)."""
-        return contact_map(self.bodies, self._state(point))
+        return contact_map(self.decomposition, self._state(point))
 
     def pressure_map(self, point: int = -1) -> NDArray[np.float64]:
         """Pressure [Pa] of every pixel at a load point, shape (ny, nx)."""
-        return pressure_map(self.bodies, self._state(point))
+        return pressure_map(self.decomposition, self._state(point))
 
     def __str__(self) -> str:
-        return f"{self.curve}\nsummits         {len(self.bodies.population)}"
+        return f"{self.curve}\nsummits         {len(self.decomposition.population)}"
 
     __repr__ = __str__
 
@@ -206,7 +206,7 @@ def solve_contacts(
     progress: Callable[[PopulationState], object] | None = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
 ) -> ContactRun:
-    """Run `contact_curve` by a plan and keep the bodies and states (for maps and tables).
+    """Run `contact_curve` by a plan and keep the decomposition and states (for maps and tables).
 
     Arguments are those of `contact_curve`; without a plan one is made with its defaults.
 
@@ -219,10 +219,10 @@ def solve_contacts(
         raise InputError(f"plan is a {type(plan).__name__}; make one with asperity.make_plan")
     kind, values = checked_loads(hm, material, pressures, separations)
     plan.require_scene_of(hm, material)
-    bodies = Asperities.of(hm, material, plan)
-    start = time.perf_counter() - sum(bodies.seconds.values())
+    decomposition = Decomposition.of(hm, material, plan)
+    start = time.perf_counter() - sum(decomposition.seconds.values())
     states: dict[int, PopulationState] = {}
-    places: dict[int, FinePoint] = {}
+    places: dict[int, SurfacePoint] = {}
     patches: dict[int, int] = {}
     left_out: dict[int, float] = {}
     state, coupled, lift = None, None, 0.0
@@ -230,9 +230,9 @@ def solve_contacts(
 
     def curve_of(points: Iterable[int]) -> ContactCurve:
         chosen = list(points)
-        solving = time.perf_counter() - start - sum(bodies.seconds.values())
+        solving = time.perf_counter() - start - sum(decomposition.seconds.values())
         return _curve(
-            bodies,
+            decomposition,
             [states[i] for i in chosen],
             [places[i] for i in chosen],
             [patches[i] for i in chosen],
@@ -243,11 +243,13 @@ def solve_contacts(
     bound, top = (TOLERANCE, float(values.max())) if kind == "pressure" else (CLOSE, None)
     for i in np.argsort(values if kind == "pressure" else -values, kind="stable").tolist():
         asked = {"mean_pressure" if kind == "pressure" else "separation": float(values[i])}
-        if plan.fine is not None and kind == "separation":
-            state = at_separation(bodies, float(values[i]), lift, state, bound)
+        if plan.sub_contact_law is not None and kind == "separation":
+            state = at_separation(decomposition, float(values[i]), lift, state, bound)
         else:
-            state = bodies.population.solve(**asked, state=state, tolerance=bound, heaviest=top)
-        if not bodies.deep_enough(state):
+            state = decomposition.population.solve(
+                **asked, state=state, tolerance=bound, heaviest=top
+            )
+        if not decomposition.deep_enough(state):
             return solve_contacts(
                 hm,
                 material,
@@ -257,19 +259,21 @@ def solve_contacts(
                 progress=progress,
                 checkpoint=checkpoint,
             )
-        place = bodies.point(state)
-        states[i], places[i] = bodies.refused(without_gap(plan, state, place), place), place
+        place = decomposition.point(state)
+        states[i], places[i] = decomposition.refused(without_gap(plan, state, place), place), place
         if classical:
-            coupled = bodies.coupled.solve(
+            coupled = decomposition.coupled.solve(
                 separation=state.separation, state=coupled, tolerance=CLOSE
             )
             left_out[i] = _difference(state, coupled)
-        patches[i], lift = spot_count(bodies, state), places[i].separation - state.separation
+        patches[i], lift = spot_count(decomposition, state), places[i].separation - state.separation
         if progress is not None:
             progress(state)
         if checkpoint is not None:
             checkpoint(curve_of(states))
-    return ContactRun(curve_of(sorted(states)), bodies, tuple(states[i] for i in sorted(states)))
+    return ContactRun(
+        curve_of(sorted(states)), decomposition, tuple(states[i] for i in sorted(states))
+    )
 
 
 def _difference(alone: PopulationState, coupled: PopulationState) -> float:
@@ -282,20 +286,20 @@ def _difference(alone: PopulationState, coupled: PopulationState) -> float:
 
 
 def _curve(
-    bodies: Asperities,
+    decomposition: Decomposition,
     states: Sequence[PopulationState],
-    places: Sequence[FinePoint],
+    places: Sequence[SurfacePoint],
     patches: Sequence[int],
     left_out: Sequence[float] | None,
     solving: float,
 ) -> ContactCurve:
-    hm, plan = bodies.hm, bodies.plan
+    hm, plan = decomposition.hm, decomposition.plan
 
     def column(name: str) -> NDArray[Any]:
         return np.array([getattr(state, name) for state in states])
 
-    odd = oddness(hm)
-    weak = [weaknesses(bodies, state, odd) for state in states]
+    odd = nonrandomness(hm)
+    weak = [weaknesses(decomposition, state, odd) for state in states]
     pressure = column("mean_pressure")
     area = np.array([place.contact_area for place in places])
     separation = np.array([place.separation for place in places])
@@ -303,7 +307,7 @@ def _curve(
     known = 0.0 if plan.law in CALIBRATED and plan.lay < LONGEST_LAY else np.nan
     load_error = known + np.array([estimate(w, LOAD_WEIGHTS) for w in weak])
     area_error = known + np.array([estimate(w, AREA_WEIGHTS) for w in weak])
-    warnings = [*plan.warnings, *bodies.warnings(separation.min())]
+    warnings = [*plan.warnings, *decomposition.warnings(separation.min())]
     tiny = sum(w["unresolved"] > TELLS_NOTHING for w in weak)
     if tiny:
         warnings.append(
@@ -326,18 +330,20 @@ def _curve(
         residual=column("residual"),
         error_estimate=load_error,
         model="asperity",
-        seconds={**bodies.seconds, "contact": solving},
+        seconds={**decomposition.seconds, "contact": solving},
         settings={
             "law": plan.law,
             "interaction": plan.interaction,
             "boundary": plan.boundary,
             "above": plan.above,
-            "shortest_wave": None if plan.fine is None else plan.fine.shortest,
-            "grid": list(bodies.peaks.labels.shape),
-            "modulus": bodies.material.modulus,
-            "m": bodies.material.m,
+            "shortest_wave": None
+            if plan.sub_contact_law is None
+            else plan.sub_contact_law.shortest,
+            "grid": list(decomposition.peaks.labels.shape),
+            "modulus": decomposition.material.modulus,
+            "m": decomposition.material.m,
             "input": hm.digest,
-            "peaks": len(bodies.peaks),
+            "peaks": len(decomposition.peaks),
             "warnings": warnings,
         },
         extra={
@@ -346,7 +352,7 @@ def _curve(
             "tangent_stiffness": tangent,
             "area_error_estimate": area_error,
             **alone,
-            **{name: np.array([w[name] for w in weak]) for name in (*TERMS, *LAWLESS)},
+            **{name: np.array([w[name] for w in weak]) for name in (*TERMS, *OUTSIDE_MODEL)},
         },
         reasons=tuple(state.reason for state in states),
     )

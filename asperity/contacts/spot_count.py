@@ -11,7 +11,7 @@ from asperity.model.load_shares import JOINED
 
 if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
-    from asperity.model.decomposition import Asperities
+    from asperity.model.decomposition import Decomposition
     from surfaces.peaks.summits import Summits
 
 __all__ = ["spot_count"]
@@ -23,12 +23,12 @@ PARTED, CROWDED = 0.97, 0.15
 `spot_count`."""
 
 
-def spot_count(bodies: Asperities, state: PopulationState) -> int:
+def spot_count(decomposition: Decomposition, state: PopulationState) -> int:
     """Number of separate spots.
 
     Parameters
     ----------
-    bodies
+    decomposition
         The surface taken apart.
     state
         One load point.
@@ -44,12 +44,12 @@ def spot_count(bodies: Asperities, state: PopulationState) -> int:
     """
     from ._spot_kernels import spots
 
-    pairs, depth = bodies.basins.passes
-    count = float(spots(pairs, 2.0 * JOINED * depth, *_each(bodies.profiles, state)))
-    fine, area = bodies.plan.fine, state.contact_area
+    pairs, depth = decomposition.coalescence.passes
+    count = float(spots(pairs, 2.0 * JOINED * depth, *_each(decomposition.summits, state)))
+    fine, area = decomposition.plan.sub_contact_law, state.contact_area
     if fine is not None and area > 0.0:
-        closed = float(bodies.closed_area(state).sum()) / area
-        share = (area / bodies.hm.area) ** -CROWDED
+        closed = float(decomposition.closed_area(state).sum()) / area
+        share = (area / decomposition.hm.area) ** -CROWDED
         waves = area * (fine.number / (2.0 * np.pi)) ** 2
         count += PARTED * share * waves * (1.0 - closed) / closed
     return round(count)

@@ -15,29 +15,29 @@ from numpy.typing import NDArray
 from asperity.contacts.table import aspect_ratio
 from asperity.interaction.population import Population, PopulationState
 from asperity.microcontact.lazy_table import GrowingTable
-from asperity.model.corrections.coalescence import Basins
+from asperity.model.corrections.coalescence import Coalescence
 from asperity.multiscale.surface_point import (
-    FinePoint,
+    SurfacePoint,
     closed_area,
-    fine_point,
-    particular,
+    refinement_weight,
     spread_over,
+    surface_point,
 )
 from asperity.trust.outside_model import top_areas
 from surfaces.heightmap import HeightMap
 from surfaces.peaks.segmentation import segment
 from surfaces.peaks.summits import locate_summits
 
-from .law_factory import SummitLaws
-from .load_shares import Ranking
-from .plan import Plan, finer_plan
+from .law_factory import LawFactory
+from .load_shares import LoadShares
+from .plan import Plan, refined_plan
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from surfaces.peaks.peaks import Peaks
     from surfaces.peaks.summits import Summits
 
-__all__ = ["Asperities"]
+__all__ = ["Decomposition"]
 
 Array = NDArray[np.float64]
 
@@ -50,36 +50,36 @@ CLOSE_ENOUGH = 4e-3
 """Bound on the residual of a load on finer contacts, which are few."""
 
 
-class CloserLook(NamedTuple):
+class Refined(NamedTuple):
     """A load on the contacts of a surface of which more waves are kept for them.
 
     Attributes
     ----------
-    bodies, state
+    decomposition, state
         The surface taken apart so, and its contacts under the load.
     part
         How much they count: 1 where few fine waves lie under the contacts, towards 0 where many do.
     """
 
-    bodies: Asperities
+    decomposition: Decomposition
     state: PopulationState
     part: float
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Asperities:
+class Decomposition:
     """A surface taken apart into peaks, ready to be loaded.
 
     Attributes
     ----------
     hm, material, plan
         What it was made from.
-    peaks, profiles
+    peaks, summits
         Segmentation and summits; the rays of a summit are sampled when its law is made.
-    laws
+    law_factory
         Makes the laws of the summits.
-    basins
-        What of the basins touches where contacts have joined.
+    coalescence
+        What of the coalescence touches where contacts have joined.
     population
         The microcontacts with their laws and their interaction.
     seconds
@@ -90,18 +90,18 @@ class Asperities:
     material: HalfSpace
     plan: Plan
     peaks: Peaks
-    profiles: Summits
-    laws: SummitLaws
-    basins: Basins
+    summits: Summits
+    law_factory: LawFactory
+    coalescence: Coalescence
     population: Population
     seconds: dict[str, float]
-    _seen: WeakKeyDictionary[PopulationState, tuple[FinePoint, CloserLook | None]] = field(
+    _seen: WeakKeyDictionary[PopulationState, tuple[SurfacePoint, Refined | None]] = field(
         default_factory=WeakKeyDictionary, repr=False
     )
 
     @classmethod
-    def of(cls, hm: HeightMap, material: HalfSpace, plan: Plan) -> Asperities:
-        """Segment the map, fit the profiles and tabulate the contact laws."""
+    def of(cls, hm: HeightMap, material: HalfSpace, plan: Plan) -> Decomposition:
+        """Segment the map, fit the summits and tabulate the contact laws."""
         clock, seconds = time.perf_counter, {"plan": plan.seconds}
         start = clock()
         mean = hm.roughness.mean
@@ -109,41 +109,43 @@ class Asperities:
         if plan.boundary == "free" and solved.periodic:
             solved = solved.replace(periodic=False)  # a finite punch is cut at its border
         above = None if plan.above is None else plan.above + mean
-        if above is not None and plan.fine is not None:
+        if above is not None and plan.sub_contact_law is not None:
             # the longer waves may stay far below the highest point of all
             above = min(above, solved.roughness.highest - 0.5 * solved.roughness.rms_height)
         peaks = segment(solved, above=above)
         seconds["segmentation"] = clock() - start
         start = clock()
-        profiles = locate_summits(solved, peaks)
+        summits = locate_summits(solved, peaks)
         seconds["profiles"] = clock() - start
         seconds["laws"] = 0.0
-        ranking = None
+        load_shares = None
         if plan.law == "auto":
-            ranking = Ranking(profiles)
-            if above is not None and not ranking.full:
+            load_shares = LoadShares(summits)
+            if above is not None and not load_shares.full:
                 # laws may not depend on the loads that are asked for
                 return cls.of(hm, material, replace(plan, above=None))
-            ranking = ranking.joined(material)
-            profiles = ranking.summits
-        laws = SummitLaws(hm, profiles, ranking, material, plan.law, seconds)
-        forms = profiles if ranking is None else ranking
-        basins = Basins(profiles, material)
+            load_shares = load_shares.joined(material)
+            summits = load_shares.summits
+        law_factory = LawFactory(hm, summits, load_shares, material, plan.law, seconds)
+        forms = summits if load_shares is None else load_shares
+        coalescence = Coalescence(summits, material)
         population = Population(
-            x=profiles.x,
-            y=profiles.y,
-            height=profiles.height - mean,
-            table=GrowingTable(len(profiles), laws.table),
+            x=summits.x,
+            y=summits.y,
+            height=summits.height - mean,
+            table=GrowingTable(len(summits), law_factory.table),
             cell=hm.size,
             boundary=plan.boundary,
             material=material,
             interaction=plan.interaction,
-            leaning=laws.leaning if plan.law == "auto" else None,
-            joined=basins.areas if plan.law == "auto" else None,
+            leaning=law_factory.leaning if plan.law == "auto" else None,
+            joined=coalescence.areas if plan.law == "auto" else None,
             curvature=forms.curvature,
             angle=forms.angle,
         )
-        return cls(hm, material, plan, peaks, profiles, laws, basins, population, seconds)
+        return cls(
+            hm, material, plan, peaks, summits, law_factory, coalescence, population, seconds
+        )
 
     def __getstate__(self) -> dict[str, Any]:
         """With what was seen of states as pairs, since weak references cannot be kept."""
@@ -185,56 +187,66 @@ class Asperities:
     @functools.cached_property
     def aspect(self) -> NDArray[np.float64]:
         """Short over long axis of the contact on each summit, shape (n,)."""
-        return aspect_ratio(self.profiles.curvature)
+        return aspect_ratio(self.summits.curvature)
 
     @functools.cached_property
     def top_areas(self) -> Array:
         """Area [m^2] of the flat top of each summit, shape (n,); 0 where it has none."""
         return top_areas(self)
 
-    def point(self, state: PopulationState) -> FinePoint:
+    def point(self, state: PopulationState) -> SurfacePoint:
         """Separation, area and stiffness of the whole surface at a state of its contacts."""
         return self._seen_of(state)[0]
 
-    def _point(self, state: PopulationState) -> FinePoint:
-        if self.plan.fine is None:
-            return FinePoint.plain(state)
+    def _point(self, state: PopulationState) -> SurfacePoint:
+        if self.plan.sub_contact_law is None:
+            return SurfacePoint.plain(state)
         found = self.hm.roughness
-        return fine_point(self.population, self.plan.fine, state, found.highest - found.mean)
+        return surface_point(
+            self.population, self.plan.sub_contact_law, state, found.highest - found.mean
+        )
 
-    def closer_look(self, state: PopulationState) -> CloserLook | None:
+    def closer_look(self, state: PopulationState) -> Refined | None:
         """The load of a state on finer contacts; None where fine waves average out under these."""
         return self._seen_of(state)[1]
 
-    def _seen_of(self, state: PopulationState) -> tuple[FinePoint, CloserLook | None]:
+    def _seen_of(self, state: PopulationState) -> tuple[SurfacePoint, Refined | None]:
         if state not in self._seen:
             place, look = self._point(state), self._look(state)
             if look is not None:
-                place = place.towards(look.bodies._point(look.state), look.part)
+                place = place.towards(look.decomposition._point(look.state), look.part)
             self._seen[state] = place, look
         return self._seen[state]
 
-    def _look(self, state: PopulationState) -> CloserLook | None:
-        part = 0.0 if self.plan.fine is None else particular(self.plan.fine, state)
+    def _look(self, state: PopulationState) -> Refined | None:
+        part = (
+            0.0
+            if self.plan.sub_contact_law is None
+            else refinement_weight(self.plan.sub_contact_law, state)
+        )
         if part == 0.0 or self._finer is None:
             return None
-        bodies, load = self._finer, state.mean_pressure
-        looks = [look for _, look in self._seen.values() if look and look.bodies is bodies]
+        decomposition, load = self._finer, state.mean_pressure
+        looks = [
+            look for _, look in self._seen.values() if look and look.decomposition is decomposition
+        ]
         last = looks[-1].state if looks else None
-        found = bodies.population.solve(mean_pressure=load, state=last, tolerance=CLOSE_ENOUGH)
-        if not bodies.deep_enough(found):  # as for a curve, with the whole map from now on
-            plan = replace(bodies.plan, above=None)
-            vars(self)["_finer"] = Asperities.of(self.hm, self.material, plan)
+        found = decomposition.population.solve(
+            mean_pressure=load, state=last, tolerance=CLOSE_ENOUGH
+        )
+        if not decomposition.deep_enough(found):  # as for a curve, with the whole map from now on
+            plan = replace(decomposition.plan, above=None)
+            vars(self)["_finer"] = Decomposition.of(self.hm, self.material, plan)
             return self._look(state)
-        return CloserLook(bodies, found, part) if found.converged else None
+        return Refined(decomposition, found, part) if found.converged else None
 
     @functools.cached_property
-    def _finer(self) -> Asperities | None:
+    def _finer(self) -> Decomposition | None:
         """The same surface with more of its waves kept for contacts; None if hardly more are."""
-        plan = finer_plan(self.plan)
-        return None if plan is None else Asperities.of(self.hm, self.material, plan)
+        plan = refined_plan(self.plan)
+        return None if plan is None else Decomposition.of(self.hm, self.material, plan)
 
-    def refused(self, state: PopulationState, place: FinePoint) -> PopulationState:
+    def refused(self, state: PopulationState, place: SurfacePoint) -> PopulationState:
         """The state of a point, refused where contacts are so long that they overlap end to end."""
         closed = np.flatnonzero(state.force > 0)
         if not (closed.size and self.plan.interaction):
@@ -248,16 +260,16 @@ class Asperities:
 
     def closed_area(self, state: PopulationState) -> NDArray[np.float64]:
         """Area [m^2] that touches within each contact, shape (n,)."""
-        if self.plan.fine is None:
+        if self.plan.sub_contact_law is None:
             return state.area
-        area = closed_area(self.population, self.plan.fine, state)
+        area = closed_area(self.population, self.plan.sub_contact_law, state)
         if self.closer_look(state) is None:
             return area
         return spread_over(self.point(state).contact_area, area, state.area)
 
     def warnings(self, separation: float) -> list[str]:
         """Reasons to doubt load points down to a separation [m], besides those of the plan."""
-        height = self.population.height[sorted(self.laws.without)]
+        height = self.population.height[sorted(self.law_factory.without)]
         silent = int(np.count_nonzero(height > separation))
         if not silent:
             return []

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from surfaces.peaks.profiles import Profiles
     from surfaces.peaks.summits import Summits
 
-    from .load_shares import Ranking
+    from .load_shares import LoadShares
 
-__all__ = ["SummitLaws"]
+__all__ = ["LawFactory"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -49,7 +49,7 @@ STEP, NEAR = 1.5, 12
 and half nodes up to which it is."""
 
 
-class SummitLaws:
+class LawFactory:
     """Laws of summits by their rows, and the areas of contacts that lean.
 
     Parameters
@@ -57,8 +57,8 @@ class SummitLaws:
     hm
         The whole map, whose digest is made meanwhile.
     summits
-        Summits of the map that is solved, as `ranking` has them where there is one.
-    ranking
+        Summits of the map that is solved, as `load_shares` has them where there is one.
+    load_shares
         What tells the dominant contacts, which are pressed alone; None: the law alone counts.
     material
         Half-space.
@@ -77,12 +77,12 @@ class SummitLaws:
         self,
         hm: HeightMap,
         summits: Summits,
-        ranking: Ranking | None,
+        load_shares: LoadShares | None,
         material: HalfSpace,
         law: str,
         seconds: dict[str, float],
     ) -> None:
-        self.hm, self.summits, self.ranking = hm, summits, ranking
+        self.hm, self.summits, self.load_shares = hm, summits, load_shares
         self.material, self.law, self.seconds = material, law, seconds
         self.without: set[int] = set()
 
@@ -95,8 +95,8 @@ class SummitLaws:
         self._require_top(rows, table)
         _doubt_tips(sampled, table)
         self._doubt_rays(rows, sampled, table)
-        if self.ranking is not None:
-            chosen = self.ranking.dominant(rows, table)
+        if self.load_shares is not None:
+            chosen = self.load_shares.dominant(rows, table)
             put(table, chosen, self.summits, rows[chosen], self.material)
         self.seconds["profiles"] += between - begun
         self.seconds["laws"] += time.perf_counter() - between

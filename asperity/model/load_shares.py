@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from asperity.microcontact.law_table import LawTable
     from surfaces.peaks.summits import Summits
 
-__all__ = ["Ranking"]
+__all__ = ["LoadShares"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -53,7 +53,7 @@ MOST = 200
 """Summits above the flat at which no contact is looked at any more."""
 
 
-class Ranking:
+class LoadShares:
     """Summits in the order in which a flat meets them, with the loads that they then carry.
 
     Parameters
@@ -111,7 +111,7 @@ class Ranking:
         pairs, approach, low = pairs[some], approach[some], low[some]
         return pairs, approach, low - SLACK * approach.mean(axis=1)
 
-    def joined(self, material: HalfSpace) -> Ranking:
+    def joined(self, material: HalfSpace) -> LoadShares:
         """The same where those whose contacts join while they carry much of the load are one.
 
         Those that cannot be pressed as one, as they reach too far, stay apart.
@@ -128,9 +128,11 @@ class Ranking:
         pressed = found[:, 0] > 0.0
         if not pressed.all():
             one = self.summits.joined(pairs[pressed[slot]], low[pressed[slot]])
-        ranking = Ranking(one)
-        ranking.curvature, ranking.angle = _formed(one, roots[pressed], found[pressed, 4:].T)
-        return ranking
+        load_shares = LoadShares(one)
+        load_shares.curvature, load_shares.angle = _formed(
+            one, roots[pressed], found[pressed, 4:].T
+        )
+        return load_shares
 
     def dominant(self, rows: Rows, table: LawTable) -> Rows:
         """Slots of a law table of the summits `rows` whose law has to be exact: joined ones too."""

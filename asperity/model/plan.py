@@ -29,9 +29,9 @@ from .map_checks import lay, map_warnings
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
-    from asperity.multiscale.sub_contact_law import FineScales
+    from asperity.multiscale.sub_contact_law import SubContactLaw
 
-__all__ = ["SCALES", "Plan", "finer_plan", "interaction_needed", "make_plan"]
+__all__ = ["SCALES", "Plan", "interaction_needed", "make_plan", "refined_plan"]
 
 SCALES = ("auto", "all")
 """What may become of the finest waves of a map."""
@@ -113,7 +113,7 @@ class Plan:
     scene: tuple[HeightMap, HalfSpace] | None = field(default=None, repr=False, compare=False)
 
     @property
-    def fine(self) -> FineScales | None:
+    def sub_contact_law(self) -> SubContactLaw | None:
         """Law of the waves that the grid does not hold; None if it holds them all."""
         return None if self.split is None else self.split.fine
 
@@ -131,7 +131,7 @@ class Plan:
         same = planned is hm or (
             planned.spacing == hm.spacing and np.array_equal(planned.heights, hm.heights)
         )
-        if not same or (self.fine is not None and body != material):
+        if not same or (self.sub_contact_law is not None and body != material):
             raise InputError(
                 f"the plan was made for another {'material' if same else 'map'}; make one for this "
                 "with asperity.make_plan"
@@ -219,7 +219,7 @@ def make_plan(
     )
 
 
-def finer_plan(plan: Plan) -> Plan | None:
+def refined_plan(plan: Plan) -> Plan | None:
     """The plan with more waves kept for contacts, for loads that contacts of few fine waves carry.
 
     None if hardly more can be kept.

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .pixel_waves import Strength
 
-__all__ = ["FineScales"]
+__all__ = ["SubContactLaw"]
 
 Array = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ longer wave only makes the summit higher or sharper. On seeds 1, 2 and 11 to 14 
 
 
 @dataclass(frozen=True)
-class FineScales:
+class SubContactLaw:
     """Random waves too short for contacts of their own, within the contacts of the longer ones.
 
     Parameters

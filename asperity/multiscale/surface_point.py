@@ -10,18 +10,18 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from asperity.interaction.population import Population, PopulationState
-    from asperity.model.decomposition import Asperities
+    from asperity.model.decomposition import Decomposition
     from asperity.model.plan import Plan
 
-    from .sub_contact_law import FineScales
+    from .sub_contact_law import SubContactLaw
 
 __all__ = [
-    "FinePoint",
+    "SurfacePoint",
     "at_separation",
     "closed_area",
-    "fine_point",
-    "particular",
+    "refinement_weight",
     "spread_over",
+    "surface_point",
     "without_gap",
 ]
 
@@ -40,7 +40,7 @@ CLOSE = 5e-4
 
 
 @dataclass(frozen=True)
-class FinePoint:
+class SurfacePoint:
     """A load point of the whole surface.
 
     Attributes
@@ -58,17 +58,17 @@ class FinePoint:
     stiffness: float
 
     @classmethod
-    def plain(cls, state: PopulationState) -> FinePoint:
+    def plain(cls, state: PopulationState) -> SurfacePoint:
         """The point of a surface all of whose waves are in its contacts."""
         return cls(state.separation, state.contact_area, state.normal_stiffness)
 
-    def towards(self, other: FinePoint, part: float) -> FinePoint:
+    def towards(self, other: SurfacePoint, part: float) -> SurfacePoint:
         """The point a part of the way to another of the same load."""
         pairs = zip(astuple(self), astuple(other), strict=True)
-        return FinePoint(*(own + part * (end - own) for own, end in pairs))
+        return SurfacePoint(*(own + part * (end - own) for own, end in pairs))
 
 
-def particular(fine: FineScales, state: PopulationState) -> float:
+def refinement_weight(fine: SubContactLaw, state: PopulationState) -> float:
     """1 where so few fine waves lie under the contacts of a state that each of them counts, 0 where
     their mean tells."""
     closed = np.flatnonzero(state.force > 0)
@@ -79,9 +79,9 @@ def particular(fine: FineScales, state: PopulationState) -> float:
     return float(np.clip(np.log(MANY / number) / np.log(MANY / FEW), 0.0, 1.0))
 
 
-def fine_point(
-    population: Population, fine: FineScales, state: PopulationState, highest: float
-) -> FinePoint:
+def surface_point(
+    population: Population, fine: SubContactLaw, state: PopulationState, highest: float
+) -> SurfacePoint:
     """The point of the whole surface that belongs to a state of its contacts.
 
     Parameters
@@ -101,14 +101,14 @@ def fine_point(
     closed = np.flatnonzero(state.force > 0)
     if not closed.size:
         top = float(population.height[population.falling[0]])
-        return FinePoint(max(state.separation, highest + state.separation - top), 0.0, 0.0)
+        return SurfacePoint(max(state.separation, highest + state.separation - top), 0.0, 0.0)
     nominal, law = population.nominal_area, population.laws.rows(closed)
     area = float(closed_area(population, fine, state).sum())
     strong = _strong(population, fine, closed)
     share = 0.5 * (state.contact_area + area) / nominal
     stiffness, gained = state.normal_stiffness, state.response[closed]
     if not stiffness > 0.0:  # a failed solve, marked as such
-        return FinePoint(state.separation, area, stiffness)
+        return SurfacePoint(state.separation, area, stiffness)
     fall = STEP * state.mean_pressure / stiffness
 
     def energy(step: float) -> tuple[float, float]:
@@ -123,11 +123,11 @@ def fine_point(
     lift = factor * (high - low) / (more - less)
     change = factor * ((high - middle) / (more - load) - (middle - low) / (load - less))
     compliance = 1.0 / stiffness - change / (0.5 * (more - less)) * nominal
-    return FinePoint(min(state.separation + lift, highest), area, 1.0 / compliance)
+    return SurfacePoint(min(state.separation + lift, highest), area, 1.0 / compliance)
 
 
 def closed_area(
-    population: Population, fine: FineScales, state: PopulationState
+    population: Population, fine: SubContactLaw, state: PopulationState
 ) -> NDArray[np.float64]:
     """Area [m^2] of each contact that the fine waves leave closed, shape (n,)."""
     closed, nominal = np.flatnonzero(state.force > 0), population.nominal_area
@@ -159,7 +159,7 @@ def spread_over(
 
 
 def _strong(
-    population: Population, fine: FineScales, rows: NDArray[np.int64]
+    population: Population, fine: SubContactLaw, rows: NDArray[np.int64]
 ) -> NDArray[np.float64]:
     """Strength of the fine waves under contacts."""
     ly, lx = population.cell
@@ -168,7 +168,7 @@ def _strong(
 
 
 def at_separation(
-    bodies: Asperities,
+    decomposition: Decomposition,
     separation: float,
     lift: float,
     state: PopulationState | None,
@@ -178,7 +178,7 @@ def at_separation(
 
     Parameters
     ----------
-    bodies
+    decomposition
         The surface taken apart.
     separation
         Separation wanted [m].
@@ -190,9 +190,9 @@ def at_separation(
         As in `Population.solve`.
     """
     place, last = separation - lift, None
-    state = bodies.population.solve(separation=place, state=state, tolerance=tolerance)
+    state = decomposition.population.solve(separation=place, state=state, tolerance=tolerance)
     for _ in range(MAX_TRIES):
-        found = bodies.point(state)
+        found = decomposition.point(state)
         error = separation - found.separation
         close = abs(error) * found.stiffness <= CLOSE * state.mean_pressure
         if not state.converged or (error >= 0.0 if state.active == 0 else close):
@@ -204,11 +204,11 @@ def at_separation(
             step = error * min(max(secant / error, 0.2), 3.0)
         last = place, error
         place += step
-        state = bodies.population.solve(separation=place, state=state, tolerance=tolerance)
+        state = decomposition.population.solve(separation=place, state=state, tolerance=tolerance)
     return state
 
 
-def without_gap(plan: Plan, state: PopulationState, place: FinePoint) -> PopulationState:
+def without_gap(plan: Plan, state: PopulationState, place: SurfacePoint) -> PopulationState:
     """The state, refused where the mean gap of a periodic surface would be negative."""
     if place.separation >= 0.0 or plan.boundary == "free" or not plan.interaction:
         return state

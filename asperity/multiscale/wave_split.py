@@ -20,7 +20,7 @@ from surfaces.heightmap import HeightMap
 
 from .pixel_waves import TO_THE_PIXEL, Strength, fineness, strength
 from .spectrum_shells import Shells
-from .sub_contact_law import FineScales
+from .sub_contact_law import SubContactLaw
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -106,7 +106,7 @@ class Split:
     """
 
     coarse: HeightMap
-    fine: FineScales
+    fine: SubContactLaw
     shells: Shells
     last: int
     finest: int
@@ -199,14 +199,14 @@ def _shell(waves: float, hm: HeightMap) -> int:
     return round(waves * max(hm.size) / math.sqrt(hm.area))
 
 
-def _law(shells: Shells, last: int, material: HalfSpace, strong: Strength) -> FineScales | None:
+def _law(shells: Shells, last: int, material: HalfSpace, strong: Strength) -> SubContactLaw | None:
     """Law of the waves beyond the shell `last`; None where these are hardly any."""
     sums = shells.sums
     if sums[last, 3] > (1.0 - WORTH_LOSING) * sums[-1, 3]:
         return None
     lost = sums[-1] - sums[last]
     stiffness = 1.0 / Footprints(material.modulus, material.m).symbol
-    return FineScales(
+    return SubContactLaw(
         shortest=2.0 * np.pi / (shells.width * last),
         ratio=float(lost[7] / sums[last, 7]),
         variance=float(stiffness**2 * lost[7]),

@@ -15,11 +15,11 @@ import numpy as np
 
 from asperity.halfspace.flags import Flag
 
-from .outside_model import LAWLESS, lawless
+from .outside_model import OUTSIDE_MODEL, outside_model_terms
 
 if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
-    from asperity.model.decomposition import Asperities
+    from asperity.model.decomposition import Decomposition
     from surfaces.heightmap import HeightMap
 
 __all__ = [
@@ -28,7 +28,7 @@ __all__ = [
     "LOAD_WEIGHTS",
     "TERMS",
     "estimate",
-    "oddness",
+    "nonrandomness",
     "terms",
     "weaknesses",
 ]
@@ -57,8 +57,8 @@ CALIBRATED = "auto", "ellipse"
 """Laws of which the weights tell; by others, the area is up to three times too large."""
 
 
-def terms(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, float]:
-    """Weaknesses of the model at one load point, each from 0 (none) upwards; `odd` is `oddness`.
+def terms(decomposition: Decomposition, state: PopulationState, odd: float) -> dict[str, float]:
+    """Terms of the error estimate at a load point, each from 0 upwards; `odd` is `nonrandomness`.
 
     Returns
     -------
@@ -87,15 +87,15 @@ def terms(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, f
     if not closed.size:
         return dict.fromkeys(TERMS, 0.0)
     share = state.force[closed] / state.force.sum()
-    table, depth = bodies.population.table, state.approach[closed]
+    table, depth = decomposition.population.table, state.approach[closed]
     outgrown = (table.flags_at(closed, depth) & Flag.BEYOND_RADIUS) > 0
     # with fine waves taken out, the contacts are those of the map that was solved
-    law = bodies.plan.fine
-    hm = (bodies.plan.resampled if law else None) or bodies.hm
+    law = decomposition.plan.sub_contact_law
+    hm = (decomposition.plan.resampled if law else None) or decomposition.hm
     pixel = hm.area / hm.heights.size
-    steep, shallow = bodies.profiles.curvature[closed].T
+    steep, shallow = decomposition.summits.curvature[closed].T
     ratio = np.log(steep / np.clip(shallow, 1e-3 * steep, None))
-    crowding, long = state.contact_area / bodies.hm.area, np.sum(share * ratio)
+    crowding, long = state.contact_area / decomposition.hm.area, np.sum(share * ratio)
     few = np.sqrt(np.sum(share**2))
     coarse = np.sqrt(pixel / np.sum(share * state.area[closed]))
     taken = 0.0 if law is None else law.ratio / (1.0 + law.ratio)
@@ -113,16 +113,23 @@ def terms(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, f
     return {name: float(value) for name, value in zip(TERMS, found, strict=True)}
 
 
-def weaknesses(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, float]:
+def weaknesses(
+    decomposition: Decomposition, state: PopulationState, odd: float
+) -> dict[str, float]:
     """`terms` of a load point, part of them those of the finer contacts that count there."""
-    own, look = terms(bodies, state, odd) | lawless(bodies, state), bodies.closer_look(state)
+    own, look = (
+        terms(decomposition, state, odd) | outside_model_terms(decomposition, state),
+        decomposition.closer_look(state),
+    )
     if look is None:
         return own
-    closer = terms(look.bodies, look.state, odd) | lawless(look.bodies, look.state)
+    closer = terms(look.decomposition, look.state, odd) | outside_model_terms(
+        look.decomposition, look.state
+    )
     return {name: own[name] + look.part * (closer[name] - own[name]) for name in own}
 
 
-def oddness(hm: HeightMap) -> float:
+def nonrandomness(hm: HeightMap) -> float:
     """How far a map is from random waves: 0 where the kurtosis of its second differences is 3, 1
     from 4 on, as for spikes, worn plateaus, steps and fading borders."""
     return float(
@@ -133,4 +140,4 @@ def oddness(hm: HeightMap) -> float:
 def estimate(values: dict[str, float], weights: tuple[float, ...]) -> float:
     """Weighted sum of the terms: the bound that nine errors in ten keep."""
     fitted = sum(w * values[name] for name, w in zip(TERMS, weights, strict=True))
-    return float(fitted + sum(w * values.get(name, 0.0) for name, w in LAWLESS.items()))
+    return float(fitted + sum(w * values.get(name, 0.0) for name, w in OUTSIDE_MODEL.items()))

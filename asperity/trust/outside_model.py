@@ -16,13 +16,13 @@ from asperity.microcontact.basin_bem.press import SPREAD
 
 if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
-    from asperity.model.decomposition import Asperities
+    from asperity.model.decomposition import Decomposition
 
-__all__ = ["LAWLESS", "lawless", "top_areas"]
+__all__ = ["OUTSIDE_MODEL", "outside_model_terms", "top_areas"]
 
 Array = NDArray[np.float64]
 
-LAWLESS = {"flat_tops": 1.0, "at_border": 0.6, "unsure": 1.0, "unresolved": 1.0}
+OUTSIDE_MODEL = {"flat_tops": 1.0, "at_border": 0.6, "unsure": 1.0, "unresolved": 1.0}
 """Terms of the error estimate with their weights, for load and area alike: the largest errors where
 all contacts are such, of heights cut off at one rms height and of a single wave (0.7 to 0.99), of
 tilted maps and of cups (0.6), of single tips r and r^4 (0.8 to 1.6)."""
@@ -51,7 +51,7 @@ UNSURE = 0.5
 """Error of its force that a law expects from which on it tells nothing of a contact."""
 
 
-def lawless(bodies: Asperities, state: PopulationState) -> dict[str, float]:
+def outside_model_terms(decomposition: Decomposition, state: PopulationState) -> dict[str, float]:
     """Load on contacts that no law describes or no grid, at one load point; each term from 0.
 
     Returns
@@ -70,29 +70,31 @@ def lawless(bodies: Asperities, state: PopulationState) -> dict[str, float]:
     """
     closed = np.flatnonzero(state.force > 0)
     if not closed.size:
-        return dict.fromkeys(LAWLESS, 0.0)
+        return dict.fromkeys(OUTSIDE_MODEL, 0.0)
     share = state.force[closed] / state.force.sum()
     area = np.maximum(state.area[closed], np.finfo(float).tiny)
-    spread = np.abs(bodies.population.table.spread_at(closed, state.approach[closed]))
-    spans = bodies.top_areas[closed]
+    spread = np.abs(decomposition.population.table.spread_at(closed, state.approach[closed]))
+    spans = decomposition.top_areas[closed]
     tops = np.minimum(spans, area)
     flat = share @ (tops / area)
     if flat > 0.0:
-        summits = bodies.laws.summits
+        summits = decomposition.law_factory.summits
         alone = (summits.dip[closed] > summits.peaks.min_prominence) & (spread == SPREAD)
-        alone &= spans < WIDE * bodies.hm.area
+        alone &= spans < WIDE * decomposition.hm.area
         flat *= 1.0 - PRESSED * float(tops @ alone / tops.sum())
     cut = 0.0
-    if bodies.plan.boundary == "free":
-        places = bodies.profiles.y[closed], bodies.profiles.x[closed]
+    if decomposition.plan.boundary == "free":
+        places = decomposition.summits.y[closed], decomposition.summits.x[closed]
         sides = [
             np.minimum(at, size - at) - 0.5 * step  # from the outermost points
-            for at, size, step in zip(places, bodies.hm.size, bodies.hm.spacing, strict=True)
+            for at, size, step in zip(
+                places, decomposition.hm.size, decomposition.hm.spacing, strict=True
+            )
         ]
         inside = np.clip(np.minimum(*sides) / np.sqrt(area / np.pi), 0.0, 1.0)
         cut = share @ (1.0 - inside)
     unsure = share @ (spread >= UNSURE)
-    pixels = area / min(np.prod(hm.spacing) for hm in (bodies.hm, bodies.solved))
+    pixels = area / min(np.prod(hm.spacing) for hm in (decomposition.hm, decomposition.solved))
     unresolved = share @ np.maximum(1.0 / np.maximum(pixels, TINIEST) - 1.0 / RESOLVED, 0.0)
     return {
         "flat_tops": float(flat),
@@ -102,24 +104,24 @@ def lawless(bodies: Asperities, state: PopulationState) -> dict[str, float]:
     }
 
 
-def top_areas(bodies: Asperities) -> Array:
+def top_areas(decomposition: Decomposition) -> Array:
     """Area [m^2] of a disc that spreads as far as the highest points of each basin, shape (n,).
 
     They are those of one height with the highest beside the summit. A disc of area A has the mean
     squared distance A/(2 pi) from its middle.
     """
-    hm, number = bodies.hm, np.arange(len(bodies.profiles))
+    hm, number = decomposition.hm, np.arange(len(decomposition.summits))
     if not hm.repeats:
         return np.zeros(number.size)
-    wraps = hm.periodic and bodies.plan.boundary == "periodic"
-    row, col = np.divmod(summit_pixel(bodies, number, hm), hm.shape[1])
+    wraps = hm.periodic and decomposition.plan.boundary == "periodic"
+    row, col = np.divmod(summit_pixel(decomposition, number, hm), hm.shape[1])
     around = np.array([-1, 0, 1])
     rows, cols = (
         (at[:, None] + around) % n if wraps else np.clip(at[:, None] + around, 0, n - 1)
         for at, n in zip((row, col), hm.shape, strict=True)
     )
     top = hm.heights[rows[:, :, None], cols[:, None, :]].max(axis=(1, 2))
-    owner = np.append(bodies.profiles.owner, number.size)[bodies.labels]
+    owner = np.append(decomposition.summits.owner, number.size)[decomposition.labels]
     level = np.nonzero(hm.heights == np.append(top, np.inf)[owner])
     own = owner[level]
     square = np.zeros(own.size)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from surfaces.peaks.summits import Summits
 
-__all__ = ["Basins"]
+__all__ = ["Coalescence"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -47,7 +47,7 @@ SOME = (0.12, 0.18)
 
 
 @dataclass(frozen=True, eq=False)
-class Basins:
+class Coalescence:
     """The basins of all summits, on the pixels of their map.
 
     Attributes

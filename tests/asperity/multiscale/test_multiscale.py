@@ -13,7 +13,7 @@ import surfaces
 from asperity.cli.main import main
 from asperity.curve import solve_contacts
 from asperity.halfspace.load_points import pressure_scale
-from asperity.model.decomposition import Asperities
+from asperity.model.decomposition import Decomposition
 from asperity.model.plan import make_plan
 from asperity.multiscale.wave_split import split_scales
 from surfaces import HeightMap
@@ -49,7 +49,7 @@ def test_worn_plateaus_agree_with_boundary_elements():
 
 def test_the_plan_says_so(rough):
     plan = make_plan(rough, STEEL)
-    assert plan.fine is not None
+    assert plan.sub_contact_law is not None
     assert "act as a law of the contacts" in str(plan)
     assert "points hold the longer waves of 240 x 288" in str(plan)
 
@@ -67,10 +67,10 @@ def test_the_lift_is_the_slope_of_the_energy(rough, loads):
     """It is factor * d(sum Phi)/dF, and the stiffness is a slope."""
     near = loads[2] * np.array([0.97, 1.0, 1.03])
     plan = make_plan(rough, STEEL, pressures=near)
-    bodies = Asperities.of(rough, STEEL, plan)
-    states = [bodies.population.solve(mean_pressure=p, tolerance=1e-4) for p in near]
-    points = [bodies.point(state) for state in states]
-    fine = plan.fine
+    decomposition = Decomposition.of(rough, STEEL, plan)
+    states = [decomposition.population.solve(mean_pressure=p, tolerance=1e-4) for p in near]
+    points = [decomposition.point(state) for state in states]
+    fine = plan.sub_contact_law
     state = states[1]
     share = state.contact_area / rough.area
     closed = state.force > 0

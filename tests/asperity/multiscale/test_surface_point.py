@@ -15,8 +15,8 @@ import asperity
 import surfaces
 from asperity.curve import solve_contacts
 from asperity.halfspace.load_points import pressure_scale
-from asperity.model.plan import finer_plan, make_plan
-from asperity.multiscale.surface_point import particular, spread_over
+from asperity.model.plan import make_plan, refined_plan
+from asperity.multiscale.surface_point import refinement_weight, spread_over
 from surfaces import HeightMap
 
 
@@ -40,7 +40,7 @@ def test_where_few_fine_waves_lie_under_the_contacts_more_of_them_are_contacts(
 
     found, stated = errors()
     assert (np.abs(found) < np.minimum(stated, 0.03)).all()
-    monkeypatch.setattr("asperity.model.decomposition.particular", lambda *_: 0.0)
+    monkeypatch.setattr("asperity.model.decomposition.refinement_weight", lambda *_: 0.0)
     mean, wider = errors()
     assert np.linalg.norm(found) < 0.5 * np.linalg.norm(mean) and (wider > stated).all()
 
@@ -49,7 +49,7 @@ def test_their_table_has_the_area_of_the_curve(one_hill):
     """From one load to the next less and less of the finer contacts counts, at last nothing."""
     loads = np.array([4e-4, 4e-3, 1.2e-2, 6e-2]) * pressure_scale(one_hill, STEEL)
     run = solve_contacts(one_hill, STEEL, pressures=loads)
-    looks = [run.bodies.closer_look(state) for state in run.states]
+    looks = [run.decomposition.closer_look(state) for state in run.states]
     parts = [look.part if look else 0.0 for look in looks]
     assert parts[0] == 1.0 > parts[1] > parts[2] > parts[3] == 0.0
     assert (np.diff(run.curve.separation) < 0).all() and (np.diff(run.curve.contact_area) > 0).all()
@@ -61,20 +61,20 @@ def test_their_table_has_the_area_of_the_curve(one_hill):
 
 
 def test_where_hardly_more_waves_can_be_kept_there_is_no_closer_look(one_hill):
-    kept = make_plan(one_hill, STEEL).fine.shortest
-    assert finer_plan(make_plan(one_hill, STEEL)).fine.shortest < 0.75 * kept
-    assert finer_plan(make_plan(broad((120, 144), rolloff=None), STEEL)) is None
-    assert finer_plan(make_plan(broad(), STEEL, scales="all")) is None
+    kept = make_plan(one_hill, STEEL).sub_contact_law.shortest
+    assert refined_plan(make_plan(one_hill, STEEL)).sub_contact_law.shortest < 0.75 * kept
+    assert refined_plan(make_plan(broad((120, 144), rolloff=None), STEEL)) is None
+    assert refined_plan(make_plan(broad(), STEEL, scales="all")) is None
 
 
 def test_where_many_waves_are_kept_a_closer_look_keeps_a_third_more():
     """On a map of many hills the fewest waves of a closer look would be hardly more."""
     hm = broad((720, 900), rolloff=9e-5)
     plan = make_plan(hm, STEEL)
-    assert np.sqrt(hm.area) / plan.fine.shortest > 92
-    finer = finer_plan(plan)
-    assert 1.30 < plan.fine.shortest / finer.fine.shortest < 1.37
-    assert finer.above is not None and finer_plan(finer) is None
+    assert np.sqrt(hm.area) / plan.sub_contact_law.shortest > 92
+    finer = refined_plan(plan)
+    assert 1.30 < plan.sub_contact_law.shortest / finer.sub_contact_law.shortest < 1.37
+    assert finer.above is not None and refined_plan(finer) is None
 
 
 def test_a_closer_look_takes_the_whole_map_where_contacts_come_near_its_cut(one_hill, monkeypatch):
@@ -83,9 +83,9 @@ def test_a_closer_look_takes_the_whole_map_where_contacts_come_near_its_cut(one_
     for name, value in (("_QUICK", 0), ("_SPARE_SHARE", 0.02), ("_DEPTH", 0.0)):
         monkeypatch.setattr(f"asperity.model.plan.{name}", value)
     plan = make_plan(one_hill, STEEL)
-    assert finer_plan(plan).above is not None
+    assert refined_plan(plan).above is not None
     run = solve_contacts(one_hill, STEEL, plan, pressures=load)
-    assert run.bodies.closer_look(run.states[0]).bodies.plan.above is None
+    assert run.decomposition.closer_look(run.states[0]).decomposition.plan.above is None
     assert run.curve.separation == pytest.approx(whole.separation, rel=1e-9)
 
 
@@ -95,7 +95,7 @@ def test_closer_looks_are_kept_with_a_run(one_hill):
     run = solve_contacts(one_hill, STEEL, pressures=loads)
     kept = pickle.loads(pickle.dumps(run))
     for state, again in reversed(list(zip(run.states, kept.states, strict=True))):
-        assert kept.bodies.point(again) == run.bodies.point(state)
+        assert kept.decomposition.point(again) == run.decomposition.point(state)
 
 
 @settings(deadline=None, derandomize=True, max_examples=20)
@@ -116,7 +116,7 @@ def test_fine_waves_under_contacts_are_counted():
 
     def part(force, area):
         state = SimpleNamespace(force=np.array(force), area=np.array(area) * FINE.shortest**2)
-        return particular(FINE, state)
+        return refinement_weight(FINE, state)
 
     assert part([0.0, 0.0], [0.0, 0.0]) == 0.0
     assert part([1.0], [0.5]) == part([1.0, 1.0, 0.0], [0.5, 0.5, 0.0]) == 1.0

@@ -138,8 +138,8 @@ def test_maps_that_keep_all_their_summits(monkeypatch):
     spikes = rough.heights.copy()
     spikes[::40, ::40] += 4 * rough.rms_height
     assert "not random" in why(rough.replace(heights=spikes))
-    assert make_plan(rough, STEEL, scales="all").fine is None
-    assert make_plan(rough, STEEL, interaction=False).fine is None
+    assert make_plan(rough, STEEL, scales="all").sub_contact_law is None
+    assert make_plan(rough, STEEL, interaction=False).sub_contact_law is None
     with pytest.raises(InputError, match="choose one of auto, all"):
         make_plan(rough, STEEL, scales="coarse")
 

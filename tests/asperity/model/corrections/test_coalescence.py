@@ -12,8 +12,8 @@ import surfaces
 from asperity import HalfSpace
 from asperity.halfspace.load_points import pressure_scale
 from asperity.model.corrections import _coalescence_kernels as kernels
-from asperity.model.corrections.coalescence import Basins
-from asperity.model.decomposition import Asperities
+from asperity.model.corrections.coalescence import Coalescence
+from asperity.model.decomposition import Decomposition
 from asperity.model.plan import make_plan
 from surfaces.peaks.segmentation import segment
 from surfaces.peaks.summits import locate_summits
@@ -34,7 +34,7 @@ def test_a_paraboloid_has_the_area_of_its_law(m):
     """Where little of the basin touches, F = 4 E a^(3+m) / (p^2 (p + 2) R) on the summit."""
     hm, body = egg_box(shape=(300, 320)), HalfSpace.from_modulus(3.0, m=m)
     summits = locate_summits(hm, segment(hm))
-    basins = Basins(summits, body)
+    basins = Coalescence(summits, body)
     radius = 3.0
     bend = np.sqrt(np.prod(summits.curvature, axis=1))
     force = 12.0 * bend * radius ** (3 + m) / ((1 + m) ** 2 * (3 + m))
@@ -50,7 +50,9 @@ def test_no_more_than_its_basin_touches_however_much_it_carries():
     rows = np.arange(len(summits))
     basin = hm.area / len(rows)
     areas = [
-        Basins(summits, body)._carrying(rows, np.full(len(rows), 2.0), np.full(len(rows), force))[0]
+        Coalescence(summits, body)._carrying(
+            rows, np.full(len(rows), 2.0), np.full(len(rows), force)
+        )[0]
         for force in (1.0, 20.0, 60.0, 200.0, 2e4)
     ]
     assert (np.diff(areas, axis=0) >= 0.0).all()
@@ -68,10 +70,10 @@ def test_contacts_along_a_ridge_touch_as_much_as_boundary_elements_find():
     fine, body = surfaces.resample(hm, np.asarray(hm.spacing) / 2), HalfSpace.from_modulus(1.0)
     pressure = 0.06 * pressure_scale(hm, body)
     exact = asperity.bem_solve(fine, body, pressure=pressure, tolerance=1e-4)
-    bodies = Asperities.of(hm, body, make_plan(hm, body, pressures=[pressure]))
-    joined = bodies.population.solve(mean_pressure=pressure)
-    bodies.population.joined = None
-    alone = bodies.population.solve(mean_pressure=pressure)
+    decomposition = Decomposition.of(hm, body, make_plan(hm, body, pressures=[pressure]))
+    joined = decomposition.population.solve(mean_pressure=pressure)
+    decomposition.population.joined = None
+    alone = decomposition.population.solve(mean_pressure=pressure)
     np.testing.assert_array_equal(joined.force, alone.force)
     assert joined.contact_area == pytest.approx(exact.contact_area, rel=0.05)
     assert alone.contact_area < 0.88 * exact.contact_area
@@ -80,7 +82,7 @@ def test_contacts_along_a_ridge_touch_as_much_as_boundary_elements_find():
 def test_contacts_apart_keep_their_areas():
     hm = egg_box()
     summits = locate_summits(hm, segment(hm))
-    basins, rows = Basins(summits, HalfSpace.from_modulus(1.0)), np.arange(len(summits))
+    basins, rows = Coalescence(summits, HalfSpace.from_modulus(1.0)), np.arange(len(summits))
     area = np.full(len(rows), 2.0)
     assert basins.areas(rows, np.full(len(rows), 0.1), area, area) is area
 
@@ -89,7 +91,7 @@ def crowded(fall: float):
     """Areas of the contacts of an egg box, all of them joined, from those of their laws."""
     hm = egg_box()
     summits = locate_summits(hm, segment(hm))
-    basins, rows = Basins(summits, HalfSpace.from_modulus(1.0)), np.arange(len(summits))
+    basins, rows = Coalescence(summits, HalfSpace.from_modulus(1.0)), np.arange(len(summits))
     deep, force = np.full(len(rows), 2.0), np.full(len(rows), 60.0)
     alone = fall * basins._carrying(rows, deep, force)[0]
     return basins, (rows, deep, force, alone)
@@ -105,7 +107,7 @@ def test_joining_adds_area():
 def test_contacts_that_the_border_cuts_keep_their_law():
     basins, state = crowded(0.5)
     border = np.array([True, False, False, True])
-    cut = Basins(replace(basins.summits, border=border), basins.material)
+    cut = Coalescence(replace(basins.summits, border=border), basins.material)
     ratio = np.where(border, 1.0, 2.0)
     np.testing.assert_allclose(cut.areas(*state), ratio * state[-1], rtol=1e-9)
 
@@ -159,10 +161,10 @@ def test_joined_summits_count_as_one_basin():
     hm = egg_box()
     summits = locate_summits(hm, segment(hm))
     one = summits.joined(np.array([[0, 1], [0, 2], [0, 3]]), np.zeros(3))
-    area, _ = Basins(one, HalfSpace.from_modulus(1.0))._carrying(
+    area, _ = Coalescence(one, HalfSpace.from_modulus(1.0))._carrying(
         np.array([0]), np.array([0.5]), np.array([1e4])
     )
-    whole, _ = Basins(summits, HalfSpace.from_modulus(1.0))._carrying(
+    whole, _ = Coalescence(summits, HalfSpace.from_modulus(1.0))._carrying(
         np.arange(4), np.full(4, 0.5), np.full(4, 1e4)
     )
     assert area[0] == pytest.approx(whole.sum(), rel=0.05)
