@@ -17,11 +17,12 @@ from asperity.interaction.footprint import Footprints
 from surfaces.numerics.parallel import threads
 from surfaces.preparation.filtering import resample
 
-from .table import ellipses, summit_pixel
+from .table import ellipses
 
 if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
     from asperity.model.decomposition import Decomposition
+    from asperity.model.load_point import LoadPoint
     from surfaces.heightmap import HeightMap
 
 __all__ = ["contact_map", "pressed_pixels", "pressure_map"]
@@ -36,24 +37,22 @@ RELAXATION = 0.7
 """Relaxation of a correction; without it the pressure oscillates (Hertz: 2 to 4 % of the peak)."""
 
 
-def contact_map(decomposition: Decomposition, state: PopulationState) -> NDArray[np.bool_]:
+def contact_map(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.bool_]:
     """Pixels in contact, shape (ny, nx): those under pressure, see `pressed_pixels`."""
-    return pressure_map(decomposition, state) > 0
+    return pressure_map(decomposition, point) > 0
 
 
-def pressure_map(decomposition: Decomposition, state: PopulationState) -> Array:
+def pressure_map(decomposition: Decomposition, point: LoadPoint) -> Array:
     """Pressure [Pa] of every pixel, shape (ny, nx), zero outside the contacts."""
-    return _image(decomposition.hm, *pressed_pixels(decomposition, state))
+    return _image(decomposition.hm, *pressed_pixels(decomposition, point))
 
 
-def pressed_pixels(
-    decomposition: Decomposition, state: PopulationState
-) -> tuple[Index, Index, Array]:
+def pressed_pixels(decomposition: Decomposition, point: LoadPoint) -> tuple[Index, Index, Array]:
     """The pixels in contact, whose they are, and their pressures.
 
     Parameters
     ----------
-    decomposition, state
+    decomposition, point
         As in `microcontacts`.
 
     Returns
@@ -77,7 +76,7 @@ def pressed_pixels(
     added, the pressure over the excess x is sqrt(x^2 + 2 s x), which rises as a square root from
     the edges of the spots. The last correction is that of the whole map.
     """
-    solved, whole = decomposition.solved, decomposition.hm
+    solved, whole, state = decomposition.solved, decomposition.hm, point.state
     if not state.active:
         return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
     grid = _Grid.of(decomposition, state, solved, decomposition.peaks.labels)
@@ -94,7 +93,7 @@ def pressed_pixels(
         fine = np.sqrt(decomposition.plan.sub_contact_law.spread) * full.pressed_flat(left)
         spread = float(np.std(fine))
         beside = spread / float(np.std(left))
-    area = decomposition.closed_area(state)
+    area = point.closed_area
     periodic = decomposition.plan.boundary == "periodic"
     field = _cubic(grid.wanted(pressure, beside), whole.shape, periodic) + fine
     pressure = _image(whole, *full.pressed(field, area, state.force, spread))
@@ -152,7 +151,7 @@ class _Grid:
         pixel = np.flatnonzero(np.append(state.force > 0, False)[owner])
         lost = np.setdiff1d(np.flatnonzero(state.force > 0), owner[pixel])
         own = np.append(owner[pixel], lost)
-        pixel = np.append(pixel, summit_pixel(decomposition, lost, hm))
+        pixel = np.append(pixel, decomposition.summit_pixels(lost, hm))
         order = np.argsort(own, kind="stable")
         pixel, own = pixel[order], own[order]
         closed, first = np.unique(own, return_index=True)

@@ -12,6 +12,7 @@ from asperity.model.load_shares import JOINED
 if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
     from asperity.model.decomposition import Decomposition
+    from asperity.model.load_point import LoadPoint
     from surfaces.peaks.summits import Summits
 
 __all__ = ["spot_count"]
@@ -23,14 +24,14 @@ PARTED, CROWDED = 0.97, 0.15
 `spot_count`."""
 
 
-def spot_count(decomposition: Decomposition, state: PopulationState) -> int:
+def spot_count(decomposition: Decomposition, point: LoadPoint) -> int:
     """Number of separate spots.
 
     Parameters
     ----------
     decomposition
-        The surface taken apart.
-    state
+        The decomposed surface.
+    point
         One load point.
 
     Notes
@@ -45,10 +46,10 @@ def spot_count(decomposition: Decomposition, state: PopulationState) -> int:
     from ._spot_kernels import spots
 
     pairs, depth = decomposition.coalescence.passes
-    count = float(spots(pairs, 2.0 * JOINED * depth, *_each(decomposition.summits, state)))
-    fine, area = decomposition.plan.sub_contact_law, state.contact_area
+    count = float(spots(pairs, 2.0 * JOINED * depth, *_each(decomposition.summits, point.state)))
+    fine, area = decomposition.plan.sub_contact_law, point.state.contact_area
     if fine is not None and area > 0.0:
-        closed = float(decomposition.closed_area(state).sum()) / area
+        closed = float(point.closed_area.sum()) / area
         share = (area / decomposition.hm.area) ** -CROWDED
         waves = area * (fine.number / (2.0 * np.pi)) ** 2
         count += PARTED * share * waves * (1.0 - closed) / closed

@@ -13,18 +13,18 @@ from asperity.results.tables import structured
 from .fields import pressed_pixels
 
 if TYPE_CHECKING:
-    from asperity.interaction.population import PopulationState
     from asperity.model.decomposition import Decomposition
+    from asperity.model.load_point import LoadPoint
 
 __all__ = ["spot_table"]
 
 
-def spot_table(decomposition: Decomposition, state: PopulationState) -> NDArray[np.void]:
+def spot_table(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.void]:
     """Table of the spots of the contact map (edge neighbors, as for boundary elements).
 
     Parameters
     ----------
-    decomposition, state
+    decomposition, point
         As in `microcontacts`.
 
     Returns
@@ -35,13 +35,13 @@ def spot_table(decomposition: Decomposition, state: PopulationState) -> NDArray[
     contacts smaller than a pixel have less than one.
     """
     hm = decomposition.hm
-    pixel, contact, pressure = pressed_pixels(decomposition, state)
+    pixel, contact, pressure = pressed_pixels(decomposition, point)
     touching = np.zeros(hm.shape, bool)
     touching.flat[pixel] = True
     labels, count = label_patches(touching, periodic=decomposition.plan.boundary == "periodic")
     own, force = labels.flat[pixel] - 1, pressure * (hm.spacing[0] * hm.spacing[1])
-    of_contact = np.bincount(contact, minlength=len(state.force))
-    share = decomposition.closed_area(state)[contact] / of_contact[contact]
+    of_contact = np.bincount(contact, minlength=len(point.closed_area))
+    share = point.closed_area[contact] / of_contact[contact]
 
     def total(values: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.bincount(own, weights=values, minlength=count).astype(float, copy=False)

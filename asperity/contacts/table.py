@@ -7,32 +7,29 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.interaction.elongation import ASPECT_EXPONENT
-from asperity.interaction.population import PopulationState
 from asperity.results.tables import structured
 
 from .outlines import outlines
 
 if TYPE_CHECKING:
+    from asperity.interaction.population import PopulationState
     from asperity.model.decomposition import Decomposition
-    from surfaces.heightmap import HeightMap
+    from asperity.model.load_point import LoadPoint
 
 __all__ = [
-    "aspect_ratio",
     "ellipses",
     "microcontacts",
-    "summit_pixel",
 ]
 
 
-def microcontacts(decomposition: Decomposition, state: PopulationState) -> NDArray[np.void]:
+def microcontacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.void]:
     """Table of the contacts that carry load.
 
     Parameters
     ----------
     decomposition
         The decomposed surface.
-    state
+    point
         One load point.
 
     Returns
@@ -47,6 +44,7 @@ def microcontacts(decomposition: Decomposition, state: PopulationState) -> NDArr
     `outlines`), closed_area [m^2] (what touches within the contact; less than its area
     where the finest waves act as a law of the contacts of the others, `asperity.multiscale`).
     """
+    state = point.state
     active = np.flatnonzero(state.force > 0)
     profiles = decomposition.summits
     major, minor = _semi_axes(decomposition, state)
@@ -78,7 +76,7 @@ def microcontacts(decomposition: Decomposition, state: PopulationState) -> NDArr
             "estimate": np.abs(table.spread_at(active, depth)),
             "filled": filled,
             "radii": radii,
-            "closed_area": decomposition.closed_area(state)[active],
+            "closed_area": point.closed_area[active],
         }
     )
 
@@ -106,35 +104,17 @@ def ellipses(
     pixel, own, distance = (rows * hm.shape[1] + cols)[inside], own[inside], distance[inside]
     lost = np.setdiff1d(np.flatnonzero(state.force > 0), own)
     return (
-        np.append(pixel, summit_pixel(decomposition, lost, hm)),
+        np.append(pixel, decomposition.summit_pixels(lost, hm)),
         np.append(own, lost),
         np.append(distance, np.zeros(len(lost))),
     )
-
-
-def summit_pixel(
-    decomposition: Decomposition, peak: NDArray[np.int64], hm: HeightMap
-) -> NDArray[np.int64]:
-    """Flat index of the pixel of a map in which a summit lies."""
-    places = decomposition.summits.y[peak], decomposition.summits.x[peak]
-    row, col = (
-        np.clip(place / step, 0, count - 1).astype(np.int64)
-        for place, step, count in zip(places, hm.spacing, hm.shape, strict=True)
-    )
-    return np.asarray(row * hm.shape[1] + col)
-
-
-def aspect_ratio(curvature: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Short over long axis of the contacts on summits of the curvatures (n, 2) [1/m]."""
-    steep, shallow = curvature.T
-    return np.asarray(np.clip(shallow / steep, 1e-3, 1.0) ** ASPECT_EXPONENT)
 
 
 def _offset(
     decomposition: Decomposition, dy: NDArray[np.float64], dx: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The shortest of the offsets [m] that a map without a border allows."""
-    if not _repeats(decomposition):
+    if not decomposition.wraps:
         return dy, dx
     ly, lx = decomposition.hm.size
     return dy - ly * np.round(dy / ly), dx - lx * np.round(dx / lx)
@@ -145,11 +125,7 @@ def _within(
 ) -> NDArray[np.float64]:
     """Places [m] along an axis; where the map repeats, those in it of its summits and centres
     beyond the border."""
-    return np.mod(place, decomposition.hm.size[axis]) if _repeats(decomposition) else place
-
-
-def _repeats(decomposition: Decomposition) -> bool:
-    return decomposition.hm.periodic and decomposition.plan.boundary == "periodic"
+    return np.mod(place, decomposition.hm.size[axis]) if decomposition.wraps else place
 
 
 def _scaled_distance(

@@ -20,6 +20,7 @@ from .outside_model import OUTSIDE_MODEL, outside_model_terms
 if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
     from asperity.model.decomposition import Decomposition
+    from asperity.model.load_point import LoadPoint
     from surfaces.heightmap import HeightMap
 
 __all__ = [
@@ -29,8 +30,8 @@ __all__ = [
     "TERMS",
     "estimate",
     "nonrandomness",
+    "point_terms",
     "terms",
-    "weaknesses",
 ]
 
 TERMS = (
@@ -113,20 +114,20 @@ def terms(decomposition: Decomposition, state: PopulationState, odd: float) -> d
     return {name: float(value) for name, value in zip(TERMS, found, strict=True)}
 
 
-def weaknesses(
+def point_terms(decomposition: Decomposition, point: LoadPoint, odd: float) -> dict[str, float]:
+    """Terms of a load point, weighted with those of its refined contacts."""
+    found = _all_terms(decomposition, point.state, odd)
+    if point.refined is None:
+        return found
+    weight = point.refined.weight
+    other = _all_terms(point.refined.decomposition, point.refined.state, odd)
+    return {name: value + weight * (other[name] - value) for name, value in found.items()}
+
+
+def _all_terms(
     decomposition: Decomposition, state: PopulationState, odd: float
 ) -> dict[str, float]:
-    """`terms` of a load point, part of them those of the finer contacts that count there."""
-    own, look = (
-        terms(decomposition, state, odd) | outside_model_terms(decomposition, state),
-        decomposition.closer_look(state),
-    )
-    if look is None:
-        return own
-    closer = terms(look.decomposition, look.state, odd) | outside_model_terms(
-        look.decomposition, look.state
-    )
-    return {name: own[name] + look.part * (closer[name] - own[name]) for name in own}
+    return terms(decomposition, state, odd) | outside_model_terms(decomposition, state)
 
 
 def nonrandomness(hm: HeightMap) -> float:

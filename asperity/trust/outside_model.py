@@ -9,18 +9,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from asperity.contacts.table import summit_pixel
 from asperity.microcontact.basin_bem.press import SPREAD
 
 if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
     from asperity.model.decomposition import Decomposition
 
-__all__ = ["OUTSIDE_MODEL", "outside_model_terms", "top_areas"]
-
-Array = NDArray[np.float64]
+__all__ = ["OUTSIDE_MODEL", "outside_model_terms"]
 
 OUTSIDE_MODEL = {"flat_tops": 1.0, "at_border": 0.6, "unsure": 1.0, "unresolved": 1.0}
 """Terms of the error estimate with their weights, for load and area alike: the largest errors where
@@ -78,7 +74,7 @@ def outside_model_terms(decomposition: Decomposition, state: PopulationState) ->
     tops = np.minimum(spans, area)
     flat = share @ (tops / area)
     if flat > 0.0:
-        summits = decomposition.law_factory.summits
+        summits = decomposition.summits
         alone = (summits.dip[closed] > summits.peaks.min_prominence) & (spread == SPREAD)
         alone &= spans < WIDE * decomposition.hm.area
         flat *= 1.0 - PRESSED * float(tops @ alone / tops.sum())
@@ -102,31 +98,3 @@ def outside_model_terms(decomposition: Decomposition, state: PopulationState) ->
         "unsure": float(unsure**2),
         "unresolved": float(unresolved),
     }
-
-
-def top_areas(decomposition: Decomposition) -> Array:
-    """Area [m^2] of a disc that spreads as far as the highest points of each basin, shape (n,).
-
-    They are those of one height with the highest beside the summit. A disc of area A has the mean
-    squared distance A/(2 pi) from its middle.
-    """
-    hm, number = decomposition.hm, np.arange(len(decomposition.summits))
-    if not hm.repeats:
-        return np.zeros(number.size)
-    wraps = hm.periodic and decomposition.plan.boundary == "periodic"
-    row, col = np.divmod(summit_pixel(decomposition, number, hm), hm.shape[1])
-    around = np.array([-1, 0, 1])
-    rows, cols = (
-        (at[:, None] + around) % n if wraps else np.clip(at[:, None] + around, 0, n - 1)
-        for at, n in zip((row, col), hm.shape, strict=True)
-    )
-    top = hm.heights[rows[:, :, None], cols[:, None, :]].max(axis=(1, 2))
-    owner = np.append(decomposition.summits.owner, number.size)[decomposition.labels]
-    level = np.nonzero(hm.heights == np.append(top, np.inf)[owner])
-    own = owner[level]
-    square = np.zeros(own.size)
-    for at, summit, step, n in zip(level, (row, col), hm.spacing, hm.shape, strict=True):
-        away = at - summit[own]
-        square += (step * (away - n * np.round(away / n) if wraps else away)) ** 2
-    total = np.bincount(own, square, number.size)
-    return np.asarray(2.0 * np.pi * total / np.maximum(np.bincount(own, None, number.size), 1))

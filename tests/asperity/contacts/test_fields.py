@@ -54,7 +54,7 @@ def test_one_cap_has_the_pressure_of_hertz(m, boundary):
     hm = HeightMap(-r2 / (2 * radius), (dy, dx), periodic=boundary == "periodic")
     body = asperity.HalfSpace.from_modulus(2e11, m)
     run = solve_contacts(hm, body, pressures=[2e7 * (1e-5) ** m])
-    pressure, state = run.pressure_map(), run.states[0]
+    pressure, state = run.pressure_map(), run.points[0].state
     shape = np.maximum(1 - r2 * np.pi / state.contact_area, 0) ** (0.5 * (1 + m))
     exact = 0.5 * (3 + m) * run.curve.load[0] / state.contact_area * shape
     assert np.abs(pressure - exact).sum() < 0.04 * exact.sum()
@@ -77,19 +77,20 @@ def test_each_contact_keeps_its_force_and_its_area(cutoff, choices):
     hm = map_of(cutoff, (240, 288) if cutoff is None else (160, 192))
     run = run_of(hm, **choices)
     size = hm.spacing[0] * hm.spacing[1]
-    for point, state in enumerate(run.states):
-        pixel, own, pressure = pressed_pixels(run.decomposition, state)
+    for number, point in enumerate(run.points):
+        state = point.state
+        pixel, own, pressure = pressed_pixels(run.decomposition, point)
         carried = np.bincount(own, pressure * size, len(state.force))
         np.testing.assert_allclose(carried, state.force, rtol=1e-9)
         pixels = np.bincount(own, minlength=len(state.force))
-        area = run.decomposition.closed_area(state)
+        area = point.closed_area
         # no contact has less than a pixel, none more than its basin
         wanted = np.where(state.force > 0, np.maximum(area / size, 1), 0)
         assert (pixels <= wanted + 1.01).all() and ((pixels > 0) == (state.force > 0)).all()
         assert pixels.sum() == pytest.approx(wanted.sum(), rel=0.02)
-        field = run.pressure_map(point)
+        field = run.pressure_map(number)
         np.testing.assert_allclose(np.bincount(pixel, pressure), field.ravel()[: pixel.max() + 1])
-        np.testing.assert_array_equal(run.contact_map(point), field > 0)
+        np.testing.assert_array_equal(run.contact_map(number), field > 0)
 
 
 def test_maps_move_with_the_surface():
@@ -131,7 +132,7 @@ def test_maps_are_those_of_boundary_elements(broad, cutoff, right, likeness):
         hits = np.count_nonzero(mine & exact.contact) / np.count_nonzero(mine)
         assert hits > right
         if run.decomposition.solved is hm:
-            guess = ellipses(run.decomposition, run.states[point])[0]
+            guess = ellipses(run.decomposition, run.points[point].state)[0]
             assert hits > np.mean(exact.contact.flat[guess])
         pressure = run.pressure_map(point)
         assert np.corrcoef(pressure.ravel(), exact.pressure.ravel())[0, 1] > likeness
@@ -184,7 +185,7 @@ def test_fine_waves_part_contacts_into_spots(broad):
         refined = surfaces.resample(broad, np.asarray(broad.spacing) / 2)
         exact = asperity.bem_solve(refined, STEEL, pressure=load, tolerance=1e-3)
         assert len(run.spots(point)) == pytest.approx(exact.contacts, rel=0.25)
-        assert run.states[point].active < exact.contacts
+        assert run.points[point].state.active < exact.contacts
 
 
 def test_a_spot_across_the_seam_is_one(broad):

@@ -14,6 +14,7 @@ from asperity.cli.main import main
 from asperity.curve import solve_contacts
 from asperity.halfspace.load_points import pressure_scale
 from asperity.model.decomposition import Decomposition
+from asperity.model.load_point import load_point
 from asperity.model.plan import make_plan
 from asperity.multiscale.wave_split import split_scales
 from surfaces import HeightMap
@@ -69,7 +70,7 @@ def test_the_lift_is_the_slope_of_the_energy(rough, loads):
     plan = make_plan(rough, STEEL, pressures=near)
     decomposition = Decomposition.of(rough, STEEL, plan)
     states = [decomposition.population.solve(mean_pressure=p, tolerance=1e-4) for p in near]
-    points = [decomposition.point(state) for state in states]
+    points = [load_point(decomposition, state, None).surface for state in states]
     fine = plan.sub_contact_law
     state = states[1]
     share = state.contact_area / rough.area
@@ -147,7 +148,7 @@ def test_states_are_of_the_longer_waves(rough, loads):
         table = run.microcontacts(point)
         assert table["closed_area"].sum() == pytest.approx(area, rel=1e-9)
         assert (table["closed_area"] < table["area"]).all()
-        assert table["area"].sum() == pytest.approx(run.states[point].contact_area, rel=1e-9)
+        assert table["area"].sum() == pytest.approx(run.points[point].state.contact_area, rel=1e-9)
         force = run.curve.mean_pressure[point] * rough.area
         assert table["force"].sum() == pytest.approx(force, rel=1e-9)
 

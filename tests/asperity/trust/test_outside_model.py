@@ -155,19 +155,21 @@ def test_summits_that_carry_nothing_are_warned_of():
 def test_contacts_that_lost_their_area_are_judged():
     hm = rough()
     run = asperity.solve_contacts(hm, BODY, pressures=default_pressures(hm, BODY, 2)[:1])
-    vars(run.states[0])["area"] = np.zeros(len(run.decomposition.population))
-    assert np.isfinite(list(outside_model_terms(run.decomposition, run.states[0]).values())).all()
+    vars(run.points[0].state)["area"] = np.zeros(len(run.decomposition.population))
+    assert np.isfinite(
+        list(outside_model_terms(run.decomposition, run.points[0].state).values())
+    ).all()
 
 
 def test_one_contact_among_many_whose_law_tells_nothing_does_little_harm():
     hm = rough()
     run = asperity.solve_contacts(hm, BODY, pressures=default_pressures(hm, BODY, 2)[1:])
-    force, table = run.states[0].force, run.decomposition.population.table
+    force, table = run.points[0].state.force, run.decomposition.population.table
     table.spread[:] = 0.0
     table.spread[force.argmax()] = 1.0
     share = force.max() / force.sum()
     assert share < 0.8
-    assert outside_model_terms(run.decomposition, run.states[0])["unsure"] == pytest.approx(
+    assert outside_model_terms(run.decomposition, run.points[0].state)["unsure"] == pytest.approx(
         share**2
     )
 
