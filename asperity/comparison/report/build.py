@@ -27,7 +27,7 @@ def _number(value: float, form: str) -> str:
 def write_report(comparison: Comparison, path: str | os.PathLike[str]) -> None:
     """Write the report of a comparison as one HTML file that needs nothing else."""
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("asperity", "report"),
+        loader=jinja2.PackageLoader("asperity.comparison", "report"),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
