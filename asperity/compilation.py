@@ -20,11 +20,10 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from asperity.halfspace.material import HalfSpace
 from surfaces import self_affine
 from surfaces.heightmap import HeightMap
 from surfaces.peaks.profiles import Profiles
-
-from .material import HalfSpace
 
 if TYPE_CHECKING:
     from surfaces.peaks.summits import Summits
@@ -101,28 +100,27 @@ def _collecting_nothing() -> Iterator[None]:
 
 def _cold() -> bool:
     """Whether the largest kernel has not been compiled since its source was written."""
-    from .microcontact import _tabulate_kernels
+    from asperity.microcontact.ellipse import tabulate_kernels
 
     newest = max((index.stat().st_mtime for index in _indices()), default=0.0)
-    return newest < Path(_tabulate_kernels.__file__).stat().st_mtime
+    return newest < Path(tabulate_kernels.__file__).stat().st_mtime
 
 
 def _indices() -> list[Path]:
     """Files in which Numba notes what it has compiled of the largest kernel."""
-    from .microcontact import _tabulate_kernels
+    from asperity.microcontact.ellipse import tabulate_kernels
 
-    folder = Path(str(_tabulate_kernels.tabulate_rows.stats.cache_path))
-    return list(folder.glob(f"{Path(_tabulate_kernels.__file__).stem}.*.nbi"))
+    folder = Path(str(tabulate_kernels.tabulate_rows.stats.cache_path))
+    return list(folder.glob(f"{Path(tabulate_kernels.__file__).stem}.*.nbi"))
 
 
 def _summits() -> None:
     """Peaks and summits of a map, the rays of a few, joined basins, and the plan of its scales."""
+    from asperity.contacts._spot_kernels import spots
+    from asperity.model.corrections.coalescence import Basins
+    from asperity.model.plan import make_plan
     from surfaces.peaks.segmentation import segment
     from surfaces.peaks.summits import locate_summits
-
-    from .contacts._spot_kernels import spots
-    from .joined import Basins
-    from .plan import make_plan
 
     hm = small_map()
     make_plan(hm, BODY)
@@ -138,8 +136,8 @@ def _summits() -> None:
 
 def _contacts() -> None:
     """Spheres that touch a flat together, under two loads: few on a small mesh, and many."""
-    from .microcontact.table import LawTable
-    from .population.population import Population
+    from asperity.interaction.population import Population
+    from asperity.microcontact.law_table import LawTable
 
     y, x, height = np.random.default_rng(0).uniform(0.0, 1.0, (3, SPHERES))
     u = np.tile(np.linspace(0.0, 1.0, NODES), (SPHERES, 1))
@@ -168,7 +166,7 @@ def _contacts() -> None:
 
 def _laws() -> None:
     """Law tables of paraboloids, by every law that "auto" can take."""
-    from .microcontact.laws import tabulate
+    from asperity.microcontact.laws import tabulate
 
     rays, nodes, count = 16, 17, 2
     turn = 2 * np.pi * np.arange(rays) / rays
@@ -195,7 +193,7 @@ def _laws() -> None:
 
 def _basins() -> None:
     """A basin pressed alone, at no approach, of a map that was not segmented."""
-    from .microcontact.elements import press
+    from asperity.microcontact.basin_bem.press import press
 
     one = np.zeros(1, np.int64)
     peaks = SimpleNamespace(labels=np.zeros((4, 4), np.int32), row=one, col=one)
@@ -215,8 +213,8 @@ def _basins() -> None:
 
 def _bem() -> None:
     """Boundary elements at two loads."""
-    from .bem.curve import bem_curve
-    from .loadpoints import default_pressures
+    from asperity.bem.curve import bem_curve
+    from asperity.halfspace.load_points import default_pressures
 
     hm = small_map()
     bem_curve(hm, BODY, pressures=default_pressures(hm, BODY, count=2), tolerance=1e-2)

@@ -12,14 +12,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces.heightmap import HeightMap
-
-from .asperities import Asperities
-from .contacts.fields import contact_map, pressure_map
-from .contacts.spot_count import spot_count
-from .contacts.table import microcontacts
-from .doubts import LONGEST_LAY
-from .error_estimate import (
+from asperity.contacts.fields import contact_map, pressure_map
+from asperity.contacts.spot_count import spot_count
+from asperity.contacts.table import microcontacts
+from asperity.halfspace.load_points import checked_loads
+from asperity.interaction.population import PopulationState
+from asperity.model.decomposition import Asperities
+from asperity.model.map_checks import LONGEST_LAY
+from asperity.model.plan import Plan, interaction_needed, make_plan
+from asperity.multiscale.surface_point import FinePoint, at_separation, without_gap
+from asperity.results.curve import ContactCurve
+from asperity.results.stiffness import curve_stiffness
+from asperity.trust.error_estimate import (
     AREA_WEIGHTS,
     CALIBRATED,
     LOAD_WEIGHTS,
@@ -28,17 +32,13 @@ from .error_estimate import (
     oddness,
     weaknesses,
 )
+from asperity.trust.outside_model import LAWLESS, TELLS_NOTHING
+from surfaces.heightmap import HeightMap
+
 from .errors import ConvergenceError, InputError
-from .lawless import LAWLESS, TELLS_NOTHING
-from .loadpoints import checked_loads
-from .plan import Plan, interaction_needed, make_plan
-from .population.population import PopulationState
-from .results.curve import ContactCurve
-from .results.stiffness import curve_stiffness
-from .scales.fine_points import FinePoint, at_separation, without_gap
 
 if TYPE_CHECKING:
-    from .material import HalfSpace
+    from asperity.halfspace.material import HalfSpace
 
 __all__ = ["ContactRun", "contact_curve", "solve_contacts"]
 
@@ -79,7 +79,7 @@ class ContactRun:
 
     def spots(self, point: int = -1) -> NDArray[np.void]:
         """Table of the separate spots at a load point, see `contacts.spots`."""
-        from .contacts.spots import spot_table
+        from asperity.contacts.spots import spot_table
 
         return spot_table(self.bodies, self._state(point))
 
@@ -149,8 +149,8 @@ def contact_curve(
         "periodic" or "free"; as the map says if None.
     scales
         "auto": of a broad random spectrum the finest waves act as a law of the contacts of the
-        others (`asperity.scales`), and other maps whose waves reach the pixel are solved on a
-        finer grid (`asperity.scales.pixel_waves`); "all": every summit of the map is a contact.
+        others (`asperity.multiscale`), and other maps whose waves reach the pixel are solved on a
+        finer grid (`asperity.multiscale.pixel_waves`); "all": every summit of the map is a contact.
     progress
         Called with the state of every finished load point.
     checkpoint

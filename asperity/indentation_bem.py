@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from asperity.bem.single import BemIndentation, FirstGuess
+from asperity.bem.single import indent_bem as solve_bem
+from asperity.halfspace.material import HalfSpace
+from asperity.microcontact.indent import Indentation, indent, require_half_space
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from .bem.single import BemIndentation, FirstGuess
-from .bem.single import indent_bem as solve_bem
 from .errors import InputError, ModelRangeError
-from .indentation import Indentation, indent, require_half_space
-from .material import HalfSpace
 
 __all__ = ["first_guess", "indent_bem"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from surfaces._threads import set_threads, threads
+from surfaces.numerics.parallel import set_threads, threads
 
 from .errors import AsperityError
 

@@ -36,8 +36,8 @@ from numpy.typing import NDArray
 import asperity
 import surfaces
 from asperity.curve import solve_contacts
-from asperity.loadpoints import pressure_scale
-from asperity.plan import SCALES, make_plan
+from asperity.halfspace.load_points import pressure_scale
+from asperity.model.plan import SCALES, make_plan
 from asperity.results.storage import write_csv
 
 TOLERANCE = 1e-6

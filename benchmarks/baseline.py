@@ -26,7 +26,7 @@ from scipy.interpolate import PchipInterpolator
 import asperity
 import surfaces
 from asperity.comparison.coarse_bem import rms
-from asperity.loadpoints import default_pressures
+from asperity.halfspace.load_points import default_pressures
 
 Array = NDArray[np.float64]
 BODY = asperity.HalfSpace.from_modulus(1.0)

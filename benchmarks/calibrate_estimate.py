@@ -23,7 +23,7 @@ import csv
 import numpy as np
 from scipy.optimize import linprog
 
-from asperity.error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate
+from asperity.trust.error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate
 
 QUANTILE = 0.965
 

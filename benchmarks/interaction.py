@@ -24,12 +24,12 @@ from common import least, options, rough
 import surfaces
 from asperity import HalfSpace, Population
 from asperity.curve import CLOSE, TOLERANCE
-from asperity.interaction.exact import dense_matrix
+from asperity.interaction.ewald.exact import dense_matrix
+from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.footprint import Footprints
-from asperity.interaction.operator import Interaction
-from asperity.interaction.tangent import Tangent
+from asperity.interaction.newton.tangent import Tangent
 from asperity.microcontact import tabulate
-from asperity.microcontact.table import LawTable
+from asperity.microcontact.law_table import LawTable
 from asperity.threads import threads
 
 MATERIAL = HalfSpace.from_modulus(1.0)

@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 
 from asperity import HalfSpace, indent, indent_bem
 from asperity.cli import bodies
-from asperity.comparison.single import Case, judge
+from asperity.comparison.one_contact import Case, judge
 from surfaces import PowerSumProfile, shapes
 
 TURN = np.linspace(0.0, 2 * np.pi, 361)

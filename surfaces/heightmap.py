@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from .errors import SurfaceError
 
 if TYPE_CHECKING:
-    from .statistics.roughness import Roughness
+    from surfaces.statistics.roughness import Roughness
 
 __all__ = ["HeightMap", "checked_spacing", "require_map"]
 
@@ -114,21 +114,21 @@ class HeightMap:
     @functools.cached_property
     def roughness(self) -> Roughness:
         """Means over the map: height, slope, curvature by finite differences, found in one pass."""
-        from .statistics.roughness import roughness
+        from surfaces.statistics.roughness import roughness
 
         return roughness(self)
 
     @functools.cached_property
     def line_power(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Power of the waves along y and x, see `coarsening.line_power`."""
-        from .preparation.coarsening import line_power
+        from surfaces.preparation.coarsening import line_power
 
         return line_power(self)
 
     @functools.cached_property
     def repeats(self) -> bool:
         """Whether neighbors have the same height, see `flat_tops.has_level_places`."""
-        from .peaks.flat_tops import has_level_places
+        from surfaces.peaks.flat_tops import has_level_places
 
         return has_level_places(self.heights)
 

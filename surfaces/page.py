@@ -11,13 +11,14 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from ._writing import replacing
+from surfaces.files.atomic import replacing
+from surfaces.statistics.bearing import bearing_curve
+from surfaces.statistics.correlation import autocorrelation
+from surfaces.statistics.describe import Statistics, describe
+from surfaces.statistics.spectrum import power_spectrum
+
 from .heightmap import HeightMap
 from .plot import plot_autocorrelation, plot_bearing, plot_map, plot_spectrum
-from .statistics.bearing import bearing_curve
-from .statistics.correlation import autocorrelation
-from .statistics.describe import Statistics, describe
-from .statistics.spectrum import power_spectrum
 
 __all__ = ["section", "write_page"]
 

@@ -14,13 +14,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, MaxNLocator
 from numpy.typing import NDArray
 
+from surfaces.peaks.peaks import Peaks
+from surfaces.peaks.profiles import Profiles
+from surfaces.statistics.bearing import BearingCurve
+from surfaces.statistics.correlation import THRESHOLD, Autocorrelation
+from surfaces.statistics.spectrum import Spectrum
+from surfaces.statistics.spectrum_fit import SpectrumFit
+
 from .heightmap import HeightMap, require_map
-from .peaks.peaks import Peaks
-from .peaks.profiles import Profiles
-from .statistics.bearing import BearingCurve
-from .statistics.correlation import THRESHOLD, Autocorrelation
-from .statistics.spectrum import Spectrum
-from .statistics.spectrum_fit import SpectrumFit
 
 __all__ = ["plot_autocorrelation", "plot_bearing", "plot_map", "plot_profiles", "plot_spectrum"]
 

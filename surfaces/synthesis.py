@@ -10,7 +10,8 @@ from typing import ParamSpec
 import numpy as np
 from numpy.typing import NDArray
 
-from ._memory import require_memory
+from surfaces.numerics.memory import require_memory
+
 from .errors import InputError
 from .heightmap import LONGEST, SHORTEST, HeightMap
 

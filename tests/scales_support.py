@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asperity
-from asperity.scales.fine_waves import FineScales
+from asperity.multiscale.sub_contact_law import FineScales
 from surfaces import HeightMap, self_affine
 
 STEEL = asperity.HalfSpace.from_modulus(2e11)

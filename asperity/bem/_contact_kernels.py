@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces._compiled import compiled, inner
-from surfaces._groups import root
+from surfaces.numerics.compiled import compiled, inner
+from surfaces.numerics.union_find import root
 
 Index = NDArray[np.int64]
 

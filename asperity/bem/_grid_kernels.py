@@ -12,7 +12,7 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
-from surfaces._compiled import SUMS, compiled
+from surfaces.numerics.compiled import SUMS, compiled
 
 _FAST = SUMS | {"nnan"}
 BLOCK = 64

@@ -8,7 +8,7 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
-from surfaces._compiled import SUMS, compiled
+from surfaces.numerics.compiled import SUMS, compiled
 
 Single = NDArray[np.float32]
 Double = NDArray[np.float64]

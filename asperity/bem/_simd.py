@@ -15,7 +15,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from surfaces._vectors import (
+from surfaces.numerics.vectors import (
     constant,
     data_of,
     everywhere,

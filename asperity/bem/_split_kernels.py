@@ -8,7 +8,7 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
-from surfaces._compiled import SUMS, compiled
+from surfaces.numerics.compiled import SUMS, compiled
 
 from ._simd import LANES, RADIUS, points_short, tile, tile_short
 from ._simd import points as points_wide

@@ -9,10 +9,10 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from asperity.errors import InputError
+from asperity.halfspace.boundary import Boundary
 from surfaces.heightmap import HeightMap
 
-from ..boundary import Boundary
-from ..errors import InputError
 from .grids import CoarseMaps
 
 __all__ = ["GridChoice", "choose_grid", "coarsened"]

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces import _threads
+from surfaces.numerics import parallel
 
 from . import _grid_kernels, transform
 from .scratch import Scratch
@@ -112,7 +112,7 @@ class _Blocked:
         """Do a stage for a range of blocks on each thread."""
         n = len(self._lines)
         parts = [(i, count * i // n, count * (i + 1) // n) for i in range(n)]
-        _threads.each(lambda part: stage(self._lines[part[0]], part[1], part[2]), parts)
+        parallel.each(lambda part: stage(self._lines[part[0]], part[1], part[2]), parts)
 
     def _forward_rows(self, lines: _Lines, start: int, stop: int) -> None:
         ny, nx = self._shape

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..threads import idle_threads, use_numba
+from asperity.threads import idle_threads, use_numba
+
 from . import _grid_kernels
 from .active_set import solve_on_list
 from .certificate import Reading, certify

@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
+from asperity.errors import InputError
+from asperity.halfspace.boundary import chosen_boundary
+from asperity.halfspace.load_points import checked_loads, expected_area_fraction
+from asperity.halfspace.material import HalfSpace
+from asperity.results.curve import ContactCurve
+from asperity.threads import threads as thread_count
 from surfaces.heightmap import HeightMap
 
-from ..boundary import chosen_boundary
-from ..errors import InputError
-from ..loadpoints import checked_loads, expected_area_fraction
-from ..material import HalfSpace
-from ..results.curve import ContactCurve
-from ..threads import threads as thread_count
 from .accuracy import choose_grid, coarsened
 from .chains import follow_chains, split_loads
 from .contact_map import read_contact

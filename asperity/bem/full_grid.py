@@ -9,9 +9,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.halfspace.influence import symbol
+
 from . import _grid_kernels, transform
 from .contact_list import ContactList
-from .kernel import symbol
 from .operator import HalfSpaceOperator
 from .scratch import Scratch
 

@@ -6,9 +6,9 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from surfaces import _threads
+from asperity.halfspace.boundary import Boundary
+from surfaces.numerics import parallel
 
-from ..boundary import Boundary
 from . import _grid_kernels
 from .scratch import Scratch
 
@@ -92,7 +92,7 @@ def _low_columns(
             low[y : y + len(rows)] = rows[:, :kept]
 
     n = heights.shape[0]
-    _threads.run(transform, [(n * i // threads, n * (i + 1) // threads) for i in range(threads)])
+    parallel.run(transform, [(n * i // threads, n * (i + 1) // threads) for i in range(threads)])
     return low
 
 

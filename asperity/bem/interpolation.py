@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from ..results.curve import ContactCurve
+from asperity.results.curve import ContactCurve
 
 __all__ = ["interpolated", "loads_to_solve"]
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from surfaces._memory import available_bytes
-
-from ..boundary import Boundary
-from ..errors import InputError
+from asperity.errors import InputError
+from asperity.halfspace.boundary import Boundary
+from surfaces.numerics.memory import available_bytes
 
 __all__ = ["estimated_bytes", "fits", "require_memory"]
 

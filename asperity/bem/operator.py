@@ -8,10 +8,11 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from ..boundary import Boundary
-from ..errors import InputError
+from asperity.errors import InputError
+from asperity.halfspace.boundary import Boundary
+from asperity.halfspace.influence import ElasticHalfSpace, compliance, influence, symbol_quadrant
+
 from . import convolution
-from .kernel import ElasticHalfSpace, compliance, influence, symbol_quadrant
 from .scratch import Scratch
 
 __all__ = ["HalfSpaceOperator"]

@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.errors import InputError, SurfaceError
+from asperity.halfspace.boundary import chosen_boundary
+from asperity.halfspace.influence import ElasticHalfSpace
+from asperity.halfspace.load_points import require_scene
+from asperity.threads import require_own_threads
+from asperity.threads import threads as thread_count
 from surfaces.heightmap import HeightMap
 
-from ..boundary import chosen_boundary
-from ..errors import InputError, SurfaceError
-from ..loadpoints import require_scene
-from ..threads import require_own_threads
-from ..threads import threads as thread_count
 from .correction import Level, Outcome
 from .grids import CoarseMaps, level_shapes, prolong
-from .kernel import ElasticHalfSpace
 from .load_search import LoadSearch
 from .memory import require_memory
 from .operator import HalfSpaceOperator

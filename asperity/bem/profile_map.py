@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from asperity.errors import InputError
 from surfaces.heightmap import HeightMap
-
-from ..errors import InputError
 
 __all__ = ["Profile", "map_of", "places", "sampled", "section_box"]
 

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError
-from ..flags import Flag
+from asperity.errors import InputError
+from asperity.halfspace.flags import Flag
+from asperity.halfspace.influence import ElasticHalfSpace
+
 from .certificate import Certificate
-from .kernel import ElasticHalfSpace
 from .profile_map import Profile, map_of, places, sampled, section_box
 from .solution import BemSolution
 from .solve import bem_solve

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..boundary import Boundary
+from asperity.halfspace.boundary import Boundary
+
 from .certificate import Certificate
 from .contact_map import contours, histogram, label_patches, read_contact
 

@@ -7,11 +7,11 @@ import time
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from asperity.errors import InputError
+from asperity.halfspace.influence import ElasticHalfSpace
 from surfaces.heightmap import HeightMap
 
-from ..errors import InputError
 from ._grid_kernels import finish
-from .kernel import ElasticHalfSpace
 from .problem import ContactProblem
 from .solution import BemSolution
 

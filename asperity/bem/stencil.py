@@ -15,8 +15,9 @@ import scipy.fft
 import scipy.linalg
 from numpy.typing import NDArray
 
+from asperity.halfspace.influence import influence, symbol
+
 from ._simd import LANES, RADIUS, SHORT_RADIUS
-from .kernel import influence, symbol
 
 __all__ = ["fitted_stencil", "precondition_stencil", "stencil_symbol", "vector_tables"]
 

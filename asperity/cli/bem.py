@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from functools import partial
 
-from asperity.cli import derived, options, output
+from . import derived, options, output
 
 EPILOG = """example:
   asperity bem scan.h5 --E 210e9 --nu 0.3 --pressure 1e6:5e8:10 --tolerance 1e-6

@@ -7,10 +7,11 @@ import sys
 from functools import partial
 from pathlib import Path
 
-from asperity.cli import options, output
-from asperity.cli.main import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
-from asperity.cli.surface import expand
 from asperity.errors import AsperityError
+
+from . import options, output
+from .main import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
+from .surface import expand
 
 EPILOG = """examples:
   asperity compare scan.h5 --E 210e9 --nu 0.3

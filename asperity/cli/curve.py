@@ -6,7 +6,7 @@ import argparse
 import sys
 from functools import partial
 
-from asperity.cli import derived, options, output
+from . import derived, options, output
 
 EPILOG = """examples:
   asperity curve scan.h5 --E 210e9 --nu 0.3 --pressure 1e6:5e8:30
@@ -41,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
     with compiling("laws", "contacts"):
         hm = options.load_surface(args.file, args)
     from asperity.curve import contact_curve
-    from asperity.plan import make_plan
+    from asperity.model.plan import make_plan
 
     plan = make_plan(hm, material, **loads, **options.model(args))
     solve = partial(contact_curve, hm, material, plan=plan)

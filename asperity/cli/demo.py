@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from asperity.cli import output
 from asperity.errors import InputError
+
+from . import output
 
 EPILOG = """example:
   asperity demo --folder demo
@@ -34,7 +35,7 @@ def run(args: argparse.Namespace) -> int:
     """Generate a self-affine steel surface of 1 mm and compare both models on it."""
     import surfaces
     from asperity.comparison.run import compare
-    from asperity.material import HalfSpace
+    from asperity.halfspace.material import HalfSpace
 
     folder = Path(args.folder)
     surface, results, report = (

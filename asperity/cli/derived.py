@@ -45,14 +45,14 @@ def require_derivable(material: Any, loads: dict[str, Any], args: argparse.Names
     if args.slip and any(len(values) < 2 for values in loads.values()):
         raise InputError("--slip needs lighter load points beside the heaviest, such as LO:HI:10")
     if args.resistivity:
-        from asperity.derived.conductance import total_resistivity
+        from asperity.extensions.conductance import total_resistivity
 
         total_resistivity(tuple(args.resistivity))
 
 
 def conductance(curve: ContactCurve, args: argparse.Namespace) -> dict[str, Any]:
     """Column of the conductance per nominal area, if it was asked for."""
-    from asperity.derived.conductance import constriction_conductance
+    from asperity.extensions.conductance import constriction_conductance
 
     if args.resistivity is None:
         return {}
@@ -68,8 +68,8 @@ def write_slip(curve: ContactCurve, material: Any, args: argparse.Namespace) -> 
         text = "fewer than two load points converged: no partial slip is written"
         sys.stderr.write(f"asperity {args.command}: {text}\n")
         return
-    from asperity.derived.friction import friction_curve
-    from asperity.microcontact.friction import tangential_modulus
+    from asperity.extensions.friction_curve import friction_curve
+    from asperity.extensions.partial_slip import tangential_modulus
     from asperity.results.storage import write_csv
 
     slip = friction_curve(

@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from asperity.cli import bodies, options, output
-from asperity.cli.surface_options import add_reading
 from asperity.errors import InputError
-from asperity.material import HalfSpace
+from asperity.halfspace.material import HalfSpace
 from surfaces import PolarProfile, PowerSumProfile
+
+from . import bodies, options, output
+from .surface_options import add_reading
 
 _FORMS = list(bodies.BODIES)
 
@@ -54,7 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Solve every contact, print one table each and draw the last."""
-    from asperity.comparison.single import draw_case, judge
+    from asperity.comparison.one_contact import draw_case, judge
 
     profile, label = _profile(args)
     material = _material(args)

@@ -12,8 +12,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from asperity import __version__
-from asperity.cli.interrupt import interruptible
 from asperity.errors import AsperityError, ConvergenceError
+
+from .interrupt import interruptible
 
 EXIT_OK, EXIT_NOT_CONVERGED, EXIT_BAD_INPUT = 0, 1, 2
 EXIT_INTERRUPTED = 130

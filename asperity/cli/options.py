@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.cli.surface import prepared, read_map
-from asperity.cli.surface_options import add_preparation, add_reading
 from asperity.errors import InputError, SurfaceError
-from asperity.material import HalfSpace
+from asperity.halfspace.material import HalfSpace
 from surfaces.heightmap import HeightMap
+
+from .surface import prepared, read_map
+from .surface_options import add_preparation, add_reading
 
 __all__ = [
     "add_load_options",
@@ -109,7 +110,7 @@ def add_load_options(parser: argparse.ArgumentParser) -> None:
 
 def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     """Read the map and prepare it as the options ask; refuse what no model can use."""
-    from asperity.doubts import map_warnings
+    from asperity.model.map_checks import map_warnings
 
     hm = read_map(Path(file), args)
     if hm.missing and args.fill == "none":

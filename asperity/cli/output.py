@@ -11,16 +11,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from asperity import __version__
-from asperity.cli import derived
-from asperity.cli.main import EXIT_NOT_CONVERGED, EXIT_OK
 from asperity.errors import InputError
 from asperity.results.curve import POINT_FIELDS, ContactCurve
-from surfaces._writing import replacing, require_replaceable
+from surfaces.files.atomic import replacing, require_replaceable
+
+from . import derived
+from .main import EXIT_NOT_CONVERGED, EXIT_OK
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from asperity.material import HalfSpace
+    from asperity.halfspace.material import HalfSpace
     from surfaces import HeightMap
 
 __all__ = [
@@ -89,7 +90,7 @@ def solve_and_keep(
 ) -> ContactCurve:
     """Run a solver that takes load points, `progress` and `checkpoint`, such as `contact_curve` of
     a map and a material; each finished point is kept in the file."""
-    from asperity.loadpoints import checked_loads
+    from asperity.halfspace.load_points import checked_loads
     from asperity.results.resume import run_resumably
 
     kind, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from asperity.cli import options
+from . import options
 
 EPILOG = """example:
   asperity plan scan.h5 --E 210e9 --pressure 1e6:5e8:30
@@ -22,8 +22,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print the plan."""
-    from asperity.cli.main import EXIT_OK
-    from asperity.plan import make_plan
+    from asperity.model.plan import make_plan
+
+    from .main import EXIT_OK
 
     material, loads = options.material(args), options.loads(args)
     hm = options.load_surface(args.file, args)

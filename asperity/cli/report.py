@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from asperity.cli import output
+from . import output
 
 EPILOG = """example:
   asperity report results.h5 -o report.html

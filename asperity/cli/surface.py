@@ -13,9 +13,10 @@ from pathlib import Path
 from tqdm import tqdm
 
 import surfaces
-from asperity.cli import output
-from asperity.cli.surface_options import PARAMETERS, add_arguments
 from surfaces.errors import AsperityError, InputError
+
+from . import output
+from .surface_options import PARAMETERS, add_arguments
 
 __all__ = ["add_arguments", "expand", "prepared", "read_map", "run"]
 

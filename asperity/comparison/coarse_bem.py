@@ -9,14 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 import surfaces
+from asperity.bem.curve import bem_curve
+from asperity.halfspace.boundary import Boundary
+from asperity.results.curve import ContactCurve
 from surfaces.heightmap import HeightMap
 
-from ..bem.curve import bem_curve
-from ..boundary import Boundary
-from ..results.curve import ContactCurve
-
 if TYPE_CHECKING:
-    from ..material import HalfSpace
+    from asperity.halfspace.material import HalfSpace
 
 __all__ = ["LOOSE_TOLERANCE", "coarse_grids", "coarse_run", "load_at_separation", "rms"]
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import FileFormatError, InputError
-from ..results.curve import ContactCurve
-from ..results.storage import ResultFile, read_results, write_results
+from asperity.errors import FileFormatError, InputError
+from asperity.results.curve import ContactCurve
+from asperity.results.storage import ResultFile, read_results, write_results
 
 __all__ = ["Comparison"]
 
@@ -167,7 +167,7 @@ class Comparison:
 
     def to_html(self, path: str | os.PathLike[str]) -> None:
         """Write the self-contained report."""
-        from ..report import write_report
+        from .report import write_report
 
         write_report(self, path)
 

@@ -9,22 +9,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from asperity.bem.curve import bem_curve
+from asperity.bem.solve import bem_solve
+from asperity.compilation import compiling, small_map
+from asperity.contacts.table import microcontacts
+from asperity.curve import solve_contacts
+from asperity.halfspace.load_points import checked_loads, default_pressures, slope_scale
+from asperity.model.plan import Plan, make_plan
+from asperity.results.curve import ContactCurve
+from asperity.results.tables import structured
 from surfaces.heightmap import HeightMap
 
-from ..bem.curve import bem_curve
-from ..bem.solve import bem_solve
-from ..compilation import compiling, small_map
-from ..contacts.table import microcontacts
-from ..curve import solve_contacts
-from ..loadpoints import checked_loads, default_pressures, slope_scale
-from ..plan import Plan, make_plan
-from ..results.curve import ContactCurve
-from ..results.tables import structured
 from .coarse_bem import LOOSE_TOLERANCE, coarse_grids, coarse_run, rms
 from .result import Comparison
 
 if TYPE_CHECKING:
-    from ..material import HalfSpace
+    from asperity.halfspace.material import HalfSpace
 
 __all__ = ["compare"]
 

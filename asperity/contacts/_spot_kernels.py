@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from surfaces._compiled import compiled
-from surfaces._groups import root
+from surfaces.numerics.compiled import compiled
+from surfaces.numerics.union_find import root
 
 
 @compiled()

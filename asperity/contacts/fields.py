@@ -13,17 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from surfaces._threads import threads
+from asperity.interaction.footprint import Footprints
+from surfaces.numerics.parallel import threads
 from surfaces.preparation.filtering import resample
 
-from ..interaction.footprint import Footprints
 from .table import ellipses, summit_pixel
 
 if TYPE_CHECKING:
+    from asperity.interaction.population import PopulationState
+    from asperity.model.decomposition import Asperities
     from surfaces.heightmap import HeightMap
-
-    from ..asperities import Asperities
-    from ..population.population import PopulationState
 
 __all__ = ["contact_map", "pressed_pixels", "pressure_map"]
 
@@ -70,7 +69,7 @@ def pressed_pixels(bodies: Asperities, state: PopulationState) -> tuple[Index, I
     the pixels of its basin with the largest values of this field, as many as fill its area (at
     least one); its pressure is their excess over the next pixel, scaled to its force.
 
-    Where the finest waves act as a law of the contacts (`asperity.scales`), the pressure K^-1 h
+    Where the finest waves act as a law of the contacts (`asperity.multiscale`), the pressure K^-1 h
     that flattens them is added, times sqrt(g0) as in that law, to first order (Persson 2001), and
     the pixels fill the area that remains in contact. With the standard deviation s of what was
     added, the pressure over the excess x is sqrt(x^2 + 2 s x), which rises as a square root from

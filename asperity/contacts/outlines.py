@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..microcontact.ray_moments import edge_weights
-from ..transforms import kappa
+from asperity.halfspace.transforms import kappa
+from asperity.microcontact.ray_moments import edge_weights
 
 if TYPE_CHECKING:
     from surfaces import Profiles

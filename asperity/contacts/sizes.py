@@ -7,8 +7,8 @@ from numbers import Integral
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError
-from ..results.tables import structured
+from asperity.errors import InputError
+from asperity.results.tables import structured
 
 __all__ = ["size_distribution"]
 

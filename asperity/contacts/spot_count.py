@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dominant import JOINED
+from asperity.model.load_shares import JOINED
 
 if TYPE_CHECKING:
+    from asperity.interaction.population import PopulationState
+    from asperity.model.decomposition import Asperities
     from surfaces.peaks.summits import Summits
-
-    from ..asperities import Asperities
-    from ..population.population import PopulationState
 
 __all__ = ["spot_count"]
 

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bem.contact_map import label_patches
-from ..results.tables import structured
+from asperity.bem.contact_map import label_patches
+from asperity.results.tables import structured
+
 from .fields import pressed_pixels
 
 if TYPE_CHECKING:
-    from ..asperities import Asperities
-    from ..population.population import PopulationState
+    from asperity.interaction.population import PopulationState
+    from asperity.model.decomposition import Asperities
 
 __all__ = ["spot_table"]
 

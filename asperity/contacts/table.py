@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..interaction.elongation import ASPECT_EXPONENT
-from ..population.population import PopulationState
-from ..results.tables import structured
+from asperity.interaction.elongation import ASPECT_EXPONENT
+from asperity.interaction.population import PopulationState
+from asperity.results.tables import structured
+
 from .outlines import outlines
 
 if TYPE_CHECKING:
+    from asperity.model.decomposition import Asperities
     from surfaces.heightmap import HeightMap
-
-    from ..asperities import Asperities
 
 __all__ = [
     "aspect_ratio",
@@ -45,7 +45,7 @@ def microcontacts(bodies: Asperities, state: PopulationState) -> NDArray[np.void
     that the law expects of itself), filled (share of the directions in which the contact fills its
     basin), radii [m] (about the summit along 16 equispaced directions from x towards y, see
     `outlines`), closed_area [m^2] (what touches within the contact; less than its area
-    where the finest waves act as a law of the contacts of the others, `asperity.scales`).
+    where the finest waves act as a law of the contacts of the others, `asperity.multiscale`).
     """
     active = np.flatnonzero(state.force > 0)
     profiles = bodies.profiles

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ..flags import Flag
+from asperity.halfspace.flags import Flag
+
+from .law_table import LawTable
 from .laws import LAWS, tabulate
-from .table import LawTable
 
 __all__ = ["LAWS", "Flag", "LawTable", "tabulate"]

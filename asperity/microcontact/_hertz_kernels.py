@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from surfaces._compiled import QUOTIENTS, compiled
+from surfaces.numerics.compiled import QUOTIENTS, compiled
 
 
 @compiled(fastmath=QUOTIENTS)

@@ -14,13 +14,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.halfspace.flags import Flag
+from asperity.halfspace.material import HalfSpace
+from asperity.microcontact.circle import expansion
+from asperity.microcontact.ellipse import ellipse_law
+from asperity.microcontact.ritz import batch
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from ..flags import Flag
-from ..indentation import Indentation
-from ..material import HalfSpace
-from . import ellipse, expansion, ritz_batch
-from .table import LawTable
+from .indent import Indentation
+from .law_table import LawTable
 
 if TYPE_CHECKING:
     from surfaces import Profiles
@@ -48,7 +50,7 @@ def indent(
     law: str = "auto",
 ) -> Indentation:
     """Solution by the law with the smaller expected error; see `asperity.indent`."""
-    first = ellipse.indent(profile, material, approach)
+    first = ellipse_law.indent(profile, material, approach)
     second = expansion.indent(profile, material, approach, law="harmonic")
     own = np.where(np.isfinite(first.force), first.error_estimate, np.inf)
     other = np.where(np.isfinite(second.force), second.error_estimate, np.inf)
@@ -71,7 +73,7 @@ def indent(
 
 
 def tabulate(
-    profiles: Profiles, material: HalfSpace, *, law: str = "auto", nodes: int = ellipse.NODES
+    profiles: Profiles, material: HalfSpace, *, law: str = "auto", nodes: int = ellipse_law.NODES
 ) -> LawTable:
     """Law table of a batch: the ellipse law, guarded by direct maximisation where it ends early.
 
@@ -81,7 +83,7 @@ def tabulate(
     tabulated by `ritz` and the disagreement is its spread. So are summits whose smallest
     polynomial is no summit: the ellipse law has nothing to say of them.
     """
-    table = replace(ellipse.tabulate(profiles, material, nodes=nodes), law=law)
+    table = replace(ellipse_law.tabulate(profiles, material, nodes=nodes), law=law)
     left = table.flags[:, 1 : int(EARLY * nodes) + 1] & Flag.BEYOND_RADIUS
     ratio = np.where(profiles.valid & (table.reach == 0), np.inf, 1.0)
     doubtful = np.flatnonzero(left.any(axis=1) & (table.reach > 0))
@@ -90,7 +92,7 @@ def tabulate(
     wrong = np.flatnonzero(ratio > GROSS)
     if not wrong.size:
         return table
-    second = ritz_batch.tabulate(profiles.rows(wrong), material, nodes=nodes)
+    second = batch.tabulate(profiles.rows(wrong), material, nodes=nodes)
     _without_pull(second)
     _replace(table, wrong, second, ratio[wrong])
     return table
@@ -121,7 +123,7 @@ def _worst_ratio(
 ) -> Array:
     """Largest ratio of the forces of the table and of `ritz`, either way, over a few approaches."""
     first = table.evaluate(rows[:, None], SHARES * table.reach[rows, None])[0]
-    other = ritz_batch.forces(profiles, material, np.sqrt(SHARES))
+    other = batch.forces(profiles, material, np.sqrt(SHARES))
     usable = (first > 0) & (other > 0)
     ratio = np.divide(first, other, out=np.ones(first.shape), where=usable)
     return np.asarray(np.maximum(ratio, 1 / ratio).max(axis=1))

@@ -9,16 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from surfaces import _threads
+from asperity.errors import InputError, ModelRangeError
+from asperity.halfspace.flags import Flag
+from asperity.halfspace.material import HalfSpace
+from asperity.microcontact.circle.basis import PowerBasis, TableBasis, basis_of
+from surfaces.numerics import parallel
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from ..errors import InputError, ModelRangeError
-from ..flags import Flag
-from ..indentation import Indentation
-from ..material import HalfSpace
-from .basis import PowerBasis, TableBasis, basis_of
+from .indent import Indentation
+from .law_table import LawTable
 from .ray_moments import moment_weights
-from .table import LawTable
 from .validity import profile_flags
 
 if TYPE_CHECKING:
@@ -144,7 +144,7 @@ def _difference(
 
     NaN where that law has no solution.
     """
-    from .expansion import indent as indent_expansion
+    from asperity.microcontact.circle.expansion import indent as indent_expansion
 
     one = indent_expansion(profile, material, depth, law="harmonic")
     touching = depth > 0
@@ -217,7 +217,7 @@ def _spread(profiles: Profiles, m: float, u: Array, reach: Array, axes: Array) -
         u,
         out,
     )
-    _threads.run(lambda a, b: mean_excess(a, b, *inputs), _threads.blocks(reach.size, 64))
+    parallel.run(lambda a, b: mean_excess(a, b, *inputs), parallel.blocks(reach.size, 64))
     depth = reach[:, None] * u**2
     change = np.divide(out, depth, out=np.zeros_like(out), where=depth > 0)
     return np.asarray((3 + m) / 2 * np.abs(change))

@@ -6,23 +6,23 @@ import importlib
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InputError
-from ..material import HalfSpace
+from asperity.errors import InputError
+from asperity.halfspace.material import HalfSpace
 
 if TYPE_CHECKING:
     from surfaces import Profiles
 
-    from .table import LawTable
+    from .law_table import LawTable
 
 __all__ = ["LAWS", "law_module", "tabulate"]
 
 LAWS = {
     "auto": "asperity.microcontact.auto",
     "hertz": "asperity.microcontact.hertz",
-    "paper": "asperity.microcontact.expansion",
-    "harmonic": "asperity.microcontact.expansion",
-    "ellipse": "asperity.microcontact.ellipse",
-    "ritz": "asperity.microcontact.ritz",
+    "paper": "asperity.microcontact.circle.expansion",
+    "harmonic": "asperity.microcontact.circle.expansion",
+    "ellipse": "asperity.microcontact.ellipse.ellipse_law",
+    "ritz": "asperity.microcontact.ritz.ritz_law",
 }
 """Name of each law -> module that holds ``indent(profile, material, approach, *, law)`` and
 ``tabulate(profiles, material, *, law, nodes)``."""

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError
-from ..material import HalfSpace
-from .basis import corner_rule
+from asperity.errors import InputError
+from asperity.halfspace.material import HalfSpace
+from asperity.microcontact.circle.basis import corner_rule
 
 __all__ = ["FlatPunch", "flat_punch"]
 

@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ..transforms import gauss_jacobi
+from asperity.halfspace.transforms import gauss_jacobi
 
 __all__ = ["edge_weights", "moment_weights"]
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.halfspace.flags import Flag
 from surfaces.polar import PolarProfile, PowerSumProfile
-
-from ..flags import Flag
 
 __all__ = ["contour_flags", "profile_flags"]
 

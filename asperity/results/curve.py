@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import __version__
-from ..errors import InputError
+from asperity import __version__
+from asperity.errors import InputError
 
 __all__ = ["POINT_FIELDS", "ContactCurve", "CurvePoint", "require_curve"]
 

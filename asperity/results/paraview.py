@@ -11,10 +11,9 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surfaces._writing import replacing
+from asperity.errors import InputError
+from surfaces.files.atomic import replacing
 from surfaces.heightmap import checked_spacing
-
-from ..errors import InputError
 
 __all__ = ["write_vti"]
 

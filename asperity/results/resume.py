@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from asperity.errors import InputError
+
 from .curve import ContactCurve
 from .storage import ResultFile, read_results, write_results
 

@@ -21,10 +21,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces._writing import replacing
+from asperity import __version__
+from asperity.errors import FileFormatError
+from surfaces.files.atomic import replacing
 
-from .. import __version__
-from ..errors import FileFormatError
 from .curve import POINT_FIELDS, ContactCurve
 from .tables import columns, structured
 

@@ -9,7 +9,8 @@ from typing import Any
 
 import h5py
 
-from ..errors import AsperityError, FileFormatError
+from surfaces.errors import AsperityError, FileFormatError
+
 from ._probe import survives
 from ._schema import DAMAGED, brief, read_header
 

@@ -11,8 +11,8 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ..errors import InputError
-from ..units import metres_per
+from surfaces.errors import InputError
+from surfaces.units import metres_per
 
 __all__ = ["DAMAGED", "SCHEMA", "Fault", "Header", "brief", "plain", "read_header"]
 

@@ -14,11 +14,12 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._memory import require_memory
-from .._writing import replacing
-from ..errors import FileFormatError, InputError
-from ..heightmap import HeightMap
-from ..units import metres_per
+from surfaces.errors import FileFormatError, InputError
+from surfaces.heightmap import HeightMap
+from surfaces.numerics.memory import require_memory
+from surfaces.units import metres_per
+
+from .atomic import replacing
 
 __all__ = ["heading", "read_npy", "read_npz", "read_text", "write_npz", "write_text"]
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from numpy.typing import ArrayLike
 
-from ..errors import FileFormatError, InputError, SurfaceError
-from ..heightmap import HeightMap, require_map
+from surfaces.errors import FileFormatError, InputError, SurfaceError
+from surfaces.heightmap import HeightMap, require_map
 
 __all__ = ["read", "write"]
 
@@ -71,7 +71,7 @@ def read(
         hm = reader(path, dataset, unit, spacing)
         if rows is None and columns is None:
             return hm
-        from ..preparation.filtering import crop
+        from surfaces.preparation.filtering import crop
 
         return crop(hm, rows or (0, hm.shape[0]), columns or (0, hm.shape[1]))
     except InputError as error:

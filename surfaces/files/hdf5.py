@@ -15,10 +15,11 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._memory import require_memory
-from ..errors import AsperityError, FileFormatError, InputError, SurfaceError
-from ..heightmap import HeightMap
-from ..units import metres_per
+from surfaces.errors import AsperityError, FileFormatError, InputError, SurfaceError
+from surfaces.heightmap import HeightMap
+from surfaces.numerics.memory import require_memory
+from surfaces.units import metres_per
+
 from ._container import find, naming_damage, opened, require_sound
 from ._schema import DAMAGED, Fault, Header, brief, plain, read_header
 

@@ -11,11 +11,12 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._writing import replacing
-from ..errors import InputError, SurfaceError
-from ..heightmap import checked_spacing
+from surfaces.errors import InputError, SurfaceError
+from surfaces.heightmap import checked_spacing
+
 from ._container import HEIGHTS
 from ._schema import SCHEMA, plain
+from .atomic import replacing
 
 __all__ = ["write_blocks"]
 

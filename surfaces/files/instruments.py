@@ -13,9 +13,9 @@ from xml.parsers.expat import ExpatError
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import FileFormatError
-from ..heightmap import HeightMap
-from ..units import metres_per
+from surfaces.errors import FileFormatError
+from surfaces.heightmap import HeightMap
+from surfaces.units import metres_per
 
 __all__ = ["read_instrument"]
 

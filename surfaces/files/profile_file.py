@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._writing import replacing
-from ..errors import FileFormatError
-from ..heightmap import HeightMap
-from ..polar import PolarProfile
+from surfaces.errors import FileFormatError
+from surfaces.heightmap import HeightMap
+from surfaces.polar import PolarProfile
+
+from .atomic import replacing
 from .formats import read
 
 __all__ = ["read_profile", "write_profile"]
@@ -77,9 +78,9 @@ def _column(file: Any, key: str, name: str) -> NDArray[np.float64]:
 
 
 def _highest_peak(hm: HeightMap, name: str) -> PolarProfile:
-    from ..peaks.segmentation import segment
-    from ..peaks.summits import fit_profiles
-    from ..preparation.levelling import level
+    from surfaces.peaks.segmentation import segment
+    from surfaces.peaks.summits import fit_profiles
+    from surfaces.preparation.levelling import level
 
     hm = level(hm, "plane")
     peaks = segment(hm)

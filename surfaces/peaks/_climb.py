@@ -7,8 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from .._compiled import compiled, inner
-from .._spline import PAD, expand
+from surfaces.numerics.compiled import compiled, inner
+from surfaces.numerics.splines import PAD, expand
+
 from ._prefetch import prefetch_block
 
 FLATTEST = 1e-3  # least ratio of the principal curvatures

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _threads
-from .._spline import PAD
-from .._spline_form import LANES
+from surfaces.numerics import parallel
+from surfaces.numerics.spline_expansion import LANES
+from surfaces.numerics.splines import PAD
+
 from . import _climb, _rays
 
 if TYPE_CHECKING:
@@ -110,9 +111,9 @@ class Fans:
         )  # fmt: skip
         # the calls before are too short for several threads, which would wait for each other
         size = self.phi.shape[1], self._shares.size
-        _threads.run(
+        parallel.run(
             lambda a, b: _rays.fit(*given, *_rays.scratch(*size), a, b),
-            _threads.blocks(peak.size, 64),
+            parallel.blocks(peak.size, 64),
         )
         blunt = slot[of.kinds[peak] != _climb.SUMMIT]
         self.q[blunt, :, 0] = self.q[blunt, :, 1]

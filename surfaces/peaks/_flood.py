@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._compiled import compiled, inner
+from surfaces.numerics.compiled import compiled, inner
 
 FLAT = np.int32(-(2**31))
 _ROWS = np.array([-1, -1, -1, 0, 0, 1, 1, 1])  # of the eight neighbors

@@ -9,7 +9,7 @@ from numba import types
 from numba.core.cgutils import for_range
 from numba.extending import intrinsic
 
-from .._vectors import data_of, prefetch
+from surfaces.numerics.vectors import data_of, prefetch
 
 __all__ = ["prefetch_block"]
 

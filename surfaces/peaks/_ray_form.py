@@ -8,8 +8,8 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from .._spline_form import LANES, TAPS, VECTOR, WEIGHTS, entry, horner
-from .._vectors import (
+from surfaces.numerics.spline_expansion import LANES, TAPS, VECTOR, WEIGHTS, entry, horner
+from surfaces.numerics.vectors import (
     constant,
     data_of,
     everywhere,

@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from .._compiled import compiled, inner
-from .._spline_filter import PAD
-from .._spline_form import LANES, TAPS, spline_values
+from surfaces.numerics.compiled import compiled, inner
+from surfaces.numerics.spline_expansion import LANES, TAPS, spline_values
+from surfaces.numerics.spline_filter import PAD
+
 from ._climb import FLATTEST
 from ._prefetch import prefetch_block
 from ._ray_form import ray_places, ray_signs, rising_nodes

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._compiled import compiled, inner
-from .._groups import root
+from surfaces.numerics.compiled import compiled, inner
+from surfaces.numerics.union_find import root
 
 
 @compiled()

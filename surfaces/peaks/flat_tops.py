@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..heightmap import HeightMap
+from surfaces.heightmap import HeightMap
+
 from .peaks import Peaks
 
 __all__ = ["flat_share", "flat_tops", "has_level_places"]

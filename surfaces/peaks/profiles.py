@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..polar import PolarProfile
+from surfaces.polar import PolarProfile
+
 from ._fans import aspect_of
 
 __all__ = ["Profiles"]

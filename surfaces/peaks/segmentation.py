@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _threads
-from ..errors import InputError, SurfaceError
-from ..heightmap import HeightMap, require_map
+from surfaces.errors import InputError, SurfaceError
+from surfaces.heightmap import HeightMap, require_map
+from surfaces.numerics import parallel
+
 from . import _flood, _saddles
 from .peaks import Peaks
 
@@ -84,7 +85,7 @@ def segment(
     summit = np.sort(summit)
     summit = summit[_falling(heights.ravel()[summit])]
     link[summit] = np.arange(summit.size)
-    _threads.each(lambda some: _flood.follow(link, some), runs)
+    parallel.each(lambda some: _flood.follow(link, some), runs)
     labels = link.reshape(hm.shape)
     counts, keys, tops = _passes(heights, labels, hm.periodic, summit.size, runs)
 
@@ -93,7 +94,7 @@ def segment(
         lambda: _unique_pairs(keys, tops, summit.size),
         lambda: _merged(height, keys, tops, lowest, limit),
     )
-    apart: Any = map if len(runs) == 1 else _threads.each  # as the map repaid a thread or not
+    apart: Any = map if len(runs) == 1 else parallel.each  # as the map repaid a thread or not
     (pairs, passes), (saddle, parent, keeper) = apart(lambda part: part(), both)
     kept = np.flatnonzero(keeper == np.arange(summit.size))
     if kept.size < summit.size:
@@ -197,7 +198,7 @@ def _links(
         )
         return peaks[:n_peaks], flats[:n_flats], runs[:n_runs], float(lows.min())
 
-    found = _threads.run(ascend, _threads.lines(heights.shape[0], heights.size))
+    found = parallel.run(ascend, parallel.lines(heights.shape[0], heights.size))
     summits = [part[0] for part in found]
     flats = np.concatenate([part[1] for part in found])
     if flats.size:
@@ -216,7 +217,7 @@ def _passes(
     """Pixels per basin; keys of touching pairs, some several times, and their passes."""
 
     counts = [np.zeros(n, np.int64) for _ in runs]
-    found = _threads.each(
+    found = parallel.each(
         lambda part: _saddles.touching(heights, labels, periodic, counts[part], runs[part]),
         range(len(runs)),
     )

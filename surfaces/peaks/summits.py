@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _spline, _threads
-from ..errors import InputError, SurfaceError
-from ..heightmap import HeightMap
+from surfaces.errors import InputError, SurfaceError
+from surfaces.heightmap import HeightMap
+from surfaces.numerics import parallel, splines
+
 from . import _climb
 from ._fans import PART, Fans
 from .flat_tops import flat_tops
@@ -141,7 +142,7 @@ class Summits:
             raise InputError(f"rays is {rays} and nodes is {nodes}; give at least 4 of each")
         fans = Fans(self, index, rays, nodes)
         near = _near(self.peaks.row[index], self.peaks.col[index])
-        _threads.run(lambda a, b: fans.fill(near[a:b]), _threads.blocks(len(index), PART))
+        parallel.run(lambda a, b: fans.fill(near[a:b]), parallel.blocks(len(index), PART))
         names = ("x", "y", "height", "curvature", "angle", "pixels", "border", "valid", "owner")
         own: dict[str, Any] = {name: getattr(self, name)[index] for name in names}
         t = np.linspace(0.0, 1.0, nodes)
@@ -175,15 +176,15 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
         if relief == 0.0:
             raise SurfaceError("the map is constant; there is no summit to fit")
         depth = np.maximum(depth, 1e-6 * relief)
-    spline = _spline.coefficients(hm.heights, hm.periodic)
+    spline = splines.coefficients(hm.heights, hm.periodic)
     places, expansions, kinds = np.empty((n, 2)), np.empty((n, 6)), np.empty(n, np.int64)
     near, level = _near(peaks.row, peaks.col), np.zeros((n, 2))
-    _threads.run(
+    parallel.run(
         lambda a, b: _climb.summits(
             hm.heights, spline.ravel(), spline.shape[1], peaks.labels, hm.periodic, peaks.row,
             peaks.col, level, near, places, expansions, kinds, np.empty(40), a, b,
         ),
-        _threads.blocks(n, 512),
+        parallel.blocks(n, 512),
     )  # fmt: skip
     dip = np.full(n, peaks.min_prominence)
     flat, middle = flat_tops(hm, peaks)

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from .. import _spline, _threads
-from ..heightmap import HeightMap
-from ..statistics.roughness import BANDS
+from surfaces.heightmap import HeightMap
+from surfaces.numerics import parallel, splines
+from surfaces.statistics.roughness import BANDS
+
 from .filtering import resample_waves
 
 __all__ = ["coarse_map", "line_power", "shortest_wave"]
@@ -105,7 +106,7 @@ def line_power(hm: HeightMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]
             power[-1] *= 0.5
         return power
 
-    y, x = _threads.each(along, (0, 1))
+    y, x = parallel.each(along, (0, 1))
     return y, x
 
 
@@ -121,10 +122,10 @@ def shortest_wave(hm: HeightMap, axis: int) -> float:
 def _holds(coarse: HeightMap, hm: HeightMap) -> bool:
     """Whether the highest point of every block of a map lies on the surface of a coarser one."""
     rows, cols = _highest(hm)
-    spline = _spline.coefficients(coarse.heights, coarse.periodic)
+    spline = splines.coefficients(coarse.heights, coarse.periodic)
     scale_y, scale_x = (n / m for n, m in zip(coarse.shape, hm.shape, strict=True))
     off = np.empty(rows.size)
-    _spline.evaluate_all(
+    splines.evaluate_all(
         spline.ravel(),
         spline.shape[1],
         (rows + 0.5) * scale_y - 0.5,

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, diags
 from scipy.sparse.linalg import LinearOperator, cg, splu
 
-from ..errors import SurfaceError
-from ..heightmap import HeightMap, require_map
+from surfaces.errors import SurfaceError
+from surfaces.heightmap import HeightMap, require_map
 
 __all__ = ["fill_missing", "quick_fill"]
 

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import fft
 
-from .. import _threads
-from .._memory import require_memory
-from ..errors import SurfaceError
-from ..heightmap import HeightMap, require_map
+from surfaces.errors import SurfaceError
+from surfaces.heightmap import HeightMap, require_map
+from surfaces.numerics import parallel
+from surfaces.numerics.memory import require_memory
 
 __all__ = ["bandpass", "crop", "make_periodic", "resample", "resample_waves"]
 
@@ -229,7 +229,7 @@ def resample_waves(
     )
     (first_y, first_x), (step_y, step_x) = ((part - 1) // 2 for part in fewer), fewer
     heights = heights[first_y::step_y, first_x::step_x]
-    workers = len(_threads.lines(len(heights), heights.size))
+    workers = len(parallel.lines(len(heights), heights.size))
     rows = fft.rfft(heights, axis=1, workers=workers)[:, : across.size] * across
     waves = fft.fft(rows, axis=0, workers=workers, overwrite_x=True)
     kept = np.zeros((ny, across.size), np.complex128)

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
-from ..errors import SurfaceError
-from ..heightmap import HeightMap, require_map
+from surfaces.errors import SurfaceError
+from surfaces.heightmap import HeightMap, require_map
+
 from .filling import quick_fill
 
 __all__ = ["mark_outliers"]

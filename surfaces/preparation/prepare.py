@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..errors import SurfaceError
-from ..heightmap import HeightMap, require_map
+from surfaces.errors import SurfaceError
+from surfaces.heightmap import HeightMap, require_map
+
 from . import filling, filtering, levelling
 from .outliers import mark_outliers
 

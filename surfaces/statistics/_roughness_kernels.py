@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .._compiled import SUMS, compiled, inner
+from surfaces.numerics.compiled import SUMS, compiled, inner
 
 
 @compiled(fastmath=SUMS)

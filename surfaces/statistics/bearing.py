@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..heightmap import HeightMap, require_map
+from surfaces.heightmap import HeightMap, require_map
 
 __all__ = ["BearingCurve", "bearing_curve"]
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from ..errors import SurfaceError
-from ..heightmap import HeightMap, require_map
+from surfaces.errors import SurfaceError
+from surfaces.heightmap import HeightMap, require_map
 
 __all__ = ["THRESHOLD", "Autocorrelation", "Texture", "autocorrelation", "texture"]
 

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SurfaceError
-from ..heightmap import HeightMap, require_map
-from ..preparation.levelling import level
+from surfaces.errors import SurfaceError
+from surfaces.heightmap import HeightMap, require_map
+from surfaces.preparation.levelling import level
+
 from .bearing import bearing_curve
 from .correlation import Texture, autocorrelation, texture
 from .spectrum import SpectralMoments, power_spectrum

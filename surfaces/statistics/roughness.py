@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _threads
+from surfaces.numerics import parallel
+
 from . import _roughness_kernels as kernels
 
 if TYPE_CHECKING:
-    from ..heightmap import HeightMap
+    from surfaces.heightmap import HeightMap
 
 __all__ = ["Roughness", "roughness"]
 
@@ -92,7 +93,7 @@ def roughness(hm: HeightMap) -> Roughness:
         kernels.sums(heights, start, bounds, first, last, lows, tops, rows, out)
         return out
 
-    total = np.sum(_threads.run(part, _threads.lines(bands, heights.size)), axis=0)
+    total = np.sum(parallel.run(part, parallel.lines(bands, heights.size)), axis=0)
     number, first, second = total[0], total[1], total[2]
     seam = total[13:] if hm.periodic else np.zeros(6)
     mean = first / number

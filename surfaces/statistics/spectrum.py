@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from ..errors import SurfaceError
-from ..heightmap import HeightMap, require_map
-from ..preparation.levelling import level
+from surfaces.errors import SurfaceError
+from surfaces.heightmap import HeightMap, require_map
+from surfaces.preparation.levelling import level
 
 __all__ = ["SpectralMoments", "Spectrum", "power_spectrum", "power_spectrum_2d"]
 

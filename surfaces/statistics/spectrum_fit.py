@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SurfaceError
+from surfaces.errors import SurfaceError
+
 from .spectrum import Spectrum
 
 if TYPE_CHECKING:

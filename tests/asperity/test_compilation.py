@@ -12,7 +12,7 @@ from numba.core import caching
 
 from asperity import compilation
 from asperity.errors import AsperityError
-from surfaces._compiled import compiled
+from surfaces.numerics.compiled import compiled
 
 
 @pytest.mark.parametrize("part", ["laws", "contacts", "bem"])

@@ -13,8 +13,8 @@ from asperity.contacts.fields import contact_map, pressure_map
 from asperity.contacts.table import ellipses, microcontacts
 from asperity.curve import solve_contacts
 from asperity.errors import ConvergenceError, InputError, SurfaceError
-from asperity.loadpoints import default_pressures
-from asperity.plan import make_plan
+from asperity.halfspace.load_points import default_pressures
+from asperity.model.plan import make_plan
 from surfaces import HeightMap, self_affine
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
@@ -174,7 +174,7 @@ def test_interaction_opens_the_surface(rough):
 
 
 def test_segmenting_only_the_top_changes_little(monkeypatch):
-    monkeypatch.setattr("asperity.plan._SMALL", 2**18)
+    monkeypatch.setattr("asperity.model.plan._SMALL", 2**18)
     large = self_affine(
         (640, 512), (6.4e-3, 5.12e-3), hurst=0.8, rms_slope=0.1, cutoff=5e-5, seed=4
     )

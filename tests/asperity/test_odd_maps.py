@@ -7,7 +7,7 @@ import pytest
 
 import asperity
 import surfaces
-from asperity.loadpoints import pressure_scale
+from asperity.halfspace.load_points import pressure_scale
 from asperity.microcontact.laws import tabulate
 
 

@@ -7,8 +7,8 @@ import pytest
 
 import asperity
 import surfaces
-from asperity.interaction.operator import Interaction
-from asperity.loadpoints import pressure_scale
+from asperity.halfspace.load_points import pressure_scale
+from asperity.interaction.ewald.operator import Interaction
 
 BODY = asperity.HalfSpace.from_modulus(1.0)
 

@@ -14,7 +14,7 @@ from numba.core import caching
 
 import surfaces
 from asperity.cli.main import main
-from surfaces._compiled import compiled
+from surfaces.numerics.compiled import compiled
 
 STEEL = ["--E", "210e9", "--nu", "0.3"]
 MODELS = ["curve", "bem", "compare", "plan"]

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from asperity import HalfSpace, InputError, ModelRangeError
-from asperity.microcontact.friction import partial_slip, tangential_modulus
+from asperity.extensions.partial_slip import partial_slip, tangential_modulus
+from asperity.extensions.viscoelastic import Relaxation, viscoelastic_indent
 from asperity.microcontact.punch import flat_punch
-from asperity.microcontact.viscoelastic import Relaxation, viscoelastic_indent
 from surfaces import PowerLawProfile
 from surfaces.shapes import polygon
 

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asperity import HalfSpace, InputError, ModelRangeError, indent
+from asperity.halfspace.transforms import kappa
 from asperity.microcontact import Flag
 from asperity.microcontact.hertz import elliptic_contact
-from asperity.transforms import kappa
 from surfaces import PolarProfile, PolynomialProfile, PowerLawProfile, PowerSumProfile
 
 EXPONENTS = [-0.5, -0.3, 0.0, 0.3, 0.5, 0.8]

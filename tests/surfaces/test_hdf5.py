@@ -107,7 +107,7 @@ def test_region_outside_is_refused(stored: Path) -> None:
 def test_a_map_larger_than_memory_is_read_in_parts(
     stored: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("surfaces._memory.available_bytes", lambda: 8 * 57 * 12)
+    monkeypatch.setattr("surfaces.numerics.memory.available_bytes", lambda: 8 * 57 * 12)
     with pytest.raises(SurfaceError, match=r"needs .* GB of memory .* read a region"):
         surfaces.read(stored)
     with surfaces.open(stored) as file:

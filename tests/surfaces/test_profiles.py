@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from scipy.interpolate import BSpline
 
 import surfaces
-from surfaces import _spline
+from surfaces.numerics import splines
 from surfaces.peaks.summits import locate_summits
 
 
@@ -212,7 +212,7 @@ def test_profiles_of_any_map_are_finite_and_rise(seed, shape, levels, scale, per
 def test_nodes_lie_on_the_surface_unless_it_rises(periodic, rays, nodes):
     hm = rough().replace(periodic=periodic)
     _, fit = fitted(hm, rays=rays, nodes=nodes)
-    spline = _spline.coefficients(hm.heights, periodic)
+    spline = splines.coefficients(hm.heights, periodic)
     some = np.flatnonzero(fit.valid & ~fit.border)[::9]
     for n in some:
         r = fit.t * fit.edge[n][:, None]
@@ -221,7 +221,7 @@ def test_nodes_lie_on_the_surface_unless_it_rises(periodic, rays, nodes):
         if periodic:
             y, x = y % hm.shape[0], x % hm.shape[1]
         z = np.empty(r.size)
-        _spline.evaluate_all(spline.ravel(), spline.shape[1], y.ravel(), x.ravel(), z)
+        splines.evaluate_all(spline.ravel(), spline.shape[1], y.ravel(), x.ravel(), z)
         f = np.maximum.accumulate(fit.height[n] - z.reshape(r.shape), axis=1)
         f = np.maximum(f, 1e-3 * fit.q[n, :, :1] * r**2)
         assert_allclose(fit.f()[n], f, rtol=1e-9, atol=1e-12 * np.abs(fit.height[n]))
@@ -261,17 +261,17 @@ def test_no_peaks_give_no_profiles():
 @pytest.mark.parametrize("periodic", [True, False])
 def test_spline_interpolates_every_point(periodic):
     h = np.random.default_rng(3).normal(size=(23, 31))
-    spline = _spline.coefficients(h, periodic)
+    spline = splines.coefficients(h, periodic)
     places = np.mgrid[:23, :31].reshape(2, -1).astype(float)
     values = np.empty(h.size)
-    _spline.evaluate_all(spline.ravel(), spline.shape[1], *places, values)
+    splines.evaluate_all(spline.ravel(), spline.shape[1], *places, values)
     assert_allclose(values.reshape(h.shape), h, atol=1e-8)
 
 
 def test_spline_and_its_derivatives_are_those_of_the_tensor_product():
     h = np.random.default_rng(4).normal(size=(19, 27))
-    spline = _spline.coefficients(h, True)
-    pad = _spline.PAD
+    spline = splines.coefficients(h, True)
+    pad = splines.PAD
     basis = BSpline.basis_element(np.arange(-3.0, 4.0), extrapolate=False)
     y, x = 7.3, 11.85
     parts = []
@@ -281,7 +281,7 @@ def test_spline_and_its_derivatives_are_those_of_the_tensor_product():
     block = spline[pad + 5 : pad + 11, pad + 9 : pad + 15]
     orders = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
     exact = [parts[0][a] @ block @ parts[1][b] for a, b in orders]
-    found = _spline.expand(spline.ravel(), spline.shape[1], y, x)
+    found = splines.expand(spline.ravel(), spline.shape[1], y, x)
     assert_allclose(found, exact, rtol=1e-11, atol=1e-12)
 
 
@@ -291,9 +291,9 @@ def test_spline_is_exact_for_a_quadratic_up_to_the_border():
     def surface(y, x):
         return 1 + 0.3 * y - 0.2 * x + 0.01 * y * y - 0.03 * x * y + 0.02 * x * x
 
-    spline = _spline.coefficients(surface(y, x), False)
+    spline = splines.coefficients(surface(y, x), False)
     for at in ((0.3, 0.2), (10.5, 12.25), (18.9, 24.7)):
-        found = _spline.expand(spline.ravel(), spline.shape[1], *at)
+        found = splines.expand(spline.ravel(), spline.shape[1], *at)
         assert found[0] == pytest.approx(surface(*at), abs=1e-8)
         assert_allclose(found[3:], [0.02, -0.03, 0.04], atol=1e-7)
 

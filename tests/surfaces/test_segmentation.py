@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 import surfaces
-from surfaces import _threads
+from surfaces.numerics import parallel
 
 
 def rough(shape=(48, 60), size=(1.0, 1.5), **changes):
@@ -273,17 +273,17 @@ def test_refusals():
 
 def test_the_number_of_threads_changes_nothing_even_between_equal_heights(monkeypatch):
     """Passes that are equally high are joined by the pair, however the map was shared out."""
-    monkeypatch.setattr(_threads, "_POINTS", 64)
+    monkeypatch.setattr(parallel, "_POINTS", 64)
     rng = np.random.default_rng(8)
     heights = np.round(rng.normal(size=(192, 150)) * 2)
     hm = surfaces.HeightMap(heights, (1.0, 0.7), periodic=True)
     try:
         found = []
         for count in (1, None):
-            _threads.set_threads(count)
+            parallel.set_threads(count)
             found.append(surfaces.segment(hm, min_prominence=1.0))
     finally:
-        _threads.set_threads(None)
+        parallel.set_threads(None)
     for name, one in vars(found[0]).items():
         assert_array_equal(one, getattr(found[1], name), err_msg=name)
 
@@ -294,14 +294,14 @@ def test_results_of_unequal_parts_come_in_their_order(count):
         time.sleep(0.02 if part == 1 else 0.001)
         return part**2
 
-    assert _threads.each(square, range(count)) == [part**2 for part in range(count)]
+    assert parallel.each(square, range(count)) == [part**2 for part in range(count)]
 
 
 def test_one_thread_is_one_thread():
     names: list[str] = []
     try:
-        _threads.set_threads(1)
-        _threads.each(lambda _: names.append(threading.current_thread().name), range(3))
+        parallel.set_threads(1)
+        parallel.each(lambda _: names.append(threading.current_thread().name), range(3))
     finally:
-        _threads.set_threads(None)
+        parallel.set_threads(None)
     assert names == [threading.current_thread().name] * 3

@@ -13,8 +13,8 @@ from asperity.bem.contact_map import label_patches
 from asperity.contacts.fields import pressed_pixels
 from asperity.contacts.table import ellipses
 from asperity.curve import ContactRun, solve_contacts
-from asperity.loadpoints import pressure_scale
-from asperity.plan import make_plan
+from asperity.halfspace.load_points import pressure_scale
+from asperity.model.plan import make_plan
 from surfaces import HeightMap, self_affine
 
 STEEL = asperity.HalfSpace.from_modulus(2e11)

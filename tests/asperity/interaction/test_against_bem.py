@@ -8,11 +8,11 @@ from standin import HertzTable
 
 import asperity
 import surfaces
-from asperity.asperities import Asperities
-from asperity.loadpoints import pressure_scale
-from asperity.material import HalfSpace
-from asperity.plan import make_plan
-from asperity.population.population import Population
+from asperity.halfspace.load_points import pressure_scale
+from asperity.halfspace.material import HalfSpace
+from asperity.interaction.population import Population
+from asperity.model.decomposition import Asperities
+from asperity.model.plan import make_plan
 
 
 @pytest.mark.parametrize("m", [0.0, 0.3])

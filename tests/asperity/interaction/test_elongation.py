@@ -9,15 +9,15 @@ import pytest
 from standin import random_population
 
 import asperity
-from asperity.interaction import solver
+from asperity.interaction import continuation
 from asperity.interaction.elongation import LARGEST_ASPECT, LARGEST_LEAN, Elongation
+from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.footprint import Footprints
-from asperity.interaction.laws import Laws
-from asperity.interaction.operator import Interaction
-from asperity.interaction.solver import descend
-from asperity.interaction.state import Problem
-from asperity.population import trail
-from asperity.population.population import Population
+from asperity.interaction.newton import solver
+from asperity.interaction.newton.laws import Laws
+from asperity.interaction.newton.problem import Problem
+from asperity.interaction.newton.solver import descend
+from asperity.interaction.population import Population
 
 EXPONENTS = (-0.3, 0.0, 0.5)
 CELL = (1.0, 1.4)
@@ -176,7 +176,7 @@ def test_first_only_contacts_that_do_not_settle_become_round(monkeypatch):
             return solution
         return replace(solution, reason="two contacts", restless=np.arange(len(problem.height)) < 2)
 
-    monkeypatch.setattr(trail, "descend", stubborn)
+    monkeypatch.setattr(continuation, "descend", stubborn)
     state = long_and_round()[0].solve(separation=0.01)
     assert state.converged
     first, second = (problem.elongation for problem in problems[:2])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.loadpoints import pressure_scale
+from asperity.halfspace.load_points import pressure_scale
 from asperity.results.stiffness import curve_stiffness
 from surfaces import self_affine
 

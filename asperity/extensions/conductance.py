@@ -1,0 +1,69 @@
+"""Electrical and thermal constriction conductance from the contact curve."""
+
+from __future__ import annotations
+
+from numbers import Real
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.errors import InputError
+from asperity.results.curve import ContactCurve, require_curve
+
+__all__ = ["constriction_conductance", "total_resistivity"]
+
+
+def constriction_conductance(
+    curve: ContactCurve, *, resistivity: tuple[float, float], modulus: float | None = None
+) -> NDArray[np.float64]:
+    """Conductance of the interface per nominal area at each load point.
+
+    Parameters
+    ----------
+    curve
+        Contact curve with its stiffness.
+    resistivity
+        Resistivities of both bodies: [Ohm m] gives [S/m^2], thermal [m K/W] gives [W/(m^2 K)].
+    modulus
+        Composite modulus E* [Pa] of the curve, where its settings do not state it.
+
+    Returns
+    -------
+    Conductance per nominal area, shape (n,); NaN where a point did not converge.
+
+    Raises
+    ------
+    InputError
+        If the curve was made for a graded half-space or a number is not positive.
+
+    Notes
+    -----
+    The incremental contact problem and the constriction of a current through the same spots are
+    the same potential problem (Barber 2003): ``C = 2 k / (E* (rho_1 + rho_2))`` with the
+    normal stiffness k. One circular spot gives Holm's ``4 a / (rho_1 + rho_2)``.
+    """
+    require_curve(curve)
+    if curve.settings.get("m", 0.0) != 0.0:
+        raise InputError("the conductance analogy holds for homogeneous half-spaces, m = 0")
+    if modulus is None:
+        modulus = curve.settings.get("modulus")
+    if not (isinstance(modulus, Real) and 0 < modulus < np.inf):
+        raise InputError(f"the composite modulus is {modulus} Pa; it must be positive and finite")
+    stiffness = np.where(curve.converged, curve.stiffness, np.nan)
+    return np.asarray(2.0 * stiffness / (modulus * total_resistivity(resistivity)))
+
+
+def total_resistivity(resistivity: tuple[float, float]) -> float:
+    """Sum of the resistivities of both bodies, checked.
+
+    Raises
+    ------
+    InputError
+        If there are not two numbers, one is negative, or the sum is not positive and finite.
+    """
+    if np.shape(resistivity) != (2,) or not all(isinstance(rho, Real) for rho in resistivity):
+        raise InputError(f"resistivity is {resistivity!r}; give one number for each of two bodies")
+    total = float(sum(resistivity))
+    if not (min(resistivity) >= 0 and 0 < total < np.inf):
+        raise InputError("resistivities must not be negative, their sum positive and finite")
+    return total

@@ -1,0 +1,172 @@
+"""Partial slip of one contact under constant friction (Jaeger-Ciavarella superposition)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity.errors import InputError, ModelRangeError
+from asperity.halfspace.material import HalfSpace
+from asperity.microcontact.indent import Indentation, indent
+from surfaces.polar import PolarProfile, PowerSumProfile
+
+__all__ = ["PartialSlip", "partial_slip", "tangential_modulus"]
+
+Array = NDArray[np.float64]
+
+
+def tangential_modulus(first: HalfSpace, second: HalfSpace | None = None) -> float:
+    """G* [Pa] with ``1/G* = (2-nu_1)/(4 G_1) + (2-nu_2)/(4 G_2)``; a missing body is rigid.
+
+    Raises
+    ------
+    InputError
+        If E and nu of a body are not known, or the body is graded.
+    """
+    total = 0.0
+    for body in (first, second) if second is not None else (first,):
+        if body.E is None or body.nu is None:
+            raise InputError("the tangential modulus needs E and nu of each body")
+        if body.m != 0:
+            raise InputError("the tangential modulus of a graded body is not known")
+        shear = body.E / (2 * (1 + body.nu))
+        total += (2 - body.nu) / (4 * shear)
+    return 1 / total
+
+
+@dataclass(frozen=True, eq=False)
+class PartialSlip:
+    """State of a contact pressed by d and then pushed sideways, at one or several pushes.
+
+    Attributes
+    ----------
+    full, stick
+        Normal solutions at the approach d (one) and at the approaches d* whose contact areas are
+        the stick regions (one per push).
+    friction
+        Coefficient of friction.
+    tangential_force
+        F_x [N]; mu F_N at gross slip.
+    displacement
+        Tangential displacement u_x [m]; NaN at gross slip, where it is not determined.
+    slipping
+        True at gross slip.
+    """
+
+    full: Indentation
+    stick: Indentation
+    friction: float
+    tangential_force: Array
+    displacement: Array
+    slipping: NDArray[np.bool_]
+
+    @property
+    def stick_area(self) -> Array:
+        """Area [m^2] of the stick region."""
+        return self.stick.contact_area
+
+    def stick_contour(self, phi: ArrayLike) -> Array:
+        """Boundary [m] of the stick region, shape (*pushes, *phi.shape)."""
+        return self.stick.contour(phi)
+
+    def traction(self, x: ArrayLike, y: ArrayLike) -> Array:
+        """Tangential traction [Pa] at points, shape (*pushes, *points.shape)."""
+        whole = self.full.pressure(x, y)
+        inner = self.stick.pressure(x, y)
+        return np.asarray(self.friction * (whole - inner))
+
+
+def partial_slip(
+    profile: PowerSumProfile | PolarProfile,
+    material: HalfSpace,
+    approach: float,
+    *,
+    friction: float,
+    modulus_ratio: float,
+    displacement: ArrayLike | None = None,
+    tangential_force: ArrayLike | None = None,
+    law: str = "harmonic",
+) -> PartialSlip:
+    """Push a pressed contact sideways, from rest, by a displacement or a force.
+
+    Parameters
+    ----------
+    profile, material, approach, law
+        Normal contact, see `asperity.indent`; the half-space must be homogeneous.
+    friction
+        Coefficient of friction mu, positive.
+    modulus_ratio
+        E*/G*, see `tangential_modulus`.
+    displacement, tangential_force
+        u_x [m] or F_x [N], one of them, non-negative.
+
+    Returns
+    -------
+    PartialSlip
+
+    Raises
+    ------
+    InputError
+        If the arguments are out of range, or the body is graded.
+    ModelRangeError
+        If the force is above mu F_N.
+
+    Notes
+    -----
+    ``tau = mu [p(d) - p(d*)]``, ``F_x = mu [F(d) - F(d*)]``, ``u_x = mu (E*/G*) (d - d*)``.
+    One loading from rest, elastically similar bodies (or one rigid and nu = 1/2), constant mu.
+    For nu that differ, or spots that are not round, it is the Cattaneo-Mindlin approximation.
+    """
+    if material.m != 0:
+        raise InputError("partial slip needs a homogeneous half-space, m = 0")
+    if not (friction > 0 and modulus_ratio > 0 and approach > 0):
+        raise InputError("friction, modulus_ratio and approach must be positive")
+    if (displacement is None) == (tangential_force is None):
+        raise InputError("give either displacement or tangential_force")
+    full = indent(profile, material, float(approach), law=law)
+    if displacement is not None:
+        push = _push(displacement, "displacement")
+        depth = float(approach) - push / (friction * modulus_ratio)
+    else:
+        push = _push(tangential_force, "tangential_force")
+        depth = _stick_depth(profile, material, full, push / friction, law)
+    slipping = depth <= 0
+    stick = indent(profile, material, np.maximum(depth, 0.0), law=law)
+    force = friction * (full.force - np.where(slipping, 0.0, stick.force))
+    moved = friction * modulus_ratio * (float(approach) - depth)
+    if displacement is not None:
+        moved = push
+    else:
+        moved = np.where(slipping, np.nan, moved)
+    return PartialSlip(full, stick, friction, force, moved, slipping)
+
+
+def _push(values: ArrayLike | None, name: str) -> Array:
+    array = np.asarray(values, dtype=float)
+    if array.ndim > 1 or not np.all(np.isfinite(array) & (array >= 0)):
+        raise InputError(f"{name} must be finite and not negative")
+    return array
+
+
+def _stick_depth(
+    profile: PowerSumProfile | PolarProfile,
+    material: HalfSpace,
+    full: Indentation,
+    lost: Array,
+    law: str,
+) -> Array:
+    """Approach d* at which the normal force is F(d) minus `lost`."""
+    rest = np.asarray(full.force - lost)
+    scale = float(full.force)
+    if np.any(rest < -1e-12 * scale):
+        raise ModelRangeError(
+            f"the tangential force exceeds mu F = {scale:.4g} N times the friction coefficient: "
+            "the contact slides"
+        )
+    sticks = rest > 1e-12 * scale
+    depth = np.zeros(rest.shape)
+    if np.any(sticks):
+        depth[sticks] = indent(profile, material, load=rest[sticks], law=law).approach
+    return depth

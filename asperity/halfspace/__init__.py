@@ -1,0 +1,1 @@
+"""The elastic half-space: all that the microcontact model and the boundary elements share."""

@@ -1,0 +1,127 @@
+"""Load points: what was asked, checked, or a default range of light to moderate contact."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity.errors import InputError
+from surfaces.heightmap import HeightMap, require_map
+
+if TYPE_CHECKING:
+    from .material import HalfSpace
+
+__all__ = [
+    "checked_loads",
+    "default_pressures",
+    "expected_area_fraction",
+    "pressure_scale",
+    "require_scene",
+    "slope_scale",
+]
+
+AREA_OVER_LOAD = 2.0
+"""Contact area fraction over p/(E* h') at light load (about 2 for random roughness: Hyun, Pei,
+Molinari & Robbins 2004; Putignano, Afferrante, Carbone & Demelio 2012)."""
+
+_LARGEST = 1e40
+"""Size of a load point [Pa or m] whose square, as that of its inverse, can be calculated with."""
+
+
+def require_scene(hm: object, material: object) -> None:
+    """Refuse what is no height map or no half-space, such as a bare array or a bare modulus.
+
+    Raises
+    ------
+    InputError
+        Saying what to give instead.
+    """
+    require_map(hm)
+    if not (hasattr(material, "modulus") and hasattr(material, "m")):
+        raise InputError(
+            f"an asperity.HalfSpace is needed, not {type(material).__name__}: "
+            "asperity.HalfSpace(E, nu) or asperity.HalfSpace.from_modulus(modulus)"
+        )
+
+
+def slope_scale(hm: HeightMap) -> tuple[float, float]:
+    """Root-mean-square slope [-] and the length [m] over which it turns, by finite differences."""
+    found = hm.roughness
+    return found.rms_slope, min(found.length, max(hm.size))
+
+
+def pressure_scale(hm: HeightMap, material: HalfSpace) -> float:
+    """Pressure E* h' [Pa] that flattens the roughness, with the modulus met at its own scale.
+
+    A graded half-space answers a wave of number q like a homogeneous one of modulus proportional
+    to E_m* q^-m (docs/half_space.md), taken here at the length over which the slope turns.
+    """
+    slope, length = slope_scale(hm)
+    return float(material.modulus * length**material.m * slope)
+
+
+def default_pressures(hm: HeightMap, material: HalfSpace, count: int = 10) -> NDArray[np.float64]:
+    """Mean pressures [Pa], geometric, for about 0.1 % to 10 % of contact.
+
+    Raises
+    ------
+    InputError
+        If the map has no slope.
+    """
+    scale = pressure_scale(hm, material)
+    if scale == 0.0:
+        raise InputError("the rms slope of the map gives no scale of pressure; name the loads")
+    low, high = np.array([1e-3, 1e-1]) / AREA_OVER_LOAD * scale
+    return np.geomspace(low, high, count)
+
+
+def expected_area_fraction(hm: HeightMap, material: HalfSpace, pressure: float) -> float:
+    """Rough forecast of the real contact area fraction at a mean pressure, at most 1."""
+    scale = pressure_scale(hm, material)
+    return math.erf(0.5 * math.sqrt(math.pi) * AREA_OVER_LOAD * pressure / scale) if scale else 1.0
+
+
+def checked_loads(
+    hm: HeightMap,
+    material: HalfSpace,
+    pressures: ArrayLike | None,
+    separations: ArrayLike | None,
+) -> tuple[str, NDArray[np.float64]]:
+    """Kind ("pressure" or "separation") and values of the load points.
+
+    Raises
+    ------
+    InputError
+        If the map or the material is none, both kinds of load are given, a value is no finite
+        number or one that cannot be calculated with, or a pressure is negative.
+    """
+    require_scene(hm, material)
+    if pressures is not None and separations is not None:
+        raise InputError("give either pressures or separations, not both")
+    kind, chosen = "pressure", pressures
+    if separations is not None:
+        kind, chosen = "separation", separations
+    elif pressures is None:
+        chosen = default_pressures(hm, material)
+    try:
+        filled = np.ma.filled(np.ma.asarray(chosen, dtype=np.float64), np.nan)
+        values = np.atleast_1d(filled).ravel()
+    except (TypeError, ValueError):
+        values = np.empty(0)
+    if not values.size or not np.isfinite(values).all():
+        raise InputError(f"the {kind} load points must be finite numbers, at least one")
+    if kind == "pressure" and (values < 0).any():
+        raise InputError(
+            f"mean pressure {values.min():.4g} Pa is negative; compression is positive"
+        )
+    strange = (abs(values) > _LARGEST) | ((abs(values) < 1 / _LARGEST) & (values != 0))
+    if strange.any():
+        unit = "Pa" if kind == "pressure" else "m"
+        raise InputError(
+            f"the {kind} {values[strange][0]:.4g} {unit} is beyond what can be calculated "
+            f"({1 / _LARGEST:g} to {_LARGEST:g} {unit}, or zero)"
+        )
+    return kind, values

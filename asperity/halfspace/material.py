@@ -1,0 +1,145 @@
+"""The elastic half-space: homogeneous, or graded as a power of depth."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from asperity.errors import InputError
+
+__all__ = ["HalfSpace"]
+
+_SOFTEST, _STIFFEST = 1e-40, 1e40
+"""Moduli [Pa] whose products with lengths and each other floating-point numbers hold."""
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """Elastic half-space with Young's modulus E(z) = E z^m and constant Poisson ratio.
+
+    Parameters
+    ----------
+    E
+        Young's modulus [Pa] of the homogeneous body (m = 0), or the factor of z^m [Pa m^-m];
+        positive.
+    nu
+        Poisson ratio, -1 < nu <= 1/2.
+    m
+        Exponent of the grading, -1 < m < 1; 0 is the homogeneous body.
+
+    Raises
+    ------
+    InputError
+        If a value is outside its range.
+
+    Notes
+    -----
+    The contact partner is rigid; `HalfSpace.pair` combines two deformable bodies. `modulus` is
+    E* = E / (1 - nu^2) for m = 0 and the effective graded modulus E_m* [Pa m^-m] otherwise: the
+    flat round punch of radius a has the stiffness 2 E_m* a^(1+m) / (1+m) (Popov, Li and Willert
+    2023, equations 9, 11, 13).
+
+    Examples
+    --------
+    >>> HalfSpace(210e9, 0.3).modulus == 210e9 / (1 - 0.3**2)
+    True
+    """
+
+    E: float | None
+    nu: float | None
+    m: float = 0.0
+    modulus: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        if self.E is None or self.nu is None:
+            raise InputError("HalfSpace needs E and nu; use HalfSpace.from_modulus without them")
+        young, nu, m = _number(self.E, "E"), _number(self.nu, "nu"), _exponent(self.m)
+        _require_modulus(young, "E")
+        if not -1 < nu <= 0.5:
+            raise InputError(f"nu must lie in -1 < nu <= 0.5, got {nu:g}")
+        self._fill(young, nu, m, young / (1 - nu * nu) * _grading_factor(m, nu))
+
+    @classmethod
+    def from_modulus(cls, modulus: float, m: float = 0.0) -> HalfSpace:
+        """Half-space given by its effective modulus E* (or E_m*, [Pa m^-m]) alone.
+
+        Raises
+        ------
+        InputError
+            If the modulus is not positive, or m outside (-1, 1).
+        """
+        value = _number(modulus, "modulus")
+        _require_modulus(value, "modulus")
+        body = object.__new__(cls)
+        body._fill(None, None, _exponent(m), value)
+        return body
+
+    @classmethod
+    def pair(cls, first: HalfSpace, second: HalfSpace) -> HalfSpace:
+        """Composite of two deformable bodies, 1/E* = 1/E1* + 1/E2*; the gradings must agree.
+
+        Raises
+        ------
+        InputError
+            If the bodies are not two `HalfSpace`, or their gradings differ.
+        """
+        for body in (first, second):
+            if not isinstance(body, cls):
+                raise InputError(f"a composite is of two HalfSpace, not {type(body).__name__}")
+        if first.m != second.m:
+            raise InputError(
+                f"bodies graded with m = {first.m:g} and m = {second.m:g} have no composite "
+                "modulus; both need the same m"
+            )
+        product = first.modulus / (first.modulus + second.modulus) * second.modulus
+        return cls.from_modulus(product, first.m)
+
+    def _fill(self, young: float | None, nu: float | None, m: float, modulus: float) -> None:
+        for name, value in (("E", young), ("nu", nu), ("m", m), ("modulus", modulus)):
+            object.__setattr__(self, name, value)
+
+
+def _grading_factor(m: float, nu: float) -> float:
+    """h(m, nu) of E_m* = E h / (1 - nu^2); 1 at m = 0 (equation 13)."""
+    if m == 0:
+        return 1.0
+    beta = math.sqrt((1 + m) * (1 - m * nu / (1 - nu)))
+    log_c = (
+        (1 + m) * math.log(2)
+        + math.lgamma((3 + m + beta) / 2)
+        + math.lgamma((3 + m - beta) / 2)
+        - math.log(math.pi)
+        - math.lgamma(2 + m)
+    )
+    log_ratio = math.lgamma(1 + m / 2) - math.lgamma((1 + m) / 2) - log_c
+    cosine = math.sin((1 - abs(m)) * math.pi / 2)
+    below = math.sqrt(math.pi) * beta * math.sin(beta * math.pi / 2)
+    return 2 * (1 + m) * cosine * math.exp(log_ratio) / below
+
+
+def _number(value: float, name: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be a number, got {value!r}") from None
+    if not math.isfinite(number):
+        rigid = number == math.inf and name in ("E", "modulus")
+        hint = "; of a rigid and an elastic body take the elastic one alone" if rigid else ""
+        raise InputError(f"{name} must be finite, got {number}{hint}")
+    return number
+
+
+def _require_modulus(value: float, name: str) -> None:
+    if value <= 0:
+        raise InputError(f"{name} must be positive, got {value:g} Pa")
+    if not _SOFTEST <= value <= _STIFFEST:
+        raise InputError(
+            f"{name} is {value:g} Pa, beyond {_SOFTEST:g} to {_STIFFEST:g} Pa; check its unit"
+        )
+
+
+def _exponent(value: float) -> float:
+    m = _number(value, "m")
+    if not -1 < m < 1:
+        raise InputError(f"m must lie in -1 < m < 1, got {m:g}")
+    return m

@@ -1,0 +1,1 @@
+"""Displacements of many footprints: near pairs summed, the smooth part on a mesh."""

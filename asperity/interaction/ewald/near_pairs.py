@@ -1,0 +1,92 @@
+"""Lists of the near pairs of points, and the threads that share the work on them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.threads import threads
+from surfaces.numerics.parallel import each
+
+from . import _list_kernels
+from ._select_vectors import LANES
+
+__all__ = ["chunks", "near_pairs", "run", "total"]
+
+PAIRS_PER_THREAD = 25_000
+"""Pairs whose part of a field repays a thread."""
+
+CROWDED = 200
+"""Pairs of points in neighboring cells, for each point, from which on near pairs are counted before
+their memory is taken."""
+
+
+SLACK = 8
+"""Places behind the last pair of a chunk that whole vectors may read or write."""
+
+
+def total(
+    parts: NDArray[np.floating], rows: NDArray[np.int64] | None = None
+) -> NDArray[np.floating]:
+    """Sum of what all chunks have made, in the place of the first; of these `rows` only, if any."""
+    here = slice(None) if rows is None else slice(*rows)
+    for part in parts[1:]:
+        parts[0, here] += part[here]
+    return np.asarray(parts[0])
+
+
+def run(loop: Callable[[int, NDArray[np.int64]], None], rows: NDArray[np.int64]) -> None:
+    """Call loop(c, rows[c]) for every chunk of rows, on as many threads."""
+    if len(rows) == 1:
+        loop(0, rows[0])
+        return
+    each(lambda c: loop(c, rows[c]), range(len(rows)))
+
+
+def near_pairs(
+    y: NDArray[np.float64],
+    x: NDArray[np.float64],
+    start: NDArray[np.int64],
+    cells: tuple[int, int],
+    size: tuple[float, float],
+    wrap: bool,
+    cut: float,
+) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float32]]:
+    """Pairs i < j within the cut-off: bounds (n, 2), columns, distances by y and x (2, pairs)."""
+    n = len(y)
+    count = max(1, min(threads(), n // 2000, cells[0]))
+    edges = np.linspace(0, cells[0], count + 1).astype(np.int64)
+    rows = np.stack((edges[:-1], edges[1:]), axis=1)
+    ptr = np.zeros((n, 2), np.int64)
+    col, pair = np.empty(0, np.int32), np.empty((2, 0), np.float32)
+    first = np.zeros(len(rows) + 1, np.int64)
+    room = np.zeros(len(rows), np.int64)
+
+    y, x = (np.concatenate((place, np.zeros(LANES))) for place in (y, x))
+
+    def find(c: int, part: NDArray[np.int64]) -> None:
+        place = y, x, start, cells, size, wrap, cut * cut, part, first[c]
+        room[c] = _list_kernels.half_list(*place, ptr, col, pair)
+
+    most = [_list_kernels.most_pairs(start, cells, wrap, part) for part in rows]
+    if sum(most) > CROWDED * n:
+        run(find, rows)
+    else:
+        # memory that is never touched costs nothing
+        room[:] = most
+    if room.any():
+        first[1:] = np.cumsum(room + SLACK)
+        col, pair = np.zeros(first[-1], np.int32), np.zeros((2, first[-1]), np.float32)
+        run(find, rows)
+    return ptr, col, pair
+
+
+def chunks(pairs: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Runs of rows with about equal work, one for each thread, shape (chunks, 2)."""
+    count = max(1, min(threads(), int(pairs.sum()) // PAIRS_PER_THREAD))
+    work = np.cumsum(pairs + 8)
+    inner = np.searchsorted(work, work[-1] * np.arange(1, count) / count)
+    edges = np.concatenate(([0], inner, [len(pairs)])).astype(np.int64)
+    return np.stack((edges[:-1], edges[1:]), axis=1)

@@ -1,0 +1,375 @@
+"""Displacements of many footprints by each other, at nearly linear cost."""
+
+from __future__ import annotations
+
+import copy
+import functools
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.interaction.footprint import Footprints, at_origin, pair_table, smooth_polynomials
+from surfaces.numerics.parallel import each
+
+from . import _list_kernels, _pair_kernels, mesh_kernels
+from .mesh import Mesh, mesh_of
+from .near_pairs import chunks, near_pairs, run, total
+from .two_level import Afar
+
+__all__ = ["CAP", "Field", "Interaction"]
+
+NEIGHBOURS = 15
+"""Neighbours within the cut-off, on average."""
+
+FEW, NEAREST = 3_500, 11
+"""Points whose mesh is short, and their neighbours: pairs and mesh then take the same time."""
+
+CUT = 2.0
+"""Cut-off of the near pairs over the split length eta."""
+
+WIDEST = 3.0
+"""Least split length over the root of the widest variance: moments must stay an expansion."""
+
+CAP = 0.35
+"""Largest variance over the squared split length that the expansion takes; wider footprints keep
+this second moment beyond the cut-off."""
+
+LARGEST_CUT = 0.499
+"""Largest cut-off of a periodic cell over its shorter side."""
+
+PAIRS_ASIDE = 40_000
+"""Near pairs that repay to be summed beside the mesh, on another thread."""
+
+RUNG = 1.19
+"""Ratio of the cut-offs that plans of a periodic cell may have: they share meshes then."""
+
+NODES = 1.7
+"""Mesh nodes per split length."""
+
+TANGENT_NODES = 0.7
+"""Mesh nodes of tangents over those of fields, each way: their products differ by 0.1 % then."""
+
+ROUND = np.array([1.0, 1.0, 0.0])
+"""Moments yy, xx, xy of a round footprint over its variance."""
+
+BEADS = np.stack(np.polynomial.hermite_e.hermegauss(4)).astype(np.float32)
+BEADS[1] /= BEADS[1].sum()
+"""Gauss nodes and weights along an elongated footprint."""
+
+
+class Field(NamedTuple):
+    """Displacement by forces and what belongs to it, at each point.
+
+    Attributes
+    ----------
+    value
+        v0_i = sum_j F_j N(r_ij; m_i, m_j) [m], with its own images, shape (n,).
+    slope
+        v1_i = sum_j F_j dN/dm_i [1/m], shape (n,).
+    tilt
+        Gradient [-] of the displacement by all others, shape (n, 2); footprints receive with their
+        variance and `growth`.
+    moved
+        Displacement [m] by the moments, shape (n,).
+    longer
+        Displacement [m] by elongated footprints less that by round ones of their mean moment,
+        shape (n,).
+    """
+
+    value: NDArray[np.float64]
+    slope: NDArray[np.float64]
+    tilt: NDArray[np.float64]
+    moved: NDArray[np.float64]
+    longer: NDArray[np.float64]
+
+
+class Interaction:
+    """Plan of the interaction among points at fixed places.
+
+    Parameters
+    ----------
+    y, x
+        Places [m], shape (n,); inside the cell if it is periodic.
+    cell
+        Nominal cell (Ly, Lx) [m].
+    boundary
+        "periodic": the zero-mean kernel of the cell, images and self-images included;
+        "free": one half-space.
+    footprints
+        Kernel of the half-space.
+    widest
+        Variance [m^2] that few footprints exceed; the split length is kept well above its root.
+    neighbours, cut, nodes
+        Accuracy against cost: mean number of near neighbours, cut-off over the split length,
+        mesh nodes per split length.
+
+    Attributes
+    ----------
+    order
+        Points sorted by cell list, shape (n,): every vector given to or returned by the plan is
+        `vector[order]`.
+    pairs
+        Number of near pairs.
+    afar
+        The points by cells.
+    lowest
+        Least displacement [m] of the mesh part of the last field, or zero.
+    round
+        Moments yy, xx, xy of round footprints over their variance, shape (n, 3).
+
+    Notes
+    -----
+    Ewald split. With m_i the variance of the footprint of force F_i, the pair energy is
+    F_i F_j N(r_ij; m_i, m_j). Its smooth part is a mesh convolution between
+    (1 + m_i/2 Laplacian) F_i delta(r - r_i), the moments being taken in the deposit and gather
+    weights. The near part, within the cut-off, is
+    g(r; m_i + m_j) - [1 + (m_i + m_j)/2 Laplacian + m_i m_j/4 Laplacian^2] f(r), exact there;
+    beyond it (m_i^2 + m_j^2)/8 Laplacian^2 of the point kernel is left out. An elongated footprint
+    is round with its mean moment in all of this; what it lacks then is added to near pairs.
+    """
+
+    def __init__(
+        self,
+        y: NDArray[np.float64],
+        x: NDArray[np.float64],
+        cell: tuple[float, float],
+        boundary: str,
+        footprints: Footprints,
+        *,
+        widest: float = 0.0,
+        neighbours: float | None = None,
+        cut: float = CUT,
+        nodes: float = NODES,
+    ) -> None:
+        self.footprints = footprints
+        periodic = boundary == "periodic"
+        self.origin = (0.0, 0.0) if periodic else (float(y.min()), float(x.min()))
+        if periodic:
+            size = (float(cell[0]), float(cell[1]))
+            y, x = _inside(y, size[0], True), _inside(x, size[1], True)
+        else:
+            small = 1e-9 * math.hypot(*cell)
+            y, x = y - self.origin[0], x - self.origin[1]
+            size = (float(y.max()) + small, float(x.max()) + small)
+        if neighbours is None:
+            neighbours = NEAREST if len(y) <= FEW else NEIGHBOURS
+        # within this distance of a point there are `neighbours` of a plane or, if more, of a line
+        reach = max(
+            math.sqrt(neighbours / math.pi * size[0] * size[1] / len(y)),
+            0.5 * neighbours * max(size) / len(y),
+        )
+        floor = cut * WIDEST * math.sqrt(widest)
+        reach = max(reach, floor)
+        if periodic:
+            reach = _repeated(reach, floor, LARGEST_CUT * min(size))
+        else:
+            reach = max(min(reach, 1.01 * math.hypot(*size)), 0.02 * math.hypot(*size), floor)
+        self.eta = reach / cut
+        self.sides = size
+        size = (size[0] / self.eta, size[1] / self.eta)
+        y, x = y / self.eta, x / self.eta
+        ny, nx = int(size[0] / cut), int(size[1] / cut)
+        cells = (ny if ny >= 3 else 1, nx if nx >= 3 else 1)
+        self.order = np.empty(len(y), np.int64)
+        start = np.empty(cells[0] * cells[1] + 1, np.int64)
+        _list_kernels.by_cell(y, x, size, cells, self.order, start)
+        self.y, self.x = y[self.order], x[self.order]
+        self.size, self.wrap, self.cut = size, periodic, cut
+
+        def pairs() -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float32]]:
+            return near_pairs(self.y, self.x, start, cells, size, periodic, cut)
+
+        def meshes() -> tuple[Mesh, Mesh]:
+            return (
+                mesh_of(footprints, size, periodic, nodes, np.float64),
+                mesh_of(footprints, size, periodic, TANGENT_NODES * nodes, np.float32),
+            )
+
+        near, mesh = each(lambda part: part(), (pairs, meshes))
+        self.ptr, self.col, self.pair = near
+        self.mesh: Mesh = mesh[0]
+        self.mesh_aside = self.mesh.single
+        self.tangent_mesh: Mesh = mesh[1]
+        self.afar = Afar(self)
+        self.value_table, self.shape, self.far = _tables(footprints.m, cut * cut)
+        self.own = at_origin(footprints.m)
+        self.scale = footprints.point * self.eta**-footprints.power
+        self.scales = self.scale * np.array([1.0, self.eta**-2, 1 / self.eta])
+        counts = self.ptr[:, 1] - self.ptr[:, 0]
+        self.pairs = int(counts.sum())
+        self.rows = chunks(counts)
+        self.part = np.zeros((len(self.rows), len(y), 6))
+        self.masses = np.zeros((1, *self.mesh.shape))
+        self.aside = np.zeros((1, *self.mesh.shape), np.float32)
+        self.tangent_col = np.empty(len(self.col) + 1, np.int32)
+        self.tangent_value = np.empty(len(self.col) + 1, np.float32)
+        self.smooth, self.lowest = np.zeros(self.mesh.shape), 0.0
+        self.round = np.tile(ROUND, (len(y), 1))
+        self.form = (np.empty(0), np.empty(0), np.empty(0), np.empty(0, np.float32))
+
+    def field(
+        self,
+        force: NDArray[np.float64],
+        variance: NDArray[np.float64],
+        growth: NDArray[np.float64] | None = None,
+        moment: NDArray[np.float64] | None = None,
+        form: NDArray[np.float64] | None = None,
+    ) -> Field:
+        """Displacement by forces spread with their variances.
+
+        Parameters
+        ----------
+        force
+            Force [N] at each point, shape (n,).
+        variance
+            Variance per axis [m^2] of each footprint, shape (n,).
+        growth, moment
+            To know the gradients too, and the field of forces that have moved: variance [m^2] by
+            which the footprint of an increment exceeds that of the whole force, shape (n,), and
+            force times shift [N m], shape (n, 2).
+        form
+            Second moments yy, xx, xy of elongated footprints over their variance, shape (n, 3).
+        """
+        n, moves = len(force), moment is not None
+        size, skew, shape = self.shaped(form)
+        m, record, wide = np.empty(n), np.empty((n, 4)), np.empty(n, np.float32)
+        moment = np.empty((0, 2)) if moment is None else moment
+        dipole = np.empty((n if moves else 1, 2))
+        growth = np.empty(0) if growth is None else growth
+        _pair_kernels.in_split_lengths(
+            variance, growth, moment, size, skew, CAP, self.eta, m, record, wide, dipole
+        )
+        masses, aside = self.masses, self.aside[: int(moves)]
+        found = Field(np.empty(n), np.empty(n), np.zeros((n, 2)), np.zeros(n), np.zeros(n))
+
+        def far() -> tuple[NDArray[np.floating], NDArray[np.floating]]:
+            place = self.y, self.x, force, m, CAP, dipole, self.mesh.per_step
+            mesh_kernels.deposit(np.array([0, n]), *place, masses, aside)
+            return self.mesh.convolve(masses), self.mesh_aside.convolve(aside) if moves else aside
+
+        def near(c: int) -> None:
+            _pair_kernels.near_fields(
+                self.rows[c],
+                force,
+                record,
+                wide,
+                shape,
+                dipole,
+                moves,
+                CAP,
+                self.ptr,
+                self.col,
+                self.pair,
+                self.value_table,
+                self.shape,
+                self.far,
+                BEADS,
+                self.footprints.power,
+                self.part[c],
+            )
+
+        def receivers(_: int, rows: NDArray[np.int64]) -> None:
+            place = self.y, self.x, force, m, CAP, self.own, self.mesh.per_step, self.scales
+            near = total(self.part, rows)
+            mesh_kernels.gather(rows, *place, size, smooth, other, near, *found)
+
+        parts: list[Callable[[], Any]] = [
+            far,
+            *(functools.partial(near, c) for c in range(len(self.rows))),
+        ]
+        if self.pairs > PAIRS_ASIDE:
+            (smooth, other), *_ = each(lambda part: part(), parts)
+        else:
+            (smooth, other), *_ = [part() for part in parts]
+        self.smooth = smooth[0]
+        self.lowest = float(self.scale * min(0.0, float(self.smooth.min())))
+        run(receivers, self.rows)
+        return found
+
+    def holds(self, widest: float) -> bool:
+        """Whether the split length is that of footprints of this variance [m^2], or the largest
+        that the cell has."""
+        largest = self.wrap and self.cut * self.eta >= LARGEST_CUT * min(self.sides)
+        return largest or self.eta >= WIDEST * math.sqrt(widest)
+
+    def moved(self, dy: NDArray[np.float64], dx: NDArray[np.float64]) -> Interaction:
+        """The plan of the same pairs with its points a little aside, by `dy` and `dx` [m], shape
+        (n,) in its order. Both share their work space."""
+        plan = copy.copy(self)
+        steps = dy / self.eta, dx / self.eta
+        plan.y, plan.x = (
+            _inside(place + step, size, self.wrap)
+            for place, step, size in zip((self.y, self.x), steps, self.size, strict=True)
+        )
+        row = np.repeat(np.arange(len(dy)), np.diff(self.ptr[:, 0], append=len(self.col)))
+        change = [(step[row] - step[self.col]).astype(np.float32) for step in steps]
+        plan.pair = self.pair + np.stack(change)
+        return plan
+
+    def shaped(
+        self, form: NDArray[np.float64] | None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float32]]:
+        """Of footprints of moments `form` over their variance: the mean moment, which all pairs
+        take; and what near pairs read besides: half the difference of the principal moments over
+        it, both of shape (n,), and `form` over it by components, (3, n)."""
+        form = self.round if form is None else form
+        if form is not self.form[0]:
+            size = 0.5 * (form[:, 0] + form[:, 1])
+            parts = form.T / size
+            skew = np.hypot(0.5 * (parts[1] - parts[0]), parts[2])
+            self.form = form, size, skew, parts.astype(np.float32, order="C")
+        return self.form[1:]
+
+    def potential(self, y: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Displacement [m] of the last field at any places [m], shape (n,), without near contacts.
+
+        These add to it, so that it is a lower bound but for the moments. Beyond the points of a
+        free half-space it is taken as zero, as far away.
+        """
+        frame = self.origin, self.eta, self.size, self.wrap, self.mesh.per_step, self.scale
+        out = np.empty(len(y))
+        mesh_kernels.sample(y, x, *frame, self.smooth, out)
+        return out
+
+
+def _repeated(wanted: float, least: float, most: float) -> float:
+    """The cut-off nearest to that wanted, and not below the least, of those that plans share."""
+    if wanted >= most:
+        return most
+    rungs = round(math.log(most / wanted, RUNG))
+    if most * RUNG**-rungs < least:
+        rungs -= 1
+    return most * RUNG ** -max(rungs, 0)
+
+
+def _inside(place: NDArray[np.float64], size: float, wrap: bool) -> NDArray[np.float64]:
+    """Places in a cell that repeats, or not beyond the border of one that does not."""
+    if not wrap:
+        return np.clip(place, 0.0, size)
+    if place.min() >= 0.0 and place.max() < size:
+        return place
+    place = np.mod(place, size)
+    return np.where(place < size, place, 0.0)
+
+
+@functools.lru_cache(maxsize=16)
+def _tables(
+    m: float, limit: float
+) -> tuple[NDArray[np.float64], NDArray[np.float32], NDArray[np.float32]]:
+    """What the near pairs read of the kernel.
+
+    The first column of `pair_table` in double precision, followed by its rise from node to node,
+    shape (2, nodes + 1); all in single, each number with its rise, (3, nodes + 1, 2); and
+    `smooth_polynomials` in single precision, followed by a row that starts with the place about
+    which they are expanded.
+    """
+    table = pair_table(m).T
+    rise = np.diff(table, axis=1, append=table[:, -1:])
+    shape = np.stack((table, rise), axis=-1)
+    value = shape[0].T.copy()
+    far = smooth_polynomials(m, limit)
+    far = np.concatenate((far, np.full((1, far.shape[1]), limit / 2)))
+    return value, shape.astype(np.float32, order="C"), far.astype(np.float32)

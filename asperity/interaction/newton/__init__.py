@@ -1,0 +1,1 @@
+"""The coupled problem of the contacts, and its solution by Newton steps."""

@@ -1,0 +1,143 @@
+"""What a descent ends with: the last Newton step, and the answer to a fall of the plane."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .conjugate_gradients import conjugate_gradients
+from .laws import Evaluated
+from .problem import Problem, State
+from .residual import Residual
+from .step import Step
+from .tangent import Tangent
+
+__all__ = ["Solution", "answer", "finished", "shared", "tangent_of"]
+
+FORCING = 0.2
+"""Relative accuracy of the linear solve of a step."""
+
+RESPONSE = 0.1
+"""The same of the answer to a fall of the plane; twice as many digits of its sum are right."""
+
+FALLS = 2
+"""Small falls of the plane that bring a point to its load."""
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """What `descend` reached.
+
+    Attributes
+    ----------
+    separation
+        Separation s [m] of the point.
+    approach
+        Approach d [m] of each contact, zero where it is open.
+    wanted
+        z - s - u [m]: the approach where the contact is closed, minus the gap where it is open.
+    laws
+        Laws at the approach.
+    tilt
+        Gradients [-] of the displacement at this point, as far as they have settled, shape (n, 2).
+    residual
+        sum |r_i| k_i over sum F_i, an upper estimate of the relative error of the load.
+    steps, products
+        Newton steps, and applications of the interaction in all.
+    reason
+        "" if converged.
+    shares
+        Approach that each contact gains per fall of the plane [-], shape (n,), as far as known.
+    answer
+        Makes minus the slope of the load over the separation [N/m], and the shares.
+    restless
+        Contacts that have kept the point from settling, shape (n,); None if no single ones have.
+    """
+
+    separation: float
+    approach: Array
+    wanted: Array
+    laws: Evaluated
+    tilt: Array
+    residual: float
+    steps: int
+    products: int
+    reason: str
+    shares: Array
+    answer: Callable[[], tuple[float, Array]]
+    restless: NDArray[np.bool_] | None = None
+
+    @functools.cached_property
+    def load(self) -> float:
+        """Sum of the forces [N]."""
+        return float(self.laws.force.sum())
+
+
+def finished(
+    problem: Problem, state: State, residual: Residual, found: Solution, load: float
+) -> Solution:
+    """After the last Newton step, which is taken without a look at what it leaves, and at the load:
+    the rest of it follows from the answer to a fall of the plane, by the same tangent."""
+    tangent = tangent_of(problem, residual)
+    rows, error = tangent.index, residual.error[tangent.index]
+    move = Step(problem, state, residual, tangent)
+    solved = conjugate_gradients(tangent, error, tolerance=FORCING, held=True)
+    approach, wanted = np.zeros(len(state.approach)), residual.wanted - solved.constant
+    approach[rows] = move.approach(solved.solution)
+    wanted[rows] = move.wanted_after(solved.constant, solved.solution, error - solved.residual)
+    separation = found.separation + solved.constant
+    slope, shares, products = _answer(tangent, residual, found.shares)
+    for _ in range(FALLS if slope > 0 else 0):
+        fall = (load - float(move.laws(approach[rows]).force.sum())) / slope
+        closed = approach > 0
+        approach[closed] = np.maximum(approach + fall * shares, 0.5 * approach)[closed]
+        separation, wanted = separation - fall, wanted + fall
+    return replace(
+        found,
+        separation=separation,
+        approach=approach,
+        wanted=wanted,
+        laws=problem.laws(approach),
+        products=found.products + solved.products + products,
+        shares=shares,
+        answer=lambda: (slope, shares),
+    )
+
+
+def answer(problem: Problem, residual: Residual, compliance: Array) -> tuple[float, Array]:
+    """Minus the slope of the load over the separation [N/m], and the approach that each contact
+    gains per fall of the plane [-], shape (n,), from a guess of it."""
+    tangent = tangent_of(problem, residual)
+    if not len(tangent):
+        return 0.0, np.ones(len(residual.error))
+    return _answer(tangent, residual, compliance)[:2]
+
+
+def _answer(tangent: Tangent, residual: Residual, compliance: Array) -> tuple[float, Array, int]:
+    """`answer`, and the products spent, by a tangent that has done its service."""
+    rows = tangent.index
+    # footprints that grow would make it too soft
+    tangent.stiffen(1 / residual.stiffness[rows] - tangent.compliance)
+    start = shared(None, compliance, tangent)
+    solved = conjugate_gradients(tangent, np.ones(len(rows)), tolerance=RESPONSE, start=start)
+    shares = np.ones(len(residual.error))
+    shares[rows] = solved.solution * tangent.compliance
+    # stationary in the solution, so that its error counts twice
+    return float(np.sum(solved.solution * (1 + solved.residual))), shares, solved.products
+
+
+def tangent_of(problem: Problem, residual: Residual) -> Tangent:
+    """Tangent matrix of the active contacts."""
+    return Tangent(problem.plan, residual.active, residual.stiffness, residual.extra, problem.form)
+
+
+def shared(missing: float | None, compliance: Array, tangent: Tangent) -> Array:
+    """A missing load [N] as the contacts will share it; per fall of the plane [N/m] if None."""
+    shares = compliance[tangent.index] / tangent.compliance
+    return shares if missing is None else missing / float(shares.sum()) * shares

@@ -1,0 +1,314 @@
+"""Contact laws of all summits as the solver needs them: force, energy and footprint moment."""
+
+from __future__ import annotations
+
+from typing import Protocol, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.errors import InputError
+from asperity.interaction.footprint import Footprints
+from surfaces.numerics.parallel import blocks, run
+
+from . import _law_kernels
+
+__all__ = ["BLOCK", "FILLED", "STIFFEST", "Evaluated", "Growing", "LawNodes", "Laws"]
+
+BLOCK = 128
+"""Laws made at least at a time, on demand."""
+
+FEW = 64
+"""Laws made at least besides those that lack, where those that will be needed later are foreseen:
+with half as many one more block is made at the last load."""
+
+CONTACTS_PER_THREAD = 10_000
+"""Contacts whose laws repay a thread."""
+
+WHOLE = 400
+"""Laws left to make up to which all are made at once: several small batches would cost more."""
+
+FILLED = 0.5
+"""Contact area over that at reach, the whole basin, beyond which a contact counts as filled."""
+
+STIFFEST = 1.5
+"""Largest stiffness over that of a round punch of the same area; an ellipse of 6:1 has 1.28."""
+
+
+class LawNodes(Protocol):
+    """What the solver reads of a table of contact laws (`asperity.microcontact.law_table`)."""
+
+    @property
+    def reach(self) -> NDArray[np.float64]: ...
+
+    @property
+    def force(self) -> NDArray[np.float64]: ...
+
+    @property
+    def stiffness(self) -> NDArray[np.float64]: ...
+
+    @property
+    def area(self) -> NDArray[np.float64]: ...
+
+    @property
+    def exponent(self) -> float: ...
+
+
+class Growing(Protocol):
+    """A table whose rows are made on demand (`asperity.microcontact.lazy_table`)."""
+
+    ready: NDArray[np.bool_]
+
+    @property
+    def table(self) -> LawNodes: ...
+
+    def __len__(self) -> int: ...
+
+    def ensure(self, rows: NDArray[np.int64]) -> NDArray[np.int64]: ...
+
+
+class Evaluated:
+    """Laws of some contacts at their approaches; arrays over the contacts.
+
+    Attributes
+    ----------
+    force, stiffness
+        F [N] and its slope k = dF/dd [N/m].
+    area
+        Contact area [m^2].
+    energy
+        U = int_0^d F dd [J].
+    moment
+        m = (1/F) int_0^F v(k) dF [m^2], the variance of the footprint of the whole force.
+    growth
+        F dm/dF = v - m [m^2], by which the footprint of an increment exceeds it.
+    """
+
+    __slots__ = ("area", "energy", "force", "growth", "moment", "stiffness")
+
+    def __init__(self, n: int) -> None:
+        self.force, self.stiffness, self.area = np.empty((3, n))
+        self.energy, self.moment, self.growth = np.empty((3, n))
+
+
+class Laws:
+    """Force, energy and footprint moment of many contacts over their approach.
+
+    Parameters
+    ----------
+    nodes
+        Tables with `reach` (n,) [m], `force` [N], `stiffness` [N/m] and `area` [m^2] (n, K+1) at
+        the approaches reach (j/K)^2, and the `exponent` p of F = v^p s(v), v = K sqrt(d/reach); or
+        a growing table, whose rows are made when they are needed.
+    footprints
+        Kernel that turns a stiffness into a footprint.
+
+    Attributes
+    ----------
+    index
+        Rows of the table that belong to these contacts, shape (n,).
+
+    Notes
+    -----
+    The table holds 6 numbers for each node v = j: s and its slope ds/dv; the constant of the energy
+    in [j, j+1]; the moment and its slope dm/dv; area/v^2.
+
+    s is a cubic Hermite polynomial, linear in the first interval, so that Hertz contacts are exact
+    at any grading; of a tip that is no paraboloid (`BLUNT`) all are powers of v there. The energy
+    is integrated in closed form; the moment is a growing cubic Hermite polynomial with the slope
+    dm/dF = (v - m)/F at the nodes. Beyond `reach` the basin is filled: the contact is a flat punch
+    of constant stiffness and footprint.
+
+    The coupled problem needs what every true law has (docs/half_space.md): a contact grows with its
+    approach, and its stiffness with it, up to that of a flat punch of the contact. A table that
+    breaks this gets the largest convex force below its own, no steeper than `STIFFEST` times a
+    round punch of its largest area; nodal stiffnesses are kept between those of the neighboring
+    intervals.
+    """
+
+    def __init__(self, nodes: LawNodes | Growing, footprints: Footprints) -> None:
+        self.footprints = footprints
+        self.store = _Store(nodes, footprints)
+        self.index = np.arange(len(self.store.reach))
+
+    def __len__(self) -> int:
+        return len(self.index)
+
+    def rows(self, index: NDArray[np.int64]) -> Laws:
+        """The laws of the contacts `index` alone; the table is shared."""
+        part = object.__new__(Laws)
+        part.footprints, part.store, part.index = self.footprints, self.store, self.index[index]
+        return part
+
+    @property
+    def reach(self) -> NDArray[np.float64]:
+        """Approach [m] of the last node, shape (n,)."""
+        return self.store.reach[self.index]
+
+    @property
+    def usable(self) -> NDArray[np.bool_]:
+        """Contacts that can carry load, or whose law is not made yet, shape (n,)."""
+        return self.store.usable[self.index]
+
+    @property
+    def repaired(self) -> NDArray[np.bool_]:
+        """Contacts whose table broke a law of contact and was mended, shape (n,)."""
+        return self.store.repaired[self.index]
+
+    @property
+    def ready(self) -> NDArray[np.bool_]:
+        """Contacts whose law has been made, shape (n,)."""
+        return self.store.ready[self.index]
+
+    def __call__(self, approach: NDArray[np.float64]) -> Evaluated:
+        """Laws at the approaches [m], shape (n,); zero force where they are not positive."""
+        out, store = Evaluated(len(approach)), self.store
+        if not store.complete:
+            store.need(self.index[approach > 0])
+        run(
+            lambda a, b: _law_kernels.evaluate(
+                (a, b),
+                self.index,
+                approach,
+                store.reach,
+                store.exponent,
+                store.place,
+                store.table,
+                out.force,
+                out.stiffness,
+                out.area,
+                out.energy,
+                out.moment,
+                out.growth,
+            ),
+            blocks(len(approach), CONTACTS_PER_THREAD),
+        )
+        return out
+
+    def expect(self, wanted: NDArray[np.float64]) -> None:
+        """Make the laws of contacts that want to close, and with them those that come next.
+
+        `wanted` is the approach [m] where positive, minus the gap elsewhere, shape (n,).
+        """
+        if self.store.complete:
+            return
+        missing = np.flatnonzero(~self.ready)
+        lacking = int(np.count_nonzero(wanted[missing] > 0))
+        if lacking:
+            block = lacking + max(lacking // 8, FEW)
+            if self.store.ahead is None:
+                block = max(lacking + lacking // 8, BLOCK, int(self.store.ready.sum()) // 40)
+            nearest = missing[np.argsort(-wanted[missing], kind="stable")[:block]]
+            self.store.need(self.index[nearest])
+
+    def foresee(self, rows: NDArray[np.int64] | None) -> None:
+        """Let the laws of the contacts `rows` be made with the next that lack, and few besides;
+        None: as many as come next, since nothing is known of what will be needed."""
+        self.store.ahead = None if rows is None else self.index[rows]
+
+    def make(self) -> None:
+        """Make the laws of all these contacts."""
+        self.store.need(self.index)
+
+    def filled(self, law: Evaluated) -> NDArray[np.bool_]:
+        """Which contacts cover more than `FILLED` of the area that they have at reach."""
+        return np.asarray(law.area > FILLED * self.store.largest.take(self.index))
+
+
+class _Store:
+    """The rows of `Laws`, made all at once or as they are needed.
+
+    The table holds them in the order in which they are made, `place` says where: most contacts of
+    a large surface never touch, and memory that is never touched costs nothing.
+    """
+
+    def __init__(self, nodes: LawNodes | Growing, footprints: Footprints) -> None:
+        self.footprints = footprints
+        self.growing: Growing | None = None
+        if hasattr(nodes, "ensure"):
+            self.growing = cast(Growing, nodes)
+            n = len(self.growing)
+        else:
+            n = len(nodes.reach)
+        self.reach, self.largest = np.zeros((2, n))
+        self.usable, self.repaired, self.ready = np.ones(n, bool), *np.zeros((2, n), bool)
+        self.exponent, self.table = 3.0 + footprints.m, np.empty((n, 0, _law_kernels.NUMBERS))
+        self.place, self.made = np.zeros(n, np.int32), 0
+        self.complete = False
+        self.ahead: NDArray[np.int64] | None = None
+        if self.growing is None:
+            self._add(np.arange(n), cast(LawNodes, nodes))
+
+    def need(self, rows: NDArray[np.int64]) -> None:
+        """Make the rows that are missing, and with them those foreseen."""
+        rows = rows[~self.ready[rows]]
+        if rows.size and self.growing is not None:
+            left = np.flatnonzero(~self.ready)
+            if self.ahead is not None:
+                rows = np.append(rows, self.ahead[~self.ready[self.ahead]])
+            rows = left if len(left) <= WHOLE else np.unique(rows)
+            self.growing.ensure(rows)
+            self._add(rows, self.growing.table)
+
+    def _add(self, rows: NDArray[np.int64], nodes: LawNodes) -> None:
+        names = ("reach", "force", "stiffness", "area")
+        reach, force, stiffness, area = (np.asarray(getattr(nodes, a), float)[rows] for a in names)
+        for name, array in zip(names, (reach, force, stiffness, area), strict=True):
+            if not np.isfinite(array).all():
+                raise InputError(f"law table: {name} holds values that are not finite")
+        if not self.table.shape[1]:
+            self.exponent = float(nodes.exponent)
+            self.table = np.empty((len(self.reach), force.shape[1], _law_kernels.NUMBERS))
+        self.ready[rows] = True
+        self.complete = bool(self.ready.all())
+        good = (reach > 0) & (force[:, -1] > 0)
+        self.usable[rows] = good
+        rows, reach, area = rows[good], reach[good], area[good]
+        cap = STIFFEST * self.footprints.punch(np.sqrt(area.max(axis=1) / np.pi))
+        force, stiffness, self.repaired[rows] = _sound(reach, force[good], stiffness[good], cap)
+        self.reach[rows], self.largest[rows] = reach, area[:, -1]
+        first, self.made = self.made, self.made + len(rows)
+        self.place[rows] = np.arange(first, self.made)
+        table = self.table[first : self.made]
+        run(
+            lambda a, b: _law_kernels.tabulate(
+                reach[a:b],
+                force[a:b],
+                stiffness[a:b],
+                area[a:b],
+                self.exponent,
+                *self.footprints.rule,
+                np.empty((3, force.shape[1])),
+                table[a:b],
+            ),
+            blocks(len(rows), 1000),
+        )
+
+
+def _sound(
+    reach: NDArray[np.float64],
+    force: NDArray[np.float64],
+    stiffness: NDArray[np.float64],
+    cap: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+    """Forces and stiffnesses that both grow, and which rows had to be changed."""
+    steps = force.shape[1] - 1
+    slack = 1e-6 * stiffness[:, -1:]
+    broken = (np.diff(stiffness, axis=1) < -slack).any(axis=1)
+    broken |= (np.diff(force, axis=1) <= 0).any(axis=1)
+    broken |= (stiffness > cap[:, None]).any(axis=1)
+    u2 = (np.arange(steps + 1) / steps) ** 2
+    force, stiffness = force.copy(), stiffness.copy()
+    # a law that stands still would have an infinite compliance
+    hull = np.maximum(force[broken], 1e-3 * force[broken, -1:] * u2**2)
+    hull[:, 0] = 0.0
+    _law_kernels.convex(u2, hull, np.empty(len(u2), np.int64))
+    depth = reach[broken, None] * np.diff(u2)
+    secant = np.minimum(np.diff(hull, axis=1) / depth, cap[broken, None])
+    force[broken, 1:] = np.cumsum(secant * depth, axis=1)
+    force[broken, 0] = 0.0
+    above = np.concatenate((secant, secant[:, -1:]), axis=1)
+    below = np.concatenate((np.zeros((len(secant), 1)), secant), axis=1)
+    above[:, -1] = np.maximum(cap[broken], secant[:, -1])
+    stiffness[broken] = np.clip(stiffness[broken], below, above)
+    return force, stiffness, np.asarray(broken)

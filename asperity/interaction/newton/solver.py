@@ -1,0 +1,244 @@
+"""Convex coupled solve: which contacts close, and how far, at one separation."""
+
+from __future__ import annotations
+
+import functools
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .conjugate_gradients import conjugate_gradients
+from .final_step import FORCING, Solution, answer, finished, shared, tangent_of
+from .problem import Problem, State
+from .residual import Residual
+from .step import Step
+
+__all__ = ["descend"]
+
+MAX_STEPS = 60
+MAX_LOADED_STEPS = 30
+"""Newton steps under a load before its separation is searched for instead."""
+
+MAX_LONG_STEPS = 16
+"""Newton steps with elongated footprints before round ones are taken instead, first of the contacts
+that do not settle."""
+
+MAX_CUTS = 30
+NOISE = 1e-10
+"""Share of the energies below which a change of energy is not known: pairs are tabulated."""
+
+RELAXATION = 0.8
+"""Share of the change of the deflection that an early step takes: more force here means less there,
+so that the full change overshoots."""
+
+SETTLING = 0.6
+"""The same share where a point ends, of which the next ones are forecast: what is extrapolated
+doubles the differences that points leave, and overshoots grew from point to point."""
+
+EARLY = 3
+"""Newton steps from which on the share is taken from how the last change went."""
+
+SHARES = (0.2, 1.0)
+"""Least and largest share."""
+
+SUFFICIENT = 1e-4
+"""Share of the predicted fall of energy that a step must reach (Armijo)."""
+
+RESTLESS = 0.1
+"""Force that the last change of its shift makes in a contact, over the largest of all, from which
+on it has not settled."""
+
+FAR = 0.1
+"""Residual above which it is no matter of single contacts."""
+
+ROUGH = 0.03
+"""Residual above which the laws are taken anew within a step."""
+
+MANY = 400
+"""Closed contacts from which on the errors of both signs average out: under a load, the residual of
+fewer is held to a smaller bound, by the root of their number."""
+
+COARSE = 0.3
+"""Relative accuracy of the linear solve of such a step; half of it after the laws are renewed."""
+
+Array = NDArray[np.float64]
+
+
+def descend(
+    problem: Problem,
+    separation: float,
+    start: Array,
+    *,
+    tolerance: float,
+    tilt: Array | None = None,
+    load: float | None = None,
+    compliance: Array | None = None,
+) -> Solution:
+    """Minimize the energy over non-negative forces.
+
+    Parameters
+    ----------
+    problem
+        Contacts.
+    separation
+        Separation s [m]; the first guess of it if a load is given.
+    start
+        Approaches to start from [m], shape (n,).
+    tolerance
+        Bound on `Solution.residual`; half of it bounds the relative error of the load.
+    tilt
+        Gradients [-] to start the deflection from, shape (n, 2); none if None.
+    load
+        Sum of the forces [N] to reach, positive; at the separation given if None.
+    compliance
+        How much of a small fall of the plane each contact takes up as approach [-], shape (n,): the
+        first guess of how a missing load is shared; all of it if None.
+
+    Notes
+    -----
+    Newton steps on the closed contacts, and on the open ones that would overlap. The matrix is
+    positive definite at every point (`Tangent`), so each step descends; it is taken in the
+    approach, cut back to non-negative values, and shortened until the energy falls by a fixed share
+    of its slope (Armijo). At a given separation the energy falls at every step and is bounded
+    below. Under a given load the separation is one more unknown of each step, the multiplier of
+    sum F = load, and the step has to lower the energy at its own new separation.
+
+    The deflection is held while a step is taken, and the shifts follow one step behind the forces.
+    A point is final if its residual is small together with what the last change of the shifts can
+    still do to it (`State.lag`).
+    """
+    tilt = np.zeros((len(start), 2)) if tilt is None else np.ascontiguousarray(tilt)
+    if compliance is None:
+        compliance = np.ones(len(start))
+    state = State.at(problem, np.maximum(start, 0.0), tilt)
+    limit = MAX_STEPS if load is None else MAX_LOADED_STEPS
+    limit = limit if problem.elongation is None else MAX_LONG_STEPS
+    products, reason, held, share = 1, "", None, RELAXATION
+    last = np.zeros(len(start))
+    for step in range(limit + 1):
+        residual = Residual(problem, state, separation, load is not None)
+        separation = residual.separation
+        missing = 0.0 if load is None else load - float(state.laws.force.sum())
+        error, wrong = residual.relative + state.lag, abs(missing) / (load or 1.0)
+        closed = int(np.count_nonzero(state.approach))
+        few = 1.0 if load is None else min(1.0, math.sqrt(closed / MANY))
+        if error <= few * tolerance and wrong <= 0.5 * tolerance:
+            break
+        if load is not None and not residual.active.any():
+            reason = "no contact is left to carry the load"
+            break
+        if step == limit:
+            reason = f"{limit} Newton steps left a residual of {error:.1e}"
+            break
+        behind = state.risen - (state.risen if held is None else held)
+        if step >= EARLY:
+            share = _relaxed(share, last, behind, state.laws.stiffness)
+        held = state.risen if held is None else held + share * behind
+        tilt = tilt + (share if step >= EARLY else 1.0) * (state.field.tilt - tilt)
+        last = behind
+        residual.raised(held - state.risen)
+        tangent = tangent_of(problem, residual)
+        solved = conjugate_gradients(
+            tangent,
+            residual.error[residual.active],
+            tolerance=_forcing(residual.relative, tolerance),
+            start=None if load is None else shared(missing, compliance, tangent),
+            held=load is not None,
+        )
+        if not math.isfinite(solved.constant):
+            reason = f"the step from a residual of {error:.1e} is not finite"
+            break
+        separation += solved.constant
+        residual.raised(-solved.constant)
+        move = Step(problem, state, residual, tangent)
+        products, found = products + solved.products, None
+        if residual.relative > ROUGH:
+            refined, change, constant, spent = move.refine(
+                solved.solution, tolerance=0.5 * COARSE, load=load
+            )
+            residual.raised(-constant)
+            found = _taken(problem, state, residual, refined, change, tilt)
+            residual.raised(0.0 if found else constant)
+            separation += constant if found else 0.0
+            products += spent + 1
+        if not found:
+            found, tried = _line_search(problem, state, residual, move, solved.solution, tilt)
+            products += tried
+        if not found:
+            reason = f"no step lowers the energy, residual {residual.relative:.1e}"
+            break
+        state = found
+    solution = Solution(
+        separation,
+        state.approach,
+        residual.wanted,
+        state.laws,
+        tilt + SETTLING * (state.field.tilt - tilt),
+        error,
+        step,
+        products,
+        reason,
+        compliance,
+        functools.partial(answer, problem, residual, compliance),
+        _restless(state, last) if reason and error <= FAR else None,
+    )
+    if load is None or reason:
+        return solution
+    return finished(problem, state, residual, solution, load)
+
+
+def _relaxed(
+    share: float,
+    last: Array,
+    behind: Array,
+    stiffness: Array,
+) -> float:
+    """Share that would have removed the most of the last difference (Aitken), within bounds.
+
+    Contacts on one ridge can pass their load back and forth, or pull each other along: no fixed
+    share settles both.
+    """
+    change = behind - last
+    whole = float(np.sum(stiffness * change * change))
+    if not whole:
+        return share
+    found = -share * float(np.sum(stiffness * last * change)) / whole
+    return min(max(found, SHARES[0]), SHARES[1])
+
+
+def _restless(state: State, behind: Array) -> NDArray[np.bool_]:
+    """Contacts that make the most of the last change of the shifts."""
+    change: Array = state.laws.stiffness * np.abs(behind)
+    return np.asarray(change >= RESTLESS * change.max(initial=0.0))
+
+
+def _forcing(residual: float, tolerance: float) -> float:
+    """Relative accuracy of the linear solve: no better than the step deserves."""
+    if not 0.0 < residual < ROUGH:
+        return COARSE
+    return min(0.5 * FORCING, max(0.02, 0.5 * tolerance / residual))
+
+
+def _line_search(
+    problem: Problem, state: State, residual: Residual, move: Step, change: Array, tilt: Array
+) -> tuple[State | None, int]:
+    """First point along the step at which the energy has fallen enough, and how many were tried."""
+    for tried in range(1, MAX_CUTS + 1):
+        found = _taken(problem, state, residual, move, change, tilt)
+        if found:
+            return found, tried
+        change = 0.5 * change
+    return None, MAX_CUTS
+
+
+def _taken(
+    problem: Problem, state: State, residual: Residual, move: Step, change: Array, tilt: Array
+) -> State | None:
+    """The point after a change of the forces, if the energy has fallen enough there."""
+    approach = np.zeros(len(state.approach))
+    approach[move.rows] = move.approach(change)
+    trial = State.at(problem, approach, tilt)
+    fall, slope, scale = state.fall(trial, residual.gap, residual.error)
+    noise = NOISE * scale
+    return trial if slope < noise and fall <= SUFFICIENT * slope + noise else None

@@ -1,0 +1,192 @@
+"""Compiled passes over the contacts of a trial point."""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from surfaces.numerics.compiled import QUOTIENTS, compiled
+
+TINY = 1e-200
+"""Approach [m] below which a contact stays where it is."""
+
+
+@njit(inline="always")
+def _beside(stiffness, approach, along_y, along_x, lean, modulus, power, limit):
+    """Shift (y, x) of a closed contact over the bounded share of it that is taken, the height that
+    it would gain, and its squared radius; `deflection` has the formulas."""
+    radius = power * stiffness / (2.0 * modulus)
+    square = radius * radius if power == 1.0 else radius ** (2.0 / power)
+    bend = square / (power * approach)
+    y = -bend * (lean[0] * along_y + lean[2] * along_x)
+    x = -bend * (lean[2] * along_y + lean[1] * along_x)
+    free = -0.5 * (along_y * y + along_x * x)
+    bound = 0.5 * limit * limit * power * approach
+    share = bound / (bound + free)
+    return share * y, share * x, share * free, square
+
+
+@compiled()
+def deflect(force, stiffness, approach, tilt, lean, modulus, power, limit, gain, aside, moment):
+    """Height gained, shift and force times shift (n, 2) of each contact."""
+    for i in range(force.size):
+        y, x, rise = 0.0, 0.0, 0.0
+        if force[i] > 0.0 and approach[i] > TINY:
+            y, x, rise, _ = _beside(
+                stiffness[i], approach[i], tilt[i, 0], tilt[i, 1], lean[i], modulus, power, limit
+            )
+        gain[i] = rise
+        aside[i, 0], aside[i, 1] = y, x
+        moment[i, 0], moment[i, 1] = force[i] * y, force[i] * x
+
+
+@compiled()
+def widen(
+    force,
+    stiffness,
+    approach,
+    tilt,
+    lean,
+    modulus,
+    power,
+    limit,
+    area,
+    outgrown,
+    wider,
+    widest,
+    grown,
+    shift,
+):
+    """Contact areas beside the summits, and the shifts over the radius without their bound, zero
+    where a contact is open or has not `outgrown` its paraboloid; `widened` has the formulas."""
+    for i in range(force.size):
+        grown[i] = area[i]
+        shift[i] = 0.0
+        if not (outgrown[i] and force[i] > 0.0 and approach[i] > TINY):
+            continue
+        y, x, _, square = _beside(
+            stiffness[i], approach[i], tilt[i, 0], tilt[i, 1], lean[i], modulus, power, limit
+        )
+        share = math.pi * power * power * (y * y + x * x) / area[i]
+        grown[i] = area[i] * (1.0 + wider * min(share, widest))
+        slope = math.sqrt(tilt[i, 0] ** 2 + tilt[i, 1] ** 2)
+        shift[i] = math.sqrt(square) / (power * approach[i]) * slope
+
+
+@compiled(fastmath=QUOTIENTS)
+def lag(force, stiffness, tilt, aside, fresh, moved, gain):
+    """Share of the load that the difference between `aside` and `fresh` can make."""
+    whole = 0.0
+    change = 0.0
+    afar = 0.0
+    own = 0.0
+    load = 0.0
+    for i in range(force.size):
+        f = force[i]
+        load += f
+        slope = tilt[i, 0] ** 2 + tilt[i, 1] ** 2
+        whole += f * math.sqrt(slope * (fresh[i, 0] ** 2 + fresh[i, 1] ** 2))
+        dy, dx = fresh[i, 0] - aside[i, 0], fresh[i, 1] - aside[i, 1]
+        change += f * math.sqrt(slope * (dy * dy + dx * dx))
+        afar += stiffness[i] * abs(moved[i])
+        own += 2.0 * stiffness[i] * gain[i]
+    return change / whole * max(afar, own) / load if whole > 0.0 else 0.0
+
+
+@compiled()
+def mismatch(rows, own, stiffness, wanted, force, right, exponent, share):
+    """What a forecast of the forces lacks to the laws' `own` at the contacts `rows`, over the
+    stiffness, into `right`; the exponent of the power laws that they follow, and the forecast over
+    `own`. Returns the sum of `own`, and the root of the sum of the squares of the lacks over
+    stiffness times the sum of that."""
+    load = 0.0
+    total = 0.0
+    square = 0.0
+    for k in range(rows.size):
+        i = rows[k]
+        lack = own[i] - force[i]
+        right[k] = lack / stiffness[i]
+        exponent[k] = min(own[i] / (stiffness[i] * wanted[i]), 1.0)
+        share[k] = force[i] / own[i]
+        load += own[i]
+        total += stiffness[i]
+        square += lack * right[k]
+    return load, math.sqrt(total * square)
+
+
+@compiled()
+def balance(stiffness, error):
+    """Mean of the errors, weighted by stiffness."""
+    total = 0.0
+    moment = 0.0
+    for i in range(error.size):
+        total += stiffness[i]
+        moment += stiffness[i] * error[i]
+    return moment / total if total > 0.0 else 0.0
+
+
+@compiled(fastmath=QUOTIENTS)
+def imbalance(
+    height,
+    separation,
+    balanced,
+    gain,
+    moved,
+    longer,
+    value,
+    growth,
+    slope,
+    approach,
+    force,
+    stiffness,
+    gap,
+    wanted,
+    error,
+    active,
+    closing,
+):
+    """Fill z - s, z - s - u, what it exceeds the approach by, and whether that is positive.
+
+    Returns the rise of the plane, zero unless `balanced`, after which the errors times stiffness
+    cancel, their sum without signs, the load, and the number of open contacts that
+    want to close, which are listed in `closing`.
+    """
+    total = 0.0
+    moment = 0.0
+    load = 0.0
+    for i in range(height.size):
+        gap[i] = height[i] - separation + gain[i] - moved[i] - longer[i]
+        wanted[i] = gap[i] - value[i] - growth[i] * slope[i]
+        error[i] = wanted[i] - approach[i]
+        active[i] = approach[i] > 0.0
+        total += stiffness[i]
+        moment += stiffness[i] * error[i]
+        load += force[i]
+    rise = moment / total if balanced and total > 0.0 else 0.0
+    wrong = 0.0
+    fresh = 0
+    for i in range(height.size):
+        gap[i] -= rise
+        wanted[i] -= rise
+        error[i] -= rise
+        wrong += stiffness[i] * abs(error[i])
+        closing[fresh] = i
+        fresh += (wanted[i] > 0.0) & (not active[i])
+    return rise, wrong, load, fresh
+
+
+@compiled()
+def fall(gap, error, force, approach, value, work, force1, approach1, value1, work1):
+    """Change of energy from one point to another (1) at one gap, minus the work of the errors along
+    it, and the size of the energies."""
+    change = 0.0
+    slope = 0.0
+    scale = 0.0
+    for i in range(gap.size):
+        before = force[i] * (approach[i] + 0.5 * value[i] - gap[i]) - work[i]
+        after = force1[i] * (approach1[i] + 0.5 * value1[i] - gap[i]) - work1[i]
+        change += after - before
+        scale += abs(before)
+        slope -= error[i] * (force1[i] - force[i])
+    return change, slope, scale

@@ -1,0 +1,161 @@
+"""The tangent matrix of the closed contacts."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.interaction.ewald import mesh_kernels
+from asperity.interaction.ewald.near_pairs import run, total
+from asperity.interaction.ewald.operator import BEADS, CAP, Interaction
+
+from . import _tangent_kernels
+
+__all__ = ["Tangent"]
+
+Array = NDArray[np.float64]
+
+PAIRS_PER_THREAD = 40_000
+"""Pairs whose part of a product repays a thread."""
+
+
+class Tangent:
+    """The matrix diag(1/k + extra) + g_ij(v_i + v_j), i != j, plus self-images.
+
+    Positive definite for any set of contacts: `Footprints` has the proof. All vectors run over the
+    active points in the order of the plan. The newest tangent of a plan is the valid one: its
+    values lie in the work space of the plan.
+
+    Parameters
+    ----------
+    plan
+        Interaction of all points.
+    active
+        Points of the matrix, bool, shape (n,).
+    stiffness
+        k [N/m], shape (n,), positive at the active points.
+    extra
+        Compliance [m/N] added to that of the points, not negative, shape (n,); none if None.
+    form
+        Second moments yy, xx, xy of elongated footprints over their variance, shape (n, 3).
+    """
+
+    def __init__(
+        self,
+        plan: Interaction,
+        active: NDArray[np.bool_],
+        stiffness: Array,
+        extra: Array | None = None,
+        form: Array | None = None,
+    ) -> None:
+        self.plan = plan
+        n, body = int(np.count_nonzero(active)), plan.footprints
+        (factor, exponent), (size, skew, parts) = body.rule, plan.shaped(form)
+        rank, narrow = np.empty(len(active), np.int32), np.empty((2, len(active)), np.float32)
+        self.index, self.cell = np.empty(n, np.int64), np.empty(n, np.int32)
+        variance, self.compliance, self.diagonal = np.empty((3, n))
+        _tangent_kernels.active_points(
+            active,
+            stiffness,
+            np.empty(0) if extra is None else extra,
+            (factor / plan.eta**body.power, exponent),
+            plan.own,
+            CAP,
+            plan.scale,
+            size,
+            skew,
+            plan.afar.cell,
+            rank,
+            narrow,
+            self.index,
+            variance,
+            self.compliance,
+            self.diagonal,
+            self.cell,
+        )
+        single, skewed = narrow
+        rows = np.searchsorted(self.index, plan.rows)
+        self.rows = rows if n * plan.pairs > PAIRS_PER_THREAD * len(active) else np.array([[0, n]])
+        self.ptr = np.zeros((n, 2), np.int64)
+        self.col, self.value = plan.tangent_col, plan.tangent_value
+        self.place, self.weight = np.empty((n, 2), np.int32), np.empty((n, 4, 4), np.float32)
+        self.grids = np.empty((len(self.rows), 1, *plan.tangent_mesh.shape), np.float32)
+        self.part = np.empty((len(self.rows), n))
+        self._far: tuple[Array, Array] | None = None
+
+        def rows_of(c: int, _: NDArray[np.int64]) -> None:
+            mesh_kernels.spline(
+                rows[c],
+                self.index,
+                plan.y,
+                plan.x,
+                variance,
+                CAP,
+                plan.tangent_mesh.per_step,
+                self.place,
+                self.weight,
+            )
+            _tangent_kernels.tangent_list(
+                plan.rows[c],
+                plan.ptr,
+                plan.col,
+                plan.pair,
+                rank,
+                single,
+                skewed,
+                parts,
+                CAP,
+                plan.shape,
+                plan.far,
+                BEADS,
+                plan.footprints.power,
+                self.ptr,
+                self.col,
+                self.value,
+            )
+
+        run(rows_of, rows)
+
+    def __len__(self) -> int:
+        return len(self.index)
+
+    def stiffen(self, change: Array) -> None:
+        """Add `change` [m/N] to the own compliance of the points, shape (len(self),)."""
+        self.compliance = self.compliance + change
+        self.diagonal = self.diagonal + change / self.plan.scale
+        self._far = None
+
+    @property
+    def far(self) -> tuple[Array, Array]:
+        """`Afar.inverse` of the points by their own compliance."""
+        if self._far is None:
+            self._far = self.plan.afar.inverse(self.cell, 1 / self.compliance)
+        return self._far
+
+    def __call__(self, vector: Array) -> Array:
+        """Matrix times vector [m] for forces `vector` [N], shape (len(self),)."""
+        out = np.empty(len(vector))
+
+        def sources(c: int, rows: NDArray[np.int64]) -> None:
+            mesh_kernels.spread(rows, self.place, self.weight, vector, self.grids[c, 0])
+            _tangent_kernels.near_tangent(
+                rows, self.ptr, self.col, self.value, vector, self.part[c]
+            )
+
+        def receivers(_: int, rows: NDArray[np.int64]) -> None:
+            mesh_kernels.collect(
+                rows,
+                self.place,
+                self.weight,
+                vector,
+                smooth[0],
+                self.diagonal,
+                total(self.part, rows),
+                self.plan.scale,
+                out,
+            )
+
+        run(sources, self.rows)
+        smooth = self.plan.tangent_mesh.convolve(total(self.grids))
+        run(receivers, self.rows)
+        return out

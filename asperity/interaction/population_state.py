@@ -1,0 +1,117 @@
+"""The contacts of a population at one separation."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from .continuation import Trail
+
+__all__ = ["PopulationState"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PopulationState:
+    """Contacts of a population at one separation.
+
+    Attributes
+    ----------
+    separation
+        Distance of the rigid flat from the mean plane [m]: of the deformed surface for a periodic
+        cell (mean gap), of the surface at rest for a free half-space.
+    approach, force, stiffness, area
+        Of each summit [m], [N], [N/m], [m^2], shape (n,); zero where it is open.
+    mean_pressure
+        Load over nominal area [Pa].
+    contact_area
+        Sum of the contact areas [m^2].
+    active
+        Number of contacts that carry load.
+    filled_share
+        Share of the load on contacts that cover more than half of their basin [-].
+    residual
+        Upper estimate of the relative error of the load by incomplete solution [-].
+    converged, reason
+        Whether the point can be used, and one sentence if it cannot.
+    iterations, products
+        Newton steps and applications of the interaction.
+    lowest_candidate
+        Height [m] above which a summit can touch in the field of the others.
+    """
+
+    separation: float
+    mean_pressure: float
+    contact_area: float
+    active: int
+    filled_share: float
+    residual: float
+    converged: bool
+    reason: str
+    iterations: int
+    products: int
+    lowest_candidate: float
+    _trail: Trail = field(repr=False)
+    _rows: NDArray[np.int64] = field(repr=False)
+    _known: tuple[Array, Array, Array, Array] = field(repr=False)
+    _answer: Callable[[], tuple[float, Array]] = field(repr=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the lists behind it, which the next solve makes anew, and with the tangent."""
+        trail = dataclasses.replace(self._trail, listing=None, field=None)
+        answer = functools.partial(_given, self._answered)
+        return vars(self) | {"_trail": trail, "_answer": answer}
+
+    @functools.cached_property
+    def approach(self) -> Array:
+        """Approaches [m] of all summits, made when asked for as those below."""
+        return self._of_all(self._known[0])
+
+    @functools.cached_property
+    def force(self) -> Array:
+        """Forces [N] of all summits."""
+        return self._of_all(self._known[1])
+
+    @functools.cached_property
+    def stiffness(self) -> Array:
+        """Stiffnesses [N/m] of all summits."""
+        return self._of_all(self._known[2])
+
+    @functools.cached_property
+    def area(self) -> Array:
+        """Contact areas [m^2] of all summits."""
+        return self._of_all(self._known[3])
+
+    def _of_all(self, known: Array) -> Array:
+        values = np.zeros(len(self._trail.population))
+        values[self._rows] = known
+        return values
+
+    @functools.cached_property
+    def _answered(self) -> tuple[float, Array]:
+        return self._answer()
+
+    @property
+    def normal_stiffness(self) -> float:
+        """Minus the slope of mean pressure over separation [Pa/m], by the tangent matrix."""
+        return self._answered[0]
+
+    @property
+    def response(self) -> Array:
+        """Approach that each contact gains per fall of the flat [-], shape (n,)."""
+        gained = np.ones(len(self._trail.population))
+        if self._trail.points:
+            gained[self._trail.points[-1].rows] = self._answered[1]
+        return gained
+
+
+def _given(answered: tuple[float, Array]) -> tuple[float, Array]:
+    return answered

@@ -1,0 +1,341 @@
+"""Summits pressed alone by small boundary-element problems on the pixels of their basins."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surfaces.numerics.compiled import compiled, inner
+from surfaces.numerics.splines import expand
+
+from ._closing_kernels import MOST, REACH, solve
+
+__all__ = ["ASPECTS", "WINDOW", "press_levels"]
+
+ASPECTS = np.array([1.0, 1.5, 2.25, 3.4, 5.0])
+"""Ratios of the sides of the elements."""
+
+WINDOW = 96
+"""Half the side [pixels] of the window in which the basin of a summit is looked at."""
+
+FITS = 3
+"""Times that the grid is fitted to the part of the basin above the flat."""
+
+TIGHT = 0.75
+"""Size of the fitted grid over the one before at which it stands."""
+
+FEW = 12
+"""Pixels above the flat below which the axes of the summit turn the grid, not their moments."""
+
+TIP = 1.7
+"""Half a side of the first box about a summit over the root of approach over curvature."""
+
+NONE = -1
+"""Number of elements of other basins and of those that the flat does not reach."""
+
+
+@inner()
+def _wrapped(place, count):
+    """A place in a periodic row of so many, which lies not far outside: no division is needed."""
+    while place < 0:
+        place += count
+    while place >= count:
+        place -= count
+    return place
+
+
+@inner()
+def _flood(heights, labels, owner, periodic, peak, row, col, level, mark, stamp, rows, cols):
+    """Pixels of a basin above `level` that hang together with the pixel (row, col).
+
+    Returns their number; 0 if they leave the window or reach points of no basin.
+    """
+    ny, nx = heights.shape
+    rows[0], cols[0] = row, col
+    mark[WINDOW, WINDOW] = stamp
+    count, done = 1, 0
+    while done < count:
+        y, x = rows[done], cols[done]
+        done += 1
+        for step in range(9):
+            r, c = y + step // 3 - 1, x + step % 3 - 1
+            dr, dc = r - row, c - col
+            if abs(dr) > WINDOW or abs(dc) > WINDOW:
+                return 0
+            if mark[WINDOW + dr, WINDOW + dc] == stamp:
+                continue
+            if periodic:
+                r, c = _wrapped(r, ny), _wrapped(c, nx)
+            elif r < 0 or c < 0 or r >= ny or c >= nx:
+                return 0
+            if heights[r, c] < level:
+                continue
+            own = labels[r, c]
+            if own < 0:
+                return 0
+            if owner[own] != peak:
+                continue
+            mark[WINDOW + dr, WINDOW + dc] = stamp
+            rows[count], cols[count] = row + dr, col + dc
+            count += 1
+    return count
+
+
+@inner()
+def _turn(heights, rows, cols, count, level, spacing):
+    """Direction [rad] of the long axis of the pixels above `level`, weighted by their height."""
+    ny, nx = heights.shape
+    w = my = mx = yy = xx = yx = 0.0
+    for k in range(count):
+        up = max(heights[_wrapped(rows[k], ny), _wrapped(cols[k], nx)] - level, 0.0)
+        y, x = (rows[k] - rows[0]) * spacing[0], (cols[k] - cols[0]) * spacing[1]
+        w += up
+        my += up * y
+        mx += up * x
+        yy += up * y * y
+        xx += up * x * x
+        yx += up * y * x
+    my /= w
+    mx /= w
+    return 0.5 * math.atan2(2.0 * (yx / w - my * mx), (xx / w - mx * mx) - (yy / w - my * my))
+
+
+@inner()
+def _sample(
+    heights, labels, owner, periodic, flat, width, peak, place, top, depth, below, spacing, turn,
+    box, points, gap, inside, stack,
+):  # fmt: skip
+    """Grid of about `points` elements over the box (u0, u1, v0, v1) [m], turned about the summit.
+
+    Fills `gap` (overlap [m] with the flat) and `inside` (the part that hangs together with the
+    highest element `below` [m] under the flat); tightens the box to what overlaps. Returns the
+    shape, the sides and the row of `ASPECTS`.
+    """
+    ny, nx = heights.shape
+    along, across = box[1] - box[0], box[3] - box[2]
+    kind = 0
+    wanted = math.log(max(along / across, 1.0) ** 0.6)
+    for k in range(ASPECTS.size):
+        if abs(math.log(ASPECTS[k]) - wanted) < abs(math.log(ASPECTS[kind]) - wanted):
+            kind = k
+    side = math.sqrt(along * across / points)
+    hu, hv = side * math.sqrt(ASPECTS[kind]), side / math.sqrt(ASPECTS[kind])
+    nu = min(max(math.ceil(along / hu), 4), REACH)
+    nv = min(max(math.ceil(across / hv), 4), REACH)
+    stretch = max(along / (nu * hu), across / (nv * hv), 1.0)
+    hu, hv = hu * stretch, hv * stretch
+    u0 = 0.5 * (box[0] + box[1]) - 0.5 * (nu - 1) * hu
+    v0 = 0.5 * (box[2] + box[3]) - 0.5 * (nv - 1) * hv
+    c, s = math.cos(turn), math.sin(turn)
+    best, first = 0.0, -1
+    for i in range(nv):
+        for j in range(nu):
+            u, v = u0 + j * hu, v0 + i * hv
+            y, x = place[0] + (s * u + c * v) / spacing[0], place[1] + (c * u - s * v) / spacing[1]
+            k = i * nu + j
+            gap[k], inside[k] = -np.inf, 0
+            row, col = math.floor(y + 0.5), math.floor(x + 0.5)
+            if periodic:
+                y, x = y - ny * math.floor(y / ny), x - nx * math.floor(x / nx)
+                row, col = _wrapped(row, ny), _wrapped(col, nx)
+            elif row < 0 or col < 0 or row >= ny or col >= nx:
+                continue
+            own = labels[row, col]
+            if own >= 0 and owner[own] == peak:
+                gap[k] = depth - max(top - expand(flat, width, y, x)[0], 0.0)
+                if gap[k] > best:
+                    best, first = gap[k], k
+    if first < 0:
+        return 0, 0, 0.0, 0.0, 0, u0, v0
+    stack[0], count, done = first, 1, 0
+    inside[first] = 1
+    low_u = high_u = first % nu
+    low_v = high_v = first // nu
+    while done < count:
+        k = stack[done]
+        done += 1
+        i, j = k // nu, k % nu
+        if gap[k] > 0.0:
+            low_u, high_u = min(low_u, j), max(high_u, j)
+            low_v, high_v = min(low_v, i), max(high_v, i)
+        for step in range(9):
+            a, b = i + step // 3 - 1, j + step % 3 - 1
+            if 0 <= a < nv and 0 <= b < nu and not inside[a * nu + b] and gap[a * nu + b] > -below:
+                inside[a * nu + b] = 1
+                stack[count] = a * nu + b
+                count += 1
+    box[0], box[1] = u0 + (low_u - 0.7) * hu, u0 + (high_u + 0.7) * hu
+    box[2], box[3] = v0 + (low_v - 0.7) * hv, v0 + (high_v + 0.7) * hv
+    return nv, nu, hv, hu, kind, u0, v0
+
+
+@inner()
+def _way(inside, outside, side, closed, left, m, edge):
+    """Way from a closed element towards an open one, over their distance, to the edge of contact.
+
+    Next to the edge of a smooth contact the pressure is c s^((1+m)/2) and the gap
+    c edge s^((3-m)/2), both at the distance s and as lengths in units of the element: c follows
+    from the distance `side` of the two elements.
+    """
+    if outside < 0:
+        return 0.5
+    power, ratio = 2.0 / (3.0 - m), (3.0 - m) / (1.0 + m)
+    a, b = float(closed[inside]), (max(-left[outside], 0.0) / edge) ** power
+    a = a * a if m == 0.0 else a ** (2.0 / (1.0 + m))
+    w = (side / a) ** (1.0 / ratio)  # c^-power, at which both distances add up to `side`
+    if b * w > side:
+        w = side / b
+    for _ in range(4):
+        near = a * (w * w * w if m == 0.0 else w**ratio)
+        w -= (near + b * w - side) / (ratio * near + b * w) * w
+    return 1.0 - b * w / side
+
+
+@inner()
+def _area(number, nv, nu, hv, hu, closed, left, m, edge):
+    """Area over that of an element within the contour of a contact.
+
+    `number` is the element at each point of the grid, or `NONE`. The contour crosses the lines
+    between neighbors as `_way` says and is straight from one line to the next; where the next point
+    is none, it runs along the elements.
+    """
+    corners, ways = np.empty(4, np.int64), np.empty((8, 2))
+    total = 0.0
+    for i in range(-1, nv):
+        for j in range(-1, nu):
+            count = 0
+            for k in range(4):
+                row, col = i + (1 if k == 1 or k == 2 else 0), j + k // 2
+                corners[k] = NONE
+                if 0 <= row < nv and 0 <= col < nu:
+                    corners[k] = number[row * nu + col]
+                if corners[k] >= 0 and closed[corners[k]] > 0.0:
+                    count += 1
+            if count == 0 or count == 4:
+                total += 0.25 * count
+                continue
+            count = 0
+            for k in range(4):
+                here, there = corners[k], corners[(k + 1) % 4]
+                y, x = 1.0 if k == 1 or k == 2 else 0.0, float(k // 2)
+                step_y = 1.0 if k == 0 else -1.0 if k == 2 else 0.0
+                step_x = 1.0 if k == 1 else -1.0 if k == 3 else 0.0
+                own = here >= 0 and closed[here] > 0.0
+                if own:
+                    ways[count, 0], ways[count, 1] = y, x
+                    count += 1
+                other = there >= 0 and closed[there] > 0.0
+                if own == other:
+                    continue
+                side = hv if step_y != 0.0 else hu
+                if own:
+                    share = _way(here, there, side, closed, left, m, edge)
+                else:
+                    share = 1.0 - _way(there, here, side, closed, left, m, edge)
+                ways[count, 0], ways[count, 1] = y + share * step_y, x + share * step_x
+                count += 1
+            twice = 0.0
+            for k in range(count):
+                n = (k + 1) % count
+                twice += ways[k, 0] * ways[n, 1] - ways[n, 0] * ways[k, 1]
+            total += 0.5 * abs(twice)
+    return total
+
+
+@compiled()
+def press_levels(
+    slot, first, last, peak, surface, summits, depths, unit, m, kernels, points, tolerance, out,
+    space,
+):  # fmt: skip
+    """Force, area, centre y, x and moments yy, xx, yx of the pressure of a peak [SI].
+
+    At the levels from `first` to before `last` of the row `slot` of `depths`. `surface` holds
+    heights, labels, owners of labels, periodicity, spline, its width and the spacing; `summits` the
+    pixels, places [pixels], heights [m], axes [rad], curvatures [1/m] and floors [m] of all (finite
+    ones are of joined summits, which get twice the elements); `depths` the approaches [m],
+    (n, levels), rising, zero after the last; `unit` the compliance of an element of unit area;
+    `out` is (n, levels, 7): zero where too few elements overlap, its force negative where the basin
+    reaches too far, which ends it; `space` is scratch (`elements`).
+    """
+    heights, labels, owner, periodic, flat, width, spacing = surface
+    peak_row, peak_col, places, tops, axes, curvature, floors = summits
+    (mark, pixel_rows, pixel_cols), (gap, inside, stack, number, box), elements = space
+    system, closed, overlap, work, row, col = elements
+    edge = math.gamma(0.5 * (3.0 + m)) / math.gamma(0.5 * (5.0 - m))
+    (ny, nx), rim, stamp = heights.shape, max(spacing[0], spacing[1]), 0
+    top = tops[peak]
+    place = places[peak]  # on the side of the seam where its pixel is
+    mark[:] = 0
+    for level in range(first, last):
+        depth = depths[slot, level]
+        if not depth > 0.0:
+            break
+        stamp += 1
+        below = max(top - depth - floors[peak], 0.0)
+        wanted = 2.0 * points if floors[peak] < np.inf else points
+        count = _flood(
+            heights, labels, owner, periodic, peak, peak_row[peak], peak_col[peak],
+            top - depth - below, mark, stamp, pixel_rows, pixel_cols,
+        )  # fmt: skip
+        if count == 0:
+            out[slot, level, 0] = -1.0
+            break
+        turn = axes[peak]
+        if count > FEW:
+            turn = _turn(heights, pixel_rows, pixel_cols, count, top - depth - below, spacing)
+        c, s = math.cos(turn), math.sin(turn)
+        box[0], box[1], box[2], box[3] = -rim, rim, -rim, rim
+        for k in range(count):
+            if heights[_wrapped(pixel_rows[k], ny), _wrapped(pixel_cols[k], nx)] < top - depth:
+                continue
+            y = (pixel_rows[k] - place[0]) * spacing[0]
+            x = (pixel_cols[k] - place[1]) * spacing[1]
+            u, v = c * x + s * y, c * y - s * x
+            box[0], box[1] = min(box[0], u - rim), max(box[1], u + rim)
+            box[2], box[3] = min(box[2], v - rim), max(box[3], v + rim)
+        if count <= FEW:
+            for k in range(4):
+                tip = TIP * math.sqrt(depth / curvature[peak, 1 - k // 2])
+                box[k] = min(max(box[k], -tip), tip)
+        for _ in range(FITS):
+            size = (box[1] - box[0]) * (box[3] - box[2])
+            nv, nu, hv, hu, kind, u0, v0 = _sample(
+                heights, labels, owner, periodic, flat, width, peak, place, top, depth,
+                below, spacing, turn, box, wanted, gap, inside, stack,
+            )  # fmt: skip
+            if (box[1] - box[0]) * (box[3] - box[2]) > TIGHT * size:
+                break
+        total = np.int64(0)
+        for k in range(nv * nu):
+            if inside[k] and gap[k] > 0.0 and total < MOST:
+                row[total], col[total], overlap[total] = k // nu, k % nu, gap[k] / depth
+                total += 1
+        if total == MOST:
+            out[slot, level, 0] = -1.0
+            break
+        if total < 4:
+            continue
+        solve(total, row, col, overlap, kernels[kind], tolerance, system, closed, work)
+        force, y, x = 0.0, 0.0, 0.0
+        number[: nv * nu] = NONE
+        for k in range(total):
+            number[row[k] * nu + col[k]] = k
+            u, v = u0 + col[k] * hu, v0 + row[k] * hv
+            force += closed[k]
+            y += closed[k] * (s * u + c * v)
+            x += closed[k] * (c * u - s * v)
+        element = hu * hv
+        out[slot, level, 0] = force * depth * element ** (0.5 * (1.0 + m)) / unit
+        out[slot, level, 1] = element * _area(
+            number, nv, nu, math.sqrt(hv / hu), math.sqrt(hu / hv), closed, work[0], m, edge
+        )
+        y /= force
+        x /= force
+        out[slot, level, 2], out[slot, level, 3] = y, x
+        for k in range(total):
+            u, v = u0 + col[k] * hu, v0 + row[k] * hv
+            dy, dx, part = s * u + c * v - y, c * u - s * v - x, closed[k] / force
+            out[slot, level, 4] += part * dy * dy
+            out[slot, level, 5] += part * dx * dx
+            out[slot, level, 6] += part * dy * dx

@@ -1,0 +1,271 @@
+"""Laws of single summits by boundary elements on their own basins.
+
+Where few contacts carry the load their laws do not average out, and a summit that has outgrown its
+expansion is off by several per cent. Its basin, cut out of the map and pressed alone, is a problem
+of some two hundred unknowns.
+"""
+
+from __future__ import annotations
+
+import itertools
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.halfspace.flags import Flag
+from asperity.halfspace.influence import compliance, near_influence
+from asperity.halfspace.material import HalfSpace
+from asperity.microcontact.law_table import LawTable
+from asperity.microcontact.monotone_cubic import monotone
+from asperity.microcontact.table_kernels import BLUNT
+from surfaces.numerics import parallel
+
+if TYPE_CHECKING:
+    from surfaces.peaks.summits import Summits
+
+__all__ = ["press", "put"]
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+STEPS = np.array([0, 1, 2, 4, 6, 9, 13, 23])
+"""Nodes of the table, from the last that the expansion describes on, at which a basin is pressed;
+and the last node."""
+
+STEPS_JOINED = np.array([0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 19, 23])
+"""The same of joined summits, whose contacts grow by leaps."""
+
+POINTS = 300.0
+"""Elements of the box about the part of a basin above the flat, of which contact takes a third."""
+
+TOLERANCE = 1e-3
+"""Work of the gaps that are left, over that of the pressures."""
+
+SPREAD = 0.005
+"""Error expected of the force: marks the laws made here."""
+
+BEFORE = 4
+"""Nodes of the expansion whose forces the spline runs through, before the first that is pressed."""
+
+TOGETHER = 8
+"""Levels of a basin that one thread presses: some basins take ten times as long as others."""
+
+FEWEST = 3
+"""Nodes pressed with less than which a law stays as it is."""
+
+
+def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> Array:
+    """Force [N], area [m^2], centre y, x [m] from the summit and moments yy, xx, yx [m^2] of the
+    pressure about it, of basins pressed alone.
+
+    Parameters
+    ----------
+    summits
+        Summits of a map.
+    rows
+        Those to press, shape (n,).
+    depths
+        Approaches [m], shape (n, levels), rising along each row.
+    material
+        Half-space.
+
+    Returns
+    -------
+    Array of shape (n, levels, 7); zero where too few elements overlap, and from the level on at
+    which a basin reaches too far.
+
+    Notes
+    -----
+    The flat presses the surface between the points of the map (its spline) as far as it belongs to
+    the basin; the rest is taken away. The grid of rectangular elements lies along the long axis
+    of the part of the basin above the flat. The edge of contact lies between elements, where
+    pressure and gap of a smooth contact come to zero.
+    """
+    from ._element_kernels import press_levels
+
+    hm, peaks = summits.hm, summits.peaks
+    surface = (
+        hm.heights, peaks.labels, summits.owner, hm.periodic, summits.spline.ravel(),
+        summits.spline.shape[1], hm.spacing,
+    )  # fmt: skip
+    tops = (
+        peaks.row, peaks.col, summits.places, summits.height, summits.angle, summits.curvature,
+        summits.floor,
+    )  # fmt: skip
+    out = np.zeros((*depths.shape, 7))
+    unit = compliance((1.0, 1.0), material)
+    rules = unit, material.m, _kernels(material.m), POINTS, TOLERANCE
+    spare: list[Any] = []
+
+    def part(some: tuple[int, int]) -> None:
+        slot, first = some
+        space = spare.pop() if spare else _space()
+        last = min(first + TOGETHER, depths.shape[1])
+        press_levels(slot, first, last, rows[slot], surface, tops, depths, *rules, out, space)
+        spare.append(space)
+
+    parts = itertools.product(range(len(rows)), range(0, depths.shape[1], TOGETHER))
+    parallel.each(part, [(k, a) for k, a in parts if a == 0 or depths[k, a] > 0.0])
+    out[np.logical_or.accumulate(out[:, :, 0] < 0.0, axis=1)] = 0.0
+    return out
+
+
+def _space() -> tuple[tuple[NDArray[Any], ...], ...]:
+    """Scratch of `press_levels`: of the window on the map, of the grid and of its elements."""
+    from ._closing_kernels import CHUNK, MOST, REACH
+    from ._element_kernels import WINDOW
+
+    mark, grid = np.empty((2 * WINDOW + 1,) * 2, np.int32), REACH**2
+    return (
+        (mark, *np.empty((2, mark.size), np.int64)),
+        (np.empty(grid), np.empty(grid, np.int8), *np.empty((2, grid), np.int64), np.empty(4)),
+        (
+            (
+                np.empty((MOST, MOST + CHUNK), np.float32), np.empty(MOST, bool),
+                np.empty(MOST, np.int64),
+            ),
+            *np.empty((2, MOST), np.float32), np.empty((4, MOST), np.float32),
+            *np.empty((2, MOST), np.int64),
+        ),
+    )  # fmt: skip
+
+
+@lru_cache(maxsize=4)
+def _kernels(m: float) -> NDArray[np.float32]:
+    """Displacements by an element of unit area at offsets (row, column), sides as `ASPECTS`."""
+    from ._closing_kernels import CHUNK, REACH
+    from ._element_kernels import ASPECTS
+
+    out = np.zeros((len(ASPECTS), REACH, 2 * REACH + CHUNK), np.float32)
+    for kernel, aspect in zip(out, ASPECTS, strict=True):
+        right = near_influence((REACH, REACH), (aspect**-0.5, aspect**0.5), m)
+        kernel[:, REACH : 2 * REACH] = right
+        kernel[:, 1:REACH] = right[:, :0:-1]
+    return out
+
+
+def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: HalfSpace) -> None:
+    """Go on from the expansions of some contacts by their basins pressed alone.
+
+    Parameters
+    ----------
+    table
+        Laws by expansion; nobody else holds it. Up to the last node that its expansion describes a
+        row stays as it is; it keeps its reach and its flags.
+    slots, rows
+        Rows of the table, and the summits that they belong to, shape (n,).
+    summits, material
+        As in `press`.
+
+    Notes
+    -----
+    F / u^p and area / u^2 change slowly, u being the root of the approach over the reach: between
+    the approaches at which a basin is pressed the first is a cubic spline, whose slope is the
+    stiffness, and the second and the centre monotonic cubics.
+    """
+    if not slots.size:
+        return
+    beyond = (table.flags[slots] & Flag.BEYOND_RADIUS) > 0
+    first = np.where(beyond.any(axis=1), beyond.argmax(axis=1) - 1, table.nodes)
+    joined = np.isfinite(summits.floor[rows])
+    for k in np.flatnonzero(joined):
+        first[k] = min(first[k], _second(table, slots[k], summits, rows[k]))
+    first = np.maximum(first, 1)
+    few = np.pad(STEPS, (0, len(STEPS_JOINED) - len(STEPS)), "edge")
+    steps = np.where(joined[:, None], STEPS_JOINED, few)
+    wanted = np.minimum(first[:, None] + steps, table.nodes)
+    wanted[:, 1:][np.diff(wanted, axis=1) == 0] = 0
+    u = np.arange(table.nodes + 1) / table.nodes
+    found = press(summits, rows, table.reach[slots, None] * u[wanted] ** 2, material)
+    found[~np.isfinite(found).all(axis=2)] = 0.0  # as near m = -1
+    lost = np.flatnonzero(found[:, 0, 0] == 0.0)  # too few elements: the expansion tells
+    node = slots[lost], first[lost]
+    found[lost, 0, 0], found[lost, 0, 1] = table.force[node], table.area[node]
+    if table.centre is not None:
+        found[lost, 0, 2:4] = table.centre[node][:, ::-1]
+    offsets = np.where(found[:, :, 0] > 0.0, wanted - first[:, None], -1)
+    order = np.argsort(offsets < 0, axis=1, kind="stable")
+    offsets = np.take_along_axis(offsets, order, axis=1)
+    found = np.take_along_axis(found, order[:, :, None], axis=1)
+    count = np.count_nonzero(offsets >= 0, axis=1)
+    some = np.flatnonzero(count >= FEWEST)
+    if some.size:
+        _join(table, slots[some], first[some], offsets[some], count[some], found[some])
+
+
+def _second(table: LawTable, slot: int, summits: Summits, row: int) -> int:
+    """Node of the law of joined summits before the second of them touches."""
+    others = np.setdiff1d(np.flatnonzero(summits.owner == row), row)
+    ahead = float(summits.height[row] - summits.height[others].max())
+    return int(table.nodes * min(max(ahead, 0.0) / table.reach[slot], 1.0) ** 0.5)
+
+
+def _join(
+    table: LawTable, slots: Rows, begin: Rows, offsets: Rows, count: Rows, values: Array
+) -> None:
+    """Put what was found at the nodes `begin` + `offsets` in some rows, from the node `begin` on.
+
+    Of `values` (n, levels, 7) the first `count` are known.
+    """
+    u = np.arange(table.nodes + 1) / table.nodes
+    wanted = values[:, :, [1, 3, 2]]
+    wanted[:, :, 0] /= u[begin[:, None] + np.maximum(offsets, 0)] ** 2
+    smooth = monotone(offsets, count, wanted, np.arange(table.nodes + 1))
+    every, end = np.arange(len(slots)), count - 1
+    last = offsets[every, end]
+    _scale(table, slots, begin + last, values[every, end])
+    k, inside = np.nonzero(np.arange(table.nodes + 1) <= last[:, None])
+    row, node = slots[k], begin[k] + inside
+    table.area[row, node] = u[node] ** 2 * smooth[k, inside, 0]
+    table.spread[row, node] = SPREAD
+    if table.centre is not None:
+        table.centre[row, node] = smooth[k, inside, 1:]
+    before = np.minimum(begin - 1, BEFORE)
+    kinds, kind = np.unique(np.column_stack((before, offsets)), axis=0, return_inverse=True)
+    for group, (earlier, *after) in enumerate(kinds.tolist()):
+        some = np.flatnonzero(kind == group)
+        places = [*range(-earlier, 0), *(node for node in after if node >= 0)]
+        _push(table, slots[some], begin[some], places, values[some, : len(places) - earlier, 0])
+
+
+def _push(table: LawTable, slots: Rows, begin: Rows, places: list[int], found: Array) -> None:
+    """Forces found at the nodes `begin` + `places`, those not below 0, and stiffnesses between.
+
+    Of a tip that is no paraboloid the force over its own power of u is what changes slowly.
+    """
+    nodes, u = table.nodes, np.arange(table.nodes + 1) / table.nodes
+    earlier, inside = len(places) - found.shape[1], np.arange(places[-1] + 1)
+    row, node = slots[:, None], begin[:, None] + inside
+    known, own = u[begin[:, None] + np.array(places)], u[node]
+    force = np.hstack((table.force[row, begin[:, None] + np.arange(-earlier, 0)], found))
+    p = np.log(force[:, 1:2] / force[:, :1]) / np.log(known[:, 1:2] / known[:, :1])
+    powers = (known[:, :1] == u[1]) & (np.abs(p - table.exponent) > BLUNT)
+    p = np.where(powers, np.clip(p, 2.0, 2.0 * table.exponent - 2.0), table.exponent)
+    line, rise = ((force / known**p) @ part.T for part in _natural(tuple(places)))
+    table.force[row, node] = own**p * line
+    slope = own ** (p - 2) * (p * line + own * nodes * rise)
+    table.stiffness[row, node] = slope / (2.0 * table.reach[row])
+
+
+@lru_cache(maxsize=64)
+def _natural(places: tuple[int, ...]) -> tuple[Array, Array]:
+    """Natural cubic spline through the values at some `places`: itself and its slope at 0, 1 ... to
+    the last place, one column per value."""
+    from scipy.interpolate import CubicSpline
+
+    line = CubicSpline(places, np.eye(len(places)), bc_type="natural")
+    inside = np.arange(places[-1] + 1)
+    return line(inside), line(inside, 1)
+
+
+def _scale(table: LawTable, slots: Rows, end: Rows, values: Array) -> None:
+    """Scale some rows to the force and the area at a node of each, from there on."""
+    later = np.arange(table.nodes + 1) >= end[:, None]
+    for array, wanted, old in (
+        (table.stiffness, values[:, 0], table.force),
+        (table.force, values[:, 0], table.force),
+        (table.area, values[:, 1], table.area),
+    ):
+        array[slots] *= np.where(later, (wanted / old[slots, end])[:, None], 1.0)

@@ -1,0 +1,245 @@
+"""Edge amplitudes of a profile on a circle: closed for power laws, exact moments for tables.
+
+Both classes answer the same questions at radii a, shape (k,): `depth` the approach D and its
+derivatives, `gap` the mean of G~, and `amplitudes` the complex e_n of the angular harmonics, with
+their own operators or with the n = 2 operator of the published solution throughout.
+Derivatives are taken with ``a d/da``, under which a power r^j is multiplied by j.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicSpline
+
+from asperity.errors import ModelRangeError
+from asperity.halfspace.transforms import kappa, moments
+from surfaces.polar import PolarProfile, PowerSumProfile
+
+__all__ = ["Basis", "PowerBasis", "TableBasis", "basis_of", "corner_rule", "samples", "synthesis"]
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+_SAMPLES = 8192
+"""Angles at which an angular factor is sampled."""
+
+_HIGHEST = 512
+"""Highest harmonic of a power-law profile."""
+
+_PANELS = 64
+"""Gauss nodes between two corners."""
+
+
+class Basis(Protocol):
+    """What the laws need to know of a profile."""
+
+    m: float
+    orders: NDArray[np.int64]
+
+    def depth(self, a: Array, order: int = 0) -> Array:
+        """``(a d/da)^order`` of the approach D(a) [m]."""
+        ...
+
+    def gap(self, a: Array) -> Array:
+        """Mean of G~ [m]: ``int_0^1 t f w dt``."""
+        ...
+
+    def amplitudes(self, a: Array, order: int = 0, *, published: bool = False) -> Complex:
+        """``(a d/da)^order e_n`` [m] for n = 1, 2, ..., shape (k, harmonics)."""
+        ...
+
+    def published(self, a: Array, phi: Array) -> Array:
+        """Published numerator ``(1 - m) dG~ + dD`` [m] of the contour, shape (k, phi.size)."""
+        ...
+
+
+class PowerBasis:
+    """Profile ``sum_i r^k_i psi_i(phi)``: every integral is a multiplier kappa_m(k + n)."""
+
+    def __init__(self, profile: PowerSumProfile, m: float) -> None:
+        self.m = m
+        self._profile = profile
+        self.powers = np.asarray(profile.powers)
+        phi = 2 * np.pi * np.arange(_SAMPLES) / _SAMPLES
+        spectrum = np.fft.rfft(profile.factors(phi), axis=1) * (2 / _SAMPLES)
+        self.orders = np.arange(1, _HIGHEST + 1)
+        self.harmonics = spectrum[:, 1 : _HIGHEST + 1]
+        self.means = _means(profile) if profile.corners else spectrum[:, 0].real / 2
+
+    @property
+    def depth_factors(self) -> Array:
+        """Coefficients of a^k in D(a)."""
+        return np.asarray(self.means * kappa(self.m, self.powers))
+
+    def depth(self, a: Array, order: int = 0) -> Array:
+        """See `Basis`."""
+        return np.asarray(a[:, None] ** self.powers @ (self.depth_factors * self.powers**order))
+
+    def gap(self, a: Array) -> Array:
+        """See `Basis`."""
+        factors = self.depth_factors / (self.powers + self.m + 1)
+        return np.asarray(a[:, None] ** self.powers @ factors)
+
+    def amplitudes(self, a: Array, order: int = 0, *, published: bool = False) -> Complex:
+        """See `Basis`."""
+        n = np.full_like(self.orders, 2) if published else self.orders
+        multiplier = kappa(self.m, self.powers[:, None] + n) * self.powers[:, None] ** order
+        return np.asarray(a[:, None] ** self.powers @ (multiplier * self.harmonics))
+
+    def published(self, a: Array, phi: Array) -> Array:
+        """See `Basis`."""
+        deviation = self._profile.factors(phi) - self.means[:, None]
+        multiplier = kappa(self.m, self.powers + 2)[:, None]
+        return np.asarray(a[:, None] ** self.powers @ (multiplier * deviation))
+
+
+class TableBasis:
+    """Tabulated profile: piecewise cubics on the rays, integrated by exact moments."""
+
+    def __init__(self, profile: PolarProfile, m: float) -> None:
+        self.m = m
+        self.nodes = profile.r
+        n_phi = profile.phi.size
+        local = _local_cubics(profile)
+        spectrum = np.fft.rfft(local, axis=-1) * (2 / n_phi)
+        count = (n_phi - 1) // 2
+        self.orders = np.arange(1, count + 1)
+        turn = np.exp(-1j * self.orders * profile.phi[0])
+        self._mean = spectrum[..., 0].real / 2
+        self._last: tuple[tuple[bytes, int, int], Array] | None = None
+        self.harmonics = spectrum[..., 1 : count + 1] * turn
+
+    def depth(self, a: Array, order: int = 0) -> Array:
+        """See `Basis`."""
+        j = np.arange(4)
+        scaled = self._mean * (1 + self.m + j) * j.astype(float) ** order
+        value = self._integrate(a, scaled[..., None], np.zeros(1, dtype=np.int64))[:, 0]
+        return value + self._jumps(a) if order == 2 else value
+
+    def gap(self, a: Array) -> Array:
+        """See `Basis`."""
+        return self._integrate(a, self._mean[..., None], np.zeros(1, dtype=np.int64))[:, 0]
+
+    def amplitudes(self, a: Array, order: int = 0, *, published: bool = False) -> Complex:
+        """See `Basis`."""
+        n = np.full_like(self.orders, 2) if published else self.orders
+        j = np.arange(4)[:, None]
+        scaled = self.harmonics * (n + 1 + self.m + j) * j.astype(float) ** order
+        return self._integrate(a, scaled, n)
+
+    def published(self, a: Array, phi: Array) -> Array:
+        """See `Basis`."""
+        return synthesis(self.amplitudes(a, published=True), phi)
+
+    def summit(self) -> tuple[float, complex]:
+        """Mean and second harmonic of f/r^2 [1/m] at the summit, where the slope vanishes."""
+        top = self.nodes[-1]
+        if abs(self._mean[0, 1]) > 1e-6 * abs(self._mean[0, 2]):
+            raise ModelRangeError("the profile has a sharp tip, no curvature; use another law")
+        return self._mean[0, 2] / top**2, self.harmonics[0, 2, 1] / top**2
+
+    def _integrate(self, a: Array, cubics: NDArray[Any], n: NDArray[np.int64]) -> NDArray[Any]:
+        """Sum over segments and powers of ``c_j a^j int t^(n+1+j) w dt``, shape (k, n.size)."""
+        lowest = int(n.min())
+        table = self._moments(a, lowest, int(n.max()))
+        powers = (a[:, None] / self.nodes[-1]) ** np.arange(4)
+        out = np.zeros((a.size, n.size), dtype=cubics.dtype)
+        for j in range(4):
+            weights = table[..., n - lowest + j] * powers[:, j, None, None]
+            out += np.einsum("ksn,sn->kn", weights, cubics[:, j])
+        return out
+
+    def _moments(self, a: Array, lowest: int, highest: int) -> Array:
+        """Moments of the segments at radii a; the last are kept, for D and its derivatives."""
+        key = (a.tobytes(), lowest, highest)
+        if self._last is None or self._last[0] != key:
+            edges = np.minimum(np.append(self.nodes, np.inf), a[:, None]) / a[:, None]
+            self._last = key, moments(self.m, edges, np.arange(lowest + 1, highest + 5))
+        return self._last[1]
+
+    @cached_property
+    def _kinks(self) -> Array:
+        """Jumps of the second derivative of the mean profile at the inner nodes, times R^2."""
+        x = self.nodes[1:] / self.nodes[-1]
+        change = np.diff(self._mean, axis=0)
+        return np.asarray(2 * change[:, 2] + 6 * change[:, 3] * x)
+
+    def _jumps(self, a: Array) -> Array:
+        """Share of the jumps of f'' in ``(a d/da)^2 D``."""
+        r = self.nodes[1:]
+        t = np.minimum(r / a[:, None], 1.0)
+        with np.errstate(divide="ignore"):
+            weight = np.where(t < 1, (1 - t * t) ** ((self.m - 1) / 2), 0.0)
+        return np.asarray((weight * t * t) @ (self._kinks * (r / r[-1]) ** 2))
+
+
+def basis_of(profile: PowerSumProfile | PolarProfile, m: float) -> Basis:
+    """Basis of either kind of profile."""
+    if isinstance(profile, PolarProfile):
+        return TableBasis(profile, m)
+    return PowerBasis(profile, m)
+
+
+def synthesis(amplitudes: Complex, phi: Array) -> Array:
+    """``sum_n Re(e_n e^(i n phi))``, n = 1, 2, ..., shape (k, phi.size).
+
+    Evaluated on a fine equispaced grid by the fast transform and splined from there.
+    """
+    values = samples(amplitudes, _SAMPLES)
+    turn = 2 * np.pi * np.arange(_SAMPLES + 1) / _SAMPLES
+    closed = np.concatenate([values, values[:, :1]], axis=1)
+    curve = CubicSpline(turn, closed, axis=1, bc_type="periodic")
+    return np.asarray(curve(np.mod(phi, 2 * np.pi)))
+
+
+def samples(amplitudes: Complex, count: int) -> Array:
+    """`synthesis` at `count` equispaced angles, more than twice the highest harmonic."""
+    spectrum = np.zeros((amplitudes.shape[0], count // 2 + 1), dtype=complex)
+    spectrum[:, 1 : amplitudes.shape[1] + 1] = amplitudes * (count / 2)
+    return np.asarray(np.fft.irfft(spectrum, count, axis=1))
+
+
+def corner_rule(corners: ArrayLike, nodes: int) -> tuple[Array, Array]:
+    """Angles and weights of Gauss-Legendre rules between corners, shape (corners, nodes)."""
+    start = np.sort(np.mod(corners, 2 * np.pi))
+    ends = np.append(start, start[0] + 2 * np.pi)
+    x, w = np.polynomial.legendre.leggauss(nodes)
+    half = np.diff(ends)[:, None] / 2
+    return np.asarray((ends[:-1, None] + half) + half * x), np.asarray(w * half)
+
+
+def _means(profile: PowerSumProfile) -> Array:
+    """Angular means between the corners of the section."""
+    phi, weight = corner_rule(profile.corners, _PANELS)
+    return np.asarray(np.sum(profile.factors(phi) * weight, axis=(1, 2)) / (2 * np.pi))
+
+
+def _local_cubics(profile: PolarProfile) -> Array:
+    """Coefficients of (r/R)^j on each segment and ray, shape (segments + 1, 4, rays).
+
+    The last segment is the parabola beyond the last radius R.
+    """
+    top = profile.radius
+    x = profile.r / top
+    f, slope = profile.f, profile.slope * top
+    width = np.diff(x)[:, None]
+    rise = np.diff(f, axis=0) / width
+    second = (3 * rise - 2 * slope[:-1] - slope[1:]) / width
+    third = (slope[:-1] + slope[1:] - 2 * rise) / width**2
+    end = np.stack([f[-1:], slope[-1:], f[-1:], np.zeros_like(f[-1:])], axis=1)
+    local = np.concatenate([np.stack([f[:-1], slope[:-1], second, third], axis=1), end])
+    c0, c1, c2, c3 = np.moveaxis(local, 1, 0)
+    s = x[:, None]
+    return np.stack(
+        [
+            c0 - s * (c1 - s * (c2 - s * c3)),
+            c1 - s * (2 * c2 - 3 * s * c3),
+            c2 - 3 * s * c3,
+            c3,
+        ],
+        axis=1,
+    )

@@ -1,0 +1,1 @@
+"""Law `ellipse`: expansion about the optimal ellipse."""

@@ -1,0 +1,236 @@
+"""Numba kernels of the displaced contour of an ellipse, for eight profiles at once.
+
+Units inside: one length and one height per profile, modulus 1. The contour has nodes on the four
+mirror images of a quarter of the ellipse. Arrays are groups of eight numbers, one per profile
+(`_lanes`); where each profile reads a table row of its own, a group is a quarter of its contour.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surfaces.numerics.compiled import QUOTIENTS, inner
+from surfaces.numerics.lane_functions import between, least, most
+from surfaces.numerics.lanes import (
+    LANES,
+    absolute,
+    add,
+    load,
+    pick,
+    root,
+    splat,
+    store,
+    transpose,
+    where,
+    whole,
+)
+
+from ._directions import place
+from ._polynomial_kernels import TERMS
+from .galin_operator import DEGREE
+
+NODES = DEGREE + 1
+MODES = DEGREE // 2 + 1
+"""Nodes on a quarter of the ellipse, and even modes: constants, so that the loops unroll."""
+
+FORMS = 4
+"""Groups that hold the second-order forms."""
+
+WIDTH = TERMS + 2 + FORMS
+"""Groups in a row of the tables: the edge amplitudes of each monomial and the weights at the nodes
+of a quarter; the amplitude of 1 and the stiffness of the unit punch; the second-order forms."""
+
+FIELDS = 10
+"""Groups of one profile that `amplitudes` takes from its row."""
+
+_T = np.arange(NODES) * np.pi / (2 * DEGREE)
+_COS, _SIN = np.cos(_T), np.sin(_T)
+_SHARE = np.ones(NODES)
+_SHARE[[0, DEGREE]] = 0.5
+_SHARE /= 4 * DEGREE
+"""Share of a node in the mean over the parameter of the ellipse."""
+_EVEN = np.cos(np.outer(2 * np.arange(MODES), _T)) * _SHARE * 2
+_EVEN[0] *= 0.5
+_BOTH = np.sin(np.outer(2 * np.arange(MODES - 1) + 2, _T)) * _SHARE * 2
+_ALONG = np.cos(np.outer(2 * np.arange(MODES - 1) + 1, _T)) * _SHARE * 2
+_ACROSS = np.sin(np.outer(2 * np.arange(MODES - 1) + 1, _T)) * _SHARE * 2
+_CLASS = np.array(
+    [(0, 2, 3, 1)[(k - j) % 2 + 2 * (j % 2)] for k in range(DEGREE + 1) for j in range(k + 1)]
+)
+_MEMBERS = np.concatenate([np.flatnonzero(_CLASS == c) for c in range(4)])
+_BEGIN = np.searchsorted(np.sort(_CLASS), np.arange(5))
+
+
+@inner(fastmath=QUOTIENTS, inline="always")
+def _mirrored(a, b, c, d):
+    """Sums over the mirror images: even, odd in both, odd in x, odd in y."""
+    return a + b + c + d, a - b + c - d, a - b - c + d, a + b - c - d
+
+
+@inner(fastmath=QUOTIENTS)
+def amplitudes(values, rows, number, own, fields):
+    """Fields over the nodes of a quarter for each profile from its row of the tables.
+
+    The groups 8 f + q of `fields` hold at node q: f = 0 to 3 the amplitude P in the four parity
+    classes, 4 to 7 its growth Q, 8 the quadrature weight; groups 72 and 73 hold the amplitude of 1
+    and the stiffness of the unit punch.
+    """
+    for n in range(LANES):
+        row = int(number[n]) * WIDTH
+        for c in range(4):
+            P, Q = splat(0.0), splat(0.0)
+            for k in range(_BEGIN[c], _BEGIN[c + 1]):
+                r = _MEMBERS[k]
+                e = load(rows, row + r)
+                P -= values[r * LANES + n] * e
+                Q += values[(TERMS + r) * LANES + n] * e
+            store(own, n * FIELDS + c, P)
+            store(own, n * FIELDS + 4 + c, Q)
+        store(own, n * FIELDS + 8, load(rows, row + TERMS))
+        store(own, n * FIELDS + 9, load(rows, row + TERMS + 1))
+    for f in range(FIELDS):
+        transpose(own, f, FIELDS, fields, f * LANES)
+
+
+@inner(fastmath=QUOTIENTS)
+def limits(edge, rays, stretch, x0, y0, tc, ts, a, b, mask, limit):
+    """Displacements at which the nodes meet the edge, linear between the rays, where `mask`."""
+    for c in range(4):
+        for q in range(NODES):
+            px, py = a * (_COS[q] if c % 3 == 0 else -_COS[q]), b * (_SIN[q] if c < 2 else -_SIN[q])
+            gx, gy = x0 + tc * px - ts * py, y0 + ts * px + tc * py
+            turn = between(place(gx, stretch * gy, rays), splat(0.0), splat(1.0 * rays))
+            lower = whole(turn)
+            u = turn - lower
+            lower = where(lower < rays, lower, 0.0)
+            upper = where(lower + 1.0 < rays, lower + 1.0, 0.0)
+            near, far = pick(edge, lower), pick(edge, upper)
+            length = near + u * (far - near)
+            displacement = length / root(gx * gx + gy * gy) - 1.0
+            store(limit, c * NODES + q, where(mask, displacement, 1e300))
+
+
+@inner(fastmath=QUOTIENTS)
+def _displaced(P, Q, limit):
+    """Displacement P / Q up to its limit, and 1 where it is free."""
+    x = P / Q
+    return least(x, limit), where(x <= limit, splat(1.0), 0.0)
+
+
+@inner(fastmath=QUOTIENTS)
+def displace(fields, limit, X, system, vector):
+    """Displacements of the contour, and the Newton system of the five parameters of the ellipse.
+
+    Returns the second-order force, first-order stiffness, weight of all nodes, their amplitude,
+    the weight of the free ones, the largest displacement, and the means of the squared radius
+    and of its change with a uniform displacement.
+    """
+    average = splat(0.0)
+    for q in range(NODES):
+        average += load(fields, 4 * LANES + q)
+    floor = average * (0.15 / NODES)
+    gain, shift, total, push = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    free, widest, contour, slide = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    for i in range(25):
+        store(system, i, splat(0.0))
+    for i in range(5):
+        store(vector, i, splat(0.0))
+    for q in range(NODES):
+        w = 0.25 * load(fields, 8 * LANES + q)
+        cq, sq = _COS[q], _SIN[q]
+        cc, ss, dq = cq * cq, sq * sq, 2 * cq * sq
+        e, o = load(fields, q), load(fields, LANES + q)
+        x, y = load(fields, 2 * LANES + q), load(fields, 3 * LANES + q)
+        p0, p1, p2, p3 = e + o + x + y, e - o - x + y, e + o - x - y, e - o + x - y
+        e, o = load(fields, 4 * LANES + q), load(fields, 5 * LANES + q)
+        x, y = load(fields, 6 * LANES + q), load(fields, 7 * LANES + q)
+        q0, q1 = most(e + o + x + y, floor), most(e - o - x + y, floor)
+        q2, q3 = most(e + o - x - y, floor), most(e - o + x - y, floor)
+        x0, f0 = _displaced(p0, q0, load(limit, q))
+        x1, f1 = _displaced(p1, q1, load(limit, NODES + q))
+        x2, f2 = _displaced(p2, q2, load(limit, 2 * NODES + q))
+        x3, f3 = _displaced(p3, q3, load(limit, 3 * NODES + q))
+        widest = most(most(absolute(x0), absolute(x1)), widest)
+        widest = most(most(absolute(x2), absolute(x3)), widest)
+        x0, x1 = most(x0, splat(-0.9)), most(x1, splat(-0.9))
+        x2, x3 = most(x2, splat(-0.9)), most(x3, splat(-0.9))
+        store(X, q, x0)
+        store(X, NODES + q, x1)
+        store(X, 2 * NODES + q, x2)
+        store(X, 3 * NODES + q, x3)
+        total += 4.0 * w
+        push += w * (p0 + p1 + p2 + p3)
+        shift += w * (x0 + x1 + x2 + x3)
+        free += w * (f0 + f1 + f2 + f3)
+        q0, q1, q2, q3 = w * q0, w * q1, w * q2, w * q3
+        e, o, x, y = _mirrored(q0, q1, q2, q3)
+        add(system, 0, cc * cc * e)
+        add(system, 1, cc * ss * e)
+        add(system, 6, ss * ss * e)
+        add(system, 12, dq * dq * e)
+        add(system, 18, cc * e)
+        add(system, 24, ss * e)
+        add(system, 2, cc * dq * o)
+        add(system, 7, ss * dq * o)
+        add(system, 19, cq * sq * o)
+        add(system, 3, cc * cq * x)
+        add(system, 8, ss * cq * x)
+        add(system, 14, dq * sq * x)
+        add(system, 4, cc * sq * y)
+        add(system, 9, ss * sq * y)
+        add(system, 13, dq * cq * y)
+        q0, q1, q2, q3 = q0 * x0, q1 * x1, q2 * x2, q3 * x3
+        gain += w * (p0 * x0 + p1 * x1 + p2 * x2 + p3 * x3)
+        gain -= 0.5 * (q0 * x0 + q1 * x1 + q2 * x2 + q3 * x3)
+        e, o, x, y = _mirrored(q0, q1, q2, q3)
+        add(vector, 0, cc * e)
+        add(vector, 1, ss * e)
+        add(vector, 2, dq * o)
+        add(vector, 3, cq * x)
+        add(vector, 4, sq * y)
+        x0, x1, x2, x3 = x0 + 1.0, x1 + 1.0, x2 + 1.0, x3 + 1.0
+        contour += _SHARE[q] * (x0 * x0 + x1 * x1 + x2 * x2 + x3 * x3)
+        slide += _SHARE[q] * (x0 * f0 + x1 * f1 + x2 * f2 + x3 * f3)
+    return gain, shift, total, push, free, widest, contour, slide
+
+
+@inner(inline="always")
+def _mode(c, i, q):
+    if c == 0:
+        return _EVEN[i, q]
+    if c == 1:
+        return _BOTH[i, q]
+    return _ALONG[i, q] if c == 2 else _ACROSS[i, q]
+
+
+@inner(fastmath=QUOTIENTS)
+def second_order(X, rows, number, own, forms):
+    """Second-order stiffness of the displaced contour, from its Fourier coefficients."""
+    for n in range(LANES):
+        for k in range(FORMS):
+            store(own, n * FORMS + k, load(rows, int(number[n]) * WIDTH + TERMS + 2 + k))
+    for k in range(FORMS):
+        transpose(own, k, FORMS, forms, k * LANES)
+    second, r = splat(0.0), 0
+    for c in range(4):
+        modes = MODES if c == 0 else MODES - 1
+        for i in range(modes):
+            store(own, i, splat(0.0))
+        for q in range(NODES):
+            x0, x1 = load(X, q), load(X, NODES + q)
+            x2, x3 = load(X, 2 * NODES + q), load(X, 3 * NODES + q)
+            if c == 0:
+                part = x0 + x1 + x2 + x3
+            elif c == 1:
+                part = x0 - x1 + x2 - x3
+            elif c == 2:
+                part = x0 - x1 - x2 + x3
+            else:
+                part = x0 + x1 - x2 - x3
+            for i in range(modes):
+                add(own, i, _mode(c, i, q) * part)
+        for i in range(modes):
+            for j in range(i, modes):
+                second += load(forms, r) * load(own, i) * load(own, j)
+                r += 1
+    return second

@@ -1,0 +1,179 @@
+"""Force, stiffness and area of many contacts, tabulated over their approach."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity.errors import InputError
+
+__all__ = ["LawTable", "joined"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class LawTable:
+    """The law of n contacts at the approaches ``reach * (j / K)^2``, j = 0 ... K.
+
+    Parameters
+    ----------
+    reach
+        Approach [m] of the last node, shape (n,): there the contact fills its basin, or the law
+        ends. Zero marks a contact without a usable law (it never carries load).
+    force, stiffness, area
+        Normal force [N], dF/dd [N/m] and contact area [m^2] at the nodes, shape (n, K + 1).
+    flags
+        Bits of `Flag` at the nodes, uint8, shape (n, K + 1).
+    spread
+        Relative difference of the force to that of the next law (error estimate), (n, K + 1).
+    exponent
+        Power p of u = sqrt(d/reach) in F = u^p s(u), p = 3 + m: then a paraboloid has constant s.
+    law
+        Name of the law.
+    centre
+        Centre (x, y) [m] of the contact relative to the summit at the nodes, shape
+        (n, K + 1, 2); None if the law keeps every contact about its summit.
+
+    Notes
+    -----
+    Between the nodes s is a cubic Hermite in u and area/u^2 is linear in u, so that a Hertzian
+    contact is exact and the stiffness is the derivative of the force. Beyond the reach the basin
+    is filled: a flat punch, force linear with the last stiffness, area constant.
+    """
+
+    reach: Array
+    force: Array
+    stiffness: Array
+    area: Array
+    flags: NDArray[np.uint8]
+    spread: Array
+    exponent: float = 3.0
+    law: str = ""
+    centre: Array | None = None
+
+    def __post_init__(self) -> None:
+        n, nodes = self.force.shape
+        if nodes < 3:
+            raise InputError(f"a law table needs at least 3 nodes, got {nodes}")
+        for name in ("stiffness", "area", "flags", "spread"):
+            if getattr(self, name).shape != (n, nodes):
+                raise InputError(f"{name} must have the shape of force, {(n, nodes)}")
+        if self.reach.shape != (n,):
+            raise InputError(f"reach must have the shape ({n},), got {self.reach.shape}")
+        if self.centre is not None and self.centre.shape != (n, nodes, 2):
+            raise InputError(f"centre must have the shape {(n, nodes, 2)}, got {self.centre.shape}")
+
+    def __len__(self) -> int:
+        return int(self.reach.size)
+
+    @property
+    def nodes(self) -> int:
+        """Number K of intervals."""
+        return int(self.force.shape[1]) - 1
+
+    def approach(self) -> Array:
+        """Approaches [m] of the nodes, shape (n, K + 1)."""
+        u = np.linspace(0.0, 1.0, self.nodes + 1)
+        return self.reach[:, None] * u * u
+
+    def evaluate(self, index: ArrayLike, approach: ArrayLike) -> tuple[Array, Array, Array]:
+        """Force [N], stiffness [N/m] and area [m^2] of the contacts `index` at `approach` [m].
+
+        Parameters
+        ----------
+        index
+            Rows of the table, shape broadcastable with `approach`.
+        approach
+            Approach [m]; contacts at or below zero carry nothing.
+
+        Returns
+        -------
+        force, stiffness, area
+            Of the broadcast shape.
+        """
+        from .table_kernels import evaluate_table
+
+        rows, depth = np.broadcast_arrays(
+            np.asarray(index, dtype=np.int64), np.asarray(approach, dtype=float)
+        )
+        scale = (np.maximum(np.arange(self.nodes + 1), 1) / self.nodes) ** -self.exponent
+        values = np.zeros((3, rows.size))
+        evaluate_table(
+            np.ascontiguousarray(rows).ravel(),
+            np.ascontiguousarray(depth).ravel(),
+            self.reach,
+            self.force,
+            self.stiffness,
+            self.area,
+            self.exponent,
+            scale,
+            values,
+        )
+        force, stiffness, area = (value.reshape(rows.shape) for value in values)
+        return force, stiffness, area
+
+    def area_under(self, force: Array) -> Array:
+        """Area [m^2] of each contact under a force [N], shape (n,); power laws between the nodes,
+        the last node's area beyond its force."""
+        upper = np.clip(np.argmax(self.force >= force[:, None], axis=1), 1, self.nodes)
+        upper[force > self.force[:, -1]] = self.nodes
+        row = np.arange(len(self))
+        high, low = ((self.force[row, node], self.area[row, node]) for node in (upper, upper - 1))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            power = np.log(high[1] / low[1]) / np.log(high[0] / low[0])
+            power = np.where(upper > 1, power, 2.0 / self.exponent)
+            area = high[1] * np.minimum(force / high[0], 1.0) ** power
+        return np.where(self.reach > 0, np.nan_to_num(area), 0.0)
+
+    def centre_at(self, index: NDArray[np.int64], approach: Array) -> tuple[Array, Array]:
+        """Centres x, y [m] of the contacts `index` relative to their summits, shape (n,)."""
+        if self.centre is None:
+            return np.zeros(approach.size), np.zeros(approach.size)
+        reach = np.where(self.reach[index] > 0, self.reach[index], np.inf)
+        u = np.sqrt(np.clip(approach / reach, 0.0, 1.0)) * self.nodes
+        low = np.minimum(u.astype(np.int64), self.nodes - 1)
+        share = (u - low)[:, None]
+        x, y = ((1 - share) * self.centre[index, low] + share * self.centre[index, low + 1]).T
+        return x, y
+
+    def flags_at(self, index: ArrayLike, approach: ArrayLike) -> NDArray[np.uint8]:
+        """Flags of the node at or above `approach`; the last node's beyond the reach."""
+        from .table_kernels import flags_of_table
+
+        rows, depth = np.broadcast_arrays(
+            np.asarray(index, dtype=np.int64), np.asarray(approach, dtype=float)
+        )
+        out = np.empty(rows.shape, np.uint8)
+        places = np.ascontiguousarray(rows).ravel(), np.ascontiguousarray(depth).ravel()
+        flags_of_table(*places, self.reach, self.flags, out.ravel())
+        return out
+
+    def spread_at(self, index: ArrayLike, approach: ArrayLike) -> Array:
+        """Error estimate of the node at or above `approach`; the last node's beyond the reach."""
+        return np.asarray(self.spread[self._node(index, approach)])
+
+    def _node(
+        self, index: ArrayLike, approach: ArrayLike
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        rows = np.asarray(index, dtype=np.int64)
+        reach = self.reach[rows]
+        share = np.asarray(approach, dtype=float) / np.where(reach > 0, reach, np.inf)
+        u = np.sqrt(np.minimum(np.maximum(share, 0.0), 1.0))
+        return rows, np.ceil(u * self.nodes).astype(np.int64)
+
+
+def joined(tables: Sequence[LawTable]) -> LawTable:
+    """One table of the rows of several of one law."""
+    if len(tables) == 1:
+        return tables[0]
+    columns: dict[str, Any] = {}
+    for field in fields(LawTable):
+        values = [getattr(table, field.name) for table in tables]
+        if isinstance(values[0], np.ndarray):
+            columns[field.name] = np.concatenate(values)
+    return replace(tables[0], **columns)

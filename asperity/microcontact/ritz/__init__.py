@@ -1,0 +1,1 @@
+"""Law `ritz`: direct maximization of the Barber-Fabrikant functional."""

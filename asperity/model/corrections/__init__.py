@@ -1,0 +1,1 @@
+"""Corrections of the microcontact model, one file each."""

@@ -1,1 +1,0 @@
-"""All summits of a surface under one plane: independent or elastically coupled."""

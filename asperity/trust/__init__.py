@@ -1,0 +1,1 @@
+"""How far an answer of the microcontact model can be trusted."""

@@ -1,0 +1,58 @@
+"""Files that appear only when they are complete."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import stat
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+
+from surfaces.errors import InputError
+
+__all__ = ["replacing", "require_replaceable"]
+
+
+def require_replaceable(path: str | os.PathLike[str]) -> Path:
+    """Where a file of this name is written: links are followed.
+
+    Raises
+    ------
+    InputError
+        If the name cannot be one, or stands for what a file must not replace: a folder, a device,
+        a pipe.
+    """
+    target = Path(os.path.realpath(path))  # which does not mind links in a circle
+    try:
+        if not stat.S_ISREG(target.stat().st_mode):
+            kind = "folder" if target.is_dir() else "device or a pipe"
+            raise InputError(f"{path}: cannot be written, it is a {kind}")
+    except FileNotFoundError:
+        pass
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror})") from error
+    return target
+
+
+@contextlib.contextmanager
+def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Temporary file beside `path` that takes its place when the block ends without an error.
+
+    Raises
+    ------
+    InputError
+        If either cannot be written; what stood at `path` is then untouched.
+    """
+    target = require_replaceable(path)
+    part = target.with_name(f".{zlib.crc32(os.fsencode(target.name)):x}.{os.getpid()}.part")
+    try:
+        part.touch()
+        yield part
+        os.replace(part, target)
+    except OSError as error:
+        reason = error.strerror or " ".join(str(error).split())
+        raise InputError(f"{path}: cannot be written ({reason})") from error
+    finally:
+        with contextlib.suppress(OSError):
+            part.unlink()

@@ -1,0 +1,1 @@
+"""Low-level tools of both packages: compiled loops, vectors, threads, memory, splines."""

@@ -1,0 +1,105 @@
+"""The number of threads, and loops over blocks of rows on that many."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import os
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+from surfaces.errors import InputError
+
+__all__ = ["aside", "available", "blocks", "each", "lines", "run", "set_threads", "threads"]
+
+_NAME = "row-blocks"
+_VARIABLE = "ASPERITY_THREADS"
+_chosen: int | None = None
+
+_POINTS = 2**17
+"""Points of a map that repay a thread, in a loop that takes a few ns for each."""
+
+
+@functools.cache
+def _pool(workers: int, process: int) -> ThreadPoolExecutor:
+    """Threads kept for the next call: starting them costs more than a short loop."""
+    return ThreadPoolExecutor(workers, thread_name_prefix=_NAME)
+
+
+def available() -> int:
+    """Number of processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def threads() -> int:
+    """Number of threads in use: as set, else ASPERITY_THREADS, else every processor."""
+    return _chosen or _default()
+
+
+@functools.cache
+def _default() -> int:
+    """Number of threads if none is set; asked once, as that takes 7 us."""
+    text = os.environ.get(_VARIABLE, "")
+    if not text:
+        return available()
+    if not text.isdigit() or int(text) < 1:
+        raise InputError(f"{_VARIABLE} is {text!r}; give a whole number of threads, at least 1")
+    return min(int(text), available())
+
+
+def set_threads(count: int | None) -> None:
+    """Use `count` threads from now on, at most one per processor; None returns to the default."""
+    global _chosen
+    if count is not None and count < 1:
+        raise InputError(f"the number of threads is {count}; give at least 1")
+    _chosen = None if count is None else min(int(count), available())
+
+
+def blocks(count: int, least: int = 1) -> list[tuple[int, int]]:
+    """Split ``range(count)`` into one contiguous block per processor, none below `least`."""
+    parts = min(threads(), count // max(1, least))
+    if parts < 2:
+        return [(0, count)]
+    bounds = [count * part // parts for part in range(parts + 1)]
+    return list(itertools.pairwise(bounds))
+
+
+def lines(count: int, points: int) -> list[tuple[int, int]]:
+    """Split the `count` lines of a map of so many points into blocks that repay a thread."""
+    return blocks(count, count * _POINTS // points)
+
+
+def run(function: Callable[[int, int], Any], parts: list[tuple[int, int]]) -> list[Any]:
+    """Call ``function(start, stop)`` for every block, at the same time; results in order."""
+    return each(lambda part: function(*part), parts)
+
+
+def each(function: Callable[[Any], Any], parts: Sequence[Any]) -> list[Any]:
+    """Call ``function(part)`` for every part, at the same time; results in order.
+
+    The other threads begin at the first parts. When this one has done its own, it takes those that
+    nobody has begun from the end, so that many parts of unequal work keep all threads busy.
+    """
+    if len(parts) < 2 or threads() == 1 or threading.current_thread().name.startswith(_NAME):
+        return [function(part) for part in parts]
+    pool = _pool(min(len(parts), threads()) - 1, os.getpid())
+    others = [pool.submit(function, part) for part in parts[1:]]
+    results = [function(parts[0])]
+    own = []
+    while others and others[-1].cancel():
+        others.pop()
+        own.append(function(parts[len(others) + 1]))
+    return [*results, *(other.result() for other in others), *reversed(own)]
+
+
+def aside(function: Callable[[], Any]) -> None:
+    """Call a function beside the rest, if more than one thread may be used; else leave it."""
+    if threads() > 1:
+        _single(os.getpid()).submit(function)
+
+
+@functools.cache
+def _single(process: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(1, thread_name_prefix="aside")

@@ -1,0 +1,169 @@
+"""Both models on one surface: errors, run times, files and the report."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+
+import numpy as np
+import pytest
+
+import asperity
+from asperity.comparison.coarse_bem import coarse_grids, load_at_separation
+from asperity.comparison.result import Comparison
+from asperity.errors import InputError
+from asperity.model.plan import make_plan
+from surfaces import self_affine
+
+STEEL = asperity.HalfSpace(210e9, 0.3)
+
+
+@pytest.fixture(scope="module")
+def comparison() -> Comparison:
+    hm = self_affine(
+        (96, 128), (0.96e-3, 1.28e-3), hurst=0.8, rms_slope=0.1, rolloff=2.4e-4, cutoff=8e-5, seed=3
+    )
+    return asperity.compare(hm, STEEL, pressures=[2e8, 5e7, 1e9], tolerance=1e-5)
+
+
+def test_both_models_answer_at_every_load_in_the_order_asked(comparison):
+    assert comparison.converged
+    for curve in (comparison.model, comparison.reference):
+        np.testing.assert_allclose(curve.mean_pressure, [2e8, 5e7, 1e9], rtol=2e-3)
+        order = np.argsort(curve.mean_pressure)
+        assert (np.diff(curve.separation[order]) < 0).all()
+        assert (np.diff(curve.area_fraction[order]) > 0).all()
+
+
+def test_the_models_agree_to_the_class_of_the_approximation(comparison):
+    assert np.abs(comparison.table["load_error"]).max() < 0.35
+    assert np.abs(comparison.table["area_error"]).max() < 0.35
+    assert comparison.overlap > 0.4
+
+
+def test_the_baseline_holds_coarser_and_looser_runs(comparison):
+    rows = comparison.pareto[comparison.pareto["model"] == "bem"]
+    assert {(r["ny"], r["nx"]) for r in rows} == {(96, 128), (48, 64)}
+    assert (comparison.pareto["seconds"] > 0).all()
+    full = rows[(rows["ny"] == 96) & (rows["tolerance"] > 1e-4)][0]
+    coarse = rows[rows["ny"] == 48][0]
+    assert full["load_error"] < coarse["load_error"]
+
+
+def test_a_rival_is_at_least_as_accurate(comparison):
+    rival, ours = comparison.rival, comparison.pareto[0]
+    assert rival["load_error"] <= ours["load_error"]
+    assert rival["area_error"] <= ours["area_error"]
+    assert "boundary-element run at least as accurate" in comparison.verdict()
+
+
+def test_file_gives_back_the_comparison(comparison, tmp_path):
+    comparison.to_hdf5(tmp_path / "r.h5")
+    back = Comparison.from_hdf5(tmp_path / "r.h5")
+    assert str(back) == str(comparison)
+    assert back.about == comparison.about
+    for name, touching in comparison.maps.items():
+        np.testing.assert_array_equal(back.maps[name], touching)
+    np.testing.assert_array_equal(back.microcontacts, comparison.microcontacts)
+
+
+def test_a_curve_is_no_comparison(comparison, tmp_path):
+    comparison.model.to_hdf5(tmp_path / "c.h5")
+    with pytest.raises(InputError, match="holds no comparison"):
+        Comparison.from_hdf5(tmp_path / "c.h5")
+
+
+def test_report_stands_alone(comparison, tmp_path):
+    comparison.to_html(tmp_path / "r.html")
+    text = (tmp_path / "r.html").read_text()
+    assert text.count("<svg") == 4
+    links = re.findall(r'(?:src|href)="([^"#][^"]*)"', text)
+    assert all(link.startswith("data:") for link in links)
+    assert "<script" not in text
+    assert comparison.verdict()[:40] in text
+    model = comparison.model
+    for stated in (model.error_estimate, model.extra["area_error_estimate"]):
+        assert f"± {100 * stated[0]:.1f}" in text
+
+
+def test_report_marks_what_did_not_converge(comparison, tmp_path):
+    converged = comparison.model.converged.copy()
+    converged[1] = False
+    model = dataclasses.replace(
+        comparison.model, converged=converged, reasons=("", "contacts fill the cell", "")
+    )
+    dataclasses.replace(comparison, model=model).to_html(tmp_path / "r.html")
+    text = (tmp_path / "r.html").read_text()
+    assert text.count('class="flag"') == 1
+    assert "contacts fill the cell" in text
+
+
+def test_nothing_that_can_be_judged_is_said_so(tmp_path):
+    """Nearly full contact, where the model refuses every point."""
+    hm = self_affine((30, 40), (3e-4, 8e-4), hurst=0.8, rms_slope=0.1, cutoff=1.2e-4, seed=1)
+    found = asperity.compare(hm, STEEL, pressures=[1e12])
+    assert not found.converged
+    assert "can be judged" in found.verdict() and "nan" not in found.verdict()
+    for name in ("separation_error", "area_model", "separation_model"):
+        assert np.isnan(found.table[name]).all()
+    assert np.isnan(found.overlap) and not found.maps["asperity"].any()
+    assert "100 % of the nominal area" in found.verdict() and len(found.microcontacts) == 0
+    found.to_hdf5(tmp_path / "r.h5")
+    assert np.isnan(Comparison.from_hdf5(tmp_path / "r.h5").overlap)
+    found.to_html(tmp_path / "r.html")
+    text = (tmp_path / "r.html").read_text()
+    assert text.count("<svg") == 4 and "nan" not in re.sub("<svg.*?</svg>", "", text, flags=re.S)
+
+
+def test_the_maps_are_of_a_load_that_came_out(tmp_path):
+    hm = self_affine((30, 40), (3e-4, 8e-4), hurst=0.8, rms_slope=0.1, cutoff=1.2e-4, seed=1)
+    found = asperity.compare(hm, STEEL, pressures=[1e12, 1e7])
+    assert found.map_point == 1 and found.overlap > 0.4
+
+
+def test_points_that_are_not_judged_are_counted(comparison):
+    table = comparison.table.copy()
+    table["area_error"][1] = np.nan
+    text = dataclasses.replace(comparison, table=table).verdict()
+    assert "At 2 of 3 load points" in text
+
+
+def test_the_plan_is_timed_after_compilation_on_a_map_without_stored_means(monkeypatch):
+    steps = []
+
+    def plan(hm, *given, **chosen):
+        steps.append("plan with means" if "roughness" in vars(hm) else "plan")
+        return make_plan(hm, *given, **chosen)
+
+    hm = self_affine((60, 80), (6e-4, 8e-4), hurst=0.8, rms_slope=0.1, cutoff=6e-5)
+    monkeypatch.setattr("asperity.comparison.run.make_plan", plan)
+    monkeypatch.setattr("asperity.comparison.run._compile", lambda *_: steps.append("compile"))
+    asperity.compare(hm, STEEL, pressures=[1e8], tolerance=1e-3)
+    assert steps[-2:] == ["compile", "plan"]
+
+
+def test_microcontacts_carry_the_load(comparison):
+    table = comparison.microcontacts
+    at = comparison.model
+    point = comparison.map_point
+    assert table["force"].sum() == pytest.approx(at.load[point], rel=1e-9)
+    assert table["area"].sum() == pytest.approx(at.contact_area[point], rel=1e-9)
+    assert (table["semi_major"] >= table["semi_minor"]).all()
+    np.testing.assert_allclose(
+        np.pi * table["semi_major"] * table["semi_minor"], table["area"], rtol=1e-9
+    )
+
+
+def test_grids_halve_down_to_a_useful_size():
+    assert coarse_grids((400, 300)) == [(400, 300), (200, 150), (100, 75)]
+    assert coarse_grids((60, 700)) == [(60, 700)]
+
+
+def test_reading_off_beyond_the_ends_is_log_linear(comparison):
+    curve = comparison.reference
+    inside = load_at_separation(curve, curve.separation)
+    np.testing.assert_allclose(inside, curve.mean_pressure, rtol=1e-9)
+    far = curve.separation.max() + np.array([1e-8, 2e-8])
+    beyond = load_at_separation(curve, far)
+    end = curve.mean_pressure.min()
+    assert beyond[0] ** 2 == pytest.approx(beyond[1] * end, rel=1e-9)

@@ -1,0 +1,253 @@
+"""The fast interaction against dense exact sums; symmetry, definiteness, self-images."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from asperity.interaction.ewald.exact import dense_matrix, periodic_interaction, self_image
+from asperity.interaction.ewald.mesh import Mesh
+from asperity.interaction.ewald.operator import NEAREST, RUNG, Interaction
+from asperity.interaction.footprint import FLOOR, Footprints
+from asperity.interaction.newton.tangent import Tangent
+
+CELL = (1.0, 1.7)
+
+
+def scene(n, m, seed, filling=0.5):
+    """Random overlapping discs: places, stiffness; radii fill `filling` of the cell on average."""
+    rng = np.random.default_rng(seed)
+    y, x = rng.uniform(0, CELL[0], n), rng.uniform(0, CELL[1], n)
+    radius = rng.uniform(0.3, 1.0, n)
+    radius *= np.sqrt(filling * CELL[0] * CELL[1] / (np.pi * np.sum(radius**2)))
+    return y, x, 2 * radius ** (1 + m) / (1 + m)
+
+
+def tangent_matrices(y, x, k, m, boundary):
+    """Tangent of the fast plan column by column, and its exact twin, scaled by sqrt(k)."""
+    f = Footprints(1.0, m)
+    plan = Interaction(y, x, CELL, boundary, f, widest=f.variance(k).max())
+    k, n = k[plan.order], len(k)
+    tangent = Tangent(plan, np.ones(n, bool), k)
+    fast = np.array([tangent(e) for e in np.eye(n)])
+    v = f.variance(k)
+    exact = dense_matrix(y[plan.order], x[plan.order], v, CELL, boundary, f)
+    exact[np.diag_indices(n)] += FLOOR / (1 + FLOOR) / k
+    scale = np.sqrt(k)
+    return fast * scale * scale[:, None], exact * scale * scale[:, None]
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+@pytest.mark.parametrize("filling", [0.2, 0.6, 1.2])
+def test_tangent_is_positive_definite_for_overlapping_discs(m, boundary, filling):
+    y, x, k = scene(110, m, 3, filling)
+    fast, exact = tangent_matrices(y, x, k, m, boundary)
+    assert np.linalg.eigvalsh(exact)[0] >= FLOOR / (1 + FLOOR) * (1 - 1e-6)
+    assert np.linalg.eigvalsh(0.5 * (fast + fast.T))[0] >= 0.98 * FLOOR / (1 + FLOOR)
+    assert np.abs(fast - exact).max() < 5e-3
+    assert np.abs(fast - fast.T).max() < 1e-6
+
+
+@pytest.mark.parametrize("precision", [np.float32, np.float64])
+@pytest.mark.parametrize("periodic", [True, False])
+@pytest.mark.parametrize("size", [(4.0, 4.0), (3.1, 7.9), (24.0, 20.0)])
+def test_products_of_matrices_are_the_transforms(size, periodic, precision, monkeypatch):
+    short = Mesh(Footprints(2.0, 0.3), size, periodic, 1.7, precision)
+    monkeypatch.setattr("asperity.interaction.ewald.mesh._lengths", lambda *_: short.shape)
+    monkeypatch.setattr("asperity.interaction.ewald.mesh.SHORT", 0)
+    transformed = Mesh(Footprints(2.0, 0.3), size, periodic, 1.7, precision)
+    assert short.waves and not transformed.waves
+    masses = np.random.default_rng(0).normal(size=(2, *short.shape)).astype(precision)
+    expected = transformed.convolve(masses)
+    error = np.abs(short.convolve(masses) - expected).max() / np.abs(expected).max()
+    assert error < 20 * np.finfo(precision).eps
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-6])
+def test_plans_of_one_cell_share_their_mesh(unit):
+    """As loads grow, cut-offs near to each other, in any unit of length."""
+    plans = []
+    for n in (180, 200, 220):
+        y, x = unit * np.random.default_rng(n).uniform(0, 1, (2, n))
+        plans.append(Interaction(y, x, (unit, unit), "periodic", Footprints(1.0)))
+    reach = np.array([plan.eta * plan.cut for plan in plans]) / unit
+    assert len({id(plan.mesh) for plan in plans}) == len(set(reach)) < 3
+    wanted = np.sqrt(NEAREST / (np.pi * np.array([180, 200, 220])))
+    assert (np.abs(np.log(reach / wanted)) <= 0.5 * np.log(RUNG) + 1e-12).all()
+
+
+def test_shared_cut_offs_stay_above_the_widest_footprint():
+    y, x = np.random.default_rng(1).uniform(0, 1, (2, 400))
+    for root in np.linspace(0.01, 0.05, 9):
+        plan = Interaction(y, x, (1.0, 1.0), "periodic", Footprints(1.0), widest=root**2)
+        assert plan.eta >= 3.0 * root
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+@pytest.mark.parametrize("x", [(0.2, 1.4), (0.1, 0.7, 1.0, 1.6)])
+def test_aligned_points_of_a_free_surface_do_not_act_on_themselves(x, m):
+    """The rectangle about them has no area, from which a near distance could follow."""
+    x, y = np.array(x), np.full(len(x), 0.3)
+    f = Footprints(3.0, m)
+    v = f.variance(f.punch(np.linspace(0.02, 0.08, len(x))))
+    plan = Interaction(y, x, CELL, "free", f)
+    field = np.array([plan.field(e, v[plan.order]).value for e in np.eye(len(x))])
+    dense = dense_matrix(y, x, v, CELL, "free", f)[plan.order][:, plan.order]
+    own = np.diag(dense).copy()
+    np.fill_diagonal(dense, 0.0)
+    assert np.abs(field - dense).max() < 2e-3 * own.min()
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_moved_points_act_from_where_they_stand(boundary):
+    """Also across the border of a cell that repeats."""
+    y, x, k = scene(300, 0.0, 5)
+    inner = (y > 0.1) & (y < 0.9) & (x > 0.1) & (x < 1.6)
+    f = Footprints(1.0, 0.0)
+    v = f.variance(k)
+    plan = Interaction(y, x, CELL, boundary, f, widest=v.max())
+    away = np.random.default_rng(6).uniform(-0.4, 0.4, (2, len(y))) * np.sqrt(v)
+    if boundary == "free":
+        away[:, ~inner] = 0.0
+    moved = plan.moved(*away[:, plan.order])
+    new = Interaction(y + away[0], x + away[1], CELL, boundary, f, widest=v.max())
+    force = np.random.default_rng(7).uniform(0.0, 1.0, len(y))
+    field, wanted = np.empty((2, len(y), 4))
+    for found, p in ((field, moved), (wanted, new)):
+        got = p.field(force[p.order], v[p.order], np.zeros(len(y)), np.zeros((len(y), 2)))
+        found[p.order] = np.column_stack((got.value, got.slope, got.tilt))
+    scale = wanted.std(axis=0)
+    assert (np.abs(field - wanted) < 0.02 * scale).all()
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+def test_field_is_the_dense_sum(m, boundary):
+    y, x, k = scene(110, m, 5)
+    f = Footprints(3.0, m)
+    v = 0.6 * f.variance(3.0 * k)
+    force = np.random.default_rng(1).uniform(0, 1, len(y))
+    dense = dense_matrix(y, x, v, CELL, boundary, f)
+    np.fill_diagonal(dense, dense.diagonal() - f.self_factor * v ** (-(1 + m) / 2))
+    plan = Interaction(y, x, CELL, boundary, f)
+    value = plan.field(force[plan.order], v[plan.order]).value
+    size = np.abs(dense).sum(1).mean()
+    assert np.abs(value - (dense @ force)[plan.order]).max() < 2e-3 * size
+    step = 1e-3 * v.mean()
+    wider = v.copy()
+    wider[:50] += step
+    moved = dense_matrix(y, x, wider, CELL, boundary, f) - dense_matrix(y, x, v, CELL, boundary, f)
+    own = f.self_factor * (wider ** (-(1 + m) / 2) - v ** (-(1 + m) / 2))
+    moved[np.diag_indices(len(v))] -= own
+    moved[:50, :50] = np.nan
+    rows = np.arange(50)
+    wanted = moved[rows][:, 50:] @ force[50:] / step
+    force[:50] = 0.0
+    slope = plan.field(force[plan.order], v[plan.order]).slope
+    back = np.empty(len(v))
+    back[plan.order] = slope
+    np.testing.assert_allclose(back[rows], wanted, atol=0.02 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize(("n", "neighbours"), [(5, 20), (40, 60), (700, 3), (700, 20), (700, 90)])
+def test_near_pairs_are_all_pairs_within_the_cut_off(n, neighbours, boundary):
+    y, x, _ = scene(n, 0.0, 4)
+    plan = Interaction(y, x, CELL, boundary, Footprints(1.0), neighbours=neighbours)
+    away = np.array([np.subtract.outer(place, place) for place in (plan.y, plan.x)])
+    if boundary == "periodic":
+        size = np.array(plan.size)[:, None, None]
+        away -= size * np.round(away / size)
+    i, j = np.nonzero(np.triu((away**2).sum(axis=0) < plan.cut**2, 1))
+    runs = [np.arange(first, last) for first, last in plan.ptr]
+    row, place = np.repeat(np.arange(n), [len(run) for run in runs]), np.concatenate(runs)
+    order = np.lexsort((plan.col[place], row))
+    row, place = row[order], place[order]
+    assert plan.pairs == len(i)
+    np.testing.assert_array_equal((row, plan.col[place]), (i, j))
+    np.testing.assert_allclose(plan.pair[:, place], away[:, i, j], atol=1e-6)
+
+
+def test_finer_settings_converge_to_the_dense_sum():
+    y, x, k = scene(120, 0.0, 8, 0.3)
+    f = Footprints(1.0)
+    v = 0.6 * f.variance(k)
+    dense = dense_matrix(y, x, v, CELL, "periodic", f)
+    np.fill_diagonal(dense, dense.diagonal() - f.self_factor / np.sqrt(v))
+    errors = []
+    for options in ({"cut": 2.0, "nodes": 2.2}, {"cut": 3.5, "nodes": 4.0, "neighbours": 60}):
+        plan = Interaction(y, x, CELL, "periodic", f, **options)
+        value = plan.field(np.ones(len(y)), v[plan.order]).value
+        errors.append(np.abs(value - dense.sum(1)[plan.order]).max())
+    assert errors[1] < 0.2 * errors[0]
+
+
+@settings(max_examples=8, deadline=None, derandomize=True)
+@given(
+    m=st.sampled_from([-0.4, 0.0, 0.6]),
+    boundary=st.sampled_from(["periodic", "free"]),
+    seed=st.integers(0, 99),
+)
+def test_reciprocity(m, boundary, seed):
+    """<G p, q> = <p, G q>."""
+    y, x, k = scene(90, m, seed)
+    plan = Interaction(y, x, CELL, boundary, Footprints(1.0, m))
+    v = Footprints(1.0, m).variance(k)[plan.order]
+    p, q = np.random.default_rng(seed).normal(size=(2, len(y)))
+    left, right = plan.field(p, v)[0] @ q, p @ plan.field(q, v)[0]
+    assert left == pytest.approx(right, abs=1e-9 * np.linalg.norm(p) * np.linalg.norm(q))
+
+
+@pytest.mark.parametrize(("ly", "lx", "value"), [(1.0, 1.0, -1.2414929), (2.0, 2.0, -0.62074644)])
+def test_self_image_of_a_square_cell(ly, lx, value):
+    assert self_image((ly, lx), Footprints(1.0)) == pytest.approx(value, rel=1e-7)
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+def test_self_image_of_a_rectangle_is_that_of_two_squares(m):
+    """A square cell with one force is a double cell with two."""
+    f = Footprints(2.0, m)
+    two = periodic_interaction(np.zeros(1), np.ones(1), np.full(1, 1e-12), (1.0, 2.0), f)[0]
+    assert self_image((1.0, 2.0), f) + two == pytest.approx(self_image((1.0, 1.0), f), rel=1e-9)
+    assert self_image((2.0, 1.0), f) == pytest.approx(self_image((1.0, 2.0), f), rel=1e-12)
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+@pytest.mark.parametrize("cell", [(1.0, 1.0), (1.0, 2.5)])
+def test_lone_contact_feels_its_images(m, cell):
+    f = Footprints(1.0, m)
+    plan = Interaction(np.array([0.4]), np.array([0.3]), cell, "periodic", f)
+    value = plan.field(np.ones(1), np.full(1, 1e-12)).value
+    assert value[0] == pytest.approx(self_image(cell, f), rel=5e-3)
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
+def test_field_does_not_change_when_the_cell_moves(m):
+    y, x, k = scene(150, m, 11)
+    f = Footprints(1.0, m)
+    v = 0.6 * f.variance(k)
+    fields = []
+    for shift in (0.0, 0.37):
+        plan = Interaction(y + shift, x - shift, CELL, "periodic", f)
+        back = np.empty(len(y))
+        back[plan.order] = plan.field(k[plan.order], v[plan.order])[0]
+        fields.append(back)
+    size = np.ptp(fields[0])
+    assert np.abs(fields[0] - fields[1]).max() < 5e-3 * size
+
+
+@pytest.mark.parametrize("m", [0.0, 0.5])
+def test_open_summits_at_one_place_have_a_field(m):
+    y, x, k = scene(30, m, 2)
+    y[3], x[3], k[3], k[7] = y[7], x[7], 0.0, 0.0
+    f = Footprints(1.0, m)
+    plan = Interaction(y, x, CELL, "periodic", f)
+    k = k[plan.order]
+    moment = np.zeros((len(k), 2))
+    field = plan.field(k, f.variance(k), 0.4 * f.variance(k), moment)
+    assert all(np.isfinite(part).all() for part in field)
+    twins = plan.order.argsort()[[3, 7]]
+    assert np.ptp(field.value[twins]) < 1e-12 * np.abs(field.value).max()

@@ -1,0 +1,75 @@
+"""Lists that move along with the contacts, and when they are made anew."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import asperity
+import surfaces
+from asperity.curve import solve_contacts
+from asperity.halfspace.load_points import pressure_scale
+from asperity.interaction import candidates as module
+from asperity.interaction.candidates import SKIN
+
+BODY = asperity.HalfSpace.from_modulus(1.0)
+
+
+@pytest.fixture(scope="module")
+def light():
+    """Population of a rough map, its list at a light load, and the places of its contacts."""
+    size = (96.0, 96.0)
+    hm = surfaces.self_affine((96, 96), size, hurst=0.8, rms_slope=0.1, cutoff=3.0, seed=2)
+    run = solve_contacts(hm, BODY, pressures=3e-3 * pressure_scale(hm, BODY))
+    population = run.bodies.population
+    trail = run.states[0]._trail
+    return population, trail.listing, trail.points[-1].values
+
+
+def placed(population, listing, values):
+    """Places of the contacts about their summits, shape (2, n)."""
+    touches = values[0] > 0
+    return population.table.centre_at(listing.index[touches], values[0, touches]), touches
+
+
+def test_points_stand_at_the_centres_or_as_near_as_the_pairs_that_were_listed_allow(
+    light, monkeypatch
+):
+    population, listing, values = light
+    values = values.copy()
+    values[0] *= 3.0
+    centre, touches = placed(population, listing, values)
+    rows, skin = listing.index[touches], SKIN * listing.problem.plan.eta
+    found = listing.about(population, listing.index, values, 1e-3)
+    for new, place in zip(centre, found.offset, strict=True):
+        np.testing.assert_allclose(place[rows], new, rtol=1e-12)
+    assert found.listed is listing.listed
+    lightest = rows[np.argmin(values[0, touches])]
+    elsewhere = listing.listed.copy()
+    elsewhere[:, lightest] = found.offset[:, lightest] + 2.0 * skin
+    leaping = replace(listing, listed=elsewhere)
+    assert leaping.about(population, listing.index, values, 1e-3) is None  # among few it counts
+    monkeypatch.setattr(module, "MANY", 1)
+    found = leaping.about(population, listing.index, values, 1e-3)
+    np.testing.assert_allclose(found.offset[:, lightest], elsewhere[:, lightest] - skin)
+    elsewhere = listing.listed + 2.0 * skin
+    lost = replace(listing, listed=elsewhere).about(population, listing.index, values, 1e-3)
+    assert lost is None
+
+
+def test_more_contacts_may_stand_a_little_astray_under_a_wider_tolerance(light, monkeypatch):
+    population, listing, values = light
+    values = values.copy()
+    values[0] *= 2.0
+    assert listing.about(population, listing.index, values, 1.0) is not listing
+    monkeypatch.setattr(module, "STRAY", 1.0)
+    monkeypatch.setattr(module, "MANY", 1)
+    assert listing.about(population, listing.index, values, 1e-3) is not listing
+    assert listing.about(population, listing.index, values, 1.0) is listing
+
+
+def test_a_plan_holds_until_footprints_outgrow_it(light):
+    plan = light[1].problem.plan
+    assert plan.holds((0.99 * plan.eta / 3) ** 2) and not plan.holds((1.01 * plan.eta / 3) ** 2)

@@ -1,0 +1,20 @@
+"""A map rough to the pixel, and loads on it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scales_support import STEEL, broad
+
+from asperity.halfspace.load_points import pressure_scale
+from surfaces import HeightMap
+
+
+@pytest.fixture(scope="module")
+def rough() -> HeightMap:
+    return broad()
+
+
+@pytest.fixture(scope="module")
+def loads(rough) -> np.ndarray:
+    return np.array([3e-3, 1e-2, 3e-2, 6e-2]) * pressure_scale(rough, STEEL)

@@ -1,0 +1,178 @@
+"""Fine waves as a law of contacts: closed forms, what they rest on, and boundary elements."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scales_support import STEEL, broad
+
+import asperity
+import surfaces
+from asperity.cli.main import main
+from asperity.curve import solve_contacts
+from asperity.halfspace.load_points import pressure_scale
+from asperity.model.decomposition import Asperities
+from asperity.model.plan import make_plan
+from asperity.multiscale.wave_split import split_scales
+from surfaces import HeightMap
+
+
+@pytest.mark.parametrize("border", ["free", "fading"])
+def test_maps_of_other_borders_agree_with_boundary_elements(loads, border):
+    hm = dataclasses.replace(broad((160, 200)), periodic=False)
+    if border == "fading":
+        hm = surfaces.prepare(hm, periodic="taper")
+    refined = surfaces.resample(hm, np.asarray(hm.spacing) / 2)
+    exact = asperity.bem_curve(refined, STEEL, pressures=loads, tolerance=1e-4)
+    curve = asperity.contact_curve(hm, STEEL, separations=exact.separation)
+    assert curve.settings["shortest_wave"] is not None
+    assert np.abs(curve.mean_pressure / loads - 1).max() < 0.03
+    assert np.abs(curve.contact_area / exact.contact_area - 1).max() < 0.06
+
+
+def test_worn_plateaus_agree_with_boundary_elements():
+    """Their fine waves are weak where contacts are."""
+    recipe = {"shape": (400, 400), "size": (400.0, 400.0), "rms_slope": 0.1, "seed": 2}
+    hm = surfaces.plateau_honed(**recipe, cutoff=2.0, rolloff=100.0)
+    found = split_scales(hm, STEEL).fine.strength
+    assert found.at(np.zeros(1), np.zeros(1), hm.rms_height) < 0.5
+    pressures = np.array([1e-2, 3e-2]) * pressure_scale(hm, STEEL)
+    exact = asperity.bem_curve(hm, STEEL, pressures=pressures, tolerance=1e-3)
+    curve = asperity.contact_curve(hm, STEEL, separations=exact.separation)
+    assert np.abs(curve.mean_pressure / pressures - 1).max() < 0.03
+    assert np.abs(curve.contact_area / exact.contact_area - 1).max() < 0.06
+    less = surfaces.plateau_honed(**recipe, cutoff=2.0)
+    assert "narrow" in split_scales(less, STEEL)
+
+
+def test_the_plan_says_so(rough):
+    plan = make_plan(rough, STEEL)
+    assert plan.fine is not None
+    assert "act as a law of the contacts" in str(plan)
+    assert "points hold the longer waves of 240 x 288" in str(plan)
+
+
+def test_both_controls_agree(rough, loads):
+    plan = make_plan(rough, STEEL, pressures=loads)
+    by_load = asperity.contact_curve(rough, STEEL, pressures=loads, plan=plan)
+    by_gap = asperity.contact_curve(rough, STEEL, separations=by_load.separation, plan=plan)
+    assert by_load.converged.all() and by_gap.converged.all()
+    np.testing.assert_allclose(by_gap.mean_pressure, loads, rtol=1e-2)
+    np.testing.assert_allclose(by_gap.contact_area, by_load.contact_area, rtol=1e-2)
+
+
+def test_the_lift_is_the_slope_of_the_energy(rough, loads):
+    """It is factor * d(sum Phi)/dF, and the stiffness is a slope."""
+    near = loads[2] * np.array([0.97, 1.0, 1.03])
+    plan = make_plan(rough, STEEL, pressures=near)
+    bodies = Asperities.of(rough, STEEL, plan)
+    states = [bodies.population.solve(mean_pressure=p, tolerance=1e-4) for p in near]
+    points = [bodies.point(state) for state in states]
+    fine = plan.fine
+    state = states[1]
+    share = state.contact_area / rough.area
+    closed = state.force > 0
+    kept = fine.remaining(state.force[closed] / state.area[closed], share, state.area[closed])
+    share = 0.5 * (share + float(state.area[closed] @ kept) / rough.area)
+
+    def energy(state):
+        closed = state.force > 0
+        pressure = state.force[closed] / state.area[closed]
+        return float(state.area[closed] @ fine.stored(pressure, share))
+
+    rise = energy(states[2]) - energy(states[0])
+    lift = rise / (states[2].force.sum() - states[0].force.sum()) * fine.lift(share)
+    assert points[1].separation - state.separation == pytest.approx(lift, rel=0.03)
+
+    def slope(those):
+        return (near[2] - near[0]) / (those[0].separation - those[2].separation)
+
+    # the tangent of the contacts leaves out how they move aside: both stiffnesses miss that alike
+    missed = slope(states) / state.normal_stiffness
+    assert points[1].stiffness == pytest.approx(slope(points) / missed, rel=0.02)
+    # what the lift adds to the compliance, to first order in the fine waves
+    lifts = [point.separation - one.separation for point, one in zip(points, states, strict=True)]
+    added = 1 / points[1].stiffness - 1 / state.normal_stiffness
+    assert added == pytest.approx((lifts[0] - lifts[2]) / (near[2] - near[0]), rel=0.6)
+
+
+def test_the_flat_stands_no_higher_than_the_highest_point(rough):
+    curve = asperity.contact_curve(rough, STEEL, pressures=[0.0, 1e-9 * STEEL.modulus])
+    top = float(rough.heights.max() - rough.heights.mean())
+    assert curve.separation[0] == pytest.approx(top)
+    assert curve.contact_area[0] == 0.0 and curve.separation[1] <= top
+    above = asperity.contact_curve(rough, STEEL, separations=[1.2 * top, 1.01 * top])
+    np.testing.assert_array_equal(above.mean_pressure, 0.0)
+
+
+def test_lengths_and_modulus_only_scale(rough, loads):
+    small = HeightMap(1e3 * rough.heights, tuple(1e3 * d for d in rough.spacing), periodic=True)
+    body = asperity.HalfSpace.from_modulus(10 * STEEL.modulus)
+    one = asperity.contact_curve(rough, STEEL, pressures=loads[:2])
+    other = asperity.contact_curve(small, body, pressures=10 * loads[:2])
+    np.testing.assert_allclose(other.area_fraction, one.area_fraction, rtol=1e-3)
+    np.testing.assert_allclose(1e-3 * other.separation, one.separation, rtol=1e-3)
+    stiffness = 100 * other.stiffness
+    np.testing.assert_allclose(stiffness, one.stiffness, rtol=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("m", "more"), [(0.0, {}), (0.3, {}), (-0.3, {}), (0.0, {"anisotropy": 2.5, "angle": 0.7})]
+)
+def test_nearer_to_boundary_elements_than_with_all_summits(m, more):
+    hm, body = broad(**more), asperity.HalfSpace.from_modulus(2e11, m=m)
+    loads = np.array([1e-2, 3e-2, 6e-2]) * pressure_scale(hm, body)
+    refined = surfaces.resample(hm, np.asarray(hm.spacing) / 2)
+    exact = asperity.bem_curve(refined, body, pressures=loads, tolerance=1e-4)
+    auto, every = (
+        asperity.contact_curve(hm, body, pressures=loads, scales=scales)
+        for scales in ("auto", "all")
+    )
+    assert auto.settings["shortest_wave"] is not None
+
+    def worst(found):
+        return np.abs(found.separation - exact.separation).max() / hm.rms_height
+
+    assert worst(auto) < min(0.03, 0.9 * worst(every))
+    error = np.abs(auto.contact_area / exact.contact_area - 1)
+    assert error.max() < 0.06
+
+
+def test_states_are_of_the_longer_waves(rough, loads):
+    plan = make_plan(rough, STEEL, pressures=loads)
+    run = solve_contacts(rough, STEEL, plan, pressures=loads)
+    for point, area in enumerate(run.curve.contact_area):
+        table = run.microcontacts(point)
+        assert table["closed_area"].sum() == pytest.approx(area, rel=1e-9)
+        assert (table["closed_area"] < table["area"]).all()
+        assert table["area"].sum() == pytest.approx(run.states[point].contact_area, rel=1e-9)
+        force = run.curve.mean_pressure[point] * rough.area
+        assert table["force"].sum() == pytest.approx(force, rel=1e-9)
+
+
+def test_from_the_command_line(rough, tmp_path, capsys):
+    file, results = tmp_path / "rough.h5", tmp_path / "results.h5"
+    surfaces.write(rough, file)
+    body = ["--modulus", "2e11", "--pressure", "1e8,4e8"]
+    assert main(["plan", str(file), *body]) == 0
+    assert "act as a law of the contacts" in capsys.readouterr().out
+    for scales, waves in (("auto", True), ("all", False)):
+        asked = ["--scales", scales, "--results", str(results)]
+        assert main(["curve", str(file), *body, *asked]) == 0
+        curve = asperity.ContactCurve.from_hdf5(results, "asperity")
+        assert (curve.settings["shortest_wave"] is not None) == waves
+
+
+def test_without_a_rolloff_the_area_of_crowded_hills_is_nearer():
+    hm = broad(rolloff=None, seed=12)
+    loads = np.array([2.5e-2, 6e-2]) * pressure_scale(hm, STEEL)
+    exact = asperity.bem_curve(hm, STEEL, pressures=loads, tolerance=1e-3)
+    auto, every = (
+        asperity.contact_curve(hm, STEEL, pressures=loads, scales=scales).contact_area
+        / exact.contact_area
+        - 1
+        for scales in ("auto", "all")
+    )
+    assert (np.abs(auto) < 0.05).all() and (np.abs(auto) < 0.5 * np.abs(every)).all()
