@@ -38,7 +38,7 @@ from numpy.typing import NDArray
 import asperity
 import surfaces
 from asperity.curve import solve_contacts
-from asperity.loadpoints import pressure_scale
+from asperity.halfspace.load_points import pressure_scale
 from asperity.results.storage import write_csv
 
 LOADS = np.geomspace(5e-4, 4.5e-2, 7)
@@ -116,12 +116,12 @@ def _no_shift(_: Any, law: Any, approach: Array, *__: Any) -> tuple[Array, Array
 
 def _no_powers(stack: ExitStack) -> None:
     """Every tip is a paraboloid in the kernels that know other powers."""
-    for name in ("interaction._laws.tabulate", "microcontact._kernels.evaluate_table"):
+    for name in ("interaction.newton._law_kernels.tabulate", "microcontact.table_kernels.evaluate_table"):
         kernel = found(f"asperity.{name}").py_func
         known = kernel.__globals__ | {"BLUNT": np.inf}
         plain = types.FunctionType(kernel.__code__, known, kernel.__name__)
         stack.enter_context(patch(f"asperity.{name}", njit(error_model="numpy")(plain)))
-    stack.enter_context(patch("asperity.microcontact.elements.BLUNT", np.inf))
+    stack.enter_context(patch("asperity.microcontact.basin_bem.press.BLUNT", np.inf))
 
 
 def _never(*_: Any, **__: Any) -> None:
@@ -132,22 +132,22 @@ def _several(*switches: Callable[[ExitStack], object]) -> Callable[[ExitStack], 
     return lambda stack: [switch(stack) for switch in switches]
 
 
-POPULATION = "asperity.population.population.Population"
-LISTING = "asperity.population.listing.Listing"
-RANKING = "asperity.dominant.Ranking"
-SPLIT = "asperity.scales.split"
-PIXEL = "asperity.scales.pixel_waves"
+POPULATION = "asperity.interaction.population.Population"
+LISTING = "asperity.interaction.candidates.Listing"
+RANKING = "asperity.model.load_shares.Ranking"
+SPLIT = "asperity.multiscale.wave_split"
+PIXEL = "asperity.multiscale.pixel_waves"
 NOT_PRESSED = replaced(f"{RANKING}.dominant", lambda self, rows, table: np.zeros(0, np.int64))
 NOT_PAIRED = replaced(f"{RANKING}.joined", lambda self, material: self)
 
 CORRECTIONS = {
     "contact shift": Correction(
-        replaced("asperity.interaction.state.deflection", _no_shift),
+        replaced("asperity.interaction.newton.problem.deflection", _no_shift),
         (
-            "asperity.interaction.deflection.deflection",
-            "asperity.interaction._state_kernels.deflect",
-            "asperity.interaction.state.State.lag",
-            "asperity.interaction._state_kernels.lag",
+            "asperity.interaction.newton.contact_shift.deflection",
+            "asperity.interaction.newton.state_kernels.deflect",
+            "asperity.interaction.newton.problem.State.lag",
+            "asperity.interaction.newton.state_kernels.lag",
         ),
     ),
     "centers of contacts": Correction(
@@ -155,20 +155,20 @@ CORRECTIONS = {
         (f"{LISTING}.about", f"{LISTING}._strayed", f"{POPULATION}.centred"),
     ),
     "widening": Correction(
-        replaced("asperity.interaction.deflection.WIDER", 0.0),
-        ("asperity.interaction.deflection.widened", "asperity.interaction._state_kernels.widen"),
+        replaced("asperity.interaction.newton.contact_shift.WIDER", 0.0),
+        ("asperity.interaction.newton.contact_shift.widened", "asperity.interaction.newton.state_kernels.widen"),
     ),
     "leaning": Correction(
         keyword(f"{POPULATION}.__init__", leaning=None),
         (
-            "asperity.summit_laws.SummitLaws.leaning",
+            "asperity.model.law_factory.SummitLaws.leaning",
             "surfaces.peaks.summits.Summits.leaning",
-            "asperity.microcontact.table.LawTable.area_under",
+            "asperity.microcontact.law_table.LawTable.area_under",
         ),
     ),
     "joining": Correction(
         keyword(f"{POPULATION}.__init__", joined=None),
-        ("asperity.joined", "asperity._joined_kernels"),
+        ("asperity.model.corrections.coalescence", "asperity.model.corrections._coalescence_kernels"),
     ),
     "elongated footprints": Correction(
         keyword(f"{POPULATION}.__init__", curvature=None, angle=None),
@@ -177,10 +177,10 @@ CORRECTIONS = {
     "basins pressed alone": Correction(
         _several(NOT_PRESSED, NOT_PAIRED),
         (
-            "asperity.dominant",
-            "asperity.microcontact.elements",
-            "asperity.microcontact._element_kernels",
-            "asperity.microcontact._closing_kernels",
+            "asperity.model.load_shares",
+            "asperity.microcontact.basin_bem.press",
+            "asperity.microcontact.basin_bem._element_kernels",
+            "asperity.microcontact.basin_bem._closing_kernels",
         ),
     ),
     "pairs pressed as one": Correction(
@@ -188,13 +188,13 @@ CORRECTIONS = {
         (
             f"{RANKING}.joining",
             f"{RANKING}.joined",
-            "asperity.dominant._formed",
-            "asperity.microcontact.elements._second",
+            "asperity.model.load_shares._formed",
+            "asperity.microcontact.basin_bem.press._second",
             "surfaces.peaks.summits.Summits.joined",
         ),
     ),
     "flat tops pressed": Correction(
-        replaced("asperity.dominant.SHARE_OF_NONE", 10.0), ("asperity.dominant._weight",)
+        replaced("asperity.model.load_shares.SHARE_OF_NONE", 10.0), ("asperity.model.load_shares._weight",)
     ),
     "guard of the ellipse law": Correction(
         replaced("asperity.microcontact.auto.GROSS", np.inf),
@@ -203,33 +203,33 @@ CORRECTIONS = {
             "asperity.microcontact.auto._without_pull",
             "asperity.microcontact.auto._worst_ratio",
             "asperity.microcontact.auto._replace",
-            "asperity.microcontact.ritz_batch",
-            "asperity.microcontact._ritz_kernels",
+            "asperity.microcontact.ritz.batch",
+            "asperity.microcontact.ritz._ray_kernels",
         ),
     ),
     "sharp tips told": Correction(
-        replaced("asperity.summit_laws._doubt_tips", _never), ("asperity.summit_laws._doubt_tips",)
+        replaced("asperity.model.law_factory._doubt_tips", _never), ("asperity.model.law_factory._doubt_tips",)
     ),
     "coarse rays told": Correction(
-        replaced("asperity.summit_laws.SummitLaws._doubt_rays", _never),
-        ("asperity.summit_laws.SummitLaws._doubt_rays",),
+        replaced("asperity.model.law_factory.SummitLaws._doubt_rays", _never),
+        ("asperity.model.law_factory.SummitLaws._doubt_rays",),
     ),
     "tips of other powers": Correction(
-        _no_powers, ("asperity.microcontact._kernels.tip_power",)
+        _no_powers, ("asperity.microcontact.table_kernels.tip_power",)
     ),
     "second split": Correction(
-        replaced("asperity.asperities.Asperities._look", _never),
+        replaced("asperity.model.decomposition.Asperities._look", _never),
         (
-            "asperity.asperities.CloserLook",
-            "asperity.asperities.Asperities._look",
-            "asperity.asperities.Asperities.closer_look",
-            "asperity.asperities.Asperities._finer",
-            "asperity.plan.finer_plan",
+            "asperity.model.decomposition.CloserLook",
+            "asperity.model.decomposition.Asperities._look",
+            "asperity.model.decomposition.Asperities.closer_look",
+            "asperity.model.decomposition.Asperities._finer",
+            "asperity.model.plan.finer_plan",
             f"{SPLIT}.Split.finer",
             f"{SPLIT}.Split._next",
-            "asperity.scales.fine_points.FinePoint.towards",
-            "asperity.scales.fine_points.particular",
-            "asperity.scales.fine_points.spread_over",
+            "asperity.multiscale.surface_point.FinePoint.towards",
+            "asperity.multiscale.surface_point.particular",
+            "asperity.multiscale.surface_point.spread_over",
         ),
     ),
     "split: worn plateaus": Correction(
@@ -241,23 +241,23 @@ CORRECTIONS = {
     "split: lay beyond 4:1": Correction(replaced(f"{SPLIT}.LONGEST_LAY", (0.87, 0.87)), ()),
     "split: lay": Correction(
         replaced(f"{SPLIT}.LONGEST_LAY", (0.2, 0.2)),
-        (f"{SPLIT}._halfway", f"{SPLIT}._diagonal", "asperity.scales.shells.Shells.stretched"),
+        (f"{SPLIT}._halfway", f"{SPLIT}._diagonal", "asperity.multiscale.spectrum_shells.Shells.stretched"),
     ),
     "split of the waves": Correction(
-        replaced("asperity.plan.split_scales", lambda hm, material: "scales: all, for the ablation"),
+        replaced("asperity.model.plan.split_scales", lambda hm, material: "scales: all, for the ablation"),
         (
             SPLIT,
-            "asperity.scales.fine_points",
-            "asperity.scales.fine_waves",
-            "asperity.scales.shells",
-            "asperity.scales._spectrum_kernels",
+            "asperity.multiscale.surface_point",
+            "asperity.multiscale.sub_contact_law",
+            "asperity.multiscale.spectrum_shells",
+            "asperity.multiscale._spectrum_kernels",
         ),
     ),
     "half the pixel": Correction(
-        replaced("asperity.plan.refined_map", _never), (f"{PIXEL}.refined_map",)
+        replaced("asperity.model.plan.refined_map", _never), (f"{PIXEL}.refined_map",)
     ),
     "fewer points": Correction(
-        replaced("asperity.plan.coarse_map", _never), ("surfaces.preparation.coarsening",)
+        replaced("asperity.model.plan.coarse_map", _never), ("surfaces.preparation.coarsening",)
     ),
 }
 """The corrections by name."""
@@ -306,6 +306,22 @@ def special(seed: int) -> Iterator[Scene]:
         yield Scene("lay to the pixel", f"to the pixel, lay {ratio:g}:1", seed, hm)
     hm = surfaces.plateau_honed(shape, size, rms_slope=0.1, cutoff=2.0, seed=seed)
     yield Scene("worn", "plateau-honed to the pixel", seed, hm)
+    heights = surface(512, seed, TO_THE_PIXEL["to the pixel H 0.8"]).heights
+    hm = surfaces.prepare(surfaces.HeightMap(heights, (1.0, 1.0)), periodic="taper")
+    yield Scene("fading border", "to the pixel, fading border", seed, hm)
+
+
+def large(seed: int) -> Iterator[Scene]:
+    """Larger maps, on which more spectra are split."""
+    shape, size = (1024, 1024), (1024.0, 1024.0)
+    hm = surfaces.plateau_honed(shape, size, rms_slope=0.1, cutoff=2.0, seed=seed)
+    yield Scene("worn", "plateau-honed to the pixel, large", seed, hm)
+    for ratio in (4.0, 8.0):
+        recipe = {"hurst": 0.8, "rms_slope": 0.1, "rolloff": 128.0, "anisotropy": ratio}
+        hm = surfaces.self_affine(shape, size, cutoff=None, seed=seed, **recipe)
+        yield Scene("lay to the pixel", f"to the pixel, lay {ratio:g}:1, large", seed, hm)
+    hm = surface(1024, seed, RECIPES["isotropic H 0.8 cut-off 32 px"])
+    yield Scene("few hills", "isotropic H 0.8 cut-off 32 px, large", seed, hm)
 
 
 def scenes(maps: Path | None) -> Iterator[Scene]:
@@ -320,6 +336,7 @@ def scenes(maps: Path | None) -> Iterator[Scene]:
             group = "lay" if name.startswith("lay") else group_of(name)
             yield Scene(group, f"{name} (like measured)", seed, hm)
         yield from special(seed)
+    yield from large(31)
     for seed in (101, 102):
         for name in FAMILIES:
             hm, m, boundary = drawn(name, seed)
