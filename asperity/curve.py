@@ -18,21 +18,18 @@ from asperity.contacts.table import microcontacts
 from asperity.halfspace.load_points import checked_loads
 from asperity.model.decomposition import Decomposition
 from asperity.model.load_point import LoadPoint, load_point, point_at_separation
-from asperity.model.map_checks import LONGEST_LAY
 from asperity.model.plan import Plan, interaction_needed, make_plan
 from asperity.model.refinement import Refinement
 from asperity.results.curve import ContactCurve
 from asperity.results.stiffness import curve_stiffness
 from asperity.trust.error_estimate import (
-    AREA_WEIGHTS,
     CALIBRATED,
-    LOAD_WEIGHTS,
     TERMS,
     estimate,
     nonrandomness,
     point_terms,
 )
-from asperity.trust.outside_model import OUTSIDE_MODEL, TELLS_NOTHING
+from asperity.trust.outside_model import OUTSIDE_MODEL
 from surfaces.heightmap import HeightMap
 
 from .errors import ConvergenceError, InputError
@@ -219,7 +216,9 @@ def solve_contacts(
     kind, values = checked_loads(hm, material, pressures, separations)
     plan.require_scene_of(hm, material)
     start = time.perf_counter() - plan.seconds
-    comparing = not plan.interaction and interaction_needed(hm, material, kind, values)[0]
+    comparing = (
+        not plan.interaction and interaction_needed(hm, material, kind, values, plan.parameters)[0]
+    )
     decomposition = Decomposition.of(hm, material, plan)
     refinement = Refinement(hm, material, plan)
     rows: dict[int, _Row] = {}
@@ -332,11 +331,14 @@ def _curve(decomposition: Decomposition, rows: Sequence[_Row], seconds: float) -
     converged = np.array([row.point.converged for row in rows])
     area, separation = column(surfaces, "contact_area"), column(surfaces, "separation")
     tangent = column(surfaces, "stiffness")
-    known = 0.0 if plan.law in CALIBRATED and plan.lay < LONGEST_LAY else np.nan
-    load_error = known + np.array([estimate(row.terms, LOAD_WEIGHTS) for row in rows])
-    area_error = known + np.array([estimate(row.terms, AREA_WEIGHTS) for row in rows])
+    weights, checks = plan.parameters.error_estimate, plan.parameters.map_checks
+    known = 0.0 if plan.law in CALIBRATED and plan.lay < checks.longest_lay else np.nan
+    load_error, area_error = (
+        known + np.array([estimate(row.terms, fitted, weights) for row in rows])
+        for fitted in (weights.load_weights, weights.area_weights)
+    )
     warnings = [*plan.warnings, *decomposition.warnings(separation.min())]
-    tiny = sum(row.terms["unresolved"] > TELLS_NOTHING for row in rows)
+    tiny = sum(row.terms["unresolved"] > checks.tiny_load for row in rows)
     if tiny:
         warnings.append(
             f"at {tiny} of {len(rows)} load points contacts are as small as a pixel of the map, "

@@ -23,7 +23,10 @@ import csv
 import numpy as np
 from scipy.optimize import linprog
 
-from asperity.trust.error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate
+from asperity.parameters import DEFAULTS
+from asperity.trust.error_estimate import TERMS, estimate
+
+FITTED = DEFAULTS.error_estimate
 
 QUANTILE = 0.965
 
@@ -68,7 +71,7 @@ def main() -> None:
     parser.add_argument("--check", nargs="+", default=[], help="files to judge them on")
     args = parser.parse_args()
     sets = {path: columns(path) for path in (*args.fit, *args.check)}
-    for kind, present in (("load", LOAD_WEIGHTS), ("area", AREA_WEIGHTS)):
+    for kind, present in (("load", FITTED.load_weights), ("area", FITTED.area_weights)):
         weights = np.array(present)
         if args.fit:
             weights = fit(

@@ -73,15 +73,17 @@ class Decomposition:
         """Segment the map, locate the summits and prepare their laws."""
         seconds = {"plan": plan.seconds, "segmentation": 0.0, "profiles": 0.0, "laws": 0.0}
         peaks, summits = _summits(hm, plan, seconds)
-        shares = LoadShares(summits) if plan.law == "auto" else None
+        shares = LoadShares(summits, plan.parameters) if plan.law == "auto" else None
         if shares is not None and plan.above is not None and not shares.full:
             plan = replace(plan, above=None)  # laws may not depend on the loads that are asked for
             peaks, summits = _summits(hm, plan, seconds)
-            shares = LoadShares(summits)
+            shares = LoadShares(summits, plan.parameters)
         if shares is not None:
-            shares = shares.joined(material)
+            if plan.parameters.corrections.joined_pairs:
+                shares = shares.joined(material)
             summits = shares.summits
-        factory = LawFactory(hm, summits, shares, material, plan.law, seconds)
+        pressed = shares if plan.parameters.corrections.pressed_basins else None
+        factory = LawFactory(hm, summits, pressed, material, plan.law, seconds)
         return cls(
             hm=hm,
             material=material,
@@ -89,7 +91,7 @@ class Decomposition:
             peaks=peaks,
             summits=summits,
             law_factory=factory,
-            coalescence=Coalescence(summits, material),
+            coalescence=Coalescence(summits, material, plan.parameters.spots),
             curvature=summits.curvature if shares is None else shares.curvature,
             angle=summits.angle if shares is None else shares.angle,
             table=GrowingTable(len(summits), factory.table),
@@ -111,7 +113,7 @@ class Decomposition:
         return self._population(True)
 
     def _population(self, interaction: bool) -> Population:
-        corrected = self.plan.law == "auto"
+        corrected, switches = self.plan.law == "auto", self.plan.parameters.corrections
         return Population(
             x=self.summits.x,
             y=self.summits.y,
@@ -123,8 +125,9 @@ class Decomposition:
             interaction=interaction,
             leaning=self.law_factory.leaning if corrected else None,
             joined=self.coalescence.areas if corrected else None,
-            curvature=self.curvature,
-            angle=self.angle,
+            deflection=switches.contact_shift,
+            curvature=self.curvature if switches.elongation else None,
+            angle=self.angle if switches.elongation else None,
         )
 
     @property

@@ -25,11 +25,6 @@ __all__ = ["LoadPoint", "load_point", "point_at_separation"]
 
 Array = NDArray[np.float64]
 
-LONGEST = 1.9
-"""Share of the map in discs on the long axes of the contacts beyond which a point is refused. With
-lay of 10:1 (shortest wave 8 pixels) the load is 24 to 32 % too high there, at 9 % of contact, with
-20:1 half as much again at 5 %; 4:1 reaches 1.8 at 27 %, maps without lay 1 (seeds 1, 2, 11)."""
-
 MAX_TRIES = 12
 """Separations of the longer waves tried for one of the whole surface."""
 
@@ -154,6 +149,9 @@ def _refusal(decomposition: Decomposition, state: PopulationState, surface: Surf
     closed = np.flatnonzero(state.force > 0)
     share = state.force[closed] / max(state.force.sum(), np.finfo(float).tiny)
     longer = np.exp(-np.sum(share * np.log(decomposition.aspect[closed])))
-    if longer * surface.contact_area > LONGEST * decomposition.population.nominal_area:
+    if (
+        longer * surface.contact_area
+        > plan.parameters.limits.long_area * decomposition.population.nominal_area
+    ):
         return "the contacts on the ridges of the lay are so long that they overlap end to end"
     return ""

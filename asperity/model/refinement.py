@@ -68,7 +68,9 @@ class Refinement:
             A refined state of a near load, to start from.
         """
         law = self.plan.sub_contact_law
-        weight = 0.0 if law is None else refinement_weight(law, state)
+        weight = (
+            0.0 if law is None else refinement_weight(law, state, self.plan.parameters.refinement)
+        )
         if weight == 0.0 or self._plan is None:
             return None
         if self._refined is None:

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.parameters import DEFAULTS, PixelWaves
 from surfaces.heightmap import HeightMap
 from surfaces.preparation.filtering import resample
 
 __all__ = [
-    "TO_THE_PIXEL",
     "Strength",
     "fineness",
     "refined_map",
@@ -24,9 +24,6 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-
-KURTOSIS = 0.25
-"""How far the kurtosis of second differences may be from 3, that of random waves."""
 
 PARTS = 48
 """Parts of each axis over which the strength of the finest waves is a mean; fewer blur the border
@@ -37,21 +34,6 @@ LINES = 128
 
 LEVELS = 32
 """Levels of height, each of as many points: over them the strength of worn waves is a mean."""
-
-WORN_KURTOSIS = 0.5
-"""`KURTOSIS` of second differences over the root of their mean square at their height: 3.05 to 3.4
-for plateaus worn to half or a third, 4 for a fifth, 4.3 to 600 for measured maps and steps."""
-
-TO_THE_PIXEL = 0.13
-"""`fineness` from which on any map is solved on smaller pixels: on cut-off 3 pixels and shorter
-(also measured maps: four of seven). All summits, seed 11, 256 x 320, H 0.8
-and 0.5: load to 15 % of contact -5 to -13 -> -0.5 to -4 %; four measured maps (0.1 to 25 %): -2 to
--10 -> 0 to -5 %, area no worse. Below, on cut-off 4 pixels, steps and lay with noise, load rises by
-1 % and more whatever its error was."""
-
-FINER = ((2.0, 2**22), (1.5, 10**7))
-"""Points of the finer grid per point of the map, along each axis, and how many it may have: twice
-takes 2.5 times as long (1024 x 1024), 1.5 times 1.7 times, and mends two thirds as much."""
 
 
 def fineness(hm: HeightMap) -> float:
@@ -94,7 +76,7 @@ class Strength:
         return np.asarray(of_y * of_x * between[np.searchsorted(levels, height)])
 
 
-def strength(hm: HeightMap) -> Strength | None:
+def strength(hm: HeightMap, waves: PixelWaves = DEFAULTS.pixel_waves) -> Strength | None:
     """Where the finest waves of a map are how strong; None if they are not random: with spikes,
     steps, tops of one height.
 
@@ -107,27 +89,27 @@ def strength(hm: HeightMap) -> Strength | None:
     presses the high parts of a map together, and their waves with them: these are random again over
     the root of their mean square at their height.
     """
-    if all(abs(value - 3.0) <= KURTOSIS for value in hm.roughness.kurtosis):
+    if all(abs(value - 3.0) <= waves.kurtosis for value in hm.roughness.kurtosis):
         return Strength()
     if min(hm.shape) < 2 * PARTS:
         return None
-    faded = _faded(hm) if fineness(hm) >= TO_THE_PIXEL else None
-    return faded or _worn(hm)
+    faded = _faded(hm, waves.kurtosis) if fineness(hm) >= waves.to_the_pixel else None
+    return faded or _worn(hm, waves.worn_kurtosis)
 
 
-def _faded(hm: HeightMap) -> Strength | None:
+def _faded(hm: HeightMap, kurtosis: float) -> Strength | None:
     """Strength under a border that fades, if that makes the waves random."""
     squares = [np.square(_bends(hm, 0)).T, np.square(_bends(hm, 1))]
     found = Strength((_along(squares, 0), _along(squares, 1)))
     for square in squares:
         y, x = ((np.arange(n) + 0.5) / n for n in square.shape)
         even = float(np.mean(square)) * found.at(y[:, None], x)
-        if abs(np.mean(square**2) / np.mean(even**2) - 3.0) > KURTOSIS:
+        if abs(np.mean(square**2) / np.mean(even**2) - 3.0) > kurtosis:
             return None
     return found
 
 
-def _worn(hm: HeightMap) -> Strength | None:
+def _worn(hm: HeightMap, kurtosis: float) -> Strength | None:
     """Strength by height, if that makes the waves random."""
     bends = [_bends(hm, axis) / hm.spacing[axis] for axis in (0, 1)]
     heights = [_lines(hm, axis)[:, 1:-1].ravel() - hm.roughness.mean for axis in (0, 1)]
@@ -140,7 +122,7 @@ def _worn(hm: HeightMap) -> Strength | None:
             np.bincount(level, power, LEVELS) / np.maximum(np.bincount(level, minlength=LEVELS), 1)
             for power in (square, np.square(square))
         )
-        if not mean.all() or np.mean(np.abs(fourth / mean**2 - 3.0)) > WORN_KURTOSIS:
+        if not mean.all() or np.mean(np.abs(fourth / mean**2 - 3.0)) > kurtosis:
             return None
         total += mean
     return Strength(worn=(levels, total / total.mean()))
@@ -170,16 +152,18 @@ def _along(squares: list[Array], axis: int) -> Array:
     return np.asarray(np.sqrt(means) / np.sqrt(means).mean())
 
 
-def resolution_warning(hm: HeightMap) -> list[str]:
+def resolution_warning(hm: HeightMap, waves: PixelWaves = DEFAULTS.pixel_waves) -> list[str]:
     """What a map too coarse for its roughness leaves uncertain; empty where its pixels resolve it.
 
     Parameters
     ----------
     hm
         Height map without missing points.
+    waves
+        Which waves are near the pixel.
     """
     share = fineness(hm)
-    if share < TO_THE_PIXEL:
+    if share < waves.to_the_pixel:
         return []
     return [
         "the map is too coarse for its roughness: between one pixel and two "
@@ -188,22 +172,24 @@ def resolution_warning(hm: HeightMap) -> list[str]:
     ]
 
 
-def refined_map(hm: HeightMap) -> HeightMap | str | None:
+def refined_map(hm: HeightMap, waves: PixelWaves = DEFAULTS.pixel_waves) -> HeightMap | str | None:
     """A map whose finest waves are near the pixel on more points, by its own spectrum.
 
     Parameters
     ----------
     hm
         Height map without missing points.
+    waves
+        Which waves are near the pixel.
 
     Returns
     -------
     The map on the finer grid; why it was left where a finer one would take too long; None if its
     own grid holds it.
     """
-    if fineness(hm) < TO_THE_PIXEL:
+    if fineness(hm) < waves.to_the_pixel:
         return None
-    for ratio, most in FINER:
+    for ratio, most in waves.finer:
         if ratio**2 * hm.heights.size <= most:
             return resample(hm, np.asarray(hm.spacing) / ratio)
     return "a finer one would hold the waves near its pixels better, but takes long"

@@ -7,41 +7,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from asperity.parameters import DEFAULTS, SubContact
+
 from .pixel_waves import Strength
 
 __all__ = ["SubContactLaw"]
 
 Array = NDArray[np.float64]
-
-SPREAD = 0.50
-"""Share of the pressure of the fine waves in full contact that spreads the pressure of a contact
-about to open, for few fine waves."""
-
-MORE_SPREAD = 0.13
-"""What is added to it where their slope is far above the others'."""
-
-GRADED_SPREAD = (0.70, 0.55)
-"""c1, c2: on a graded body times 1 - c1 m - c2 m^2 (|m| <= 0.5)."""
-
-LAY_SPREAD = 0.7
-"""With lay times 1 - c (1 - w), w the evenness of the slopes (lay of 2:1 to 8:1)."""
-
-LIFT = 0.18
-"""How far the flat is lifted at no contact, over the first-order value less one."""
-
-LIFT_POWER = 5.0
-"""It falls with this power of the share of the area that is not in contact."""
-
-GRADED_LIFT = 1.2
-"""`LIFT` on a graded body times 1 - c m."""
-
-LAY_LIFT = 1.6
-"""`LIFT` with lay times 1 - c (1 - w), and not below zero."""
-
-SEEN = 1.0
-"""Wave number times contact radius at which half the pressure of the fine waves parts a contact: a
-longer wave only makes the summit higher or sharper. On seeds 1, 2 and 11 to 14 (docs/accuracy.md)
-0.9 to 1.5 hardly differ."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +39,8 @@ class SubContactLaw:
         8/17 for slopes of 4:1.
     strength
         Where on the map variance and energy are how many times those given.
+    fitted
+        Constants of the law.
 
     Notes
     -----
@@ -80,15 +54,15 @@ class SubContactLaw:
         A/A0 = 1 / sqrt(1 + b),   Phi = e arsinh(sqrt(b)) / sqrt(b),   b = g V / s^2,
 
     Phi = int u dp being the complementary energy of the local gap u. Of the area of a contact of
-    radius a the waves part it as if V were V x^2 / (x^2 + `SEEN`^2), x being a w times their number
-    (with lay contacts are long, and the waves part them across). Contacts about to open spread less
-    than V: g = g0 + (1 - g0) P^2, with P the share of the nominal area in contact, here the mean of
-    that with and without the fine waves; Wang & Mueser (2017) have g0 = 5/9, boundary elements give
-    0.50 to 0.63 (`SPREAD`), 0.4 to 0.66 for m = 0.3 to -0.3 and 0.35 to 0.45 for lay of 4:1. To
-    first order in the fine waves a load F lifts the flat by d(sum Phi)/dF; boundary elements give
-    the factor 1 + c (1 - P)^n, c = `LIFT`, n = `LIFT_POWER`. All were found without microcontacts,
-    from the pressures of solutions of the longer waves, for Hurst exponents 0.5 to 0.9 and one to
-    four octaves (docs/accuracy.md).
+    radius a the waves part it as if V were V x^2 / (x^2 + `fitted.seen`^2), x being a w times their
+    number (with lay contacts are long, and the waves part them across). Contacts about to open
+    spread less than V: g = g0 + (1 - g0) P^2, with P the share of the nominal area in contact, here
+    the mean of that with and without the fine waves; Wang & Mueser (2017) have g0 = 5/9, boundary
+    elements give 0.50 to 0.63 (`fitted.spread`), 0.4 to 0.66 for m = 0.3 to -0.3 and 0.35 to 0.45
+    for lay of 4:1. To first order in the fine waves a load F lifts the flat by d(sum Phi)/dF;
+    boundary elements give the factor 1 + c (1 - P)^n, c = `fitted.lift`, n = `fitted.lift_power`.
+    All were found without microcontacts, from the pressures of solutions of the longer waves, for
+    Hurst exponents 0.5 to 0.9 and one to four octaves (docs/accuracy.md).
     """
 
     shortest: float
@@ -99,13 +73,16 @@ class SubContactLaw:
     m: float = 0.0
     evenness: float = 1.0
     strength: Strength = field(default=Strength(), compare=False)
+    fitted: SubContact = DEFAULTS.sub_contact
 
     @property
     def spread(self) -> float:
         """g0 [-]."""
-        plain = SPREAD + MORE_SPREAD * self.ratio / (1.0 + self.ratio)
-        graded = 1.0 - GRADED_SPREAD[0] * self.m - GRADED_SPREAD[1] * self.m**2
-        return plain * graded * (1.0 - LAY_SPREAD * (1.0 - self.evenness))
+        plain = self.fitted.spread + self.fitted.more_spread * self.ratio / (1.0 + self.ratio)
+        graded = (
+            1.0 - self.fitted.graded_spread[0] * self.m - self.fitted.graded_spread[1] * self.m**2
+        )
+        return plain * graded * (1.0 - self.fitted.lay_spread * (1.0 - self.evenness))
 
     def remaining(
         self,
@@ -120,7 +97,7 @@ class SubContactLaw:
         strength under it.
         """
         narrow = self.evenness * self.number
-        unseen = SEEN**2 * np.pi / (narrow**2 * np.asarray(area, float))
+        unseen = self.fitted.seen**2 * np.pi / (narrow**2 * np.asarray(area, float))
         opening = self._opening(pressure, share, strong) ** 2 / (1.0 + unseen)
         return np.asarray(1.0 / np.sqrt(1.0 + opening))
 
@@ -131,9 +108,9 @@ class SubContactLaw:
 
     def lift(self, share: float) -> float:
         """Factor over the first order of the lift where the share of area P is closed."""
-        height = LIFT * (1.0 - GRADED_LIFT * self.m)
-        height *= max(1.0 - LAY_LIFT * (1.0 - self.evenness), 0.0)
-        return float(1.0 + height * (1.0 - share) ** LIFT_POWER)
+        height = self.fitted.lift * (1.0 - self.fitted.graded_lift * self.m)
+        height *= max(1.0 - self.fitted.lay_lift * (1.0 - self.evenness), 0.0)
+        return float(1.0 + height * (1.0 - share) ** self.fitted.lift_power)
 
     def _opening(self, pressure: ArrayLike, share: float, strong: float | Array) -> Array:
         """sqrt(b)."""

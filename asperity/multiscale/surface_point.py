@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.parameters import DEFAULTS, Refinement
+
 if TYPE_CHECKING:
     from asperity.interaction.population import Population, PopulationState
 
     from .sub_contact_law import SubContactLaw
 
 __all__ = [
-    "MANY",
     "SurfacePoint",
     "closed_areas",
     "refinement_weight",
@@ -23,10 +24,6 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-
-FEW, MANY = 32.0, 100.0
-"""Fine waves under the contacts, (sum F)^2 / sum(F^2 / n) of them, up to which each counts and from
-which on their mean tells; a contact has n = 1 + its area over the square of the longest."""
 
 STEP = 0.02
 """Change of the load, relative, over which energies are compared."""
@@ -59,7 +56,9 @@ class SurfacePoint:
         )
 
 
-def refinement_weight(law: SubContactLaw, state: PopulationState) -> float:
+def refinement_weight(
+    law: SubContactLaw, state: PopulationState, bounds: Refinement = DEFAULTS.refinement
+) -> float:
     """1 where so few fine waves lie under the contacts of a state that each of them counts, 0 where
     their mean tells."""
     closed = np.flatnonzero(state.force > 0)
@@ -67,7 +66,7 @@ def refinement_weight(law: SubContactLaw, state: PopulationState) -> float:
         return 0.0
     force, waves = state.force[closed], 1.0 + state.area[closed] / law.shortest**2
     number = force.sum() ** 2 / np.sum(force**2 / waves)
-    return float(np.clip(np.log(MANY / number) / np.log(MANY / FEW), 0.0, 1.0))
+    return float(np.clip(np.log(bounds.many / number) / np.log(bounds.many / bounds.few), 0.0, 1.0))
 
 
 def surface_point(

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asperity.halfspace.flags import Flag
+from asperity.parameters import DEFAULTS, ErrorEstimate
 
 from .outside_model import OUTSIDE_MODEL, outside_model_terms
 
@@ -24,9 +25,7 @@ if TYPE_CHECKING:
     from surfaces.heightmap import HeightMap
 
 __all__ = [
-    "AREA_WEIGHTS",
     "CALIBRATED",
-    "LOAD_WEIGHTS",
     "TERMS",
     "estimate",
     "nonrandomness",
@@ -45,14 +44,7 @@ TERMS = (
     "long_crowding",
     "few_crowded",
 )
-"""Names of the terms, see `terms`."""
-
-LOAD_WEIGHTS = (0.0391, 0.0292, 1.1872, 0.1278, 0.5705, 0.0111, 0.0, 0.2729, 0.3301)
-"""Weights of the terms for the load at equal separation."""
-
-AREA_WEIGHTS = (0.3272, 0.0846, 1.2033, 0.6293, 0.0, 0.0292, 0.0528, 0.0123, 0.5485)
-"""Weights of the terms for the contact area at equal load."""
-
+"""Names of the terms, see `terms`; their weights are those of `parameters.ErrorEstimate`."""
 
 CALIBRATED = "auto", "ellipse"
 """Laws of which the weights tell; by others, the area is up to three times too large."""
@@ -138,7 +130,12 @@ def nonrandomness(hm: HeightMap) -> float:
     )
 
 
-def estimate(values: dict[str, float], weights: tuple[float, ...]) -> float:
+def estimate(
+    values: dict[str, float],
+    weights: tuple[float, ...],
+    fitted: ErrorEstimate = DEFAULTS.error_estimate,
+) -> float:
     """Weighted sum of the terms: the bound that nine errors in ten keep."""
-    fitted = sum(w * values[name] for name, w in zip(TERMS, weights, strict=True))
-    return float(fitted + sum(w * values.get(name, 0.0) for name, w in OUTSIDE_MODEL.items()))
+    inside = sum(w * values[name] for name, w in zip(TERMS, weights, strict=True))
+    outside = sum(getattr(fitted, name) * values.get(name, 0.0) for name in OUTSIDE_MODEL)
+    return float(inside + outside)

@@ -15,6 +15,7 @@ from asperity.curve import solve_contacts
 from asperity.errors import ConvergenceError, InputError, SurfaceError
 from asperity.halfspace.load_points import default_pressures
 from asperity.model.plan import make_plan
+from asperity.parameters import DEFAULTS, Segmentation
 from surfaces import HeightMap, self_affine
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
@@ -175,13 +176,13 @@ def test_interaction_opens_the_surface(rough):
     assert coupled.load[0] < alone.load[0]
 
 
-def test_segmenting_only_the_top_changes_little(monkeypatch):
-    monkeypatch.setattr("asperity.model.plan._SMALL", 2**18)
+def test_segmenting_only_the_top_changes_little():
+    few = dataclasses.replace(DEFAULTS, segmentation=Segmentation(whole_points=2**18))
     large = self_affine(
         (640, 512), (6.4e-3, 5.12e-3), hurst=0.8, rms_slope=0.1, cutoff=5e-5, seed=4
     )
     loads = default_pressures(large, STEEL, count=3)[:2]
-    plan = make_plan(large, STEEL, pressures=loads, scales="all")
+    plan = make_plan(large, STEEL, pressures=loads, scales="all", parameters=few)
     assert plan.above is not None
     cut = asperity.contact_curve(large, STEEL, pressures=loads, plan=plan)
     whole = asperity.contact_curve(

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import erf, erfinv
 
-from asperity.model.load_shares import JOINED
+from asperity.parameters import DEFAULTS, Spots
 from surfaces.numerics import parallel
 
 from . import _coalescence_kernels
@@ -25,9 +25,6 @@ __all__ = ["Coalescence"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
-
-SAG = 0.7
-"""How much deeper a pass lies than its pixels show, over the rms second difference of heights."""
 
 BINS = 32
 """Depths at which the pixels of a basin are counted, a power of 2 (16 to 200 do not differ)."""
@@ -56,6 +53,8 @@ class Coalescence:
         Summits of a map.
     material
         Its half-space.
+    fitted
+        Constants of what joins.
 
     Notes
     -----
@@ -80,6 +79,7 @@ class Coalescence:
 
     summits: Summits
     material: HalfSpace
+    fitted: Spots = DEFAULTS.spots
 
     @functools.cached_property
     def passes(self) -> tuple[Rows, Array]:
@@ -91,7 +91,7 @@ class Coalescence:
         pairs = pairs[apart]
         bend = np.asarray(summits.hm.roughness.curvature) * np.square(summits.hm.spacing)
         depth = summits.height[pairs].mean(axis=1) - summits.peaks.passes[apart]
-        return pairs, np.asarray(depth + SAG * np.sqrt(np.mean(bend**2)))
+        return pairs, np.asarray(depth + self.fitted.sag * np.sqrt(np.mean(bend**2)))
 
     @functools.cached_property
     def _around(self) -> Rows:
@@ -129,7 +129,7 @@ class Coalescence:
         deep = np.zeros(len(self.summits))
         deep[index] = approach
         one, two = deep[pairs].T
-        closed = (one > 0.0) & (two > 0.0) & (one + two > 2.0 * JOINED * depth)
+        closed = (one > 0.0) & (two > 0.0) & (one + two > 2.0 * self.fitted.joined * depth)
         crossed = np.bincount(pairs[closed].ravel(), minlength=len(deep)) > CROSSED * self._around
         return float(area @ crossed[index]) / max(float(area.sum()), np.finfo(float).tiny)
 

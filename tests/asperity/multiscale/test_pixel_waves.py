@@ -10,7 +10,8 @@ import pytest
 import asperity
 import surfaces
 from asperity.halfspace.load_points import pressure_scale
-from asperity.multiscale.pixel_waves import FINER, fineness, refined_map, strength
+from asperity.multiscale.pixel_waves import fineness, refined_map, strength
+from asperity.parameters import DEFAULTS, PixelWaves
 from surfaces import HeightMap, self_affine
 
 BODY = asperity.HalfSpace.from_modulus(1.0)
@@ -104,15 +105,15 @@ def test_only_where_waves_reach_the_pixel():
         assert refined_map(wavy(cutoff=cutoff)) is None
 
 
-def test_large_maps_are_refined_less_and_it_is_said(monkeypatch):
-    hm, ((ratio, most), (less, more)) = wavy(), FINER
+def test_large_maps_are_refined_less_and_it_is_said():
+    hm, ((ratio, most), (less, more)) = wavy(), DEFAULTS.pixel_waves.finer
     assert ratio > less
     assert ratio**2 * 1024**2 <= most <= less**2 * 2048**2 <= more
-    monkeypatch.setattr("asperity.multiscale.pixel_waves.FINER", ((2.0, 0), (1.5, 1e6)))
-    assert refined_map(hm).shape == (240, 288)
-    monkeypatch.setattr("asperity.multiscale.pixel_waves.FINER", ((2.0, 0), (1.5, 0)))
-    assert "takes long" in str(refined_map(hm))
-    plan = asperity.make_plan(hm, BODY, interaction=False)
+    assert refined_map(hm, PixelWaves(finer=((2.0, 0), (1.5, 10**6)))).shape == (240, 288)
+    none = PixelWaves(finer=((2.0, 0), (1.5, 0)))
+    assert "takes long" in str(refined_map(hm, none))
+    parameters = dataclasses.replace(DEFAULTS, pixel_waves=none)
+    plan = asperity.make_plan(hm, BODY, interaction=False, parameters=parameters)
     assert plan.resampled is None
     assert "160 x 192 points, a finer one would hold" in str(plan)
 

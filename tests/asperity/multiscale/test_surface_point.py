@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,6 +18,7 @@ from asperity.curve import solve_contacts
 from asperity.halfspace.load_points import pressure_scale
 from asperity.model.plan import make_plan, refined_plan
 from asperity.multiscale.surface_point import refinement_weight, scaled_to
+from asperity.parameters import DEFAULTS, Corrections, Segmentation
 from surfaces import HeightMap
 
 
@@ -25,23 +27,21 @@ def one_hill() -> HeightMap:
     return broad(rolloff=None, seed=12)
 
 
-def test_where_few_fine_waves_lie_under_the_contacts_more_of_them_are_contacts(
-    one_hill, monkeypatch
-):
+def test_where_few_fine_waves_lie_under_the_contacts_more_of_them_are_contacts(one_hill):
     """A mean tells little of the few waves that happen to be there."""
     loads = np.array([1.2e-3, 2e-3]) * pressure_scale(one_hill, STEEL)
     refined = surfaces.resample(one_hill, np.asarray(one_hill.spacing) / 2)
     exact = asperity.bem_curve(refined, STEEL, pressures=loads, tolerance=1e-4)
     slope = np.log(loads[1] / loads[0]) / (exact.separation[0] - exact.separation[1])
 
-    def errors():
-        curve = asperity.contact_curve(one_hill, STEEL, pressures=loads)
+    def errors(parameters=DEFAULTS):
+        plan = make_plan(one_hill, STEEL, pressures=loads, parameters=parameters)
+        curve = asperity.contact_curve(one_hill, STEEL, pressures=loads, plan=plan)
         return slope * (curve.separation - exact.separation), curve.error_estimate
 
     found, stated = errors()
     assert (np.abs(found) < np.minimum(stated, 0.03)).all()
-    monkeypatch.setattr("asperity.model.refinement.refinement_weight", lambda *_: 0.0)
-    mean, wider = errors()
+    mean, wider = errors(replace(DEFAULTS, corrections=Corrections(refinement=False)))
     assert np.linalg.norm(found) < 0.5 * np.linalg.norm(mean) and (wider > stated).all()
 
 
@@ -77,12 +77,11 @@ def test_where_many_waves_are_kept_a_refinement_keeps_a_third_more():
     assert finer.above is not None and refined_plan(finer) is None
 
 
-def test_a_refinement_takes_the_whole_map_where_contacts_come_near_its_cut(one_hill, monkeypatch):
+def test_a_refinement_takes_the_whole_map_where_contacts_come_near_its_cut(one_hill):
     load = 1.2e-3 * pressure_scale(one_hill, STEEL)
     whole = asperity.contact_curve(one_hill, STEEL, pressures=load)
-    for name, value in (("_QUICK", 0), ("_SPARE_SHARE", 0.02), ("_DEPTH", 0.0)):
-        monkeypatch.setattr(f"asperity.model.plan.{name}", value)
-    plan = make_plan(one_hill, STEEL)
+    high = Segmentation(refined_whole_points=0, spare_share=0.02, depth=0.0)
+    plan = make_plan(one_hill, STEEL, parameters=replace(DEFAULTS, segmentation=high))
     assert refined_plan(plan).above is not None
     run = solve_contacts(one_hill, STEEL, plan, pressures=load)
     assert run.points[0].refined.decomposition.plan.above is None

@@ -14,6 +14,7 @@ from asperity.errors import InputError
 from asperity.halfspace.influence import compliance
 from asperity.model.plan import make_plan
 from asperity.multiscale.wave_split import split_scales
+from asperity.parameters import DEFAULTS, WaveSplit
 from surfaces import HeightMap
 
 
@@ -117,8 +118,8 @@ def test_with_lay_waves_are_told_apart_along_and_across(rough):
 
 
 def test_maps_that_keep_all_their_summits(monkeypatch):
-    def why(hm, body=STEEL):
-        found = split_scales(hm, body)
+    def why(hm, body=STEEL, parameters=DEFAULTS):
+        found = split_scales(hm, body, parameters)
         assert isinstance(found, str)
         return found
 
@@ -127,10 +128,9 @@ def test_maps_that_keep_all_their_summits(monkeypatch):
     assert "direction" in why(broad(anisotropy=12.0))
     assert "direction" in why(broad(anisotropy=8.0, hurst=0.3, cutoff=4.4e-6))
     assert "narrow" in why(broad(anisotropy=5.0))
-    with monkeypatch.context() as less:
-        less.setattr("asperity.multiscale.wave_split.SURELY_WORTH_IT", 0.5)
-        assert not isinstance(split_scales(broad(anisotropy=5.0), STEEL), str)
-        assert "direction" in why(broad(anisotropy=5.0, angle=0.5))
+    sooner = dataclasses.replace(DEFAULTS, wave_split=WaveSplit(surely_worth=0.5))
+    assert not isinstance(split_scales(broad(anisotropy=5.0), STEEL, sooner), str)
+    assert "direction" in why(broad(anisotropy=5.0, angle=0.5), parameters=sooner)
     for angle in (0.0, 0.8):
         lay = dataclasses.replace(broad(anisotropy=3.0, angle=angle), periodic=False)
         assert "for periodic maps only" in why(lay)

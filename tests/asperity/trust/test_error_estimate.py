@@ -10,9 +10,8 @@ import pytest
 import asperity
 from asperity.halfspace.flags import Flag
 from asperity.halfspace.load_points import default_pressures
+from asperity.parameters import DEFAULTS
 from asperity.trust.error_estimate import (
-    AREA_WEIGHTS,
-    LOAD_WEIGHTS,
     TERMS,
     estimate,
     nonrandomness,
@@ -20,8 +19,10 @@ from asperity.trust.error_estimate import (
 )
 from surfaces import HeightMap, self_affine
 
+FITTED = DEFAULTS.error_estimate
 
-@pytest.mark.parametrize("weights", [LOAD_WEIGHTS, AREA_WEIGHTS])
+
+@pytest.mark.parametrize("weights", [FITTED.load_weights, FITTED.area_weights])
 def test_every_weakness_only_adds(weights):
     assert len(weights) == len(TERMS)
     assert min(weights) >= 0
@@ -70,7 +71,7 @@ def weak_point(unit=1.0, force=1.0):
     )
     decomposition = SimpleNamespace(
         hm=HeightMap(unit * LINES, (2.0 * unit, 1.0 * unit), periodic=True),
-        plan=SimpleNamespace(resampled=None, sub_contact_law=None),
+        plan=SimpleNamespace(resampled=None, sub_contact_law=None, parameters=DEFAULTS),
         population=SimpleNamespace(table=table),
         material=SimpleNamespace(m=-0.3),
         summits=SimpleNamespace(curvature=np.array([[2.0, 1.0], [3.0, 3.0], [9.0, 1.0]]) / unit),
