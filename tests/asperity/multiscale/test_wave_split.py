@@ -117,7 +117,7 @@ def test_with_lay_waves_are_told_apart_along_and_across(rough):
         assert 0.45 < fine.evenness < 0.6  # those left out have more of the lay than all, 0.6
 
 
-def test_maps_that_keep_all_their_summits(monkeypatch):
+def test_maps_that_keep_all_their_summits():
     def why(hm, body=STEEL, parameters=DEFAULTS):
         found = split_scales(hm, body, parameters)
         assert isinstance(found, str)
