@@ -127,7 +127,7 @@ def _summits() -> None:
     peaks = segment(hm)
     two = np.arange(2)
     summits = locate_summits(hm, peaks)
-    summits.leaning(two, np.zeros((2, 2)), np.zeros(2)).rows(two)
+    summits.rows(two)
     column = np.zeros(len(peaks))
     spots(peaks.neighbors, peaks.passes, column, column)
     deep = np.full(len(peaks), np.ptp(hm.heights))

@@ -138,7 +138,6 @@ class Asperities:
             boundary=plan.boundary,
             material=material,
             interaction=plan.interaction,
-            leaning=laws.leaning if plan.law == "auto" else None,
             joined=basins.areas if plan.law == "auto" else None,
             curvature=forms.curvature,
             angle=forms.angle,
