@@ -117,7 +117,6 @@ def _indices() -> list[Path]:
 def _summits() -> None:
     """Peaks and summits of a map, the rays of a few, joined basins, and the plan of its scales."""
     from asperity.contacts._spot_kernels import spots
-    from asperity.model.corrections.coalescence import Basins
     from asperity.model.plan import make_plan
     from surfaces.peaks.segmentation import segment
     from surfaces.peaks.summits import locate_summits
@@ -130,8 +129,6 @@ def _summits() -> None:
     summits.rows(two)
     column = np.zeros(len(peaks))
     spots(peaks.neighbors, peaks.passes, column, column)
-    deep = np.full(len(peaks), np.ptp(hm.heights))
-    Basins(summits, BODY).areas(np.arange(len(peaks)), deep, deep, deep)
 
 
 def _contacts() -> None:

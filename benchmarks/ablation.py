@@ -165,13 +165,6 @@ CORRECTIONS = {
         replaced(f"{NEWTON}.contact_shift.WIDER", 0.0),
         (f"{NEWTON}.contact_shift.widened", f"{NEWTON}.state_kernels.widen"),
     ),
-    "joining": Correction(
-        keyword(f"{POPULATION}.__init__", joined=None),
-        (
-            "asperity.model.corrections.coalescence",
-            "asperity.model.corrections._coalescence_kernels",
-        ),
-    ),
     "elongated footprints": Correction(
         keyword(f"{POPULATION}.__init__", curvature=None, angle=None),
         ("asperity.interaction.elongation",),

@@ -44,7 +44,7 @@ def spot_count(bodies: Asperities, state: PopulationState) -> int:
     """
     from ._spot_kernels import spots
 
-    pairs, depth = bodies.basins.passes
+    pairs, depth = bodies.profiles.pass_depths
     count = float(spots(pairs, 2.0 * JOINED * depth, *_each(bodies.profiles, state)))
     fine, area = bodies.plan.fine, state.contact_area
     if fine is not None and area > 0.0:

@@ -252,18 +252,14 @@ class Listing:
         return bool(np.sum(law.force * astray) > 0.0 or abs(lower) > bound * law.force.sum())
 
     def areas(self, population: Population, solution: Solution) -> Array:
-        """Contact areas [m^2], wider where contacts stand beside rough summits or have joined
-        others, shape (n,)."""
+        """Contact areas [m^2], wider where contacts stand beside rough summits, shape (n,)."""
         law, problem, table = solution.laws, self.problem, population.table
         if not (problem.deflects and hasattr(table, "flags_at")):
             return law.area
         depth = solution.approach
         rough = table.flags_at(self.index, depth) & np.uint8(Flag.BEYOND_RADIUS) > 0
         tilts = solution.tilt, problem.lean
-        area = widened(problem.plan.footprints, law, depth, *tilts, rough)
-        if population.joined is None:
-            return area
-        return population.joined(self.index, depth, law.force, area)
+        return widened(problem.plan.footprints, law, depth, *tilts, rough)
 
 
 def _widest(

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from asperity.contacts.table import aspect_ratio
 from asperity.interaction.population import Population, PopulationState
 from asperity.microcontact.lazy_table import GrowingTable
-from asperity.model.corrections.coalescence import Basins
 from asperity.multiscale.surface_point import (
     FinePoint,
     closed_area,
@@ -78,8 +77,6 @@ class Asperities:
         Segmentation and summits; the rays of a summit are sampled when its law is made.
     laws
         Makes the laws of the summits.
-    basins
-        What of the basins touches where contacts have joined.
     population
         The microcontacts with their laws and their interaction.
     seconds
@@ -92,7 +89,6 @@ class Asperities:
     peaks: Peaks
     profiles: Summits
     laws: SummitLaws
-    basins: Basins
     population: Population
     seconds: dict[str, float]
     _seen: WeakKeyDictionary[PopulationState, tuple[FinePoint, CloserLook | None]] = field(
@@ -128,7 +124,6 @@ class Asperities:
             profiles = ranking.summits
         laws = SummitLaws(hm, profiles, ranking, material, plan.law, seconds)
         forms = profiles if ranking is None else ranking
-        basins = Basins(profiles, material)
         population = Population(
             x=profiles.x,
             y=profiles.y,
@@ -138,11 +133,10 @@ class Asperities:
             boundary=plan.boundary,
             material=material,
             interaction=plan.interaction,
-            joined=basins.areas if plan.law == "auto" else None,
             curvature=forms.curvature,
             angle=forms.angle,
         )
-        return cls(hm, material, plan, peaks, profiles, laws, basins, population, seconds)
+        return cls(hm, material, plan, peaks, profiles, laws, population, seconds)
 
     def __getstate__(self) -> dict[str, Any]:
         """With what was seen of states as pairs, since weak references cannot be kept."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -22,6 +23,7 @@ __all__ = ["Summits", "fit_profiles", "locate_summits"]
 
 _BAND = 32  # rows whose peaks are looked at together
 _SAME = 0.2  # two summits nearer than this [pixels] are one
+_SAG = 0.7  # how much deeper a pass lies than its pixels show, over the rms second difference
 _RING = 0.1  # of the height of a flat top, up to which the spline rings on it
 
 Array = NDArray[np.float64]
@@ -58,6 +60,17 @@ class Summits:
 
     def __len__(self) -> int:
         return int(self.x.size)
+
+    @functools.cached_property
+    def pass_depths(self) -> tuple[NDArray[np.int64], Array]:
+        """Pairs of summits whose basins adjoin, (n, 2), and the mean depth [m] of the pass between
+        them under both, (n,)."""
+        pairs = self.single[self.peaks.neighbors]
+        apart = pairs[:, 0] != pairs[:, 1]
+        pairs = pairs[apart]
+        bend = np.asarray(self.hm.roughness.curvature) * np.square(self.hm.spacing)
+        depth = self.height[pairs].mean(axis=1) - self.peaks.passes[apart]
+        return pairs, np.asarray(depth + _SAG * np.sqrt(np.mean(bend**2)))
 
     def joined(self, pairs: NDArray[np.int64], floors: Array) -> Summits:
         """The same where the basins of each pair, (k, 2), are one of the higher summit.
