@@ -227,12 +227,6 @@ CORRECTIONS = {
             "asperity.multiscale.surface_point.spread_over",
         ),
     ),
-    "split: worn plateaus": Correction(
-        replaced(f"{PIXEL}._worn", _never), (f"{PIXEL}._worn", f"{PIXEL}._lines")
-    ),
-    "split: fading borders": Correction(
-        replaced(f"{PIXEL}._faded", _never), (f"{PIXEL}._faded", f"{PIXEL}._along")
-    ),
     "split: lay beyond 4:1": Correction(replaced(f"{SPLIT}.LONGEST_LAY", (0.87, 0.87)), ()),
     "split: lay": Correction(
         replaced(f"{SPLIT}.LONGEST_LAY", (0.2, 0.2)),

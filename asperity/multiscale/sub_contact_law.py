@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from .pixel_waves import Strength
 
 __all__ = ["FineScales"]
 
@@ -65,8 +63,6 @@ class FineScales:
     evenness
         w = 2 s1 s2 / (s1^2 + s2^2) of the principal slopes s1, s2 of the fine waves: 1 without lay,
         8/17 for slopes of 4:1.
-    strength
-        Where on the map variance and energy are how many times those given.
 
     Notes
     -----
@@ -98,7 +94,6 @@ class FineScales:
     number: float
     m: float = 0.0
     evenness: float = 1.0
-    strength: Strength = field(default=Strength(), compare=False)
 
     @property
     def spread(self) -> float:
@@ -107,27 +102,20 @@ class FineScales:
         graded = 1.0 - GRADED_SPREAD[0] * self.m - GRADED_SPREAD[1] * self.m**2
         return plain * graded * (1.0 - LAY_SPREAD * (1.0 - self.evenness))
 
-    def remaining(
-        self,
-        pressure: ArrayLike,
-        share: float,
-        area: ArrayLike = np.inf,
-        strong: float | Array = 1.0,
-    ) -> Array:
+    def remaining(self, pressure: ArrayLike, share: float, area: ArrayLike = np.inf) -> Array:
         """Share of contacts of mean pressure p [Pa] and area [m^2] that stays closed; `share` is P.
 
-        A contact is taken as far wider than the fine waves if no area is given; `strong` is their
-        strength under it.
+        A contact is taken as far wider than the fine waves if no area is given.
         """
         narrow = self.evenness * self.number
         unseen = SEEN**2 * np.pi / (narrow**2 * np.asarray(area, float))
-        opening = self._opening(pressure, share, strong) ** 2 / (1.0 + unseen)
+        opening = self._opening(pressure, share) ** 2 / (1.0 + unseen)
         return np.asarray(1.0 / np.sqrt(1.0 + opening))
 
-    def stored(self, pressure: ArrayLike, share: float, strong: float | Array = 1.0) -> Array:
+    def stored(self, pressure: ArrayLike, share: float) -> Array:
         """Complementary energy per area [J/m^2] of contacts of mean pressure p [Pa]."""
-        root = self._opening(pressure, share, strong)
-        return np.asarray(self.energy * strong * np.arcsinh(root) / root)
+        root = self._opening(pressure, share)
+        return np.asarray(self.energy * np.arcsinh(root) / root)
 
     def lift(self, share: float) -> float:
         """Factor over the first order of the lift where the share of area P is closed."""
@@ -135,8 +123,8 @@ class FineScales:
         height *= max(1.0 - LAY_LIFT * (1.0 - self.evenness), 0.0)
         return float(1.0 + height * (1.0 - share) ** LIFT_POWER)
 
-    def _opening(self, pressure: ArrayLike, share: float, strong: float | Array) -> Array:
+    def _opening(self, pressure: ArrayLike, share: float) -> Array:
         """sqrt(b)."""
         spread = self.spread + (1.0 - self.spread) * share**2
         scale = np.sqrt(2.0 / np.pi) * np.maximum(np.asarray(pressure, float), 1e-300)
-        return np.asarray(np.sqrt(spread * self.variance * strong) / scale)
+        return np.asarray(np.sqrt(spread * self.variance) / scale)

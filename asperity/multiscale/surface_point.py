@@ -104,7 +104,6 @@ def fine_point(
         return FinePoint(max(state.separation, highest + state.separation - top), 0.0, 0.0)
     nominal, law = population.nominal_area, population.laws.rows(closed)
     area = float(closed_area(population, fine, state).sum())
-    strong = _strong(population, fine, closed)
     share = 0.5 * (state.contact_area + area) / nominal
     stiffness, gained = state.normal_stiffness, state.response[closed]
     if not stiffness > 0.0:  # a failed solve, marked as such
@@ -115,7 +114,7 @@ def fine_point(
         here = law(np.maximum(state.approach[closed] + step * gained, 0.0))
         kept = here.force > 0
         force, width = here.force[kept], here.area[kept]
-        stored = fine.stored(force / width, share, strong[kept])
+        stored = fine.stored(force / width, share)
         return float(np.sum(width * stored)), float(force.sum())
 
     (low, less), (middle, load), (high, more) = (energy(step) for step in (-fall, 0.0, fall))
@@ -131,13 +130,12 @@ def closed_area(
 ) -> NDArray[np.float64]:
     """Area [m^2] of each contact that the fine waves leave closed, shape (n,)."""
     closed, nominal = np.flatnonzero(state.force > 0), population.nominal_area
-    strong = _strong(population, fine, closed)
     area = np.zeros(len(state.force))
     whole = state.area[closed]
     pressure = state.force[closed] / whole
     share = state.contact_area / nominal
     for _ in range(2):
-        area[closed] = whole * fine.remaining(pressure, share, whole, strong)
+        area[closed] = whole * fine.remaining(pressure, share, whole)
         share = 0.5 * (state.contact_area + float(area.sum())) / nominal
     return area
 
@@ -156,15 +154,6 @@ def spread_over(
     if total >= most:
         return np.asarray(whole * (total / most))
     return np.asarray(whole - (whole - area) * ((most - total) / (most - closed)))
-
-
-def _strong(
-    population: Population, fine: FineScales, rows: NDArray[np.int64]
-) -> NDArray[np.float64]:
-    """Strength of the fine waves under contacts."""
-    ly, lx = population.cell
-    places = population.y[rows] / ly, population.x[rows] / lx
-    return fine.strength.at(*places, population.height[rows])
 
 
 def at_separation(

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from asperity.interaction.footprint import Footprints
 from surfaces.heightmap import HeightMap
 
-from .pixel_waves import TO_THE_PIXEL, Strength, fineness, strength
+from .pixel_waves import TO_THE_PIXEL, fineness, random_waves
 from .spectrum_shells import Shells
 from .sub_contact_law import FineScales
 
@@ -36,7 +36,7 @@ WORTH_IT = 1.8
 """Breadth over `BROADEST` from which on the finest waves are taken out."""
 
 SURELY_WORTH_IT = 3.0
-"""The same where waves are worn down or of lay beyond 4:1: on 512 x 512 points to the pixel (1.7 to
+"""The same for lay beyond 4:1: on 512 x 512 points to the pixel (1.7 to
 2.7) all summits take no second and are nearer at light loads."""
 
 UNRESOLVED = 3.0
@@ -115,7 +115,7 @@ class Split:
         """The same with more waves kept for contacts; itself if hardly more can be, None if hardly
         any would be left for the law."""
         shells, last = self.shells, self._next
-        fine = _law(shells, last, material, self.fine.strength)
+        fine = _law(shells, last, material)
         if fine is None:
             return None
         if self.last > SHORTER * last:
@@ -151,16 +151,14 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> Split | str:
     shorter than `UNRESOLVED` pixels. With lay the order and the breadth are those of the map
     stretched halfway, in ratio, to the same slope in all directions: waves short enough along the
     ridges are kept to part them, as contacts of whole ridges carry too much. The law holds for
-    random waves, whose strength may vary as a border fades or with the height
-    (`pixel_waves.strength`). A map that is not periodic is taken with its mirror images, in which
-    lay would be lost.
+    random waves. A map that is not periodic is taken with its mirror images, in which lay would be
+    lost.
     """
     if abs(material.m) > GRADED:
         return f"scales: all, the law of fine waves is for |m| <= {GRADED:g}"
     if fineness(hm) < TO_THE_PIXEL and _breadth(hm) < SURELY * WORTH_IT * BROADEST:
         return NARROW
-    strong = strength(hm)
-    if strong is None:
+    if not random_waves(hm):
         return "scales: all, the finest waves are not random, so that no law holds for all of them"
     shells = Shells.of(hm, material.m)
     lay = _lay(shells.sums[-1])
@@ -180,11 +178,10 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> Split | str:
     steep = shells.sums[:, 3]
     if steep[finest] > (1.0 - TOO_MANY) * steep[-1] and breadth[-1] < WORTH_IT * BROADEST:
         return NARROW
-    odd = strong.worn[0].size or lay > LONGEST_LAY[0]
-    if odd and breadth[-1] < SURELY_WORTH_IT * BROADEST:
+    if lay > LONGEST_LAY[0] and breadth[-1] < SURELY_WORTH_IT * BROADEST:
         return NARROW
     last = min(max(last or finest, _shell(FEWEST_WAVES, hm)), finest)
-    fine = _law(shells, last, material, strong)
+    fine = _law(shells, last, material)
     if fine is None:
         return "scales: all, the map has too few waves to take the finest out"
     coarse = shells.map(last, POINTS)
@@ -199,7 +196,7 @@ def _shell(waves: float, hm: HeightMap) -> int:
     return round(waves * max(hm.size) / math.sqrt(hm.area))
 
 
-def _law(shells: Shells, last: int, material: HalfSpace, strong: Strength) -> FineScales | None:
+def _law(shells: Shells, last: int, material: HalfSpace) -> FineScales | None:
     """Law of the waves beyond the shell `last`; None where these are hardly any."""
     sums = shells.sums
     if sums[last, 3] > (1.0 - WORTH_LOSING) * sums[-1, 3]:
@@ -214,7 +211,6 @@ def _law(shells: Shells, last: int, material: HalfSpace, strong: Strength) -> Fi
         number=float((lost[7] / lost[6]) ** (1.0 / (1.0 - material.m))),
         m=material.m,
         evenness=float(np.sqrt(1.0 - _lay(lost) ** 2)),
-        strength=strong,
     )
 
 

@@ -65,13 +65,6 @@ def test_more_pressure_closes_more_and_stores_more(pressure, share):
     assert FINE.remaining(pressure, share) >= FINE.remaining(pressure, min(share + 0.1, 1.0))
 
 
-def test_the_law_of_stronger_waves_is_that_of_more_variance_and_energy():
-    more = dataclasses.replace(FINE, variance=4 * FINE.variance, energy=4 * FINE.energy)
-    at = np.array([3e8, 2e9]), 0.1
-    np.testing.assert_allclose(FINE.remaining(*at, strong=4.0), more.remaining(*at), rtol=1e-12)
-    np.testing.assert_allclose(FINE.stored(*at, strong=4.0), more.stored(*at), rtol=1e-12)
-
-
 @settings(deadline=None, derandomize=True, max_examples=20)
 @given(st.floats(-0.5, 0.5), st.floats(0.3, 1.0), st.floats(0.1, 50.0))
 def test_part_of_the_pressure_spreads(m, evenness, ratio):
