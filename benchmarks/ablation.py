@@ -227,15 +227,6 @@ CORRECTIONS = {
             "asperity.multiscale.surface_point.spread_over",
         ),
     ),
-    "split: lay beyond 4:1": Correction(replaced(f"{SPLIT}.LONGEST_LAY", (0.87, 0.87)), ()),
-    "split: lay": Correction(
-        replaced(f"{SPLIT}.LONGEST_LAY", (0.2, 0.2)),
-        (
-            f"{SPLIT}._halfway",
-            f"{SPLIT}._diagonal",
-            "asperity.multiscale.spectrum_shells.Shells.stretched",
-        ),
-    ),
     "split of the waves": Correction(
         replaced("asperity.model.plan.split_scales", lambda *_: "scales: all, for the ablation"),
         (

@@ -21,9 +21,6 @@ MORE_SPREAD = 0.13
 GRADED_SPREAD = (0.70, 0.55)
 """c1, c2: on a graded body times 1 - c1 m - c2 m^2 (|m| <= 0.5)."""
 
-LAY_SPREAD = 0.7
-"""With lay times 1 - c (1 - w), w the evenness of the slopes (lay of 2:1 to 8:1)."""
-
 LIFT = 0.18
 """How far the flat is lifted at no contact, over the first-order value less one."""
 
@@ -32,9 +29,6 @@ LIFT_POWER = 5.0
 
 GRADED_LIFT = 1.2
 """`LIFT` on a graded body times 1 - c m."""
-
-LAY_LIFT = 1.6
-"""`LIFT` with lay times 1 - c (1 - w), and not below zero."""
 
 SEEN = 1.0
 """Wave number times contact radius at which half the pressure of the fine waves parts a contact: a
@@ -60,9 +54,6 @@ class FineScales:
         Their mean wave number [1/m], that of their pressure over that of their energy.
     m
         Exponent of the grading of the body.
-    evenness
-        w = 2 s1 s2 / (s1^2 + s2^2) of the principal slopes s1, s2 of the fine waves: 1 without lay,
-        8/17 for slopes of 4:1.
 
     Notes
     -----
@@ -76,15 +67,14 @@ class FineScales:
         A/A0 = 1 / sqrt(1 + b),   Phi = e arsinh(sqrt(b)) / sqrt(b),   b = g V / s^2,
 
     Phi = int u dp being the complementary energy of the local gap u. Of the area of a contact of
-    radius a the waves part it as if V were V x^2 / (x^2 + `SEEN`^2), x being a w times their number
-    (with lay contacts are long, and the waves part them across). Contacts about to open spread less
-    than V: g = g0 + (1 - g0) P^2, with P the share of the nominal area in contact, here the mean of
-    that with and without the fine waves; Wang & Mueser (2017) have g0 = 5/9, boundary elements give
-    0.50 to 0.63 (`SPREAD`), 0.4 to 0.66 for m = 0.3 to -0.3 and 0.35 to 0.45 for lay of 4:1. To
-    first order in the fine waves a load F lifts the flat by d(sum Phi)/dF; boundary elements give
-    the factor 1 + c (1 - P)^n, c = `LIFT`, n = `LIFT_POWER`. All were found without microcontacts,
-    from the pressures of solutions of the longer waves, for Hurst exponents 0.5 to 0.9 and one to
-    four octaves (docs/accuracy.md).
+    radius a the waves part it as if V were V x^2 / (x^2 + `SEEN`^2), x being a times their number.
+    Contacts about to open spread less than V: g = g0 + (1 - g0) P^2, with P the share of the
+    nominal area in contact, here the mean of that with and without the fine waves; Wang & Mueser
+    (2017) have g0 = 5/9, boundary elements give 0.50 to 0.63 (`SPREAD`) and 0.4 to 0.66 for
+    m = 0.3 to -0.3. To first order in the fine waves a load F lifts the flat by d(sum Phi)/dF;
+    boundary elements give the factor 1 + c (1 - P)^n, c = `LIFT`, n = `LIFT_POWER`. All were found
+    without microcontacts, from the pressures of solutions of the longer waves, for Hurst exponents
+    0.5 to 0.9 and one to four octaves (docs/accuracy.md).
     """
 
     shortest: float
@@ -93,22 +83,20 @@ class FineScales:
     energy: float
     number: float
     m: float = 0.0
-    evenness: float = 1.0
 
     @property
     def spread(self) -> float:
         """g0 [-]."""
         plain = SPREAD + MORE_SPREAD * self.ratio / (1.0 + self.ratio)
         graded = 1.0 - GRADED_SPREAD[0] * self.m - GRADED_SPREAD[1] * self.m**2
-        return plain * graded * (1.0 - LAY_SPREAD * (1.0 - self.evenness))
+        return plain * graded
 
     def remaining(self, pressure: ArrayLike, share: float, area: ArrayLike = np.inf) -> Array:
         """Share of contacts of mean pressure p [Pa] and area [m^2] that stays closed; `share` is P.
 
         A contact is taken as far wider than the fine waves if no area is given.
         """
-        narrow = self.evenness * self.number
-        unseen = SEEN**2 * np.pi / (narrow**2 * np.asarray(area, float))
+        unseen = SEEN**2 * np.pi / (self.number**2 * np.asarray(area, float))
         opening = self._opening(pressure, share) ** 2 / (1.0 + unseen)
         return np.asarray(1.0 / np.sqrt(1.0 + opening))
 
@@ -120,7 +108,6 @@ class FineScales:
     def lift(self, share: float) -> float:
         """Factor over the first order of the lift where the share of area P is closed."""
         height = LIFT * (1.0 - GRADED_LIFT * self.m)
-        height *= max(1.0 - LAY_LIFT * (1.0 - self.evenness), 0.0)
         return float(1.0 + height * (1.0 - share) ** LIFT_POWER)
 
     def _opening(self, pressure: ArrayLike, share: float) -> Array:

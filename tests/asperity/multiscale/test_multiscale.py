@@ -99,11 +99,9 @@ def test_lengths_and_modulus_only_scale(rough, loads):
     np.testing.assert_allclose(stiffness, one.stiffness, rtol=5e-3)
 
 
-@pytest.mark.parametrize(
-    ("m", "more"), [(0.0, {}), (0.3, {}), (-0.3, {}), (0.0, {"anisotropy": 2.5, "angle": 0.7})]
-)
-def test_nearer_to_boundary_elements_than_with_all_summits(m, more):
-    hm, body = broad(**more), asperity.HalfSpace.from_modulus(2e11, m=m)
+@pytest.mark.parametrize("m", [0.0, 0.3, -0.3])
+def test_nearer_to_boundary_elements_than_with_all_summits(m):
+    hm, body = broad(), asperity.HalfSpace.from_modulus(2e11, m=m)
     loads = np.array([1e-2, 3e-2, 6e-2]) * pressure_scale(hm, body)
     refined = surfaces.resample(hm, np.asarray(hm.spacing) / 2)
     exact = asperity.bem_curve(refined, body, pressures=loads, tolerance=1e-4)
