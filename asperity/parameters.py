@@ -105,16 +105,11 @@ class PixelWaves:
         much.
     kurtosis
         How far the kurtosis [-] of second differences may be from 3, that of random waves.
-    worn_kurtosis
-        The bound of second differences over the root of their mean square at their height [-]: 3.05
-        to 3.4 for plateaus worn to half or a third, 4 for a fifth, 4.3 to 600 for measured maps and
-        steps.
     """
 
     to_the_pixel: float = 0.13
     finer: tuple[tuple[float, int], ...] = ((2.0, 2**22), (1.5, 10**7))
     kurtosis: float = 0.25
-    worn_kurtosis: float = 0.5
 
 
 @dataclass(frozen=True)
@@ -128,9 +123,6 @@ class WaveSplit:
         are as small as contacts.
     worth
         Breadth of the whole map over `breadth` [-] from which on the finest waves are taken out.
-    surely_worth
-        The ratio [-] where waves are worn down or of lay beyond 4:1: on 512 x 512 points to the
-        pixel (1.7 to 2.7) all summits take no second and are nearer at light loads.
     unresolved_pixels
         Pixels [-] below which the summits of a wave are uncertain.
     unresolved_slope
@@ -147,34 +139,19 @@ class WaveSplit:
         Share [-] of the squared slope that the finest waves hold at least, if they are taken out.
     lay
         Anisotropy [-] (s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes of a map (0.52 at 2:1,
-        0.83 at 4:1, 0.88 at 5:1) from which on waves are told apart by their lengths along and
-        across the lay.
-    longest_lay
-        Anisotropies [-] above which there is no law, and that of waves that reach the pixel along
-        rows or columns (0.947 to 0.954 at 8:1): contacts of long ridges carry too much, at 8:1 up
-        to 6 % at 8 % of contact.
-    turned
-        Sine of twice the angle [-] between lay and rows or columns from which on it is turned: of
-        6:1 turned by 30 degrees the area came out 10 to 14 % too large by the law.
-    fine_lay
-        `fineness` [-] from which on waves with lay reach the pixel; from 0.13 to 0.21, cut off at 4
-        pixels, the area came out 5 to 10 % too large by the law, by all summits 4 to 6 % too small.
+        0.83 at 4:1) from which on there is no law.
     grading
         Largest |m| [-] for which the law was measured.
     """
 
     breadth: float = 14.0
     worth: float = 1.8
-    surely_worth: float = 3.0
     unresolved_pixels: float = 3.0
     unresolved_slope: float = 0.2
     fewest_waves: float = 50.0
     points: float = 6.0
     least_slope: float = 0.03
     lay: float = 0.2
-    longest_lay: tuple[float, float] = (0.87, 0.955)
-    turned: float = 0.1
-    fine_lay: float = 0.22
     grading: float = 0.5
 
 
@@ -194,9 +171,6 @@ class SubContact:
         What is added to it [-] where the slope of the fine waves is far above the others'.
     graded_spread
         c1, c2 [-]: on a graded body the share times 1 - c1 m - c2 m^2 (|m| <= 0.5).
-    lay_spread, lay_lift
-        With lay the share times 1 - c (1 - w) [-], w the evenness of the slopes (lay of 2:1 to
-        8:1), and `lift` likewise, not below zero.
     lift
         How far the flat is lifted at no contact, over the first-order value less one [-].
     lift_power
@@ -212,8 +186,6 @@ class SubContact:
     spread: float = 0.50
     more_spread: float = 0.13
     graded_spread: tuple[float, float] = (0.70, 0.55)
-    lay_spread: float = 0.7
-    lay_lift: float = 1.6
     lift: float = 0.18
     lift_power: float = 5.0
     graded_lift: float = 1.2

@@ -116,12 +116,15 @@ def _no_shift(_: Any, law: Any, approach: Array, *__: Any) -> tuple[Array, Array
 
 def _no_powers(stack: ExitStack) -> None:
     """Every tip is a paraboloid in the kernels that know other powers."""
-    for name in ("interaction.newton._law_kernels.tabulate", "microcontact.table_kernels.evaluate_table"):
+    for name in (
+        "interaction.newton._law_kernels.tabulate",
+        "microcontact.table_kernels.evaluate_table",
+    ):
         kernel = found(f"asperity.{name}").py_func
         known = kernel.__globals__ | {"BLUNT": np.inf}
         plain = types.FunctionType(kernel.__code__, known, kernel.__name__)
         stack.enter_context(patch(f"asperity.{name}", njit(error_model="numpy")(plain)))
-    stack.enter_context(patch("asperity.microcontact.basin_bem.press.BLUNT", np.inf))
+    stack.enter_context(patch(f"{PRESS}.press.BLUNT", np.inf))
 
 
 def _never(*_: Any, **__: Any) -> None:
@@ -132,9 +135,13 @@ def _several(*switches: Callable[[ExitStack], object]) -> Callable[[ExitStack], 
     return lambda stack: [switch(stack) for switch in switches]
 
 
+NEWTON = "asperity.interaction.newton"
+FACTORY = "asperity.model.law_factory"
+SHARES = "asperity.model.load_shares"
+PRESS = "asperity.microcontact.basin_bem"
 POPULATION = "asperity.interaction.population.Population"
 LISTING = "asperity.interaction.candidates.Listing"
-RANKING = "asperity.model.load_shares.Ranking"
+RANKING = f"{SHARES}.Ranking"
 SPLIT = "asperity.multiscale.wave_split"
 PIXEL = "asperity.multiscale.pixel_waves"
 NOT_PRESSED = replaced(f"{RANKING}.dominant", lambda self, rows, table: np.zeros(0, np.int64))
@@ -142,12 +149,12 @@ NOT_PAIRED = replaced(f"{RANKING}.joined", lambda self, material: self)
 
 CORRECTIONS = {
     "contact shift": Correction(
-        replaced("asperity.interaction.newton.problem.deflection", _no_shift),
+        replaced(f"{NEWTON}.problem.deflection", _no_shift),
         (
-            "asperity.interaction.newton.contact_shift.deflection",
-            "asperity.interaction.newton.state_kernels.deflect",
-            "asperity.interaction.newton.problem.State.lag",
-            "asperity.interaction.newton.state_kernels.lag",
+            f"{NEWTON}.contact_shift.deflection",
+            f"{NEWTON}.state_kernels.deflect",
+            f"{NEWTON}.problem.State.lag",
+            f"{NEWTON}.state_kernels.lag",
         ),
     ),
     "centers of contacts": Correction(
@@ -155,20 +162,8 @@ CORRECTIONS = {
         (f"{LISTING}.about", f"{LISTING}._strayed", f"{POPULATION}.centred"),
     ),
     "widening": Correction(
-        replaced("asperity.interaction.newton.contact_shift.WIDER", 0.0),
-        ("asperity.interaction.newton.contact_shift.widened", "asperity.interaction.newton.state_kernels.widen"),
-    ),
-    "leaning": Correction(
-        keyword(f"{POPULATION}.__init__", leaning=None),
-        (
-            "asperity.model.law_factory.SummitLaws.leaning",
-            "surfaces.peaks.summits.Summits.leaning",
-            "asperity.microcontact.law_table.LawTable.area_under",
-        ),
-    ),
-    "joining": Correction(
-        keyword(f"{POPULATION}.__init__", joined=None),
-        ("asperity.model.corrections.coalescence", "asperity.model.corrections._coalescence_kernels"),
+        replaced(f"{NEWTON}.contact_shift.WIDER", 0.0),
+        (f"{NEWTON}.contact_shift.widened", f"{NEWTON}.state_kernels.widen"),
     ),
     "elongated footprints": Correction(
         keyword(f"{POPULATION}.__init__", curvature=None, angle=None),
@@ -178,9 +173,9 @@ CORRECTIONS = {
         _several(NOT_PRESSED, NOT_PAIRED),
         (
             "asperity.model.load_shares",
-            "asperity.microcontact.basin_bem.press",
-            "asperity.microcontact.basin_bem._element_kernels",
-            "asperity.microcontact.basin_bem._closing_kernels",
+            f"{PRESS}.press",
+            f"{PRESS}._element_kernels",
+            f"{PRESS}._closing_kernels",
         ),
     ),
     "pairs pressed as one": Correction(
@@ -188,13 +183,13 @@ CORRECTIONS = {
         (
             f"{RANKING}.joining",
             f"{RANKING}.joined",
-            "asperity.model.load_shares._formed",
-            "asperity.microcontact.basin_bem.press._second",
+            f"{SHARES}._formed",
+            f"{PRESS}.press._second",
             "surfaces.peaks.summits.Summits.joined",
         ),
     ),
     "flat tops pressed": Correction(
-        replaced("asperity.model.load_shares.SHARE_OF_NONE", 10.0), ("asperity.model.load_shares._weight",)
+        replaced(f"{SHARES}.SHARE_OF_NONE", 10.0), (f"{SHARES}._weight",)
     ),
     "guard of the ellipse law": Correction(
         replaced("asperity.microcontact.auto.GROSS", np.inf),
@@ -208,11 +203,11 @@ CORRECTIONS = {
         ),
     ),
     "sharp tips told": Correction(
-        replaced("asperity.model.law_factory._doubt_tips", _never), ("asperity.model.law_factory._doubt_tips",)
+        replaced(f"{FACTORY}._doubt_tips", _never), (f"{FACTORY}._doubt_tips",)
     ),
     "coarse rays told": Correction(
-        replaced("asperity.model.law_factory.SummitLaws._doubt_rays", _never),
-        ("asperity.model.law_factory.SummitLaws._doubt_rays",),
+        replaced(f"{FACTORY}.SummitLaws._doubt_rays", _never),
+        (f"{FACTORY}.SummitLaws._doubt_rays",),
     ),
     "tips of other powers": Correction(
         _no_powers, ("asperity.microcontact.table_kernels.tip_power",)
@@ -232,19 +227,8 @@ CORRECTIONS = {
             "asperity.multiscale.surface_point.spread_over",
         ),
     ),
-    "split: worn plateaus": Correction(
-        replaced(f"{PIXEL}._worn", _never), (f"{PIXEL}._worn", f"{PIXEL}._lines")
-    ),
-    "split: fading borders": Correction(
-        replaced(f"{PIXEL}._faded", _never), (f"{PIXEL}._faded", f"{PIXEL}._along")
-    ),
-    "split: lay beyond 4:1": Correction(replaced(f"{SPLIT}.LONGEST_LAY", (0.87, 0.87)), ()),
-    "split: lay": Correction(
-        replaced(f"{SPLIT}.LONGEST_LAY", (0.2, 0.2)),
-        (f"{SPLIT}._halfway", f"{SPLIT}._diagonal", "asperity.multiscale.spectrum_shells.Shells.stretched"),
-    ),
     "split of the waves": Correction(
-        replaced("asperity.model.plan.split_scales", lambda hm, material: "scales: all, for the ablation"),
+        replaced("asperity.model.plan.split_scales", lambda *_: "scales: all, for the ablation"),
         (
             SPLIT,
             "asperity.multiscale.surface_point",
@@ -274,12 +258,14 @@ def without(name: str) -> Iterator[None]:
 
 def group_of(family: str) -> str:
     """Group of a family of accuracy.py or drawn.py: those of one group are related."""
+    if family.startswith("isotropic H 0.8 cut-off 32"):
+        return "few hills"
     for group, names in {
         "graded": ("graded",),
         "worn": ("plateau",),
         "lay": ("anisotropic", "an1.5", "an2", "an3", "an4", "an6", "ground", "lay"),
         "to the pixel": ("to the pixel", "cut-off 3 px", "iso2:", "iso3:", "expo:"),
-        "few hills": ("few summits", "bumps", "caps", "isotropic H 0.8 cut-off 32", "iso24", "iso32"),
+        "few hills": ("few summits", "bumps", "caps", "iso24", "iso32"),
         "regular": ("lattice", "hexlat", "spheres", "weier", "bands"),
         "disturbed": ("noise", "spikes", "steps", "heighttail"),
         "free border": ("free",),
@@ -368,15 +354,11 @@ def errors(scene: Scene, exact: asperity.ContactCurve) -> tuple[Array, Array, fl
     out, and seconds of the processor for the second."""
     body = asperity.HalfSpace.from_modulus(1.0, m=scene.m)
     hm = surfaces.HeightMap(scene.hm.heights, scene.hm.spacing, periodic=scene.hm.periodic)
-    plan = asperity.make_plan(
-        hm, body, separations=exact.separation, boundary=scene.boundary
-    )
+    plan = asperity.make_plan(hm, body, separations=exact.separation, boundary=scene.boundary)
     same = solve_contacts(hm, body, plan, separations=exact.separation).curve
     hm = surfaces.HeightMap(scene.hm.heights, scene.hm.spacing, periodic=scene.hm.periodic)
     start = time.process_time()
-    plan = asperity.make_plan(
-        hm, body, pressures=exact.mean_pressure, boundary=scene.boundary
-    )
+    plan = asperity.make_plan(hm, body, pressures=exact.mean_pressure, boundary=scene.boundary)
     model = solve_contacts(hm, body, plan, pressures=exact.mean_pressure).curve
     seconds = time.process_time() - start
     load = np.where(same.converged, same.mean_pressure / exact.mean_pressure - 1.0, np.nan)
@@ -426,7 +408,8 @@ def worst(values: Array) -> float:
 
 def row(name: str, family: str, group: str, off: list[Any], on: list[Any]) -> dict[str, Any]:
     """One row of the table: a correction on a family."""
-    made: dict[str, Any] = {"correction": name, "group": group, "family": family}
+    made: dict[str, Any] = {"correction": name, "lines": lines_of(CORRECTIONS[name].objects)}
+    made |= {"group": group, "family": family}
     for column, kind in enumerate(("load", "area")):
         for label, runs in (("with", on), ("without", off)):
             values = np.concatenate([run[column] for run in runs])
@@ -461,10 +444,7 @@ def summary(rows: list[dict[str, Any]]) -> str:
                         f"{100 * float(one[f'{kind}_worst_without']):.1f} ({one['family']})"
                     )
                     into[one["group"]] = abs(gain), change
-        told = [
-            "; ".join(f"**{g}** {text}" for g, (_, text) in sorted(d.items(), key=lambda i: -i[1][0]))
-            for d in (gains, losses)
-        ]
+        told = [_told(changes) for changes in (gains, losses)]
         medians = ", ".join(
             " → ".join(
                 f"{100 * np.mean([float(o[f'{kind}_median_{way}']) for o in own]):.2f}"
@@ -477,12 +457,17 @@ def summary(rows: list[dict[str, Any]]) -> str:
             for way in ("with", "without")
         ]
         spent = [sum(float(o[f"seconds_{way}"]) for o in own) for way in ("with", "without")]
-        size = lines_of(CORRECTIONS[name].objects) if name in CORRECTIONS else "-"
         lines.append(
-            f"| {name} | {size} | {told[0] or '-'} | {told[1] or '-'} | {medians} | "
+            f"| {name} | {own[0]['lines']} | {told[0] or '-'} | {told[1] or '-'} | {medians} | "
             f"{lost[0]} → {lost[1]} | {100 * (spent[0] / spent[1] - 1):+.0f} % |"
         )
     return "\n".join(lines)
+
+
+def _told(changes: dict[str, tuple[float, str]]) -> str:
+    """Groups and changes, the largest first."""
+    largest = sorted(changes.items(), key=lambda item: -item[1][0])
+    return "; ".join(f"**{group}** {text}" for group, (_, text) in largest)
 
 
 def main() -> None:

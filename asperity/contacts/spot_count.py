@@ -40,7 +40,7 @@ def spot_count(decomposition: Decomposition, point: LoadPoint) -> int:
     from ._spot_kernels import spots
 
     fitted = decomposition.plan.parameters.spots
-    pairs, depth = decomposition.coalescence.passes
+    pairs, depth = decomposition.passes
     count = float(
         spots(pairs, 2.0 * fitted.joined * depth, *_each(decomposition.summits, point.state))
     )

@@ -17,7 +17,6 @@ from surfaces.heightmap import HeightMap
 from surfaces.peaks.segmentation import segment
 from surfaces.peaks.summits import locate_summits
 
-from .corrections.coalescence import Coalescence
 from .law_factory import LawFactory
 from .load_shares import LoadShares
 from .plan import Plan
@@ -45,8 +44,6 @@ class Decomposition:
         Segmentation and summits; the rays of a summit are sampled when its law is made.
     law_factory
         Makes the laws of the summits.
-    coalescence
-        Areas where contacts have joined their neighbors.
     curvature, angle
         Principal curvatures [1/m], shape (n, 2), and direction of the long axis [rad], (n,), of
         the contacts.
@@ -62,7 +59,6 @@ class Decomposition:
     peaks: Peaks
     summits: Summits
     law_factory: LawFactory
-    coalescence: Coalescence
     curvature: Array
     angle: Array
     table: GrowingTable
@@ -91,7 +87,6 @@ class Decomposition:
             peaks=peaks,
             summits=summits,
             law_factory=factory,
-            coalescence=Coalescence(summits, material, plan.parameters.spots),
             curvature=summits.curvature if shares is None else shares.curvature,
             angle=summits.angle if shares is None else shares.angle,
             table=GrowingTable(len(summits), factory.table),
@@ -113,7 +108,7 @@ class Decomposition:
         return self._population(True)
 
     def _population(self, interaction: bool) -> Population:
-        corrected, switches = self.plan.law == "auto", self.plan.parameters.corrections
+        switches = self.plan.parameters.corrections
         return Population(
             x=self.summits.x,
             y=self.summits.y,
@@ -123,8 +118,6 @@ class Decomposition:
             boundary=self.plan.boundary,
             material=self.material,
             interaction=interaction,
-            leaning=self.law_factory.leaning if corrected else None,
-            joined=self.coalescence.areas if corrected else None,
             deflection=switches.contact_shift,
             curvature=self.curvature if switches.elongation else None,
             angle=self.angle if switches.elongation else None,
@@ -162,6 +155,19 @@ class Decomposition:
     def aspect(self) -> Array:
         """Short over long axis of the contact on each summit, shape (n,)."""
         return aspect_ratio(self.summits.curvature)
+
+    @functools.cached_property
+    def passes(self) -> tuple[Rows, Array]:
+        """Pairs of summits whose basins adjoin, (n, 2), and the mean depth [m] of the pass between
+        them under both, (n,)."""
+        summits = self.summits
+        pairs = summits.single[summits.peaks.neighbors]
+        apart = pairs[:, 0] != pairs[:, 1]
+        pairs = pairs[apart]
+        bend = np.asarray(summits.hm.roughness.curvature) * np.square(summits.hm.spacing)
+        sag = self.plan.parameters.spots.sag * np.sqrt(np.mean(bend**2))
+        depth = summits.height[pairs].mean(axis=1) - summits.peaks.passes[apart]
+        return pairs, np.asarray(depth + sag)
 
     def summit_pixels(self, rows: Rows, hm: HeightMap) -> Rows:
         """Flat index of the pixel of a map, of this size, in which each of some summits lies."""

@@ -30,10 +30,6 @@ Rows = NDArray[np.int64]
 
 TINY = float(np.finfo(float).tiny)
 
-PASSED = 0.2
-"""Depth of a hollow under a contact that leans, over its approach, beyond which it ends there (0.1
-to 0.4 hardly differ; seeds 1, 2, 11 and 12)."""
-
 SHARP = 1.5
 """Ratio of f/r^2 at a tip and at the first node of its rays from which on the rays do not
 resolve it: 12 and 4 of r and r^1.5 on 256 points, at most 2.3 on nine measured and random maps."""
@@ -50,7 +46,7 @@ and half nodes up to which it is."""
 
 
 class LawFactory:
-    """Laws of summits by their rows, and the areas of contacts that lean.
+    """Laws of summits by their rows.
 
     Parameters
     ----------
@@ -133,16 +129,6 @@ class LawFactory:
                 'for the points about it; take law="auto" (--law auto), more points or '
                 "boundary elements"
             )
-
-    def leaning(self, rows: Rows, tilt: Array, approach: Array, force: Array) -> Array:
-        """Areas [m^2] of contacts whose basins are tilted, (k,), as `Population` asks for them."""
-        summits = self.summits.leaning(rows, tilt, PASSED * approach)
-        area = np.zeros(len(rows))
-        alone = np.flatnonzero(summits.valid[rows] & np.isinf(summits.floor[rows]))
-        if alone.size:
-            table = tabulate(summits.rows(rows[alone]), self.material, law="ellipse")
-            area[alone] = table.area_under(force[alone])
-        return area
 
 
 def _doubt_tips(profiles: Profiles, table: LawTable) -> None:

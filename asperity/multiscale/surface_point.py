@@ -101,7 +101,6 @@ def surface_point(
         top = float(population.height[population.falling[0]])
         return SurfacePoint(max(state.separation, highest + state.separation - top), 0.0, 0.0)
     nominal, contacts = population.nominal_area, population.laws.rows(closed)
-    strength = _strength(population, law, closed)
     share = 0.5 * (state.contact_area + area) / nominal
     stiffness, gained = state.normal_stiffness, state.response[closed]
     if not stiffness > 0.0:  # a failed solve, marked as such
@@ -112,7 +111,7 @@ def surface_point(
         here = contacts(np.maximum(state.approach[closed] + step * gained, 0.0))
         kept = here.force > 0
         force, width = here.force[kept], here.area[kept]
-        stored = law.stored(force / width, share, strength[kept])
+        stored = law.stored(force / width, share)
         return float(np.sum(width * stored)), float(force.sum())
 
     (low, less), (middle, load), (high, more) = (energy(step) for step in (-fall, 0.0, fall))
@@ -126,13 +125,12 @@ def surface_point(
 def closed_areas(population: Population, law: SubContactLaw, state: PopulationState) -> Array:
     """Area [m^2] of each contact that the fine waves leave closed, shape (n,)."""
     closed, nominal = np.flatnonzero(state.force > 0), population.nominal_area
-    strength = _strength(population, law, closed)
     area = np.zeros(len(state.force))
     whole = state.area[closed]
     pressure = state.force[closed] / whole
     share = state.contact_area / nominal
     for _ in range(2):
-        area[closed] = whole * law.remaining(pressure, share, whole, strength)
+        area[closed] = whole * law.remaining(pressure, share, whole)
         share = 0.5 * (state.contact_area + float(area.sum())) / nominal
     return area
 
@@ -149,11 +147,3 @@ def scaled_to(total: float, area: Array, whole: Array) -> Array:
     if total >= most:
         return np.asarray(whole * (total / most))
     return np.asarray(whole - (whole - area) * ((most - total) / (most - closed)))
-
-
-def _strength(population: Population, law: SubContactLaw, rows: NDArray[np.int64]) -> Array:
-    """Strength of the fine waves under contacts."""
-    ly, lx = population.cell
-    return law.strength.at(
-        population.y[rows] / ly, population.x[rows] / lx, population.height[rows]
-    )

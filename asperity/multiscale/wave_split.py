@@ -19,7 +19,7 @@ from asperity.interaction.footprint import Footprints
 from asperity.parameters import DEFAULTS, Parameters
 from surfaces.heightmap import HeightMap
 
-from .pixel_waves import Strength, fineness, strength
+from .pixel_waves import fineness, random_waves
 from .spectrum_shells import Shells
 from .sub_contact_law import SubContactLaw
 
@@ -66,7 +66,7 @@ class Split:
         """A split with more waves kept for contacts; itself if hardly more can be, None if hardly
         any would be left for the law."""
         shells, last, parameters = self.shells, self._next, self.parameters
-        fine = _law(shells, last, material, self.fine.strength, parameters)
+        fine = _law(shells, last, material, parameters)
         if fine is None:
             return None
         if self.last > parameters.refinement.shorter * last:
@@ -104,12 +104,8 @@ def split_scales(
     -----
     Waves are added from the longest on until the breadth m0 m4 / m2^2 of the spectrum (Nayak's
     parameter) reaches `breadth`, `fewest_waves` along the side of the map at least, and none
-    shorter than `unresolved_pixels` (`parameters.WaveSplit`). With lay the order and the breadth
-    are those of the map stretched halfway, in ratio, to the same slope in all directions: waves
-    short enough along the ridges are kept to part them, as contacts of whole ridges carry too much.
-    The law holds for random waves, whose strength may vary as a border fades or with the height
-    (`pixel_waves.strength`). A map that is not periodic is taken with its mirror images, in which
-    lay would be lost.
+    shorter than `unresolved_pixels` (`parameters.WaveSplit`). The law holds for random waves
+    without lay. A map that is not periodic is taken with its mirror images.
     """
     bounds, near_pixel = parameters.wave_split, parameters.pixel_waves
     if abs(material.m) > bounds.grading:
@@ -117,32 +113,20 @@ def split_scales(
     broad = bounds.worth * bounds.breadth
     if fineness(hm) < near_pixel.to_the_pixel and _breadth(hm) < SURELY * broad:
         return NARROW
-    strong = strength(hm, near_pixel)
-    if strong is None:
+    if not random_waves(hm, near_pixel):
         return "scales: all, the finest waves are not random, so that no law holds for all of them"
+    if _lay(hm) > bounds.lay:
+        return "scales: all, the waves have a lay, for which there is no law"
     shells = Shells.of(hm, material.m)
-    lay = _lay(shells.sums[-1])
-    if not hm.periodic and max(lay, _diagonal(hm)) > bounds.lay:
-        return "scales: all, there is a law of fine waves with lay for periodic maps only"
-    aside, square = abs(shells.sums[-1, 5]), shells.sums[-1, 3]
-    straight = aside < bounds.turned * lay * square and fineness(hm) >= bounds.fine_lay
-    if lay > bounds.longest_lay[int(straight)]:
-        return "scales: all, the waves have nearly one direction, for which there is no law"
-    if lay > bounds.lay:
-        shells = shells.stretched(_halfway(shells.sums[-1]), material.m)
     m0, m2, m4 = shells.sums[:, :3].T
     breadth = np.divide(1.5 * m0 * m4, m2**2, out=np.zeros(m2.size), where=m2 > 0.0)
     last = int(np.argmax(breadth > bounds.breadth))  # 0 if it never is
-    most = 2.0 * np.pi / (bounds.unresolved_pixels * np.max(shells.reach * hm.spacing))
+    most = 2.0 * np.pi / (bounds.unresolved_pixels * max(hm.spacing))
     finest = min(int(most / shells.width + 1e-6), m2.size - 1)  # whole numbers but for rounding
-    steep = shells.sums[:, 3]
-    if steep[finest] > (1.0 - bounds.unresolved_slope) * steep[-1] and breadth[-1] < broad:
-        return NARROW
-    odd = strong.worn[0].size or lay > bounds.longest_lay[0]
-    if odd and breadth[-1] < bounds.surely_worth * bounds.breadth:
+    if m2[finest] > (1.0 - bounds.unresolved_slope) * m2[-1] and breadth[-1] < broad:
         return NARROW
     last = min(max(last or finest, _shell(bounds.fewest_waves, hm)), finest)
-    fine = _law(shells, last, material, strong, parameters)
+    fine = _law(shells, last, material, parameters)
     if fine is None:
         return "scales: all, the map has too few waves to take the finest out"
     coarse = shells.map(last, bounds.points)
@@ -158,23 +142,21 @@ def _shell(waves: float, hm: HeightMap) -> int:
 
 
 def _law(
-    shells: Shells, last: int, material: HalfSpace, strong: Strength, parameters: Parameters
+    shells: Shells, last: int, material: HalfSpace, parameters: Parameters
 ) -> SubContactLaw | None:
     """Law of the waves beyond the shell `last`; None where these are hardly any."""
     sums = shells.sums
-    if sums[last, 3] > (1.0 - parameters.wave_split.least_slope) * sums[-1, 3]:
+    if sums[last, 1] > (1.0 - parameters.wave_split.least_slope) * sums[-1, 1]:
         return None
     lost = sums[-1] - sums[last]
     stiffness = 1.0 / Footprints(material.modulus, material.m).symbol
     return SubContactLaw(
         shortest=2.0 * np.pi / (shells.width * last),
-        ratio=float(lost[7] / sums[last, 7]),
-        variance=float(stiffness**2 * lost[7]),
-        energy=float(0.5 * stiffness * lost[6]),
-        number=float((lost[7] / lost[6]) ** (1.0 / (1.0 - material.m))),
+        ratio=float(lost[4] / sums[last, 4]),
+        variance=float(stiffness**2 * lost[4]),
+        energy=float(0.5 * stiffness * lost[3]),
+        number=float((lost[4] / lost[3]) ** (1.0 / (1.0 - material.m))),
         m=material.m,
-        evenness=float(np.sqrt(1.0 - _lay(lost) ** 2)),
-        strength=strong,
         fitted=parameters.sub_contact,
     )
 
@@ -189,24 +171,12 @@ def _breadth(hm: HeightMap) -> float:
     return float(hm.roughness.rms_height**2 * bend / slope**2)
 
 
-def _diagonal(hm: HeightMap) -> float:
-    """2 <hx hy> / <hx^2 + hy^2> of a map, from some of its rows."""
+def _lay(hm: HeightMap) -> float:
+    """(s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes of a map, from some of its rows."""
     rows = np.arange(0, hm.shape[0] - 1, max(1, hm.shape[0] // 256))
     low, high = hm.heights[rows], hm.heights[rows + 1]
     along = np.diff(low, axis=1) + np.diff(high, axis=1)
     across = (high - low)[:, 1:] + (high - low)[:, :-1]
     y, x = across / hm.spacing[0], along / hm.spacing[1]
-    return float(2.0 * abs(np.mean(y * x)) / np.mean(y * y + x * x))
-
-
-def _lay(sums: Array) -> float:
-    """(s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes."""
-    return float(np.hypot(sums[4], sums[5]) / sums[3])
-
-
-def _halfway(sums: Array) -> Array:
-    """Symmetric map of (qy, qx), of determinant 1, that brings the ratio of the principal slopes to
-    its root."""
-    square, aside, cross = sums[3:6]
-    values, axes = np.linalg.eigh([[square - aside, cross], [cross, square + aside]])
-    return np.asarray(axes * (np.sqrt(np.prod(values)) / values) ** 0.25 @ axes.T)
+    yy, xx, xy = np.mean(y * y), np.mean(x * x), np.mean(y * x)
+    return float(np.hypot(xx - yy, 2.0 * xy) / (xx + yy))
