@@ -24,9 +24,8 @@ from scipy.ndimage import label
 
 import surfaces
 from asperity import HalfSpace, indent
-from asperity.bem.single import BemIndentation
+from asperity.bem.single import BemIndentation, indent_bem
 from asperity.errors import AsperityError
-from asperity.indentation_bem import indent_bem
 from asperity.microcontact.hertz import elliptic_contact
 from surfaces import PolynomialProfile, shapes
 

@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.halfspace.boundary import Boundary
+from surfaces.patches import label_patches
 
 from .certificate import Certificate
-from .contact_map import contours, histogram, label_patches, read_contact
+from .contact_map import contours, histogram, read_contact
 
 __all__ = ["BemSolution"]
 

@@ -21,7 +21,7 @@ from asperity.results.tables import structured
 from surfaces.heightmap import HeightMap
 
 from .coarse_bem import LOOSE_TOLERANCE, coarse_grids, coarse_run, rms
-from .result import Comparison
+from .result import PARETO_TYPE, Comparison
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -32,19 +32,6 @@ MAP_AREA_FRACTION = 0.03
 """Contact area fraction near which the contact maps are taken."""
 
 ERRORS = ("load_error", "area_error", "separation_error")
-
-PARETO_TYPE = np.dtype(
-    [
-        ("model", "U16"),
-        ("ny", np.int64),
-        ("nx", np.int64),
-        ("tolerance", np.float64),
-        ("seconds", np.float64),
-        ("load_error", np.float64),
-        ("area_error", np.float64),
-        ("separation_error", np.float64),
-    ]
-)
 
 
 def compare(

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.bem.contact_map import label_patches
 from asperity.results.tables import structured
+from surfaces.patches import label_patches
 
 from .fields import pressed_pixels
 

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import InputError
-from asperity.results.curve import SLACK, ContactCurve, require_curve
+from asperity.results.curve import ContactCurve, require_curve
+from asperity.results.read_off import SLACK
 
 __all__ = ["FrictionCurve", "friction_curve"]
 

@@ -11,7 +11,7 @@ from asperity.halfspace.flags import Flag
 from asperity.interaction.elongation import ASPECT_EXPONENT
 from asperity.microcontact.basin_bem.press import press
 from asperity.parameters import DEFAULTS, Parameters
-from surfaces.peaks._climb import PLATEAU, RIM
+from surfaces.peaks.summit_arrays import PLATEAU, RIM
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace

@@ -11,12 +11,12 @@ from surfaces.numerics.compiled import compiled, inner
 from surfaces.numerics.splines import PAD, expand
 
 from ._prefetch import prefetch_block
+from .summit_arrays import PLATEAU, RIM, SUMMIT
 
 FLATTEST = 1e-3  # least ratio of the principal curvatures
 _LOCAL = 1e-4  # largest misfit of the local quartic, relative to the range of its points
 
 _AHEAD = 8  # summits
-SUMMIT, PLATEAU, RIM = 0, -1, -2
 
 
 def _quartic_rows() -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -9,13 +9,24 @@ from numpy.typing import NDArray
 
 from surfaces.polar import PolarProfile
 
-from ._fans import aspect_of
-
-__all__ = ["Profiles"]
+__all__ = ["Profiles", "ray_aspect"]
 
 _PER_RAY, _ANGLES = 48, 256  # radii on the shortest ray, and directions, of a single profile
+_NARROWEST = np.sqrt(1.0 / 8.0)  # least aspect of the ellipse on which the rays are spread
 
 Array = NDArray[np.float64]
+
+
+def ray_aspect(curvature: Array) -> Array:
+    """Aspect of the ellipses on which the rays are spread: the root of that of the contact.
+
+    Parameters
+    ----------
+    curvature
+        Principal curvatures k1 >= k2 [1/m], shape (..., 2).
+    """
+    ratio = curvature[..., 1] / curvature[..., 0]
+    return np.maximum(ratio ** (1.0 / 3.0), _NARROWEST)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +112,7 @@ class Profiles:
         from scipy.interpolate import CubicSpline
 
         rays = self.phi.shape[1]
-        aspect = float(aspect_of(self.curvature[i]))
+        aspect = float(ray_aspect(self.curvature[i]))
         node = 2 * np.pi * np.arange(rays) / rays
         phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
         turn = phi - self.angle[i]

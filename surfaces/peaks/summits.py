@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from ._fans import PART, Fans
 from .flat_tops import flat_tops
 from .peaks import Peaks
 from .profiles import Profiles
+from .summit_arrays import PLATEAU, RIM, SUMMIT, SummitArrays
 
 __all__ = ["Summits", "fit_profiles", "locate_summits"]
 
@@ -28,36 +29,11 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Summits:
-    """Summits of n peaks, one row of every array per peak; their rays are sampled by `rows`.
+class Summits(SummitArrays):
+    """Summits of n peaks; the rays of those that are asked for are sampled by `rows`.
 
-    The arrays are those of `Profiles` that need no rays. At light loads most peaks never touch,
-    and their rays would cost more than all the rest. Beside them stands what rays are made of: the
-    peaks, the map, the coefficients of its spline, the summits [pixels] and how they were found.
-    Summits that were joined are one, whose basin hangs together above the height `floor` [m];
-    `single` are the owners before. The rays of each end where f has fallen by `dip` [m].
+    At light loads most peaks never touch, and their rays would cost more than all the rest.
     """
-
-    x: Array
-    y: Array
-    height: Array
-    curvature: Array
-    angle: Array
-    pixels: NDArray[np.int64]
-    border: NDArray[np.bool_]
-    valid: NDArray[np.bool_]
-    owner: NDArray[np.int64]
-    peaks: Peaks = field(repr=False)
-    hm: HeightMap = field(repr=False)
-    spline: Array = field(repr=False)
-    places: Array = field(repr=False)
-    kinds: NDArray[np.int64] = field(repr=False)
-    floor: Array = field(repr=False)
-    dip: Array = field(repr=False)
-    single: NDArray[np.int64] = field(repr=False)
-
-    def __len__(self) -> int:
-        return int(self.x.size)
 
     def joined(self, pairs: NDArray[np.int64], floors: Array) -> Summits:
         """The same where the basins of each pair, (k, 2), are one of the higher summit.
@@ -144,11 +120,11 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
     )  # fmt: skip
     dip = np.full(n, peaks.min_prominence)
     flat, middle = flat_tops(hm, peaks)
-    flat, middle = (array[kinds[flat] != _climb.RIM] for array in (flat, middle))
+    flat, middle = (array[kinds[flat] != RIM] for array in (flat, middle))
     if flat.size:
         row, col = peaks.row.copy(), peaks.col.copy()
         row[flat], col[flat] = middle.T
-        places[flat], kinds[flat] = middle, _climb.PLATEAU
+        places[flat], kinds[flat] = middle, PLATEAU
         peaks = replace(peaks, row=row, col=col)
     dip[flat] = np.maximum(dip[flat], _RING * depth[flat])
     owner = _owners(hm, peaks, places, kinds)
@@ -228,8 +204,8 @@ def _owners(
     if hm.periodic:
         pixel %= hm.shape
     at = peaks.labels[pixel[:, 0], pixel[:, 1]] if n else rank
-    shared = (kinds == _climb.SUMMIT) & (at >= 0) & (at != rank)
-    shared[shared] &= kinds[at[shared]] == _climb.SUMMIT
+    shared = (kinds == SUMMIT) & (at >= 0) & (at != rank)
+    shared[shared] &= kinds[at[shared]] == SUMMIT
     away = places[shared] - places[at[shared]]
     if hm.periodic:
         away -= np.array(hm.shape) * np.round(away / hm.shape)

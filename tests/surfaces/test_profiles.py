@@ -287,3 +287,15 @@ def test_refusals():
         surfaces.fit_profiles(flat, surfaces.segment(flat))
     with pytest.raises(surfaces.SurfaceError, match="segment this map first"):
         surfaces.fit_profiles(rough((64, 80)), peaks)
+
+
+def test_a_tilted_ridge_that_runs_round_the_cell_ends():
+    """Uphill along it leads round for ever: no summit is found there."""
+    y, x = np.mgrid[:32, :32]
+    for heights in ((x % 16) * 1e-8, (y % 16) * 1e-8):
+        hm = surfaces.HeightMap(heights, 1e-6, periodic=True)
+        summits = locate_summits(hm, surfaces.segment(hm))
+        index = np.arange(len(summits))
+        tilt = np.full((index.size, 2), 1e-3)
+        tilted = summits.leaning(index, tilt, np.zeros(index.size))
+        assert len(tilted) == index.size and not tilted.valid.any()

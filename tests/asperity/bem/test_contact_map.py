@@ -8,6 +8,7 @@ import pytest
 from asperity import HalfSpace, bem_solve
 from asperity.bem import contact_map
 from surfaces import HeightMap
+from surfaces.patches import label_patches
 
 
 def labels_by_hand(contact, periodic):
@@ -55,7 +56,7 @@ def read(contact, spacing, periodic):
 def test_patches_match_a_flood_fill(periodic, filling):
     """Same partition, labels without gaps in order of first pixel."""
     contact = np.random.default_rng(5).random((23, 31)) < filling
-    labels, count = contact_map.label_patches(contact, periodic=periodic)
+    labels, count = label_patches(contact, periodic=periodic)
     expected, number = labels_by_hand(contact, periodic)
     assert count == number == labels.max()
     raw, corrected, patches = read(contact, (0.5, 2.0), periodic)

@@ -9,13 +9,13 @@ import pytest
 
 import asperity
 import surfaces
-from asperity.bem.contact_map import label_patches
 from asperity.contacts.fields import pressed_pixels
 from asperity.contacts.table import ellipses
 from asperity.curve import ContactRun, solve_contacts
 from asperity.halfspace.load_points import pressure_scale
 from asperity.model.plan import make_plan
 from surfaces import HeightMap, self_affine
+from surfaces.patches import label_patches
 
 STEEL = asperity.HalfSpace.from_modulus(2e11)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +11,6 @@ from numpy.typing import NDArray
 from surfaces.numerics import parallel
 
 from . import _roughness_kernels as kernels
-
-if TYPE_CHECKING:
-    from surfaces.heightmap import HeightMap
 
 __all__ = ["Roughness", "roughness"]
 
@@ -72,15 +68,25 @@ class Roughness:
         return self.rms_slope / bend if bend > 0.0 else math.inf
 
 
-def roughness(hm: HeightMap) -> Roughness:
-    """The means of a map; `HeightMap.roughness` keeps them.
+def roughness(
+    heights: NDArray[np.float64], spacing: tuple[float, float], periodic: bool
+) -> Roughness:
+    """Means over a map; `HeightMap.roughness` keeps them.
+
+    Parameters
+    ----------
+    heights
+        Heights [m], shape (ny, nx); NaN where missing.
+    spacing
+        Pixel size (dy, dx) [m].
+    periodic
+        Whether the map continues across its border as if repeated.
 
     Notes
     -----
     Differences do not cross the border, but for those of the kurtosis. Heights are summed relative
     to the first one present.
     """
-    heights = hm.heights
     ny, nx = heights.shape
     bands = min(BANDS, ny)
     bounds = ny * np.arange(bands + 1) // bands
@@ -95,9 +101,9 @@ def roughness(hm: HeightMap) -> Roughness:
 
     total = np.sum(parallel.run(part, parallel.lines(bands, heights.size)), axis=0)
     number, first, second = total[0], total[1], total[2]
-    seam = total[13:] if hm.periodic else np.zeros(6)
+    seam = total[13:] if periodic else np.zeros(6)
     mean = first / number
-    dy, dx = hm.spacing
+    dy, dx = spacing
     rms = [
         math.sqrt(total[k + 1] / total[k]) / scale if total[k] else 0.0
         for k, scale in ((3, dy), (8, dx), (5, dy * dy), (10, dx * dx))

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import SurfaceError
+from surfaces.errors import SurfaceError
 
 if TYPE_CHECKING:
-    from surfaces.statistics.roughness import Roughness
+    from .roughness import Roughness
 
-__all__ = ["HeightMap", "checked_spacing", "require_map"]
+__all__ = ["LONGEST", "SHORTEST", "HeightMap", "checked_spacing", "require_map"]
 
 SHORTEST, LONGEST = 1e-40, 1e40
 """Lengths [m] between which the fourth power of every slope is a floating-point number."""
@@ -114,23 +114,23 @@ class HeightMap:
     @functools.cached_property
     def roughness(self) -> Roughness:
         """Means over the map: height, slope, curvature by finite differences, found in one pass."""
-        from surfaces.statistics.roughness import roughness
+        from .roughness import roughness
 
-        return roughness(self)
+        return roughness(self.heights, self.spacing, self.periodic)
 
     @functools.cached_property
     def line_power(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Power of the waves along y and x, see `coarsening.line_power`."""
-        from surfaces.preparation.coarsening import line_power
+        """Mean squares [m^2] of the waves along y and x, see `line_samples.line_power`."""
+        from .line_samples import line_power
 
-        return line_power(self)
+        return line_power(self.heights, self.periodic)
 
     @functools.cached_property
     def repeats(self) -> bool:
-        """Whether neighbors have the same height, see `flat_tops.has_level_places`."""
-        from surfaces.peaks.flat_tops import has_level_places
+        """Whether neighbors have the same height, as far as some lines tell."""
+        from .line_samples import has_repeated_heights
 
-        return has_level_places(self.heights)
+        return has_repeated_heights(self.heights)
 
     @functools.cached_property
     def digest(self) -> str:
