@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import asperity
-from asperity.multiscale.sub_contact_law import FineScales
+from asperity.multiscale.sub_contact_law import SubContactLaw
 from surfaces import HeightMap, self_affine
 
 STEEL = asperity.HalfSpace.from_modulus(2e11)
-FINE = FineScales(shortest=1e-6, ratio=1.0, variance=4e18, energy=3e2, number=6e6)
+FINE = SubContactLaw(shortest=1e-6, ratio=1.0, variance=4e18, energy=3e2, number=6e6)
 
 
 def broad(shape=(240, 288), seed=3, **more) -> HeightMap:

@@ -122,7 +122,7 @@ def compare(
         boundary=plan.boundary,
     )
     maps = {"bem": solution.contact, "asperity": np.zeros_like(solution.contact)}
-    contacts = microcontacts(run.bodies, run.states[point])[:0]
+    contacts = microcontacts(run.decomposition, run.points[point])[:0]
     overlap = np.nan
     if run.curve.converged[point]:
         maps["asperity"], contacts = run.contact_map(point), run.microcontacts(point)

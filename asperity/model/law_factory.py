@@ -21,18 +21,14 @@ if TYPE_CHECKING:
     from surfaces.peaks.profiles import Profiles
     from surfaces.peaks.summits import Summits
 
-    from .load_shares import Ranking
+    from .load_shares import LoadShares
 
-__all__ = ["SummitLaws"]
+__all__ = ["LawFactory"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 TINY = float(np.finfo(float).tiny)
-
-PASSED = 0.2
-"""Depth of a hollow under a contact that leans, over its approach, beyond which it ends there (0.1
-to 0.4 hardly differ; seeds 1, 2, 11 and 12)."""
 
 SHARP = 1.5
 """Ratio of f/r^2 at a tip and at the first node of its rays from which on the rays do not
@@ -49,16 +45,16 @@ STEP, NEAR = 1.5, 12
 and half nodes up to which it is."""
 
 
-class SummitLaws:
-    """Laws of summits by their rows, and the areas of contacts that lean.
+class LawFactory:
+    """Laws of summits by their rows.
 
     Parameters
     ----------
     hm
         The whole map, whose digest is made meanwhile.
     summits
-        Summits of the map that is solved, as `ranking` has them where there is one.
-    ranking
+        Summits of the map that is solved, as `load_shares` has them where there is one.
+    load_shares
         What tells the dominant contacts, which are pressed alone; None: the law alone counts.
     material
         Half-space.
@@ -77,12 +73,12 @@ class SummitLaws:
         self,
         hm: HeightMap,
         summits: Summits,
-        ranking: Ranking | None,
+        load_shares: LoadShares | None,
         material: HalfSpace,
         law: str,
         seconds: dict[str, float],
     ) -> None:
-        self.hm, self.summits, self.ranking = hm, summits, ranking
+        self.hm, self.summits, self.load_shares = hm, summits, load_shares
         self.material, self.law, self.seconds = material, law, seconds
         self.without: set[int] = set()
 
@@ -95,8 +91,8 @@ class SummitLaws:
         self._require_top(rows, table)
         _doubt_tips(sampled, table)
         self._doubt_rays(rows, sampled, table)
-        if self.ranking is not None:
-            chosen = self.ranking.dominant(rows, table)
+        if self.load_shares is not None:
+            chosen = self.load_shares.dominant(rows, table)
             put(table, chosen, self.summits, rows[chosen], self.material)
         self.seconds["profiles"] += between - begun
         self.seconds["laws"] += time.perf_counter() - between
@@ -133,16 +129,6 @@ class SummitLaws:
                 'for the points about it; take law="auto" (--law auto), more points or '
                 "boundary elements"
             )
-
-    def leaning(self, rows: Rows, tilt: Array, approach: Array, force: Array) -> Array:
-        """Areas [m^2] of contacts whose basins are tilted, (k,), as `Population` asks for them."""
-        summits = self.summits.leaning(rows, tilt, PASSED * approach)
-        area = np.zeros(len(rows))
-        alone = np.flatnonzero(summits.valid[rows] & np.isinf(summits.floor[rows]))
-        if alone.size:
-            table = tabulate(summits.rows(rows[alone]), self.material, law="ellipse")
-            area[alone] = table.area_under(force[alone])
-        return area
 
 
 def _doubt_tips(profiles: Profiles, table: LawTable) -> None:

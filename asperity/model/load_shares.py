@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from asperity.halfspace.flags import Flag
 from asperity.interaction.elongation import ASPECT_EXPONENT
 from asperity.microcontact.basin_bem.press import press
+from asperity.parameters import DEFAULTS, Parameters
 from surfaces.peaks.summit_arrays import PLATEAU, RIM
 
 if TYPE_CHECKING:
@@ -17,35 +18,13 @@ if TYPE_CHECKING:
     from asperity.microcontact.law_table import LawTable
     from surfaces.peaks.summits import Summits
 
-__all__ = ["Ranking"]
+__all__ = ["LoadShares"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-SHARE = 0.03
-"""Share of the load, beyond its expansion, from which on the contact on a ridge is dominant."""
-
-SHARE_OF_NONE = 0.003
-"""The same of a peak without a summit of its own between the pixels, of which no law holds."""
-
-SHARE_OF_ROUND = 0.1
-"""The same of a smooth, round summit, whose law is nearer."""
-
-RIDGE = 5.0
-"""Ratio of its curvatures up to which a summit is round."""
-
 EARLY = 5
 """Node to which the expansion of a smooth summit holds at least."""
-
-JOINED = 1.6
-"""Approach over the depth of the pass at which two contacts have joined
-(docs/development/errors.md)."""
-
-SHARE_OF_PAIR = 0.2
-"""Share of the load from which on two contacts that join are pressed as one."""
-
-SLACK = 0.1
-"""Part of the approach under the pass between them where the basins of both still hang together."""
 
 LATER = np.array([0, 1, 3, 6])
 """Nodes of a table beyond the expansion at which the share is looked at."""
@@ -54,13 +33,15 @@ MOST = 200
 """Summits above the flat at which no contact is looked at any more."""
 
 
-class Ranking:
+class LoadShares:
     """Summits in the order in which a flat meets them, with the loads that they then carry.
 
     Parameters
     ----------
     summits
         Summits of a map.
+    parameters
+        Constants of the model.
 
     Attributes
     ----------
@@ -81,7 +62,8 @@ class Ranking:
     curve has no steps where contacts enter or leave it.
     """
 
-    def __init__(self, summits: Summits) -> None:
+    def __init__(self, summits: Summits, parameters: Parameters = DEFAULTS) -> None:
+        self.parameters = parameters
         usable = np.flatnonzero(summits.valid & (summits.kinds != RIM))
         order = usable[np.argsort(-summits.height[usable], kind="stable")]
         self._usable = np.zeros(len(summits), bool)
@@ -92,28 +74,28 @@ class Ranking:
         self._weight = _weight(summits)
         self._first = self._weight[order[:MOST]]
         steep, shallow = summits.curvature.T
-        self._ridge = steep > RIDGE * shallow
+        self._ridge = steep > parameters.pressed_basins.ridge * shallow
         self.summits = summits
         self.curvature, self.angle = summits.curvature, summits.angle
 
     def joining(self) -> tuple[Rows, Array, Array]:
         """Pairs of summits, (k, 2), that join while they carry much of the load; the approaches [m]
         of both, (k, 2), and how far down [m] their basins hang together, (k,)."""
-        summits = self.summits
+        summits, bounds = self.summits, self.parameters.pressed_basins
         pairs = summits.owner[summits.peaks.neighbors]
         top, low = summits.height[pairs], summits.peaks.passes
-        flat = low - (JOINED - 1.0) * (top.mean(axis=1) - low)
+        flat = low - (self.parameters.spots.joined - 1.0) * (top.mean(axis=1) - low)
         some = self._usable[pairs].all(axis=1) & (pairs[:, 0] != pairs[:, 1])
         some &= (flat > self._lowest) & (flat < top.min(axis=1))
         pairs, low, approach = pairs[some], low[some], (top - flat[:, None])[some]
         over = np.maximum(self._height - flat[some, None], 0.0)
         own = np.sum(self._weight[pairs] * approach**1.5, axis=1)
-        some = own > SHARE_OF_PAIR * ((over * np.sqrt(over)) @ self._first)
+        some = own > bounds.pair_share * ((over * np.sqrt(over)) @ self._first)
         pairs, approach, low = pairs[some], approach[some], low[some]
-        return pairs, approach, low - SLACK * approach.mean(axis=1)
+        return pairs, approach, low - bounds.slack * approach.mean(axis=1)
 
-    def joined(self, material: HalfSpace) -> Ranking:
-        """The same where those whose contacts join while they carry much of the load are one.
+    def joined(self, material: HalfSpace) -> LoadShares:
+        """The shares where those whose contacts join while they carry much of the load are one.
 
         Those that cannot be pressed as one, as they reach too far, stay apart.
         """
@@ -129,12 +111,15 @@ class Ranking:
         pressed = found[:, 0] > 0.0
         if not pressed.all():
             one = self.summits.joined(pairs[pressed[slot]], low[pressed[slot]])
-        ranking = Ranking(one)
-        ranking.curvature, ranking.angle = _formed(one, roots[pressed], found[pressed, 4:].T)
-        return ranking
+        load_shares = LoadShares(one, self.parameters)
+        load_shares.curvature, load_shares.angle = _formed(
+            one, roots[pressed], found[pressed, 4:].T
+        )
+        return load_shares
 
     def dominant(self, rows: Rows, table: LawTable) -> Rows:
         """Slots of a law table of the summits `rows` whose law has to be exact: joined ones too."""
+        bounds = self.parameters.pressed_basins
         beyond = (table.flags & Flag.BEYOND_RADIUS) > 0
         slots = np.flatnonzero(beyond.any(axis=1) & (table.reach > 0) & self._usable[rows])
         first = beyond[slots].argmax(axis=1)
@@ -150,7 +135,8 @@ class Ranking:
         seen = flat > self._lowest
         none = self.summits.kinds[rows[slots], None] == PLATEAU
         rough = self._ridge[rows[slots]] | (first <= EARLY)
-        share = np.where(none, SHARE_OF_NONE, np.where(rough, SHARE, SHARE_OF_ROUND)[:, None])
+        share = np.where(rough, bounds.ridge_share, bounds.round_share)[:, None]
+        share = np.where(none, bounds.plateau_share, share)
         chosen = np.isfinite(self.summits.floor[rows]) & (table.reach > 0)
         chosen[slots[(seen & (own > share * total)).any(axis=1)]] = True
         return np.flatnonzero(chosen)

@@ -5,44 +5,32 @@ from __future__ import annotations
 import numpy as np
 
 from asperity.multiscale.pixel_waves import resolution_warning
+from asperity.parameters import DEFAULTS, MapChecks
 from surfaces.heightmap import HeightMap
 from surfaces.statistics.describe import unit_warning
 
-__all__ = ["LONGEST_LAY", "lay", "map_warnings"]
-
-SPIKE = 3.0
-"""Height of a point above all its neighbours, in rms heights, from which on it is called a spike:
-noise reaches 2.5, a map to the pixel 1."""
-
-LONG_LAY, LONGEST_LAY = 7.0, 10.0
-"""Slopes across over those along a lay from which on ridges are warned of, and from which on no
-errors are estimated: the longest that the estimate was fitted on is 9. Of ground and turned maps
-and lays of 10:1 and 20:1 (seeds 1 and 2) the area came out up to 60 % too small, the load of turned
-ones to four times too large."""
-
-STRAIGHT = 0.4
-"""Share of the highest points in line with both neighbours from which on heights seem clipped: 0.6
-to 1 of plateaus, levelled or not, and of ridges; 0.2 of steps of a thirtieth of the rms height and
-of the coarsest of eight measured maps."""
+__all__ = ["lay", "map_warnings"]
 
 HIGHEST, LINES = 0.02, 16
 """Share of the points that count as the highest, and rows and columns on which they are sought."""
 
 
-def map_warnings(hm: HeightMap) -> list[str]:
+def map_warnings(hm: HeightMap, checks: MapChecks = DEFAULTS.map_checks) -> list[str]:
     """One sentence for each reason to doubt what any model makes of a map.
 
     Parameters
     ----------
     hm
         Height map without missing points.
+    checks
+        What is warned of.
     """
     return [
         *unit_warning(hm.roughness.rms_slope),
         *resolution_warning(hm),
-        *_spike_warning(hm),
-        *_straight_warning(hm),
-        *_lay_warning(lay(hm)),
+        *_spike_warning(hm, checks.spike),
+        *_straight_warning(hm, checks.straight_share),
+        *_lay_warning(lay(hm), checks),
     ]
 
 
@@ -57,7 +45,7 @@ def lay(hm: HeightMap) -> float:
     return float(np.sqrt((middle + apart) / (middle - apart))) if middle > apart else np.inf
 
 
-def _spike_warning(hm: HeightMap) -> list[str]:
+def _spike_warning(hm: HeightMap, least: float) -> list[str]:
     heights, rms = hm.heights, hm.roughness.rms_height
     band, col = np.unravel_index(int(np.argmax(hm.roughness.tops)), hm.roughness.tops.shape)
     row = hm.roughness.rows[band, col]
@@ -68,7 +56,7 @@ def _spike_warning(hm: HeightMap) -> list[str]:
     )
     second, first = np.partition(heights[np.ix_(*places)], -2, axis=None)[-2:]
     above = float(first - second)
-    if not above > SPIKE * rms:
+    if not above > least * rms:
         return []
     return [
         f"the highest point stands {above / rms:.0f} rms heights above its neighbors and holds up "
@@ -76,7 +64,7 @@ def _spike_warning(hm: HeightMap) -> list[str]:
     ]
 
 
-def _straight_warning(hm: HeightMap) -> list[str]:
+def _straight_warning(hm: HeightMap, least: float) -> list[str]:
     heights, rounding = hm.heights, 8.0 * np.finfo(float).eps
     largest = max(abs(hm.roughness.highest), abs(hm.roughness.lowest))
     step = -(-len(heights) // LINES)
@@ -87,7 +75,7 @@ def _straight_warning(hm: HeightMap) -> list[str]:
     share = max(
         float(np.mean(np.abs(bend) <= rounding * largest)) for bend in (along, across) if bend.size
     )
-    if share < STRAIGHT:
+    if share < least:
         return []
     return [
         f"{100 * share:.0f} % of the highest points lie in line with their neighbors (clipped or "
@@ -96,10 +84,10 @@ def _straight_warning(hm: HeightMap) -> list[str]:
     ]
 
 
-def _lay_warning(ratio: float) -> list[str]:
-    if ratio < LONG_LAY:
+def _lay_warning(ratio: float, checks: MapChecks) -> list[str]:
+    if ratio < checks.long_lay:
         return []
-    estimate = ", and its error is not estimated" if ratio >= LONGEST_LAY else ""
+    estimate = ", and its error is not estimated" if ratio >= checks.longest_lay else ""
     return [
         f"slopes across the lay are {ratio:.0f} times those along it: the microcontact model is "
         f"doubtful on such ridges{estimate}; use boundary elements"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,8 +16,9 @@ import asperity
 import surfaces
 from asperity.curve import solve_contacts
 from asperity.halfspace.load_points import pressure_scale
-from asperity.model.plan import finer_plan, make_plan
-from asperity.multiscale.surface_point import particular, spread_over
+from asperity.model.plan import make_plan, refined_plan
+from asperity.multiscale.surface_point import refinement_weight, scaled_to
+from asperity.parameters import DEFAULTS, Corrections, Segmentation
 from surfaces import HeightMap
 
 
@@ -25,23 +27,21 @@ def one_hill() -> HeightMap:
     return broad(rolloff=None, seed=12)
 
 
-def test_where_few_fine_waves_lie_under_the_contacts_more_of_them_are_contacts(
-    one_hill, monkeypatch
-):
+def test_where_few_fine_waves_lie_under_the_contacts_more_of_them_are_contacts(one_hill):
     """A mean tells little of the few waves that happen to be there."""
     loads = np.array([1.2e-3, 2e-3]) * pressure_scale(one_hill, STEEL)
     refined = surfaces.resample(one_hill, np.asarray(one_hill.spacing) / 2)
     exact = asperity.bem_curve(refined, STEEL, pressures=loads, tolerance=1e-4)
     slope = np.log(loads[1] / loads[0]) / (exact.separation[0] - exact.separation[1])
 
-    def errors():
-        curve = asperity.contact_curve(one_hill, STEEL, pressures=loads)
+    def errors(parameters=DEFAULTS):
+        plan = make_plan(one_hill, STEEL, pressures=loads, parameters=parameters)
+        curve = asperity.contact_curve(one_hill, STEEL, pressures=loads, plan=plan)
         return slope * (curve.separation - exact.separation), curve.error_estimate
 
     found, stated = errors()
     assert (np.abs(found) < np.minimum(stated, 0.03)).all()
-    monkeypatch.setattr("asperity.model.decomposition.particular", lambda *_: 0.0)
-    mean, wider = errors()
+    mean, wider = errors(replace(DEFAULTS, corrections=Corrections(refinement=False)))
     assert np.linalg.norm(found) < 0.5 * np.linalg.norm(mean) and (wider > stated).all()
 
 
@@ -49,66 +49,66 @@ def test_their_table_has_the_area_of_the_curve(one_hill):
     """From one load to the next less and less of the finer contacts counts, at last nothing."""
     loads = np.array([4e-4, 4e-3, 1.2e-2, 6e-2]) * pressure_scale(one_hill, STEEL)
     run = solve_contacts(one_hill, STEEL, pressures=loads)
-    looks = [run.bodies.closer_look(state) for state in run.states]
-    parts = [look.part if look else 0.0 for look in looks]
-    assert parts[0] == 1.0 > parts[1] > parts[2] > parts[3] == 0.0
+    refined = [point.refined for point in run.points]
+    weights = [found.weight if found else 0.0 for found in refined]
+    assert weights[0] == 1.0 > weights[1] > weights[2] > weights[3] == 0.0
     assert (np.diff(run.curve.separation) < 0).all() and (np.diff(run.curve.contact_area) > 0).all()
-    for point, look in enumerate(looks):
+    for point, found in enumerate(refined):
         closed = run.microcontacts(point)["closed_area"]
         assert closed.sum() == pytest.approx(run.curve.contact_area[point], rel=1e-9)
-        if look:
-            assert look.state.mean_pressure == pytest.approx(loads[point], rel=1e-6)
+        if found:
+            assert found.state.mean_pressure == pytest.approx(loads[point], rel=1e-6)
 
 
-def test_where_hardly_more_waves_can_be_kept_there_is_no_closer_look(one_hill):
-    kept = make_plan(one_hill, STEEL).fine.shortest
-    assert finer_plan(make_plan(one_hill, STEEL)).fine.shortest < 0.75 * kept
-    assert finer_plan(make_plan(broad((120, 144), rolloff=None), STEEL)) is None
-    assert finer_plan(make_plan(broad(), STEEL, scales="all")) is None
+def test_where_hardly_more_waves_can_be_kept_there_is_no_refinement(one_hill):
+    kept = make_plan(one_hill, STEEL).sub_contact_law.shortest
+    assert refined_plan(make_plan(one_hill, STEEL)).sub_contact_law.shortest < 0.75 * kept
+    assert refined_plan(make_plan(broad((120, 144), rolloff=None), STEEL)) is None
+    assert refined_plan(make_plan(broad(), STEEL, scales="all")) is None
 
 
-def test_where_many_waves_are_kept_a_closer_look_keeps_a_third_more():
-    """On a map of many hills the fewest waves of a closer look would be hardly more."""
+def test_where_many_waves_are_kept_a_refinement_keeps_a_third_more():
+    """On a map of many hills the fewest waves of a refinement would be hardly more."""
     hm = broad((720, 900), rolloff=9e-5)
     plan = make_plan(hm, STEEL)
-    assert np.sqrt(hm.area) / plan.fine.shortest > 92
-    finer = finer_plan(plan)
-    assert 1.30 < plan.fine.shortest / finer.fine.shortest < 1.37
-    assert finer.above is not None and finer_plan(finer) is None
+    assert np.sqrt(hm.area) / plan.sub_contact_law.shortest > 92
+    finer = refined_plan(plan)
+    assert 1.30 < plan.sub_contact_law.shortest / finer.sub_contact_law.shortest < 1.37
+    assert finer.above is not None and refined_plan(finer) is None
 
 
-def test_a_closer_look_takes_the_whole_map_where_contacts_come_near_its_cut(one_hill, monkeypatch):
+def test_a_refinement_takes_the_whole_map_where_contacts_come_near_its_cut(one_hill):
     load = 1.2e-3 * pressure_scale(one_hill, STEEL)
     whole = asperity.contact_curve(one_hill, STEEL, pressures=load)
-    for name, value in (("_QUICK", 0), ("_SPARE_SHARE", 0.02), ("_DEPTH", 0.0)):
-        monkeypatch.setattr(f"asperity.model.plan.{name}", value)
-    plan = make_plan(one_hill, STEEL)
-    assert finer_plan(plan).above is not None
+    high = Segmentation(refined_whole_points=0, spare_share=0.02, depth=0.0)
+    plan = make_plan(one_hill, STEEL, parameters=replace(DEFAULTS, segmentation=high))
+    assert refined_plan(plan).above is not None
     run = solve_contacts(one_hill, STEEL, plan, pressures=load)
-    assert run.bodies.closer_look(run.states[0]).bodies.plan.above is None
+    assert run.points[0].refined.decomposition.plan.above is None
     assert run.curve.separation == pytest.approx(whole.separation, rel=1e-9)
 
 
-def test_closer_looks_are_kept_with_a_run(one_hill):
-    """Taken anew they would start from other contacts, and differ within the tolerance."""
+def test_refined_states_are_kept_with_a_run(one_hill):
+    """Solved anew they would start from other contacts, and differ within the tolerance."""
     loads = np.array([4e-4, 1.2e-3]) * pressure_scale(one_hill, STEEL)
     run = solve_contacts(one_hill, STEEL, pressures=loads)
     kept = pickle.loads(pickle.dumps(run))
-    for state, again in reversed(list(zip(run.states, kept.states, strict=True))):
-        assert kept.bodies.point(again) == run.bodies.point(state)
+    for point, again in zip(run.points, kept.points, strict=True):
+        assert again.surface == point.surface
+        assert again.refined.state.separation == point.refined.state.separation
 
 
 @settings(deadline=None, derandomize=True, max_examples=20)
 @given(st.lists(st.tuples(st.floats(1e-3, 1.0), st.floats(0.1, 0.9)), min_size=1, max_size=5))
-def test_another_sum_of_closed_areas_is_spread_over_all(contacts):
+def test_another_sum_of_closed_areas_is_scaled_to_all(contacts):
     whole, share = np.array(contacts).T
     area = whole * share
     for total in (0.3 * area.sum(), area.sum(), 0.5 * (area.sum() + whole.sum())):
-        found = spread_over(total, area, whole)
+        found = scaled_to(total, area, whole)
         assert found.sum() == pytest.approx(total)
         assert (found > 0).all() and (found < whole).all()
     for some in (area, whole):  # small contacts are closed as a whole
-        np.testing.assert_allclose(spread_over(2 * whole.sum(), some, whole), 2 * whole)
+        np.testing.assert_allclose(scaled_to(2 * whole.sum(), some, whole), 2 * whole)
 
 
 def test_fine_waves_under_contacts_are_counted():
@@ -116,7 +116,7 @@ def test_fine_waves_under_contacts_are_counted():
 
     def part(force, area):
         state = SimpleNamespace(force=np.array(force), area=np.array(area) * FINE.shortest**2)
-        return particular(FINE, state)
+        return refinement_weight(FINE, state)
 
     assert part([0.0, 0.0], [0.0, 0.0]) == 0.0
     assert part([1.0], [0.5]) == part([1.0, 1.0, 0.0], [0.5, 0.5, 0.0]) == 1.0
