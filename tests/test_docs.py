@@ -15,7 +15,7 @@ from asperity.cli.main import COMMANDS, build_parser, main
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-HEADER = r"asperity (?:" + "|".join(COMMANDS) + r") [^\n#`]+"
+HEADER = r"asperity (?:" + "|".join(COMMANDS) + r")(?: [^\n#`]+|(?=\n))"
 
 
 def _blocks(language: str) -> list[tuple[str, str]]:
