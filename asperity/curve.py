@@ -30,9 +30,9 @@ from asperity.trust.error_estimate import (
     TERMS,
     estimate,
     oddness,
-    weaknesses,
+    terms,
 )
-from asperity.trust.outside_model import LAWLESS, TELLS_NOTHING
+from asperity.trust.outside_model import LAWLESS, TELLS_NOTHING, lawless
 from surfaces.heightmap import HeightMap
 
 from .errors import ConvergenceError, InputError
@@ -295,7 +295,7 @@ def _curve(
         return np.array([getattr(state, name) for state in states])
 
     odd = oddness(hm)
-    weak = [weaknesses(bodies, state, odd) for state in states]
+    weak = [terms(bodies, state, odd) | lawless(bodies, state) for state in states]
     pressure = column("mean_pressure")
     area = np.array([place.contact_area for place in places])
     separation = np.array([place.separation for place in places])

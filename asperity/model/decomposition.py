@@ -5,9 +5,8 @@ from __future__ import annotations
 import copy
 import functools
 import time
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
-from weakref import WeakKeyDictionary
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,13 +14,7 @@ from numpy.typing import NDArray
 from asperity.contacts.table import aspect_ratio
 from asperity.interaction.population import Population, PopulationState
 from asperity.microcontact.lazy_table import GrowingTable
-from asperity.multiscale.surface_point import (
-    FinePoint,
-    closed_area,
-    fine_point,
-    particular,
-    spread_over,
-)
+from asperity.multiscale.surface_point import FinePoint, closed_area, fine_point
 from asperity.trust.outside_model import top_areas
 from surfaces.heightmap import HeightMap
 from surfaces.peaks.segmentation import segment
@@ -29,7 +22,7 @@ from surfaces.peaks.summits import locate_summits
 
 from .law_factory import SummitLaws
 from .load_shares import Ranking
-from .plan import Plan, finer_plan
+from .plan import Plan
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -44,25 +37,6 @@ LONGEST = 1.9
 """Share of the map in discs on the long axes of the contacts beyond which a point is refused. With
 lay of 10:1 (shortest wave 8 pixels) the load is 24 to 32 % too high there, at 9 % of contact, with
 20:1 half as much again at 5 %; 4:1 reaches 1.8 at 27 %, maps without lay 1 (seeds 1, 2, 11)."""
-
-CLOSE_ENOUGH = 4e-3
-"""Bound on the residual of a load on finer contacts, which are few."""
-
-
-class CloserLook(NamedTuple):
-    """A load on the contacts of a surface of which more waves are kept for them.
-
-    Attributes
-    ----------
-    bodies, state
-        The surface taken apart so, and its contacts under the load.
-    part
-        How much they count: 1 where few fine waves lie under the contacts, towards 0 where many do.
-    """
-
-    bodies: Asperities
-    state: PopulationState
-    part: float
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,9 +65,6 @@ class Asperities:
     laws: SummitLaws
     population: Population
     seconds: dict[str, float]
-    _seen: WeakKeyDictionary[PopulationState, tuple[FinePoint, CloserLook | None]] = field(
-        default_factory=WeakKeyDictionary, repr=False
-    )
 
     @classmethod
     def of(cls, hm: HeightMap, material: HalfSpace, plan: Plan) -> Asperities:
@@ -138,13 +109,6 @@ class Asperities:
         )
         return cls(hm, material, plan, peaks, profiles, laws, population, seconds)
 
-    def __getstate__(self) -> dict[str, Any]:
-        """With what was seen of states as pairs, since weak references cannot be kept."""
-        return vars(self) | {"_seen": list(self._seen.items())}
-
-    def __setstate__(self, kept: dict[str, Any]) -> None:
-        vars(self).update(kept, _seen=WeakKeyDictionary(kept["_seen"]))
-
     @property
     def solved(self) -> HeightMap:
         """The map whose summits are the contacts: on fewer points where the plan says so."""
@@ -187,45 +151,10 @@ class Asperities:
 
     def point(self, state: PopulationState) -> FinePoint:
         """Separation, area and stiffness of the whole surface at a state of its contacts."""
-        return self._seen_of(state)[0]
-
-    def _point(self, state: PopulationState) -> FinePoint:
         if self.plan.fine is None:
             return FinePoint.plain(state)
         found = self.hm.roughness
         return fine_point(self.population, self.plan.fine, state, found.highest - found.mean)
-
-    def closer_look(self, state: PopulationState) -> CloserLook | None:
-        """The load of a state on finer contacts; None where fine waves average out under these."""
-        return self._seen_of(state)[1]
-
-    def _seen_of(self, state: PopulationState) -> tuple[FinePoint, CloserLook | None]:
-        if state not in self._seen:
-            place, look = self._point(state), self._look(state)
-            if look is not None:
-                place = place.towards(look.bodies._point(look.state), look.part)
-            self._seen[state] = place, look
-        return self._seen[state]
-
-    def _look(self, state: PopulationState) -> CloserLook | None:
-        part = 0.0 if self.plan.fine is None else particular(self.plan.fine, state)
-        if part == 0.0 or self._finer is None:
-            return None
-        bodies, load = self._finer, state.mean_pressure
-        looks = [look for _, look in self._seen.values() if look and look.bodies is bodies]
-        last = looks[-1].state if looks else None
-        found = bodies.population.solve(mean_pressure=load, state=last, tolerance=CLOSE_ENOUGH)
-        if not bodies.deep_enough(found):  # as for a curve, with the whole map from now on
-            plan = replace(bodies.plan, above=None)
-            vars(self)["_finer"] = Asperities.of(self.hm, self.material, plan)
-            return self._look(state)
-        return CloserLook(bodies, found, part) if found.converged else None
-
-    @functools.cached_property
-    def _finer(self) -> Asperities | None:
-        """The same surface with more of its waves kept for contacts; None if hardly more are."""
-        plan = finer_plan(self.plan)
-        return None if plan is None else Asperities.of(self.hm, self.material, plan)
 
     def refused(self, state: PopulationState, place: FinePoint) -> PopulationState:
         """The state of a point, refused where contacts are so long that they overlap end to end."""
@@ -243,10 +172,7 @@ class Asperities:
         """Area [m^2] that touches within each contact, shape (n,)."""
         if self.plan.fine is None:
             return state.area
-        area = closed_area(self.population, self.plan.fine, state)
-        if self.closer_look(state) is None:
-            return area
-        return spread_over(self.point(state).contact_area, area, state.area)
+        return closed_area(self.population, self.plan.fine, state)
 
     def warnings(self, separation: float) -> list[str]:
         """Reasons to doubt load points down to a separation [m], besides those of the plan."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +18,6 @@ from asperity.halfspace.load_points import (
     slope_scale,
 )
 from asperity.multiscale.pixel_waves import refined_map
-from asperity.multiscale.surface_point import MANY
 from asperity.multiscale.wave_split import Split, split_scales
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import available_bytes
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from asperity.multiscale.sub_contact_law import FineScales
 
-__all__ = ["SCALES", "Plan", "finer_plan", "interaction_needed", "make_plan"]
+__all__ = ["SCALES", "Plan", "interaction_needed", "make_plan"]
 
 SCALES = ("auto", "all")
 """What may become of the finest waves of a map."""
@@ -51,10 +50,6 @@ _WORTH_IT = 0.6
 _SMALL = 2**20
 """Points up to which the whole map is segmented: laws of summits whose basins are cut differ a
 little, and few contacts do not average that out."""
-
-_QUICK = 2**18
-"""The same for loads that few fine waves carry: their contacts are few and high, and finding all
-summits would take as long as solving them."""
 
 _SAMPLE = 2**16
 """Heights that suffice for a quantile."""
@@ -87,8 +82,8 @@ class Plan:
         One line for each choice.
     resampled
         The map on another grid, solved in its place; None: the map itself.
-    split
-        The split of its waves into those of this grid and finer ones; None if it holds them all.
+    fine
+        Law of the waves that the grid does not hold; None if it holds them all.
     warnings
         One line for each reason to doubt what any model makes of the map.
     lay
@@ -106,16 +101,11 @@ class Plan:
     memory: int
     reasons: tuple[str, ...]
     resampled: HeightMap | None = field(default=None, repr=False)
-    split: Split | None = field(default=None, repr=False, compare=False)
+    fine: FineScales | None = field(default=None, repr=False, compare=False)
     warnings: tuple[str, ...] = ()
     lay: float = 1.0
     seconds: float = field(default=0.0, compare=False)
     scene: tuple[HeightMap, HalfSpace] | None = field(default=None, repr=False, compare=False)
-
-    @property
-    def fine(self) -> FineScales | None:
-        """Law of the waves that the grid does not hold; None if it holds them all."""
-        return None if self.split is None else self.split.fine
 
     def require_scene_of(self, hm: HeightMap, material: HalfSpace) -> None:
         """Refuse the plan for a map or material whose other grid or fine law it does not hold.
@@ -211,30 +201,12 @@ def make_plan(
         memory=memory,
         reasons=tuple(reasons),
         resampled=resampled,
-        split=split,
+        fine=None if split is None else split.fine,
         warnings=warnings,
         lay=lay(hm),
         seconds=seconds,
         scene=(hm, material),
     )
-
-
-def finer_plan(plan: Plan) -> Plan | None:
-    """The plan with more waves kept for contacts, for loads that contacts of few fine waves carry.
-
-    None if hardly more can be kept.
-    """
-    if plan.split is None or plan.scene is None:
-        return None
-    hm, material = plan.scene
-    split = plan.split.finer(material)
-    if split is plan.split:
-        return None
-    resampled = _grid(hm, "auto")[0] if split is None else split.coarse
-    above = None
-    if (hm if resampled is None else resampled).heights.size > _QUICK:
-        above = _above_contacts(_sample(hm), MANY * plan.split.fine.shortest**2 / hm.area)
-    return replace(plan, resampled=resampled, split=split, above=above)
 
 
 def _require_usable(hm: HeightMap) -> None:

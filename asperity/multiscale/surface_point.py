@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,14 +20,8 @@ __all__ = [
     "at_separation",
     "closed_area",
     "fine_point",
-    "particular",
-    "spread_over",
     "without_gap",
 ]
-
-FEW, MANY = 32.0, 100.0
-"""Fine waves under the contacts, (sum F)^2 / sum(F^2 / n) of them, up to which each counts and from
-which on their mean tells; a contact has n = 1 + its area over the square of the longest."""
 
 STEP = 0.02
 """Change of the load, relative, over which energies are compared."""
@@ -61,22 +55,6 @@ class FinePoint:
     def plain(cls, state: PopulationState) -> FinePoint:
         """The point of a surface all of whose waves are in its contacts."""
         return cls(state.separation, state.contact_area, state.normal_stiffness)
-
-    def towards(self, other: FinePoint, part: float) -> FinePoint:
-        """The point a part of the way to another of the same load."""
-        pairs = zip(astuple(self), astuple(other), strict=True)
-        return FinePoint(*(own + part * (end - own) for own, end in pairs))
-
-
-def particular(fine: FineScales, state: PopulationState) -> float:
-    """1 where so few fine waves lie under the contacts of a state that each of them counts, 0 where
-    their mean tells."""
-    closed = np.flatnonzero(state.force > 0)
-    if not closed.size:
-        return 0.0
-    force, waves = state.force[closed], 1.0 + state.area[closed] / fine.shortest**2
-    number = force.sum() ** 2 / np.sum(force**2 / waves)
-    return float(np.clip(np.log(MANY / number) / np.log(MANY / FEW), 0.0, 1.0))
 
 
 def fine_point(
@@ -138,22 +116,6 @@ def closed_area(
         area[closed] = whole * fine.remaining(pressure, share, whole)
         share = 0.5 * (state.contact_area + float(area.sum())) / nominal
     return area
-
-
-def spread_over(
-    total: float, area: NDArray[np.float64], whole: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Closed areas [m^2] of another sum: of contacts of the areas `whole`, `area` of them closed.
-
-    Less is taken from what is closed, more from what is open, each by the same factor; more than
-    all there is makes contacts wider.
-    """
-    closed, most = float(area.sum()), float(whole.sum())
-    if total <= closed:
-        return np.asarray(area * (total / closed))
-    if total >= most:
-        return np.asarray(whole * (total / most))
-    return np.asarray(whole - (whole - area) * ((most - total) / (most - closed)))
 
 
 def at_separation(

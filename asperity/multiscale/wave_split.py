@@ -9,7 +9,7 @@ contacts the short waves leave part of the area open and lift the flat.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -48,15 +48,9 @@ FEWEST_WAVES = 50
 """Of the shortest waves that are kept, so many fit the side of the map at least. Where few hills
 carry the load, as on spectra without a roll-off, the law of the waves on each of them is rough."""
 
-MORE_WAVES, SHORTER = 120, 0.75
-"""Of the shortest waves that are kept where few fine waves lie under the contacts, so many fit the
-side of the map at least, and they are at most this part of the shortest kept otherwise."""
-
-POINTS, FEWER_POINTS = 6.0, 5.0
+POINTS = 6.0
 """Points per shortest wave that is kept: with four the load is 1 to 2 % lower at 10 to 25 % of
-contact, with eight no more than 0.4 % higher. And where few fine waves lie under the contacts,
-which are few then too: with six the area is no nearer (1024 x 1024, cut off at 4 pixels, seeds 1, 2
-and 11 to 14: 1.5 % rms in place of 1.35)."""
+contact, with eight no more than 0.4 % higher."""
 
 WORTH_LOSING = 0.03
 """Share of the squared slope that the finest waves hold at least, if they are taken out."""
@@ -81,35 +75,10 @@ class Split:
         Map of the longer waves, on a grid that holds it well.
     fine
         Law of the finer ones.
-    shells
-        The waves of the map, but of those `fine` is about only the ones that `finer` may keep.
-    last, finest
-        Shells of the shortest waves that are kept, and that may be.
     """
 
     coarse: HeightMap
     fine: FineScales
-    shells: Shells
-    last: int
-    finest: int
-
-    def finer(self, material: HalfSpace) -> Split | None:
-        """The same with more waves kept for contacts; itself if hardly more can be, None if hardly
-        any would be left for the law."""
-        shells, last = self.shells, self._next
-        fine = _law(shells, last, material)
-        if fine is None:
-            return None
-        if self.last > SHORTER * last:
-            return self
-        coarse = shells.map(last, FEWER_POINTS)
-        return None if coarse is None else Split(coarse, fine, shells, last, last)
-
-    @property
-    def _next(self) -> int:
-        """Shell up to which `finer` keeps waves."""
-        more = math.ceil(self.last / SHORTER)
-        return min(max(more, _shell(MORE_WAVES, self.shells.hm)), self.finest)
 
 
 def split_scales(hm: HeightMap, material: HalfSpace) -> Split | str:
@@ -156,8 +125,7 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> Split | str:
     coarse = shells.map(last, POINTS)
     if coarse is None:
         return "scales: all, the map is too small to take its finest waves out"
-    split = Split(coarse, fine, shells, last, finest)
-    return replace(split, shells=shells.inner(split._next))
+    return Split(coarse, fine)
 
 
 def _shell(waves: float, hm: HeightMap) -> int:

@@ -15,7 +15,7 @@ import numpy as np
 
 from asperity.halfspace.flags import Flag
 
-from .outside_model import LAWLESS, lawless
+from .outside_model import LAWLESS
 
 if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
@@ -30,7 +30,6 @@ __all__ = [
     "estimate",
     "oddness",
     "terms",
-    "weaknesses",
 ]
 
 TERMS = (
@@ -111,15 +110,6 @@ def terms(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, f
         few * np.sqrt(crowding),
     )
     return {name: float(value) for name, value in zip(TERMS, found, strict=True)}
-
-
-def weaknesses(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, float]:
-    """`terms` of a load point, part of them those of the finer contacts that count there."""
-    own, look = terms(bodies, state, odd) | lawless(bodies, state), bodies.closer_look(state)
-    if look is None:
-        return own
-    closer = terms(look.bodies, look.state, odd) | lawless(look.bodies, look.state)
-    return {name: own[name] + look.part * (closer[name] - own[name]) for name in own}
 
 
 def oddness(hm: HeightMap) -> float:

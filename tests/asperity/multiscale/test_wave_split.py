@@ -50,19 +50,6 @@ def test_pressure_and_energy_are_those_of_the_waves_left_out(m):
     assert fine.ratio == pytest.approx(whole / longer - 1, rel=1e-6)
 
 
-def test_a_finer_split_is_one_of_the_same_waves():
-    """It has only the longer of them at hand, and the sums of all."""
-    hm = broad((400, 480))
-    split = split_scales(hm, STEEL)
-    finer = split.finer(STEEL)
-    assert finer.shells.waves.size < 0.6 * hm.heights.size / 2
-    assert finer.fine.shortest < 0.75 * split.fine.shortest
-    (whole, stored), (longer, held) = (sums(map_, STEEL) for map_ in (hm, finer.coarse))
-    assert finer.fine.variance == pytest.approx(whole - longer, rel=1e-6)
-    assert finer.fine.energy == pytest.approx(stored - held, rel=1e-6)
-    assert finer.finer(STEEL) is finer
-
-
 def test_a_free_map_is_taken_with_its_mirror_images(rough):
     free = dataclasses.replace(rough, periodic=False)
     split = split_scales(free, STEEL)
