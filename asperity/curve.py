@@ -19,7 +19,6 @@ from asperity.halfspace.load_points import checked_loads
 from asperity.model.decomposition import Decomposition
 from asperity.model.load_point import LoadPoint, load_point, point_at_separation
 from asperity.model.plan import Plan, interaction_needed, make_plan
-from asperity.model.refinement import Refinement
 from asperity.results.curve import ContactCurve
 from asperity.results.stiffness import curve_stiffness
 from asperity.trust.error_estimate import (
@@ -27,9 +26,9 @@ from asperity.trust.error_estimate import (
     TERMS,
     estimate,
     nonrandomness,
-    point_terms,
+    terms,
 )
-from asperity.trust.outside_model import OUTSIDE_MODEL
+from asperity.trust.outside_model import OUTSIDE_MODEL, outside_model_terms
 from surfaces.heightmap import HeightMap
 
 from .errors import ConvergenceError, InputError
@@ -220,10 +219,9 @@ def solve_contacts(
         not plan.interaction and interaction_needed(hm, material, kind, values, plan.parameters)[0]
     )
     decomposition = Decomposition.of(hm, material, plan)
-    refinement = Refinement(hm, material, plan)
     rows: dict[int, _Row] = {}
     while True:
-        for i, row in _sweep(decomposition, refinement, kind, values, comparing):
+        for i, row in _sweep(decomposition, kind, values, comparing):
             rows[i] = row
             if progress is not None:
                 progress(row.point.state)
@@ -262,7 +260,6 @@ class _Row(NamedTuple):
 
 def _sweep(
     decomposition: Decomposition,
-    refinement: Refinement,
     kind: str,
     values: NDArray[np.float64],
     comparing: bool,
@@ -279,7 +276,7 @@ def _sweep(
     for i in np.argsort(values if by_load else -values, kind="stable").tolist():
         last, value = point, float(values[i])
         if decomposition.plan.sub_contact_law is not None and not by_load:
-            point = point_at_separation(decomposition, refinement, value, last, bound)
+            point = point_at_separation(decomposition, value, last, bound)
         else:
             state = decomposition.population.solve(
                 separation=None if by_load else value,
@@ -288,8 +285,7 @@ def _sweep(
                 tolerance=bound,
                 heaviest=heaviest,
             )
-            refined = refinement.solve(state, None if last is None else last.refined)
-            point = load_point(decomposition, state, refined)
+            point = load_point(decomposition, state)
         if not decomposition.deep_enough(point.state):
             return
         if comparing:
@@ -297,15 +293,9 @@ def _sweep(
                 separation=point.state.separation, state=interacting, tolerance=CLOSE
             )
             difference = _difference(point, interacting)
-        yield (
-            i,
-            _Row(
-                point=point,
-                spots=spot_count(decomposition, point),
-                terms=point_terms(decomposition, point, nonrandom),
-                interaction_difference=difference,
-            ),
-        )
+        state = point.state
+        found = terms(decomposition, state, nonrandom) | outside_model_terms(decomposition, state)
+        yield i, _Row(point, spot_count(decomposition, point), found, difference)
 
 
 def _difference(alone: LoadPoint, interacting: PopulationState) -> float:

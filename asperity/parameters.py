@@ -18,7 +18,6 @@ __all__ = [
     "Parameters",
     "PixelWaves",
     "PressedBasins",
-    "Refinement",
     "Segmentation",
     "Spots",
     "SubContact",
@@ -41,9 +40,6 @@ class Segmentation:
     whole_points
         Points up to which the whole map is segmented: laws of summits whose basins are cut differ
         a little, and few contacts do not average that out.
-    refined_whole_points
-        The bound for refined contacts, which are few and high: finding all summits would take as
-        long as solving them.
     flat_share
         Share [-] of the highest points on flat tops from which on a map stays on its own grid:
         waves through heights cut off ring, and have summits where the map has none.
@@ -53,7 +49,6 @@ class Segmentation:
     depth: float = 8.0
     whole_share: float = 0.6
     whole_points: int = 2**20
-    refined_whole_points: int = 2**18
     flat_share: float = 0.4
 
 
@@ -193,31 +188,6 @@ class SubContact:
 
 
 @dataclass(frozen=True)
-class Refinement:
-    """The second split, for loads that contacts of few fine waves carry.
-
-    Attributes
-    ----------
-    few, many
-        Fine waves under the contacts [-], (sum F)^2 / sum(F^2 / n) of them, up to which each counts
-        and from which on their mean tells; a contact has n = 1 + its area over the square of the
-        longest.
-    waves, shorter
-        Of the shortest waves that are kept, so many fit the side of the map at least, and they are
-        at most this part [-] of the shortest kept otherwise.
-    points
-        Grid points per shortest wave: with six the area is no nearer (1024 x 1024, cut off at 4
-        pixels, seeds 1, 2 and 11 to 14: 1.5 % rms in place of 1.35).
-    """
-
-    few: float = 32.0
-    many: float = 100.0
-    waves: float = 120.0
-    shorter: float = 0.75
-    points: float = 5.0
-
-
-@dataclass(frozen=True)
 class PressedBasins:
     """Contacts that carry so much of the load that their basins are pressed alone.
 
@@ -352,8 +322,6 @@ class Corrections:
         Two contacts that join while they carry much of the load are pressed as one.
     wave_split
         The finest waves of a broad spectrum act as a law of the contacts.
-    refinement
-        A second split with more contacts where few fine waves lie under the contacts.
     finer_grid
         Maps whose waves reach the pixel are solved on smaller pixels.
     coarser_grid
@@ -365,7 +333,6 @@ class Corrections:
     pressed_basins: bool = True
     joined_pairs: bool = True
     wave_split: bool = True
-    refinement: bool = True
     finer_grid: bool = True
     coarser_grid: bool = True
 
@@ -379,7 +346,6 @@ class Parameters:
     pixel_waves: PixelWaves = PixelWaves()
     wave_split: WaveSplit = WaveSplit()
     sub_contact: SubContact = SubContact()
-    refinement: Refinement = Refinement()
     pressed_basins: PressedBasins = PressedBasins()
     spots: Spots = Spots()
     error_estimate: ErrorEstimate = ErrorEstimate()

@@ -212,21 +212,6 @@ CORRECTIONS = {
     "tips of other powers": Correction(
         _no_powers, ("asperity.microcontact.table_kernels.tip_power",)
     ),
-    "second split": Correction(
-        replaced("asperity.model.decomposition.Asperities._look", _never),
-        (
-            "asperity.model.decomposition.CloserLook",
-            "asperity.model.decomposition.Asperities._look",
-            "asperity.model.decomposition.Asperities.closer_look",
-            "asperity.model.decomposition.Asperities._finer",
-            "asperity.model.plan.finer_plan",
-            f"{SPLIT}.Split.finer",
-            f"{SPLIT}.Split._next",
-            "asperity.multiscale.surface_point.FinePoint.towards",
-            "asperity.multiscale.surface_point.particular",
-            "asperity.multiscale.surface_point.spread_over",
-        ),
-    ),
     "split of the waves": Correction(
         replaced("asperity.model.plan.split_scales", lambda *_: "scales: all, for the ablation"),
         (
