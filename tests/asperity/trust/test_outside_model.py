@@ -9,7 +9,7 @@ import asperity
 from asperity.errors import ModelRangeError
 from asperity.halfspace.load_points import default_pressures
 from asperity.trust.outside_model import LAWLESS, lawless
-from surfaces import HeightMap, PowerLawProfile
+from surfaces import HeightMap, PowerLawProfile, self_affine
 
 BODY = asperity.HalfSpace.from_modulus(1e11)
 SHAPE, SPACING = (72, 90), (1.5e-6, 1e-6)
