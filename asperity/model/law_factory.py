@@ -37,13 +37,6 @@ resolve it: 12 and 4 of r and r^1.5 on 256 points, at most 2.3 on nine measured 
 MISSED = 0.05
 """Error of its force by that from which on a tip is pressed alone as a dominant contact may be."""
 
-BETWEEN = 0.02
-"""The same of f/r^2 between two nodes of the rays, on the mean of all (seeds 1 and 2)."""
-
-STEP, NEAR = 1.5, 12
-"""Pixels from node to node of the rays from which on the gap is looked at between the first nodes,
-and half nodes up to which it is."""
-
 
 class LawFactory:
     """Laws of summits by their rows.
@@ -90,7 +83,6 @@ class LawFactory:
         table = tabulate(sampled, self.material, law=self.law)
         self._require_top(rows, table)
         _doubt_tips(sampled, table)
-        self._doubt_rays(rows, sampled, table)
         if self.load_shares is not None:
             chosen = self.load_shares.dominant(rows, table)
             put(table, chosen, self.summits, rows[chosen], self.material)
@@ -99,22 +91,6 @@ class LawFactory:
         hm = self.hm
         parallel.aside(lambda: hm.digest)  # wanted at the end; solving leaves a thread idle
         return table
-
-    def _doubt_rays(self, rows: Rows, profiles: Profiles, table: LawTable) -> None:
-        """Mark summits whose gap changes between the nodes of their rays as beyond the expansion.
-
-        They stand on a hill so wide that a node follows the next only after several pixels.
-        """
-        step = profiles.edge.mean(axis=1) / (profiles.t.size - 1)
-        pixel = np.sqrt(np.prod(self.summits.hm.spacing))
-        wide = np.flatnonzero(profiles.valid & (table.reach > 0) & (step > STEP * pixel))
-        if not wide.size:
-            return
-        q = self.summits.rows(rows[wide], nodes=2 * profiles.t.size - 1).q
-        between, nodes = q[:, :, 1:NEAR:2], q[:, :, : NEAR + 1 : 2]
-        missed = np.abs(between - 0.5 * (nodes[:, :, :-1] + nodes[:, :, 1:])).mean(axis=1)
-        lost = wide[(missed > BETWEEN * between.mean(axis=1)).any(axis=1)]
-        table.flags[lost, 1:] |= np.uint8(Flag.BEYOND_RADIUS)
 
     def _require_top(self, rows: Rows, table: LawTable) -> None:
         """Refuse a law that does not hold for the highest summit, without which nothing is told."""
