@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import operator
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.contacts.fields import contact_map, pressure_map
+from asperity.contacts.run import ContactRun
 from asperity.contacts.spot_count import spot_count
-from asperity.contacts.spots import spot_table
-from asperity.contacts.table import microcontacts
 from asperity.halfspace.load_points import checked_loads
 from asperity.model.decomposition import Decomposition
 from asperity.model.load_point import LoadPoint, load_point, point_at_separation
@@ -31,76 +27,23 @@ from asperity.trust.error_estimate import (
 from asperity.trust.outside_model import OUTSIDE_MODEL, outside_model_terms
 from surfaces.heightmap import HeightMap
 
-from .errors import ConvergenceError, InputError
+from .errors import InputError
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from asperity.interaction.population import PopulationState
 
-__all__ = ["ContactRun", "contact_curve", "solve_contacts"]
+__all__ = ["contact_curve", "solve_contacts"]
 
 TOLERANCE = 5e-2
 """Bound on the residual under a load before its last Newton step, whose effect on load and area is
 a tenth of it or less (docs/interaction.md)."""
 
 CLOSE = 4e-3
-"""The same at a separation, where no step follows."""
+"""Bound on the residual at a separation, where no step follows."""
 
-
-@dataclass(frozen=True, eq=False)
-class ContactRun:
-    """A contact curve with the decomposition and load points behind it.
-
-    Attributes
-    ----------
-    curve
-        The contact curve.
-    decomposition
-        The decomposed surface.
-    points
-        The load points with the state of all microcontacts, in the order of the curve.
-
-    Raises
-    ------
-    ConvergenceError
-        If a table or a map is asked for at a load point that did not converge.
-    """
-
-    curve: ContactCurve
-    decomposition: Decomposition
-    points: tuple[LoadPoint, ...]
-
-    def microcontacts(self, point: int = -1) -> NDArray[np.void]:
-        """Table of the contacts that carry load at a load point, see `contacts.table`."""
-        return microcontacts(self.decomposition, self._point(point))
-
-    def spots(self, point: int = -1) -> NDArray[np.void]:
-        """Table of the separate spots at a load point, see `contacts.spots`."""
-        return spot_table(self.decomposition, self._point(point))
-
-    def contact_map(self, point: int = -1) -> NDArray[np.bool_]:
-        """Pixels in contact at a load point, shape (ny, nx)."""
-        return contact_map(self.decomposition, self._point(point))
-
-    def pressure_map(self, point: int = -1) -> NDArray[np.float64]:
-        """Pressure [Pa] of every pixel at a load point, shape (ny, nx)."""
-        return pressure_map(self.decomposition, self._point(point))
-
-    def __str__(self) -> str:
-        return f"{self.curve}\nsummits         {len(self.decomposition.summits)}"
-
-    __repr__ = __str__
-
-    def _point(self, point: int) -> LoadPoint:
-        try:
-            found = self.points[operator.index(point)]
-        except (IndexError, TypeError):
-            raise InputError(
-                f"point is {point!r}; the load points are numbered 0 to {len(self.points) - 1}"
-            ) from None
-        if not found.converged:
-            raise ConvergenceError(f"load point {point} cannot be used: {found.reason}")
-        return found
+TINY_LOAD = 0.2
+"""Term of contacts smaller than a pixel from which on a load point is warned of."""
 
 
 def contact_curve(
@@ -321,14 +264,14 @@ def _curve(decomposition: Decomposition, rows: Sequence[_Row], seconds: float) -
     converged = np.array([row.point.converged for row in rows])
     area, separation = column(surfaces, "contact_area"), column(surfaces, "separation")
     tangent = column(surfaces, "stiffness")
-    weights, checks = plan.parameters.error_estimate, plan.parameters.map_checks
-    known = 0.0 if plan.law in CALIBRATED and plan.lay < checks.longest_lay else np.nan
+    weights = plan.parameters.error_estimate
+    known = 0.0 if plan.law in CALIBRATED and plan.lay < weights.longest_lay else np.nan
     load_error, area_error = (
         known + np.array([estimate(row.terms, fitted, weights) for row in rows])
         for fitted in (weights.load_weights, weights.area_weights)
     )
     warnings = [*plan.warnings, *decomposition.warnings(separation.min())]
-    tiny = sum(row.terms["unresolved"] > checks.tiny_load for row in rows)
+    tiny = sum(row.terms["unresolved"] > TINY_LOAD for row in rows)
     if tiny:
         warnings.append(
             f"at {tiny} of {len(rows)} load points contacts are as small as a pixel of the map, "

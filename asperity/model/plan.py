@@ -173,7 +173,7 @@ def make_plan(
         above, why = _lowest_height(hm, material, kind, values, parameters.segmentation)
     reasons.append(why)
     reasons += whys
-    warnings = tuple(map_warnings(hm, parameters.map_checks))
+    warnings = tuple(map_warnings(hm, parameters.error_estimate.longest_lay))
     reasons += [f"warning: {why}" for why in warnings]
     memory = MODEL_BYTES_PER_POINT * points
     reasons.append(f"memory: about {memory / 2**20:.0f} MiB")
