@@ -205,27 +205,8 @@ CORRECTIONS = {
     "sharp tips told": Correction(
         replaced(f"{FACTORY}._doubt_tips", _never), (f"{FACTORY}._doubt_tips",)
     ),
-    "coarse rays told": Correction(
-        replaced(f"{FACTORY}.SummitLaws._doubt_rays", _never),
-        (f"{FACTORY}.SummitLaws._doubt_rays",),
-    ),
     "tips of other powers": Correction(
         _no_powers, ("asperity.microcontact.table_kernels.tip_power",)
-    ),
-    "second split": Correction(
-        replaced("asperity.model.decomposition.Asperities._look", _never),
-        (
-            "asperity.model.decomposition.CloserLook",
-            "asperity.model.decomposition.Asperities._look",
-            "asperity.model.decomposition.Asperities.closer_look",
-            "asperity.model.decomposition.Asperities._finer",
-            "asperity.model.plan.finer_plan",
-            f"{SPLIT}.Split.finer",
-            f"{SPLIT}.Split._next",
-            "asperity.multiscale.surface_point.FinePoint.towards",
-            "asperity.multiscale.surface_point.particular",
-            "asperity.multiscale.surface_point.spread_over",
-        ),
     ),
     "split of the waves": Correction(
         replaced("asperity.model.plan.split_scales", lambda *_: "scales: all, for the ablation"),
@@ -297,6 +278,35 @@ def special(seed: int) -> Iterator[Scene]:
     yield Scene("fading border", "to the pixel, fading border", seed, hm)
 
 
+def hills(seed: int) -> Iterator[Scene]:
+    """Single tips, and wide hills with fine waves on top."""
+    points, steps = 192, np.arange(192.0)
+    r = np.hypot(steps[:, None] - points / 2, 1.1 * (steps - points / 2 + 0.1 * (seed % 5)))
+    for power in (1.0, 1.5, 3.0):
+        heights = -0.1 * points / 2 * (2.0 * r / points) ** power
+        hm = surfaces.HeightMap(heights, (1.0, 1.1))
+        yield Scene("single tip", f"tip r^{power:g}", seed, hm, boundary="free")
+    waves = surfaces.self_affine(
+        (points, points),
+        (192.0, 192.0),
+        hurst=0.8,
+        rms_slope=0.1,
+        rolloff=16.0,
+        cutoff=5.0,
+        seed=seed,
+    )
+    angle = 2.0 * np.pi * steps / points
+    lattice = np.cos(2.0 * angle)[:, None] + np.cos(2.0 * angle)
+    shapes = {
+        "rough sphere": -(r**2) / (2.0 * 600.0),
+        "rough lattice of hills": 4.0 * waves.rms_height * lattice,
+    }
+    for name, shape in shapes.items():
+        hm = surfaces.HeightMap(shape + waves.heights, (1.0, 1.0), periodic="lattice" in name)
+        boundary = None if hm.periodic else "free"
+        yield Scene(name, name, seed, hm, boundary=boundary)
+
+
 def large(seed: int) -> Iterator[Scene]:
     """Larger maps, on which more spectra are split."""
     shape, size = (1024, 1024), (1024.0, 1024.0)
@@ -322,6 +332,7 @@ def scenes(maps: Path | None) -> Iterator[Scene]:
             group = "lay" if name.startswith("lay") else group_of(name)
             yield Scene(group, f"{name} (like measured)", seed, hm)
         yield from special(seed)
+        yield from hills(seed)
     yield from large(31)
     for seed in (101, 102):
         for name in FAMILIES:
