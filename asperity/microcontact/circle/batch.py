@@ -121,7 +121,7 @@ def _assemble(
     valid: NDArray[np.bool_],
 ) -> LawTable:
     """Law table from the explicit quantities over the radii ``top * fractions``."""
-    from asperity.microcontact.table_kernels import resample
+    from ._table_kernels import resample
 
     m, modulus, p = material.m, material.modulus, 3 + material.m
     basin = np.pi * top**2
