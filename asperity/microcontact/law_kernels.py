@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
 
@@ -253,7 +254,7 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, coupled, ta
             table[r, j, MOMENT_SLOPE] = min(max(bend[j], 0.0), 3.0 * max(min(before, after), 0.0))
 
 
-def empty_columns(count, intervals):
+def empty_columns(count: int, intervals: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """`table` and `tips` of so many contacts, to be filled by `tabulate`."""
     return np.empty((count, intervals + 1, NUMBERS)), np.empty((count, TIPS))
 

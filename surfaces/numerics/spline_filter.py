@@ -28,7 +28,7 @@ _SIDE = 8
 load, turn = loader(LINES), transposer(_SIDE)
 
 
-@inner()
+@inner(forceinline=True)
 def _step(line, at, last, before, gain):
     """Filter the row of the buffer at a place, given the places of the last two and the gain."""
     value = multiply_add(load(line, before), -_PRODUCT, gain * load(line, at))

@@ -73,21 +73,15 @@ def ray_signs(zs, at, z, high, dip, pixels, labels, owner, peak, radii, first, e
     """
     rises, fallen, foreign, gone, past = 0, 0, 0, 0, 0
     for k in range(LANES):
-        bit = 1 << k
         f = z - zs[at + k]
-        if f > high:
-            rises |= bit
-            high = f
-        elif f <= high - dip:
-            fallen |= bit
+        fallen |= (f <= high - dip) << k
+        rises |= (f > high) << k
+        high = f if f > high else high
         pixel = pixels[at + k]
-        if pixel < 0:
-            gone |= bit
         label = labels[max(pixel, 0)]
-        if label >= 0 and owner[label] != peak:
-            foreign |= bit
-        if radii[first + k] > end:
-            past |= bit
+        gone |= (pixel < 0) << k
+        foreign |= ((label >= 0) & (owner[max(label, 0)] != peak)) << k
+        past |= (radii[first + k] > end) << k
     signs = past
     for part in (gone, foreign, fallen, rises):
         signs = signs << LANES | part
