@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from asperity.compilation import CURVE, compile_ahead
 from asperity.contacts.fields import contact_map, pressure_map
 from asperity.contacts.spot_count import spot_count
 from asperity.contacts.table import microcontacts
@@ -44,7 +45,7 @@ __all__ = ["ContactRun", "contact_curve", "solve_contacts"]
 
 TOLERANCE = 5e-2
 """Bound on the residual under a load before its last Newton step, whose effect on load and area is
-a tenth of it or less (docs/interaction.md)."""
+a tenth of it or less (docs/development/interaction.md)."""
 
 CLOSE = 4e-3
 """The same at a separation, where no step follows."""
@@ -171,9 +172,10 @@ def contact_curve(
     Notes
     -----
     Each local peak is confined to its basin and carries the load of its contact law at the approach
-    d_i = z_i - s - sum_j G_ij F_j (docs/laws.md, docs/interaction.md); contacts that touch
-    remain separate and interact.
+    d_i = z_i - s - sum_j G_ij F_j (docs/development/laws.md, docs/development/interaction.md);
+    contacts that touch remain separate and interact.
     """
+    compile_ahead(*CURVE)
     if plan is None:
         plan = make_plan(
             hm,
@@ -213,6 +215,7 @@ def solve_contacts(
     The points are solved from light to heavy, so that each starts from the last.  Where a contact
     came near the height below which nothing was segmented, the whole map is taken instead.
     """
+    compile_ahead(*CURVE)
     if plan is None:
         plan = make_plan(hm, material, pressures=pressures, separations=separations)
     elif not isinstance(plan, Plan):

@@ -38,7 +38,8 @@ EARLY = 5
 """Node to which the expansion of a smooth summit holds at least."""
 
 JOINED = 1.6
-"""Approach over the depth of the pass at which two contacts have joined (docs/accuracy.md)."""
+"""Approach over the depth of the pass at which two contacts have joined
+(docs/development/errors.md)."""
 
 SHARE_OF_PAIR = 0.2
 """Share of the load from which on two contacts that join are pressed as one."""

@@ -40,8 +40,8 @@ LAY_LIFT = 1.6
 
 SEEN = 1.0
 """Wave number times contact radius at which half the pressure of the fine waves parts a contact: a
-longer wave only makes the summit higher or sharper. On seeds 1, 2 and 11 to 14 (docs/accuracy.md)
-0.9 to 1.5 hardly differ."""
+longer wave only makes the summit higher or sharper. On seeds 1, 2 and 11 to 14
+(docs/development/sub_contact_roughness.md) 0.9 to 1.5 hardly differ."""
 
 
 @dataclass(frozen=True)
@@ -71,11 +71,11 @@ class FineScales:
     Notes
     -----
     In full contact a wave h_q has the pressure h_q / L(q), with the compliance L = c q^(m - 1) / E
-    (docs/half_space.md; c = 2 for m = 0): V = <p^2> = sum |h_q|^2 / L^2, e = sum |h_q|^2 / 2 L, so
-    for m = 0 V = E*^2/4 <|grad h|^2>. Fine waves spread the pressures of a contact, which leave it
-    where they come to zero (Persson 2001). Those of a rough contact of mean pressure p follow
-    Rayleigh's distribution of scale s = sqrt(2/pi) p; of its area there remains, and per area is
-    stored,
+    (docs/development/half_space.md; c = 2 for m = 0): V = <p^2> = sum |h_q|^2 / L^2, e = sum
+    |h_q|^2 / 2 L, so for m = 0 V = E*^2/4 <|grad h|^2>. Fine waves spread the pressures of a
+    contact, which leave it where they come to zero (Persson 2001). Those of a rough contact of mean
+    pressure p follow Rayleigh's distribution of scale s = sqrt(2/pi) p; of its area there remains,
+    and per area is stored,
 
         A/A0 = 1 / sqrt(1 + b),   Phi = e arsinh(sqrt(b)) / sqrt(b),   b = g V / s^2,
 
@@ -88,7 +88,7 @@ class FineScales:
     first order in the fine waves a load F lifts the flat by d(sum Phi)/dF; boundary elements give
     the factor 1 + c (1 - P)^n, c = `LIFT`, n = `LIFT_POWER`. All were found without microcontacts,
     from the pressures of solutions of the longer waves, for Hurst exponents 0.5 to 0.9 and one to
-    four octaves (docs/accuracy.md).
+    four octaves (docs/development/sub_contact_roughness.md).
     """
 
     shortest: float

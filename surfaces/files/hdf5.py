@@ -1,6 +1,6 @@
 """Height maps in HDF5, schema 1: open, read in parts, validate.
 
-The layout is described in ``docs/hdf5.md``.
+The layout is described in ``docs/formats.md``.
 """
 
 from __future__ import annotations
