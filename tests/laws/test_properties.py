@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.special import gamma
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.special import gamma
 
 from asperity import HalfSpace, indent
 from asperity.microcontact import Flag
