@@ -46,6 +46,18 @@ class PopulationState:
         Newton steps and applications of the interaction.
     lowest_candidate
         Height [m] above which a summit can touch in the field of the others.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> run = asperity.solve_contacts(hm, steel, pressures=[1e8])
+    >>> state = run.states[0]
+    >>> state.active == int((state.force > 0).sum())
+    True
     """
 
     separation: float
