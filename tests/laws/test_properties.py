@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.special import gamma
+from oracles import axisymmetric
 
 from asperity import HalfSpace, indent
 from asperity.microcontact import Flag
@@ -105,13 +105,6 @@ def test_extreme_ratios(law, ratio):
     else:
         assert one.flags != 0 or error <= float(one.error_estimate) + 0.02
     assert np.isfinite(one.force) or one.flags & Flag.TURNING
-
-
-def axisymmetric(k, depth):
-    """Radius and force of the body r^k on a half-space of unit modulus (Galin, Sneddon)."""
-    unit = np.sqrt(np.pi) * gamma(k / 2 + 1) / gamma((k + 1) / 2)
-    radius = (depth / unit) ** (1 / k)
-    return radius, 2 * radius * depth * k / (k + 1)
 
 
 @pytest.mark.parametrize("law", ["paper", "harmonic", "ellipse", "ritz", "auto"])

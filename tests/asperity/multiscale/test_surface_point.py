@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scales_support import FINE, STEEL, broad
+from strategies import FINE, STEEL, broad
 
 import asperity
 import surfaces
