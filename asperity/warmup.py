@@ -39,9 +39,8 @@ def small_map() -> HeightMap:
 
 
 def _summits() -> None:
-    """Peaks and summits of a map, the rays of a few, joined basins, and the plan of its scales."""
+    """Peaks and summits of a map, the rays of a few, and the plan of its scales."""
     from asperity.contacts._spot_kernels import spots
-    from asperity.model.corrections.coalescence import Basins
     from asperity.model.plan import make_plan
     from surfaces.peaks.segmentation import segment
     from surfaces.peaks.summits import locate_summits
@@ -52,11 +51,9 @@ def _summits() -> None:
     peaks = segment(hm)
     two = np.arange(2)
     summits = locate_summits(hm, peaks)
-    summits.leaning(two, np.zeros((2, 2)), np.zeros(2)).rows(two)
+    summits.rows(two)
     column = np.zeros(len(peaks))
     spots(peaks.neighbors, peaks.passes, column, column)
-    deep = np.full(len(peaks), np.ptp(hm.heights))
-    Basins(summits, BODY).areas(np.arange(len(peaks)), deep, deep, deep)
 
 
 def _contacts() -> None:

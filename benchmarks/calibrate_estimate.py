@@ -26,8 +26,11 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import linprog
 
+from asperity.parameters import DEFAULTS
 from asperity.results.storage import write_csv
-from asperity.trust.error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate
+from asperity.trust.error_estimate import TERMS, estimate
+
+FITTED = DEFAULTS.error_estimate
 
 QUANTILE = 0.965
 
@@ -77,7 +80,7 @@ def main() -> None:
         "set": [Path(path).stem for path in sets],
         "points": [len(data["family"]) for data in sets.values()],
     }
-    for kind, present in (("load", LOAD_WEIGHTS), ("area", AREA_WEIGHTS)):
+    for kind, present in (("load", FITTED.load_weights), ("area", FITTED.area_weights)):
         weights = np.array(present)
         if args.fit:
             weights = fit(

@@ -62,7 +62,7 @@ def _write_last_point(hm, material, plan, curve, args) -> None:  # type: ignore[
 
     last = solve_contacts(hm, material, plan, pressures=curve.mean_pressure[-1:])
     if args.contacts:
-        if plan.fine is not None:
+        if plan.sub_contact_law is not None:
             text = "contacts are of the longer waves; fine ones part them into spots (--spots)"
             sys.stderr.write(f"asperity curve: {text}\n")
         write_csv(args.contacts, columns(last.microcontacts()))

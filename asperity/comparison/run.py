@@ -133,7 +133,7 @@ def compare(
         boundary=plan.boundary,
     )
     maps = {"bem": solution.contact, "asperity": np.zeros_like(solution.contact)}
-    contacts = microcontacts(run.bodies, run.states[point])[:0]
+    contacts = microcontacts(run.decomposition, run.points[point])[:0]
     overlap = np.nan
     if run.curve.converged[point]:
         maps["asperity"], contacts = run.contact_map(point), run.microcontacts(point)
@@ -156,7 +156,7 @@ def compare(
 def _compile(material: HalfSpace, plan: Plan) -> None:
     """Run both models once on a small map, so that no run time holds compilation."""
     small = small_map()
-    whole = dataclasses.replace(plan, above=None, resampled=None, split=None)
+    whole = dataclasses.replace(plan, above=None, resampled=None, sub_contact_law=None)
     loads = default_pressures(small, material, count=2)
     solve_contacts(small, material, whole, pressures=loads)
     bem_curve(small, material, pressures=loads, tolerance=LOOSE_TOLERANCE, boundary=plan.boundary)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.flags import Flag
 from asperity.interaction.ewald.operator import Interaction
-from asperity.interaction.newton.contact_shift import LEANING, widened
+from asperity.interaction.newton.contact_shift import widened
 from asperity.interaction.newton.problem import Problem
 
 if TYPE_CHECKING:
@@ -56,14 +56,6 @@ ALLOWED = 0.1
 LEAPING = 0.02
 """Share of the load in contacts that leap farther than the skin beyond which lists are made for
 their new places."""
-
-LEAN = (0.22, 0.3)
-"""Share of the contact area in contacts that lean up to which they keep the law of the level
-surface, and from which on all have that of the tilted one."""
-
-MOST_OF_THEM = 0.95
-"""Share of the area of contacts that lean in those, the largest first, that get the tilted law: the
-others are 30 % of their number, and what they gain is 0.1 % of all area."""
 
 
 class Falling(NamedTuple):
@@ -260,32 +252,14 @@ class Listing:
         return bool(np.sum(law.force * astray) > 0.0 or abs(lower) > bound * law.force.sum())
 
     def areas(self, population: Population, solution: Solution) -> Array:
-        """Contact areas [m^2], wider where contacts stand beside rough summits or have joined
-        others, shape (n,)."""
+        """Contact areas [m^2], wider where contacts stand beside rough summits, shape (n,)."""
         law, problem, table = solution.laws, self.problem, population.table
         if not (problem.deflects and hasattr(table, "flags_at")):
             return law.area
         depth = solution.approach
         rough = table.flags_at(self.index, depth) & np.uint8(Flag.BEYOND_RADIUS) > 0
         tilts = solution.tilt, problem.lean
-        area, shift = widened(problem.plan.footprints, law, depth, *tilts, rough)
-        rows = np.flatnonzero(shift > LEANING[0])
-        shift = shift[rows]
-        weight = _rise(shift, LEANING)
-        leaning = weight * area[rows]
-        share = leaning.sum() / max(area.sum(), np.finfo(float).tiny)
-        if population.leaning is not None and share > LEAN[0]:
-            order = np.argsort(-leaning, kind="stable")
-            held = np.cumsum(leaning[order])
-            most = order[: np.searchsorted(held, MOST_OF_THEM * held[-1]) + 1]
-            rows, weight = rows[most], weight[most]
-            eased = solution.tilt[rows] / (1.0 + shift[most, None])
-            found = population.leaning(self.index[rows], eased, depth[rows], law.force[rows])
-            found = np.where(found > 0.0, found, area[rows])
-            area[rows] += _rise(share, LEAN) * weight * (found - area[rows])
-        if population.joined is None:
-            return area
-        return population.joined(self.index, depth, law.force, area)
+        return widened(problem.plan.footprints, law, depth, *tilts, rough)
 
 
 def _widest(
@@ -300,8 +274,3 @@ def _widest(
         variance = variance * np.maximum(1.0, LONG * along)
     most = int(0.98 * (len(variance) - 1))
     return float(np.partition(variance, most)[most])
-
-
-def _rise(value: Array, ends: tuple[float, float]) -> Array:
-    """From 0 to 1 between two values."""
-    return np.clip((value - ends[0]) / (ends[1] - ends[0]), 0.0, 1.0)

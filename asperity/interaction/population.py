@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -60,12 +59,6 @@ class Population:
     deflection
         Whether coupled contacts stand at the centres that their laws give, and move aside under
         the slope of their neighbors' field; otherwise they stay at their summits.
-    leaning
-        Areas [m^2] of the contacts whose rows are given, with the gradients [-] of the displacement
-        by all others, (k, 2), their approaches [m] and forces [N]; zero where not known.
-    joined
-        Areas [m^2] of the contacts whose rows are given, some of which have joined others, with
-        their approaches [m], forces [N] and the areas that they have alone.
     curvature, angle
         Principal curvatures [1/m], (n, 2), the larger first, and directions of the long axis [rad],
         (n,), of the summits; round footprints if not given.
@@ -116,8 +109,6 @@ class Population:
         material: HalfSpace,
         interaction: bool = True,
         deflection: bool = True,
-        leaning: Callable[[Rows, Array, Array, Array], Array] | None = None,
-        joined: Callable[[Rows, Array, Array, Array], Array] | None = None,
         curvature: ArrayLike | None = None,
         angle: ArrayLike | None = None,
     ) -> None:
@@ -138,7 +129,7 @@ class Population:
         self._table = table
         self.cell = (float(cell[0]), float(cell[1]))
         self.interaction = interaction and (boundary == "periodic" or len(self.height) > 1)
-        self.deflection, self.leaning, self.joined = deflection, leaning, joined
+        self.deflection = deflection
         self.footprints = Footprints(material.modulus, material.m)
         self.elongation: Elongation | None = None
         if curvature is not None and angle is not None:

@@ -92,11 +92,9 @@ class Fans:
         y, x = of.places[peak].T
         if of.hm.periodic:
             y, x = y % of.hm.shape[0], x % of.hm.shape[1]
-        lean = of.lean[peak]
-        fall = lean[:, :1] * way_y + lean[:, 1:] * way_x
         given = (
             of.spline.ravel(), self._cell, of.peaks.labels.ravel(), of.owner,
-            of.dip[peak], peak, y.copy(), x.copy(), of.height[peak], way_y, way_x, fall,
+            of.dip[peak], peak, y.copy(), x.copy(), of.height[peak], way_y, way_x,
             pixel, limit, _RADII, self._shares, tip, slot, self.edge, self.q,
         )  # fmt: skip
         # the calls before are too short for several threads, which would wait for each other

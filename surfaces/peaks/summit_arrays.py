@@ -40,9 +40,6 @@ class SummitArrays:
         the surface rises, shape (n,).
     floor
         Height [m] above which the basin of summits that were joined hangs together, shape (n,).
-    lean
-        Fall of the surface about the summit that is taken off it [m per pixel] along y and x,
-        shape (n, 2).
     dip
         How far f may fall along a ray before the ray ends [m], shape (n,).
     single
@@ -64,7 +61,6 @@ class SummitArrays:
     places: Array = field(repr=False)
     kinds: NDArray[np.int64] = field(repr=False)
     floor: Array = field(repr=False)
-    lean: Array = field(repr=False)
     dip: Array = field(repr=False)
     single: NDArray[np.int64] = field(repr=False)
 

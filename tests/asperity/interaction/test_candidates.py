@@ -23,8 +23,8 @@ def light():
     size = (96.0, 96.0)
     hm = surfaces.self_affine((96, 96), size, hurst=0.8, rms_slope=0.1, cutoff=3.0, seed=2)
     run = solve_contacts(hm, BODY, pressures=3e-3 * pressure_scale(hm, BODY))
-    population = run.bodies.population
-    trail = run.states[0]._trail
+    population = run.decomposition.population
+    trail = run.points[0].state._trail
     return population, trail.listing, trail.points[-1].values
 
 

@@ -10,10 +10,13 @@ import pytest
 import asperity
 from asperity.halfspace.flags import Flag
 from asperity.halfspace.load_points import default_pressures
-from asperity.trust.error_estimate import TERMS, oddness, terms
+from asperity.parameters import DEFAULTS
+from asperity.trust.error_estimate import TERMS, nonrandomness, terms
 from surfaces import HeightMap, resample, self_affine
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
+
+FITTED = DEFAULTS.error_estimate
 
 
 def rough(seed: int) -> HeightMap:
@@ -73,12 +76,12 @@ def weak_point(unit=1.0, force=1.0):
         flags_at=lambda rows, depth: np.array([Flag.BEYOND_RADIUS, Flag.FILLED, 0])[rows],
         spread_at=lambda rows, depth: np.array([-0.1, 0.3, 9.0])[rows],
     )
-    bodies = SimpleNamespace(
+    decomposition = SimpleNamespace(
         hm=HeightMap(unit * LINES, (2.0 * unit, 1.0 * unit), periodic=True),
-        plan=SimpleNamespace(resampled=None, fine=None),
+        plan=SimpleNamespace(resampled=None, sub_contact_law=None, parameters=DEFAULTS),
         population=SimpleNamespace(table=table),
         material=SimpleNamespace(m=-0.3),
-        profiles=SimpleNamespace(curvature=np.array([[2.0, 1.0], [3.0, 3.0], [9.0, 1.0]]) / unit),
+        summits=SimpleNamespace(curvature=np.array([[2.0, 1.0], [3.0, 3.0], [9.0, 1.0]]) / unit),
     )
     state = SimpleNamespace(
         force=force * np.array([3.0, 1.0, 0.0]),
@@ -87,7 +90,7 @@ def weak_point(unit=1.0, force=1.0):
         contact_area=6.0 * unit**2,
         filled_share=0.25,
     )
-    return bodies, state, 0.5
+    return decomposition, state, 0.5
 
 
 def test_terms_of_two_contacts():
@@ -116,10 +119,13 @@ def test_terms_have_no_units():
 
 
 def test_with_fine_waves_taken_out_the_terms_are_those_of_the_map_that_was_solved():
-    bodies, state, odd = weak_point()
-    bodies.plan.fine, bodies.plan.resampled = SimpleNamespace(ratio=3.0), bodies.hm
-    bodies.hm = HeightMap(np.eye(6, 8), (1.0, 0.5), periodic=True)
-    found, whole = terms(bodies, state, odd), terms(*weak_point())
+    decomposition, state, odd = weak_point()
+    decomposition.plan.sub_contact_law, decomposition.plan.resampled = (
+        SimpleNamespace(ratio=3.0),
+        decomposition.hm,
+    )
+    decomposition.hm = HeightMap(np.eye(6, 8), (1.0, 0.5), periodic=True)
+    found, whole = terms(decomposition, state, odd), terms(*weak_point())
     few, coarse = np.hypot(0.75, 0.25), whole["coarse_contacts"]
     expected = {**whole, "few_taken_out": 0.75 * few, "coarse_taken_out": 0.75 * coarse}
     assert found == pytest.approx(expected)
@@ -131,6 +137,6 @@ def test_random_waves_are_not_odd_and_spikes_are():
     )
     spikes = np.zeros(hm.shape)
     spikes[30, 40] = 20 * hm.rms_height
-    assert oddness(hm) < 0.1
-    assert oddness(hm.replace(heights=hm.heights + spikes)) == 1.0
-    assert 0.0 <= oddness(hm.replace(heights=np.minimum(hm.heights, hm.rms_height))) <= 1.0
+    assert nonrandomness(hm) < 0.1
+    assert nonrandomness(hm.replace(heights=hm.heights + spikes)) == 1.0
+    assert 0.0 <= nonrandomness(hm.replace(heights=np.minimum(hm.heights, hm.rms_height))) <= 1.0
