@@ -47,7 +47,9 @@ CASES = {
         1e-2,
     ),
     "finer_grid": (
-        lambda: self_affine((96, 120), (96.0, 96.0), hurst=0.8, rms_slope=0.1, rolloff=24.0, seed=2),
+        lambda: self_affine(
+            (96, 120), (96.0, 120.0), hurst=0.8, rms_slope=0.1, rolloff=24.0, cutoff=2.5, seed=2
+        ),
         1e-2,
     ),
     "coarser_grid": (lambda: rough(cutoff=24.0), 1e-2),
