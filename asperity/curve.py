@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from asperity.compilation import CURVE, compile_ahead
 from asperity.contacts.run import ContactRun
 from asperity.contacts.spot_count import spot_count
 from asperity.halfspace.load_points import checked_loads
@@ -37,7 +38,7 @@ __all__ = ["contact_curve", "solve_contacts"]
 
 TOLERANCE = 5e-2
 """Bound on the residual under a load before its last Newton step, whose effect on load and area is
-a tenth of it or less (docs/interaction.md)."""
+a tenth of it or less (docs/development/interaction.md)."""
 
 CLOSE = 4e-3
 """Bound on the residual at a separation, where no step follows."""
@@ -109,9 +110,10 @@ def contact_curve(
     Notes
     -----
     Each local peak is confined to its basin and carries the load of its contact law at the approach
-    d_i = z_i - s - sum_j G_ij F_j (docs/laws.md, docs/interaction.md); contacts that touch
-    remain separate and interact.
+    d_i = z_i - s - sum_j G_ij F_j (docs/development/laws.md, docs/development/interaction.md);
+    contacts that touch remain separate and interact.
     """
+    compile_ahead(*CURVE)
     if plan is None:
         plan = make_plan(
             hm,
@@ -151,6 +153,7 @@ def solve_contacts(
     The points are solved from light to heavy, so that each starts from the last. Where a contact
     comes near the height below which nothing was segmented, all are solved again on the whole map.
     """
+    compile_ahead(*CURVE)
     if plan is None:
         plan = make_plan(hm, material, pressures=pressures, separations=separations)
     elif not isinstance(plan, Plan):

@@ -96,6 +96,17 @@ def self_affine(
     The amplitude of wave vector k (cycles per metre) is proportional to
     ``max(|k|, 1/rolloff) ** -(1 + H)`` for ``|k| <= 1/cutoff`` and zero beyond, so that the power
     spectral density falls as ``|k| ** (-2 - 2 H)``. The mean and the Nyquist lines are zero.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> hm
+    <HeightMap 32 x 48, pixel 1e-06 x 1e-06 m, periodic>
+    >>> f"{hm.roughness.rms_slope:.3f}"
+    '0.100'
     """
     (ny, nx), (ly, lx) = shape, size
     _check(0.0 <= hurst <= 1.0, f"hurst is {hurst}; it must lie between 0 and 1")

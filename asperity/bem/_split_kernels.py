@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from surfaces.numerics.compiled import SUMS, compiled
 
-from ._simd import LANES, RADIUS, points_short, tile, tile_short
-from ._simd import points as points_wide
+from ._stencil_kernels import LANES, RADIUS, SHORT_RADIUS
+from ._stencil_kernels import points as stencil_of_points
+from ._stencil_kernels import tile as stencil_of_tile
 
 _SHORTEST = 4
 _BLOCK = 64
@@ -42,11 +43,11 @@ def cut_tiles(start: Index, columns: NDArray[np.int32], stride: int) -> Any:
             while m < LANES and k + m < start[y + 1] and columns[k + m] == columns[k] + m:
                 m += 1
             if m >= _SHORTEST:
-                tiles[n_tiles] = origin + columns[k], k, m
+                tiles[n_tiles, 0], tiles[n_tiles, 1], tiles[n_tiles, 2] = origin + columns[k], k, m
                 n_tiles += 1
             else:
                 for i in range(k, k + m):
-                    points[n_points] = origin + columns[i], i
+                    points[n_points, 0], points[n_points, 1] = origin + columns[i], i
                     n_points += 1
             k += m
     return tiles[:n_tiles].copy(), points[:n_points].copy()
@@ -98,9 +99,9 @@ def near(
             k = tiles[t, 1]
             out = result[k:] if k + LANES <= end else rest
             if short:
-                tile_short(flat, tiles[t, 0], stride, quadrant, out)
+                stencil_of_tile(SHORT_RADIUS, flat, tiles[t, 0], stride, quadrant, out)
             else:
-                tile(flat, tiles[t, 0], stride, quadrant, out)
+                stencil_of_tile(RADIUS, flat, tiles[t, 0], stride, quadrant, out)
             if k + LANES > end:
                 for i in range(tiles[t, 2]):
                     result[k + i] = rest[i]
@@ -110,9 +111,9 @@ def near(
         j, k, m = min(i + 1, last), min(i + 2, last), min(i + 3, last)
         at = points[i, 0], points[j, 0], points[k, 0], points[m, 0]
         if short:
-            found = points_short(flat, *at, stride, rows)
+            found = stencil_of_points(SHORT_RADIUS, flat, *at, stride, rows)
         else:
-            found = points_wide(flat, *at, stride, rows)
+            found = stencil_of_points(RADIUS, flat, *at, stride, rows)
         result[points[i, 1]] = found[0]
         result[points[j, 1]] = found[1]
         result[points[k, 1]] = found[2]

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
+from asperity.compilation import compile_ahead
 from asperity.errors import InputError
 from asperity.halfspace.boundary import chosen_boundary
 from asperity.halfspace.load_points import checked_loads, expected_area_fraction
@@ -120,6 +121,7 @@ def bem_curve(
     """
     if check and accuracy is None:
         raise InputError("check tells how well an accuracy is held; give accuracy as well")
+    compile_ahead("bem")
     kind, values = checked_loads(hm, mat, pressures, separations)
     few = loads_to_solve(values) if accuracy is not None and kind == "pressure" else None
     if few is not None:

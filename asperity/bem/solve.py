@@ -65,8 +65,8 @@ def bem_solve(
     Notes
     -----
     Solves ``p >= 0, g >= 0, p g = 0`` with ``g = u - h - min(u - h)``, ``u = K p``
-    (docs/half_space.md). The certificate is recomputed from the returned pressure with the exact
-    operator in float64.
+    (docs/development/half_space.md). The certificate is recomputed from the returned pressure with
+    the exact operator in float64.
     """
     begun = time.perf_counter()
     problem = ContactProblem(hm, mat, tolerance=tolerance, boundary=boundary)

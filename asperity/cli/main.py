@@ -26,6 +26,7 @@ COMMANDS = {
     "indent": "one microcontact: force, area, contour and pressure against approach",
     "surface": "height maps: info, generate, prepare, convert, validate, peaks",
     "report": "rebuild the report from a results file",
+    "warmup": "compile for this machine all that daily use needs; later runs start at once",
 }
 
 

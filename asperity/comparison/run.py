@@ -11,13 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.bem.curve import bem_curve
 from asperity.bem.solve import bem_solve
-from asperity.compilation import compiling, small_map
+from asperity.compilation import CURVE, compile_ahead
 from asperity.contacts.table import microcontacts
 from asperity.curve import solve_contacts
 from asperity.halfspace.load_points import checked_loads, default_pressures, slope_scale
 from asperity.model.plan import Plan, make_plan
 from asperity.results.curve import ContactCurve
 from asperity.results.tables import structured
+from asperity.warmup import small_map
 from surfaces.heightmap import HeightMap
 
 from .coarse_bem import LOOSE_TOLERANCE, coarse_grids, coarse_run, rms
@@ -88,8 +89,8 @@ def compare(
         **loads,
     }
     say("compilation")
-    with compiling("laws", "contacts", "bem"):
-        first = make_plan(hm, material, **chosen) if plan is None else plan
+    compile_ahead(*CURVE, "bem")
+    first = make_plan(hm, material, **chosen) if plan is None else plan
     _compile(material, first)
     if plan is None:  # once more, on a map without stored means: its time belongs to the model
         plan = make_plan(hm.replace(), material, **chosen)

@@ -224,7 +224,8 @@ class _Grid:
 
 
 def _start(decomposition: Decomposition, state: PopulationState) -> Array:
-    """Pressure [Pa] of elliptic contacts, p_0 (1 - rho^2)^((1+m)/2) (docs/half_space.md).
+    """Pressure [Pa] of elliptic contacts, p_0 (1 - rho^2)^((1+m)/2)
+    (docs/development/half_space.md).
 
     It is rescaled so that the pixels of each carry its force.
     """

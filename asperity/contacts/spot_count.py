@@ -32,10 +32,11 @@ def spot_count(decomposition: Decomposition, point: LoadPoint) -> int:
     -----
     Contacts of adjoining basins have joined where their mean approach is 1.6 times the mean depth
     of the pass under their summits (1.7 for two equal summits in a double well, boundary elements:
-    docs/accuracy.md). Where the finest waves act as a law, contacts of the area A that stay closed
-    on its share f and cover the share P of the map are parted into 0.97 P^-0.15 (1 - f)/f more
-    spots per wave, A (q/2 pi)^2 waves of the mean wave number q of the fine waves.
-    The constants were found on seeds 1, 2 and 11 (docs/results.md).
+    docs/development/errors.md). Where the finest waves act as a law, contacts of the area A that
+    stay closed on its share f and cover the share P of the map are parted into
+    0.97 P^-0.15 (1 - f)/f more spots per wave, A (q/2 pi)^2 waves of the mean wave number q of the
+    fine waves.
+    The constants were found on seeds 1, 2 and 11 (docs/development/errors.md).
     """
     from ._spot_kernels import spots
 

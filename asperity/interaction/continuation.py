@@ -85,7 +85,7 @@ def _along(index: Rows, rows: Rows, values: Array, count: int) -> Array:
     """The `Point.values` of the summits `index`, of those known of `rows`, among `count` in all."""
     known = np.zeros((len(values), count))
     known[:, rows] = values
-    return known[:, index]
+    return known.take(index, axis=1)  # row by row, as loops are compiled for
 
 
 @dataclass(frozen=True, eq=False)

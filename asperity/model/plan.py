@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from asperity.compilation import compile_ahead
 from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.boundary import Boundary, chosen_boundary
 from asperity.halfspace.load_points import (
@@ -145,6 +146,7 @@ def make_plan(
     InputError
         If the load points are not usable or the memory would not suffice.
     """
+    compile_ahead("summits")
     start = time.perf_counter()
     if scales not in SCALES:
         raise InputError(f"scales is {scales!r}; choose one of {', '.join(SCALES)}")

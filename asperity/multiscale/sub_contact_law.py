@@ -38,11 +38,11 @@ class SubContactLaw:
     Notes
     -----
     In full contact a wave h_q has the pressure h_q / L(q), with the compliance L = c q^(m - 1) / E
-    (docs/half_space.md; c = 2 for m = 0): V = <p^2> = sum |h_q|^2 / L^2, e = sum |h_q|^2 / 2 L, so
-    for m = 0 V = E*^2/4 <|grad h|^2>. Fine waves spread the pressures of a contact, which leave it
-    where they come to zero (Persson 2001). Those of a rough contact of mean pressure p follow
-    Rayleigh's distribution of scale s = sqrt(2/pi) p; of its area there remains, and per area is
-    stored,
+    (docs/development/half_space.md; c = 2 for m = 0): V = <p^2> = sum |h_q|^2 / L^2, e = sum
+    |h_q|^2 / 2 L, so for m = 0 V = E*^2/4 <|grad h|^2>. Fine waves spread the pressures of a
+    contact, which leave it where they come to zero (Persson 2001). Those of a rough contact of mean
+    pressure p follow Rayleigh's distribution of scale s = sqrt(2/pi) p; of its area there remains,
+    and per area is stored,
 
         A/A0 = 1 / sqrt(1 + b),   Phi = e arsinh(sqrt(b)) / sqrt(b),   b = g V / s^2,
 
@@ -54,7 +54,8 @@ class SubContactLaw:
     0.66 for m = 0.3 to -0.3. To first order in the fine waves a load F lifts the flat by d(sum
     Phi)/dF; boundary elements give the factor 1 + c (1 - P)^n, c = `fitted.lift`, n =
     `fitted.lift_power`. All were found without microcontacts, from the pressures of solutions of
-    the longer waves, for Hurst exponents 0.5 to 0.9 and one to four octaves (docs/accuracy.md).
+    the longer waves, for Hurst exponents 0.5 to 0.9 and one to four octaves
+    (docs/development/sub_contact_roughness.md).
     """
 
     shortest: float

@@ -2,8 +2,8 @@
 
 The estimate is a sum of terms, each of which grows with one known weakness of the model; their
 weights are quantiles fitted on synthetic surfaces of several families (``benchmarks/accuracy.py``,
-``benchmarks/calibrate_estimate.py``) and checked on others: see ``docs/accuracy.md``. Contacts that
-no law describes, which those surfaces hardly have, add terms of their own
+``benchmarks/calibrate_estimate.py``) and checked on others: see ``docs/development/fits.md``.
+Contacts that no law describes, which those surfaces hardly have, add terms of their own
 (`asperity.trust.outside_model`).
 """
 

@@ -57,6 +57,18 @@ class HeightMap:
     -----
     The first axis is y, the second x; pixel (i, j) is centred at ``((j + 1/2) dx, (i + 1/2) dy)``
     and the map covers ``ny dy`` by ``nx dx``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import surfaces
+    >>> hm = surfaces.HeightMap(
+    ...     np.arange(12.0).reshape(3, 4) * 1e-9, (2e-6, 1e-6), name="steps"
+    ... )
+    >>> hm
+    <HeightMap 'steps' 3 x 4, pixel 2e-06 x 1e-06 m, not periodic>
+    >>> hm.size
+    (6e-06, 4e-06)
     """
 
     heights: NDArray[np.float64]

@@ -15,6 +15,7 @@ from .summit_arrays import PLATEAU, RIM, SUMMIT
 
 FLATTEST = 1e-3  # least ratio of the principal curvatures
 _LOCAL = 1e-4  # largest misfit of the local quartic, relative to the range of its points
+_LEVEL = 1e-6  # ratio of the principal curvatures below which rounding may decide the smaller sign
 
 _AHEAD = 8  # summits
 
@@ -111,22 +112,22 @@ def _newton(e):
     """Step of Newton's method uphill, with the absolute values of the principal curvatures.
 
     Returns the step over y and x, and whether the expansion `e`, which has some curvature, is
-    concave.
+    concave, or level along a ridge: the curvature there is rounding, of either sign.
     """
     mean, shear, cross = 0.5 * (e[3] + e[5]), 0.5 * (e[3] - e[5]), e[4]
     half = math.sqrt(shear * shear + cross * cross)
     size = abs(mean) + half
     high, low = mean + half, mean - half
-    if high < -1e-6 * size:
+    if high < -_LEVEL * size:
         scale = -1.0 / (high * low)
         return (e[5] * e[1] - cross * e[2]) * scale, (e[3] * e[2] - cross * e[1]) * scale, True
     turn = 0.5 * math.atan2(2.0 * cross, e[5] - e[3])
     along_x, along_y = math.cos(turn), math.sin(turn)
-    first = (e[2] * along_x + e[1] * along_y) / max(abs(high), 1e-6 * size)
-    second = (e[1] * along_x - e[2] * along_y) / max(abs(low), 1e-6 * size)
+    first = (e[2] * along_x + e[1] * along_y) / max(abs(high), _LEVEL * size)
+    second = (e[1] * along_x - e[2] * along_y) / max(abs(low), _LEVEL * size)
     step_y = first * along_y + second * along_x
     step_x = first * along_x - second * along_y
-    return step_y, step_x, high < 0.0
+    return step_y, step_x, high < _LEVEL * size
 
 
 @inner()

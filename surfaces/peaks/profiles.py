@@ -66,6 +66,17 @@ class Profiles:
     owner
         Peak into whose basin the surface rises, shape (n,), the peak itself where `valid`. The
         rays of the owner run through the basins that it owns.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> fit = surfaces.fit_profiles(hm, surfaces.segment(hm))
+    >>> profile = fit.profile(0)
+    >>> float(profile(0.0, 0.0))
+    0.0
     """
 
     x: Array

@@ -185,6 +185,20 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
     mirrored there and compressed by 1.7 across it: a whole contact that carries as much as the half
     there is. Unflooded pixels count to no basin, so that `segment(above=...)` changes hardly a ray
     above that height.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import surfaces
+    >>> x = np.arange(48) + 0.5
+    >>> y = np.arange(32) + 0.5
+    >>> heights = np.cos(2 * np.pi * x / 24) + np.cos(2 * np.pi * y / 32)[:, None]
+    >>> hm = surfaces.HeightMap(heights, 1.0, periodic=True)
+    >>> fit = surfaces.fit_profiles(hm, surfaces.segment(hm))
+    >>> [f"{k:.4f}" for k in fit.curvature[0]]
+    ['0.0685', '0.0386']
+    >>> f"{(2 * np.pi / 24) ** 2:.4f} {(2 * np.pi / 32) ** 2:.4f}"
+    '0.0685 0.0386'
     """
     return locate_summits(hm, peaks).rows(np.arange(len(peaks)), rays=rays, nodes=nodes)
 

@@ -44,6 +44,16 @@ def fill_missing(hm: HeightMap, *, limit: float = 0.1) -> HeightMap:
     Solves Laplace's equation on the missing points (five-point stencil with the true pixel sizes;
     no flux across the border of a map that is not periodic). The filled heights lie between those
     around them: no summit is invented.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import surfaces
+    >>> y, x = np.mgrid[:32, :48]
+    >>> heights = 1e-9 * (x + y)
+    >>> heights[10, 10] = np.nan
+    >>> surfaces.fill_missing(surfaces.HeightMap(heights, 1e-6)).missing
+    0
     """
     require_map(hm)
     missing = np.isnan(hm.heights)

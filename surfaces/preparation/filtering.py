@@ -43,6 +43,16 @@ def bandpass(
     A sharp cut of the Fourier spectrum for a periodic map. A map that is not periodic is cut in
     its cosine spectrum, which is the spectrum of the map mirrored at its border: there is no cliff
     at the seam.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> smooth = surfaces.bandpass(hm, shortest=16e-6)
+    >>> bool(smooth.roughness.rms_slope < hm.roughness.rms_slope)
+    True
     """
     _require_full(hm, "a band-pass")
     lower = 0.0 if shortest is None else float(shortest)
@@ -97,6 +107,15 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
     ------
     SurfaceError
         If points are missing, the pixel sizes are not positive, or too few pixels are left.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> surfaces.resample(hm, 2e-6)
+    <HeightMap 16 x 24, pixel 2e-06 x 2e-06 m, periodic>
     """
     _require_full(hm, "resampling")
     try:
@@ -125,6 +144,15 @@ def crop(hm: HeightMap, rows: tuple[int, int], columns: tuple[int, int]) -> Heig
     ------
     SurfaceError
         If the rectangle is not inside the map.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> surfaces.crop(hm, (0, 16), (8, 40))
+    <HeightMap 16 x 32, pixel 1e-06 x 1e-06 m, not periodic>
     """
     require_map(hm)
     for span, count, what in ((rows, hm.shape[0], "rows"), (columns, hm.shape[1], "columns")):
@@ -164,6 +192,16 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
     ------
     SurfaceError
         If points are missing, `how` is unknown, or the strip is wider than half the map.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> part = surfaces.crop(hm, (0, 16), (8, 40))
+    >>> surfaces.make_periodic(part, "mirror")
+    <HeightMap 32 x 64, pixel 1e-06 x 1e-06 m, periodic>
     """
     if how not in PERIODIC:
         raise SurfaceError(f"periodic is {how!r}; it must be None or one of {', '.join(PERIODIC)}")

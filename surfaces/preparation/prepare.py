@@ -52,6 +52,17 @@ def prepare(
     ------
     SurfaceError
         If an option is unknown, or too many points are missing.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> part = surfaces.crop(hm, (0, 16), (8, 40))
+    >>> ready = surfaces.prepare(part, periodic="taper")
+    >>> ready.periodic, [step["step"] for step in ready.history]
+    (True, ['self_affine', 'crop', 'level', 'periodic'])
     """
     require_map(hm)
     if fill not in (None, "harmonic"):

@@ -11,6 +11,7 @@ from scipy.interpolate import BSpline
 
 import surfaces
 from surfaces.numerics import splines
+from surfaces.peaks._climb import SUMMIT
 from surfaces.peaks.summits import locate_summits
 
 
@@ -148,6 +149,23 @@ def test_plateau_is_a_blunt_summit():
     assert_allclose([fit.x[0], fit.y[0], fit.height[0]], [12.5, 9.5, 0.0], atol=1e-12)
     r = fit.t * fit.edge[0][:, None]
     assert (fit.f()[0][r < 3.0] < 0.1).all() and (fit.f()[0][(r > 5.5) & (r < 8)] > 1.0).all()
+
+
+@pytest.mark.parametrize("bend", [-1e-12, 0.0, 1e-12])
+def test_a_level_ridge_has_a_summit_whatever_the_rounding_of_its_curvature(bend):
+    y, x = np.mgrid[-9:10, -12:13]
+    hm = surfaces.HeightMap(np.cos(x / 5.0) + bend * y**2, 1.0)
+    peaks = surfaces.segment(hm.replace(heights=np.cos(x / 5.0) - 1e-12 * y**2))
+    assert (peaks.row[0], peaks.col[0]) == (9, 12)
+    assert locate_summits(hm, peaks).kinds[0] == SUMMIT
+
+
+def test_a_tilt_along_a_level_ridge_of_a_periodic_map_comes_to_an_end():
+    x = 2.0 * np.pi * np.arange(24) / 24
+    hm = surfaces.HeightMap(np.tile(np.cos(x), (20, 1)), 1.0, periodic=True)
+    summits = locate_summits(hm, surfaces.segment(hm))
+    tilted = summits.leaning(np.array([0]), np.array([[1e-3, 0.0]]), np.zeros(1))
+    assert len(tilted) == 1
 
 
 @pytest.mark.parametrize("periodic", [True, False])

@@ -20,7 +20,7 @@ CELLS = {
 
 @pytest.mark.parametrize("column, m", list(enumerate([-0.5, 0.0, 0.5, 0.8])))
 def test_influence_of_near_cells(column, m):
-    """Tabulated integrals of r^-(1+m) over unit cells (docs/half_space.md)."""
+    """Tabulated integrals of r^-(1+m) over unit cells (docs/development/half_space.md)."""
     table = influence.influence((4, 4), (1.0, 1.0), m)
     factor = np.cos(0.5 * np.pi * m) / np.pi / influence.compliance((1.0, 1.0), _unit(m))
     for (row, col), values in CELLS.items():

@@ -29,7 +29,8 @@ def test_a_single_wave_touches_along_all_of_its_ridge():
     flat = np.pi * BODY.modulus * 1e-7 / LX  # Westergaard: this pressure closes it
     curve = asperity.contact_curve(hm, BODY, pressures=np.array([0.01, 0.05]) * flat)
     exact = 2 / np.pi * np.arcsin(np.sqrt(curve.mean_pressure / flat))
-    assert (curve.area_fraction < 0.8 * exact).all()
+    np.testing.assert_allclose(curve.area_fraction, exact, rtol=0.15)
+    assert not curve.converged.any() and all("overlap end to end" in why for why in curve.reasons)
     assert curve.extra["flat_tops"] == pytest.approx([1.0, 1.0])
     assert np.isnan(curve.error_estimate).all()  # of such a lay it is not known
 
