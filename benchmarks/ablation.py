@@ -139,8 +139,8 @@ NEWTON = "asperity.interaction.newton"
 FACTORY = "asperity.model.law_factory"
 SHARES = "asperity.model.load_shares"
 PRESS = "asperity.microcontact.basin_bem"
-POPULATION = "asperity.interaction.population.Population"
-LISTING = "asperity.interaction.candidates.Listing"
+POPULATION = "asperity.interaction.contact_system.ContactSystem"
+CANDIDATES = "asperity.interaction.candidates.CandidateList"
 RANKING = f"{SHARES}.Ranking"
 SPLIT = "asperity.multiscale.wave_split"
 PIXEL = "asperity.multiscale.pixel_waves"
@@ -158,8 +158,8 @@ CORRECTIONS = {
         ),
     ),
     "centers of contacts": Correction(
-        replaced(f"{POPULATION}.centred", False),
-        (f"{LISTING}.about", f"{LISTING}._strayed", f"{POPULATION}.centred"),
+        replaced(f"{POPULATION}.has_centres", False),
+        (f"{CANDIDATES}.recentred", f"{CANDIDATES}._strayed", f"{POPULATION}.has_centres"),
     ),
     "widening": Correction(
         replaced(f"{NEWTON}.contact_shift.WIDER", 0.0),
