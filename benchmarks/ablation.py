@@ -110,7 +110,7 @@ def lines_of(objects: tuple[str, ...]) -> int:
 
 
 def _no_shift(_: Any, law: Any, approach: Array, *__: Any) -> tuple[Array, Array, Array]:
-    """`deflection` of contacts that stay where they are."""
+    """`contact_shifts` of contacts that stay where they are."""
     return np.zeros(len(approach)), np.zeros((len(approach), 2)), np.zeros((len(approach), 2))
 
 
@@ -149,12 +149,12 @@ NOT_PAIRED = replaced(f"{RANKING}.joined", lambda self, material: self)
 
 CORRECTIONS = {
     "contact shift": Correction(
-        replaced(f"{NEWTON}.problem.deflection", _no_shift),
+        replaced(f"{NEWTON}.problem.contact_shifts", _no_shift),
         (
-            f"{NEWTON}.contact_shift.deflection",
-            f"{NEWTON}.state_kernels.deflect",
+            f"{NEWTON}.contact_shift.contact_shifts",
+            f"{NEWTON}._state_kernels.shift_contacts",
             f"{NEWTON}.problem.State.lag",
-            f"{NEWTON}.state_kernels.lag",
+            f"{NEWTON}._state_kernels.lag",
         ),
     ),
     "centers of contacts": Correction(
@@ -163,7 +163,7 @@ CORRECTIONS = {
     ),
     "widening": Correction(
         replaced(f"{NEWTON}.contact_shift.WIDER", 0.0),
-        (f"{NEWTON}.contact_shift.widened", f"{NEWTON}.state_kernels.widen"),
+        (f"{NEWTON}.contact_shift.widened", f"{NEWTON}._state_kernels.widen"),
     ),
     "elongated footprints": Correction(
         keyword(f"{POPULATION}.__init__", curvature=None, angle=None),

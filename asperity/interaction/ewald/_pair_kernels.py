@@ -8,8 +8,7 @@ from numba import carray, njit
 from asperity.interaction.footprint import PAIR_NODES
 from surfaces.numerics.compiled import compiled
 
-from ._record_vectors import add_records
-from .pair_blocks import (
+from ._pair_block_kernels import (
     BEND,
     BOTH,
     CROSS,
@@ -36,6 +35,7 @@ from .pair_blocks import (
     whole_lanes,
     within,
 )
+from ._record_vectors import add_records
 from .scratch import BLOCK, COLUMNS, columns, doubles, floats, places
 
 PAIRS = BLOCK // 2

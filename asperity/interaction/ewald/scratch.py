@@ -32,11 +32,11 @@ def _on_stack(kind: Any, element: Any, count: int) -> Any:
         """Pointer for `numba.carray`; the caller must not return it."""
 
         def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            place = cgutils.alloca_once(builder, ir.ArrayType(element, count))
+            place = cgutils.alloca_once(builder, ir.ArrayType(element, count))  # type: ignore[no-untyped-call]
             place.align = ALIGNMENT
             return builder.bitcast(place, element.as_pointer())
 
-        return types.CPointer(kind)(), codegen
+        return types.CPointer(kind)(), codegen  # type: ignore[no-untyped-call]
 
     return pointer
 
