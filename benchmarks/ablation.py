@@ -124,8 +124,8 @@ def _no_powers(stack: ExitStack) -> None:
 
 NEWTON = "asperity.interaction.newton"
 PRESS = "asperity.microcontact.basin_bem"
-POPULATION = "asperity.interaction.population.Population"
-LISTING = "asperity.interaction.candidates.Listing"
+POPULATION = "asperity.interaction.contact_system.ContactSystem"
+CANDIDATES = "asperity.interaction.candidates.CandidateList"
 SPLIT = "asperity.multiscale.wave_split"
 PIXEL = "asperity.multiscale.pixel_waves"
 LAWS = "asperity.model.corrections"
@@ -141,8 +141,8 @@ CORRECTIONS = {
         ),
     ),
     "centers of contacts": Correction(
-        replaced(f"{POPULATION}.centred", False),
-        (f"{LISTING}.about", f"{LISTING}._strayed", f"{POPULATION}.centred"),
+        replaced(f"{POPULATION}.has_centres", False),
+        (f"{CANDIDATES}.recentred", f"{CANDIDATES}._strayed", f"{POPULATION}.has_centres"),
     ),
     "widening": Correction(
         replaced(f"{NEWTON}.contact_shift.WIDER", 0.0),

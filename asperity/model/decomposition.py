@@ -118,7 +118,7 @@ class Decomposition:
             boundary=self.plan.boundary,
             material=self.material,
             interaction=interaction,
-            deflection=switches.contact_shift,
+            contact_shift=switches.contact_shift,
             curvature=self.curvature if switches.elongation else None,
             angle=self.angle if switches.elongation else None,
         )

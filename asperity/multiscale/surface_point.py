@@ -69,7 +69,7 @@ def surface_point(
         return SurfacePoint(state.separation, state.contact_area, state.normal_stiffness)
     closed = np.flatnonzero(state.force > 0)
     if not closed.size:
-        top = float(population.height[population.falling[0]])
+        top = population.highest
         return SurfacePoint(max(state.separation, highest + state.separation - top), 0.0, 0.0)
     nominal, contacts = population.nominal_area, population.laws.rows(closed)
     share = 0.5 * (state.contact_area + area) / nominal
