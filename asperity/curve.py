@@ -112,6 +112,17 @@ def contact_curve(
     Each local peak is confined to its basin and carries the load of its contact law at the approach
     d_i = z_i - s - sum_j G_ij F_j (docs/development/laws.md, docs/development/interaction.md);
     contacts that touch remain separate and interact.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> curve = asperity.contact_curve(hm, steel, pressures=[1e8, 1e9])
+    >>> bool(curve.converged.all()), bool(curve.separation[0] > curve.separation[1])
+    (True, True)
     """
     compile_ahead(*CURVE)
     if plan is None:
@@ -152,6 +163,17 @@ def solve_contacts(
 
     The points are solved from light to heavy, so that each starts from the last. Where a contact
     comes near the height below which nothing was segmented, all are solved again on the whole map.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> run = asperity.solve_contacts(hm, steel, pressures=[1e9])
+    >>> f"{run.microcontacts()['force'].sum() / run.curve.load[0]:.6f}"
+    '1.000000'
     """
     compile_ahead(*CURVE)
     if plan is None:

@@ -40,6 +40,17 @@ class ContactRun:
     ------
     ConvergenceError
         If a table or a map is asked for at a load point that did not converge.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> run = asperity.solve_contacts(hm, steel, pressures=[1e9])
+    >>> run.pressure_map().shape
+    (32, 48)
     """
 
     curve: ContactCurve

@@ -76,6 +76,17 @@ class Plan:
         The map and the material that it was made for.
     parameters
         Constants of the model.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> plan = asperity.make_plan(hm, steel, pressures=[1e8, 1e9], boundary="free")
+    >>> plan.boundary, len(plan.reasons) > 0
+    ('free', True)
     """
 
     boundary: Boundary
@@ -145,6 +156,17 @@ def make_plan(
         If the map has missing points or is constant.
     InputError
         If the load points are not usable or the memory would not suffice.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> plan = asperity.make_plan(hm, steel, pressures=[1e8, 1e9])
+    >>> plan.law, plan.boundary
+    ('auto', 'periodic')
     """
     compile_ahead("summits")
     start = time.perf_counter()

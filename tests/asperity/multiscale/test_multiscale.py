@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from scales_support import STEEL, broad
+from strategies import STEEL, broad
 
 import asperity
 import surfaces
