@@ -3,9 +3,10 @@
     python benchmarks/sensitivity.py --references folder --out sensitivity.csv
 
 Every field of `asperity.parameters` that is a number, or a tuple of numbers, is scaled by 0.75 and
-1.25 alone. The maps are a few of those of ablation.py, with the boundary elements kept there; the
-table holds the root-mean-square and the worst error of load and area over all points, with the
-constant as it is (first row) and scaled.
+1.25 alone, but for the weights of the error estimate, which change no load and no area. The maps
+are a few of those of ablation.py, with the boundary elements kept there. The table holds the
+root-mean-square and the worst error of load and area over all points, with the constant as it is
+(first row) and scaled, and the largest change of any of them.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ FAMILIES = (
     "anisotropic 4:1 cut-off 8 px",
     "plateau-honed",
     "graded m = 0.3",
+    "to the pixel, graded m = 0.3",
     "to the pixel H 0.8",
     "to the pixel H 0.5",
     "few summits (like measured)",
@@ -37,6 +39,8 @@ FAMILIES = (
     "cut off at 2 rms",
 )
 FACTORS = (0.75, 1.25)
+
+Judged = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 def scaled(value: Any, factor: float) -> Any:
@@ -50,6 +54,8 @@ def variants() -> Iterator[tuple[str, float, Parameters]]:
     """Name of each constant, factor, and the parameters with it."""
     yield "", 1.0, DEFAULTS
     for group in fields(DEFAULTS):
+        if group.name == "error_estimate":
+            continue
         kept = getattr(DEFAULTS, group.name)
         for field in fields(kept):
             value = getattr(kept, field.name)
@@ -61,13 +67,13 @@ def variants() -> Iterator[tuple[str, float, Parameters]]:
                 yield name, factor, replace(DEFAULTS, **{group.name: other})
 
 
-def row(name: str, factor: float, found: list[tuple[NDArray[Any], NDArray[Any], float]]) -> Any:
-    """One row of the table."""
+def row(name: str, factor: float, found: Judged, kept: Judged) -> dict[str, Any]:
+    """One row of the table: errors `found` beside those of the constants as they are."""
     made: dict[str, Any] = {"constant": name, "factor": factor}
-    for column, kind in enumerate(("load", "area")):
-        values = np.concatenate([run[column] for run in found])
+    for kind, values, before in zip(("load", "area"), found, kept, strict=True):
         made[f"{kind}_rms"] = round(math.sqrt(np.nanmean(values**2)), 5)
         made[f"{kind}_worst"] = round(float(np.nanmax(np.abs(values))), 5)
+        made[f"{kind}_change"] = round(float(np.nanmax(np.abs(values - before))), 5)
         made[f"{kind}_refused"] = int(np.count_nonzero(np.isnan(values)))
     return made
 
@@ -86,8 +92,11 @@ def main() -> None:
     for name, factor, parameters in variants():
         if name and args.only and not any(part in name for part in args.only):
             continue
-        found = [errors(scene, exact, parameters) for scene, exact in judged]
-        table.append(row(name, factor, found))
+        runs = [errors(scene, exact, parameters) for scene, exact in judged]
+        load, area = (np.concatenate([run[column] for run in runs]) for column in (0, 1))
+        if not name:
+            kept = load, area
+        table.append(row(name, factor, (load, area), kept))
         print(*table[-1].values(), flush=True)
     if args.out:
         write_csv(args.out, {key: np.array([line[key] for line in table]) for key in table[0]})
