@@ -1,12 +1,13 @@
 from . import microcontact as microcontact
 from .bem.curve import bem_curve as bem_curve
 from .bem.single import BemIndentation as BemIndentation
+from .bem.single import indent_bem as indent_bem
 from .bem.solution import BemSolution as BemSolution
 from .bem.solve import bem_solve as bem_solve
 from .comparison.result import Comparison as Comparison
 from .comparison.run import compare as compare
+from .contacts.run import ContactRun as ContactRun
 from .contacts.sizes import size_distribution as size_distribution
-from .curve import ContactRun as ContactRun
 from .curve import contact_curve as contact_curve
 from .curve import solve_contacts as solve_contacts
 from .errors import AsperityError as AsperityError
@@ -22,11 +23,10 @@ from .extensions.partial_slip import tangential_modulus as tangential_modulus
 from .extensions.viscoelastic import Relaxation as Relaxation
 from .extensions.viscoelastic import viscoelastic_indent as viscoelastic_indent
 from .halfspace.material import HalfSpace as HalfSpace
-from .indentation_bem import indent_bem as indent_bem
 from .interaction.population import Population as Population
 from .interaction.population_state import PopulationState as PopulationState
-from .microcontact.indent import Indentation as Indentation
 from .microcontact.indent import indent as indent
+from .microcontact.indentation import Indentation as Indentation
 from .microcontact.punch import FlatPunch as FlatPunch
 from .microcontact.punch import flat_punch as flat_punch
 from .model.plan import Plan as Plan

@@ -1,225 +1,126 @@
-"""The first run on a machine: kernels compiled in several processes at once.
+"""The first run on a machine: loops compiled in several processes at once.
 
 Numba compiles on one processor and keeps the machine code on disk, from where every later run
 takes it. On a machine that has none yet, parts that do not need each other are compiled side by
-side: each in a process of its own, which runs that part once on a tiny scene. The code of a part
-is the same for every body and boundary.
+side, each in a process of its own (`asperity.warmup`).
 """
 
 from __future__ import annotations
 
-import gc
+import fcntl
+import json
+import math
 import os
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from types import SimpleNamespace
-from typing import TYPE_CHECKING, cast
 
-import numpy as np
+from surfaces.numerics.compiled import cache_folder, kept_sources, stamp
+from surfaces.numerics.parallel import available
 
-from asperity.halfspace.material import HalfSpace
-from surfaces import self_affine
-from surfaces.heightmap import HeightMap
-from surfaces.peaks.profiles import Profiles
+__all__ = ["CURVE", "compile_ahead", "compiling"]
 
-if TYPE_CHECKING:
-    from surfaces.peaks.summits import Summits
+CURVE = ("contacts", "laws", "summits", "basins")
+"""Parts of a contact curve."""
 
-__all__ = ["compiling", "small_map"]
+SECONDS = {"bem": 18.0, "contacts": 15.0, "laws": 12.0, "summits": 9.0, "basins": 5.0}
+"""Time that each part takes [s] on a processor of its own, of 2.5 GHz."""
 
-SHAPE = (160, 192)
-"""Large enough to meet every kernel of both models."""
-
-BODY = HalfSpace.from_modulus(1.0)
-
-SPHERES, NODES = 400, 9
-"""Spheres that touch, and nodes of their laws."""
+_compiled: set[str] = set()
 
 
-def small_map() -> HeightMap:
-    """A map on which both models meet all their kernels."""
-    return self_affine(SHAPE, (1.0, 1.0), hurst=0.8, rms_slope=0.1, seed=0)
+def compile_ahead(*parts: str) -> None:
+    """Compile the loops of some parts, as far as the disk does not hold their code.
 
-
-@contextmanager
-def compiling(*parts: str) -> Iterator[None]:
-    """Compile what the disk does not hold beside what is done within; at its end all is there.
+    Says so in one line on standard error if there is anything to compile. A part that fails is
+    left to the run itself, which compiles what it meets.
 
     Parameters
     ----------
     parts
-        Some of "laws" (law tables of summits), "contacts" (their interaction) and "bem" (boundary
-        elements), each compiled in a process of its own; peaks, summits and what presses a basin
-        alone are compiled here, about as long as each of the first two takes.
+        Some of "contacts" (their interaction), "laws" (law tables of summits), "summits" (plan,
+        peaks and summits of a map), "basins" (basins pressed alone) and "bem" (boundary elements).
     """
-    if not _cold():
+    if _missing(parts):
+        with _alone():
+            missing = _missing(parts)  # another process may have compiled them meanwhile
+            if missing:
+                _compile(_shared(missing, available()))
+    _compiled.update(parts)
+
+
+@contextmanager
+def compiling(part: str) -> Iterator[None]:
+    """Compile a part within this process, which starts no other, and note that it is done."""
+    _compiled.update({part, *CURVE})
+    yield
+    stamps = {str(source): stamp(source) for source in kept_sources()}
+    _note(part).write_text(json.dumps(stamps), encoding="utf-8")
+
+
+def _missing(parts: tuple[str, ...]) -> list[str]:
+    return [part for part in parts if part not in _compiled and not _on_disk(part)]
+
+
+def _on_disk(part: str) -> bool:
+    """Whether a part was compiled from files and versions as they are now."""
+    try:
+        stamps = json.loads(_note(part).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return all(stamp(Path(source)) == found for source, found in stamps.items())
+
+
+def _note(part: str) -> Path:
+    return cache_folder() / f"{part}.json"
+
+
+@contextmanager
+def _alone() -> Iterator[None]:
+    """Let one process compile at a time: of several that start together the others wait."""
+    with open(cache_folder() / "lock", "w") as lock:
+        with suppress(OSError):  # a file system without locks
+            fcntl.flock(lock, fcntl.LOCK_EX)
         yield
-        return
+
+
+def _shared(parts: list[str], processors: int) -> list[list[str]]:
+    """Parts for each processor, so that all end at about the same time."""
+    shares: list[list[str]] = [[] for _ in range(min(len(parts), processors))]
+    for part in sorted(parts, key=_time, reverse=True):
+        min(shares, key=lambda share: sum(map(_time, share))).append(part)
+    return shares
+
+
+def _time(part: str) -> float:
+    return SECONDS.get(part, 0.0)
+
+
+def _compile(shares: list[list[str]]) -> None:
+    """Compile each share of the parts in a process of its own."""
+    longest = max(sum(map(_time, share)) for share in shares)
+    if sys.stderr is not None:
+        about = 10 * math.ceil(0.13 * longest)
+        sys.stderr.write(f"asperity: compiling for this machine, about {about} s, once\n")
     # a copy of the package in the working folder would be compiled instead of this one
     home = str(Path(__file__).parents[1])
     paths = os.pathsep.join(filter(None, (home, os.environ.get("PYTHONPATH"))))
+    keeps = {"PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(cache_folder().parent)}
     children = [
         subprocess.Popen(
-            [sys.executable, "-P", "-m", __name__, part],
-            env={**os.environ, "PYTHONPATH": paths},
+            [sys.executable, "-P", "-m", f"{__package__}.warmup", *share],
+            env=os.environ | keeps,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
-        for part in parts
+        for share in shares
     ]
     try:
-        with _collecting_nothing():
-            yield
-            _summits()
-            _basins()
         for child in children:
             child.wait()
     finally:  # of an interrupted run; those that have ended are left alone
         for child in children:
             child.terminate()
             child.wait()
-    for index in _indices():
-        index.touch()  # Numba, which compares contents, leaves it where only the date is new
-
-
-@contextmanager
-def _collecting_nothing() -> Iterator[None]:
-    """No search for cycles: the compiler's objects are many and stay, and looking through them
-    again and again takes a tenth of its time."""
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()
-
-
-def _cold() -> bool:
-    """Whether the largest kernel has not been compiled since its source was written."""
-    from asperity.microcontact.ellipse import tabulate_kernels
-
-    newest = max((index.stat().st_mtime for index in _indices()), default=0.0)
-    return newest < Path(tabulate_kernels.__file__).stat().st_mtime
-
-
-def _indices() -> list[Path]:
-    """Files in which Numba notes what it has compiled of the largest kernel."""
-    from asperity.microcontact.ellipse import tabulate_kernels
-
-    folder = Path(str(tabulate_kernels.tabulate_rows.stats.cache_path))
-    return list(folder.glob(f"{Path(tabulate_kernels.__file__).stem}.*.nbi"))
-
-
-def _summits() -> None:
-    """Peaks and summits of a map, the rays of a few, joined basins, and the plan of its scales."""
-    from asperity.contacts._spot_kernels import spots
-    from asperity.model.corrections.coalescence import Basins
-    from asperity.model.plan import make_plan
-    from surfaces.peaks.segmentation import segment
-    from surfaces.peaks.summits import locate_summits
-
-    hm = small_map()
-    make_plan(hm, BODY)
-    peaks = segment(hm)
-    two = np.arange(2)
-    summits = locate_summits(hm, peaks)
-    summits.leaning(two, np.zeros((2, 2)), np.zeros(2)).rows(two)
-    column = np.zeros(len(peaks))
-    spots(peaks.neighbors, peaks.passes, column, column)
-    deep = np.full(len(peaks), np.ptp(hm.heights))
-    Basins(summits, BODY).areas(np.arange(len(peaks)), deep, deep, deep)
-
-
-def _contacts() -> None:
-    """Spheres that touch a flat together, under two loads: few on a small mesh, and many."""
-    from asperity.interaction.population import Population
-    from asperity.microcontact.law_table import LawTable
-
-    y, x, height = np.random.default_rng(0).uniform(0.0, 1.0, (3, SPHERES))
-    u = np.tile(np.linspace(0.0, 1.0, NODES), (SPHERES, 1))
-    table = LawTable(
-        reach=np.full(SPHERES, 0.01),
-        force=4 / 3 * (0.1 * u) ** 3,
-        stiffness=0.2 * u,
-        area=np.pi * (0.1 * u) ** 2,
-        flags=np.zeros(u.shape, np.uint8),
-        spread=np.zeros(u.shape),
-        centre=np.zeros((*u.shape, 2)),
-    )
-    population = Population(
-        x=x,
-        y=y,
-        height=0.01 * height,
-        table=table,
-        cell=(1.0, 1.0),
-        boundary="periodic",
-        material=BODY,
-    )
-    state = None
-    for pressure in 1e-5, 2e-5, 1e-3, 2e-3:
-        state = population.solve(mean_pressure=pressure, state=state)
-
-
-def _laws() -> None:
-    """Law tables of paraboloids, by every law that "auto" can take."""
-    from asperity.microcontact.laws import tabulate
-
-    rays, nodes, count = 16, 17, 2
-    turn = 2 * np.pi * np.arange(rays) / rays
-    profiles = Profiles(
-        x=np.zeros(count),
-        y=np.zeros(count),
-        height=np.ones(count),
-        curvature=np.ones((count, 2)),
-        angle=np.zeros(count),
-        phi=np.tile(turn, (count, 1)),
-        weight=np.full((count, rays), 2 * np.pi / rays),
-        edge=np.ones((count, rays)),
-        t=np.linspace(0.0, 1.0, nodes),
-        q=np.full((count, rays, nodes), 0.5),
-        pixels=np.full(count, 100),
-        border=np.zeros(count, bool),
-        valid=np.ones(count, bool),
-        owner=np.arange(count),
-    )
-    for law in ("ellipse", "ritz"):
-        table = tabulate(profiles, BODY, law=law)
-        table.evaluate(np.arange(count), table.reach)
-
-
-def _basins() -> None:
-    """A basin pressed alone, at no approach, of a map that was not segmented."""
-    from asperity.microcontact.basin_bem.press import press
-
-    one = np.zeros(1, np.int64)
-    peaks = SimpleNamespace(labels=np.zeros((4, 4), np.int32), row=one, col=one)
-    summits = SimpleNamespace(
-        hm=HeightMap(np.eye(4), (1.0, 1.0)),
-        peaks=peaks,
-        owner=one,
-        spline=np.zeros((4, 4)),
-        places=np.zeros((1, 2)),
-        height=np.ones(1),
-        angle=np.zeros(1),
-        curvature=np.ones((1, 2)),
-        floor=np.zeros(1),
-    )
-    press(cast("Summits", summits), one, np.zeros((1, 1)), BODY)
-
-
-def _bem() -> None:
-    """Boundary elements at two loads."""
-    from asperity.bem.curve import bem_curve
-    from asperity.halfspace.load_points import default_pressures
-
-    hm = small_map()
-    bem_curve(hm, BODY, pressures=default_pressures(hm, BODY, count=2), tolerance=1e-2)
-
-
-if __name__ == "__main__":
-    with _collecting_nothing():
-        {"laws": _laws, "contacts": _contacts, "bem": _bem}[sys.argv[1]]()

@@ -1,111 +1,50 @@
-"""The contact curve of a rough surface as the sum over its microcontacts."""
+"""The contact curve of a rough surface: the sweep over its load points."""
 
 from __future__ import annotations
 
-import dataclasses
-import operator
 import time
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.contacts.fields import contact_map, pressure_map
+from asperity.compilation import CURVE, compile_ahead
+from asperity.contacts.run import ContactRun
 from asperity.contacts.spot_count import spot_count
-from asperity.contacts.table import microcontacts
 from asperity.halfspace.load_points import checked_loads
-from asperity.interaction.population import PopulationState
-from asperity.model.decomposition import Asperities
-from asperity.model.map_checks import LONGEST_LAY
+from asperity.model.decomposition import Decomposition
+from asperity.model.load_point import LoadPoint, load_point, point_at_separation
 from asperity.model.plan import Plan, interaction_needed, make_plan
-from asperity.multiscale.surface_point import FinePoint, at_separation, without_gap
 from asperity.results.curve import ContactCurve
 from asperity.results.stiffness import curve_stiffness
 from asperity.trust.error_estimate import (
-    AREA_WEIGHTS,
     CALIBRATED,
-    LOAD_WEIGHTS,
     TERMS,
     estimate,
-    oddness,
-    weaknesses,
+    nonrandomness,
+    terms,
 )
-from asperity.trust.outside_model import LAWLESS, TELLS_NOTHING
+from asperity.trust.outside_model import OUTSIDE_MODEL, outside_model_terms
 from surfaces.heightmap import HeightMap
 
-from .errors import ConvergenceError, InputError
+from .errors import InputError
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
+    from asperity.interaction.population import PopulationState
 
-__all__ = ["ContactRun", "contact_curve", "solve_contacts"]
+__all__ = ["contact_curve", "solve_contacts"]
 
 TOLERANCE = 5e-2
 """Bound on the residual under a load before its last Newton step, whose effect on load and area is
-a tenth of it or less (docs/interaction.md)."""
+a tenth of it or less (docs/development/interaction.md)."""
 
 CLOSE = 4e-3
-"""The same at a separation, where no step follows."""
+"""Bound on the residual at a separation, where no step follows."""
 
-
-@dataclass(frozen=True, eq=False)
-class ContactRun:
-    """A contact curve with the bodies and states behind it.
-
-    Attributes
-    ----------
-    curve
-        The contact curve.
-    bodies
-        The decomposed surface.
-    states
-        The state of all microcontacts at each load point, in the order of the curve.
-
-    Raises
-    ------
-    ConvergenceError
-        If a table or a map is asked for at a load point that did not converge.
-    """
-
-    curve: ContactCurve
-    bodies: Asperities
-    states: tuple[PopulationState, ...]
-
-    def microcontacts(self, point: int = -1) -> NDArray[np.void]:
-        """Table of the contacts that carry load at a load point, see `contacts.table`."""
-        return microcontacts(self.bodies, self._state(point))
-
-    def spots(self, point: int = -1) -> NDArray[np.void]:
-        """Table of the separate spots at a load point, see `contacts.spots`."""
-        from asperity.contacts.spots import spot_table
-
-        return spot_table(self.bodies, self._state(point))
-
-    def contact_map(self, point: int = -1) -> NDArray[np.bool_]:
-        """Pixels in contact at a load point, shape (ny, nx)."""
-        return contact_map(self.bodies, self._state(point))
-
-    def pressure_map(self, point: int = -1) -> NDArray[np.float64]:
-        """Pressure [Pa] of every pixel at a load point, shape (ny, nx)."""
-        return pressure_map(self.bodies, self._state(point))
-
-    def __str__(self) -> str:
-        return f"{self.curve}\nsummits         {len(self.bodies.population)}"
-
-    __repr__ = __str__
-
-    def _state(self, point: int) -> PopulationState:
-        try:
-            found = self.states[operator.index(point)]
-        except (IndexError, TypeError):
-            raise InputError(
-                f"point is {point!r}; the load points are numbered 0 to {len(self.states) - 1}"
-            ) from None
-        if not found.converged:
-            raise ConvergenceError(f"load point {point} cannot be used: {found.reason}")
-        return found
+TINY_LOAD = 0.2
+"""Term of contacts smaller than a pixel from which on a load point is warned of."""
 
 
 def contact_curve(
@@ -171,9 +110,21 @@ def contact_curve(
     Notes
     -----
     Each local peak is confined to its basin and carries the load of its contact law at the approach
-    d_i = z_i - s - sum_j G_ij F_j (docs/laws.md, docs/interaction.md); contacts that touch
-    remain separate and interact.
+    d_i = z_i - s - sum_j G_ij F_j (docs/development/laws.md, docs/development/interaction.md);
+    contacts that touch remain separate and interact.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> curve = asperity.contact_curve(hm, steel, pressures=[1e8, 1e9])
+    >>> bool(curve.converged.all()), bool(curve.separation[0] > curve.separation[1])
+    (True, True)
     """
+    compile_ahead(*CURVE)
     if plan is None:
         plan = make_plan(
             hm,
@@ -206,147 +157,194 @@ def solve_contacts(
     progress: Callable[[PopulationState], object] | None = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
 ) -> ContactRun:
-    """Run `contact_curve` by a plan and keep the bodies and states (for maps and tables).
+    """Run `contact_curve` by a plan and keep the load points (for maps and tables).
 
     Arguments are those of `contact_curve`; without a plan one is made with its defaults.
 
-    The points are solved from light to heavy, so that each starts from the last.  Where a contact
-    came near the height below which nothing was segmented, the whole map is taken instead.
+    The points are solved from light to heavy, so that each starts from the last. Where a contact
+    comes near the height below which nothing was segmented, all are solved again on the whole map.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> run = asperity.solve_contacts(hm, steel, pressures=[1e9])
+    >>> f"{run.microcontacts()['force'].sum() / run.curve.load[0]:.6f}"
+    '1.000000'
     """
+    compile_ahead(*CURVE)
     if plan is None:
         plan = make_plan(hm, material, pressures=pressures, separations=separations)
     elif not isinstance(plan, Plan):
         raise InputError(f"plan is a {type(plan).__name__}; make one with asperity.make_plan")
     kind, values = checked_loads(hm, material, pressures, separations)
     plan.require_scene_of(hm, material)
-    bodies = Asperities.of(hm, material, plan)
-    start = time.perf_counter() - sum(bodies.seconds.values())
-    states: dict[int, PopulationState] = {}
-    places: dict[int, FinePoint] = {}
-    patches: dict[int, int] = {}
-    left_out: dict[int, float] = {}
-    state, coupled, lift = None, None, 0.0
-    classical = not plan.interaction and interaction_needed(hm, material, kind, values)[0]
+    start = time.perf_counter() - plan.seconds
+    comparing = (
+        not plan.interaction and interaction_needed(hm, material, kind, values, plan.parameters)[0]
+    )
+    decomposition = Decomposition.of(hm, material, plan)
+    rows: dict[int, _Row] = {}
+    while True:
+        for i, row in _sweep(decomposition, kind, values, comparing):
+            rows[i] = row
+            if progress is not None:
+                progress(row.point.state)
+            if checkpoint is not None:
+                done = list(rows.values())
+                checkpoint(_curve(decomposition, done, time.perf_counter() - start))
+        if len(rows) == len(values):
+            break
+        decomposition, rows = decomposition.of_whole_map(), {}
+    ordered = [rows[i] for i in sorted(rows)]
+    curve = _curve(decomposition, ordered, time.perf_counter() - start)
+    return ContactRun(curve, decomposition, tuple(row.point for row in ordered))
 
-    def curve_of(points: Iterable[int]) -> ContactCurve:
-        chosen = list(points)
-        solving = time.perf_counter() - start - sum(bodies.seconds.values())
-        return _curve(
-            bodies,
-            [states[i] for i in chosen],
-            [places[i] for i in chosen],
-            [patches[i] for i in chosen],
-            [left_out[i] for i in chosen] if classical else None,
-            solving,
-        )
 
-    bound, top = (TOLERANCE, float(values.max())) if kind == "pressure" else (CLOSE, None)
-    for i in np.argsort(values if kind == "pressure" else -values, kind="stable").tolist():
-        asked = {"mean_pressure" if kind == "pressure" else "separation": float(values[i])}
-        if plan.fine is not None and kind == "separation":
-            state = at_separation(bodies, float(values[i]), lift, state, bound)
+class _Row(NamedTuple):
+    """What the curve tells of a load point.
+
+    Attributes
+    ----------
+    point
+        The load point.
+    spots
+        Number of separate contact spots.
+    terms
+        Terms of its error estimate.
+    interaction_difference
+        Load of independent contacts over that of interacting ones, less one; NaN if not known, None
+        if not compared.
+    """
+
+    point: LoadPoint
+    spots: int
+    terms: dict[str, float]
+    interaction_difference: float | None
+
+
+def _sweep(
+    decomposition: Decomposition,
+    kind: str,
+    values: NDArray[np.float64],
+    comparing: bool,
+) -> Iterator[tuple[int, _Row]]:
+    """Numbers and rows of the load points from light to heavy.
+
+    It ends early where a contact comes near the height below which nothing was segmented.
+    """
+    by_load = kind == "pressure"
+    bound, heaviest = (TOLERANCE, float(values.max())) if by_load else (CLOSE, None)
+    nonrandom = nonrandomness(decomposition.hm)
+    point: LoadPoint | None = None
+    interacting, difference = None, None
+    for i in np.argsort(values if by_load else -values, kind="stable").tolist():
+        last, value = point, float(values[i])
+        if decomposition.plan.sub_contact_law is not None and not by_load:
+            point = point_at_separation(decomposition, value, last, bound)
         else:
-            state = bodies.population.solve(**asked, state=state, tolerance=bound, heaviest=top)
-        if not bodies.deep_enough(state):
-            return solve_contacts(
-                hm,
-                material,
-                dataclasses.replace(plan, above=None),
-                pressures=pressures,
-                separations=separations,
-                progress=progress,
-                checkpoint=checkpoint,
+            state = decomposition.population.solve(
+                separation=None if by_load else value,
+                mean_pressure=value if by_load else None,
+                state=None if last is None else last.state,
+                tolerance=bound,
+                heaviest=heaviest,
             )
-        place = bodies.point(state)
-        states[i], places[i] = bodies.refused(without_gap(plan, state, place), place), place
-        if classical:
-            coupled = bodies.coupled.solve(
-                separation=state.separation, state=coupled, tolerance=CLOSE
+            point = load_point(decomposition, state)
+        if not decomposition.deep_enough(point.state):
+            return
+        if comparing:
+            interacting = decomposition.interacting.solve(
+                separation=point.state.separation, state=interacting, tolerance=CLOSE
             )
-            left_out[i] = _difference(state, coupled)
-        patches[i], lift = spot_count(bodies, state), places[i].separation - state.separation
-        if progress is not None:
-            progress(state)
-        if checkpoint is not None:
-            checkpoint(curve_of(states))
-    return ContactRun(curve_of(sorted(states)), bodies, tuple(states[i] for i in sorted(states)))
+            difference = _difference(point, interacting)
+        state = point.state
+        found = terms(decomposition, state, nonrandom) | outside_model_terms(decomposition, state)
+        yield i, _Row(point, spot_count(decomposition, point), found, difference)
 
 
-def _difference(alone: PopulationState, coupled: PopulationState) -> float:
-    """Load of independent contacts over that of coupled ones, less one; NaN if not known."""
-    if not (alone.converged and coupled.converged):
+def _difference(alone: LoadPoint, interacting: PopulationState) -> float:
+    """Load of independent contacts over that of interacting ones, less one; NaN if not known."""
+    if not (alone.converged and interacting.converged):
         return np.nan
-    if coupled.mean_pressure == 0.0:
-        return np.inf if alone.mean_pressure else 0.0
-    return alone.mean_pressure / coupled.mean_pressure - 1.0
+    pressure = alone.state.mean_pressure
+    if interacting.mean_pressure == 0.0:
+        return np.inf if pressure else 0.0
+    return pressure / interacting.mean_pressure - 1.0
 
 
-def _curve(
-    bodies: Asperities,
-    states: Sequence[PopulationState],
-    places: Sequence[FinePoint],
-    patches: Sequence[int],
-    left_out: Sequence[float] | None,
-    solving: float,
-) -> ContactCurve:
-    hm, plan = bodies.hm, bodies.plan
+def _curve(decomposition: Decomposition, rows: Sequence[_Row], seconds: float) -> ContactCurve:
+    """The curve of some load points, `seconds` after the run began."""
+    hm, plan = decomposition.hm, decomposition.plan
+    states = [row.point.state for row in rows]
+    surfaces = [row.point.surface for row in rows]
 
-    def column(name: str) -> NDArray[Any]:
-        return np.array([getattr(state, name) for state in states])
+    def column(items: Sequence[object], name: str) -> NDArray[Any]:
+        return np.array([getattr(item, name) for item in items])
 
-    odd = oddness(hm)
-    weak = [weaknesses(bodies, state, odd) for state in states]
-    pressure = column("mean_pressure")
-    area = np.array([place.contact_area for place in places])
-    separation = np.array([place.separation for place in places])
-    tangent = np.array([place.stiffness for place in places])
-    known = 0.0 if plan.law in CALIBRATED and plan.lay < LONGEST_LAY else np.nan
-    load_error = known + np.array([estimate(w, LOAD_WEIGHTS) for w in weak])
-    area_error = known + np.array([estimate(w, AREA_WEIGHTS) for w in weak])
-    warnings = [*plan.warnings, *bodies.warnings(separation.min())]
-    tiny = sum(w["unresolved"] > TELLS_NOTHING for w in weak)
+    pressure = column(states, "mean_pressure")
+    converged = np.array([row.point.converged for row in rows])
+    area, separation = column(surfaces, "contact_area"), column(surfaces, "separation")
+    tangent = column(surfaces, "stiffness")
+    weights = plan.parameters.error_estimate
+    known = 0.0 if plan.law in CALIBRATED and plan.lay < weights.longest_lay else np.nan
+    load_error, area_error = (
+        known + np.array([estimate(row.terms, fitted, weights) for row in rows])
+        for fitted in (weights.load_weights, weights.area_weights)
+    )
+    warnings = [*plan.warnings, *decomposition.warnings(separation.min())]
+    tiny = sum(row.terms["unresolved"] > TINY_LOAD for row in rows)
     if tiny:
         warnings.append(
-            f"at {tiny} of {len(weak)} load points contacts are as small as a pixel of the map, "
+            f"at {tiny} of {len(rows)} load points contacts are as small as a pixel of the map, "
             "which does not tell their loads: take smaller pixels or more load"
         )
-    alone = {}
-    if left_out is not None:
-        alone["interaction_difference"] = np.array(left_out)
-        load_error += np.abs(left_out)
+    differences = {}
+    if rows[0].interaction_difference is not None:
+        differences["interaction_difference"] = column(rows, "interaction_difference")
+        load_error += np.abs(differences["interaction_difference"])
     return ContactCurve(
         separation=separation,
         mean_pressure=pressure,
         load=pressure * hm.area,
         area_fraction=area / hm.area,
         contact_area=area,
-        contacts=np.array(patches),
-        stiffness=curve_stiffness(pressure, separation, tangent, column("converged")),
-        converged=column("converged"),
-        residual=column("residual"),
+        contacts=column(rows, "spots"),
+        stiffness=curve_stiffness(pressure, separation, tangent, converged),
+        converged=converged,
+        residual=column(states, "residual"),
         error_estimate=load_error,
         model="asperity",
-        seconds={**bodies.seconds, "contact": solving},
+        seconds={
+            **decomposition.seconds,
+            "contact": seconds - sum(decomposition.seconds.values()),
+        },
         settings={
             "law": plan.law,
             "interaction": plan.interaction,
             "boundary": plan.boundary,
             "above": plan.above,
-            "shortest_wave": None if plan.fine is None else plan.fine.shortest,
-            "grid": list(bodies.peaks.labels.shape),
-            "modulus": bodies.material.modulus,
-            "m": bodies.material.m,
+            "shortest_wave": plan.sub_contact_law and plan.sub_contact_law.shortest,
+            "grid": list(decomposition.peaks.labels.shape),
+            "modulus": decomposition.material.modulus,
+            "m": decomposition.material.m,
             "input": hm.digest,
-            "peaks": len(bodies.peaks),
+            "peaks": len(decomposition.peaks),
             "warnings": warnings,
         },
         extra={
-            "microcontacts": column("active"),
-            "filled_share": column("filled_share"),
+            "microcontacts": column(states, "active"),
+            "filled_share": column(states, "filled_share"),
             "tangent_stiffness": tangent,
             "area_error_estimate": area_error,
-            **alone,
-            **{name: np.array([w[name] for w in weak]) for name in (*TERMS, *LAWLESS)},
+            **differences,
+            **{
+                name: np.array([row.terms[name] for row in rows])
+                for name in (*TERMS, *OUTSIDE_MODEL)
+            },
         },
-        reasons=tuple(state.reason for state in states),
+        reasons=tuple(row.point.reason for row in rows),
     )

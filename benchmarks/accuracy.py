@@ -5,6 +5,7 @@
     python benchmarks/accuracy.py --drawn --seeds 101 102 --out drawn.csv
     python benchmarks/accuracy.py --to-the-pixel --scales all --seeds 51 52
     python benchmarks/accuracy.py --maps folder --out maps.csv
+    python benchmarks/accuracy.py --seeds 21 22 --csv docs/development/data/families_512.csv
 
 Families: isotropic with the cut-off at 4, 8, 16, 32 pixels and Hurst exponents 0.5, 0.8, 0.9,
 anisotropic 4:1, plateau-honed, and graded m = +-0.3. Those with --measured-like resemble measured
@@ -18,14 +19,16 @@ The reference is solved on the map refined twice by its own Fourier series: the 
 model sees, too. Columns: family, seed, area_fraction (reference, corrected), load_error at equal
 separation, area_error at equal load, grid_load and grid_area (boundary elements on the map's own
 grid against the reference), separation_error in rms heights, the model's own estimates, and the
-quantities that they are made of.
+quantities that they are made of. --out keeps these rows, one per load point; --csv keeps the table
+that the pages show (tables.py): medians and worst errors family by family, or the errors at every
+load map by map (--to-the-pixel, --maps).
 """
 
 from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -44,6 +47,8 @@ TOLERANCE = 1e-6
 LOADS = np.geomspace(5e-4, 8e-2, 10)
 TOLERANCE_DRAWN = 1e-4
 LOADS_DRAWN = np.geomspace(2.5e-4, 0.16, 8)
+LIGHT = 0.08
+"""Area fraction up to which the errors of families are stated apart."""
 LOADS_PIXEL = np.array([2e-3, 8e-3, 1.6e-2, 3.5e-2, 7e-2, 0.13])
 
 RECIPES = {
@@ -217,6 +222,40 @@ def _prepared(path: Path) -> surfaces.HeightMap:
     return surfaces.prepare(surfaces.read(path), fill="harmonic", periodic="taper")
 
 
+def families_table(rows: dict[str, list]) -> dict[str, list]:
+    """Errors family by family [%]: median and worst to LIGHT of contact, worst beyond."""
+    families, light = np.array(rows["family"]), np.array(rows["area_fraction"]) < LIGHT
+    table: dict[str, list] = {"family": list(dict.fromkeys(rows["family"]))}
+    errors = {name: 100 * np.abs(rows[f"{name}_error"]) for name in ("load", "area")}
+
+    def column(error: NDArray[np.float64], part: NDArray[np.bool_], statistic: Callable) -> list:
+        chosen = (error[(families == name) & part] for name in table["family"])
+        return [f"{statistic(values):.1f}" if len(values) else "" for values in chosen]
+
+    for name, error in errors.items():
+        table[f"{name} error: median, %"] = column(error, light, np.median)
+        table[f"{name} error: worst, %"] = column(error, light, np.max)
+    for name, error in errors.items():
+        table[f"{name} error beyond 8 %: worst, %"] = column(error, ~light, np.max)
+    return table
+
+
+def maps_table(rows: dict[str, list], scales: str) -> dict[str, list]:
+    """Errors map by map [%], at every load."""
+    maps = list(dict.fromkeys(zip(rows["family"], rows["seed"], strict=True)))
+    table: dict[str, list] = {"map": [name for name, _ in maps]}
+    if any(seed for _, seed in maps):
+        table["seed"] = [seed for _, seed in maps]
+        table["scales"] = ["default" if scales == "auto" else scales] * len(maps)
+    keys = list(zip(rows["family"], rows["seed"], strict=True))
+    for quantity in ("load", "area"):
+        values = list(zip(keys, rows[f"{quantity}_error"], strict=True))
+        table[f"{quantity} error, %"] = [
+            " ".join(f"{100 * error:+.1f}" for key, error in values if key == one) for one in maps
+        ]
+    return table
+
+
 def main() -> None:
     """Run the families and print one line per surface."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -230,7 +269,8 @@ def main() -> None:
     source.add_argument("--maps", type=Path, help="folder of measured maps, in place of families")
     parser.add_argument("--scales", choices=SCALES, default="auto", help="as of asperity curve")
     parser.add_argument("--references", type=Path, help="folder that keeps the reference curves")
-    parser.add_argument("--out", type=Path)
+    parser.add_argument("--out", type=Path, help="one row per load point")
+    parser.add_argument("--csv", type=Path, help="the table of the pages")
     args = parser.parse_args()
     collected: dict[str, list] = {}
     for name, seed, hm, m, boundary in scenes(args):
@@ -238,7 +278,7 @@ def main() -> None:
         table = rows_of(name, seed, hm, body, boundary, args)
         for column, values in table.items():
             collected.setdefault(column, []).extend(values)
-        light = np.array(table["area_fraction"]) < 0.08
+        light = np.array(table["area_fraction"]) < LIGHT
         lines = {
             column: np.array(table[column])
             for column in ("load_error", "area_error", "grid_load", "grid_area")
@@ -256,6 +296,10 @@ def main() -> None:
         )
         if args.out:
             write_csv(args.out, collected)
+    if args.csv and collected:
+        map_by_map = args.to_the_pixel or args.maps
+        rows = maps_table(collected, args.scales) if map_by_map else families_table(collected)
+        write_csv(args.csv, rows)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,8 @@
     python benchmarks/accuracy.py --drawn --seeds 101 102 103 104 --out check_drawn.csv
     python benchmarks/calibrate_estimate.py --fit fit.csv fit_like.csv fit_few.csv fit_drawn.csv \
         --check check.csv check_drawn.csv
+    python benchmarks/calibrate_estimate.py --check check.csv check_drawn.csv \
+        --csv docs/development/data/estimate_judged.csv    # table of the pages, a row per file
 
 Minimizes the pinball loss of quantile regression over non-negative weights (a linear program), so
 that a share QUANTILE of the errors lies inside the estimate. The error of a point is the larger of
@@ -19,11 +21,16 @@ from __future__ import annotations
 
 import argparse
 import csv
+from pathlib import Path
 
 import numpy as np
 from scipy.optimize import linprog
 
-from asperity.trust.error_estimate import AREA_WEIGHTS, LOAD_WEIGHTS, TERMS, estimate
+from asperity.parameters import DEFAULTS
+from asperity.results.storage import write_csv
+from asperity.trust.error_estimate import TERMS, estimate
+
+FITTED = DEFAULTS.error_estimate
 
 QUANTILE = 0.965
 
@@ -66,9 +73,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--fit", nargs="+", default=[], help="files to fit the weights on")
     parser.add_argument("--check", nargs="+", default=[], help="files to judge them on")
+    parser.add_argument("--csv", type=Path, help="the table of the pages")
     args = parser.parse_args()
     sets = {path: columns(path) for path in (*args.fit, *args.check)}
-    for kind, present in (("load", LOAD_WEIGHTS), ("area", AREA_WEIGHTS)):
+    table: dict[str, list] = {
+        "set": [Path(path).stem for path in sets],
+        "points": [len(data["family"]) for data in sets.values()],
+    }
+    for kind, present in (("load", FITTED.load_weights), ("area", FITTED.area_weights)):
         weights = np.array(present)
         if args.fit:
             weights = fit(
@@ -76,11 +88,14 @@ def main() -> None:
                 np.concatenate([error(sets[path], kind) for path in args.fit]),
             )
             print(kind, "weights", tuple(round(float(w), 4) for w in weights))
+        figures: list[tuple[str, str, str]] = []
         for path, data in sets.items():
             true, terms = error(data, kind), matrix(data)
             stated = np.array(
                 [estimate(dict(zip(TERMS, row, strict=True)), tuple(weights)) for row in terms]
             )
+            shares = (np.mean(true <= stated), np.median(stated), np.median(true))
+            figures.append(tuple(f"{100 * share:.1f}" for share in shares))
             print(
                 f"  {path}: {np.mean(true <= stated):.3f} of {len(true)} inside, "
                 f"median stated {np.median(stated):.3f}, median error {np.median(true):.3f}"
@@ -91,6 +106,10 @@ def main() -> None:
                     f"    {family:32s} {np.mean(true[of] <= stated[of]):.2f}   "
                     f"stated {np.median(stated[of]):.3f}   error {np.median(true[of]):.3f}"
                 )
+        for name, column in zip(("inside", "stated", "true"), np.transpose(figures), strict=True):
+            table[f"{kind}: {name}, %"] = column.tolist()
+    if args.csv:
+        write_csv(args.csv, table)
 
 
 if __name__ == "__main__":

@@ -142,7 +142,7 @@ def large() -> None:
         boundary="periodic",
         material=MATERIAL,
     )
-    print("one solve of many contacts, law hertz, with deflection")
+    print("one solve of many contacts, law hertz, with contact shift")
     print(
         "mean pressure   closed    area   residual   s wall   s processor   products   memory [MB]"
     )
@@ -214,11 +214,11 @@ def cost() -> None:
     """Milliseconds per separation."""
     how = f"50 to a curve, least of {REPEATS} runs, law hertz"
     print(f"cost per separation, {threads()} threads, {how}")
-    print("map              deflection   closed    area   ms wall   ms processor   products")
+    print("map           contact shift   closed    area   ms wall   ms processor   products")
     for n, cutoff, closed in ((1024, 8.0, 2000), (2048, 4.0, 14_000)):
         bodies, rms = population(n, "hertz", cutoff=cutoff)
-        for deflection in (False, True):
-            bodies.deflection = deflection
+        for shift in (False, True):
+            bodies.contact_shift = shift
             top, state = float(np.sort(bodies.height)[-3]), None
             low = top
             while state is None or state.active < closed:
@@ -238,7 +238,7 @@ def cost() -> None:
             wall, busy, products = np.array(runs).mean(axis=1).min(axis=0)
             share = state.contact_area / bodies.nominal_area
             print(
-                f"{n:5d}^2, {cutoff:.0f} px {deflection!s:>14} {state.active:8d} {share:7.3f} "
+                f"{n:5d}^2, {cutoff:.0f} px {shift!s:>14} {state.active:8d} {share:7.3f} "
                 f"{1e3 * wall:9.1f} {1e3 * busy:14.1f} {products:10.1f}"
             )
 

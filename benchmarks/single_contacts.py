@@ -3,20 +3,25 @@
     python benchmarks/single_contacts.py                   # the set that fixed nothing
     python benchmarks/single_contacts.py --set fit         # the set the factors were chosen on
     python benchmarks/single_contacts.py --harmonics       # third and fourth harmonics, every ratio
+    python benchmarks/single_contacts.py --csv docs/development/data/law_estimates.csv
+    python benchmarks/single_contacts.py --harmonics \\
+        --csv docs/development/data/single_harmonics.csv
 
 Sections: polygonal, rounded and irregular bodies r^k psi(phi) of several k and m. Summits: local
 peaks cut from self-affine maps, pressed to two depths inside their basins. The two sets differ in
 every seed. For each law and kind: the share of contacts whose error of the force lies inside the
 error that the law expects of itself (plus the change of the boundary elements on the coarser
-grid), root mean square and largest errors of force and area in percent.
+grid), root mean square and largest errors of force and area in percent. --csv keeps the table that
+the pages show.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import comb
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,15 +29,17 @@ from scipy.ndimage import label
 
 import surfaces
 from asperity import HalfSpace, indent
-from asperity.bem.single import BemIndentation
+from asperity.bem.single import BemIndentation, indent_bem
 from asperity.errors import AsperityError
-from asperity.indentation_bem import indent_bem
 from asperity.microcontact.hertz import elliptic_contact
+from asperity.results.storage import write_csv
 from surfaces import PolynomialProfile, shapes
 
 SEEDS = {"fit": 100, "check": 500}
 LAWS = ("paper", "harmonic", "ellipse", "ritz", "hertz", "auto")
 GRADINGS = (-0.3, 0.0, 0.3, 0.5)
+HARMONICS = {"third": (0.2, 0.0), "fourth": (0.0, 0.2), "both": (0.2, 0.2)}
+"""Shares of the third and the fourth harmonic of the gap."""
 FAMILIES = (
     {"cutoff": 10.0, "hurst": 0.8},
     {"cutoff": 6.0, "hurst": 0.5},
@@ -97,9 +104,9 @@ def reference(contact: Contact, grid: int) -> tuple[BemIndentation, float] | Non
     return fine, abs(float(coarse.force / fine.force - 1))
 
 
-def judge(contacts: list[Contact], grid: int) -> None:
-    """Print the share inside and the errors, law by law and kind by kind."""
-    rows: dict[tuple[str, str], list[tuple[float, float, float, bool]]] = {}
+def judge(contacts: list[Contact], grid: int) -> dict[str, list[str]]:
+    """Print the share inside and the errors, law by law; return the table of the pages."""
+    rows: dict[tuple[str, str], list[tuple[float, float, float, bool, bool]]] = {}
     used = 0
     for contact in contacts:
         found = reference(contact, grid)
@@ -118,7 +125,8 @@ def judge(contacts: list[Contact], grid: int) -> None:
             error = abs(float(one.force / truth.force) - 1)
             inside = error <= float(one.error_estimate) + doubt
             area = abs(float(one.contact_area / truth.contact_area) - 1)
-            row = (error, area, float(one.error_estimate), inside)
+            flagged = bool(np.any(one.flags))
+            row = (error, area, float(one.error_estimate), inside, flagged)
             for kind in (contact.kind, "all"):
                 rows.setdefault((law, kind), []).append(row)
     print(f"{used} of {len(contacts)} contacts usable, grid {grid}")
@@ -126,12 +134,33 @@ def judge(contacts: list[Contact], grid: int) -> None:
         "law        kind        n  inside %   e_F rms  largest   e_A rms  largest  estimate rms %"
     )
     for (law, kind), values in sorted(rows.items()):
-        error, area, expected, inside = np.array(values).T
+        error, area, expected, inside, _ = np.array(values).T
         print(
             f"{law:10} {kind:9} {inside.size:4d} {100 * inside.mean():8.1f}  "
             f"{100 * rms(error):8.3f} {100 * error.max():8.2f}  "
             f"{100 * rms(area):8.2f} {100 * area.max():8.2f}  {100 * rms(expected):8.3f}"
         )
+    return _estimates({key: np.array(values) for key, values in rows.items()})
+
+
+def _estimates(rows: dict[tuple[str, str], np.ndarray]) -> dict[str, list[str]]:
+    """Share inside and rms errors of the force, one row per law; empty where no contact is left."""
+    laws = [law for law in LAWS if law != "auto"]
+    table = {"law": [f"`{law}`" for law in laws]}
+
+    def column(kind: str, figure: Callable[[np.ndarray], str], unflagged: bool) -> list[str]:
+        chosen = (rows.get((law, kind), np.empty((0, 5))) for law in laws)
+        parts = (part[part[:, 4] == 0] if unflagged else part for part in chosen)
+        return [figure(part) if len(part) else "" for part in parts]
+
+    for name, figure, unflagged in (
+        ("{} inside", lambda part: f"{100 * part[:, 3].mean():.0f} %", False),
+        ("force error of {}, rms, %", lambda part: f"{100 * rms(part[:, 0]):.2g}", False),
+        ("{} without flag, rms, %", lambda part: f"{100 * rms(part[:, 0]):.2g}", True),
+    ):
+        for kind in ("sections", "summits"):
+            table[name.format(kind)] = column(kind, figure, unflagged)
+    return table
 
 
 def rms(values: np.ndarray) -> float:
@@ -193,14 +222,20 @@ class Walled:
         return np.asarray(np.maximum(self.profile(held, phi), 0.0) + 2 * over)
 
 
-def harmonics(grid: int) -> None:
-    """Print the errors of `ellipse` for third and fourth harmonics, apart and together."""
+def harmonics(grid: int) -> dict[str, list[str]]:
+    """Print the errors of `ellipse` for third and fourth harmonics; the table of the pages."""
+    largest: dict[str, list[str]] = {"m": [], "curvature ratio": []}
+    largest |= {
+        f"{kind} error: {which}, %": [] for kind in ("force", "area") for which in HARMONICS
+    }
     rng = np.random.default_rng(7)
     some = [(0.4, 0.9), (0.0, 0.0), *(tuple(rng.uniform(0, 2 * np.pi, 2)) for _ in range(2))]
     print("m     ratio  third fourth    e_F %  worst    e_A %  worst   estimate %  BEM grid %")
     for m in (0.0, 0.5, -0.3):
         for ratio in (1.0, 3.0, 10.0):
-            for third, fourth in ((0.2, 0.0), (0.0, 0.2), (0.2, 0.2)):
+            largest["m"].append(f"{m:g}")
+            largest["curvature ratio"].append(f"{ratio:g}")
+            for which, (third, fourth) in HARMONICS.items():
                 rows = []
                 for phases in some:
                     body, material, axes = waved(ratio, m, third, fourth, phases)
@@ -221,12 +256,15 @@ def harmonics(grid: int) -> None:
                         )
                     )
                 force, area, expected, change = 100 * np.array(rows).T
+                largest[f"force error: {which}, %"].append(f"{np.abs(force).max():.2g}")
+                largest[f"area error: {which}, %"].append(f"{np.abs(area).max():.1f}")
                 print(
                     f"{m:4.1f} {ratio:6.0f} {third:6.1f} {fourth:6.1f} {force[0]:8.3f}"
                     f" {np.abs(force).max():6.3f} {area[0]:8.2f} {np.abs(area).max():6.2f}"
                     f" {expected.max():10.2f} {np.abs(change).max():10.3f}",
                     flush=True,
                 )
+    return largest
 
 
 def main() -> None:
@@ -236,12 +274,15 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=72, help="sections, and as many summits")
     parser.add_argument("--grid", type=int, default=96, help="points per axis (default 96)")
     parser.add_argument("--harmonics", action="store_true", help="the bar of `ellipse` instead")
+    parser.add_argument("--csv", type=Path, help="the table of the pages")
     args = parser.parse_args()
     if args.harmonics:
-        harmonics(max(args.grid, 128))
-        return
-    seed = SEEDS[args.which]
-    judge([*sections(seed, args.count), *summits(seed, args.count)], args.grid)
+        table = harmonics(max(args.grid, 128))
+    else:
+        seed = SEEDS[args.which]
+        table = judge([*sections(seed, args.count), *summits(seed, args.count)], args.grid)
+    if args.csv:
+        write_csv(args.csv, table)
 
 
 if __name__ == "__main__":

@@ -41,6 +41,16 @@ def plot_map(hm: HeightMap, peaks: Peaks | None = None) -> Figure:
         The map; missing points are drawn white.
     peaks
         Peaks to mark. Of more than 400 the most prominent 400 are marked; all basins are outlined.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> figure = surfaces.plot_map(hm, surfaces.segment(hm))
+    >>> len(figure.axes[0].images)
+    2
     """
     require_map(hm)
     stride = max(1, -(-max(hm.shape) // _PIXELS))
@@ -66,7 +76,18 @@ def plot_map(hm: HeightMap, peaks: Peaks | None = None) -> Figure:
 
 
 def plot_spectrum(spectrum: Spectrum, fit: SpectrumFit | None = None) -> Figure:
-    """Density of the rings over the wave number, the axes' profiles, and the fitted model."""
+    """Density of the rings over the wave number, the axes' profiles, and the fitted model.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> figure = surfaces.plot_spectrum(surfaces.power_spectrum(hm))
+    >>> figure.axes[0].get_xscale()
+    'log'
+    """
     figure = Figure(figsize=(6.4, 4.2), layout="constrained")
     axes = figure.add_subplot()
     floor = spectrum.density.max() * 1e-14
@@ -103,6 +124,17 @@ def plot_profiles(profiles: Profiles, chosen: Iterable[int]) -> Figure:
         From `surfaces.fit_profiles`.
     chosen
         Indices of up to nine peaks.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> profiles = surfaces.fit_profiles(hm, surfaces.segment(hm))
+    >>> figure = surfaces.plot_profiles(profiles, [0, 1])
+    >>> len(figure.axes)
+    2
     """
     indices = list(chosen)[:9]
     columns = min(3, len(indices)) or 1
@@ -133,7 +165,18 @@ def plot_profiles(profiles: Profiles, chosen: Iterable[int]) -> Figure:
 
 
 def plot_bearing(curve: BearingCurve) -> Figure:
-    """Height over material ratio, with the core between its reduced peaks and dales."""
+    """Height over material ratio, with the core between its reduced peaks and dales.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> figure = surfaces.plot_bearing(surfaces.bearing_curve(hm))
+    >>> len(figure.axes) > 0
+    True
+    """
     figure = Figure(figsize=(6.4, 3.4), layout="constrained")
     axes = figure.add_subplot()
     scale, unit = _prefix(float(np.abs(curve.height).max()))
@@ -149,7 +192,18 @@ def plot_bearing(curve: BearingCurve) -> Figure:
 
 
 def plot_autocorrelation(correlation: Autocorrelation) -> Figure:
-    """Correlation over shifts along x and y, with the contour at which Sal and Str are read."""
+    """Correlation over shifts along x and y, with the contour at which Sal and Str are read.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> figure = surfaces.plot_autocorrelation(surfaces.autocorrelation(hm))
+    >>> len(figure.axes) > 0
+    True
+    """
     lag_y, lag_x = correlation.lag_y, correlation.lag_x
     stride = max(1, len(lag_y) // _PIXELS, len(lag_x) // _PIXELS)
     value = correlation.value[::stride, ::stride]

@@ -43,6 +43,13 @@ class PowerSumProfile:
     -----
     The section changes with height unless there is one term. All radial integrals of such a
     profile are closed.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> tip = surfaces.PowerSumProfile([2.0, 4.0], [1.0, 0.5])
+    >>> f"{float(tip(1.0, 0.0)):.2f}"
+    '1.50'
     """
 
     powers: tuple[float, ...]
@@ -74,8 +81,8 @@ class PowerSumProfile:
         """Angular factors psi_i at the angles `phi` [rad], shape (terms, *phi.shape)."""
         angle = np.asarray(phi, dtype=float)
         out = np.empty((len(self.powers), *angle.shape))
-        for row, psi in zip(out, self.angular, strict=True):
-            row[...] = psi(angle)
+        for i, psi in enumerate(self.angular):
+            out[i] = psi(angle)
         if not np.all(np.isfinite(out)):
             raise InputError("the angular factor psi is not finite at every angle")
         return out
@@ -181,6 +188,15 @@ class PolarProfile:
     although the values rise, it is the monotone cubic (PCHIP), which is C1 only. Beyond the last
     radius f goes on with its last slope and the curvature 2 f/r^2 there; contacts that reach so
     far are flagged by the laws. Between the rays: periodic cubic spline in phi.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import surfaces
+    >>> r, phi = np.linspace(0, 1, 9), 2 * np.pi * np.arange(8) / 8
+    >>> bowl = surfaces.PolarProfile(r, phi, np.outer(r**2, np.ones(8)))
+    >>> f"{float(bowl(0.5, 0.3)):.3f}"
+    '0.250'
     """
 
     r: Array

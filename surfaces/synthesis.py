@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from surfaces.numerics.memory import require_memory
 
+from .arguments import as_number
 from .errors import InputError
 from .heightmap import LONGEST, SHORTEST, HeightMap
 
@@ -96,14 +97,34 @@ def self_affine(
     The amplitude of wave vector k (cycles per metre) is proportional to
     ``max(|k|, 1/rolloff) ** -(1 + H)`` for ``|k| <= 1/cutoff`` and zero beyond, so that the power
     spectral density falls as ``|k| ** (-2 - 2 H)``. The mean and the Nyquist lines are zero.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> hm
+    <HeightMap 32 x 48, pixel 1e-06 x 1e-06 m, periodic>
+    >>> f"{hm.roughness.rms_slope:.3f}"
+    '0.100'
     """
     (ny, nx), (ly, lx) = shape, size
+    lengths = {"rolloff": rolloff, "cutoff": cutoff}
+    scales = {"rms_slope": rms_slope, "rms_height": rms_height}
+    for name, value in {**lengths, **scales, "hurst": hurst, "angle": angle}.items():
+        if value is not None:
+            as_number(name, value)
+    as_number("anisotropy", anisotropy)
     _check(0.0 <= hurst <= 1.0, f"hurst is {hurst}; it must lie between 0 and 1")
     _check(
         1.0 <= anisotropy < np.inf, f"anisotropy is {anisotropy}; it must be at least 1, and finite"
     )
     _check(np.isfinite(angle), f"angle is {angle}; it must be a number of radians")
-    _check(int(seed) == seed >= 0, f"seed is {seed}; it must be a whole number, not negative")
+    _check(
+        isinstance(seed, int | np.integer) and seed >= 0,
+        f"seed is {seed}; it must be a whole number, not negative",
+    )
     for name, wavelength in (("rolloff", rolloff), ("cutoff", cutoff)):
         _check(
             wavelength is None or wavelength > 0.0,

@@ -66,6 +66,13 @@ def plateau_honed(
     ------
     InputError
         If `plateau` is not in (0, 1], `rms_slope` not positive, or no wave fits the map.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.plateau_honed((32, 48), (32e-6, 48e-6), rms_slope=0.1, cutoff=8e-6)
+    >>> bool(surfaces.describe(hm).heights["Ssk"] < 0)
+    True
     """
     if not 0.0 < plateau <= 1.0:
         raise InputError(f"plateau is {plateau}; it must be a fraction above 0, at most 1")
@@ -124,6 +131,13 @@ def ground(
     ------
     InputError
         If `rms_slope` is not positive or no wave fits the map.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.ground((32, 48), (32e-6, 48e-6), rms_slope=0.1, cutoff=8e-6)
+    >>> f"{hm.roughness.rms_slope:.2f}"
+    '0.10'
     """
     long = min(size) / 8.0 if rolloff is None else rolloff
     stretch = np.sqrt(length)
@@ -174,6 +188,13 @@ def turned(
     ------
     InputError
         If the feed is not positive, the nose too sharp for it, or the roughness negative.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.turned((32, 48), (32e-6, 48e-6), feed=16e-6, nose_radius=1e-4)
+    >>> len(surfaces.segment(hm)) > 0
+    True
     """
     if not 0.0 < feed <= 2.0 * nose_radius:
         raise InputError(f"feed is {feed}; it must be positive and at most twice the nose radius")
@@ -232,6 +253,20 @@ def two_scale(
     ------
     InputError
         If the bands are not apart, a height is negative, or no wave fits into a band.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.two_scale(
+    ...     (64, 96),
+    ...     (64e-6, 96e-6),
+    ...     coarse=32e-6,
+    ...     fine=8e-6,
+    ...     coarse_height=1e-7,
+    ...     fine_height=1e-8,
+    ... )
+    >>> f"{hm.rms_height:.1e}"
+    '1.0e-07'
     """
     if not (coarse > fine > 0.0 and width > 1.0):
         raise InputError(
@@ -281,6 +316,17 @@ def redistribute(
     References
     ----------
     Schreiber and Schmitz, Phys. Rev. Lett. 77 (1996) 635 (iterated amplitude adjustment).
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> import numpy as np
+    >>> uniform = surfaces.redistribute(hm, lambda share: 1e-6 * share)
+    >>> f"{np.ptp(uniform.heights):.1e}"
+    '1.0e-06'
     """
     if not hm.periodic or hm.missing:
         raise InputError("redistribute needs a periodic map without missing points")

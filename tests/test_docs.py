@@ -1,10 +1,12 @@
-"""What the pages show can be done: blocks of Python run, commands are understood."""
+"""What the pages show can be done and is so: code runs, commands, links and tables are right."""
 
 from __future__ import annotations
 
 import re
 import shlex
 from pathlib import Path
+from runpy import run_path
+from textwrap import dedent
 
 import numpy as np
 import pytest
@@ -14,14 +16,22 @@ import surfaces
 from asperity.cli.main import COMMANDS, build_parser, main
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-HEADER = r"asperity (?:" + "|".join(COMMANDS) + r") [^\n#`]+"
+FOR_USERS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [
+    *FOR_USERS,
+    ROOT / "CONTRIBUTING.md",
+    ROOT / "CHANGELOG.md",
+    *sorted((ROOT / "docs" / "development").glob("*.md")),
+]
+HEADER = r"asperity (?:" + "|".join(COMMANDS) + r")(?= |\n)[^\n#`]*"
 
 
 def _blocks(language: str) -> list[tuple[str, str]]:
     """Page and text of the fenced blocks of a language."""
-    pattern = re.compile(rf"^```{language}\n(.*?)^```", re.MULTILINE | re.DOTALL)
-    return [(page.name, text) for page in PAGES for text in pattern.findall(page.read_text())]
+    pattern = re.compile(rf"^( *)```{language}\n(.*?)^ *```", re.MULTILINE | re.DOTALL)
+    return [
+        (page.name, dedent(text)) for page in PAGES for _, text in pattern.findall(page.read_text())
+    ]
 
 
 @pytest.fixture
@@ -53,19 +63,45 @@ def test_python_on_the_pages_runs(folder):
 def test_every_link_and_every_file_that_is_named_exists():
     """Of the pages, and the files that docstrings and comments name."""
     for page in PAGES:
-        for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text()):
+        for target, anchor in re.findall(r"\]\(([^)#:]+)(?:#([^)]+))?\)", page.read_text()):
             assert (page.parent / target).exists(), (page.name, target)
+            assert not anchor or anchor in _anchors(page.parent / target), (page.name, anchor)
     named = re.compile(
         r"\b(?:asperity|surfaces|benchmarks|examples|docs|tests)/[\w/]+\.(?:py|md)\b"
     )
     sources = [
         file
-        for top in ("asperity", "surfaces", "benchmarks")
+        for top in ("asperity", "surfaces", "benchmarks", "examples", "tests")
         for file in ROOT.glob(f"{top}/**/*.py")
     ]
     for file in (*PAGES, *sources):
         for name in named.findall(file.read_text()):
             assert (ROOT / name).is_file(), (file.name, name)
+
+
+def _anchors(page: Path) -> set[str]:
+    """Names that a link may give to the headings of a page."""
+    headings = re.findall(r"^#+ (.+)$", page.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", heading).lower().replace(" ", "-") for heading in headings}
+
+
+def test_tables_on_the_pages_are_those_of_the_files():
+    script = run_path(str(ROOT / "benchmarks" / "tables.py"))
+    texts = {page: page.read_text() for page in script["pages"]()}
+    shown = [name for text in texts.values() for _, name, _ in script["MARKED"].findall(text)]
+    assert set(shown) == {path.stem for path in script["DATA"].glob("*.csv")}
+    for page, text in texts.items():
+        assert script["filled"](text) == text, f"{page.name}: run python benchmarks/tables.py"
+
+
+def test_the_pages_for_users_are_short():
+    words = [w for page in FOR_USERS for w in page.read_text().split() if re.search(r"\w", w)]
+    assert len(words) <= 7000
+
+
+def test_histories_and_seeds_are_left_to_the_pages_for_developers():
+    for page in FOR_USERS:
+        assert not re.search(r"seeds? \d|\d -> |before -> now", page.read_text()), page.name
 
 
 def test_commands_on_the_pages_are_understood():
@@ -88,7 +124,7 @@ def test_examples_of_the_help_are_understood(command, capsys):
 def _commands(text: str) -> list[list[str]]:
     """Arguments of the complete commands in a text: those that name a file or a shape, whole."""
     found = (shlex.split(line)[1:] for line in re.findall(HEADER, text.replace("\n--", " --")))
-    complete = re.compile(r"\.h5|FILE|--shape|--folder")
+    complete = re.compile(r"\.h5|FILE|--shape|--folder|^warmup$")
     return [words for words in found if "..." not in words and complete.search(" ".join(words))]
 
 
@@ -101,7 +137,9 @@ def test_commands_of_the_readme_run(folder, capsys):
 
 
 MEASURED = re.findall(
-    r"^    asperity (surface peaks .*)$", (ROOT / "docs" / "surfaces.md").read_text(), re.MULTILINE
+    r"^    asperity (surface peaks .*)$",
+    (ROOT / "docs" / "development" / "peaks.md").read_text(),
+    re.MULTILINE,
 )
 
 

@@ -33,7 +33,7 @@ def _row_runs(row: NDArray[np.float64], nx: int, begin: Index, end: Index) -> in
     return n
 
 
-@compiled()
+@inner()
 def _join(
     parent: Index,
     begin: Index,
@@ -73,8 +73,9 @@ def contact_counts(pressure: NDArray[np.float64], nx: int, periodic: bool) -> An
     width = nx // 2 + 1
     begin, end = np.empty((3, width), np.int64), np.empty((3, width), np.int64)
     parent = np.empty(max(width, 1024), np.int64)
-    pixels = edges = runs = joints = 0
-    first_n = old_n = old_label = old_pixels = first_pixels = 0
+    zero = np.int64(0)  # a bare 0 is a type of its own, for which `_join` is compiled anew
+    pixels = edges = runs = joints = zero
+    first_n = old_n = old_label = old_pixels = first_pixels = zero
     for y in range(ny):
         now, old = 1 + y % 2, 2 - y % 2
         n = _row_runs(pressure[y], nx, begin[now], end[now])
@@ -100,16 +101,16 @@ def contact_counts(pressure: NDArray[np.float64], nx: int, periodic: bool) -> An
         edges += row_pixels + old_pixels - 2 * common
         if y == 0:
             first_n, first_pixels = n, row_pixels
-            begin[0], end[0] = begin[now], end[now]
+            for i in range(n):  # whole rows take 1 s to compile, with words for other shapes
+                begin[0, i], end[0, i] = begin[now, i], end[now, i]
         pixels += row_pixels
         old_n, old_label, old_pixels = n, runs, row_pixels
         runs += n
     last = 1 + (ny - 1) % 2
-    common = 0
     if periodic:
         edges -= first_pixels
         common, joined = _join(
-            parent, begin[0], end[0], first_n, 0, begin[last], end[last], old_n, old_label
+            parent, begin[0], end[0], first_n, zero, begin[last], end[last], old_n, old_label
         )
         joints += joined
         edges += first_pixels + old_pixels - 2 * common

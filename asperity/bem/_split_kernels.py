@@ -43,11 +43,11 @@ def cut_tiles(start: Index, columns: NDArray[np.int32], stride: int) -> Any:
             while m < LANES and k + m < start[y + 1] and columns[k + m] == columns[k] + m:
                 m += 1
             if m >= _SHORTEST:
-                tiles[n_tiles] = origin + columns[k], k, m
+                tiles[n_tiles, 0], tiles[n_tiles, 1], tiles[n_tiles, 2] = origin + columns[k], k, m
                 n_tiles += 1
             else:
                 for i in range(k, k + m):
-                    points[n_points] = origin + columns[i], i
+                    points[n_points, 0], points[n_points, 1] = origin + columns[i], i
                     n_points += 1
             k += m
     return tiles[:n_tiles].copy(), points[:n_points].copy()

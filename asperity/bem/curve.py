@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
+from asperity.compilation import compile_ahead
 from asperity.errors import InputError
 from asperity.halfspace.boundary import chosen_boundary
 from asperity.halfspace.load_points import checked_loads, expected_area_fraction
@@ -117,9 +118,21 @@ def bem_curve(
         closer they lie, the better. `residual` is the worst entry of the certificate; `extra` holds
         the certificate by entry, raw area, elastic energy, iterations, transform pairs and
         seconds; a point that missed the tolerance is marked and explained.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> curve = asperity.bem_curve(hm, steel, pressures=[1e8, 1e9])
+    >>> bool(curve.converged.all()), bool(curve.area_fraction[1] > curve.area_fraction[0])
+    (True, True)
     """
     if check and accuracy is None:
         raise InputError("check tells how well an accuracy is held; give accuracy as well")
+    compile_ahead("bem")
     kind, values = checked_loads(hm, mat, pressures, separations)
     few = loads_to_solve(values) if accuracy is not None and kind == "pressure" else None
     if few is not None:

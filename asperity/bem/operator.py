@@ -40,7 +40,8 @@ class HalfSpaceOperator:
     Notes
     -----
     Periodic: ``u^(q) = Lambda(q) p^(q)`` with ``Lambda ~ |q|**(m-1)`` and ``Lambda(0) = 0``.
-    Free: exact cell-integrated influence, convolved by zero padding (docs/half_space.md).
+    Free: exact cell-integrated influence, convolved by zero padding
+    (docs/development/half_space.md).
     """
 
     def __init__(

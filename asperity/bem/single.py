@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,13 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.errors import InputError
 from asperity.halfspace.flags import Flag
 from asperity.halfspace.influence import ElasticHalfSpace
+from asperity.halfspace.material import require_half_space
+from surfaces.arguments import as_number
 
 from .certificate import Certificate
 from .profile_map import Profile, map_of, places, sampled, section_box
 from .solution import BemSolution
 from .solve import bem_solve
 
-__all__ = ["BemIndentation", "FirstGuess", "indent_bem"]
+__all__ = ["BemIndentation", "indent_bem"]
 
 _COARSE_POINTS = 64
 """Points per axis of the grid that finds the contact."""
@@ -34,22 +36,6 @@ _MAX_APPROACHES = 30
 
 _PLACEMENTS = 4
 """How often the fine grid is widened when the contact reaches its rim."""
-
-
-@dataclass(frozen=True, eq=False)
-class FirstGuess:
-    """An approximate contact from which the solution starts; it does not change the answer.
-
-    Attributes
-    ----------
-    approach
-        Its approach [m].
-    pressure
-        Function (x, y) -> pressure [Pa] of arrays of places from the summit.
-    """
-
-    approach: float
-    pressure: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +58,14 @@ class BemIndentation:
         The full solution of each approach, with pressure, gap and certificate.
     summit
         Where the profile's origin lies on the map of each solution, (x, y) [m].
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> tip = surfaces.PowerLawProfile(2.0, 0.5)
+    >>> one = asperity.indent_bem(tip, asperity.HalfSpace.from_modulus(1.0), 0.01, grid=32)
+    >>> one.pressure_map.shape, bool(one.pressure(0.0, 0.0) > one.force / one.contact_area)
+    ((32, 32), True)
     """
 
     approach: Any
@@ -168,30 +162,55 @@ def indent_bem(
     load: ArrayLike | None = None,
     grid: int = 256,
     tolerance: float = 1e-6,
-    guesses: Sequence[FirstGuess | None] = (),
 ) -> BemIndentation:
-    """`asperity.indent_bem`, which says what the rest is, from given starts.
+    """Indentation of a half-space by one rigid profile: force, area, contour and pressure.
 
     Parameters
     ----------
-    guesses
-        An approximate contact for each approach or load, or None where there is none: the first
-        pressure of the coarse grid, from which the fine one starts.
+    profile
+        Gap at first touch f(r, phi) [m], zero at the summit and growing on every ray.
+    mat
+        Elastic half-space, homogeneous or graded.
+    approach
+        Rigid-body approach d [m], positive, a number or shape (n,).
+    load
+        Normal force [N] in place of the approach; the approach is then part of the solution.
+    grid
+        Points per axis, 16 or more; the grid is fitted to the contact.
+    tolerance
+        Bound on each entry of the certificate [-].
+
+    Raises
+    ------
+    InputError
+        If neither or both of approach and load are given, one is not positive, the grid is too
+        small, the profile never rises to the approach, or profile or material are something else.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> sphere = surfaces.PowerLawProfile(2.0, 1.0)
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> found = asperity.indent_bem(sphere, steel, 1e-6, grid=32)
+    >>> bool(found.converged), f"{found.force / (steel.modulus * 1e-6**1.5):.2f}"
+    (True, '0.94')
     """
-    if grid < 16:
+    if not callable(profile):
+        raise InputError(f"profile must be a gap f(r, phi), got {type(profile).__name__}")
+    require_half_space(mat)
+    if as_number("grid", grid) < 16:
         raise InputError(f"grid is {grid}; give at least 16 points per axis")
     if (approach is None) == (load is None):
         raise InputError("give either approach or load")
     name = "approach" if load is None else "load"
-    depths = np.asarray(approach if load is None else load, dtype=float)
+    try:
+        depths = np.asarray(approach if load is None else load, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError("approach or load must be a positive number or several") from None
     if depths.size == 0 or not (np.isfinite(depths).all() and (depths > 0.0).all()):
         unit = "[m]" if load is None else "[N]"
         raise InputError(f"{name} must be positive and finite {unit}")
-    starts = guesses or [None] * depths.size
-    found = [
-        _one(profile, mat, name, float(d), grid, tolerance, start)
-        for d, start in zip(depths.ravel(), starts, strict=True)
-    ]
+    found = [_one(profile, mat, name, float(d), grid, tolerance) for d in depths.ravel()]
     solutions, summits, inside, reached = zip(*found, strict=True)
     converged = _shaped([s.converged for s in solutions], depths)
     return BemIndentation(
@@ -216,13 +235,12 @@ def _one(
     value: float,
     grid: int,
     tolerance: float,
-    guess: FirstGuess | None,
 ) -> tuple[BemSolution, tuple[float, float], bool, float]:
     """Solve on a coarse grid around {f < d}, then on a fine one around the contact found."""
     if name == "approach":
-        coarse, place = _coarse_solution(profile, mat, value, guess)
+        coarse, place = _coarse_solution(profile, mat, value)
     else:
-        coarse, place = _coarse_solution_at_load(profile, mat, value, guess)
+        coarse, place = _coarse_solution_at_load(profile, mat, value)
     rows, cols = (np.flatnonzero(coarse.contact.any(axis=axis)) for axis in (1, 0))
     edges: list[float] = []
     for found, d, start in zip((cols, rows), coarse.spacing[::-1], place, strict=True):
@@ -253,27 +271,25 @@ def _one(
 
 
 def _coarse_solution(
-    profile: Profile, mat: ElasticHalfSpace, approach: float, guess: FirstGuess | None
+    profile: Profile, mat: ElasticHalfSpace, approach: float
 ) -> tuple[BemSolution, tuple[float, float]]:
     """Coarse solution in the box of {f < d}."""
     hm, summit = map_of(profile, section_box(profile, approach), _COARSE_POINTS)
     level = -approach - float(hm.heights.mean())
-    first = None if guess is None else guess.pressure(*places(hm, summit))
-    found = bem_solve(hm, mat, separation=level, tolerance=1e-2, boundary="free", guess=first)
-    return found, summit
+    return bem_solve(hm, mat, separation=level, tolerance=1e-2, boundary="free"), summit
 
 
 def _coarse_solution_at_load(
-    profile: Profile, mat: ElasticHalfSpace, load: float, guess: FirstGuess | None
+    profile: Profile, mat: ElasticHalfSpace, load: float
 ) -> tuple[BemSolution, tuple[float, float]]:
     """Coarse solution that carries the load to 2 %, by secants in logarithms."""
     radius = getattr(profile, "radius", np.inf)
     phi = np.linspace(0.0, 2.0 * np.pi, _RAYS, endpoint=False)
     start = radius / 8 if np.isfinite(radius) else 1.0
-    depth = float(np.mean(profile(start, phi))) if guess is None else guess.approach
+    depth = float(np.mean(profile(start, phi)))
     power, last = 1.5, None
     for _ in range(_MAX_APPROACHES):
-        coarse, summit = _coarse_solution(profile, mat, depth, guess)
+        coarse, summit = _coarse_solution(profile, mat, depth)
         force = coarse.load
         if abs(force / load - 1) < 0.02:
             return coarse, summit

@@ -10,7 +10,7 @@ from pathlib import Path
 from asperity.errors import AsperityError
 
 from . import options, output
-from .main import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
+from .exit_codes import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
 from .surface import expand
 
 EPILOG = """examples:

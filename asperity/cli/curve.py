@@ -36,13 +36,12 @@ def run(args: argparse.Namespace) -> int:
     output.require_outputs(args.results, args.csv, args.slip, *tables, inputs=[args.file])
     material, loads = options.material(args), options.loads(args)
     derived.require_derivable(material, loads, args)
-    from asperity.compilation import compiling
-
-    with compiling("laws", "contacts"):
-        hm = options.load_surface(args.file, args)
+    hm = options.load_surface(args.file, args)
+    from asperity.compilation import CURVE, compile_ahead
     from asperity.curve import contact_curve
     from asperity.model.plan import make_plan
 
+    compile_ahead(*CURVE)
     plan = make_plan(hm, material, **loads, **options.model(args))
     solve = partial(contact_curve, hm, material, plan=plan)
     request = output.request_of(hm, material, args, options.model(args))
@@ -63,7 +62,7 @@ def _write_last_point(hm, material, plan, curve, args) -> None:  # type: ignore[
 
     last = solve_contacts(hm, material, plan, pressures=curve.mean_pressure[-1:])
     if args.contacts:
-        if plan.fine is not None:
+        if plan.sub_contact_law is not None:
             text = "contacts are of the longer waves; fine ones part them into spots (--spots)"
             sys.stderr.write(f"asperity curve: {text}\n")
         write_csv(args.contacts, columns(last.microcontacts()))

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 import io
 import os
 import re
 import sys
 from collections.abc import Sequence
+from types import ModuleType
 from typing import Any
 
 from asperity import __version__
 from asperity.errors import AsperityError, ConvergenceError
 
+from .exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED, EXIT_NOT_CONVERGED, EXIT_OK
 from .interrupt import interruptible
-
-EXIT_OK, EXIT_NOT_CONVERGED, EXIT_BAD_INPUT = 0, 1, 2
-EXIT_INTERRUPTED = 130
 
 COMMANDS = {
     "demo": "make a surface, run both models, write report.html and print the verdict",
@@ -28,6 +26,7 @@ COMMANDS = {
     "indent": "one microcontact: force, area, contour and pressure against approach",
     "surface": "height maps: info, generate, prepare, convert, validate, peaks",
     "report": "rebuild the report from a results file",
+    "warmup": "compile for this machine all that daily use needs; later runs start at once",
 }
 
 
@@ -115,5 +114,43 @@ def _open_streams() -> None:
             stream.reconfigure(errors="backslashreplace")
 
 
-def _module(command: str):  # type: ignore[no-untyped-def]
-    return importlib.import_module(f"asperity.cli.{command}")
+def _module(command: str) -> ModuleType:
+    """Module of a sub-command, with `add_arguments` and `run`; only the one in use is imported."""
+    match command:
+        case "demo":
+            from . import demo
+
+            return demo
+        case "curve":
+            from . import curve
+
+            return curve
+        case "bem":
+            from . import bem
+
+            return bem
+        case "compare":
+            from . import compare
+
+            return compare
+        case "plan":
+            from . import plan
+
+            return plan
+        case "indent":
+            from . import indent
+
+            return indent
+        case "surface":
+            from . import surface
+
+            return surface
+        case "report":
+            from . import report
+
+            return report
+        case "warmup":
+            from . import warmup
+
+            return warmup
+    raise ValueError(f"no command is called {command!r}")

@@ -16,7 +16,7 @@ from asperity.results.curve import POINT_FIELDS, ContactCurve
 from surfaces.files.atomic import replacing, require_replaceable
 
 from . import derived
-from .main import EXIT_NOT_CONVERGED, EXIT_OK
+from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -24,7 +24,7 @@ def run(args: argparse.Namespace) -> int:
     """Print the plan."""
     from asperity.model.plan import make_plan
 
-    from .main import EXIT_OK
+    from .exit_codes import EXIT_OK
 
     material, loads = options.material(args), options.loads(args)
     hm = options.load_surface(args.file, args)

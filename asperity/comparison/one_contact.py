@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from asperity.errors import ModelRangeError
 from asperity.halfspace.material import HalfSpace
-from asperity.microcontact.indent import Indentation, indent
+from asperity.microcontact.indent import indent
+from asperity.microcontact.indentation import Indentation
 from asperity.microcontact.laws import LAWS
 from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 
@@ -137,7 +138,7 @@ def judge(
     driven = {"approach": approach, "load": load}
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     if grid is not None:
-        from asperity.indentation_bem import indent_bem
+        from asperity.bem.single import indent_bem
 
         start = time.perf_counter()
         reference = indent_bem(profile, material, **driven, grid=grid, tolerance=tolerance)

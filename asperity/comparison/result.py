@@ -13,7 +13,33 @@ from asperity.errors import FileFormatError, InputError
 from asperity.results.curve import ContactCurve
 from asperity.results.storage import ResultFile, read_results, write_results
 
-__all__ = ["Comparison"]
+__all__ = ["PARETO_TYPE", "Comparison"]
+
+PARETO_TYPE = np.dtype(
+    [
+        ("model", "U16"),
+        ("ny", np.int64),
+        ("nx", np.int64),
+        ("tolerance", np.float64),
+        ("seconds", np.float64),
+        ("load_error", np.float64),
+        ("area_error", np.float64),
+        ("separation_error", np.float64),
+    ]
+)
+
+TABLE_COLUMNS = (
+    "mean_pressure",
+    "area_bem",
+    "area_model",
+    "separation_bem",
+    "separation_model",
+    "load_error",
+    "area_error",
+    "separation_error",
+    "contacts_bem",
+    "contacts_model",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +70,17 @@ class Comparison:
         What the model run needed and left out.
     about
         Facts about the input.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> both = asperity.compare(hm, steel, pressures=[1e9], tolerance=1e-4)
+    >>> both.verdict().split(",")[0]
+    'At a mean pressure of 1e+09 Pa'
     """
 
     model: ContactCurve
@@ -118,7 +155,7 @@ class Comparison:
             "map_point": self.map_point,
         }
         return ResultFile(
-            curves={"asperity": self.model, "bem": self.reference},
+            curves={"asperity": self.model.to_record(), "bem": self.reference.to_record()},
             tables={
                 "comparison": self.table,
                 "pareto": self.pareto,
@@ -145,10 +182,17 @@ class Comparison:
         if "comparison" not in held.tables:
             raise InputError(f"{path} holds no comparison; make one with asperity compare")
         about = dict(held.about)
+        if not (
+            _has_numbers(held.tables["comparison"], TABLE_COLUMNS)
+            and _has_numbers(held.tables.get("pareto"), (PARETO_TYPE.names or ())[1:])
+        ):
+            raise FileFormatError(
+                f"{path}: a column of the comparison is missing or holds no numbers; make it again"
+            )
         try:
             found = cls(
-                model=held.curves["asperity"],
-                reference=held.curves["bem"],
+                model=ContactCurve.from_record(held.curves["asperity"]),
+                reference=ContactCurve.from_record(held.curves["bem"]),
                 table=held.tables["comparison"],
                 pareto=held.tables["pareto"],
                 plan=tuple(about.pop("plan")),
@@ -161,15 +205,27 @@ class Comparison:
             whole = all(one.shape == tuple(about["shape"]) for one in found.maps.values())
         except (KeyError, TypeError, ValueError):
             whole = False
-        if not (whole and found.table.dtype.names and found.pareto.dtype.names):
+        if not whole:
             raise FileFormatError(f"{path}: part of the comparison is missing; make it again")
         return found
 
     def to_html(self, path: str | os.PathLike[str]) -> None:
         """Write the self-contained report."""
-        from .report import write_report
+        from .report.build import write_report
 
-        write_report(self, path)
+        write_report(
+            path,
+            model=self.model,
+            reference=self.reference,
+            table=self.table,
+            pareto=self.pareto,
+            maps=self.maps,
+            map_point=self.map_point,
+            overlap=self.overlap,
+            plan=self.plan,
+            about=self.about,
+            verdict=self.verdict(),
+        )
 
     def __str__(self) -> str:
         lines = ["  pressure [Pa]   area BEM   area model   load error   area error   ds/rms"]
@@ -183,3 +239,10 @@ class Comparison:
         return "\n".join(lines)
 
     __repr__ = __str__
+
+
+def _has_numbers(table: NDArray[Any] | None, names: tuple[str, ...]) -> bool:
+    """Whether a table has these columns, all of them of real numbers."""
+    if table is None or not set(names) <= set(table.dtype.names or ()):
+        return False
+    return all(table.dtype[name].kind in "biuf" for name in names)

@@ -11,17 +11,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.bem.curve import bem_curve
 from asperity.bem.solve import bem_solve
-from asperity.compilation import compiling, small_map
+from asperity.compilation import CURVE, compile_ahead
 from asperity.contacts.table import microcontacts
 from asperity.curve import solve_contacts
 from asperity.halfspace.load_points import checked_loads, default_pressures, slope_scale
 from asperity.model.plan import Plan, make_plan
 from asperity.results.curve import ContactCurve
 from asperity.results.tables import structured
+from asperity.warmup import small_map
 from surfaces.heightmap import HeightMap
 
 from .coarse_bem import LOOSE_TOLERANCE, coarse_grids, coarse_run, rms
-from .result import Comparison
+from .result import PARETO_TYPE, Comparison
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -32,19 +33,6 @@ MAP_AREA_FRACTION = 0.03
 """Contact area fraction near which the contact maps are taken."""
 
 ERRORS = ("load_error", "area_error", "separation_error")
-
-PARETO_TYPE = np.dtype(
-    [
-        ("model", "U16"),
-        ("ny", np.int64),
-        ("nx", np.int64),
-        ("tolerance", np.float64),
-        ("seconds", np.float64),
-        ("load_error", np.float64),
-        ("area_error", np.float64),
-        ("separation_error", np.float64),
-    ]
-)
 
 
 def compare(
@@ -89,6 +77,17 @@ def compare(
     -----
     The baseline is honest: boundary elements on the full grid and on every coarser grid, with a
     loose tolerance, by the same solver.  Errors are measured against the full grid at `tolerance`.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> both = asperity.compare(hm, steel, pressures=[1e8, 1e9], tolerance=1e-4)
+    >>> both.table["mean_pressure"].size, bool(abs(both.table["load_error"]).max() < 0.3)
+    (2, True)
     """
     say = progress if progress is not None else lambda label: None
     kind, values = checked_loads(hm, material, pressures, separations)
@@ -101,8 +100,8 @@ def compare(
         **loads,
     }
     say("compilation")
-    with compiling("laws", "contacts", "bem"):
-        first = make_plan(hm, material, **chosen) if plan is None else plan
+    compile_ahead(*CURVE, "bem")
+    first = make_plan(hm, material, **chosen) if plan is None else plan
     _compile(material, first)
     if plan is None:  # once more, on a map without stored means: its time belongs to the model
         plan = make_plan(hm.replace(), material, **chosen)
@@ -134,7 +133,7 @@ def compare(
         boundary=plan.boundary,
     )
     maps = {"bem": solution.contact, "asperity": np.zeros_like(solution.contact)}
-    contacts = microcontacts(run.bodies, run.states[point])[:0]
+    contacts = microcontacts(run.decomposition, run.points[point])[:0]
     overlap = np.nan
     if run.curve.converged[point]:
         maps["asperity"], contacts = run.contact_map(point), run.microcontacts(point)
@@ -157,7 +156,7 @@ def compare(
 def _compile(material: HalfSpace, plan: Plan) -> None:
     """Run both models once on a small map, so that no run time holds compilation."""
     small = small_map()
-    whole = dataclasses.replace(plan, above=None, resampled=None, split=None)
+    whole = dataclasses.replace(plan, above=None, resampled=None, sub_contact_law=None)
     loads = default_pressures(small, material, count=2)
     solve_contacts(small, material, whole, pressures=loads)
     bem_curve(small, material, pressures=loads, tolerance=LOOSE_TOLERANCE, boundary=plan.boundary)

@@ -17,11 +17,12 @@ from asperity.interaction.footprint import Footprints
 from surfaces.numerics.parallel import threads
 from surfaces.preparation.filtering import resample
 
-from .table import ellipses, summit_pixel
+from .table import ellipses
 
 if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
-    from asperity.model.decomposition import Asperities
+    from asperity.model.decomposition import Decomposition
+    from asperity.model.load_point import LoadPoint
     from surfaces.heightmap import HeightMap
 
 __all__ = ["contact_map", "pressed_pixels", "pressure_map"]
@@ -36,22 +37,22 @@ RELAXATION = 0.7
 """Relaxation of a correction; without it the pressure oscillates (Hertz: 2 to 4 % of the peak)."""
 
 
-def contact_map(bodies: Asperities, state: PopulationState) -> NDArray[np.bool_]:
+def contact_map(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.bool_]:
     """Pixels in contact, shape (ny, nx): those under pressure, see `pressed_pixels`."""
-    return pressure_map(bodies, state) > 0
+    return pressure_map(decomposition, point) > 0
 
 
-def pressure_map(bodies: Asperities, state: PopulationState) -> Array:
+def pressure_map(decomposition: Decomposition, point: LoadPoint) -> Array:
     """Pressure [Pa] of every pixel, shape (ny, nx), zero outside the contacts."""
-    return _image(bodies.hm, *pressed_pixels(bodies, state))
+    return _image(decomposition.hm, *pressed_pixels(decomposition, point))
 
 
-def pressed_pixels(bodies: Asperities, state: PopulationState) -> tuple[Index, Index, Array]:
+def pressed_pixels(decomposition: Decomposition, point: LoadPoint) -> tuple[Index, Index, Array]:
     """The pixels in contact, whose they are, and their pressures.
 
     Parameters
     ----------
-    bodies, state
+    decomposition, point
         As in `microcontacts`.
 
     Returns
@@ -75,25 +76,25 @@ def pressed_pixels(bodies: Asperities, state: PopulationState) -> tuple[Index, I
     added, the pressure over the excess x is sqrt(x^2 + 2 s x), which rises as a square root from
     the edges of the spots. The last correction is that of the whole map.
     """
-    solved, whole = bodies.solved, bodies.hm
+    solved, whole, state = decomposition.solved, decomposition.hm, point.state
     if not state.active:
         return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0)
-    grid = _Grid.of(bodies, state, solved, bodies.peaks.labels)
-    pressure = _start(bodies, state)
+    grid = _Grid.of(decomposition, state, solved, decomposition.peaks.labels)
+    pressure = _start(decomposition, state)
     for _ in range(CORRECTIONS):
         pressed = grid.pressed(grid.wanted(pressure, grid.beside), state.area, state.force)
         pressure = _image(solved, *pressed)
     if solved is whole:
         return pressed
     beside, fine, spread = grid.beside, 0.0, 0.0
-    full = _Grid.of(bodies, state, whole, bodies.labels)
-    if bodies.plan.fine is not None:
+    full = _Grid.of(decomposition, state, whole, decomposition.labels)
+    if decomposition.plan.sub_contact_law is not None:
         left = whole.heights - resample(solved, whole.spacing).heights
-        fine = np.sqrt(bodies.plan.fine.spread) * full.pressed_flat(left)
+        fine = np.sqrt(decomposition.plan.sub_contact_law.spread) * full.pressed_flat(left)
         spread = float(np.std(fine))
         beside = spread / float(np.std(left))
-    area = bodies.closed_area(state)
-    periodic = bodies.plan.boundary == "periodic"
+    area = point.closed_area
+    periodic = decomposition.plan.boundary == "periodic"
     field = _cubic(grid.wanted(pressure, beside), whole.shape, periodic) + fine
     pressure = _image(whole, *full.pressed(field, area, state.force, spread))
     return full.pressed(full.wanted(pressure, full.beside), area, state.force, spread)
@@ -134,19 +135,23 @@ class _Grid:
 
     @classmethod
     def of(
-        cls, bodies: Asperities, state: PopulationState, hm: HeightMap, labels: NDArray[np.int32]
+        cls,
+        decomposition: Decomposition,
+        state: PopulationState,
+        hm: HeightMap,
+        labels: NDArray[np.int32],
     ) -> _Grid:
         """Of a map with the peak whose basin holds each pixel."""
-        free, body = bodies.plan.boundary == "free", bodies.material
+        free, body = decomposition.plan.boundary == "free", decomposition.material
         ny, nx = (fft.next_fast_len(2 * n, real=True) if free else n for n in hm.shape)
         qy, qx = fft.fftfreq(ny, hm.spacing[0]), fft.rfftfreq(nx, hm.spacing[1])
         number = 2.0 * np.pi * np.hypot(qy[:, None], qx)
         symbol = Footprints(body.modulus, body.m).symbol
-        owner = np.append(bodies.profiles.owner, len(state.force))[labels.ravel()]
+        owner = np.append(decomposition.summits.owner, len(state.force))[labels.ravel()]
         pixel = np.flatnonzero(np.append(state.force > 0, False)[owner])
         lost = np.setdiff1d(np.flatnonzero(state.force > 0), owner[pixel])
         own = np.append(owner[pixel], lost)
-        pixel = np.append(pixel, summit_pixel(bodies, lost, hm))
+        pixel = np.append(pixel, decomposition.summit_pixels(lost, hm))
         order = np.argsort(own, kind="stable")
         pixel, own = pixel[order], own[order]
         closed, first = np.unique(own, return_index=True)
@@ -218,14 +223,15 @@ class _Grid:
         return np.asarray(found[: self.hm.shape[0], : self.hm.shape[1]])
 
 
-def _start(bodies: Asperities, state: PopulationState) -> Array:
-    """Pressure [Pa] of elliptic contacts, p_0 (1 - rho^2)^((1+m)/2) (docs/half_space.md).
+def _start(decomposition: Decomposition, state: PopulationState) -> Array:
+    """Pressure [Pa] of elliptic contacts, p_0 (1 - rho^2)^((1+m)/2)
+    (docs/development/half_space.md).
 
     It is rescaled so that the pixels of each carry its force.
     """
-    hm = bodies.solved
-    pixel, own, distance = ellipses(bodies, state)
-    shape = (1.0 - distance**2) ** (0.5 * (1.0 + bodies.material.m))
+    hm = decomposition.solved
+    pixel, own, distance = ellipses(decomposition, state)
+    shape = (1.0 - distance**2) ** (0.5 * (1.0 + decomposition.material.m))
     carried = np.bincount(own, weights=shape, minlength=len(state.force))
     share = state.force[own] * shape / (carried[own] * hm.spacing[0] * hm.spacing[1])
     return _image(hm, pixel, own, share)

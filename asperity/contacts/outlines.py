@@ -48,9 +48,9 @@ def outlines(
 
     Notes
     -----
-    Every ray ends where its own edge operator (docs/laws.md, n = 0) reaches the approach. This
-    radius over that of the summit's paraboloid is the factor by which the outline deviates from
-    the ellipse; it is scaled to the area and held to the basin. Against `indent`
+    Every ray ends where its own edge operator (docs/development/laws.md, n = 0) reaches the
+    approach. This radius over that of the summit's paraboloid is the factor by which the outline
+    deviates from the ellipse; it is scaled to the area and held to the basin. Against `indent`
     on summits of self-affine maps the radii err by 2 to 10 % (rms; the ellipses by 7 to 20 %), on
     maps four times longer than wide by 6 to 14 % (ellipses 10 to 17 %).
     """

@@ -7,51 +7,50 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.model.load_shares import JOINED
-
 if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
-    from asperity.model.decomposition import Asperities
+    from asperity.model.decomposition import Decomposition
+    from asperity.model.load_point import LoadPoint
     from surfaces.peaks.summits import Summits
 
 __all__ = ["spot_count"]
 
 Array = NDArray[np.float64]
 
-PARTED, CROWDED = 0.97, 0.15
-"""Spots that fine waves add, per wave under the contacts: the factor and the exponent, see
-`spot_count`."""
 
-
-def spot_count(bodies: Asperities, state: PopulationState) -> int:
+def spot_count(decomposition: Decomposition, point: LoadPoint) -> int:
     """Number of separate spots.
 
     Parameters
     ----------
-    bodies
-        The surface taken apart.
-    state
+    decomposition
+        The decomposed surface.
+    point
         One load point.
 
     Notes
     -----
     Contacts of adjoining basins have joined where their mean approach is 1.6 times the mean depth
     of the pass under their summits (1.7 for two equal summits in a double well, boundary elements:
-    docs/accuracy.md). Where the finest waves act as a law, contacts of the area A that stay closed
-    on its share f and cover the share P of the map are parted into 0.97 P^-0.15 (1 - f)/f more
-    spots per wave, A (q/2 pi)^2 waves of the mean wave number q of the fine waves.
-    The constants were found on seeds 1, 2 and 11 (docs/results.md).
+    docs/development/errors.md). Where the finest waves act as a law, contacts of the area A that
+    stay closed on its share f and cover the share P of the map are parted into
+    0.97 P^-0.15 (1 - f)/f more spots per wave, A (q/2 pi)^2 waves of the mean wave number q of the
+    fine waves.
+    The constants were found on seeds 1, 2 and 11 (docs/development/errors.md).
     """
     from ._spot_kernels import spots
 
-    pairs, depth = bodies.basins.passes
-    count = float(spots(pairs, 2.0 * JOINED * depth, *_each(bodies.profiles, state)))
-    fine, area = bodies.plan.fine, state.contact_area
+    fitted = decomposition.plan.parameters.spots
+    pairs, depth = decomposition.passes
+    count = float(
+        spots(pairs, 2.0 * fitted.joined * depth, *_each(decomposition.summits, point.state))
+    )
+    fine, area = decomposition.plan.sub_contact_law, point.state.contact_area
     if fine is not None and area > 0.0:
-        closed = float(bodies.closed_area(state).sum()) / area
-        share = (area / bodies.hm.area) ** -CROWDED
+        closed = float(point.closed_area.sum()) / area
+        share = (area / decomposition.hm.area) ** -fitted.crowding
         waves = area * (fine.number / (2.0 * np.pi)) ** 2
-        count += PARTED * share * waves * (1.0 - closed) / closed
+        count += fitted.parted * share * waves * (1.0 - closed) / closed
     return round(count)
 
 

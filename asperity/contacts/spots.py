@@ -7,24 +7,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.bem.contact_map import label_patches
 from asperity.results.tables import structured
+from surfaces.patches import label_patches
 
 from .fields import pressed_pixels
 
 if TYPE_CHECKING:
-    from asperity.interaction.population import PopulationState
-    from asperity.model.decomposition import Asperities
+    from asperity.model.decomposition import Decomposition
+    from asperity.model.load_point import LoadPoint
 
 __all__ = ["spot_table"]
 
 
-def spot_table(bodies: Asperities, state: PopulationState) -> NDArray[np.void]:
+def spot_table(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.void]:
     """Table of the spots of the contact map (edge neighbors, as for boundary elements).
 
     Parameters
     ----------
-    bodies, state
+    decomposition, point
         As in `microcontacts`.
 
     Returns
@@ -34,14 +34,14 @@ def spot_table(bodies: Asperities, state: PopulationState) -> NDArray[np.void]:
     to the contact area of the curve: the pixels of a contact share its area, so that spots of
     contacts smaller than a pixel have less than one.
     """
-    hm = bodies.hm
-    pixel, contact, pressure = pressed_pixels(bodies, state)
+    hm = decomposition.hm
+    pixel, contact, pressure = pressed_pixels(decomposition, point)
     touching = np.zeros(hm.shape, bool)
     touching.flat[pixel] = True
-    labels, count = label_patches(touching, periodic=bodies.plan.boundary == "periodic")
+    labels, count = label_patches(touching, periodic=decomposition.plan.boundary == "periodic")
     own, force = labels.flat[pixel] - 1, pressure * (hm.spacing[0] * hm.spacing[1])
-    of_contact = np.bincount(contact, minlength=len(state.force))
-    share = bodies.closed_area(state)[contact] / of_contact[contact]
+    of_contact = np.bincount(contact, minlength=len(point.closed_area))
+    share = point.closed_area[contact] / of_contact[contact]
 
     def total(values: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.bincount(own, weights=values, minlength=count).astype(float, copy=False)
@@ -55,7 +55,7 @@ def spot_table(bodies: Asperities, state: PopulationState) -> NDArray[np.void]:
     places = []
     for step, shape, index in zip(hm.spacing, hm.shape, np.divmod(pixel, hm.shape[1]), strict=True):
         away = index - index[top][own]
-        if bodies.plan.boundary == "periodic":
+        if decomposition.plan.boundary == "periodic":
             away -= np.rint(away / shape).astype(np.int64) * shape
         middle = index[top] + 0.5 + total(force * away) / carried
         places.append(step * (middle % shape))

@@ -92,7 +92,7 @@ def symbol_quadrant(
 
     Compiled: its temporaries would take longer than the arithmetic.
     """
-    from asperity.bem._grid_kernels import powers
+    from ._influence_kernels import powers
 
     ky, kx = wave_numbers(shape, spacing)
     values = np.empty((shape[0] // 2 + 1, shape[1] // 2 + 1))
@@ -113,7 +113,7 @@ def influence(
     2F1), a 5 x 5 Gauss rule to 100 cells, and beyond it the mean over the cell by its Taylor
     series to fourth order (relative error below 1e-13).
     """
-    from asperity.bem._grid_kernels import far_cells
+    from ._influence_kernels import far_cells
 
     pixel = math.sqrt(spacing[0] * spacing[1])
     hy, hx = spacing[0] / pixel, spacing[1] / pixel

@@ -57,7 +57,8 @@ def pressure_scale(hm: HeightMap, material: HalfSpace) -> float:
     """Pressure E* h' [Pa] that flattens the roughness, with the modulus met at its own scale.
 
     A graded half-space answers a wave of number q like a homogeneous one of modulus proportional
-    to E_m* q^-m (docs/half_space.md), taken here at the length over which the slope turns.
+    to E_m* q^-m (docs/development/half_space.md), taken here at the length over which the slope
+    turns.
     """
     slope, length = slope_scale(hm)
     return float(material.modulus * length**material.m * slope)

@@ -143,3 +143,12 @@ def _exponent(value: float) -> float:
     if not -1 < m < 1:
         raise InputError(f"m must lie in -1 < m < 1, got {m:g}")
     return m
+
+
+def require_half_space(material: object) -> None:
+    """Refuse what is no half-space, such as a bare modulus."""
+    if not isinstance(material, HalfSpace):
+        raise InputError(
+            f"the material must be a half-space, got {type(material).__name__}: "
+            "give asperity.HalfSpace(E, nu) or HalfSpace.from_modulus(E*)"
+        )

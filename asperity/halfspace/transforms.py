@@ -1,7 +1,7 @@
 """Radial transforms of the half-space, homogeneous and graded at once (homogeneous is m = 0).
 
-Every radial integral of the contact laws is one operator (docs/laws.md). For the angular harmonic
-f_n(r) e^(i n phi)
+Every radial integral of the contact laws is one operator (docs/development/laws.md). For the
+angular harmonic f_n(r) e^(i n phi)
 
     e_n(a) = int_0^1 t^(n+1) [(n + 1 + m) f_n(at) + at f_n'(at)] w(t) dt,
     w(t) = (1 - t^2)^((m-1)/2),

@@ -1,27 +1,27 @@
-"""Lists of the summits that may touch at a separation, where they stand then, and their plan."""
+"""The summits that may touch at a separation, where their contacts stand, and their interaction."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asperity.halfspace.flags import Flag
 from asperity.interaction.ewald.operator import Interaction
-from asperity.interaction.newton.contact_shift import LEANING, widened
+from asperity.interaction.newton.contact_shift import widened
 from asperity.interaction.newton.problem import Problem
 
 if TYPE_CHECKING:
     from asperity.interaction.newton.final_step import Solution
     from asperity.interaction.newton.laws import Evaluated
 
+    from .contact_system import ContactSystem
     from .elongation import Elongation
     from .footprint import Footprints
-    from .population import Population
 
-__all__ = ["Candidates", "Falling", "Listing"]
+__all__ = ["CandidateList"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -57,79 +57,10 @@ LEAPING = 0.02
 """Share of the load in contacts that leap farther than the skin beyond which lists are made for
 their new places."""
 
-LEAN = (0.22, 0.3)
-"""Share of the contact area in contacts that lean up to which they keep the law of the level
-surface, and from which on all have that of the tilted one."""
-
-MOST_OF_THEM = 0.95
-"""Share of the area of contacts that lean in those, the largest first, that get the tilted law: the
-others are 30 % of their number, and what they gain is 0.1 % of all area."""
-
-
-class Falling(NamedTuple):
-    """Summits from the highest down.
-
-    Attributes
-    ----------
-    rows
-        Summits, shape (n,).
-    y, x, depth
-        Their places and minus their heights [m], shape (n,).
-    """
-
-    rows: Rows
-    y: Array
-    x: Array
-    depth: Array
-
-    def without(self, some: Rows) -> Falling:
-        """All but `some` summits."""
-        beside = np.ones(int(self.rows.max(initial=-1)) + 1, bool)
-        beside[some] = False
-        left = np.flatnonzero(beside[self.rows])
-        return Falling(self.rows[left], self.y[left], self.x[left], self.depth[left])
-
 
 @dataclass(frozen=True, eq=False)
-class Candidates:
-    """Summits that may touch.
-
-    Attributes
-    ----------
-    rows
-        Summits, shape (n,).
-    overlap
-        How far [m] they overlap the plane in the smooth part of the last field, shape (n,).
-    low
-        How low [m] the field may be.
-    """
-
-    rows: Rows
-    overlap: Array
-    low: float
-
-    @classmethod
-    def of(
-        cls,
-        summits: Falling,
-        field: Interaction | None,
-        separation: float,
-        growth: float,
-    ) -> Candidates:
-        """At a separation; `growth` is how much deeper the field can be where it is negative."""
-        rows, y, x, depth = summits
-        low = growth * (0.0 if field is None else field.lowest)
-        end = depth.searchsorted(-(separation + 1.1 * low))
-        rows, overlap = rows[:end], -separation - depth[:end]
-        if field is None:
-            return cls(rows, overlap - 1.1 * low, low)
-        smooth = field.potential(y[:end], x[:end])
-        return cls(rows, overlap - np.minimum(smooth, growth * smooth), low)
-
-
-@dataclass(frozen=True, eq=False)
-class Listing:
-    """Summits that may touch, in the order of their plan.
+class CandidateList:
+    """Summits that may touch, in the order of their interaction.
 
     Attributes
     ----------
@@ -138,101 +69,130 @@ class Listing:
     index
         Summits, shape (n,).
     others
-        The other summits.
+        The other summits, from the highest down.
     offset
         Places x, y [m] of all contacts less those of their summits, shape (2, all).
     listed
-        The same when the near pairs were listed.
+        `offset` when the near pairs were listed.
     """
 
     problem: Problem
     index: Rows
-    others: Falling
+    others: Rows
     offset: Array
     listed: Array
 
     @classmethod
     def of(
         cls,
-        population: Population,
-        candidates: Candidates,
-        closed: Rows,
-        approach: Array,
+        system: ContactSystem,
+        rows: Rows,
+        values: Array,
+        *,
+        field: Interaction | None,
+        separation: float,
+        growth: float,
         spare: float,
-        rounded: bool = False,
-    ) -> Listing:
-        """Of the candidates that overlap, and of `spare` times as many, at least those closed with
-        an approach [m]; with round footprints if they are `rounded`."""
-        elongation = None if rounded else population.elongation
-        rows, overlap = candidates.rows, candidates.overlap
-        touches = np.zeros(len(population), bool)
+        rounded: bool,
+    ) -> CandidateList:
+        """The candidates at a separation, about a prediction.
+
+        Parameters
+        ----------
+        system
+            All summits.
+        rows, values
+            `Point.values` of these summits; those that are closed are listed in any case.
+        field
+            The interaction that holds the last field, if any.
+        separation
+            Separation [m].
+        growth
+            How much deeper the field can be where it is negative.
+        spare
+            Summits listed over those that overlap.
+        rounded
+            Whether all footprints are taken as round.
+        """
+        elongation = None if rounded else system.elongation
+        closed = values[0] > 0
+        closed, approach = rows[closed], values[0, closed]
+        near, overlap = _overlaps(system, system.by_height, field, separation, growth)
+        touches = np.zeros(len(system), bool)
         touches[closed] = True
-        overlap = np.where(touches[rows], np.inf, overlap)
-        count = int(spare * int(np.count_nonzero(overlap > 0.1 * candidates.low))) + 40
-        if count < len(rows):
-            index = rows[np.argpartition(-overlap, count)[:count]]
+        overlap = np.where(touches[near], np.inf, overlap)
+        count = int(spare * int(np.count_nonzero(overlap > 0.1 * _lowest(field, growth)))) + 40
+        if count < len(near):
+            index = near[np.argpartition(-overlap, count)[:count]]
         else:
-            index = population.falling[: max(len(rows), count)]
-        population.laws.rows(closed).make()
-        offset = np.zeros((2, len(population)))
-        if population.centred:
-            offset[:, closed] = population.table.centre_at(closed, approach)
+            index = system.by_height[: max(len(near), count)]
+        system.laws.rows(closed).make()
+        offset = np.zeros((2, len(system)))
+        if system.has_centres:
+            offset[:, closed] = system.table.centre_at(closed, approach)
         dx, dy = offset[:, index]
         some = slice(None, None, 1 + len(closed) // SAMPLE)
-        law = population.laws.rows(closed[some])(ROOM * approach[some])
+        law = system.laws.rows(closed[some])(ROOM * approach[some])
         plan = Interaction(
-            population.y[index] + dy,
-            population.x[index] + dx,
-            population.cell,
-            population.boundary,
-            population.footprints,
-            widest=_widest(population.footprints, elongation, closed[some], law),
+            system.y[index] + dy,
+            system.x[index] + dx,
+            system.cell,
+            system.boundary,
+            system.footprints,
+            widest=_widest(system.footprints, elongation, closed[some], law),
         )
         index = index[plan.order]
         problem = Problem(
-            population.height[index],
-            population.laws.rows(index),
-            plan,
-            population.deflection,
-            None if elongation is None else elongation.rows(index),
+            height=system.height[index],
+            laws=system.laws.rows(index),
+            plan=plan,
+            deflects=system.contact_shift,
+            elongation=None if elongation is None else elongation.rows(index),
         )
-        return cls(problem, index, population.fallen.without(index), offset, offset)
+        others = np.ones(len(system), bool)
+        others[index] = False
+        left = system.by_height[others[system.by_height]]
+        return cls(problem=problem, index=index, others=left, offset=offset, listed=offset)
 
     def lacks(
-        self, field: Interaction | None, separation: float, growth: float, some: float = 0.0
+        self,
+        system: ContactSystem,
+        field: Interaction | None,
+        separation: float,
+        growth: float,
+        allowed: float = 0.0,
     ) -> bool:
-        """Whether more than `some` candidates that overlap are not listed; arguments as those of
-        `Candidates.of`."""
-        if not len(self.others.rows):
+        """Whether more than `allowed` summits that overlap are not listed; arguments as of `of`."""
+        if not len(self.others):
             return False
-        missing = Candidates.of(self.others, field, separation, growth)
-        return bool(np.count_nonzero(missing.overlap > 0) > some)
+        _, overlap = _overlaps(system, self.others, field, separation, growth)
+        return bool(np.count_nonzero(overlap > 0) > allowed)
 
-    def about(
-        self, population: Population, rows: Rows, values: Array, tolerance: float
-    ) -> Listing | None:
+    def recentred(
+        self, system: ContactSystem, rows: Rows, values: Array, tolerance: float
+    ) -> CandidateList | None:
         """The list with its points moved to the centres of the laws, if they are too far from them
         at the `Point.values` of the summits `rows` for a `tolerance`, otherwise itself; None if the
         footprints have outgrown its plan, or points are too far from their centres where they may
         stand. Of many contacts few leap so far, to another top of their basin, and a list made for
         their last place would be as wrong when they leap back."""
-        if not population.centred:
+        if not system.has_centres:
             return self
         touches = np.flatnonzero(values[0] > 0)
         some = touches[:: 1 + len(touches) // SAMPLE]
-        law = population.laws.rows(rows[some])(values[0, some])
-        elongation = None if self.problem.elongation is None else population.elongation
+        law = system.laws.rows(rows[some])(values[0, some])
+        elongation = None if self.problem.elongation is None else system.elongation
         plan = self.problem.plan
         if not plan.holds(_widest(plan.footprints, elongation, rows[some], law)):
             return None
         many = min(1.0, len(touches) / MANY)
         bound = max(ASTRAY, many * ALLOWED * tolerance)
         seen = bound, rows[some], law, *values[[0, 2, 3]][:, some]
-        if not self._strayed(population, *seen):
+        if not self._strayed(system, *seen):
             return self
         closed, approach = rows[touches], values[0, touches]
         offset, skin = self.offset.copy(), SKIN * plan.eta
-        reach = population.table.centre_at(closed, approach) - self.listed[:, closed]
+        reach = system.table.centre_at(closed, approach) - self.listed[:, closed]
         far = (np.abs(reach) > skin).any(axis=0)
         if values[1, touches[far]].sum() > many * LEAPING * values[1].sum():
             return None
@@ -240,11 +200,11 @@ class Listing:
         dx, dy = (offset - self.offset)[:, self.index]
         problem = replace(self.problem, plan=plan.moved(dy, dx))
         moved = replace(self, problem=problem, offset=offset)
-        return None if moved._strayed(population, *seen) else moved
+        return None if moved._strayed(system, *seen) else moved
 
     def _strayed(
         self,
-        population: Population,
+        system: ContactSystem,
         bound: float,
         closed: Rows,
         law: Evaluated,
@@ -253,39 +213,44 @@ class Listing:
     ) -> bool:
         """Whether contacts are too far from the centres of their laws for the plan to hold, or make
         more than the share `bound` of the load in the slope of the field."""
-        centre = population.table.centre_at(closed, approach)
+        centre = system.table.centre_at(closed, approach)
         x, y = np.subtract(centre, self.offset[:, closed])
         lower = np.sum(law.stiffness * (tilt[0] * y + tilt[1] * x))
         astray = np.hypot(x, y) - STRAY * np.sqrt(law.area / np.pi)
         return bool(np.sum(law.force * astray) > 0.0 or abs(lower) > bound * law.force.sum())
 
-    def areas(self, population: Population, solution: Solution) -> Array:
-        """Contact areas [m^2], wider where contacts stand beside rough summits or have joined
-        others, shape (n,)."""
-        law, problem, table = solution.laws, self.problem, population.table
+    def areas(self, system: ContactSystem, solution: Solution) -> Array:
+        """Contact areas [m^2], wider where contacts stand beside rough summits, shape (n,)."""
+        law, problem, table = solution.laws, self.problem, system.table
         if not (problem.deflects and hasattr(table, "flags_at")):
             return law.area
         depth = solution.approach
         rough = table.flags_at(self.index, depth) & np.uint8(Flag.BEYOND_RADIUS) > 0
         tilts = solution.tilt, problem.lean
-        area, shift = widened(problem.plan.footprints, law, depth, *tilts, rough)
-        rows = np.flatnonzero(shift > LEANING[0])
-        shift = shift[rows]
-        weight = _rise(shift, LEANING)
-        leaning = weight * area[rows]
-        share = leaning.sum() / max(area.sum(), np.finfo(float).tiny)
-        if population.leaning is not None and share > LEAN[0]:
-            order = np.argsort(-leaning, kind="stable")
-            held = np.cumsum(leaning[order])
-            most = order[: np.searchsorted(held, MOST_OF_THEM * held[-1]) + 1]
-            rows, weight = rows[most], weight[most]
-            eased = solution.tilt[rows] / (1.0 + shift[most, None])
-            found = population.leaning(self.index[rows], eased, depth[rows], law.force[rows])
-            found = np.where(found > 0.0, found, area[rows])
-            area[rows] += _rise(share, LEAN) * weight * (found - area[rows])
-        if population.joined is None:
-            return area
-        return population.joined(self.index, depth, law.force, area)
+        return widened(problem.plan.footprints, law, depth, *tilts, rough)
+
+
+def _lowest(field: Interaction | None, growth: float) -> float:
+    """How low [m] the field may be."""
+    return growth * (0.0 if field is None else field.lowest)
+
+
+def _overlaps(
+    system: ContactSystem,
+    summits: Rows,
+    field: Interaction | None,
+    separation: float,
+    growth: float,
+) -> tuple[Rows, Array]:
+    """Those of some summits, from the highest down, that may touch, and how far [m] they overlap
+    the plane in the smooth part of the last field."""
+    low = _lowest(field, growth)
+    rows = system.above(separation + 1.1 * low, summits)
+    overlap = system.height[rows] - separation
+    if field is None:
+        return rows, overlap - 1.1 * low
+    smooth = field.potential(system.y[rows], system.x[rows])
+    return rows, overlap - np.minimum(smooth, growth * smooth)
 
 
 def _widest(
@@ -300,8 +265,3 @@ def _widest(
         variance = variance * np.maximum(1.0, LONG * along)
     most = int(0.98 * (len(variance) - 1))
     return float(np.partition(variance, most)[most])
-
-
-def _rise(value: Array, ends: tuple[float, float]) -> Array:
-    """From 0 to 1 between two values."""
-    return np.clip((value - ends[0]) / (ends[1] - ends[0]), 0.0, 1.0)

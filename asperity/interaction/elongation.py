@@ -11,7 +11,7 @@ from scipy.special import ellipe, ellipk
 
 from .footprint import Footprints
 
-__all__ = ["ASPECT_EXPONENT", "LARGEST_ASPECT", "LARGEST_LEAN", "Elongation"]
+__all__ = ["ASPECT_EXPONENT", "LARGEST_ASPECT", "LARGEST_LEAN", "Elongation", "aspect_ratio"]
 
 Array = NDArray[np.float64]
 
@@ -86,6 +86,12 @@ class Elongation:
     def rows(self, index: NDArray[np.int64]) -> Elongation:
         """Of the contacts `index` alone."""
         return Elongation(self.spread[index], self.lean[index])
+
+
+def aspect_ratio(curvature: Array) -> Array:
+    """Short over long axis of the contacts on summits of the curvatures (n, 2) [1/m]."""
+    steep, shallow = curvature.T
+    return np.asarray(np.clip(shallow / steep, 1e-3, 1.0) ** ASPECT_EXPONENT)
 
 
 def _axes(power: float, ratio: Array) -> tuple[Array, Array]:

@@ -33,8 +33,8 @@ class Footprints:
 
     Notes
     -----
-    With Lambda(q) = Lambda_1 q^(m-1) (docs/half_space.md), two Gaussians of variance v and v' per
-    axis at distance r interact, with S^2 = v + v' and p = 1 + m, through
+    With Lambda(q) = Lambda_1 q^(m-1) (docs/development/half_space.md), two Gaussians of variance v
+    and v' per axis at distance r interact, with S^2 = v + v' and p = 1 + m, through
 
         g(r; S^2) = 1/(4 pi^2) int Lambda(q) exp(-q^2 S^2 / 2) exp(i q r) d^2q
                   = Lambda_1 Gamma(p/2) / (4 pi) (S^2/2)^(-p/2) 1F1(p/2; 1; -r^2 / (2 S^2)).

@@ -3,32 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import replace
-from typing import TYPE_CHECKING
-
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
-from asperity.halfspace.boundary import known_boundary
-from asperity.interaction.newton.laws import Laws
-from asperity.microcontact.lazy_table import GrowingTable
 
-from .candidates import Falling
-from .continuation import Trail
-from .elongation import Elongation
-from .footprint import Footprints
+from .contact_system import ContactSystem
+from .continuation import Continuation
+from .coupled_solve import solve_at
+from .load_search import solve_under
 from .population_state import PopulationState
 
-if TYPE_CHECKING:
-    from asperity.halfspace.material import HalfSpace
-    from asperity.microcontact.law_table import LawTable
-
 __all__ = ["Population", "PopulationState"]
-
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 LARGEST_AREA = 0.5
 """Contact area over nominal area beyond which separate contacts have lost their meaning."""
@@ -38,116 +22,37 @@ SPREADING = 0.7
 the highest summits, so many, about nine in ten touch then."""
 
 
-class Population:
-    """Summits with their laws, their places and the body that couples them.
-
-    Parameters
-    ----------
-    x, y
-        Places of the summits [m], shape (n,).
-    height
-        Heights [m] above the mean plane of the map, shape (n,).
-    table
-        Contact laws of the summits, or a growing table that makes those that are needed.
-    cell
-        Nominal area (Ly, Lx) [m].
-    boundary
-        "periodic" or "free".
-    material
-        Elastic half-space.
-    interaction
-        False: the classical sum of independent contacts.
-    deflection
-        Whether coupled contacts stand at the centres that their laws give, and move aside under
-        the slope of their neighbors' field; otherwise they stay at their summits.
-    leaning
-        Areas [m^2] of the contacts whose rows are given, with the gradients [-] of the displacement
-        by all others, (k, 2), their approaches [m] and forces [N]; zero where not known.
-    joined
-        Areas [m^2] of the contacts whose rows are given, some of which have joined others, with
-        their approaches [m], forces [N] and the areas that they have alone.
-    curvature, angle
-        Principal curvatures [1/m], (n, 2), the larger first, and directions of the long axis [rad],
-        (n,), of the summits; round footprints if not given.
-
-    Raises
-    ------
-    InputError
-        If lengths disagree or a value is not usable.
+class Population(ContactSystem):
+    """Summits that a flat is pressed on; parameters and attributes are those of `ContactSystem`.
 
     Notes
     -----
     Contact i has the approach d_i = z_i - s - u_i. The displacement u_i by all other contacts (and
     by the images of its own force in a periodic cell) is taken over the footprint of the contact:
     `asperity.interaction` has the formulation.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> fit = surfaces.fit_profiles(hm, surfaces.segment(hm))
+    >>> table = asperity.microcontact.tabulate(fit, steel, law="hertz")
+    >>> population = asperity.Population(
+    ...     x=fit.x,
+    ...     y=fit.y,
+    ...     height=fit.height,
+    ...     table=table,
+    ...     cell=hm.size,
+    ...     boundary="periodic",
+    ...     material=steel,
+    ... )
+    >>> state = population.solve(separation=0.0)
+    >>> state.converged, f"{state.force.sum() / hm.area:.1e}"
+    (True, '4.6e+09')
     """
-
-    def __init__(
-        self,
-        *,
-        x: ArrayLike,
-        y: ArrayLike,
-        height: ArrayLike,
-        table: LawTable | GrowingTable,
-        cell: tuple[float, float],
-        boundary: str,
-        material: HalfSpace,
-        interaction: bool = True,
-        deflection: bool = True,
-        leaning: Callable[[Rows, Array, Array, Array], Array] | None = None,
-        joined: Callable[[Rows, Array, Array, Array], Array] | None = None,
-        curvature: ArrayLike | None = None,
-        angle: ArrayLike | None = None,
-    ) -> None:
-        self.x, self.y, self.height = (
-            _column(value, name) for value, name in ((x, "x"), (y, "y"), (height, "height"))
-        )
-        rows = len(table) if isinstance(table, GrowingTable) else len(table.reach)
-        if not len(self.x) == len(self.y) == len(self.height) == rows:
-            raise InputError(
-                f"x, y, height and table have {len(self.x)}, {len(self.y)}, {len(self.height)} "
-                f"and {rows} rows; they must agree"
-            )
-        if len(self.x) == 0:
-            raise InputError("the population has no summit; lower the height to segment above")
-        if not (len(cell) == 2 and min(cell) > 0 and math.isfinite(max(cell))):
-            raise InputError(f"cell must be two positive lengths, got {cell!r}")
-        self.boundary, self.material = known_boundary(boundary), material
-        self._table = table
-        self.cell = (float(cell[0]), float(cell[1]))
-        self.interaction = interaction and (boundary == "periodic" or len(self.height) > 1)
-        self.deflection, self.leaning, self.joined = deflection, leaning, joined
-        self.footprints = Footprints(material.modulus, material.m)
-        self.elongation: Elongation | None = None
-        if curvature is not None and angle is not None:
-            self.elongation = Elongation.of(
-                np.asarray(curvature, float), np.asarray(angle, float), self.footprints
-            )
-        self.laws = Laws(table, self.footprints)
-        usable = np.flatnonzero(self.laws.usable)
-        if len(usable) == 0:
-            raise InputError("no summit of the population has a usable contact law")
-        self.falling = usable[np.argsort(-self.height[usable], kind="stable")]
-        places = self.y[self.falling], self.x[self.falling]
-        self.fallen = Falling(self.falling, *places, -self.height[self.falling])
-
-    def __len__(self) -> int:
-        return len(self.height)
-
-    @property
-    def table(self) -> LawTable:
-        """Contact laws of the summits; of a growing table, those made so far."""
-        return self._table.table if isinstance(self._table, GrowingTable) else self._table
-
-    @property
-    def centred(self) -> bool:
-        """Whether contacts stand at the centres that their laws give."""
-        return self.deflection and getattr(self.table, "centre", None) is not None
-
-    @property
-    def nominal_area(self) -> float:
-        """Area of the cell [m^2]."""
-        return self.cell[0] * self.cell[1]
 
     def solve(
         self,
@@ -189,17 +94,18 @@ class Population:
             raise InputError("give either separation or mean_pressure")
         if not tolerance > 0:
             raise InputError(f"tolerance must be positive, got {tolerance!r}")
-        trail = Trail(self) if state is None else state._trail
+        last = Continuation(self) if state is None else state.continuation
         self.laws.foresee(None)
         if separation is not None:
-            return self._judged(trail.at(_finite(separation, "separation"), tolerance))
+            found = solve_at(last, _finite(separation, "separation"), tolerance)
+            return self._judged(found)
         pressure = _finite(mean_pressure, "mean_pressure")
         if pressure < 0:
             raise InputError(f"mean_pressure must not be negative, got {pressure:g} Pa")
         if heaviest is not None and state is not None and state.mean_pressure > 0:
             growth = heaviest / state.mean_pressure if heaviest > pressure else 0.0
-            self.laws.foresee(self.falling[: int(state.active * growth**SPREADING)])
-        return self._judged(trail.under(pressure, tolerance, state))
+            self.laws.foresee(self.by_height[: int(state.active * growth**SPREADING)])
+        return self._judged(solve_under(last, pressure, tolerance, state))
 
     def _judged(self, state: PopulationState) -> PopulationState:
         share = state.contact_area / self.nominal_area
@@ -208,17 +114,8 @@ class Population:
                 f"contacts fill {100 * share:.0f} % of the nominal area, more than the "
                 f"{100 * LARGEST_AREA:.0f} % up to which separate contacts are a model"
             )
-            return replace(state, converged=False, reason=reason)
+            return state.refused(reason)
         return state
-
-
-def _column(value: ArrayLike, name: str) -> NDArray[np.float64]:
-    array = np.ascontiguousarray(value, dtype=float)
-    if array.ndim != 1:
-        raise InputError(f"{name} must be one-dimensional, got shape {array.shape}")
-    if not np.isfinite(array).all():
-        raise InputError(f"{name} holds values that are not finite")
-    return array
 
 
 def _finite(value: float | None, name: str) -> float:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import dataclasses
 import functools
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from .continuation import Trail
+    from .continuation import Continuation
 
 __all__ = ["PopulationState"]
 
@@ -46,6 +44,33 @@ class PopulationState:
         Newton steps and applications of the interaction.
     lowest_candidate
         Height [m] above which a summit can touch in the field of the others.
+    rows, listed
+        Summits that were candidates, shape (k,), and approach, force, stiffness and area of each,
+        shape (4, k).
+    continuation
+        What the next solve starts from.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> fit = surfaces.fit_profiles(hm, surfaces.segment(hm))
+    >>> table = asperity.microcontact.tabulate(fit, steel, law="hertz")
+    >>> population = asperity.Population(
+    ...     x=fit.x,
+    ...     y=fit.y,
+    ...     height=fit.height,
+    ...     table=table,
+    ...     cell=hm.size,
+    ...     boundary="periodic",
+    ...     material=steel,
+    ... )
+    >>> state = population.solve(separation=0.0)
+    >>> state.active == int((state.force > 0).sum())
+    True
     """
 
     separation: float
@@ -59,59 +84,45 @@ class PopulationState:
     iterations: int
     products: int
     lowest_candidate: float
-    _trail: Trail = field(repr=False)
-    _rows: NDArray[np.int64] = field(repr=False)
-    _known: tuple[Array, Array, Array, Array] = field(repr=False)
-    _answer: Callable[[], tuple[float, Array]] = field(repr=False)
+    rows: NDArray[np.int64] = field(repr=False)
+    listed: Array = field(repr=False)
+    continuation: Continuation = field(repr=False)
 
-    def __getstate__(self) -> dict[str, Any]:
-        """Without the lists behind it, which the next solve makes anew, and with the tangent."""
-        trail = dataclasses.replace(self._trail, listing=None, field=None)
-        answer = functools.partial(_given, self._answered)
-        return vars(self) | {"_trail": trail, "_answer": answer}
+    def refused(self, reason: str) -> PopulationState:
+        """The state, marked as one that cannot be used."""
+        return replace(self, converged=False, reason=reason)
 
     @functools.cached_property
     def approach(self) -> Array:
-        """Approaches [m] of all summits, made when asked for as those below."""
-        return self._of_all(self._known[0])
+        """Approaches [m] of all summits."""
+        return self._of_all(0)
 
     @functools.cached_property
     def force(self) -> Array:
         """Forces [N] of all summits."""
-        return self._of_all(self._known[1])
+        return self._of_all(1)
 
     @functools.cached_property
     def stiffness(self) -> Array:
         """Stiffnesses [N/m] of all summits."""
-        return self._of_all(self._known[2])
+        return self._of_all(2)
 
     @functools.cached_property
     def area(self) -> Array:
         """Contact areas [m^2] of all summits."""
-        return self._of_all(self._known[3])
+        return self._of_all(3)
 
-    def _of_all(self, known: Array) -> Array:
-        values = np.zeros(len(self._trail.population))
-        values[self._rows] = known
+    def _of_all(self, column: int) -> Array:
+        values = np.zeros(len(self.continuation.system))
+        values[self.rows] = self.listed[column]
         return values
-
-    @functools.cached_property
-    def _answered(self) -> tuple[float, Array]:
-        return self._answer()
 
     @property
     def normal_stiffness(self) -> float:
         """Minus the slope of mean pressure over separation [Pa/m], by the tangent matrix."""
-        return self._answered[0]
+        return self.continuation.normal_stiffness
 
     @property
     def response(self) -> Array:
         """Approach that each contact gains per fall of the flat [-], shape (n,)."""
-        gained = np.ones(len(self._trail.population))
-        if self._trail.points:
-            gained[self._trail.points[-1].rows] = self._answered[1]
-        return gained
-
-
-def _given(answered: tuple[float, Array]) -> tuple[float, Array]:
-    return answered
+        return self.continuation.response

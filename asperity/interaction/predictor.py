@@ -1,4 +1,4 @@
-"""The points a population has passed, and the forecast of the next."""
+"""The points a population has passed, and the prediction of the next."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["MEMORY", "Point", "forecast", "weights"]
+__all__ = ["MEMORY", "Point", "predict", "weights"]
 
 MEMORY = 3
 """Points kept to extrapolate from."""
@@ -39,7 +39,7 @@ class Point:
     values: Array
 
 
-def forecast(points: tuple[Point, ...], separation: float, count: int) -> Array:
+def predict(points: tuple[Point, ...], separation: float, count: int) -> Array:
     """`Point.values` of the summits of the last point, of `count` in all, at a separation, each
     from as many points as know it; along the response if there is one point."""
     last = points[-1]

@@ -21,7 +21,7 @@ from asperity.microcontact.ellipse import ellipse_law
 from asperity.microcontact.ritz import batch
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from .indent import Indentation
+from .indentation import Indentation
 from .law_table import LawTable
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from asperity.microcontact.circle.basis import PowerBasis, TableBasis, basis_of
 from surfaces.numerics import parallel
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from .indent import Indentation
+from .indentation import Indentation
 from .law_table import LawTable
 from .ray_moments import moment_weights
 from .validity import profile_flags

@@ -127,19 +127,6 @@ class LawTable:
         force, stiffness, area = (value.reshape(rows.shape) for value in values[:3])
         return force, stiffness, area
 
-    def area_under(self, force: Array) -> Array:
-        """Area [m^2] of each contact under a force [N], shape (n,); power laws between the nodes,
-        the last node's area beyond its force."""
-        upper = np.clip(np.argmax(self.force >= force[:, None], axis=1), 1, self.nodes)
-        upper[force > self.force[:, -1]] = self.nodes
-        row = np.arange(len(self))
-        high, low = ((self.force[row, node], self.area[row, node]) for node in (upper, upper - 1))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            power = np.log(high[1] / low[1]) / np.log(high[0] / low[0])
-            power = np.where(upper > 1, power, 2.0 / self.exponent)
-            area = high[1] * np.minimum(force / high[0], 1.0) ** power
-        return np.where(self.reach > 0, np.nan_to_num(area), 0.0)
-
     def centre_at(self, index: NDArray[np.int64], approach: Array) -> tuple[Array, Array]:
         """Centres x, y [m] of the contacts `index` relative to their summits, shape (n,)."""
         if self.centre is None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -16,23 +15,38 @@ if TYPE_CHECKING:
 
 __all__ = ["LAWS", "law_module", "tabulate"]
 
-LAWS = {
-    "auto": "asperity.microcontact.auto",
-    "hertz": "asperity.microcontact.hertz",
-    "paper": "asperity.microcontact.circle.expansion",
-    "harmonic": "asperity.microcontact.circle.expansion",
-    "ellipse": "asperity.microcontact.ellipse.ellipse_law",
-    "ritz": "asperity.microcontact.ritz.ritz_law",
-}
-"""Name of each law -> module that holds ``indent(profile, material, approach, *, law)`` and
-``tabulate(profiles, material, *, law, nodes)``."""
+LAWS = ("auto", "hertz", "paper", "harmonic", "ellipse", "ritz")
+"""Names of the laws, the default first."""
 
 
 def law_module(law: str) -> ModuleType:
-    """Module of the law called `law`, imported when first used."""
-    if not isinstance(law, str) or law not in LAWS:
-        raise InputError(f"no law is called {law!r}; the laws are {', '.join(LAWS)}")
-    return importlib.import_module(LAWS[law])
+    """Module of the law called `law`, imported when first used.
+
+    It holds ``indent(profile, material, approach, *, law)`` and
+    ``tabulate(profiles, material, *, law, nodes)``.
+    """
+    match law:
+        case "auto":
+            from . import auto
+
+            return auto
+        case "hertz":
+            from . import hertz
+
+            return hertz
+        case "paper" | "harmonic":
+            from .circle import expansion
+
+            return expansion
+        case "ellipse":
+            from .ellipse import ellipse_law
+
+            return ellipse_law
+        case "ritz":
+            from .ritz import ritz_law
+
+            return ritz_law
+    raise InputError(f"no law is called {law!r}; the laws are {', '.join(LAWS)}")
 
 
 def tabulate(

@@ -31,7 +31,8 @@ def moment_weights(m: float, nodes: int, order: int) -> Array:
 def edge_weights(m: float, nodes: int, order: int) -> Array:
     """Weights (`EDGE_RADII`, nodes) of ``(order + 3 + m) h + a h'`` with h as in `moment_weights`.
 
-    Times ``a**2`` this is the edge operator of harmonic `order` of one ray (docs/laws.md).
+    Times ``a**2`` this is the edge operator of harmonic `order` of one ray
+    (docs/development/laws.md).
     """
     value, slope = _weights(m, nodes, order, EDGE_RADII)
     return (order + 3 + m) * value + slope

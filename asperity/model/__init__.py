@@ -1,1 +1,1 @@
-"""The microcontact model of one map: plan, summits, their laws, corrections."""
+"""The microcontact model of one map: plan, summits, their laws."""

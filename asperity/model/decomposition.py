@@ -1,87 +1,55 @@
-"""A rough surface decomposed into asperities: peaks, contact laws and their interaction."""
+"""A rough surface decomposed into summits, their contact laws and their interaction."""
 
 from __future__ import annotations
 
-import copy
 import functools
 import time
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
-from weakref import WeakKeyDictionary
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.contacts.table import aspect_ratio
+from asperity.interaction.elongation import aspect_ratio
 from asperity.interaction.population import Population, PopulationState
 from asperity.microcontact.lazy_table import GrowingTable
-from asperity.model.corrections.coalescence import Basins
-from asperity.multiscale.surface_point import (
-    FinePoint,
-    closed_area,
-    fine_point,
-    particular,
-    spread_over,
-)
-from asperity.trust.outside_model import top_areas
 from surfaces.heightmap import HeightMap
 from surfaces.peaks.segmentation import segment
 from surfaces.peaks.summits import locate_summits
 
-from .law_factory import SummitLaws
-from .load_shares import Ranking
-from .plan import Plan, finer_plan
+from .corrections.joined_pairs import join
+from .law_factory import LawFactory
+from .load_shares import LoadShares
+from .plan import Plan
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from surfaces.peaks.peaks import Peaks
     from surfaces.peaks.summits import Summits
 
-__all__ = ["Asperities"]
+__all__ = ["Decomposition"]
 
 Array = NDArray[np.float64]
-
-LONGEST = 1.9
-"""Share of the map in discs on the long axes of the contacts beyond which a point is refused. With
-lay of 10:1 (shortest wave 8 pixels) the load is 24 to 32 % too high there, at 9 % of contact, with
-20:1 half as much again at 5 %; 4:1 reaches 1.8 at 27 %, maps without lay 1 (seeds 1, 2, 11)."""
-
-CLOSE_ENOUGH = 4e-3
-"""Bound on the residual of a load on finer contacts, which are few."""
-
-
-class CloserLook(NamedTuple):
-    """A load on the contacts of a surface of which more waves are kept for them.
-
-    Attributes
-    ----------
-    bodies, state
-        The surface taken apart so, and its contacts under the load.
-    part
-        How much they count: 1 where few fine waves lie under the contacts, towards 0 where many do.
-    """
-
-    bodies: Asperities
-    state: PopulationState
-    part: float
+Rows = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Asperities:
-    """A surface taken apart into peaks, ready to be loaded.
+class Decomposition:
+    """The summits of a surface with their laws, ready to be loaded.
 
     Attributes
     ----------
     hm, material, plan
         What it was made from.
-    peaks, profiles
+    peaks, summits
         Segmentation and summits; the rays of a summit are sampled when its law is made.
-    laws
+    law_factory
         Makes the laws of the summits.
-    basins
-        What of the basins touches where contacts have joined.
-    population
-        The microcontacts with their laws and their interaction.
+    curvature, angle
+        Principal curvatures [1/m], shape (n, 2), and direction of the long axis [rad], (n,), of
+        the contacts.
+    table
+        Contact laws, made when they are needed.
     seconds
         Time of each stage [s].
     """
@@ -90,72 +58,80 @@ class Asperities:
     material: HalfSpace
     plan: Plan
     peaks: Peaks
-    profiles: Summits
-    laws: SummitLaws
-    basins: Basins
-    population: Population
+    summits: Summits
+    law_factory: LawFactory
+    curvature: Array
+    angle: Array
+    table: GrowingTable
     seconds: dict[str, float]
-    _seen: WeakKeyDictionary[PopulationState, tuple[FinePoint, CloserLook | None]] = field(
-        default_factory=WeakKeyDictionary, repr=False
-    )
 
     @classmethod
-    def of(cls, hm: HeightMap, material: HalfSpace, plan: Plan) -> Asperities:
-        """Segment the map, fit the profiles and tabulate the contact laws."""
-        clock, seconds = time.perf_counter, {"plan": plan.seconds}
-        start = clock()
-        mean = hm.roughness.mean
-        solved = hm if plan.resampled is None else plan.resampled
-        if plan.boundary == "free" and solved.periodic:
-            solved = solved.replace(periodic=False)  # a finite punch is cut at its border
-        above = None if plan.above is None else plan.above + mean
-        if above is not None and plan.fine is not None:
-            # the longer waves may stay far below the highest point of all
-            above = min(above, solved.roughness.highest - 0.5 * solved.roughness.rms_height)
-        peaks = segment(solved, above=above)
-        seconds["segmentation"] = clock() - start
-        start = clock()
-        profiles = locate_summits(solved, peaks)
-        seconds["profiles"] = clock() - start
-        seconds["laws"] = 0.0
-        ranking = None
-        if plan.law == "auto":
-            ranking = Ranking(profiles)
-            if above is not None and not ranking.full:
-                # laws may not depend on the loads that are asked for
-                return cls.of(hm, material, replace(plan, above=None))
-            ranking = ranking.joined(material)
-            profiles = ranking.summits
-        laws = SummitLaws(hm, profiles, ranking, material, plan.law, seconds)
-        forms = profiles if ranking is None else ranking
-        basins = Basins(profiles, material)
-        population = Population(
-            x=profiles.x,
-            y=profiles.y,
-            height=profiles.height - mean,
-            table=GrowingTable(len(profiles), laws.table),
-            cell=hm.size,
-            boundary=plan.boundary,
+    def of(cls, hm: HeightMap, material: HalfSpace, plan: Plan) -> Decomposition:
+        """Segment the map, locate the summits and prepare their laws."""
+        seconds = {"plan": plan.seconds, "segmentation": 0.0, "profiles": 0.0, "laws": 0.0}
+        peaks, summits = _summits(hm, plan, seconds)
+        shares = LoadShares.of(summits) if plan.law == "auto" else None
+        if shares is not None and plan.above is not None and not shares.full:
+            plan = replace(plan, above=None)  # laws may not depend on the loads that are asked for
+            peaks, summits = _summits(hm, plan, seconds)
+            shares = LoadShares.of(summits)
+        parameters, curvature, angle = plan.parameters, summits.curvature, summits.angle
+        if shares is not None and parameters.corrections.joined_pairs:
+            summits, curvature, angle = join(summits, shares, material, parameters)
+            shares = LoadShares.of(summits)
+        factory = LawFactory(hm, summits, shares, material, plan.law, parameters, seconds)
+        return cls(
+            hm=hm,
             material=material,
-            interaction=plan.interaction,
-            leaning=laws.leaning if plan.law == "auto" else None,
-            joined=basins.areas if plan.law == "auto" else None,
-            curvature=forms.curvature,
-            angle=forms.angle,
+            plan=plan,
+            peaks=peaks,
+            summits=summits,
+            law_factory=factory,
+            curvature=curvature,
+            angle=angle,
+            table=GrowingTable(len(summits), factory.table),
+            seconds=seconds,
         )
-        return cls(hm, material, plan, peaks, profiles, laws, basins, population, seconds)
 
-    def __getstate__(self) -> dict[str, Any]:
-        """With what was seen of states as pairs, since weak references cannot be kept."""
-        return vars(self) | {"_seen": list(self._seen.items())}
+    def of_whole_map(self) -> Decomposition:
+        """The decomposition with all summits of the map, however low."""
+        return Decomposition.of(self.hm, self.material, replace(self.plan, above=None))
 
-    def __setstate__(self, kept: dict[str, Any]) -> None:
-        vars(self).update(kept, _seen=WeakKeyDictionary(kept["_seen"]))
+    @functools.cached_property
+    def population(self) -> Population:
+        """The contacts with their laws, and with interaction if the plan has it."""
+        return self._population(self.plan.interaction)
+
+    @functools.cached_property
+    def interacting(self) -> Population:
+        """The contacts with interaction, where the plan leaves it out."""
+        return self._population(True)
+
+    def _population(self, interaction: bool) -> Population:
+        switches = self.plan.parameters.corrections
+        return Population(
+            x=self.summits.x,
+            y=self.summits.y,
+            height=self.summits.height - self.hm.roughness.mean,
+            table=self.table,
+            cell=self.hm.size,
+            boundary=self.plan.boundary,
+            material=self.material,
+            interaction=interaction,
+            contact_shift=switches.contact_shift,
+            curvature=self.curvature if switches.elongation else None,
+            angle=self.angle if switches.elongation else None,
+        )
 
     @property
     def solved(self) -> HeightMap:
-        """The map whose summits are the contacts: on fewer points where the plan says so."""
+        """The map whose summits are the contacts: on another grid where the plan says so."""
         return self.hm if self.plan.resampled is None else self.plan.resampled
+
+    @property
+    def wraps(self) -> bool:
+        """Whether the surface continues across the border of the map."""
+        return self.hm.periodic and self.plan.boundary == "periodic"
 
     @property
     def labels(self) -> NDArray[np.int32]:
@@ -170,94 +146,69 @@ class Asperities:
         rows, cols = ((2 * np.arange(n) + 1) * m // (2 * n) for n, m in sizes)
         found, top = labels[np.ix_(rows, cols)], heights[np.ix_(rows, cols)]
         above, left = (((2 * np.arange(n) + 1) * m - 1) // (2 * n) for n, m in sizes)
-        for place in (np.ix_(above, cols), np.ix_(rows, left), np.ix_(above, left)):
-            higher = heights[place] > top
-            found, top = np.where(higher, labels[place], found), np.maximum(top, heights[place])
+        for pixels in (np.ix_(above, cols), np.ix_(rows, left), np.ix_(above, left)):
+            higher = heights[pixels] > top
+            found, top = np.where(higher, labels[pixels], found), np.maximum(top, heights[pixels])
         return found
 
     @functools.cached_property
-    def coupled(self) -> Population:
-        """The same contacts with interaction, where the plan leaves it out."""
-        found = copy.copy(self.population)
-        found.interaction = found.boundary == "periodic" or len(found) > 1
-        return found
-
-    @functools.cached_property
-    def aspect(self) -> NDArray[np.float64]:
+    def aspect(self) -> Array:
         """Short over long axis of the contact on each summit, shape (n,)."""
-        return aspect_ratio(self.profiles.curvature)
+        return aspect_ratio(self.summits.curvature)
+
+    @functools.cached_property
+    def passes(self) -> tuple[Rows, Array]:
+        """Pairs of summits whose basins adjoin, (n, 2), and the mean depth [m] of the pass between
+        them under both, (n,)."""
+        summits = self.summits
+        pairs = summits.single[summits.peaks.neighbors]
+        apart = pairs[:, 0] != pairs[:, 1]
+        pairs = pairs[apart]
+        bend = np.asarray(summits.hm.roughness.curvature) * np.square(summits.hm.spacing)
+        sag = self.plan.parameters.spots.sag * np.sqrt(np.mean(bend**2))
+        depth = summits.height[pairs].mean(axis=1) - summits.peaks.passes[apart]
+        return pairs, np.asarray(depth + sag)
+
+    def summit_pixels(self, rows: Rows, hm: HeightMap) -> Rows:
+        """Flat index of the pixel of a map, of this size, in which each of some summits lies."""
+        row, col = (
+            np.clip(at[rows] / step, 0, count - 1).astype(np.int64)
+            for at, step, count in zip(
+                (self.summits.y, self.summits.x), hm.spacing, hm.shape, strict=True
+            )
+        )
+        return np.asarray(row * hm.shape[1] + col)
 
     @functools.cached_property
     def top_areas(self) -> Array:
-        """Area [m^2] of the flat top of each summit, shape (n,); 0 where it has none."""
-        return top_areas(self)
+        """Area [m^2] of a disc that spreads as far as the flat top of each summit, shape (n,).
 
-    def point(self, state: PopulationState) -> FinePoint:
-        """Separation, area and stiffness of the whole surface at a state of its contacts."""
-        return self._seen_of(state)[0]
-
-    def _point(self, state: PopulationState) -> FinePoint:
-        if self.plan.fine is None:
-            return FinePoint.plain(state)
-        found = self.hm.roughness
-        return fine_point(self.population, self.plan.fine, state, found.highest - found.mean)
-
-    def closer_look(self, state: PopulationState) -> CloserLook | None:
-        """The load of a state on finer contacts; None where fine waves average out under these."""
-        return self._seen_of(state)[1]
-
-    def _seen_of(self, state: PopulationState) -> tuple[FinePoint, CloserLook | None]:
-        if state not in self._seen:
-            place, look = self._point(state), self._look(state)
-            if look is not None:
-                place = place.towards(look.bodies._point(look.state), look.part)
-            self._seen[state] = place, look
-        return self._seen[state]
-
-    def _look(self, state: PopulationState) -> CloserLook | None:
-        part = 0.0 if self.plan.fine is None else particular(self.plan.fine, state)
-        if part == 0.0 or self._finer is None:
-            return None
-        bodies, load = self._finer, state.mean_pressure
-        looks = [look for _, look in self._seen.values() if look and look.bodies is bodies]
-        last = looks[-1].state if looks else None
-        found = bodies.population.solve(mean_pressure=load, state=last, tolerance=CLOSE_ENOUGH)
-        if not bodies.deep_enough(found):  # as for a curve, with the whole map from now on
-            plan = replace(bodies.plan, above=None)
-            vars(self)["_finer"] = Asperities.of(self.hm, self.material, plan)
-            return self._look(state)
-        return CloserLook(bodies, found, part) if found.converged else None
-
-    @functools.cached_property
-    def _finer(self) -> Asperities | None:
-        """The same surface with more of its waves kept for contacts; None if hardly more are."""
-        plan = finer_plan(self.plan)
-        return None if plan is None else Asperities.of(self.hm, self.material, plan)
-
-    def refused(self, state: PopulationState, place: FinePoint) -> PopulationState:
-        """The state of a point, refused where contacts are so long that they overlap end to end."""
-        closed = np.flatnonzero(state.force > 0)
-        if not (closed.size and self.plan.interaction):
-            return state
-        share = state.force[closed] / state.force.sum()
-        longer = np.exp(-np.sum(share * np.log(self.aspect[closed])))
-        if longer * place.contact_area <= LONGEST * self.population.nominal_area:
-            return state
-        reason = "the contacts on the ridges of the lay are so long that they overlap end to end"
-        return replace(state, converged=False, reason=state.reason or reason)
-
-    def closed_area(self, state: PopulationState) -> NDArray[np.float64]:
-        """Area [m^2] that touches within each contact, shape (n,)."""
-        if self.plan.fine is None:
-            return state.area
-        area = closed_area(self.population, self.plan.fine, state)
-        if self.closer_look(state) is None:
-            return area
-        return spread_over(self.point(state).contact_area, area, state.area)
+        The points of a top have the height of the highest beside the summit; without such points
+        the area is 0. A disc of area A has the mean squared distance A/(2 pi) from its middle.
+        """
+        hm, count = self.hm, len(self.summits)
+        if not hm.repeats:
+            return np.zeros(count)
+        row, col = np.divmod(self.summit_pixels(np.arange(count), hm), hm.shape[1])
+        around = np.array([-1, 0, 1])
+        rows, cols = (
+            (at[:, None] + around) % n if self.wraps else np.clip(at[:, None] + around, 0, n - 1)
+            for at, n in zip((row, col), hm.shape, strict=True)
+        )
+        top = hm.heights[rows[:, :, None], cols[:, None, :]].max(axis=(1, 2))
+        owner = np.append(self.summits.owner, count)[self.labels]
+        level = np.nonzero(hm.heights == np.append(top, np.inf)[owner])
+        summit = owner[level]
+        square = np.zeros(summit.size)
+        for at, middle, step, n in zip(level, (row, col), hm.spacing, hm.shape, strict=True):
+            away = at - middle[summit]
+            square += (step * (away - n * np.round(away / n) if self.wraps else away)) ** 2
+        total, points = np.bincount(summit, square, count), np.bincount(summit, None, count)
+        return np.asarray(2.0 * np.pi * total / np.maximum(points, 1))
 
     def warnings(self, separation: float) -> list[str]:
         """Reasons to doubt load points down to a separation [m], besides those of the plan."""
-        height = self.population.height[sorted(self.laws.without)]
+        height = self.population.height[sorted(self.law_factory.without)]
         silent = int(np.count_nonzero(height > separation))
         if not silent:
             return []
@@ -269,3 +220,21 @@ class Asperities:
     def deep_enough(self, state: PopulationState) -> bool:
         """Whether no contact came near the height below which nothing was segmented."""
         return self.plan.above is None or state.lowest_candidate >= self.plan.above
+
+
+def _summits(hm: HeightMap, plan: Plan, seconds: dict[str, float]) -> tuple[Peaks, Summits]:
+    """Peaks and summits of the map that is solved; their times are added to `seconds`."""
+    start = time.perf_counter()
+    solved = hm if plan.resampled is None else plan.resampled
+    if plan.boundary == "free" and solved.periodic:
+        solved = solved.replace(periodic=False)  # a finite punch is cut at its border
+    above = None if plan.above is None else plan.above + hm.roughness.mean
+    if above is not None and plan.sub_contact_law is not None:
+        # the longer waves may stay far below the highest point of all
+        above = min(above, solved.roughness.highest - 0.5 * solved.roughness.rms_height)
+    peaks = segment(solved, above=above)
+    between = time.perf_counter()
+    summits = locate_summits(solved, peaks)
+    seconds["segmentation"] += between - start
+    seconds["profiles"] += time.perf_counter() - between
+    return peaks, summits

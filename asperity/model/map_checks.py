@@ -5,44 +5,46 @@ from __future__ import annotations
 import numpy as np
 
 from asperity.multiscale.pixel_waves import resolution_warning
+from asperity.parameters import DEFAULTS
 from surfaces.heightmap import HeightMap
 from surfaces.statistics.describe import unit_warning
 
-__all__ = ["LONGEST_LAY", "lay", "map_warnings"]
+__all__ = ["lay", "map_warnings"]
 
 SPIKE = 3.0
-"""Height of a point above all its neighbours, in rms heights, from which on it is called a spike:
+"""Height of a point above all its neighbors, in rms heights, from which on it is called a spike:
 noise reaches 2.5, a map to the pixel 1."""
 
-LONG_LAY, LONGEST_LAY = 7.0, 10.0
-"""Slopes across over those along a lay from which on ridges are warned of, and from which on no
-errors are estimated: the longest that the estimate was fitted on is 9. Of ground and turned maps
-and lays of 10:1 and 20:1 (seeds 1 and 2) the area came out up to 60 % too small, the load of turned
-ones to four times too large."""
+LONG_LAY = 7.0
+"""Slopes across over those along a lay from which on ridges are warned of."""
 
 STRAIGHT = 0.4
-"""Share of the highest points in line with both neighbours from which on heights seem clipped: 0.6
-to 1 of plateaus, levelled or not, and of ridges; 0.2 of steps of a thirtieth of the rms height and
+"""Share of the highest points in line with both neighbors from which on heights seem clipped: 0.6
+to 1 of plateaus, leveled or not, and of ridges; 0.2 of steps of a thirtieth of the rms height and
 of the coarsest of eight measured maps."""
 
 HIGHEST, LINES = 0.02, 16
 """Share of the points that count as the highest, and rows and columns on which they are sought."""
 
 
-def map_warnings(hm: HeightMap) -> list[str]:
+def map_warnings(
+    hm: HeightMap, longest_lay: float = DEFAULTS.error_estimate.longest_lay
+) -> list[str]:
     """One sentence for each reason to doubt what any model makes of a map.
 
     Parameters
     ----------
     hm
         Height map without missing points.
+    longest_lay
+        Slopes across over those along a lay from which on no errors are estimated.
     """
     return [
         *unit_warning(hm.roughness.rms_slope),
         *resolution_warning(hm),
         *_spike_warning(hm),
         *_straight_warning(hm),
-        *_lay_warning(lay(hm)),
+        *_lay_warning(lay(hm), longest_lay),
     ]
 
 
@@ -96,10 +98,10 @@ def _straight_warning(hm: HeightMap) -> list[str]:
     ]
 
 
-def _lay_warning(ratio: float) -> list[str]:
+def _lay_warning(ratio: float, longest: float) -> list[str]:
     if ratio < LONG_LAY:
         return []
-    estimate = ", and its error is not estimated" if ratio >= LONGEST_LAY else ""
+    estimate = ", and its error is not estimated" if ratio >= longest else ""
     return [
         f"slopes across the lay are {ratio:.0f} times those along it: the microcontact model is "
         f"doubtful on such ridges{estimate}; use boundary elements"

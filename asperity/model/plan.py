@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from asperity.compilation import compile_ahead
 from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.boundary import Boundary, chosen_boundary
 from asperity.halfspace.load_points import (
@@ -18,8 +19,8 @@ from asperity.halfspace.load_points import (
     slope_scale,
 )
 from asperity.multiscale.pixel_waves import refined_map
-from asperity.multiscale.surface_point import MANY
 from asperity.multiscale.wave_split import Split, split_scales
+from asperity.parameters import DEFAULTS, Parameters, Segmentation
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import available_bytes
 from surfaces.peaks.flat_tops import flat_share
@@ -29,9 +30,9 @@ from .map_checks import lay, map_warnings
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
-    from asperity.multiscale.sub_contact_law import FineScales
+    from asperity.multiscale.sub_contact_law import SubContactLaw
 
-__all__ = ["SCALES", "Plan", "finer_plan", "interaction_needed", "make_plan"]
+__all__ = ["SCALES", "Plan", "interaction_needed", "make_plan"]
 
 SCALES = ("auto", "all")
 """What may become of the finest waves of a map."""
@@ -39,32 +40,8 @@ SCALES = ("auto", "all")
 MODEL_BYTES_PER_POINT = 64
 """Peak memory of the microcontact model per grid point: heights, order, labels, ancestors."""
 
-_SPARE_SHARE, _DEPTH = 0.1, 8.0
-"""Share of the heights to segment: a little, and this multiple of the contact area fraction.
-
-The lowest candidate needs 5 (self-affine) to 7 times (plateau-honed maps) that fraction; the rest
-keeps the rays of the contacts off the height that is cut."""
-
-_WORTH_IT = 0.6
-"""Share of the heights from which on the whole map is segmented."""
-
-_SMALL = 2**20
-"""Points up to which the whole map is segmented: laws of summits whose basins are cut differ a
-little, and few contacts do not average that out."""
-
-_QUICK = 2**18
-"""The same for loads that few fine waves carry: their contacts are few and high, and finding all
-summits would take as long as solving them."""
-
-_SAMPLE = 2**16
+SAMPLE = 2**16
 """Heights that suffice for a quantile."""
-
-CLIPPED = 0.4
-"""Share of the highest points on flat tops from which on a map stays on its own grid: waves through
-heights cut off ring, and have summits where it has none."""
-
-NEGLIGIBLE_SHIFT = 2e-3
-"""Shift by the neighbours, relative to the approach, below which interaction is left out."""
 
 
 @dataclass(frozen=True)
@@ -87,8 +64,8 @@ class Plan:
         One line for each choice.
     resampled
         The map on another grid, solved in its place; None: the map itself.
-    split
-        The split of its waves into those of this grid and finer ones; None if it holds them all.
+    sub_contact_law
+        Law of the waves that the grid does not hold; None if it holds them all.
     warnings
         One line for each reason to doubt what any model makes of the map.
     lay
@@ -97,6 +74,19 @@ class Plan:
         Time of the decisions [s].
     scene
         The map and the material that it was made for.
+    parameters
+        Constants of the model.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> plan = asperity.make_plan(hm, steel, pressures=[1e8, 1e9], boundary="free")
+    >>> plan.boundary, len(plan.reasons) > 0
+    ('free', True)
     """
 
     boundary: Boundary
@@ -106,16 +96,12 @@ class Plan:
     memory: int
     reasons: tuple[str, ...]
     resampled: HeightMap | None = field(default=None, repr=False)
-    split: Split | None = field(default=None, repr=False, compare=False)
+    sub_contact_law: SubContactLaw | None = field(default=None, repr=False)
     warnings: tuple[str, ...] = ()
     lay: float = 1.0
     seconds: float = field(default=0.0, compare=False)
     scene: tuple[HeightMap, HalfSpace] | None = field(default=None, repr=False, compare=False)
-
-    @property
-    def fine(self) -> FineScales | None:
-        """Law of the waves that the grid does not hold; None if it holds them all."""
-        return None if self.split is None else self.split.fine
+    parameters: Parameters = field(default=DEFAULTS, repr=False)
 
     def require_scene_of(self, hm: HeightMap, material: HalfSpace) -> None:
         """Refuse the plan for a map or material whose other grid or fine law it does not hold.
@@ -131,7 +117,7 @@ class Plan:
         same = planned is hm or (
             planned.spacing == hm.spacing and np.array_equal(planned.heights, hm.heights)
         )
-        if not same or (self.fine is not None and body != material):
+        if not same or (self.sub_contact_law is not None and body != material):
             raise InputError(
                 f"the plan was made for another {'material' if same else 'map'}; make one for this "
                 "with asperity.make_plan"
@@ -153,6 +139,7 @@ def make_plan(
     interaction: bool = True,
     boundary: str | None = None,
     scales: str = "auto",
+    parameters: Parameters = DEFAULTS,
 ) -> Plan:
     """Decide what a run of `contact_curve` needs.
 
@@ -160,6 +147,8 @@ def make_plan(
     ----------
     hm, material, pressures, separations, law, interaction, boundary, scales
         As in `contact_curve`.
+    parameters
+        Constants of the model, for studies of what each of them does.
 
     Raises
     ------
@@ -167,7 +156,19 @@ def make_plan(
         If the map has missing points or is constant.
     InputError
         If the load points are not usable or the memory would not suffice.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> plan = asperity.make_plan(hm, steel, pressures=[1e8, 1e9])
+    >>> plan.law, plan.boundary
+    ('auto', 'periodic')
     """
+    compile_ahead("summits")
     start = time.perf_counter()
     if scales not in SCALES:
         raise InputError(f"scales is {scales!r}; choose one of {', '.join(SCALES)}")
@@ -182,21 +183,21 @@ def make_plan(
         raise InputError(f"interaction is {interaction!r}; it must be True or False")
     coupled, why = False, "interaction: off, as asked (the classical independent sum)"
     if interaction:
-        coupled, why = interaction_needed(hm, material, kind, values)
+        coupled, why = interaction_needed(hm, material, kind, values, parameters)
     reasons.append(why)
-    split, whys = _split(hm, material, coupled, scales)
+    split, whys = _split(hm, material, coupled, scales, parameters)
     if split is None:
-        resampled, holds = _grid(hm, scales)
+        resampled, holds = _grid(hm, scales, parameters)
         whys.append(holds)
     else:
         resampled = split.coarse
     points = (hm if resampled is None else resampled).heights.size
     above, why = None, "segmentation: the whole map, which has few points"
-    if points > _SMALL:
-        above, why = _lowest_height(hm, material, kind, values)
+    if points > parameters.segmentation.whole_points:
+        above, why = _lowest_height(hm, material, kind, values, parameters.segmentation)
     reasons.append(why)
     reasons += whys
-    warnings = tuple(map_warnings(hm))
+    warnings = tuple(map_warnings(hm, parameters.error_estimate.longest_lay))
     reasons += [f"warning: {why}" for why in warnings]
     memory = MODEL_BYTES_PER_POINT * points
     reasons.append(f"memory: about {memory / 2**20:.0f} MiB")
@@ -211,30 +212,13 @@ def make_plan(
         memory=memory,
         reasons=tuple(reasons),
         resampled=resampled,
-        split=split,
+        sub_contact_law=None if split is None else split.law,
         warnings=warnings,
         lay=lay(hm),
         seconds=seconds,
         scene=(hm, material),
+        parameters=parameters,
     )
-
-
-def finer_plan(plan: Plan) -> Plan | None:
-    """The plan with more waves kept for contacts, for loads that contacts of few fine waves carry.
-
-    None if hardly more can be kept.
-    """
-    if plan.split is None or plan.scene is None:
-        return None
-    hm, material = plan.scene
-    split = plan.split.finer(material)
-    if split is plan.split:
-        return None
-    resampled = _grid(hm, "auto")[0] if split is None else split.coarse
-    above = None
-    if (hm if resampled is None else resampled).heights.size > _QUICK:
-        above = _above_contacts(_sample(hm), MANY * plan.split.fine.shortest**2 / hm.area)
-    return replace(plan, resampled=resampled, split=split, above=above)
 
 
 def _require_usable(hm: HeightMap) -> None:
@@ -249,7 +233,7 @@ def _require_usable(hm: HeightMap) -> None:
 
 
 def interaction_needed(
-    hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarray
+    hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarray, parameters: Parameters
 ) -> tuple[bool, str]:
     """Whether neighbours matter at load points as `checked_loads` gives them, and why."""
     if kind != "pressure" or material.m != 0.0:
@@ -260,75 +244,82 @@ def interaction_needed(
         return False, "interaction: off, no load"
     shift = force / (np.pi * material.modulus * length)
     approach = (9.0 * force**2 * (slope / length) / (16.0 * material.modulus**2)) ** (1.0 / 3.0)
-    if shift < NEGLIGIBLE_SHIFT * approach:
+    negligible = parameters.limits.negligible_shift
+    if shift < negligible * approach:
         return False, (
             "interaction: off, the load is so small that neighbours would shift a contact by "
-            f"less than {NEGLIGIBLE_SHIFT:g} of its approach"
+            f"less than {negligible:g} of its approach"
         )
     return True, "interaction: on"
 
 
 def _lowest_height(
-    hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarray
+    hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarray, bounds: Segmentation
 ) -> tuple[float | None, str]:
     """Height under which no summit is expected to touch, relative to the mean plane."""
     whole = None, "segmentation: the whole map, the load may reach deep"
     sample = _sample(hm)
     if kind == "pressure":
         share = expected_area_fraction(hm, material, float(values.max()))
-        candidate = _above_contacts(sample, share)
+        candidate = _above_contacts(sample, share, bounds)
         if candidate is None:
             return whole
     else:
         highest = hm.roughness.highest - hm.roughness.mean
         candidate = min(float(values.min()), highest) - 0.5 * hm.roughness.rms_height
     top = float(np.mean(sample > candidate))
-    if top >= _WORTH_IT:
+    if top >= bounds.whole_share:
         return whole
     return candidate, f"segmentation: only the top {100 * top:.0f} % of the heights"
 
 
 def _sample(hm: HeightMap) -> NDArray[np.float64]:
     """Heights [m] above the mean plane of so many points that they tell a quantile."""
-    step = max(1, int(np.sqrt(hm.heights.size / _SAMPLE)))
+    step = max(1, int(np.sqrt(hm.heights.size / SAMPLE)))
     return hm.heights[::step, ::step].ravel() - hm.roughness.mean
 
 
-def _above_contacts(sample: NDArray[np.float64], share: float) -> float | None:
+def _above_contacts(
+    sample: NDArray[np.float64], share: float, bounds: Segmentation
+) -> float | None:
     """Height above which all candidates for contact lie, up to a share of the area in contact;
     None where that is hardly less than all of the heights."""
-    top = _SPARE_SHARE + _DEPTH * share
-    return None if top >= _WORTH_IT else float(np.quantile(sample, 1.0 - top))
+    top = bounds.spare_share + bounds.depth * share
+    return None if top >= bounds.whole_share else float(np.quantile(sample, 1.0 - top))
 
 
 def _split(
-    hm: HeightMap, material: HalfSpace, coupled: bool, scales: str
+    hm: HeightMap, material: HalfSpace, coupled: bool, scales: str, parameters: Parameters
 ) -> tuple[Split | None, list[str]]:
     """Whether the finest waves are taken out, and why."""
     if scales != "auto":
         return None, ["scales: all, as asked"]
     if not coupled:
         return None, ["scales: all, contacts do not interact"]
-    split = split_scales(hm, material)
+    if not parameters.corrections.wave_split:
+        return None, ["scales: all, the split of waves is switched off"]
+    split = split_scales(hm, material, parameters)
     if isinstance(split, str):
         return None, [split]
-    (ny, nx), fine = split.coarse.shape, split.fine
+    (ny, nx), law = split.coarse.shape, split.law
     return split, [
-        f"scales: waves shorter than {fine.shortest:.3g} m act as a law of the contacts of "
-        f"the others; they hold {100 * fine.ratio / (1 + fine.ratio):.0f} % of the squared slope",
+        f"scales: waves shorter than {law.shortest:.3g} m act as a law of the contacts of "
+        f"the others; they hold {100 * law.ratio / (1 + law.ratio):.0f} % of the squared slope",
         f"grid: {ny} x {nx} points hold the longer waves of {hm.shape[0]} x {hm.shape[1]}",
     ]
 
 
-def _grid(hm: HeightMap, scales: str) -> tuple[HeightMap | None, str]:
+def _grid(hm: HeightMap, scales: str, parameters: Parameters) -> tuple[HeightMap | None, str]:
     """Map on another grid to solve, with all its waves, and why."""
     shape = f"{hm.shape[0]} x {hm.shape[1]}"
-    held = coarse_map(hm)
+    corrections = parameters.corrections
+    held = coarse_map(hm) if corrections.coarser_grid else None
     if held is not None:
         return held, f"grid: {held.shape[0]} x {held.shape[1]} points hold the map of {shape}"
     finer = None
-    if scales == "auto" and flat_share(hm) < CLIPPED:
-        finer = refined_map(hm)
+    clipped = parameters.segmentation.flat_share
+    if scales == "auto" and corrections.finer_grid and flat_share(hm) < clipped:
+        finer = refined_map(hm, parameters.pixel_waves)
     if isinstance(finer, HeightMap):
         return finer, (
             f"grid: {finer.shape[0]} x {finer.shape[1]} points show the summits of {shape}, whose "

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
@@ -23,7 +23,7 @@ FEWEST = 96
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Shells:
-    """The waves of a map told apart by their numbers, on the map stretched if it has lay.
+    """The waves of a map told apart by their numbers.
 
     Attributes
     ----------
@@ -34,24 +34,21 @@ class Shells:
         transform of a map of their own: every column but the first stands for two.
     numbers
         Wave numbers [1/m] of their rows and columns.
-    stretch
-        Map of (qy, qx) to the numbers by which waves are told apart, shape (2, 2).
     width
         Width [1/m] of a shell.
     sums
-        Running sums over the shells (`shell_sums`), shape (n, 8).
+        Running sums over the shells (`shell_sums`), shape (n, 5).
     """
 
     hm: HeightMap
     waves: Waves
     numbers: tuple[Array, Array]
-    stretch: Array
     width: float
     sums: Array
 
     @classmethod
     def of(cls, hm: HeightMap, m: float) -> Shells:
-        """The waves of a map that is not stretched, with the sums for a grading of exponent m."""
+        """The waves of a map, with the sums for a grading of exponent m."""
         (ny, nx), (dy, dx) = hm.shape, hm.spacing
         waves: Waves
         if hm.periodic:
@@ -64,43 +61,8 @@ class Shells:
             qy, qx = np.arange(ny) * np.pi / hm.size[0], np.arange(nx) * np.pi / hm.size[1]
         waves[0, 0] = 0.0
         numbers = np.asarray(qy, float), np.asarray(qx, float)
-        plain = cls(hm, waves, numbers, np.eye(2), 2.0 * np.pi / max(hm.size), np.empty((0, 8)))
-        return plain.stretched(np.eye(2), m)
-
-    @property
-    def reach(self) -> Array:
-        """Largest qy and qx of the waves of number 1."""
-        return np.asarray(np.sqrt(np.diag(np.linalg.inv(self.stretch @ self.stretch))))
-
-    def stretched(self, stretch: Array, m: float) -> Shells:
-        """The same waves told apart on a map that is stretched."""
-        from ._spectrum_kernels import shell_sums
-
-        hm, (qy, qx) = self.hm, self.numbers
-        (yy, xy), (_, xx) = stretch @ stretch
-        highest = np.abs(qy).max()
-        longest = np.sqrt(yy * highest**2 + 2.0 * abs(xy) * highest * qx[-1] + xx * qx[-1] ** 2)
-        count = int(longest / self.width + 0.5) + 1
-        even = hm.periodic and hm.shape[1] % 2 == 0
-        metric = float(xx), float(xy), float(yy)
-
-        def part(first: int, last: int) -> Array:
-            out = np.zeros((count, 8))
-            rows = self.waves[first:last], qy[first:last]
-            shell_sums(*rows, qx, self.width, even, metric, m, out)
-            return out
-
-        found = np.sum(run(part, blocks(len(qy), 64)), axis=0) / hm.heights.size**2
-        if not hm.periodic:
-            found[:, 5] = 0.0  # mirror images have both signs of qx qy
-        return replace(self, stretch=stretch, sums=np.cumsum(found, axis=0))
-
-    def inner(self, last: int) -> Shells:
-        """Those with no waves beyond the shell `last` but in the corners; the sums stay."""
-        rows, width = self._within(last)
-        qy, qx = self.numbers
-        waves = self.waves[rows, :width]
-        return replace(self, waves=waves, numbers=(qy[rows], qx[:width].copy()))
+        width = 2.0 * np.pi / max(hm.size)
+        return cls(hm, waves, numbers, width, _sums(hm, waves, numbers, width, m))
 
     def map(self, last: int, points: float) -> HeightMap | None:
         """The map of the waves up to the shell `last`, on a grid of `points` per shortest wave.
@@ -108,35 +70,49 @@ class Shells:
         None where that would have fewer than `FEWEST` points.
         """
         hm = self.hm
-        shortest = 2.0 * np.pi / (self.width * last * self.reach)
+        shortest = 2.0 * np.pi / (self.width * last)
         ny, nx = (
-            fft.next_fast_len(int(np.ceil(points * length / wave)), real=True)
-            for length, wave in zip(hm.size, shortest, strict=True)
+            fft.next_fast_len(int(np.ceil(points * length / shortest)), real=True)
+            for length in hm.size
         )
         if min(ny, nx) < FEWEST:
             return None
         rows, width = self._within(last)
         qy, qx = self.numbers[0][rows, None], self.numbers[1][:width]
-        (yy, xy), (_, xx) = self.stretch @ self.stretch
-        square = yy * qy**2 + xx * qx**2
-        if xy:
-            square += (2.0 * xy * qy) * qx
+        square = qy**2 + qx**2
         kept = np.where(square < ((last + 0.5) * self.width) ** 2, self.waves[rows, :width], 0.0)
         kept *= ny * nx / hm.heights.size if hm.periodic else np.sqrt(ny * nx) / hm.heights.size
         heights = _summed(kept, (ny, nx), hm)
         heights += hm.roughness.mean
-        length = float(np.sqrt(np.prod(shortest)))
-        step = {"step": "bandpass", "shortest": length, "to": [ny, nx]}
+        step = {"step": "bandpass", "shortest": shortest, "to": [ny, nx]}
         return hm.replace(heights=heights, spacing=(hm.size[0] / ny, hm.size[1] / nx), step=step)
 
     def _within(self, last: int) -> tuple[NDArray[np.int64], int]:
         """Rows and number of columns of the waves up to the shell `last`, without those of two
         pixels, which have no phase."""
-        ends = (last + 0.5) * self.width * self.reach
+        ends = np.full(2, (last + 0.5) * self.width)
         (qy, qx), hm = self.numbers, self.hm
         if hm.periodic:
             ends = np.minimum(ends, (1.0 - 1e-9) * np.pi / np.asarray(hm.spacing))
         return np.flatnonzero(np.abs(qy) <= ends[0]), int(np.searchsorted(qx, ends[1], "right"))
+
+
+def _sums(
+    hm: HeightMap, waves: Waves, numbers: tuple[Array, Array], width: float, m: float
+) -> Array:
+    """Running sums over the shells."""
+    from ._spectrum_kernels import shell_sums
+
+    qy, qx = numbers
+    count = int(np.hypot(np.abs(qy).max(), qx[-1]) / width + 0.5) + 1
+    even = hm.periodic and hm.shape[1] % 2 == 0
+
+    def part(first: int, last: int) -> Array:
+        out = np.zeros((count, 5))
+        shell_sums(waves[first:last], qy[first:last], qx, width, even, m, out)
+        return out
+
+    return np.cumsum(np.sum(run(part, blocks(len(qy), 64)), axis=0) / hm.heights.size**2, axis=0)
 
 
 def _summed(waves: Waves, shape: tuple[int, int], hm: HeightMap) -> Array:

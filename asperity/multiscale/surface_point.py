@@ -1,8 +1,8 @@
-"""What the fine waves of a surface make of a load point of its contacts."""
+"""Separation, area and stiffness of the whole surface at a state of the contacts."""
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,37 +10,19 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from asperity.interaction.population import Population, PopulationState
-    from asperity.model.decomposition import Asperities
-    from asperity.model.plan import Plan
 
-    from .sub_contact_law import FineScales
+    from .sub_contact_law import SubContactLaw
 
-__all__ = [
-    "FinePoint",
-    "at_separation",
-    "closed_area",
-    "fine_point",
-    "particular",
-    "spread_over",
-    "without_gap",
-]
+__all__ = ["SurfacePoint", "closed_areas", "surface_point"]
 
-FEW, MANY = 32.0, 100.0
-"""Fine waves under the contacts, (sum F)^2 / sum(F^2 / n) of them, up to which each counts and from
-which on their mean tells; a contact has n = 1 + its area over the square of the longest."""
+Array = NDArray[np.float64]
 
 STEP = 0.02
 """Change of the load, relative, over which energies are compared."""
 
-MAX_TRIES = 12
-"""Separations of the longer waves tried for one of the whole surface."""
-
-CLOSE = 5e-4
-"""Relative error of the load that a separation may leave."""
-
 
 @dataclass(frozen=True)
-class FinePoint:
+class SurfacePoint:
     """A load point of the whole surface.
 
     Attributes
@@ -57,39 +39,24 @@ class FinePoint:
     contact_area: float
     stiffness: float
 
-    @classmethod
-    def plain(cls, state: PopulationState) -> FinePoint:
-        """The point of a surface all of whose waves are in its contacts."""
-        return cls(state.separation, state.contact_area, state.normal_stiffness)
 
-    def towards(self, other: FinePoint, part: float) -> FinePoint:
-        """The point a part of the way to another of the same load."""
-        pairs = zip(astuple(self), astuple(other), strict=True)
-        return FinePoint(*(own + part * (end - own) for own, end in pairs))
-
-
-def particular(fine: FineScales, state: PopulationState) -> float:
-    """1 where so few fine waves lie under the contacts of a state that each of them counts, 0 where
-    their mean tells."""
-    closed = np.flatnonzero(state.force > 0)
-    if not closed.size:
-        return 0.0
-    force, waves = state.force[closed], 1.0 + state.area[closed] / fine.shortest**2
-    number = force.sum() ** 2 / np.sum(force**2 / waves)
-    return float(np.clip(np.log(MANY / number) / np.log(MANY / FEW), 0.0, 1.0))
-
-
-def fine_point(
-    population: Population, fine: FineScales, state: PopulationState, highest: float
-) -> FinePoint:
+def surface_point(
+    population: Population,
+    law: SubContactLaw | None,
+    state: PopulationState,
+    area: float,
+    highest: float,
+) -> SurfacePoint:
     """The point of the whole surface that belongs to a state of its contacts.
 
     Parameters
     ----------
     population, state
         Contacts of the longer waves.
-    fine
-        Law of the fine waves.
+    law
+        Law of the fine waves; None if all waves are in the contacts.
+    area
+        Contact area [m^2] that the fine waves leave closed.
     highest
         Highest point of the whole surface above its mean plane [m]: the flat stands no higher.
 
@@ -98,119 +65,42 @@ def fine_point(
     The lift d(sum Phi)/dF is taken along the answer of all contacts to a small fall of the flat
     (the tangent of the coupled problem), by central differences.
     """
+    if law is None:
+        return SurfacePoint(state.separation, state.contact_area, state.normal_stiffness)
     closed = np.flatnonzero(state.force > 0)
     if not closed.size:
-        top = float(population.height[population.falling[0]])
-        return FinePoint(max(state.separation, highest + state.separation - top), 0.0, 0.0)
-    nominal, law = population.nominal_area, population.laws.rows(closed)
-    area = float(closed_area(population, fine, state).sum())
-    strong = _strong(population, fine, closed)
+        top = population.highest
+        return SurfacePoint(max(state.separation, highest + state.separation - top), 0.0, 0.0)
+    nominal, contacts = population.nominal_area, population.laws.rows(closed)
     share = 0.5 * (state.contact_area + area) / nominal
     stiffness, gained = state.normal_stiffness, state.response[closed]
     if not stiffness > 0.0:  # a failed solve, marked as such
-        return FinePoint(state.separation, area, stiffness)
+        return SurfacePoint(state.separation, area, stiffness)
     fall = STEP * state.mean_pressure / stiffness
 
     def energy(step: float) -> tuple[float, float]:
-        here = law(np.maximum(state.approach[closed] + step * gained, 0.0))
+        here = contacts(np.maximum(state.approach[closed] + step * gained, 0.0))
         kept = here.force > 0
         force, width = here.force[kept], here.area[kept]
-        stored = fine.stored(force / width, share, strong[kept])
+        stored = law.stored(force / width, share)
         return float(np.sum(width * stored)), float(force.sum())
 
     (low, less), (middle, load), (high, more) = (energy(step) for step in (-fall, 0.0, fall))
-    factor = fine.lift(share)
+    factor = law.lift(share)
     lift = factor * (high - low) / (more - less)
     change = factor * ((high - middle) / (more - load) - (middle - low) / (load - less))
     compliance = 1.0 / stiffness - change / (0.5 * (more - less)) * nominal
-    return FinePoint(min(state.separation + lift, highest), area, 1.0 / compliance)
+    return SurfacePoint(min(state.separation + lift, highest), area, 1.0 / compliance)
 
 
-def closed_area(
-    population: Population, fine: FineScales, state: PopulationState
-) -> NDArray[np.float64]:
+def closed_areas(population: Population, law: SubContactLaw, state: PopulationState) -> Array:
     """Area [m^2] of each contact that the fine waves leave closed, shape (n,)."""
     closed, nominal = np.flatnonzero(state.force > 0), population.nominal_area
-    strong = _strong(population, fine, closed)
     area = np.zeros(len(state.force))
     whole = state.area[closed]
     pressure = state.force[closed] / whole
     share = state.contact_area / nominal
     for _ in range(2):
-        area[closed] = whole * fine.remaining(pressure, share, whole, strong)
+        area[closed] = whole * law.remaining(pressure, share, whole)
         share = 0.5 * (state.contact_area + float(area.sum())) / nominal
     return area
-
-
-def spread_over(
-    total: float, area: NDArray[np.float64], whole: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Closed areas [m^2] of another sum: of contacts of the areas `whole`, `area` of them closed.
-
-    Less is taken from what is closed, more from what is open, each by the same factor; more than
-    all there is makes contacts wider.
-    """
-    closed, most = float(area.sum()), float(whole.sum())
-    if total <= closed:
-        return np.asarray(area * (total / closed))
-    if total >= most:
-        return np.asarray(whole * (total / most))
-    return np.asarray(whole - (whole - area) * ((most - total) / (most - closed)))
-
-
-def _strong(
-    population: Population, fine: FineScales, rows: NDArray[np.int64]
-) -> NDArray[np.float64]:
-    """Strength of the fine waves under contacts."""
-    ly, lx = population.cell
-    places = population.y[rows] / ly, population.x[rows] / lx
-    return fine.strength.at(*places, population.height[rows])
-
-
-def at_separation(
-    bodies: Asperities,
-    separation: float,
-    lift: float,
-    state: PopulationState | None,
-    tolerance: float,
-) -> PopulationState:
-    """State of the contacts at which the flat is at a separation [m] from the whole surface.
-
-    Parameters
-    ----------
-    bodies
-        The surface taken apart.
-    separation
-        Separation wanted [m].
-    lift
-        Separation of the whole surface less that of the longer waves [m] to start from.
-    state
-        A state at a near separation, to start from.
-    tolerance
-        As in `Population.solve`.
-    """
-    place, last = separation - lift, None
-    state = bodies.population.solve(separation=place, state=state, tolerance=tolerance)
-    for _ in range(MAX_TRIES):
-        found = bodies.point(state)
-        error = separation - found.separation
-        close = abs(error) * found.stiffness <= CLOSE * state.mean_pressure
-        if not state.converged or (error >= 0.0 if state.active == 0 else close):
-            break
-        step = error
-        if last is not None and last[1] != error:
-            # the lift changes slowly: the secant is near the step itself
-            secant = error * (place - last[0]) / (last[1] - error)
-            step = error * min(max(secant / error, 0.2), 3.0)
-        last = place, error
-        place += step
-        state = bodies.population.solve(separation=place, state=state, tolerance=tolerance)
-    return state
-
-
-def without_gap(plan: Plan, state: PopulationState, place: FinePoint) -> PopulationState:
-    """The state, refused where the mean gap of a periodic surface would be negative."""
-    if place.separation >= 0.0 or plan.boundary == "free" or not plan.interaction:
-        return state
-    reason = "the mean gap would be negative: the contacts overlap too far to be separate"
-    return replace(state, converged=False, reason=state.reason or reason)

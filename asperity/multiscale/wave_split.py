@@ -9,18 +9,19 @@ contacts the short waves leave part of the area open and lift the flat.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asperity.interaction.footprint import Footprints
+from asperity.parameters import DEFAULTS, Parameters
 from surfaces.heightmap import HeightMap
 
-from .pixel_waves import TO_THE_PIXEL, Strength, fineness, strength
+from .pixel_waves import fineness, random_waves
 from .spectrum_shells import Shells
-from .sub_contact_law import FineScales
+from .sub_contact_law import SubContactLaw
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -29,64 +30,11 @@ __all__ = ["Split", "split_scales"]
 
 Array = NDArray[np.float64]
 
-BROADEST = 14.0
-"""Breadth m0 m4 / m2^2 of the spectrum up to which basins are left as they are."""
-
-WORTH_IT = 1.8
-"""Breadth over `BROADEST` from which on the finest waves are taken out."""
-
-SURELY_WORTH_IT = 3.0
-"""The same where waves are worn down or of lay beyond 4:1: on 512 x 512 points to the pixel (1.7 to
-2.7) all summits take no second and are nearer at light loads."""
-
-UNRESOLVED = 3.0
-"""Pixels below which the summits of a wave are uncertain."""
-
-TOO_MANY = 0.2
-"""Share of the squared slope in such waves from which on they are taken out of any spectrum."""
-
 SURELY = 0.9
-"""Share of that breadth up to which some lines of a map can tell that it is not reached."""
-
-FEWEST_WAVES = 50
-"""Of the shortest waves that are kept, so many fit the side of the map at least. Where few hills
-carry the load, as on spectra without a roll-off, the law of the waves on each of them is rough."""
-
-MORE_WAVES, SHORTER = 120, 0.75
-"""Of the shortest waves that are kept where few fine waves lie under the contacts, so many fit the
-side of the map at least, and they are at most this part of the shortest kept otherwise."""
-
-POINTS, FEWER_POINTS = 6.0, 5.0
-"""Points per shortest wave that is kept: with four the load is 1 to 2 % lower at 10 to 25 % of
-contact, with eight no more than 0.4 % higher. And where few fine waves lie under the contacts,
-which are few then too: with six the area is no nearer (1024 x 1024, cut off at 4 pixels, seeds 1, 2
-and 11 to 14: 1.5 % rms in place of 1.35)."""
-
-WORTH_LOSING = 0.03
-"""Share of the squared slope that the finest waves hold at least, if they are taken out."""
+"""Share of the breadth at which waves are taken out, up to which some lines of a map can tell that
+it is not reached."""
 
 NARROW = "scales: all, the spectrum is narrow enough for a contact at each summit"
-
-LAY = 0.2
-"""Anisotropy (s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes s1, s2 of a map (0.52 at 2:1,
-0.83 at 4:1, 0.88 at 5:1) from which on waves are told apart by their lengths along and across the
-lay."""
-
-LONGEST_LAY = 0.87, 0.955
-"""Anisotropy above which there is no law, and that of waves that reach the pixel along rows or
-columns (0.947 to 0.954 at 8:1): contacts of long ridges carry too much, at 8:1 up to 6 % at 8 % of
-contact."""
-
-TURNED = 0.1
-"""Sine of twice the angle between lay and rows or columns from which on it is turned: of 6:1 turned
-by 30 degrees the area came out 10 to 14 % too large by the law."""
-
-FINE_LAY = 0.22
-"""`fineness` from which on waves with lay reach the pixel; from 0.13 to 0.21, cut off at 4 pixels,
-the area came out 5 to 10 % too large by the law, by all summits 4 to 6 % too small."""
-
-GRADED = 0.5
-"""Largest |m| for which there is a law."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -97,40 +45,17 @@ class Split:
     ----------
     coarse
         Map of the longer waves, on a grid that holds it well.
-    fine
+    law
         Law of the finer ones.
-    shells
-        The waves of the map, but of those `fine` is about only the ones that `finer` may keep.
-    last, finest
-        Shells of the shortest waves that are kept, and that may be.
     """
 
     coarse: HeightMap
-    fine: FineScales
-    shells: Shells
-    last: int
-    finest: int
-
-    def finer(self, material: HalfSpace) -> Split | None:
-        """The same with more waves kept for contacts; itself if hardly more can be, None if hardly
-        any would be left for the law."""
-        shells, last = self.shells, self._next
-        fine = _law(shells, last, material, self.fine.strength)
-        if fine is None:
-            return None
-        if self.last > SHORTER * last:
-            return self
-        coarse = shells.map(last, FEWER_POINTS)
-        return None if coarse is None else Split(coarse, fine, shells, last, last)
-
-    @property
-    def _next(self) -> int:
-        """Shell up to which `finer` keeps waves."""
-        more = math.ceil(self.last / SHORTER)
-        return min(max(more, _shell(MORE_WAVES, self.shells.hm)), self.finest)
+    law: SubContactLaw
 
 
-def split_scales(hm: HeightMap, material: HalfSpace) -> Split | str:
+def split_scales(
+    hm: HeightMap, material: HalfSpace, parameters: Parameters = DEFAULTS
+) -> Split | str:
     """A map without its finest waves, on a grid that holds it well, and the law of those.
 
     Parameters
@@ -139,6 +64,8 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> Split | str:
         Height map without missing points.
     material
         Elastic half-space.
+    parameters
+        Constants of the model.
 
     Returns
     -------
@@ -147,51 +74,36 @@ def split_scales(hm: HeightMap, material: HalfSpace) -> Split | str:
     Notes
     -----
     Waves are added from the longest on until the breadth m0 m4 / m2^2 of the spectrum (Nayak's
-    parameter) reaches `BROADEST`, `FEWEST_WAVES` along the side of the map at least, and none
-    shorter than `UNRESOLVED` pixels. With lay the order and the breadth are those of the map
-    stretched halfway, in ratio, to the same slope in all directions: waves short enough along the
-    ridges are kept to part them, as contacts of whole ridges carry too much. The law holds for
-    random waves, whose strength may vary as a border fades or with the height
-    (`pixel_waves.strength`). A map that is not periodic is taken with its mirror images, in which
-    lay would be lost.
+    parameter) reaches `breadth`, `fewest_waves` along the side of the map at least, and none
+    shorter than `unresolved_pixels` (`parameters.WaveSplit`). The law holds for random waves
+    without lay. A map that is not periodic is taken with its mirror images.
     """
-    if abs(material.m) > GRADED:
-        return f"scales: all, the law of fine waves is for |m| <= {GRADED:g}"
-    if fineness(hm) < TO_THE_PIXEL and _breadth(hm) < SURELY * WORTH_IT * BROADEST:
+    bounds, near_pixel = parameters.wave_split, parameters.pixel_waves
+    if abs(material.m) > bounds.grading:
+        return f"scales: all, the law of fine waves is for |m| <= {bounds.grading:g}"
+    broad = bounds.worth * bounds.breadth
+    if fineness(hm) < near_pixel.to_the_pixel and _breadth(hm) < SURELY * broad:
         return NARROW
-    strong = strength(hm)
-    if strong is None:
+    if not random_waves(hm, near_pixel):
         return "scales: all, the finest waves are not random, so that no law holds for all of them"
+    if _lay(hm) > bounds.lay:
+        return "scales: all, the waves have a lay, for which there is no law"
     shells = Shells.of(hm, material.m)
-    lay = _lay(shells.sums[-1])
-    if not hm.periodic and max(lay, _diagonal(hm)) > LAY:
-        return "scales: all, there is a law of fine waves with lay for periodic maps only"
-    aside, square = abs(shells.sums[-1, 5]), shells.sums[-1, 3]
-    straight = aside < TURNED * lay * square and fineness(hm) >= FINE_LAY
-    if lay > LONGEST_LAY[int(straight)]:
-        return "scales: all, the waves have nearly one direction, for which there is no law"
-    if lay > LAY:
-        shells = shells.stretched(_halfway(shells.sums[-1]), material.m)
     m0, m2, m4 = shells.sums[:, :3].T
     breadth = np.divide(1.5 * m0 * m4, m2**2, out=np.zeros(m2.size), where=m2 > 0.0)
-    last = int(np.argmax(breadth > BROADEST))  # 0 if it never is
-    most = 2.0 * np.pi / (UNRESOLVED * np.max(shells.reach * hm.spacing))
+    last = int(np.argmax(breadth > bounds.breadth))  # 0 if it never is
+    most = 2.0 * np.pi / (bounds.unresolved_pixels * max(hm.spacing))
     finest = min(int(most / shells.width + 1e-6), m2.size - 1)  # whole numbers but for rounding
-    steep = shells.sums[:, 3]
-    if steep[finest] > (1.0 - TOO_MANY) * steep[-1] and breadth[-1] < WORTH_IT * BROADEST:
+    if m2[finest] > (1.0 - bounds.unresolved_slope) * m2[-1] and breadth[-1] < broad:
         return NARROW
-    odd = strong.worn[0].size or lay > LONGEST_LAY[0]
-    if odd and breadth[-1] < SURELY_WORTH_IT * BROADEST:
-        return NARROW
-    last = min(max(last or finest, _shell(FEWEST_WAVES, hm)), finest)
-    fine = _law(shells, last, material, strong)
-    if fine is None:
+    last = min(max(last or finest, _shell(bounds.fewest_waves, hm)), finest)
+    law = _law(shells, last, material, parameters)
+    if law is None:
         return "scales: all, the map has too few waves to take the finest out"
-    coarse = shells.map(last, POINTS)
+    coarse = shells.map(last, bounds.points)
     if coarse is None:
         return "scales: all, the map is too small to take its finest waves out"
-    split = Split(coarse, fine, shells, last, finest)
-    return replace(split, shells=shells.inner(split._next))
+    return Split(coarse, law)
 
 
 def _shell(waves: float, hm: HeightMap) -> int:
@@ -199,22 +111,23 @@ def _shell(waves: float, hm: HeightMap) -> int:
     return round(waves * max(hm.size) / math.sqrt(hm.area))
 
 
-def _law(shells: Shells, last: int, material: HalfSpace, strong: Strength) -> FineScales | None:
+def _law(
+    shells: Shells, last: int, material: HalfSpace, parameters: Parameters
+) -> SubContactLaw | None:
     """Law of the waves beyond the shell `last`; None where these are hardly any."""
     sums = shells.sums
-    if sums[last, 3] > (1.0 - WORTH_LOSING) * sums[-1, 3]:
+    if sums[last, 1] > (1.0 - parameters.wave_split.least_slope) * sums[-1, 1]:
         return None
     lost = sums[-1] - sums[last]
     stiffness = 1.0 / Footprints(material.modulus, material.m).symbol
-    return FineScales(
+    return SubContactLaw(
         shortest=2.0 * np.pi / (shells.width * last),
-        ratio=float(lost[7] / sums[last, 7]),
-        variance=float(stiffness**2 * lost[7]),
-        energy=float(0.5 * stiffness * lost[6]),
-        number=float((lost[7] / lost[6]) ** (1.0 / (1.0 - material.m))),
+        ratio=float(lost[4] / sums[last, 4]),
+        variance=float(stiffness**2 * lost[4]),
+        energy=float(0.5 * stiffness * lost[3]),
+        number=float((lost[4] / lost[3]) ** (1.0 / (1.0 - material.m))),
         m=material.m,
-        evenness=float(np.sqrt(1.0 - _lay(lost) ** 2)),
-        strength=strong,
+        fitted=parameters.sub_contact,
     )
 
 
@@ -228,24 +141,12 @@ def _breadth(hm: HeightMap) -> float:
     return float(hm.roughness.rms_height**2 * bend / slope**2)
 
 
-def _diagonal(hm: HeightMap) -> float:
-    """2 <hx hy> / <hx^2 + hy^2> of a map, from some of its rows."""
+def _lay(hm: HeightMap) -> float:
+    """(s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes of a map, from some of its rows."""
     rows = np.arange(0, hm.shape[0] - 1, max(1, hm.shape[0] // 256))
     low, high = hm.heights[rows], hm.heights[rows + 1]
     along = np.diff(low, axis=1) + np.diff(high, axis=1)
     across = (high - low)[:, 1:] + (high - low)[:, :-1]
     y, x = across / hm.spacing[0], along / hm.spacing[1]
-    return float(2.0 * abs(np.mean(y * x)) / np.mean(y * y + x * x))
-
-
-def _lay(sums: Array) -> float:
-    """(s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes."""
-    return float(np.hypot(sums[4], sums[5]) / sums[3])
-
-
-def _halfway(sums: Array) -> Array:
-    """Symmetric map of (qy, qx), of determinant 1, that brings the ratio of the principal slopes to
-    its root."""
-    square, aside, cross = sums[3:6]
-    values, axes = np.linalg.eigh([[square - aside, cross], [cross, square + aside]])
-    return np.asarray(axes * (np.sqrt(np.prod(values)) / values) ** 0.25 @ axes.T)
+    yy, xx, xy = np.mean(y * y), np.mean(x * x), np.mean(y * x)
+    return float(np.hypot(xx - yy, 2.0 * xy) / (xx + yy))

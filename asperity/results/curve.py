@@ -12,7 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity import __version__
-from asperity.errors import InputError
+from asperity.errors import FileFormatError, InputError
+
+from .read_off import READ_FIELDS, CurvePoint, read_off
+from .storage import CurveRecord, ResultFile, read_results, write_results
 
 __all__ = ["POINT_FIELDS", "ContactCurve", "CurvePoint", "require_curve"]
 
@@ -29,29 +32,7 @@ POINT_FIELDS = (
     "error_estimate",
 )
 
-
-SLACK = 5e-3
-"""Relative distance beyond the ends at which a curve can be evaluated: solved pressures differ from
-those asked for by the tolerance of the solve, and the latter must be within the curve."""
-
-
-@dataclass(frozen=True)
-class CurvePoint:
-    """A contact curve evaluated at one or several places; arrays have the shape of the argument.
-
-    Attributes
-    ----------
-    separation, mean_pressure, load, area_fraction, contact_area, contacts, stiffness
-        As in `ContactCurve`, interpolated between the converged load points.
-    """
-
-    separation: Any
-    mean_pressure: Any
-    load: Any
-    area_fraction: Any
-    contact_area: Any
-    contacts: Any
-    stiffness: Any
+ATTRIBUTES = ("model", "version", "settings", "seconds")
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +73,18 @@ class ContactCurve:
         One sentence for each load point that did not converge or was refused, else "".
     version
         Version of the package that made the curve.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> curve = asperity.contact_curve(hm, steel, pressures=[1e8, 3e8, 1e9])
+    >>> between = curve.at(pressure=5e8)
+    >>> bool(curve.separation[1] > between.separation > curve.separation[2])
+    True
     """
 
     separation: NDArray[np.float64]
@@ -154,54 +147,8 @@ class ContactCurve:
             If neither or both are given, the question lies outside the curve, or fewer than two
             converged points with load exist.
         """
-        from scipy.interpolate import PchipInterpolator
-
-        if (pressure is None) == (separation is None):
-            raise InputError("give either pressure or separation to read the curve off")
-        usable = self.converged & (self.mean_pressure > 0) & np.isfinite(self.separation)
-        order = np.flatnonzero(usable)[np.argsort(self.mean_pressure[usable])]
-        order = order[np.diff(self.mean_pressure[order], prepend=-1.0) > 0]
-        lowest = np.minimum.accumulate(np.append(np.inf, self.separation[order]))[:-1]
-        order = order[self.separation[order] < lowest]
-        if len(order) < 2:
-            raise InputError("the curve has fewer than two converged points with load")
-        log_p = np.log(self.mean_pressure[order])
-        try:
-            given: Any = separation if pressure is None else pressure
-            asked: NDArray[np.float64] = np.ma.filled(np.ma.asarray(given, dtype=float), np.nan)
-        except (TypeError, ValueError):
-            raise InputError("the curve is read off at a number or an array of numbers") from None
-        if pressure is not None:
-            with np.errstate(divide="ignore", invalid="ignore"):
-                key = np.log(asked)
-            _within(asked, np.exp(log_p[[0, -1]]), key, log_p, SLACK, "pressure", "Pa")
-        else:
-            falling = self.separation[order][::-1]
-            rim = 1e-9 * max(abs(falling[0]), abs(falling[-1]), falling[-1] - falling[0])
-            _within(asked, falling[[0, -1]], asked, falling, rim, "separation", "m")
-            key = PchipInterpolator(falling, log_p[::-1])(asked)
-
-        def read(name: str, in_log: bool) -> Any:
-            values = np.asarray(getattr(self, name), dtype=float)[order]
-            finite = np.isfinite(values) & ((values > 0) | (not in_log))
-            if np.count_nonzero(finite) < 2:
-                return np.full(np.shape(asked), np.nan)[()]
-            knots = np.log(values[finite]) if in_log else values[finite]
-            places = log_p[finite]
-            found = PchipInterpolator(places, knots)(key)
-            known = (key >= places[0] - SLACK) & (key <= places[-1] + SLACK)
-            found = np.where(known, found, np.nan)
-            return (np.exp(found) if in_log else found)[()]
-
-        return CurvePoint(
-            separation=read("separation", False) if separation is None else asked[()],
-            mean_pressure=np.exp(key)[()],
-            load=read("load", True),
-            area_fraction=read("area_fraction", True),
-            contact_area=read("contact_area", True),
-            contacts=read("contacts", True),
-            stiffness=read("stiffness", True),
-        )
+        columns = {name: getattr(self, name) for name in READ_FIELDS}
+        return read_off(columns, self.converged, pressure=pressure, separation=separation)
 
     def select(self, points: ArrayLike) -> ContactCurve:
         """The curve of some load points (indices or a mask), in that order.
@@ -261,9 +208,7 @@ class ContactCurve:
 
     def to_hdf5(self, path: str | os.PathLike[str]) -> None:
         """Write the curve to a results file (schema "asperity/1"), replacing it at once."""
-        from .storage import save_curves
-
-        save_curves(path, {self.model: self})
+        write_results(path, ResultFile(curves={self.model: self.to_record()}))
 
     @classmethod
     def from_hdf5(cls, path: str | os.PathLike[str], model: str | None = None) -> ContactCurve:
@@ -281,9 +226,49 @@ class ContactCurve:
         FileFormatError
             If the file is no results file or holds no such curve.
         """
-        from .storage import load_curve
+        held = read_results(path).curves
+        if model is None and len(held) == 1:
+            return cls.from_record(next(iter(held.values())))
+        if model not in held:
+            names = ", ".join(held) or "no curve"
+            raise FileFormatError(f"{path} has no curve {model!r}; it holds {names}")
+        return cls.from_record(held[model])
 
-        return load_curve(path, model)
+    def to_record(self) -> CurveRecord:
+        """The curve as plain columns and attributes, for a results file."""
+        return CurveRecord(
+            columns={name: getattr(self, name) for name in POINT_FIELDS},
+            extra=dict(self.extra),
+            reasons=self.reasons,
+            attributes={name: getattr(self, name) for name in ATTRIBUTES},
+        )
+
+    @classmethod
+    def from_record(cls, record: CurveRecord) -> ContactCurve:
+        """The curve of plain columns and attributes that a results file held.
+
+        Raises
+        ------
+        FileFormatError
+            If a column or an attribute is missing or of the wrong kind.
+        """
+        missing = [n for n in POINT_FIELDS if n not in record.columns]
+        missing += [n for n in ATTRIBUTES if n not in record.attributes]
+        if missing:
+            raise FileFormatError(f"{record.source} lacks {', '.join(missing)}; make it again")
+        for name, column in record.columns.items():
+            if column.dtype.kind not in "biuf":
+                raise FileFormatError(f"{record.source}: column {name} holds no numbers")
+        columns: dict[str, Any] = {name: record.columns[name] for name in POINT_FIELDS}
+        try:
+            return cls(
+                **columns,
+                **{name: record.attributes[name] for name in ATTRIBUTES},
+                extra=record.extra,
+                reasons=record.reasons,
+            )
+        except InputError as error:
+            raise FileFormatError(f"{record.source}: {error}") from error
 
     def __str__(self) -> str:
         good = int(np.count_nonzero(self.converged))
@@ -330,22 +315,4 @@ def require_curve(curve: object) -> None:
         raise InputError(
             f"a contact curve is needed, not {type(curve).__name__}: asperity.contact_curve(...), "
             "or run.curve of solve_contacts"
-        )
-
-
-def _within(
-    asked: NDArray[np.float64],
-    ends: NDArray[np.float64],
-    key: NDArray[np.float64],
-    knots: NDArray[np.float64],
-    slack: float,
-    name: str,
-    unit: str,
-) -> None:
-    outside = ~((key >= knots[0] - slack) & (key <= knots[-1] + slack))
-    if np.any(outside):
-        worst = float(np.atleast_1d(asked)[np.atleast_1d(outside)][0])
-        raise InputError(
-            f"{name} {worst:.4g} {unit} lies outside the converged curve, "
-            f"{ends[0]:.4g} to {ends[1]:.4g} {unit}; add load points there"
         )

@@ -67,9 +67,10 @@ def run_resumably(
     """
     done = None
     if resume and Path(path).exists():
-        curve = require_continuable(path, request).curves.get(model)
-        if curve is not None and curve.converged.any():
-            done = curve.select(curve.converged)
+        record = require_continuable(path, request).curves.get(model)
+        if record is not None:
+            curve = ContactCurve.from_record(record)
+            done = curve.select(curve.converged) if curve.converged.any() else None
     held = np.zeros((len(values), 1), bool)
     if done is not None:
         held = np.isclose(values[:, None], done.extra["asked"], rtol=1e-12, atol=0.0)
@@ -115,7 +116,7 @@ class _Keeper:
 
     def write(self, curve: ContactCurve) -> None:
         about = {"request": dict(self.request)}
-        content = ResultFile(curves={curve.model: curve}, about=about)
+        content = ResultFile(curves={curve.model: curve.to_record()}, about=about)
         write_results(self.path, content)
 
 

@@ -15,9 +15,8 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,20 +24,46 @@ from asperity import __version__
 from asperity.errors import FileFormatError
 from surfaces.files.atomic import replacing
 
-from .curve import POINT_FIELDS, ContactCurve
 from .tables import columns, structured
+
+if TYPE_CHECKING:
+    import h5py
 
 __all__ = [
     "SCHEMA",
+    "CurveRecord",
     "ResultFile",
-    "load_curve",
     "read_results",
-    "save_curves",
     "write_csv",
     "write_results",
 ]
 
 SCHEMA = "asperity/1"
+
+
+@dataclass
+class CurveRecord:
+    """A contact curve as plain data.
+
+    Attributes
+    ----------
+    columns
+        Arrays over the load points by name, shape (n,) each.
+    extra
+        Further arrays over the load points by name.
+    reasons
+        One sentence per load point, "" where all is well.
+    attributes
+        JSON-able facts by name: model, version, settings, seconds.
+    source
+        File and curve, for messages.
+    """
+
+    columns: dict[str, NDArray[Any]]
+    extra: dict[str, NDArray[Any]]
+    reasons: tuple[str, ...]
+    attributes: dict[str, Any]
+    source: str = "the curve"
 
 
 @dataclass
@@ -57,26 +82,10 @@ class ResultFile:
         JSON-able facts: input map, material, preparation.
     """
 
-    curves: dict[str, ContactCurve] = field(default_factory=dict)
+    curves: dict[str, CurveRecord] = field(default_factory=dict)
     tables: dict[str, NDArray[Any]] = field(default_factory=dict)
     maps: dict[str, NDArray[Any]] = field(default_factory=dict)
     about: dict[str, Any] = field(default_factory=dict)
-
-
-def save_curves(path: str | os.PathLike[str], curves: Mapping[str, ContactCurve]) -> None:
-    """Write contact curves to a results file, replacing it at once."""
-    write_results(path, ResultFile(curves=dict(curves)))
-
-
-def load_curve(path: str | os.PathLike[str], model: str | None = None) -> ContactCurve:
-    """Read one contact curve from a results file (see `ContactCurve.from_hdf5`)."""
-    curves = read_results(path).curves
-    if model is None and len(curves) == 1:
-        return next(iter(curves.values()))
-    if model not in curves:
-        held = ", ".join(curves) or "no curve"
-        raise FileFormatError(f"{path} has no curve {model!r}; it holds {held}")
-    return curves[model]
 
 
 def write_results(path: str | os.PathLike[str], results: ResultFile) -> None:
@@ -87,6 +96,8 @@ def write_results(path: str | os.PathLike[str], results: ResultFile) -> None:
     InputError
         If the folder does not exist or cannot be written.
     """
+    import h5py
+
     with replacing(path) as partial, h5py.File(partial, "w") as file:
         file.attrs["schema"] = SCHEMA
         file.attrs["version"] = __version__
@@ -109,6 +120,8 @@ def read_results(path: str | os.PathLike[str]) -> ResultFile:
     FileFormatError
         If the file is absent, damaged, or of another schema.
     """
+    import h5py
+
     if not Path(path).is_file():
         raise FileFormatError(f"{path}: no such results file; make one with asperity compare")
     try:
@@ -121,7 +134,10 @@ def read_results(path: str | os.PathLike[str]) -> ResultFile:
                     "asperity compare, curve or bem"
                 )
             return ResultFile(
-                curves={k: _read_curve(g) for k, g in file.get("curves", {}).items()},
+                curves={
+                    name: _read_curve(group, f"{path}: curve {name!r}")
+                    for name, group in file.get("curves", {}).items()
+                },
                 tables={k: _plain(d[()]) for k, d in file.get("tables", {}).items()},
                 maps={k: d[()] for k, d in file.get("maps", {}).items()},
                 about=dict(json.loads(file.attrs.get("about", "{}"))),
@@ -152,27 +168,33 @@ def _flat(columns: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             yield name, column
 
 
-def _write_curve(group: h5py.Group, curve: ContactCurve) -> None:
-    group.attrs["model"] = curve.model
-    group.attrs["version"] = curve.version
-    group.attrs["settings"] = _json(curve.settings)
-    group.attrs["seconds"] = _json(curve.seconds)
-    for name in POINT_FIELDS:
-        group.create_dataset(name, data=getattr(curve, name))
+def _write_curve(group: h5py.Group, curve: CurveRecord) -> None:
+    import h5py
+
+    for name, value in curve.attributes.items():
+        group.attrs[name] = value if isinstance(value, str) else _json(value)
+    for name, column in curve.columns.items():
+        group.create_dataset(name, data=column)
     group.create_dataset("reasons", data=list(curve.reasons), dtype=h5py.string_dtype())
     for name, array in curve.extra.items():
         group.create_dataset(f"extra/{name}", data=_storable(np.asarray(array)))
 
 
-def _read_curve(group: h5py.Group) -> ContactCurve:
-    return ContactCurve(
-        **{name: group[name][()] for name in POINT_FIELDS},
-        model=str(group.attrs["model"]),
-        version=str(group.attrs["version"]),
-        settings=json.loads(group.attrs["settings"]),
-        seconds=json.loads(group.attrs["seconds"]),
-        extra={k: _plain(d[()]) for k, d in group.get("extra", {}).items()},
+def _read_curve(group: h5py.Group, source: str) -> CurveRecord:
+    text = {name: str(value) for name, value in group.attrs.items()}
+    return CurveRecord(
+        columns={
+            name: _plain(held[()])
+            for name, held in group.items()
+            if name not in ("extra", "reasons")
+        },
+        extra={name: _plain(held[()]) for name, held in group.get("extra", {}).items()},
         reasons=tuple(group["reasons"].asstr()[()].tolist()),
+        attributes={
+            name: json.loads(value) if name in ("settings", "seconds") else value
+            for name, value in text.items()
+        },
+        source=source,
     )
 
 

@@ -2,8 +2,8 @@
 
 The estimate is a sum of terms, each of which grows with one known weakness of the model; their
 weights are quantiles fitted on synthetic surfaces of several families (``benchmarks/accuracy.py``,
-``benchmarks/calibrate_estimate.py``) and checked on others: see ``docs/accuracy.md``. Contacts that
-no law describes, which those surfaces hardly have, add terms of their own
+``benchmarks/calibrate_estimate.py``) and checked on others: see ``docs/development/fits.md``.
+Contacts that no law describes, which those surfaces hardly have, add terms of their own
 (`asperity.trust.outside_model`).
 """
 
@@ -14,23 +14,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asperity.halfspace.flags import Flag
+from asperity.parameters import DEFAULTS, ErrorEstimate
 
-from .outside_model import LAWLESS, lawless
+from .outside_model import OUTSIDE_MODEL
 
 if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
-    from asperity.model.decomposition import Asperities
+    from asperity.model.decomposition import Decomposition
     from surfaces.heightmap import HeightMap
 
 __all__ = [
-    "AREA_WEIGHTS",
     "CALIBRATED",
-    "LOAD_WEIGHTS",
     "TERMS",
     "estimate",
-    "oddness",
+    "nonrandomness",
     "terms",
-    "weaknesses",
 ]
 
 TERMS = (
@@ -44,21 +42,14 @@ TERMS = (
     "long_crowding",
     "few_crowded",
 )
-"""Names of the terms, see `terms`."""
-
-LOAD_WEIGHTS = (0.0391, 0.0292, 1.1872, 0.1278, 0.5705, 0.0111, 0.0, 0.2729, 0.3301)
-"""Weights of the terms for the load at equal separation."""
-
-AREA_WEIGHTS = (0.3272, 0.0846, 1.2033, 0.6293, 0.0, 0.0292, 0.0528, 0.0123, 0.5485)
-"""Weights of the terms for the contact area at equal load."""
-
+"""Names of the terms, see `terms`; their weights are those of `parameters.ErrorEstimate`."""
 
 CALIBRATED = "auto", "ellipse"
 """Laws of which the weights tell; by others, the area is up to three times too large."""
 
 
-def terms(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, float]:
-    """Weaknesses of the model at one load point, each from 0 (none) upwards; `odd` is `oddness`.
+def terms(decomposition: Decomposition, state: PopulationState, odd: float) -> dict[str, float]:
+    """Terms of the error estimate at a load point, each from 0 upwards; `odd` is `nonrandomness`.
 
     Returns
     -------
@@ -87,15 +78,15 @@ def terms(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, f
     if not closed.size:
         return dict.fromkeys(TERMS, 0.0)
     share = state.force[closed] / state.force.sum()
-    table, depth = bodies.population.table, state.approach[closed]
+    table, depth = decomposition.population.table, state.approach[closed]
     outgrown = (table.flags_at(closed, depth) & Flag.BEYOND_RADIUS) > 0
     # with fine waves taken out, the contacts are those of the map that was solved
-    law = bodies.plan.fine
-    hm = (bodies.plan.resampled if law else None) or bodies.hm
+    law = decomposition.plan.sub_contact_law
+    hm = (decomposition.plan.resampled if law else None) or decomposition.hm
     pixel = hm.area / hm.heights.size
-    steep, shallow = bodies.profiles.curvature[closed].T
+    steep, shallow = decomposition.summits.curvature[closed].T
     ratio = np.log(steep / np.clip(shallow, 1e-3 * steep, None))
-    crowding, long = state.contact_area / bodies.hm.area, np.sum(share * ratio)
+    crowding, long = state.contact_area / decomposition.hm.area, np.sum(share * ratio)
     few = np.sqrt(np.sum(share**2))
     coarse = np.sqrt(pixel / np.sum(share * state.area[closed]))
     taken = 0.0 if law is None else law.ratio / (1.0 + law.ratio)
@@ -113,16 +104,7 @@ def terms(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, f
     return {name: float(value) for name, value in zip(TERMS, found, strict=True)}
 
 
-def weaknesses(bodies: Asperities, state: PopulationState, odd: float) -> dict[str, float]:
-    """`terms` of a load point, part of them those of the finer contacts that count there."""
-    own, look = terms(bodies, state, odd) | lawless(bodies, state), bodies.closer_look(state)
-    if look is None:
-        return own
-    closer = terms(look.bodies, look.state, odd) | lawless(look.bodies, look.state)
-    return {name: own[name] + look.part * (closer[name] - own[name]) for name in own}
-
-
-def oddness(hm: HeightMap) -> float:
+def nonrandomness(hm: HeightMap) -> float:
     """How far a map is from random waves: 0 where the kurtosis of its second differences is 3, 1
     from 4 on, as for spikes, worn plateaus, steps and fading borders."""
     return float(
@@ -130,7 +112,12 @@ def oddness(hm: HeightMap) -> float:
     )
 
 
-def estimate(values: dict[str, float], weights: tuple[float, ...]) -> float:
+def estimate(
+    values: dict[str, float],
+    weights: tuple[float, ...],
+    fitted: ErrorEstimate = DEFAULTS.error_estimate,
+) -> float:
     """Weighted sum of the terms: the bound that nine errors in ten keep."""
-    fitted = sum(w * values[name] for name, w in zip(TERMS, weights, strict=True))
-    return float(fitted + sum(w * values.get(name, 0.0) for name, w in LAWLESS.items()))
+    inside = sum(w * values[name] for name, w in zip(TERMS, weights, strict=True))
+    outside = sum(getattr(fitted, name) * values.get(name, 0.0) for name in OUTSIDE_MODEL)
+    return float(inside + outside)

@@ -45,6 +45,12 @@ class Fault:
         What is wrong, where, and how to mend it, in one sentence.
     fatal
         True if the heights cannot be read safely as the file stands.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> str(surfaces.Fault("no unit").text)
+    'no unit'
     """
 
     text: str

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from numpy.typing import ArrayLike
 
+from surfaces.arguments import as_path
 from surfaces.errors import FileFormatError, InputError, SurfaceError
 from surfaces.heightmap import HeightMap, require_map
 
@@ -58,8 +59,20 @@ def read(
         If the file is missing, damaged, of an unknown format, or silent about its units.
     SurfaceError
         If what it holds is no height map.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     surfaces.write(hm, f"{folder}/scan.h5")
+    ...     print(surfaces.read(f"{folder}/scan.h5", rows=(0, 16)).shape)
+    (16, 48)
     """
-    path = Path(path)
+    path = as_path(path)
     if not path.exists():
         raise FileFormatError(f"{path}: no such file")
     if not path.is_file():
@@ -101,9 +114,21 @@ def write(hm: HeightMap, path: str | os.PathLike[str], *, dtype: str = "float64"
     ------
     InputError
         If the format cannot hold a height map with its units, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     surfaces.write(hm, f"{folder}/scan.h5")
+    ...     print(surfaces.read(f"{folder}/scan.h5").digest == hm.digest)
+    True
     """
     require_map(hm)
-    path = Path(path)
+    path = as_path(path)
     if path.suffix.lower() in _HDF5:
         from .hdf5_write import write_blocks
 

@@ -1,6 +1,6 @@
 """Height maps in HDF5, schema 1: open, read in parts, validate.
 
-The layout is described in ``docs/hdf5.md``.
+The layout is described in ``docs/formats.md``.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from surfaces.arguments import as_path
 from surfaces.errors import AsperityError, FileFormatError, InputError, SurfaceError
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
@@ -45,6 +46,19 @@ class SurfaceFile:
         Unit of the stored heights; everything returned is in metres.
     periodic
         Whether the whole map continues across its border.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     surfaces.write(hm, f"{folder}/scan.h5")
+    ...     with surfaces.open(f"{folder}/scan.h5") as file:
+    ...         print(file.read(rows=(0, 8), columns=(0, 12)).shape)
+    (8, 12)
     """
 
     def __init__(self, path: Path, file: h5py.File, dataset: h5py.Dataset, header: Header) -> None:
@@ -210,8 +224,21 @@ def open(
     ------
     FileFormatError
         If the file is missing or damaged, or does not hold a height map with its units.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     surfaces.write(hm, f"{folder}/scan.h5")
+    ...     with surfaces.open(f"{folder}/scan.h5") as file:
+    ...         print(file.shape, file.spacing)
+    (32, 48) (1e-06, 1e-06)
     """
-    path, pixel = Path(path), _pair(spacing)
+    path, pixel = as_path(path), _pair(spacing)
     require_sound(path, dataset)
     file = opened(path)
     try:
@@ -239,8 +266,20 @@ def validate(path: str | os.PathLike[str], *, dataset: str | None = None) -> lis
     Notes
     -----
     The heights are read block by block, so that the file may be larger than memory.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     surfaces.write(hm, f"{folder}/scan.h5")
+    ...     print(surfaces.validate(f"{folder}/scan.h5"))
+    []
     """
-    path = Path(path)
+    path = as_path(path)
     try:
         require_sound(path, dataset)
         file = opened(path)

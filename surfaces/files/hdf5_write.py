@@ -56,6 +56,19 @@ def write_blocks(
     InputError
         If the shape or the spacing is that of no map, the blocks do not fill it or hold infinities,
         the dtype is another, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     blocks = (hm.heights[i : i + 8] for i in range(0, 32, 8))
+    ...     surfaces.write_blocks(f"{folder}/scan.h5", hm.shape, hm.spacing, blocks)
+    ...     print(surfaces.read(f"{folder}/scan.h5").shape)
+    (32, 48)
     """
     if dtype not in ("float64", "float32"):
         raise InputError(f"dtype is {dtype!r}; heights are stored as float64 or float32")

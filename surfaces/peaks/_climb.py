@@ -11,12 +11,13 @@ from surfaces.numerics.compiled import compiled, inner
 from surfaces.numerics.splines import PAD, expand
 
 from ._prefetch import prefetch_block
+from .summit_arrays import PLATEAU, RIM, SUMMIT
 
 FLATTEST = 1e-3  # least ratio of the principal curvatures
 _LOCAL = 1e-4  # largest misfit of the local quartic, relative to the range of its points
+_LEVEL = 1e-6  # ratio of the principal curvatures below which rounding may decide the smaller sign
 
 _AHEAD = 8  # summits
-SUMMIT, PLATEAU, RIM = 0, -1, -2
 
 
 def _quartic_rows() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -111,29 +112,27 @@ def _newton(e):
     """Step of Newton's method uphill, with the absolute values of the principal curvatures.
 
     Returns the step over y and x, and whether the expansion `e`, which has some curvature, is
-    concave.
+    concave, or level along a ridge: the curvature there is rounding, of either sign.
     """
     mean, shear, cross = 0.5 * (e[3] + e[5]), 0.5 * (e[3] - e[5]), e[4]
     half = math.sqrt(shear * shear + cross * cross)
     size = abs(mean) + half
     high, low = mean + half, mean - half
-    if high < -1e-6 * size:
+    if high < -_LEVEL * size:
         scale = -1.0 / (high * low)
         return (e[5] * e[1] - cross * e[2]) * scale, (e[3] * e[2] - cross * e[1]) * scale, True
     turn = 0.5 * math.atan2(2.0 * cross, e[5] - e[3])
     along_x, along_y = math.cos(turn), math.sin(turn)
-    first = (e[2] * along_x + e[1] * along_y) / max(abs(high), 1e-6 * size)
-    second = (e[1] * along_x - e[2] * along_y) / max(abs(low), 1e-6 * size)
+    first = (e[2] * along_x + e[1] * along_y) / max(abs(high), _LEVEL * size)
+    second = (e[1] * along_x - e[2] * along_y) / max(abs(low), _LEVEL * size)
     step_y = first * along_y + second * along_x
     step_x = first * along_x - second * along_y
-    return step_y, step_x, high < 0.0
+    return step_y, step_x, high < _LEVEL * size
 
 
 @inner()
-def climb(heights, flat, width, labels, periodic, row, col, n, lean, c):
+def climb(heights, flat, width, labels, periodic, row, col, n, c):
     """Climb from the summit pixel of peak n to the maximum of the interpolated surface.
-
-    The surface is tilted: it falls by `lean` (2,) [m per pixel] along y and x.
 
     Newton steps with the absolute values of the principal curvatures, of at most half a pixel,
     on the local quartic `c` where it represents the map and else on the spline. Returns y, x
@@ -147,7 +146,6 @@ def climb(heights, flat, width, labels, periodic, row, col, n, lean, c):
         e = _quartic(c, y - row, x - col) if local else expand(flat, width, y, x)
         if e[3] == 0.0 and e[4] == 0.0 and e[5] == 0.0:
             break
-        e = (e[0], e[1] - lean[0], e[2] - lean[1], e[3], e[4], e[5])
         step_y, step_x, concave = _newton(e)
         length = max(abs(step_y), abs(step_x))
         if concave and length < 1e-9:
@@ -178,7 +176,7 @@ def climb(heights, flat, width, labels, periodic, row, col, n, lean, c):
 
 @compiled()
 def summits(
-    heights, flat, width, labels, periodic, row, col, lean, order, places, expansions, kinds, c,
+    heights, flat, width, labels, periodic, row, col, order, places, expansions, kinds, c,
     first, last,
 ):  # fmt: skip
     """Climb from the peaks ``order[first:last]``: places (n, 2), expansions (n, 6), kinds (n,).
@@ -191,41 +189,12 @@ def summits(
             other = order[k + _AHEAD]
             prefetch_block(heights, heights.shape[1], row[other] - 2, col[other] - 2, 5, 5)
             prefetch_block(flat, width, row[other] + PAD - 3, col[other] + PAD - 3, 8, 8)
-        y, x, e, kind = climb(heights, flat, width, labels, periodic, row[n], col[n], n, lean[n], c)
+        y, x, e, kind = climb(heights, flat, width, labels, periodic, row[n], col[n], n, c)
         places[n, 0] = y
         places[n, 1] = x
         kinds[n] = kind
         for i in range(6):
             expansions[n, i] = e[i]
-
-
-@compiled()
-def uphill(heights, labels, owner, periodic, lean, rows, row, col):
-    """Move the pixels (row, col) of the peaks `rows` to the maxima of the tilted map about them.
-
-    Steps lead to the highest of the eight neighbors of the same peak.
-    """
-    ny, nx = heights.shape
-    for n in rows:
-        y, x = row[n], col[n]
-        while True:
-            best, up, right = 0.0, 0, 0
-            here = heights[y % ny, x % nx]
-            for step in range(9):
-                r, c = y + step // 3 - 1, x + step % 3 - 1
-                if not periodic and (r < 0 or c < 0 or r >= ny or c >= nx):
-                    continue
-                label = labels[r % ny, c % nx]
-                if label < 0 or owner[label] != n:
-                    continue
-                rise = heights[r % ny, c % nx] - here
-                rise -= lean[n, 0] * (r - y) + lean[n, 1] * (c - x)
-                if rise > best:
-                    best, up, right = rise, r - y, c - x
-            if best == 0.0:
-                break
-            y, x = y + up, x + right
-        row[n], col[n] = y % ny, x % nx
 
 
 @inner()

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,14 +9,12 @@ from surfaces.numerics import parallel
 from surfaces.numerics.spline_expansion import LANES
 from surfaces.numerics.splines import PAD
 
-from . import _climb, _rays
+from . import _rays
+from .profiles import ray_aspect
+from .summit_arrays import RIM, SUMMIT, SummitArrays
 
-if TYPE_CHECKING:
-    from .summits import Summits
+__all__ = ["PART", "Fans"]
 
-__all__ = ["PART", "Fans", "aspect_of"]
-
-_NARROWEST = np.sqrt(1.0 / 8.0)  # least aspect of the ellipse on which the rays are spread
 _FOLD = 1.7  # half a paraboloid at the border carries 0.77 of the load, on 0.58 of the area (BEM)
 PART = 1024  # peaks whose directions stay in the cache
 _MOST_SAMPLES = 64 * LANES  # of a ray
@@ -26,12 +22,6 @@ _TINY = 1e-300
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
-
-
-def aspect_of(curvature: Array) -> Array:
-    """Aspect of the ellipses on which the rays are spread: the root of that of the contact."""
-    ratio = curvature[..., 1] / curvature[..., 0]
-    return np.maximum(ratio ** (1.0 / 3.0), _NARROWEST)
 
 
 def _steps() -> Array:
@@ -63,7 +53,7 @@ class Fans:
         As in `Profiles`, one row per element of `index`.
     """
 
-    def __init__(self, summits: Summits, index: Rows, rays: int, nodes: int) -> None:
+    def __init__(self, summits: SummitArrays, index: Rows, rays: int, nodes: int) -> None:
         self._summits, self._index = summits, index
         self.phi, self.weight, self.edge = (np.empty((index.size, rays)) for _ in range(3))
         self.q = np.empty((index.size, rays, nodes))
@@ -102,11 +92,9 @@ class Fans:
         y, x = of.places[peak].T
         if of.hm.periodic:
             y, x = y % of.hm.shape[0], x % of.hm.shape[1]
-        lean = of.lean[peak]
-        fall = lean[:, :1] * way_y + lean[:, 1:] * way_x
         given = (
             of.spline.ravel(), self._cell, of.peaks.labels.ravel(), of.owner,
-            of.dip[peak], peak, y.copy(), x.copy(), of.height[peak], way_y, way_x, fall,
+            of.dip[peak], peak, y.copy(), x.copy(), of.height[peak], way_y, way_x,
             pixel, limit, _RADII, self._shares, tip, slot, self.edge, self.q,
         )  # fmt: skip
         # the calls before are too short for several threads, which would wait for each other
@@ -115,16 +103,16 @@ class Fans:
             lambda a, b: _rays.fit(*given, *_rays.scratch(*size), a, b),
             parallel.blocks(peak.size, 64),
         )
-        blunt = slot[of.kinds[peak] != _climb.SUMMIT]
+        blunt = slot[of.kinds[peak] != SUMMIT]
         self.q[blunt, :, 0] = self.q[blunt, :, 1]
 
     def _directions(self, slot: Rows, curvature: Array, angle: Array) -> tuple[Array, Array]:
         """Cosine and sine of the directions in the frames of the peaks, shape (n, rays) each.
 
-        Equal steps of the parameter of the ellipse of semi-axes 1 and `aspect_of` the curvatures.
+        Equal steps of the parameter of the ellipse of semi-axes 1 and `ray_aspect`.
         The directions and their quadrature weights are filled in.
         """
-        u, v = self._cos, aspect_of(curvature)[:, None] * self._sin
+        u, v = self._cos, ray_aspect(curvature)[:, None] * self._sin
         weight = 1.0 / (u * u + v * v)
         length = np.sqrt(weight)
         along, across = u * length, v * length
@@ -144,7 +132,7 @@ class Fans:
         of = self._summits
         axis_x, axis_y = (turn(of.angle[peak])[:, None] for turn in (np.cos, np.sin))
         ways = [along * axis_y + across * axis_x, along * axis_x - across * axis_y]
-        rim = np.flatnonzero(of.kinds[peak] == _climb.RIM)
+        rim = np.flatnonzero(of.kinds[peak] == RIM)
         places = (of.peaks.row, of.peaks.col)
         for way, step, n, place in zip(ways, of.hm.spacing, of.hm.shape, places, strict=True):
             way /= step

@@ -9,13 +9,10 @@ from surfaces.heightmap import HeightMap
 
 from .peaks import Peaks
 
-__all__ = ["flat_share", "flat_tops", "has_level_places"]
+__all__ = ["flat_share", "flat_tops"]
 
 HIGHEST = 0.02
 """Share of the points that count as the highest."""
-
-LINES = 64
-"""Rows that show whether heights repeat, along them and to the next."""
 
 
 def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -66,13 +63,6 @@ def flat_share(hm: HeightMap) -> float:
         return 0.0
     top = np.argwhere(heights >= np.quantile(heights, 1.0 - HIGHEST))
     return float(np.mean(_level_steps(hm, top).all(axis=1)))
-
-
-def has_level_places(heights: NDArray[np.float64]) -> bool:
-    """Whether neighbours have the same height, as far as some lines tell."""
-    step = max(1, len(heights) // LINES)
-    lines, below = heights[:-1:step], heights[1::step]
-    return bool((lines[:, 1:] == lines[:, :-1]).any() or (lines == below).any())
 
 
 def _level_steps(hm: HeightMap, points: NDArray[np.int64]) -> NDArray[np.bool_]:

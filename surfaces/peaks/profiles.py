@@ -9,13 +9,24 @@ from numpy.typing import NDArray
 
 from surfaces.polar import PolarProfile
 
-from ._fans import aspect_of
-
-__all__ = ["Profiles"]
+__all__ = ["Profiles", "ray_aspect"]
 
 _PER_RAY, _ANGLES = 48, 256  # radii on the shortest ray, and directions, of a single profile
+_NARROWEST = np.sqrt(1.0 / 8.0)  # least aspect of the ellipse on which the rays are spread
 
 Array = NDArray[np.float64]
+
+
+def ray_aspect(curvature: Array) -> Array:
+    """Aspect of the ellipses on which the rays are spread: the root of that of the contact.
+
+    Parameters
+    ----------
+    curvature
+        Principal curvatures k1 >= k2 [1/m], shape (..., 2).
+    """
+    ratio = curvature[..., 1] / curvature[..., 0]
+    return np.maximum(ratio ** (1.0 / 3.0), _NARROWEST)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +66,17 @@ class Profiles:
     owner
         Peak into whose basin the surface rises, shape (n,), the peak itself where `valid`. The
         rays of the owner run through the basins that it owns.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> fit = surfaces.fit_profiles(hm, surfaces.segment(hm))
+    >>> profile = fit.profile(0)
+    >>> float(profile(0.0, 0.0))
+    0.0
     """
 
     x: Array
@@ -101,7 +123,7 @@ class Profiles:
         from scipy.interpolate import CubicSpline
 
         rays = self.phi.shape[1]
-        aspect = float(aspect_of(self.curvature[i]))
+        aspect = float(ray_aspect(self.curvature[i]))
         node = 2 * np.pi * np.arange(rays) / rays
         phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
         turn = phi - self.angle[i]

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.arguments import as_number
 from surfaces.errors import InputError, SurfaceError
-from surfaces.heightmap import HeightMap
+from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel, splines
 
 from . import _climb
@@ -17,6 +18,7 @@ from ._fans import PART, Fans
 from .flat_tops import flat_tops
 from .peaks import Peaks
 from .profiles import Profiles
+from .summit_arrays import PLATEAU, RIM, SUMMIT, SummitArrays
 
 __all__ = ["Summits", "fit_profiles", "locate_summits"]
 
@@ -28,38 +30,11 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Summits:
-    """Summits of n peaks, one row of every array per peak; their rays are sampled by `rows`.
+class Summits(SummitArrays):
+    """Summits of n peaks; the rays of those that are asked for are sampled by `rows`.
 
-    The arrays are those of `Profiles` that need no rays. At light loads most peaks never touch,
-    and their rays would cost more than all the rest. Beside them stands what rays are made of: the
-    peaks, the map, the coefficients of its spline, the summits [pixels] and how they were found.
-    Summits that were joined are one, whose basin hangs together above the height `floor` [m];
-    `single` are the owners before. About each the surface is taken to fall by `lean` [m per pixel]
-    along y and x, shape (n, 2), and its rays end where f has fallen by `dip` [m]: see `leaning`.
+    At light loads most peaks never touch, and their rays would cost more than all the rest.
     """
-
-    x: Array
-    y: Array
-    height: Array
-    curvature: Array
-    angle: Array
-    pixels: NDArray[np.int64]
-    border: NDArray[np.bool_]
-    valid: NDArray[np.bool_]
-    owner: NDArray[np.int64]
-    peaks: Peaks = field(repr=False)
-    hm: HeightMap = field(repr=False)
-    spline: Array = field(repr=False)
-    places: Array = field(repr=False)
-    kinds: NDArray[np.int64] = field(repr=False)
-    floor: Array = field(repr=False)
-    lean: Array = field(repr=False)
-    dip: Array = field(repr=False)
-    single: NDArray[np.int64] = field(repr=False)
-
-    def __len__(self) -> int:
-        return int(self.x.size)
 
     def joined(self, pairs: NDArray[np.int64], floors: Array) -> Summits:
         """The same where the basins of each pair, (k, 2), are one of the higher summit.
@@ -79,48 +54,6 @@ class Summits:
             valid[lost] = False
         return replace(self, owner=owner, floor=floor, pixels=pixels, border=border, valid=valid)
 
-    def leaning(self, index: NDArray[np.int64], tilt: Array, dip: Array) -> Summits:
-        """The same where the surface about the summits `index` is tilted.
-
-        Parameters
-        ----------
-        index
-            Rows of the summits, shape (k,).
-        tilt
-            By how much the surface falls along y and x [-], shape (k, 2).
-        dip
-            How far f may fall along a ray before it ends [m], shape (k,).
-
-        Notes
-        -----
-        A summit stands where the tilted surface is highest, the next one uphill in its basin;
-        `height` is still that of the surface itself. It is `valid` if there is such a place.
-        """
-        hm, peaks = self.hm, self.peaks
-        names = "x", "y", "height", "curvature", "angle", "valid", "places", "kinds", "lean", "dip"
-        own = {name: getattr(self, name).copy() for name in names}
-        own["lean"][index], own["dip"][index] = tilt * np.asarray(hm.spacing), dip
-        row, col = peaks.row.copy(), peaks.col.copy()
-        _climb.uphill(
-            hm.heights, peaks.labels, self.owner, hm.periodic, own["lean"], index, row, col
-        )
-        expansions = np.empty((len(self), 6))
-        _climb.summits(
-            hm.heights, self.spline.ravel(), self.spline.shape[1], peaks.labels, hm.periodic, row,
-            col, own["lean"], index, own["places"], expansions, own["kinds"],
-            np.empty(40), 0, len(index),
-        )  # fmt: skip
-        found = np.empty((len(index), 3)), np.empty((len(index), 2)), np.empty(len(index))
-        _climb.frames(
-            hm.heights, hm.spacing, row[index], col[index], peaks.prominence[index],
-            self.pixels[index], own["places"][index], expansions[index], own["kinds"][index],
-            *found,
-        )  # fmt: skip
-        (own["x"][index], own["y"][index], own["height"][index]) = found[0].T
-        own["curvature"][index], own["angle"][index] = found[1:]
-        own["valid"][index] &= own["kinds"][index] == _climb.SUMMIT
-        return replace(self, **own)
-
     def rows(self, index: NDArray[np.int64], *, rays: int = 16, nodes: int = 17) -> Profiles:
         """Profiles of the peaks `index`, in that order; `owner` keeps the numbers of all peaks.
 
@@ -138,7 +71,7 @@ class Summits:
         InputError
             If there are too few rays or nodes.
         """
-        if rays < 4 or nodes < 4:
+        if as_number("rays", rays) < 4 or as_number("nodes", nodes) < 4:
             raise InputError(f"rays is {rays} and nodes is {nodes}; give at least 4 of each")
         fans = Fans(self, index, rays, nodes)
         near = _near(self.peaks.row[index], self.peaks.col[index])
@@ -164,6 +97,9 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
     SurfaceError
         If the peaks belong to a map of another shape, or the map is constant.
     """
+    require_map(hm)
+    if not isinstance(peaks, Peaks):
+        raise InputError(f"the peaks of segment are needed, not {type(peaks).__name__}")
     if peaks.labels.shape != hm.shape:
         raise SurfaceError(
             f"the peaks belong to a map of shape {peaks.labels.shape}, not {hm.shape}; "
@@ -178,21 +114,21 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
         depth = np.maximum(depth, 1e-6 * relief)
     spline = splines.coefficients(hm.heights, hm.periodic)
     places, expansions, kinds = np.empty((n, 2)), np.empty((n, 6)), np.empty(n, np.int64)
-    near, level = _near(peaks.row, peaks.col), np.zeros((n, 2))
+    near = _near(peaks.row, peaks.col)
     parallel.run(
         lambda a, b: _climb.summits(
             hm.heights, spline.ravel(), spline.shape[1], peaks.labels, hm.periodic, peaks.row,
-            peaks.col, level, near, places, expansions, kinds, np.empty(40), a, b,
+            peaks.col, near, places, expansions, kinds, np.empty(40), a, b,
         ),
         parallel.blocks(n, 512),
     )  # fmt: skip
     dip = np.full(n, peaks.min_prominence)
     flat, middle = flat_tops(hm, peaks)
-    flat, middle = (array[kinds[flat] != _climb.RIM] for array in (flat, middle))
+    flat, middle = (array[kinds[flat] != RIM] for array in (flat, middle))
     if flat.size:
         row, col = peaks.row.copy(), peaks.col.copy()
         row[flat], col[flat] = middle.T
-        places[flat], kinds[flat] = middle, _climb.PLATEAU
+        places[flat], kinds[flat] = middle, PLATEAU
         peaks = replace(peaks, row=row, col=col)
     dip[flat] = np.maximum(dip[flat], _RING * depth[flat])
     owner = _owners(hm, peaks, places, kinds)
@@ -209,7 +145,7 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
     x, y, height = (np.ascontiguousarray(column) for column in summit.T)
     return Summits(
         x, y, height, curvature, angle, pixels, border, own, owner, peaks, hm, spline, places,
-        kinds, np.full(n, np.inf), level, dip, owner,
+        kinds, np.full(n, np.inf), dip, owner,
     )  # fmt: skip
 
 
@@ -253,6 +189,20 @@ def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17
     mirrored there and compressed by 1.7 across it: a whole contact that carries as much as the half
     there is. Unflooded pixels count to no basin, so that `segment(above=...)` changes hardly a ray
     above that height.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import surfaces
+    >>> x = np.arange(48) + 0.5
+    >>> y = np.arange(32) + 0.5
+    >>> heights = np.cos(2 * np.pi * x / 24) + np.cos(2 * np.pi * y / 32)[:, None]
+    >>> hm = surfaces.HeightMap(heights, 1.0, periodic=True)
+    >>> fit = surfaces.fit_profiles(hm, surfaces.segment(hm))
+    >>> [f"{k:.4f}" for k in fit.curvature[0]]
+    ['0.0685', '0.0386']
+    >>> f"{(2 * np.pi / 24) ** 2:.4f} {(2 * np.pi / 32) ** 2:.4f}"
+    '0.0685 0.0386'
     """
     return locate_summits(hm, peaks).rows(np.arange(len(peaks)), rays=rays, nodes=nodes)
 
@@ -272,8 +222,8 @@ def _owners(
     if hm.periodic:
         pixel %= hm.shape
     at = peaks.labels[pixel[:, 0], pixel[:, 1]] if n else rank
-    shared = (kinds == _climb.SUMMIT) & (at >= 0) & (at != rank)
-    shared[shared] &= kinds[at[shared]] == _climb.SUMMIT
+    shared = (kinds == SUMMIT) & (at >= 0) & (at != rank)
+    shared[shared] &= kinds[at[shared]] == SUMMIT
     away = places[shared] - places[at[shared]]
     if hm.periodic:
         away -= np.array(hm.shape) * np.round(away / hm.shape)

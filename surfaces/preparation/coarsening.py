@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from surfaces.heightmap import HeightMap
-from surfaces.numerics import parallel, splines
-from surfaces.statistics.roughness import BANDS
+from surfaces.heightmap.roughness import BANDS
+from surfaces.numerics import splines
 
 from .filtering import resample_waves
 
-__all__ = ["coarse_map", "line_power", "shortest_wave"]
+__all__ = ["coarse_map", "shortest_wave"]
 
 _POINTS = 8.0
 """Points per shortest wave: the contact curve then changes no more than by half a pixel's shift of
@@ -25,9 +25,6 @@ _SLOPE_LOST = 2e-3
 
 _SMOOTH = 2.0
 """Length over which the slope turns [pixels] below which no coarser grid can hold the map."""
-
-_LINES = 64
-"""Rows and columns that suffice to find the spectrum."""
 
 _WORTH_IT = 0.75
 """Largest ratio of the points per axis."""
@@ -82,32 +79,6 @@ def coarse_map(hm: HeightMap) -> HeightMap | None:
 def _divisor(count: int, most: int) -> int:
     """Largest divisor of `count` that is no larger than `most`."""
     return next(part for part in range(most, 0, -1) if count % part == 0)
-
-
-def line_power(hm: HeightMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Mean square [m^2] of the waves along y and x in some lines of a map without missing points.
-
-    `HeightMap.line_power` keeps it. The k-th wave has k periods over the length of the map; k / 2
-    in a map that is not periodic, which is continued by its mirror images.
-    """
-
-    def along(axis: int) -> NDArray[np.float64]:
-        count = hm.shape[axis]
-        stride = max(1, hm.shape[1 - axis] // _LINES)
-        lines = hm.heights[::stride] if axis else np.ascontiguousarray(hm.heights[:, ::stride].T)
-        if hm.periodic:
-            waves = fft.rfft(lines, axis=1)
-            squares = np.square(waves.real) + np.square(waves.imag)
-        else:
-            squares = np.square(0.5 * fft.dct(lines, axis=1))
-        power: NDArray[np.float64] = squares.mean(axis=0) * (2.0 / count**2)
-        power[0] *= 0.5
-        if hm.periodic and count % 2 == 0:
-            power[-1] *= 0.5
-        return power
-
-    y, x = parallel.each(along, (0, 1))
-    return y, x
 
 
 def shortest_wave(hm: HeightMap, axis: int) -> float:

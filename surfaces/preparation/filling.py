@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, diags
 from scipy.sparse.linalg import LinearOperator, cg, splu
 
+from surfaces.arguments import as_number
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_map
 
@@ -44,12 +45,22 @@ def fill_missing(hm: HeightMap, *, limit: float = 0.1) -> HeightMap:
     Solves Laplace's equation on the missing points (five-point stencil with the true pixel sizes;
     no flux across the border of a map that is not periodic). The filled heights lie between those
     around them: no summit is invented.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import surfaces
+    >>> y, x = np.mgrid[:32, :48]
+    >>> heights = 1e-9 * (x + y)
+    >>> heights[10, 10] = np.nan
+    >>> surfaces.fill_missing(surfaces.HeightMap(heights, 1e-6)).missing
+    0
     """
     require_map(hm)
     missing = np.isnan(hm.heights)
     count = int(np.count_nonzero(missing))
     fraction = count / missing.size
-    if fraction > limit:
+    if fraction > as_number("limit", limit):
         raise SurfaceError(
             f"{count} of {missing.size} points are missing ({100 * fraction:.3g} %), more than the "
             f"fill limit of {100 * limit:.3g} %; crop the map or raise fill_limit (--fill-limit)"

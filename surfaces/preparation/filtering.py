@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import fft
 
+from surfaces.arguments import as_number
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel
@@ -43,10 +44,20 @@ def bandpass(
     A sharp cut of the Fourier spectrum for a periodic map. A map that is not periodic is cut in
     its cosine spectrum, which is the spectrum of the map mirrored at its border: there is no cliff
     at the seam.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> smooth = surfaces.bandpass(hm, shortest=16e-6)
+    >>> bool(smooth.roughness.rms_slope < hm.roughness.rms_slope)
+    True
     """
     _require_full(hm, "a band-pass")
-    lower = 0.0 if shortest is None else float(shortest)
-    upper = np.inf if longest is None else float(longest)
+    lower = 0.0 if shortest is None else as_number("shortest", shortest)
+    upper = np.inf if longest is None else as_number("longest", longest)
     if not 0.0 <= lower < upper:
         raise SurfaceError(
             f"bandpass keeps wavelengths {lower:g} to {upper:g} m; the first must be the shorter"
@@ -97,6 +108,15 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
     ------
     SurfaceError
         If points are missing, the pixel sizes are not positive, or too few pixels are left.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> surfaces.resample(hm, 2e-6)
+    <HeightMap 16 x 24, pixel 2e-06 x 2e-06 m, periodic>
     """
     _require_full(hm, "resampling")
     try:
@@ -125,6 +145,15 @@ def crop(hm: HeightMap, rows: tuple[int, int], columns: tuple[int, int]) -> Heig
     ------
     SurfaceError
         If the rectangle is not inside the map.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> surfaces.crop(hm, (0, 16), (8, 40))
+    <HeightMap 16 x 32, pixel 1e-06 x 1e-06 m, not periodic>
     """
     require_map(hm)
     for span, count, what in ((rows, hm.shape[0], "rows"), (columns, hm.shape[1], "columns")):
@@ -164,6 +193,16 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
     ------
     SurfaceError
         If points are missing, `how` is unknown, or the strip is wider than half the map.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> part = surfaces.crop(hm, (0, 16), (8, 40))
+    >>> surfaces.make_periodic(part, "mirror")
+    <HeightMap 32 x 64, pixel 1e-06 x 1e-06 m, periodic>
     """
     if how not in PERIODIC:
         raise SurfaceError(f"periodic is {how!r}; it must be None or one of {', '.join(PERIODIC)}")
@@ -173,7 +212,7 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
     if how == "mirror":
         heights = np.block([[heights, heights[:, ::-1]], [heights[::-1], heights[::-1, ::-1]]])
     elif how == "taper":
-        strip = 0.1 * min(hm.size) if width is None else float(width)
+        strip = 0.1 * min(hm.size) if width is None else as_number("width", width)
         if not 0.0 < strip <= 0.5 * min(hm.size):
             raise SurfaceError(
                 f"the tapered strip is {strip:g} m wide; it must be at most half of "

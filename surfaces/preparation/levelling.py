@@ -60,6 +60,15 @@ def level(hm: HeightMap, form: str = "plane") -> HeightMap:
     squares, until the selection no longer changes. Without spikes this is the plain least-squares
     form. A periodic map has no tilt or form: only its mean is taken out. Where nothing but rounding
     is left, the heights are zero.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import surfaces
+    >>> y, x = np.mgrid[:32, :48]
+    >>> hm = surfaces.HeightMap(1e-6 + 1e-8 * x - 2e-8 * y, 1e-6)
+    >>> bool(surfaces.level(hm, "plane").rms_height < 1e-20)
+    True
     """
     require_map(hm)
     if form not in FORMS:

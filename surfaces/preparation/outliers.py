@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
+from surfaces.arguments import as_number
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_map
 
@@ -48,9 +49,20 @@ def mark_outliers(hm: HeightMap, threshold: float = 6.0) -> HeightMap:
     the mean, spikes cut off in both: steep or rough places are not taken for spikes. Repeated
     until nothing more is found, at most five times, with spikes replaced by the medians: a spike
     wider than two points is taken from its rim inwards.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> heights = hm.heights.copy()
+    >>> heights[10, 20] += 1e-3
+    >>> surfaces.mark_outliers(hm.replace(heights=heights)).missing
+    1
     """
     require_map(hm)
-    if not threshold >= 3.0:
+    if not as_number("outliers", threshold) >= 3.0:
         raise SurfaceError(f"outliers is {threshold}; use 3 or more robust standard deviations")
     present = np.isfinite(hm.heights)
     middle = float(np.median(hm.heights[present]))

@@ -28,6 +28,15 @@ class BearingCurve:
         Fraction of the points present at or above the height [-], 0 to 1, evenly spaced.
     height
         Height above the mean [m], falling.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import surfaces
+    >>> hm = surfaces.HeightMap(np.tile(np.arange(10.0), (5, 1)), 1.0)
+    >>> curve = surfaces.bearing_curve(hm)
+    >>> curve.ratio.shape == curve.height.shape
+    True
     """
 
     ratio: NDArray[np.float64]
@@ -84,7 +93,18 @@ class BearingCurve:
 
 
 def bearing_curve(hm: HeightMap) -> BearingCurve:
-    """Bearing curve of the points present of a levelled map."""
+    """Bearing curve of the points present of a levelled map.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> curve = surfaces.bearing_curve(hm)
+    >>> bool(curve.height[0] > curve.height[-1])
+    True
+    """
     require_map(hm)
     present = np.sort(hm.heights[np.isfinite(hm.heights)])
     ratio = np.linspace(0.0, 1.0, _RATIOS)

@@ -30,6 +30,16 @@ class Autocorrelation:
         Shifts [m], shape (my,), (mx,), zero in the middle.
     value
         Correlation, 1 without shift [-], shape (my, mx).
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> correlation = surfaces.autocorrelation(hm)
+    >>> float(abs(correlation.lag_x).min())
+    0.0
     """
 
     lag_y: NDArray[np.float64]
@@ -55,6 +65,16 @@ class Texture:
         Direction of the longest shift, the lay [rad], ccw from +x to +y, in 0 to pi.
     bounded
         True if the map is too small to show where the correlation falls off along the lay.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> found = surfaces.texture(surfaces.autocorrelation(hm))
+    >>> 0.0 < found.aspect <= 1.0
+    True
     """
 
     shortest: float
@@ -81,6 +101,16 @@ def autocorrelation(hm: HeightMap) -> Autocorrelation:
     -----
     The mean product of all pairs of points present at each shift, over the variance: around the
     seam for a periodic map, without it (and unbiased) for one that is not.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> correlation = surfaces.autocorrelation(hm)
+    >>> correlation.value.shape, f"{correlation.value.max():.2f}"
+    ((33, 49), '1.00')
     """
     require_map(hm)
     present = np.isfinite(hm.heights)
@@ -105,7 +135,16 @@ def autocorrelation(hm: HeightMap) -> Autocorrelation:
 
 
 def texture(correlation: Autocorrelation) -> Texture:
-    """Shortest and longest shift at which the correlation first falls to `THRESHOLD`."""
+    """Shortest and longest shift at which the correlation first falls to `THRESHOLD`.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> ground = surfaces.ground((32, 48), (32e-6, 48e-6), rms_slope=0.1, cutoff=8e-6)
+    >>> found = surfaces.texture(surfaces.autocorrelation(ground))
+    >>> found.shortest < found.longest
+    True
+    """
     from scipy.ndimage import map_coordinates
 
     lag_y, lag_x, value = correlation.lag_y, correlation.lag_x, correlation.value

@@ -51,6 +51,15 @@ class Statistics:
         Fraction of the points that are missing [-].
     warnings
         What keeps these numbers from being trusted, one sentence each.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> sorted(surfaces.describe(hm).heights)
+    ['Sa', 'Sku', 'Sp', 'Sq', 'Ssk', 'Sv', 'Sz']
     """
 
     heights: dict[str, float]
@@ -104,6 +113,16 @@ def describe(hm: HeightMap) -> Statistics:
     ------
     SurfaceError
         If the map is constant.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> found = surfaces.describe(hm)
+    >>> f"{found.heights['Sq'] / hm.rms_height:.3f}"
+    '1.000'
     """
     require_map(hm)
     z = hm.heights[np.isfinite(hm.heights)]

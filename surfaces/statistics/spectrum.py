@@ -30,6 +30,18 @@ class SpectralMoments:
         Variances and covariance of the slopes along x and y [-].
     m40, m22, m04
         Variances and covariance of the second derivatives along x and y [1/m^2].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import surfaces
+    >>> x = np.arange(48) + 0.5
+    >>> hm = surfaces.HeightMap(
+    ...     np.tile(np.cos(2 * np.pi * x / 24), (32, 1)), 1.0, periodic=True
+    ... )
+    >>> moments = surfaces.power_spectrum(hm).moments
+    >>> f"{moments.m20 / moments.m00:.4f}, {(2 * np.pi / 24) ** 2:.4f}"
+    '0.0685, 0.0685'
     """
 
     m00: float
@@ -107,6 +119,19 @@ class Spectrum:
         Largest wave number of a full ring [rad/m].
     window
         ``none`` for a periodic map, else ``hann``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import surfaces
+    >>> x = np.arange(48) + 0.5
+    >>> hm = surfaces.HeightMap(
+    ...     np.tile(np.cos(2 * np.pi * x / 24), (32, 1)), 1.0, periodic=True
+    ... )
+    >>> spectrum = surfaces.power_spectrum(hm)
+    >>> peak = spectrum.qx[spectrum.density_x.argmax()]
+    >>> f"{2 * np.pi / peak:.0f}"
+    '24'
     """
 
     q: NDArray[np.float64]
@@ -141,6 +166,18 @@ def power_spectrum(hm: HeightMap) -> Spectrum:
     the variance of the heights; for profiles C(q) = |dx sum h exp(-i q x)|^2 / L [m^3] with both
     signs of q averaged (Jacobs, Junge, Pastewka 2017). A map that is not periodic has its
     least-squares plane taken out and is weighted by a Hann window of mean square one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import surfaces
+    >>> x = np.arange(48) + 0.5
+    >>> hm = surfaces.HeightMap(
+    ...     np.tile(np.cos(2 * np.pi * x / 24), (32, 1)), 1.0, periodic=True
+    ... )
+    >>> spectrum = surfaces.power_spectrum(hm)
+    >>> f"{spectrum.moments.m00:.3f}"
+    '0.500'
     """
     heights, hann = _ready(hm)
     qy, qx, density = _density(hm, heights, hann)
@@ -177,6 +214,18 @@ def power_spectrum_2d(
 
     The half of the spectrum with qx >= 0, in the order of the discrete Fourier transform; see
     `power_spectrum` for the definition.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import surfaces
+    >>> x = np.arange(48) + 0.5
+    >>> hm = surfaces.HeightMap(
+    ...     np.tile(np.cos(2 * np.pi * x / 24), (32, 1)), 1.0, periodic=True
+    ... )
+    >>> qy, qx, density = surfaces.power_spectrum_2d(hm)
+    >>> density.shape
+    (32, 25)
     """
     return _density(hm, *_ready(hm))
 

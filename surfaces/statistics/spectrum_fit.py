@@ -44,6 +44,14 @@ class SpectrumFit:
         Rms deviation of the rings from the model, in natural logarithms [-].
     q, density
         The model on the rings that were fitted [rad/m], [m^4].
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine((128, 192), (1e-4, 1.5e-4), hurst=0.6, rms_slope=0.1)
+    >>> fit = surfaces.fit_spectrum(surfaces.power_spectrum(hm))
+    >>> abs(fit.hurst - 0.6) < 0.1
+    True
     """
 
     hurst: float
@@ -96,6 +104,14 @@ def fit_spectrum(spectrum: Spectrum) -> SpectrumFit:
     the variance 1/n + 0.1^2 (chance, and what no model describes). Roll-off and cut-off are kept
     only if each lowers the Bayesian information criterion. The covariance is scaled by the
     reduced chi-square if that exceeds one.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine((128, 192), (1e-4, 1.5e-4), hurst=0.8, rms_slope=0.1)
+    >>> fit = surfaces.fit_spectrum(surfaces.power_spectrum(hm))
+    >>> f"{fit.hurst:.1f}"
+    '0.8'
     """
     sharp = spectrum.edge < 0.98 * spectrum.nyquist
     inside = (spectrum.density > 0.0) & (spectrum.q <= (0.9 if sharp else 1.0) * spectrum.edge)

@@ -2,98 +2,158 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
-from numba.core import caching
 
-from asperity import compilation
-from asperity.errors import AsperityError
-from surfaces.numerics.compiled import compiled
+from asperity import compilation, warmup
+from surfaces.numerics import compiled as _compiled
 
 
-@pytest.mark.parametrize("part", ["laws", "contacts", "bem"])
-def test_each_part_runs_in_a_process_of_its_own(part):
-    arguments = [sys.executable, "-m", "asperity.compilation", part]
-    done = subprocess.run(arguments, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
+@pytest.fixture
+def nothing_known(monkeypatch, tmp_path):
+    """As in a process that has not compiled or loaded anything, with an empty folder."""
+    monkeypatch.setattr(compilation, "_compiled", set())
+    monkeypatch.setattr(compilation, "cache_folder", lambda: tmp_path)
+    return tmp_path
 
 
-def test_no_process_starts_where_the_code_is_there(monkeypatch):
-    compilation._laws()
-    for index in compilation._indices():
-        index.touch()
-    assert not compilation._cold()
+def started_parts(monkeypatch, command):
+    """Parts for which processes are started, each of which runs `command` instead."""
+    start, parts, children = subprocess.Popen, [], []
 
-    def started(*_, **__):
-        raise AssertionError("a process was started")
-
-    monkeypatch.setattr(subprocess, "Popen", started)
-    with compilation.compiling("laws", "bem"):
-        pass
-
-
-def test_a_new_date_of_the_source_starts_processes_once(monkeypatch):
-    compilation._laws()
-    for index in compilation._indices():
-        os.utime(index, (0.0, 0.0))
-    assert compilation._cold()
-    for part in "_summits", "_basins":
-        monkeypatch.setattr(compilation, part, lambda: None)
-    with compilation.compiling():
-        pass
-    assert not compilation._cold()
-
-
-def test_a_part_that_fails_is_left_to_the_run_itself(monkeypatch):
-    monkeypatch.setattr(compilation, "_cold", lambda: True)
-    with compilation.compiling("no such part"):
-        pass
-
-
-def test_an_interrupted_run_waits_for_no_compiler(monkeypatch):
-    """Ctrl-C reaches this process alone where a supervisor sends it."""
-    children = []
-    start = subprocess.Popen
-
-    def started(*arguments, **options):
-        children.append(start(*arguments, **options))
+    def started(arguments, **options):
+        parts.append(arguments[4:])
+        children.append(start(command, **options))
         return children[-1]
 
-    monkeypatch.setattr(compilation, "_cold", lambda: True)
     monkeypatch.setattr(subprocess, "Popen", started)
-    with pytest.raises(KeyboardInterrupt), compilation.compiling("laws", "bem"):
-        raise KeyboardInterrupt
+    return parts, children
+
+
+@pytest.mark.parametrize("part", warmup.PARTS)
+def test_each_part_runs_in_a_process_of_its_own(part):
+    arguments = [sys.executable, "-m", "asperity.warmup", part]
+    done = subprocess.run(arguments, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert compilation._on_disk(part)
+
+
+def test_one_line_says_that_parts_are_compiled_and_only_once(nothing_known, monkeypatch, capsys):
+    monkeypatch.setattr(compilation, "available", lambda: 2)
+    parts, _ = started_parts(monkeypatch, ["true"])
+    compilation.compile_ahead(*compilation.CURVE)
+    assert parts == [["contacts", "basins"], ["laws", "summits"]]
+    assert capsys.readouterr().err == "asperity: compiling for this machine, about 30 s, once\n"
+    compilation.compile_ahead("laws", "contacts")
+    assert (len(parts), capsys.readouterr().err) == (2, "")
+
+
+def test_a_part_is_compiled_anew_where_a_source_has_changed(nothing_known, monkeypatch, tmp_path):
+    source = tmp_path / "loops.py"
+    source.write_text("from .constants import GAIN\n")
+    (tmp_path / "constants.py").write_text("GAIN = 1.0\n")
+    monkeypatch.setattr(compilation, "kept_sources", lambda: [source])
+    with compilation.compiling("laws"):
+        pass
+    assert json.loads((nothing_known / "laws.json").read_text())
+    assert compilation._on_disk("laws")
+    (tmp_path / "constants.py").write_text("GAIN = 2.0\n")
+    _compiled.stamp.cache_clear()
+    _compiled._read.cache_clear()
+    assert not compilation._on_disk("laws")
+
+
+def test_a_part_that_fails_is_left_to_the_run_itself(nothing_known):
+    compilation.compile_ahead("no such part")
+
+
+def test_an_interrupted_run_waits_for_no_compiler(nothing_known, monkeypatch):
+    """Ctrl-C reaches this process alone where a supervisor sends it."""
+    wait, interrupts = subprocess.Popen.wait, iter([KeyboardInterrupt])
+
+    def interrupted(child, *given, **options):
+        for interrupt in interrupts:
+            raise interrupt
+        return wait(child, *given, **options)
+
+    monkeypatch.setattr(subprocess.Popen, "wait", interrupted)
+    monkeypatch.setattr(compilation, "available", lambda: 2)
+    _, children = started_parts(monkeypatch, ["sleep", "60"])
+    with pytest.raises(KeyboardInterrupt):
+        compilation.compile_ahead("laws", "contacts", "bem")
     assert [child.returncode for child in children] == [-signal.SIGTERM] * 2
 
 
 def test_a_curve_needs_nothing_that_the_parts_lack():
     """Neither a loop nor another form of one, or it would be compiled after all have ended."""
     code = """
-import sys
-from numba.core.dispatcher import Dispatcher
-from asperity import compilation, contact_curve
+from asperity import contact_curve, warmup
+from surfaces.numerics.compiled import _loops
 
 def forms():
-    modules = [m for n, m in sys.modules.items() if n.startswith(("asperity", "surfaces"))]
-    loops = {v for m in modules for v in vars(m).values() if isinstance(v, Dispatcher)}
-    return {(str(loop.py_func), form) for loop in loops for form in loop.overloads}
+    return {(str(loop.py_func), form) for loop in _loops for form in loop.overloads}
 
 for part in "laws", "contacts", "summits", "basins":
-    getattr(compilation, f"_{part}")()
+    warmup.PARTS[part]()
 known = forms()
-contact_curve(compilation.small_map(), compilation.BODY)
-print({name for name, _ in forms() - known})
+for changes in {}, {"periodic": False}:
+    contact_curve(warmup.small_map().replace(**changes), warmup.BODY)
+hm = warmup.small_map()
+contact_curve(hm, warmup.BODY, interaction=False)
+contact_curve(hm, warmup.BODY, separations=[2.5 * hm.rms_height, 2.2 * hm.rms_height, 0.0])
+print(forms() - known or "{}")
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "set()"
+    assert done.stdout.strip() == "{}"
 
 
-def test_where_compiled_code_can_be_kept_nowhere_is_told(monkeypatch):
+@pytest.mark.parametrize(
+    "change", ["numpy.__version__ = '0'", "numba.__version__ = '0'", "sys.version = '0'"]
+)
+def test_another_version_has_a_folder_of_its_own(change, tmp_path):
+    def folder(first):
+        code = f"import sys, numba, numpy; {first}; from surfaces.numerics import compiled as c"
+        return printed(f"{code}; print(c.cache_folder())", tmp_path)
+
+    assert folder("pass") == folder("pass") != folder(change)
+
+
+def test_a_folder_that_cannot_be_written_gives_way_to_a_temporary_one(tmp_path):
     """As to a service that owns neither the installation nor a home."""
-    monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
-    with pytest.raises(AsperityError, match="set NUMBA_CACHE_DIR"):
-        compiled()(lambda x: x)
+    (tmp_path / "file").touch()
+    code = (
+        "from surfaces.numerics.compiled import cache_folder;"
+        "from surfaces.numerics import splines; import numpy;"
+        "splines.coefficients(numpy.ones((9, 9)), True);"
+        "print(cache_folder(), len(list(cache_folder().glob('*/*.nbc'))))"
+    )
+    folder, kept = printed(code, tmp_path / "file").split()
+    assert int(kept) > 0 and not Path(folder).exists()
+    assert not folder.startswith(str(tmp_path))
+
+
+def test_changed_constants_of_another_file_are_not_those_of_the_kept_code(tmp_path):
+    """Numba by itself looks at the file of the loop alone."""
+    (tmp_path / "constants.py").write_text("GAIN = 1.0\n")
+    loop = "from surfaces.numerics.compiled import compiled\n\nfrom .constants import GAIN\n\n\n"
+    (tmp_path / "loops.py").write_text(f"{loop}@compiled()\ndef gain():\n    return GAIN\n")
+    call = f"import sys; sys.path.insert(0, {str(tmp_path.parent)!r});"
+    call += f"from {tmp_path.name}.loops import gain; print(gain(), gain.stats.cache_hits)"
+    assert printed(call, tmp_path / "kept") == "1.0 Counter()"
+    assert printed(call, tmp_path / "kept") == "1.0 Counter({(): 1})"
+    (tmp_path / "constants.py").write_text("GAIN = 2.0\n")
+    assert printed(call, tmp_path / "kept") == "2.0 Counter()"
+
+
+def printed(code, folder):
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment
+    )
+    return done.stdout.strip()

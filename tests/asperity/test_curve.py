@@ -15,6 +15,7 @@ from asperity.curve import solve_contacts
 from asperity.errors import ConvergenceError, InputError, SurfaceError
 from asperity.halfspace.load_points import default_pressures
 from asperity.model.plan import make_plan
+from asperity.parameters import DEFAULTS, Segmentation
 from surfaces import HeightMap, self_affine
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
@@ -57,9 +58,11 @@ def test_a_run_is_the_same_after_pickling(rough, law):
     back = pickle.loads(pickle.dumps(run))
     np.testing.assert_array_equal(back.microcontacts(), run.microcontacts())
     np.testing.assert_array_equal(back.pressure_map(0), run.pressure_map(0))
-    assert back.states[0].normal_stiffness == run.states[0].normal_stiffness
+    assert back.points[0].state.normal_stiffness == run.points[0].state.normal_stiffness
     one, other = (
-        each.bodies.population.solve(mean_pressure=2e8, state=each.states[-1], tolerance=1e-4)
+        each.decomposition.population.solve(
+            mean_pressure=2e8, state=each.points[-1].state, tolerance=1e-4
+        )
         for each in (run, back)
     )
     np.testing.assert_allclose(other.force, one.force, rtol=1e-2, atol=1e-3 * one.force.max())
@@ -122,8 +125,8 @@ def test_adding_a_constant_and_shifting_change_nothing(rough):
     np.testing.assert_allclose(again.curve.contacts, run.curve.contacts, atol=1)
     assert overlap(np.roll(run.contact_map(), (37, -51), axis=(0, 1)), again.contact_map()) > 0.98
     first, second = (np.zeros(rough.shape, bool) for _ in range(2))
-    first.flat[ellipses(run.bodies, run.states[-1])[0]] = True
-    second.flat[ellipses(again.bodies, again.states[-1])[0]] = True
+    first.flat[ellipses(run.decomposition, run.points[-1].state)[0]] = True
+    second.flat[ellipses(again.decomposition, again.points[-1].state)[0]] = True
     assert overlap(np.roll(first, (37, -51), axis=(0, 1)), second) > 0.98
 
 
@@ -173,13 +176,13 @@ def test_interaction_opens_the_surface(rough):
     assert coupled.load[0] < alone.load[0]
 
 
-def test_segmenting_only_the_top_changes_little(monkeypatch):
-    monkeypatch.setattr("asperity.model.plan._SMALL", 2**18)
+def test_segmenting_only_the_top_changes_little():
+    few = dataclasses.replace(DEFAULTS, segmentation=Segmentation(whole_points=2**18))
     large = self_affine(
         (640, 512), (6.4e-3, 5.12e-3), hurst=0.8, rms_slope=0.1, cutoff=5e-5, seed=4
     )
     loads = default_pressures(large, STEEL, count=3)[:2]
-    plan = make_plan(large, STEEL, pressures=loads, scales="all")
+    plan = make_plan(large, STEEL, pressures=loads, scales="all", parameters=few)
     assert plan.above is not None
     cut = asperity.contact_curve(large, STEEL, pressures=loads, plan=plan)
     whole = asperity.contact_curve(
@@ -226,13 +229,11 @@ def test_a_separation_above_the_surface_carries_nothing(rough):
 
 def test_map_and_table_hold_the_same_area(rough):
     run = solve_contacts(rough, STEEL, pressures=default_pressures(rough, STEEL)[-3:])
-    for state in run.states:
-        table = microcontacts(run.bodies, state)
-        pixels = np.count_nonzero(contact_map(run.bodies, state))
-        assert table["area"].sum() == pytest.approx(state.contact_area, rel=1e-9)
-        assert pixels * rough.area / rough.heights.size == pytest.approx(
-            state.contact_area, rel=0.15
-        )
+    for point in run.points:
+        table, area = microcontacts(run.decomposition, point), point.state.contact_area
+        pixels = np.count_nonzero(contact_map(run.decomposition, point))
+        assert table["area"].sum() == pytest.approx(area, rel=1e-9)
+        assert pixels * rough.area / rough.heights.size == pytest.approx(area, rel=0.15)
 
 
 def test_table_says_where_contacts_lie_and_how_far_to_trust_them(rough):
@@ -241,13 +242,13 @@ def test_table_says_where_contacts_lie_and_how_far_to_trust_them(rough):
     hm = paraboloid(1e-3)
     separation = [-hm.heights.mean() - 2e-7]
     run = solve_contacts(hm, STEEL, separations=separation)
-    table = microcontacts(run.bodies, run.states[0])
+    table = microcontacts(run.decomposition, run.points[0])
     np.testing.assert_allclose(table["radii"][0], table["radius"][0], rtol=2e-3)
     assert table["flags"][0] == 0 and table["filled"][0] == 0 and table["estimate"][0] < 1e-3
     np.testing.assert_allclose(table["centre_x"], table["x"], atol=1e-8)
 
     run = solve_contacts(rough, STEEL, pressures=default_pressures(rough, STEEL)[-2:])
-    table = microcontacts(run.bodies, run.states[-1])
+    table = microcontacts(run.decomposition, run.points[-1])
     radii = table["radii"]
     assert radii.shape == (len(table), 16) and (radii > 0).all()
     enclosed = np.pi * np.mean(radii**2, axis=1)
@@ -267,10 +268,10 @@ def test_contacts_smaller_than_a_pixel_are_in_the_maps_too(m):
     body = asperity.HalfSpace.from_modulus(2e11, m=m)
     loads = default_pressures(hm, body)[0] * np.array([1e-3, 0.1, 1.0])
     run = solve_contacts(hm, body, pressures=loads)
-    for state, load in zip(run.states, run.curve.mean_pressure, strict=True):
-        pressure = pressure_map(run.bodies, state)
+    for point, load in zip(run.points, run.curve.mean_pressure, strict=True):
+        pressure = pressure_map(run.decomposition, point)
         assert pressure.mean() == pytest.approx(load, rel=1e-9)
-        np.testing.assert_array_equal(contact_map(run.bodies, state), pressure > 0)
+        np.testing.assert_array_equal(contact_map(run.decomposition, point), pressure > 0)
 
 
 def test_fewer_points_for_a_smooth_map_change_little():
@@ -285,8 +286,8 @@ def test_fewer_points_for_a_smooth_map_change_little():
     np.testing.assert_allclose(few.curve.area_fraction, many.curve.area_fraction, rtol=0.02)
     np.testing.assert_allclose(few.curve.separation, many.curve.separation, rtol=5e-3)
     assert few.curve.settings["grid"] == list(plan.resampled.shape)
-    for state, other in zip(few.states, many.states, strict=True):
-        mine, full = contact_map(few.bodies, state), contact_map(many.bodies, other)
+    for point, other in zip(few.points, many.points, strict=True):
+        mine, full = contact_map(few.decomposition, point), contact_map(many.decomposition, other)
         assert mine.shape == hm.shape
         assert np.count_nonzero(mine & full) > 0.9 * np.count_nonzero(mine | full)
 

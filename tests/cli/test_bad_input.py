@@ -10,11 +10,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from numba.core import caching
 
 import surfaces
 from asperity.cli.main import main
-from surfaces.numerics.compiled import compiled
 
 STEEL = ["--E", "210e9", "--nu", "0.3"]
 MODELS = ["curve", "bem", "compare", "plan"]
@@ -307,19 +305,6 @@ def test_a_closed_or_full_terminal_is_no_crash(redirect, folder):
     )
     assert "Traceback" not in done.stderr and "Exception" not in done.stderr
     assert done.returncode == (2 if "full" in redirect else 0)
-
-
-def test_no_folder_for_compiled_code(folder, capsys, monkeypatch):
-    """As of a service that owns neither the installation nor a home."""
-
-    surfaces.write(good_map(), folder / "scan.h5")
-    monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
-
-    def load(*_: object) -> None:
-        compiled()(lambda x: x)
-
-    monkeypatch.setattr("asperity.cli.options.load_surface", load)
-    assert "set NUMBA_CACHE_DIR" in refusal(["curve", "scan.h5", *STEEL], capsys)
 
 
 def test_an_interrupted_run_is_one_sentence(folder, capsys, monkeypatch):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from laws.sampled import sampled
+from strategies import sampled
 
 from asperity import HalfSpace, InputError, indent
 from asperity.microcontact import Flag, LawTable, tabulate
@@ -88,17 +88,6 @@ def test_beyond_the_reach_the_basin_is_a_flat_punch():
     assert force[1] - force[0] == pytest.approx(2 * table.reach[0] * stiffness[0])
     assert area[0] == area[1] == pytest.approx(np.pi / 4)
     assert table.flags_at(0, table.reach[0]) & Flag.FILLED
-
-
-@pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
-def test_area_under_a_force_is_that_at_its_approach(m):
-    material = HalfSpace.from_modulus(3.0, m)
-    profiles = sampled([paraboloid(1.0), paraboloid(2.0)], [0.7, 0.5])
-    table = tabulate(profiles, material, law="harmonic")
-    for share in (1e-6, 1e-3, 0.03, 0.2, 0.95, 1.0, 3.0):
-        force, _, area = table.evaluate(np.arange(2), table.reach * share)
-        np.testing.assert_allclose(table.area_under(force), area, rtol=2e-3)
-    assert (table.area_under(np.zeros(2)) == 0.0).all()
 
 
 def test_negative_approach_and_unusable_profiles_carry_nothing():

@@ -11,6 +11,7 @@ from scipy.interpolate import BSpline
 
 import surfaces
 from surfaces.numerics import splines
+from surfaces.peaks._climb import SUMMIT
 from surfaces.peaks.summits import locate_summits
 
 
@@ -48,27 +49,6 @@ def test_single_paraboloid_comes_back(angle, spacing):
     turn = around - angle
     exact = 0.5 * r**2 * (k2 * np.cos(turn) ** 2 + k1 * np.sin(turn) ** 2)
     assert_allclose(profile(r, around), exact, rtol=2e-3)
-
-
-def test_a_leaning_summit_is_that_of_the_tilted_map():
-    spacing, tilt = (0.7, 1.1), np.array([0.12, -0.2])
-    y = (np.arange(60)[:, None] - 29.6) * spacing[0]
-    x = (np.arange(48)[None, :] - 23.3) * spacing[1]
-    hill = -0.01 * y**2 - 0.02 * x**2 - 0.004 * x * y - 1e-4 * (x**2 + y**2) ** 1.5 - 2e-5 * x**4
-    plane = tilt[0] * y + tilt[1] * x
-    level, tilted = (
-        locate_summits(hm, surfaces.segment(hm))
-        for hm in (surfaces.HeightMap(z, spacing) for z in (hill, hill - plane))
-    )
-    assert len(level) == len(tilted) == 1
-    leaning = level.leaning(np.array([0]), tilt[None], np.zeros(1))
-    assert np.hypot(leaning.x - level.x, leaning.y - level.y) > 3.0
-    fallen = tilt @ ((leaning.places[0] - [29.6, 23.3]) * spacing)
-    assert_allclose(leaning.height, tilted.height + fallen, atol=1e-9)
-    first, second = (summits.rows(np.array([0])) for summits in (leaning, tilted))
-    for name in ("x", "y", "curvature", "angle", "phi", "edge", "q"):
-        assert_allclose(getattr(first, name), getattr(second, name), rtol=1e-6, err_msg=name)
-    assert leaning.valid[0] and not level.lean.any()
 
 
 def test_rays_rise_and_weights_make_one_turn():
@@ -169,6 +149,23 @@ def test_plateau_is_a_blunt_summit():
     assert_allclose([fit.x[0], fit.y[0], fit.height[0]], [12.5, 9.5, 0.0], atol=1e-12)
     r = fit.t * fit.edge[0][:, None]
     assert (fit.f()[0][r < 3.0] < 0.1).all() and (fit.f()[0][(r > 5.5) & (r < 8)] > 1.0).all()
+
+
+@pytest.mark.parametrize("bend", [-1e-12, 0.0, 1e-12])
+def test_a_level_ridge_has_a_summit_whatever_the_rounding_of_its_curvature(bend):
+    y, x = np.mgrid[-9:10, -12:13]
+    hm = surfaces.HeightMap(np.cos(x / 5.0) + bend * y**2, 1.0)
+    peaks = surfaces.segment(hm.replace(heights=np.cos(x / 5.0) - 1e-12 * y**2))
+    assert (peaks.row[0], peaks.col[0]) == (9, 12)
+    assert locate_summits(hm, peaks).kinds[0] == SUMMIT
+
+
+def test_a_tilt_along_a_level_ridge_of_a_periodic_map_comes_to_an_end():
+    x = 2.0 * np.pi * np.arange(24) / 24
+    hm = surfaces.HeightMap(np.tile(np.cos(x), (20, 1)), 1.0, periodic=True)
+    summits = locate_summits(hm, surfaces.segment(hm))
+    tilted = summits.leaning(np.array([0]), np.array([[1e-3, 0.0]]), np.zeros(1))
+    assert len(tilted) == 1
 
 
 @pytest.mark.parametrize("periodic", [True, False])
@@ -308,3 +305,15 @@ def test_refusals():
         surfaces.fit_profiles(flat, surfaces.segment(flat))
     with pytest.raises(surfaces.SurfaceError, match="segment this map first"):
         surfaces.fit_profiles(rough((64, 80)), peaks)
+
+
+def test_a_tilted_ridge_that_runs_round_the_cell_ends():
+    """Uphill along it leads round for ever: no summit is found there."""
+    y, x = np.mgrid[:32, :32]
+    for heights in ((x % 16) * 1e-8, (y % 16) * 1e-8):
+        hm = surfaces.HeightMap(heights, 1e-6, periodic=True)
+        summits = locate_summits(hm, surfaces.segment(hm))
+        index = np.arange(len(summits))
+        tilt = np.full((index.size, 2), 1e-3)
+        tilted = summits.leaning(index, tilt, np.zeros(index.size))
+        assert len(tilted) == index.size and not tilted.valid.any()

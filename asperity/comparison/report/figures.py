@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -13,9 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, NullFormatter
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from asperity.comparison.result import Comparison
-    from asperity.results.curve import ContactCurve
+from asperity.results.curve import ContactCurve
 
 __all__ = ["area_figure", "map_figure", "pareto_figure", "separation_figure"]
 
@@ -40,31 +38,32 @@ MAP_POINTS = 1000
 """Contact maps are thinned to at most about this many points along an axis."""
 
 
-def separation_figure(comparison: Comparison) -> str:
+def separation_figure(model: ContactCurve, reference: ContactCurve) -> str:
     """Mean pressure over separation, both models."""
 
     def draw(figure: Figure) -> None:
-        _curves(figure, comparison, "separation", "mean_pressure", "y")
+        _curves(figure, model, reference, "separation", "mean_pressure", "y")
 
     return _svg(draw, CURVE_SIZE)
 
 
-def area_figure(comparison: Comparison) -> str:
+def area_figure(model: ContactCurve, reference: ContactCurve) -> str:
     """Real contact area fraction over mean pressure, both models."""
 
     def draw(figure: Figure) -> None:
-        _curves(figure, comparison, "mean_pressure", "area_fraction", "x", "y")
+        _curves(figure, model, reference, "mean_pressure", "area_fraction", "x", "y")
 
     return _svg(draw, CURVE_SIZE)
 
 
-def map_figure(comparison: Comparison) -> str:
-    """Contact maps of both models at one load, one over the other."""
-    bem, model = comparison.maps["bem"], comparison.maps["asperity"]
+def map_figure(
+    bem: NDArray[np.bool_], model: NDArray[np.bool_], spacing: tuple[float, float]
+) -> str:
+    """Contact maps (ny, nx) of both models at one load, one over the other; `spacing` [m]."""
     colors = np.array([[255, 255, 255], [27, 79, 114], [192, 86, 43], [60, 60, 60]], np.uint8)
     step = max(1, -(-max(bem.shape) // MAP_POINTS))
     picture = colors[bem.astype(np.int8) + 2 * model.astype(np.int8)][::step, ::step]
-    height, width = (n * d for n, d in zip(bem.shape, comparison.about["spacing"], strict=True))
+    height, width = (n * d for n, d in zip(bem.shape, spacing, strict=True))
 
     def draw(figure: Figure) -> None:
         axes = figure.add_subplot()
@@ -85,8 +84,8 @@ def map_figure(comparison: Comparison) -> str:
     return _svg(draw, (6.4, 6.4 * float(np.clip(height / width, 0.3, 1.6)) + 0.6))
 
 
-def pareto_figure(comparison: Comparison) -> str:
-    """Error against run time of every run."""
+def pareto_figure(pareto: NDArray[np.void]) -> str:
+    """Error against run time of every run, the rows of `pareto`."""
 
     def draw(figure: Figure) -> None:
         panels = figure.subplots(1, 2, sharex=True)
@@ -94,7 +93,7 @@ def pareto_figure(comparison: Comparison) -> str:
             (panels[0], "load_error", "load at equal separation"),
             (panels[1], "area_error", "area at equal load"),
         ):
-            _scatter(axes, comparison, name)
+            _scatter(axes, pareto, name)
             axes.set(xlabel="run time [s]", title=title, **_logarithmic(axes, "x", "y"))
             axes.margins(0.18)
             axes.xaxis.set_minor_formatter(NullFormatter())
@@ -105,12 +104,12 @@ def pareto_figure(comparison: Comparison) -> str:
     return _svg(draw, (9.0, 3.8))
 
 
-def _scatter(axes: Any, comparison: Comparison, name: str) -> None:
-    for model, color, marker, label in (
+def _scatter(axes: Any, pareto: NDArray[np.void], name: str) -> None:
+    for kind, color, marker, label in (
         ("bem", BEM_COLOR, "o", "boundary elements"),
         ("asperity", MODEL_COLOR, "D", "microcontacts"),
     ):
-        rows = comparison.pareto[comparison.pareto["model"] == model]
+        rows = pareto[pareto["model"] == kind]
         rows = rows[np.isfinite(rows[name]) & (rows[name] > 0)]
         axes.plot(rows["seconds"], 100 * rows[name], marker, color=color, label=label)
         for row in rows:
@@ -124,11 +123,13 @@ def _scatter(axes: Any, comparison: Comparison, name: str) -> None:
             )
 
 
-def _curves(figure: Figure, comparison: Comparison, x: str, y: str, *logarithmic: str) -> None:
+def _curves(
+    figure: Figure, model: ContactCurve, reference: ContactCurve, x: str, y: str, *logarithmic: str
+) -> None:
     axes = figure.add_subplot()
     for curve, color, marker, label in (
-        (comparison.reference, BEM_COLOR, "o", "boundary elements"),
-        (comparison.model, MODEL_COLOR, "D", "microcontacts"),
+        (reference, BEM_COLOR, "o", "boundary elements"),
+        (model, MODEL_COLOR, "D", "microcontacts"),
     ):
         _points(axes, curve, getattr(curve, x), getattr(curve, y), color, marker, label)
     axes.set(xlabel=LABELS[x], ylabel=LABELS[y], **_logarithmic(axes, *logarithmic))

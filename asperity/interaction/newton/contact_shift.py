@@ -12,7 +12,7 @@ from asperity.interaction.footprint import Footprints
 from . import state_kernels
 from .laws import Evaluated
 
-__all__ = ["LARGEST_SHIFT", "LEANING", "deflection", "widened"]
+__all__ = ["LARGEST_SHIFT", "deflection", "widened"]
 
 LARGEST_SHIFT = 0.7
 """Bound of the shift over the contact radius: farther off the paraboloid is no guide."""
@@ -23,9 +23,6 @@ equal force, beside summits that are no paraboloid up to the contour."""
 
 WIDEST = 0.14
 """This square beyond which the area does not grow further."""
-
-LEANING = (0.25, 0.35)
-"""Shift over the radius between which a contact takes on the area of its basin tilted."""
 
 
 def deflection(
@@ -78,10 +75,8 @@ def widened(
     tilt: NDArray[np.float64],
     lean: NDArray[np.float64],
     outgrown: NDArray[np.bool_],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Contact areas [m^2] beside the summits, shape (n,), and for contacts that have outgrown the
-    paraboloid of their summit the shift over the radius that they would have without
-    `LARGEST_SHIFT`, zero for the others.
+) -> NDArray[np.float64]:
+    """Contact areas [m^2] beside the summits, shape (n,).
 
     Parameters
     ----------
@@ -101,11 +96,11 @@ def widened(
     1.8 and 2.2 for m = -0.3, 0 and 0.3. It goes with (1 + m)^2: 1 + m times the shift over the
     radius is the fall of the field over the radius of the contact, over its approach.
     """
-    area, shift = np.empty((2, len(approach)))
+    area = np.empty(len(approach))
     read = _read(footprints, law, approach, tilt, lean)
     kernel: Any = state_kernels.widen
-    kernel(law.force, *read, law.area, outgrown, WIDER, WIDEST, area, shift)
-    return area, shift
+    kernel(law.force, *read, law.area, outgrown, WIDER, WIDEST, area)
+    return area
 
 
 def _read(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +15,7 @@ from .residual import Residual
 from .step import Step
 from .tangent import Tangent
 
-__all__ = ["Solution", "answer", "finished", "shared", "tangent_of"]
+__all__ = ["Solution", "finished", "shared", "tangent_of", "tangent_response"]
 
 FORCING = 0.2
 """Relative accuracy of the linear solve of a step."""
@@ -54,8 +53,10 @@ class Solution:
         "" if converged.
     shares
         Approach that each contact gains per fall of the plane [-], shape (n,), as far as known.
-    answer
-        Makes minus the slope of the load over the separation [N/m], and the shares.
+    slope
+        Minus the slope of the load over the separation [N/m]; None until `tangent` is asked for.
+    linearized
+        Problem and residual whose tangent matrix holds here, as long as `slope` is not known.
     restless
         Contacts that have kept the point from settling, shape (n,); None if no single ones have.
     """
@@ -70,13 +71,33 @@ class Solution:
     products: int
     reason: str
     shares: Array
-    answer: Callable[[], tuple[float, Array]]
+    slope: float | None = None
+    linearized: tuple[Problem, Residual] | None = None
     restless: NDArray[np.bool_] | None = None
 
     @functools.cached_property
     def load(self) -> float:
         """Sum of the forces [N]."""
         return float(self.laws.force.sum())
+
+    @property
+    def values(self) -> Array:
+        """What the next point is predicted from, `predictor.Point.values`, shape (5, n)."""
+        return np.stack((self.wanted, self.laws.force, *self.tilt.T, self.shares))
+
+    @functools.cached_property
+    def tangent(self) -> tuple[float, Array]:
+        """Minus the slope of the load over the separation [N/m], and the approach that each contact
+        gains per fall of the plane [-], shape (n,)."""
+        if self.slope is not None:
+            return self.slope, self.shares
+        assert self.linearized is not None
+        return tangent_response(*self.linearized, self.shares)
+
+    def without_matrix(self) -> Solution:
+        """The solution with its tangent in numbers, and not what these are made from."""
+        slope, shares = self.tangent
+        return replace(self, slope=slope, shares=shares, linearized=None)
 
 
 def finished(
@@ -92,7 +113,7 @@ def finished(
     approach[rows] = move.approach(solved.solution)
     wanted[rows] = move.wanted_after(solved.constant, solved.solution, error - solved.residual)
     separation = found.separation + solved.constant
-    slope, shares, products = _answer(tangent, residual, found.shares)
+    slope, shares, products = _tangent_response(tangent, residual, found.shares)
     for _ in range(FALLS if slope > 0 else 0):
         fall = (load - float(move.laws(approach[rows]).force.sum())) / slope
         closed = approach > 0
@@ -106,21 +127,26 @@ def finished(
         laws=problem.laws(approach),
         products=found.products + solved.products + products,
         shares=shares,
-        answer=lambda: (slope, shares),
+        slope=slope,
+        linearized=None,
     )
 
 
-def answer(problem: Problem, residual: Residual, compliance: Array) -> tuple[float, Array]:
+def tangent_response(
+    problem: Problem, residual: Residual, compliance: Array
+) -> tuple[float, Array]:
     """Minus the slope of the load over the separation [N/m], and the approach that each contact
     gains per fall of the plane [-], shape (n,), from a guess of it."""
     tangent = tangent_of(problem, residual)
     if not len(tangent):
         return 0.0, np.ones(len(residual.error))
-    return _answer(tangent, residual, compliance)[:2]
+    return _tangent_response(tangent, residual, compliance)[:2]
 
 
-def _answer(tangent: Tangent, residual: Residual, compliance: Array) -> tuple[float, Array, int]:
-    """`answer`, and the products spent, by a tangent that has done its service."""
+def _tangent_response(
+    tangent: Tangent, residual: Residual, compliance: Array
+) -> tuple[float, Array, int]:
+    """`tangent_response`, and the products spent, by a tangent that has done its service."""
     rows = tangent.index
     # footprints that grow would make it too soft
     tangent.stiffen(1 / residual.stiffness[rows] - tangent.compliance)

@@ -111,11 +111,11 @@ class Laws:
     -----
     What is tabulated, and how it is evaluated between the nodes: `law_kernels`.
 
-    The coupled problem needs what every true law has (docs/half_space.md): a contact grows with its
-    approach, and its stiffness with it, up to that of a flat punch of the contact. A table that
-    breaks this gets the largest convex force below its own, no steeper than `STIFFEST` times a
-    round punch of its largest area; nodal stiffnesses are kept between those of the neighboring
-    intervals.
+    The coupled problem needs what every true law has (docs/development/half_space.md): a contact
+    grows with its approach, and its stiffness with it, up to that of a flat punch of the contact. A
+    table that breaks this gets the largest convex force below its own, no steeper than `STIFFEST`
+    times a round punch of its largest area; nodal stiffnesses are kept between those of the
+    neighboring intervals.
     """
 
     def __init__(self, nodes: LawNodes | Growing, footprints: Footprints) -> None:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import functools
 import math
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .conjugate_gradients import conjugate_gradients
-from .final_step import FORCING, Solution, answer, finished, shared, tangent_of
+from .final_step import FORCING, Solution, finished, shared, tangent_of
 from .problem import Problem, State
 from .residual import Residual
 from .step import Step
@@ -170,18 +169,18 @@ def descend(
             break
         state = found
     solution = Solution(
-        separation,
-        state.approach,
-        residual.wanted,
-        state.laws,
-        tilt + SETTLING * (state.field.tilt - tilt),
-        error,
-        step,
-        products,
-        reason,
-        compliance,
-        functools.partial(answer, problem, residual, compliance),
-        _restless(state, last) if reason and error <= FAR else None,
+        separation=separation,
+        approach=state.approach,
+        wanted=residual.wanted,
+        laws=state.laws,
+        tilt=tilt + SETTLING * (state.field.tilt - tilt),
+        residual=error,
+        steps=step,
+        products=products,
+        reason=reason,
+        shares=compliance,
+        linearized=(problem, residual),
+        restless=_restless(state, last) if reason and error <= FAR else None,
     )
     if load is None or reason:
         return solution

@@ -14,8 +14,8 @@ TINY = 1e-200
 
 @njit(inline="always")
 def _beside(stiffness, approach, along_y, along_x, lean, modulus, power, limit):
-    """Shift (y, x) of a closed contact over the bounded share of it that is taken, the height that
-    it would gain, and its squared radius; `deflection` has the formulas."""
+    """Shift (y, x) of a closed contact, bounded, and the height that it gains; `deflection` has the
+    formulas."""
     radius = power * stiffness / (2.0 * modulus)
     square = radius * radius if power == 1.0 else radius ** (2.0 / power)
     bend = square / (power * approach)
@@ -24,7 +24,7 @@ def _beside(stiffness, approach, along_y, along_x, lean, modulus, power, limit):
     free = -0.5 * (along_y * y + along_x * x)
     bound = 0.5 * limit * limit * power * approach
     share = bound / (bound + free)
-    return share * y, share * x, share * free, square
+    return share * y, share * x, share * free
 
 
 @compiled()
@@ -33,7 +33,7 @@ def deflect(force, stiffness, approach, tilt, lean, modulus, power, limit, gain,
     for i in range(force.size):
         y, x, rise = 0.0, 0.0, 0.0
         if force[i] > 0.0 and approach[i] > TINY:
-            y, x, rise, _ = _beside(
+            y, x, rise = _beside(
                 stiffness[i], approach[i], tilt[i, 0], tilt[i, 1], lean[i], modulus, power, limit
             )
         gain[i] = rise
@@ -56,22 +56,18 @@ def widen(
     wider,
     widest,
     grown,
-    shift,
 ):
-    """Contact areas beside the summits, and the shifts over the radius without their bound, zero
-    where a contact is open or has not `outgrown` its paraboloid; `widened` has the formulas."""
+    """Contact areas beside the summits, `grown` where contacts have `outgrown` their paraboloids:
+    see `widened`."""
     for i in range(force.size):
         grown[i] = area[i]
-        shift[i] = 0.0
         if not (outgrown[i] and force[i] > 0.0 and approach[i] > TINY):
             continue
-        y, x, _, square = _beside(
+        y, x, _ = _beside(
             stiffness[i], approach[i], tilt[i, 0], tilt[i, 1], lean[i], modulus, power, limit
         )
         share = math.pi * power * power * (y * y + x * x) / area[i]
         grown[i] = area[i] * (1.0 + wider * min(share, widest))
-        slope = math.sqrt(tilt[i, 0] ** 2 + tilt[i, 1] ** 2)
-        shift[i] = math.sqrt(square) / (power * approach[i]) * slope
 
 
 @compiled(fastmath=QUOTIENTS)

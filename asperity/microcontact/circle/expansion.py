@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.flags import Flag
 from asperity.halfspace.material import HalfSpace
-from asperity.microcontact.indent import Indentation
+from asperity.microcontact.indentation import Indentation
 from asperity.microcontact.validity import contour_flags, profile_flags
 from surfaces.polar import PolarProfile, PowerSumProfile
 

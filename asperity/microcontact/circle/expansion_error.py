@@ -30,7 +30,7 @@ def expected_error(first: Array, resolved: Array, published: Array, law: str) ->
     With x = F2/F: 1.4 x + 11 x^2 for "paper", x^(3/2) + 11 x^2 + |difference of the two F2| / F
     for "harmonic". The forms are those of the next orders; the factors cover 95 % of the
     boundary-element errors of polygonal, rounded, irregular and elliptic bodies and of summits of
-    rough maps, and are judged on others (`docs/laws.md`).
+    rough maps, and are judged on others (`docs/development/laws.md`).
     """
     total = first + resolved
     safe = np.where(total > 0, total, 1.0)

@@ -10,7 +10,7 @@ from asperity.halfspace.material import HalfSpace
 from asperity.interaction.footprint import Footprints
 from asperity.microcontact.circle.basis import basis_of
 from asperity.microcontact.circle.inverse_approach import RisingBranch
-from asperity.microcontact.indent import Indentation
+from asperity.microcontact.indentation import Indentation
 from asperity.microcontact.validity import profile_flags
 from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 

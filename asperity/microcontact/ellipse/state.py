@@ -25,7 +25,8 @@ _DOUBTFUL = 0.5
 expansion is flagged."""
 
 _BEYOND, _FOURTH, _THIRD, _SECOND, _FAR, _OPERATOR = 1.5, 0.25, 0.15, 0.02, 0.6, 0.15
-"""Factors of the expected error; `docs/laws.md` says how they were chosen and judged."""
+"""Factors of the expected error; `docs/development/laws.md` says how they were chosen and
+judged."""
 
 _RESIDUE = 0.005
 """rms error of the representation of f over the approach beyond which it is flagged."""

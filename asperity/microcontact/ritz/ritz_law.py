@@ -21,7 +21,7 @@ from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import gauss_jacobi
 from asperity.microcontact.circle.basis import basis_of
 from asperity.microcontact.circle.inverse_approach import RisingBranch
-from asperity.microcontact.indent import Indentation
+from asperity.microcontact.indentation import Indentation
 from asperity.microcontact.validity import contour_flags, profile_flags
 from surfaces.polar import PolarProfile, PowerSumProfile
 

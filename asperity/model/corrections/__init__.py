@@ -1,1 +1,1 @@
-"""Corrections of the microcontact model, one file each."""
+"""Corrections of the laws of single contacts, one file each."""

@@ -34,7 +34,7 @@ def test_graded_hertz(m):
 
 @pytest.mark.parametrize("m", ELLIPSE)
 def test_graded_ellipse(m):
-    """Elliptic paraboloid with axes 2 and 1 (docs/half_space.md), its long axis along x."""
+    """Elliptic paraboloid, axes 2 and 1 (docs/development/half_space.md), the long one along x."""
     depth, a, b, force = ELLIPSE[m]
     profile = PowerLawProfile(2.0, lambda phi: a * np.cos(phi) ** 2 + b * np.sin(phi) ** 2)
     found = indent_bem(profile, HalfSpace.from_modulus(1.0, m), depth, grid=96)

@@ -11,8 +11,9 @@ import pytest
 import asperity
 from asperity.comparison.coarse_bem import coarse_grids, load_at_separation
 from asperity.comparison.result import Comparison
-from asperity.errors import InputError
+from asperity.errors import FileFormatError, InputError
 from asperity.model.plan import make_plan
+from asperity.results.storage import write_results
 from surfaces import self_affine
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
@@ -119,6 +120,30 @@ def test_the_maps_are_of_a_load_that_came_out(tmp_path):
     hm = self_affine((30, 40), (3e-4, 8e-4), hurst=0.8, rms_slope=0.1, cutoff=1.2e-4, seed=1)
     found = asperity.compare(hm, STEEL, pressures=[1e12, 1e7])
     assert found.map_point == 1 and found.overlap > 0.4
+
+
+def test_a_report_without_an_optional_column_shows_dashes(comparison, tmp_path):
+    extra = {k: v for k, v in comparison.model.extra.items() if k != "area_error_estimate"}
+    model = dataclasses.replace(comparison.model, extra=extra)
+    dataclasses.replace(comparison, model=model).to_html(tmp_path / "r.html")
+    assert "± –" in (tmp_path / "r.html").read_text()
+
+
+def test_a_report_without_its_facts_is_refused(comparison, tmp_path):
+    about = {k: v for k, v in comparison.about.items() if k != "rms_slope"}
+    with pytest.raises(InputError, match="lack what the report shows"):
+        dataclasses.replace(comparison, about=about).to_html(tmp_path / "r.html")
+
+
+@pytest.mark.parametrize("name", ["comparison", "pareto"])
+def test_words_in_a_column_of_numbers_are_refused(comparison, tmp_path, name):
+    held = comparison.to_results()
+    table = held.tables[name]
+    types = [(n, "S8" if n == "load_error" else table.dtype[n]) for n in table.dtype.names]
+    held.tables[name] = table.astype(types)
+    write_results(tmp_path / "r.h5", held)
+    with pytest.raises(FileFormatError, match="holds no numbers"):
+        Comparison.from_hdf5(tmp_path / "r.h5")
 
 
 def test_points_that_are_not_judged_are_counted(comparison):

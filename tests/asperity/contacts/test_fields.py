@@ -9,13 +9,14 @@ import pytest
 
 import asperity
 import surfaces
-from asperity.bem.contact_map import label_patches
 from asperity.contacts.fields import pressed_pixels
+from asperity.contacts.run import ContactRun
 from asperity.contacts.table import ellipses
-from asperity.curve import ContactRun, solve_contacts
+from asperity.curve import solve_contacts
 from asperity.halfspace.load_points import pressure_scale
 from asperity.model.plan import make_plan
 from surfaces import HeightMap, self_affine
+from surfaces.patches import label_patches
 
 STEEL = asperity.HalfSpace.from_modulus(2e11)
 
@@ -54,7 +55,7 @@ def test_one_cap_has_the_pressure_of_hertz(m, boundary):
     hm = HeightMap(-r2 / (2 * radius), (dy, dx), periodic=boundary == "periodic")
     body = asperity.HalfSpace.from_modulus(2e11, m)
     run = solve_contacts(hm, body, pressures=[2e7 * (1e-5) ** m])
-    pressure, state = run.pressure_map(), run.states[0]
+    pressure, state = run.pressure_map(), run.points[0].state
     shape = np.maximum(1 - r2 * np.pi / state.contact_area, 0) ** (0.5 * (1 + m))
     exact = 0.5 * (3 + m) * run.curve.load[0] / state.contact_area * shape
     assert np.abs(pressure - exact).sum() < 0.04 * exact.sum()
@@ -77,19 +78,20 @@ def test_each_contact_keeps_its_force_and_its_area(cutoff, choices):
     hm = map_of(cutoff, (240, 288) if cutoff is None else (160, 192))
     run = run_of(hm, **choices)
     size = hm.spacing[0] * hm.spacing[1]
-    for point, state in enumerate(run.states):
-        pixel, own, pressure = pressed_pixels(run.bodies, state)
+    for number, point in enumerate(run.points):
+        state = point.state
+        pixel, own, pressure = pressed_pixels(run.decomposition, point)
         carried = np.bincount(own, pressure * size, len(state.force))
         np.testing.assert_allclose(carried, state.force, rtol=1e-9)
         pixels = np.bincount(own, minlength=len(state.force))
-        area = run.bodies.closed_area(state)
+        area = point.closed_area
         # no contact has less than a pixel, none more than its basin
         wanted = np.where(state.force > 0, np.maximum(area / size, 1), 0)
         assert (pixels <= wanted + 1.01).all() and ((pixels > 0) == (state.force > 0)).all()
         assert pixels.sum() == pytest.approx(wanted.sum(), rel=0.02)
-        field = run.pressure_map(point)
+        field = run.pressure_map(number)
         np.testing.assert_allclose(np.bincount(pixel, pressure), field.ravel()[: pixel.max() + 1])
-        np.testing.assert_array_equal(run.contact_map(point), field > 0)
+        np.testing.assert_array_equal(run.contact_map(number), field > 0)
 
 
 def test_maps_move_with_the_surface():
@@ -103,7 +105,7 @@ def test_maps_move_with_the_surface():
 def test_maps_are_mirrored_with_the_surface_on_a_grid_twice_as_fine():
     hm = map_of(2, (96, 128))
     run = run_of(hm, load=(4e-2,), interaction=False)
-    assert run.bodies.solved.shape[1] == 2 * hm.shape[1]  # middles lie between pixels
+    assert run.decomposition.solved.shape[1] == 2 * hm.shape[1]  # middles lie between pixels
     for turned in (np.flipud, np.fliplr):
         mirrored = run_of(hm.replace(heights=turned(hm.heights)), load=(4e-2,), interaction=False)
         one, other = run.pressure_map(), turned(mirrored.pressure_map())
@@ -130,8 +132,8 @@ def test_maps_are_those_of_boundary_elements(broad, cutoff, right, likeness):
         mine = run.contact_map(point)
         hits = np.count_nonzero(mine & exact.contact) / np.count_nonzero(mine)
         assert hits > right
-        if run.bodies.solved is hm:
-            guess = ellipses(run.bodies, run.states[point])[0]
+        if run.decomposition.solved is hm:
+            guess = ellipses(run.decomposition, run.points[point].state)[0]
             assert hits > np.mean(exact.contact.flat[guess])
         pressure = run.pressure_map(point)
         assert np.corrcoef(pressure.ravel(), exact.pressure.ravel())[0, 1] > likeness
@@ -140,8 +142,8 @@ def test_maps_are_those_of_boundary_elements(broad, cutoff, right, likeness):
 def test_fewer_points_give_nearly_the_same_maps():
     hm = map_of(30)
     run = run_of(hm)
-    assert run.bodies.plan.resampled is not None
-    whole = dataclasses.replace(run.bodies.plan, resampled=None)
+    assert run.decomposition.plan.resampled is not None
+    whole = dataclasses.replace(run.decomposition.plan, resampled=None)
     other = solve_contacts(hm, STEEL, whole, pressures=run.curve.mean_pressure)
     few, many = run.pressure_map(), other.pressure_map()
     assert np.abs(few - many).sum() < 0.12 * many.sum()
@@ -179,12 +181,12 @@ def test_spots_hold_the_load_and_the_area(broad):
 def test_fine_waves_part_contacts_into_spots(broad):
     """About as many as boundary elements find, more than the longer waves have contacts."""
     run = run_of(broad)
-    assert run.bodies.plan.fine is not None
+    assert run.decomposition.plan.sub_contact_law is not None
     for point, load in enumerate(run.curve.mean_pressure):
         refined = surfaces.resample(broad, np.asarray(broad.spacing) / 2)
         exact = asperity.bem_solve(refined, STEEL, pressure=load, tolerance=1e-3)
         assert len(run.spots(point)) == pytest.approx(exact.contacts, rel=0.25)
-        assert run.states[point].active < exact.contacts
+        assert run.points[point].state.active < exact.contacts
 
 
 def test_a_spot_across_the_seam_is_one(broad):

@@ -8,7 +8,7 @@ import pytest
 import surfaces
 from asperity import HalfSpace, indent
 from asperity.contacts.outlines import DIRECTIONS, outlines
-from asperity.contacts.table import aspect_ratio
+from asperity.interaction.elongation import aspect_ratio
 from surfaces.shapes import bent_body
 
 SPACING = (0.012, 0.01)

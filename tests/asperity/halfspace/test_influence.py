@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from bem_support import periodic_displacement
+from oracles import periodic_displacement
 
 from asperity import HalfSpace
-from asperity.bem import _grid_kernels, transform
+from asperity.bem import transform
 from asperity.bem.operator import HalfSpaceOperator
-from asperity.halfspace import influence
+from asperity.halfspace import _influence_kernels, influence
 
 CELLS = {
     (0, 0): (1.767747626789, 3.525494348078, 9.400517582781, 27.963424029563),
@@ -20,7 +20,7 @@ CELLS = {
 
 @pytest.mark.parametrize("column, m", list(enumerate([-0.5, 0.0, 0.5, 0.8])))
 def test_influence_of_near_cells(column, m):
-    """Tabulated integrals of r^-(1+m) over unit cells (docs/half_space.md)."""
+    """Tabulated integrals of r^-(1+m) over unit cells (docs/development/half_space.md)."""
     table = influence.influence((4, 4), (1.0, 1.0), m)
     factor = np.cos(0.5 * np.pi * m) / np.pi / influence.compliance((1.0, 1.0), _unit(m))
     for (row, col), values in CELLS.items():
@@ -40,7 +40,7 @@ def test_influence_rules_agree_where_they_meet(m):
     gauss = influence._gauss_mean(y, x, 2.0, 0.5, m)
     np.testing.assert_allclose(gauss[8:, :], corner[8:, :], rtol=1e-11)
     series = np.empty((104, 120))
-    _grid_kernels.far_cells(1.0, 0.8, m, 1.0, series)
+    _influence_kernels.far_cells(1.0, 0.8, m, 1.0, series)
     gauss = influence._gauss_mean(np.arange(104.0), 0.8 * np.arange(120.0), 1.0, 0.8, m)
     np.testing.assert_allclose(series[100:], gauss[100:], rtol=1e-12)
 

@@ -23,9 +23,9 @@ def light():
     size = (96.0, 96.0)
     hm = surfaces.self_affine((96, 96), size, hurst=0.8, rms_slope=0.1, cutoff=3.0, seed=2)
     run = solve_contacts(hm, BODY, pressures=3e-3 * pressure_scale(hm, BODY))
-    population = run.bodies.population
-    trail = run.states[0]._trail
-    return population, trail.listing, trail.points[-1].values
+    population = run.decomposition.population
+    last = run.points[0].state.continuation
+    return population, last.candidates, last.points[-1].values
 
 
 def placed(population, listing, values):
@@ -42,7 +42,7 @@ def test_points_stand_at_the_centres_or_as_near_as_the_pairs_that_were_listed_al
     values[0] *= 3.0
     centre, touches = placed(population, listing, values)
     rows, skin = listing.index[touches], SKIN * listing.problem.plan.eta
-    found = listing.about(population, listing.index, values, 1e-3)
+    found = listing.recentred(population, listing.index, values, 1e-3)
     for new, place in zip(centre, found.offset, strict=True):
         np.testing.assert_allclose(place[rows], new, rtol=1e-12)
     assert found.listed is listing.listed
@@ -50,12 +50,12 @@ def test_points_stand_at_the_centres_or_as_near_as_the_pairs_that_were_listed_al
     elsewhere = listing.listed.copy()
     elsewhere[:, lightest] = found.offset[:, lightest] + 2.0 * skin
     leaping = replace(listing, listed=elsewhere)
-    assert leaping.about(population, listing.index, values, 1e-3) is None  # among few it counts
+    assert leaping.recentred(population, listing.index, values, 1e-3) is None  # among few it counts
     monkeypatch.setattr(module, "MANY", 1)
-    found = leaping.about(population, listing.index, values, 1e-3)
+    found = leaping.recentred(population, listing.index, values, 1e-3)
     np.testing.assert_allclose(found.offset[:, lightest], elsewhere[:, lightest] - skin)
     elsewhere = listing.listed + 2.0 * skin
-    lost = replace(listing, listed=elsewhere).about(population, listing.index, values, 1e-3)
+    lost = replace(listing, listed=elsewhere).recentred(population, listing.index, values, 1e-3)
     assert lost is None
 
 
@@ -63,11 +63,11 @@ def test_more_contacts_may_stand_a_little_astray_under_a_wider_tolerance(light, 
     population, listing, values = light
     values = values.copy()
     values[0] *= 2.0
-    assert listing.about(population, listing.index, values, 1.0) is not listing
+    assert listing.recentred(population, listing.index, values, 1.0) is not listing
     monkeypatch.setattr(module, "STRAY", 1.0)
     monkeypatch.setattr(module, "MANY", 1)
-    assert listing.about(population, listing.index, values, 1e-3) is not listing
-    assert listing.about(population, listing.index, values, 1.0) is listing
+    assert listing.recentred(population, listing.index, values, 1e-3) is not listing
+    assert listing.recentred(population, listing.index, values, 1.0) is listing
 
 
 def test_a_plan_holds_until_footprints_outgrow_it(light):

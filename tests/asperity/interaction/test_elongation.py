@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from standin import random_population
+from strategies import random_population
 
 import asperity
-from asperity.interaction import continuation
+from asperity.interaction import coupled_solve
 from asperity.interaction.elongation import LARGEST_ASPECT, LARGEST_LEAN, Elongation
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.footprint import Footprints
@@ -176,7 +176,7 @@ def test_first_only_contacts_that_do_not_settle_become_round(monkeypatch):
             return solution
         return replace(solution, reason="two contacts", restless=np.arange(len(problem.height)) < 2)
 
-    monkeypatch.setattr(continuation, "descend", stubborn)
+    monkeypatch.setattr(coupled_solve, "descend", stubborn)
     state = long_and_round()[0].solve(separation=0.01)
     assert state.converged
     first, second = (problem.elongation for problem in problems[:2])

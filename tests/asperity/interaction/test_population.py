@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from standin import HertzTable, random_population
+from oracles import HertzTable
+from strategies import random_population
 
 import surfaces
 from asperity.errors import InputError
@@ -197,8 +198,8 @@ def test_a_flat_above_that_under_less_load_is_refused(fall, share):
     population = make(196, apart=True)
     state = population.solve(separation=0.0)
     assert population.solve(separation=0.0, state=state).converged
-    wrong = replace(state._trail, heaviest=(fall, share * state.mean_pressure))
-    refused = population.solve(separation=0.0, state=replace(state, _trail=wrong))
+    wrong = replace(state.continuation, heaviest=(fall, share * state.mean_pressure))
+    refused = population.solve(separation=0.0, state=replace(state, continuation=wrong))
     assert not refused.converged and "higher than under less load" in refused.reason
 
 

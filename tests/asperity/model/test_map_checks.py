@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.model.map_checks import LONGEST_LAY, lay, map_warnings
+from asperity.model.map_checks import lay, map_warnings
+from asperity.parameters import DEFAULTS
 from surfaces import HeightMap, self_affine, turned
 
 BODY = asperity.HalfSpace.from_modulus(1e11)
@@ -72,7 +73,7 @@ def test_errors_on_turned_ridges_are_not_stated():
         hurst=0.8,
         cutoff=8e-5,
     )
-    assert lay(hm) > LONGEST_LAY
+    assert lay(hm) > DEFAULTS.error_estimate.longest_lay
     curve = asperity.contact_curve(hm, BODY, pressures=[1e6])
     assert np.isnan(curve.error_estimate).all()
     assert np.isnan(curve.extra["area_error_estimate"]).all()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.load_points import pressure_scale
 from asperity.halfspace.material import HalfSpace
 from asperity.model.plan import make_plan
+from asperity.parameters import DEFAULTS, Segmentation
 from surfaces import HeightMap, self_affine
 
 STEEL = HalfSpace.from_modulus(2e11)
@@ -36,18 +38,19 @@ def test_interaction_is_left_out_only_at_vanishing_load(rough):
     assert make_plan(rough, STEEL, pressures=[1e-14 * scale, 1e-2 * scale]).interaction
 
 
-def test_light_loads_segment_only_the_top_of_many_points(rough, monkeypatch):
-    monkeypatch.setattr("asperity.model.plan._SMALL", 2**18)
+def test_light_loads_segment_only_the_top_of_many_points(rough):
+    few = replace(DEFAULTS, segmentation=Segmentation(whole_points=2**18))
     large = self_affine(
         (640, 512), (6.4e-3, 5.12e-3), hurst=0.8, rms_slope=0.1, cutoff=5e-5, seed=4
     )
     scale = pressure_scale(large, STEEL)
-    light = make_plan(large, STEEL, pressures=[1e-3 * scale], scales="all")
-    heavy = make_plan(large, STEEL, pressures=[0.2 * scale], scales="all")
+    light = make_plan(large, STEEL, pressures=[1e-3 * scale], scales="all", parameters=few)
+    heavy = make_plan(large, STEEL, pressures=[0.2 * scale], scales="all", parameters=few)
     assert light.above is not None
     assert light.above > 0
     assert heavy.above is None
-    high = make_plan(large, STEEL, separations=[1.5 * large.rms_height], scales="all")
+    gap = [1.5 * large.rms_height]
+    high = make_plan(large, STEEL, separations=gap, scales="all", parameters=few)
     assert high.above == pytest.approx(large.rms_height, rel=1e-9)
     assert make_plan(rough, STEEL, pressures=[1e-3 * scale]).above is None
 

@@ -10,7 +10,8 @@ import pytest
 import asperity
 import surfaces
 from asperity.halfspace.load_points import pressure_scale
-from asperity.multiscale.pixel_waves import FINER, fineness, refined_map, strength
+from asperity.multiscale.pixel_waves import fineness, random_waves, refined_map
+from asperity.parameters import DEFAULTS, PixelWaves
 from surfaces import HeightMap, self_affine
 
 BODY = asperity.HalfSpace.from_modulus(1.0)
@@ -39,54 +40,16 @@ def test_random_waves_have_a_kurtosis_of_three():
     assert dataclasses.replace(hm, periodic=False).roughness.kurtosis == pytest.approx(
         (3.0, 3.0), abs=0.2
     )
-    assert strength(hm).at(np.array([0.0, 0.3]), np.array([0.5, 1.0])).tolist() == [1.0, 1.0]
+    assert random_waves(hm)
     steps = np.round(wavy(cutoff=8.0).heights / 0.5)
-    assert strength(HeightMap(steps, hm.spacing, periodic=True)) is None
+    assert not random_waves(HeightMap(steps, hm.spacing, periodic=True))
     spikes = hm.heights.copy()
     spikes[::40, ::40] += 4 * hm.rms_height
-    assert strength(hm.replace(heights=spikes)) is None
-    assert strength(surfaces.prepare(hm.replace(heights=spikes), periodic="taper")) is None
-    assert strength(hm.replace(heights=np.minimum(hm.heights, 0.0))) is None  # worn
+    assert not random_waves(hm.replace(heights=spikes))
+    assert not random_waves(surfaces.prepare(hm.replace(heights=spikes), periodic="taper"))
+    assert not random_waves(hm.replace(heights=np.minimum(hm.heights, 0.0)))  # worn
     ridges = HeightMap(np.tile(np.sin(np.arange(40.0)), (30, 1)), (1.0, 1.0), periodic=True)
     assert ridges.roughness.kurtosis[0] == np.inf
-
-
-def test_waves_under_a_window_are_random_and_as_strong_as_the_window():
-    """The variance is that of the window's square over its mean, wherever it is a product."""
-    hm = wavy((320, 400))
-    y, x = ((np.arange(n) + 0.5) / n for n in hm.shape)
-    window = (1.2 + np.sin(2 * np.pi * y))[:, None] * (1.5 + np.cos(2 * np.pi * x))
-    faded = hm.replace(heights=3.0 * window * hm.heights)
-    assert max(faded.roughness.kurtosis) > 4.0
-    found = strength(faded).at(y[:, None], x)
-    exact = window**2 / np.mean(window**2)
-    assert np.sqrt(np.mean((found - exact) ** 2)) < 0.12 * np.sqrt(np.mean(exact**2))
-    across = strength(HeightMap(faded.heights.T, faded.spacing[::-1], periodic=True))
-    np.testing.assert_allclose(across.at(x[:, None], y), found.T, rtol=1e-12)
-    small = HeightMap(faded.heights[::4, ::4].copy(), hm.spacing, periodic=True)
-    assert strength(small) is None
-    smooth = self_affine(hm.shape, hm.size, hurst=0.8, rms_slope=0.1, cutoff=8.0, seed=2)
-    assert strength(smooth.replace(heights=window * smooth.heights)) is None
-
-
-def test_worn_waves_are_random_and_as_strong_as_their_height_lets_them():
-    """The variance is that of the slope of the new over the old heights, squared."""
-    hm = wavy((320, 360))
-    old = (hm.heights - hm.heights.mean()) / hm.rms_height
-    half = np.hypot(0.325 * old, 0.1)
-    worn = hm.replace(heights=hm.rms_height * (0.675 * old - half) + 3.0 * hm.rms_height)
-    assert min(worn.roughness.kurtosis) > 3.8
-    exact = np.square(0.675 - 0.325**2 * old / half)
-    found = strength(worn).at(np.zeros(1), np.zeros(1), worn.heights - worn.heights.mean())
-    assert np.sqrt(np.mean((found * exact.mean() - exact) ** 2)) < 0.06 * exact.mean()
-    assert strength(worn.replace(heights=np.where(old > 0, 0.1 * old, old))) is None
-
-
-def test_caps_of_one_height_are_not_worn_waves():
-    """What bends them follows their height, and has on the mean the kurtosis of random waves."""
-    y, x = np.meshgrid(*2 * [(np.arange(320) % 64 + 0.5) / 64 - 0.5], indexing="ij")
-    caps = HeightMap(np.sqrt(0.5 - y**2 - x**2), (1.0, 1.0), periodic=True)
-    assert strength(caps) is None
 
 
 def test_the_finer_grid_holds_the_same_waves():
@@ -104,15 +67,15 @@ def test_only_where_waves_reach_the_pixel():
         assert refined_map(wavy(cutoff=cutoff)) is None
 
 
-def test_large_maps_are_refined_less_and_it_is_said(monkeypatch):
-    hm, ((ratio, most), (less, more)) = wavy(), FINER
+def test_large_maps_are_refined_less_and_it_is_said():
+    hm, ((ratio, most), (less, more)) = wavy(), DEFAULTS.pixel_waves.finer
     assert ratio > less
     assert ratio**2 * 1024**2 <= most <= less**2 * 2048**2 <= more
-    monkeypatch.setattr("asperity.multiscale.pixel_waves.FINER", ((2.0, 0), (1.5, 1e6)))
-    assert refined_map(hm).shape == (240, 288)
-    monkeypatch.setattr("asperity.multiscale.pixel_waves.FINER", ((2.0, 0), (1.5, 0)))
-    assert "takes long" in str(refined_map(hm))
-    plan = asperity.make_plan(hm, BODY, interaction=False)
+    assert refined_map(hm, PixelWaves(finer=((2.0, 0), (1.5, 10**6)))).shape == (240, 288)
+    none = PixelWaves(finer=((2.0, 0), (1.5, 0)))
+    assert "takes long" in str(refined_map(hm, none))
+    parameters = dataclasses.replace(DEFAULTS, pixel_waves=none)
+    plan = asperity.make_plan(hm, BODY, interaction=False, parameters=parameters)
     assert plan.resampled is None
     assert "160 x 192 points, a finer one would hold" in str(plan)
 

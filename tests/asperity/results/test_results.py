@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
+import h5py
 import numpy as np
 import pytest
 
@@ -158,7 +159,7 @@ def test_file_gives_back_the_curve(tmp_path):
 def test_tables_maps_and_facts_come_back(tmp_path):
     table = structured({"model": np.array(["bem", "µ"]), "seconds": np.array([1.0, 2.0])})
     held = ResultFile(
-        curves={"a": power_law_curve(), "b": power_law_curve(3)},
+        curves={"a": power_law_curve().to_record(), "b": power_law_curve(3).to_record()},
         tables={"pareto": table},
         maps={"contact": np.eye(4, 6, dtype=bool)},
         about={"name": "scan", "history": [{"step": "level"}]},
@@ -175,7 +176,9 @@ def test_tables_maps_and_facts_come_back(tmp_path):
 
 def test_an_interrupted_write_leaves_the_old_file(tmp_path):
     power_law_curve().to_hdf5(tmp_path / "r.h5")
-    broken = ResultFile(curves={"a": power_law_curve()}, tables={"bad": np.array([object()])})
+    broken = ResultFile(
+        curves={"a": power_law_curve().to_record()}, tables={"bad": np.array([object()])}
+    )
     with pytest.raises(TypeError):
         write_results(tmp_path / "r.h5", broken)
     assert len(ContactCurve.from_hdf5(tmp_path / "r.h5")) == 12
@@ -193,6 +196,28 @@ def test_unreadable_results_are_one_sentence(tmp_path):
     (tmp_path / "half.h5").write_bytes(whole[: len(whole) // 2])
     with pytest.raises(FileFormatError, match="not a readable results file"):
         read_results(tmp_path / "half.h5")
+
+
+@pytest.mark.parametrize(
+    ("change", "match"),
+    [
+        (lambda group: group.__delitem__("load"), "lacks load"),
+        (lambda group: group.attrs.__delitem__("settings"), "lacks settings"),
+        (lambda group: _replaced(group, "load", [b"heavy"] * 12), "column load holds no numbers"),
+        (lambda group: _replaced(group, "load", [1.0]), r"load has shape \(1,\)"),
+    ],
+)
+def test_a_curve_with_a_column_missing_or_in_words_is_one_sentence(tmp_path, change, match):
+    power_law_curve().to_hdf5(tmp_path / "r.h5")
+    with h5py.File(tmp_path / "r.h5", "r+") as file:
+        change(file["curves/asperity"])
+    with pytest.raises(FileFormatError, match=match):
+        ContactCurve.from_hdf5(tmp_path / "r.h5")
+
+
+def _replaced(group, name, values):
+    del group[name]
+    group[name] = values
 
 
 def test_no_folder_to_write_into(tmp_path):

@@ -10,46 +10,54 @@ import pytest
 import asperity
 from asperity.halfspace.flags import Flag
 from asperity.halfspace.load_points import default_pressures
-from asperity.trust.error_estimate import (
-    AREA_WEIGHTS,
-    LOAD_WEIGHTS,
-    TERMS,
-    estimate,
-    oddness,
-    terms,
-)
-from surfaces import HeightMap, self_affine
+from asperity.parameters import DEFAULTS
+from asperity.trust.error_estimate import TERMS, nonrandomness, terms
+from surfaces import HeightMap, resample, self_affine
+
+STEEL = asperity.HalfSpace(210e9, 0.3)
+
+FITTED = DEFAULTS.error_estimate
 
 
-@pytest.mark.parametrize("weights", [LOAD_WEIGHTS, AREA_WEIGHTS])
-def test_every_weakness_only_adds(weights):
-    assert len(weights) == len(TERMS)
-    assert min(weights) >= 0
-    calm = dict.fromkeys(TERMS, 0.1)
-    for name in TERMS:
-        assert estimate({**calm, name: 0.2}, weights) >= estimate(calm, weights)
+def rough(seed: int) -> HeightMap:
+    return self_affine(
+        (144, 192),
+        (1.44e-3, 1.92e-3),
+        hurst=0.8,
+        rms_slope=0.1,
+        rolloff=4e-4,
+        cutoff=8e-5,
+        seed=seed,
+    )
+
+
+def test_a_surface_on_a_coarser_grid_is_trusted_less():
+    stated = []
+    for pixel in (5e-6, 1e-5, 2e-5):
+        curve = asperity.contact_curve(resample(rough(4), pixel), STEEL, pressures=[1e7, 1e8])
+        stated.append((curve.error_estimate, curve.extra["area_error_estimate"]))
+    assert (np.diff(stated, axis=0) > 0).all()
+
+
+def test_without_contact_there_is_nothing_to_be_wrong():
+    hm = rough(4)
+    above = hm.heights.max() - hm.heights.mean() + np.array([0.1, 0.0]) * hm.rms_height
+    curve = asperity.contact_curve(hm, STEEL, separations=[above[0], 0.5 * above[1]])
+    for stated in (curve.error_estimate, curve.extra["area_error_estimate"]):
+        assert stated[0] == 0.0 < stated[1] < 0.3
 
 
 def test_true_errors_lie_inside_the_statement_on_surfaces_it_was_not_fitted_on():
     inside, stated, closed, wide = [], [], [], []
     for seed in (101, 102, 103):
-        hm = self_affine(
-            (144, 192),
-            (1.44e-3, 1.92e-3),
-            hurst=0.8,
-            rms_slope=0.1,
-            rolloff=4e-4,
-            cutoff=8e-5,
-            seed=seed,
-        )
-        steel = asperity.HalfSpace(210e9, 0.3)
-        loads = default_pressures(hm, steel, count=4)
-        reference = asperity.bem_curve(hm, steel, pressures=loads)
-        model = asperity.contact_curve(hm, steel, separations=reference.separation)
+        hm = rough(seed)
+        loads = default_pressures(hm, STEEL, count=4)
+        reference = asperity.bem_curve(hm, STEEL, pressures=loads)
+        model = asperity.contact_curve(hm, STEEL, separations=reference.separation)
         error = np.abs(model.mean_pressure / reference.mean_pressure - 1)
         inside += (error <= model.error_estimate).tolist()
         stated += model.error_estimate.tolist()
-        loaded = asperity.contact_curve(hm, steel, pressures=reference.mean_pressure)
+        loaded = asperity.contact_curve(hm, STEEL, pressures=reference.mean_pressure)
         error = np.abs(loaded.contact_area / reference.contact_area - 1)
         closed += (error <= loaded.extra["area_error_estimate"]).tolist()
         wide += loaded.extra["area_error_estimate"].tolist()
@@ -68,12 +76,12 @@ def weak_point(unit=1.0, force=1.0):
         flags_at=lambda rows, depth: np.array([Flag.BEYOND_RADIUS, Flag.FILLED, 0])[rows],
         spread_at=lambda rows, depth: np.array([-0.1, 0.3, 9.0])[rows],
     )
-    bodies = SimpleNamespace(
+    decomposition = SimpleNamespace(
         hm=HeightMap(unit * LINES, (2.0 * unit, 1.0 * unit), periodic=True),
-        plan=SimpleNamespace(resampled=None, fine=None),
+        plan=SimpleNamespace(resampled=None, sub_contact_law=None, parameters=DEFAULTS),
         population=SimpleNamespace(table=table),
         material=SimpleNamespace(m=-0.3),
-        profiles=SimpleNamespace(curvature=np.array([[2.0, 1.0], [3.0, 3.0], [9.0, 1.0]]) / unit),
+        summits=SimpleNamespace(curvature=np.array([[2.0, 1.0], [3.0, 3.0], [9.0, 1.0]]) / unit),
     )
     state = SimpleNamespace(
         force=force * np.array([3.0, 1.0, 0.0]),
@@ -82,7 +90,7 @@ def weak_point(unit=1.0, force=1.0):
         contact_area=6.0 * unit**2,
         filled_share=0.25,
     )
-    return bodies, state, 0.5
+    return decomposition, state, 0.5
 
 
 def test_terms_of_two_contacts():
@@ -111,10 +119,13 @@ def test_terms_have_no_units():
 
 
 def test_with_fine_waves_taken_out_the_terms_are_those_of_the_map_that_was_solved():
-    bodies, state, odd = weak_point()
-    bodies.plan.fine, bodies.plan.resampled = SimpleNamespace(ratio=3.0), bodies.hm
-    bodies.hm = HeightMap(np.eye(6, 8), (1.0, 0.5), periodic=True)
-    found, whole = terms(bodies, state, odd), terms(*weak_point())
+    decomposition, state, odd = weak_point()
+    decomposition.plan.sub_contact_law, decomposition.plan.resampled = (
+        SimpleNamespace(ratio=3.0),
+        decomposition.hm,
+    )
+    decomposition.hm = HeightMap(np.eye(6, 8), (1.0, 0.5), periodic=True)
+    found, whole = terms(decomposition, state, odd), terms(*weak_point())
     few, coarse = np.hypot(0.75, 0.25), whole["coarse_contacts"]
     expected = {**whole, "few_taken_out": 0.75 * few, "coarse_taken_out": 0.75 * coarse}
     assert found == pytest.approx(expected)
@@ -126,11 +137,6 @@ def test_random_waves_are_not_odd_and_spikes_are():
     )
     spikes = np.zeros(hm.shape)
     spikes[30, 40] = 20 * hm.rms_height
-    assert oddness(hm) < 0.1
-    assert oddness(hm.replace(heights=hm.heights + spikes)) == 1.0
-    assert 0.0 <= oddness(hm.replace(heights=np.minimum(hm.heights, hm.rms_height))) <= 1.0
-
-
-def test_nothing_is_weak_without_contact():
-    bodies, state, odd = weak_point(force=0.0)
-    assert set(terms(bodies, state, odd).values()) == {0.0}
+    assert nonrandomness(hm) < 0.1
+    assert nonrandomness(hm.replace(heights=hm.heights + spikes)) == 1.0
+    assert 0.0 <= nonrandomness(hm.replace(heights=np.minimum(hm.heights, hm.rms_height))) <= 1.0

@@ -8,7 +8,7 @@ import pytest
 import asperity
 from asperity.errors import ModelRangeError
 from asperity.halfspace.load_points import default_pressures
-from asperity.trust.outside_model import LAWLESS, lawless
+from asperity.trust.outside_model import OUTSIDE_MODEL, outside_model_terms
 from surfaces import HeightMap, PowerLawProfile, self_affine
 
 BODY = asperity.HalfSpace.from_modulus(1e11)
@@ -29,7 +29,8 @@ def test_a_single_wave_touches_along_all_of_its_ridge():
     flat = np.pi * BODY.modulus * 1e-7 / LX  # Westergaard: this pressure closes it
     curve = asperity.contact_curve(hm, BODY, pressures=np.array([0.01, 0.05]) * flat)
     exact = 2 / np.pi * np.arcsin(np.sqrt(curve.mean_pressure / flat))
-    assert (curve.area_fraction < 0.8 * exact).all()
+    np.testing.assert_allclose(curve.area_fraction, exact, rtol=0.15)
+    assert not curve.converged.any() and all("overlap end to end" in why for why in curve.reasons)
     assert curve.extra["flat_tops"] == pytest.approx([1.0, 1.0])
     assert np.isnan(curve.error_estimate).all()  # of such a lay it is not known
 
@@ -81,7 +82,7 @@ def test_on_a_cup_the_border_carries_and_the_stated_error_says_so(bend):
 
 def test_waves_have_no_such_contacts_and_a_shift_moves_none():
     hm = rough()
-    for name in LAWLESS:
+    for name in OUTSIDE_MODEL:
         curve = asperity.contact_curve(hm, BODY, pressures=default_pressures(hm, BODY, 3))
         assert max(curve.extra[name]) < (1e-3 if name == "unresolved" else 1e-12)
     steps = hm.replace(heights=np.round(hm.heights / hm.rms_height * 4) * hm.rms_height / 4)
@@ -113,21 +114,6 @@ def test_a_single_tip_is_pressed_where_its_rays_or_its_polynomial_miss_it(k, lea
     np.testing.assert_allclose(curve.contact_area, exact.contact_area, rtol=0.05)
 
 
-@pytest.mark.parametrize("seed", [1, 3])
-def test_fine_waves_on_top_of_a_wide_hill_are_not_lost_between_the_nodes_of_its_rays(seed):
-    shape, size = (80, 96), (80.0, 96.0)
-    hill, waves = (
-        self_affine(shape, size, hurst=0.8, rms_slope=0.1, rolloff=longest, cutoff=c, seed=s)
-        for longest, c, s in ((80.0, 40.0, seed), (8.0, 5.0, seed + 7))
-    )
-    hm = hill.replace(heights=4.0 * hill.heights + waves.heights)
-    body = asperity.HalfSpace.from_modulus(1.0)
-    load = 0.6 * default_pressures(hm, body, 2)[:1]
-    reference = asperity.bem_curve(hm, body, pressures=load, tolerance=1e-5)
-    curve = asperity.contact_curve(hm, body, separations=reference.separation)
-    np.testing.assert_allclose(curve.load, reference.load, rtol=0.02)
-
-
 def test_a_blunt_tip_that_the_rays_hold_is_not_doubted():
     hm, scale = tip(3)
     approach = np.array([1e-7, 2e-7, 4e-7])
@@ -155,19 +141,23 @@ def test_summits_that_carry_nothing_are_warned_of():
 def test_contacts_that_lost_their_area_are_judged():
     hm = rough()
     run = asperity.solve_contacts(hm, BODY, pressures=default_pressures(hm, BODY, 2)[:1])
-    vars(run.states[0])["area"] = np.zeros(len(run.bodies.population))
-    assert np.isfinite(list(lawless(run.bodies, run.states[0]).values())).all()
+    vars(run.points[0].state)["area"] = np.zeros(len(run.decomposition.population))
+    assert np.isfinite(
+        list(outside_model_terms(run.decomposition, run.points[0].state).values())
+    ).all()
 
 
 def test_one_contact_among_many_whose_law_tells_nothing_does_little_harm():
     hm = rough()
     run = asperity.solve_contacts(hm, BODY, pressures=default_pressures(hm, BODY, 2)[1:])
-    force, table = run.states[0].force, run.bodies.population.table
+    force, table = run.points[0].state.force, run.decomposition.population.table
     table.spread[:] = 0.0
     table.spread[force.argmax()] = 1.0
     share = force.max() / force.sum()
     assert share < 0.8
-    assert lawless(run.bodies, run.states[0])["unsure"] == pytest.approx(share**2)
+    assert outside_model_terms(run.decomposition, run.points[0].state)["unsure"] == pytest.approx(
+        share**2
+    )
 
 
 def test_contacts_smaller_than_a_pixel_are_named_and_doubted():

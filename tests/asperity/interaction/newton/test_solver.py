@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from standin import HertzTable, random_population
+from oracles import HertzTable
+from strategies import random_population
 
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.footprint import Footprints
@@ -148,7 +149,8 @@ def test_conjugate_gradients_hold_the_sum():
     stiffness = problem.laws(1.5 * problem.laws.reach).stiffness
     tangent = Tangent(problem.plan, np.ones(200, bool), stiffness)
     right, start = np.random.default_rng(0).normal(size=(2, 200))
-    solved = conjugate_gradients(tangent, right, tolerance=1e-9, start=start, held=True, limit=400)
+    # a sum in single precision stalls below 3e-9
+    solved = conjugate_gradients(tangent, right, tolerance=1e-7, start=start, held=True, limit=400)
     assert solved.products < 400
     assert solved.solution.sum() == pytest.approx(start.sum(), abs=1e-9 * np.abs(start).sum())
     assert np.abs(tangent(solved.solution) + solved.constant - right).max() < 1e-5

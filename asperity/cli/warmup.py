@@ -1,0 +1,25 @@
+"""``asperity warmup``: compile for this machine all that daily use needs."""
+
+from __future__ import annotations
+
+import argparse
+
+EPILOG = """example:
+  asperity warmup
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """``asperity warmup`` has no options."""
+    parser.epilog = EPILOG
+
+
+def run(args: argparse.Namespace) -> int:
+    """Compile what the disk does not hold, and name the folder that keeps it."""
+    from asperity.cli.exit_codes import EXIT_OK
+    from asperity.compilation import CURVE, compile_ahead
+    from surfaces.numerics.compiled import cache_folder
+
+    compile_ahead(*CURVE, "bem")
+    print(f"compiled code   {cache_folder()}")
+    return EXIT_OK

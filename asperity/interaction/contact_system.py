@@ -1,0 +1,147 @@
+"""Summits with their contact laws and places, and the half-space that couples them."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity.errors import InputError
+from asperity.halfspace.boundary import known_boundary
+from asperity.interaction.newton.laws import Laws
+from asperity.microcontact.lazy_table import GrowingTable
+
+from .elongation import Elongation
+from .footprint import Footprints
+
+if TYPE_CHECKING:
+    from asperity.halfspace.material import HalfSpace
+    from asperity.microcontact.law_table import LawTable
+
+__all__ = ["ContactSystem"]
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+
+class ContactSystem:
+    """What a coupled solve reads: summits, laws and half-space.
+
+    Parameters
+    ----------
+    x, y
+        Places of the summits [m], shape (n,).
+    height
+        Heights [m] above the mean plane of the map, shape (n,).
+    table
+        Contact laws of the summits, or a lazy table that makes those that are needed.
+    cell
+        Nominal area (Ly, Lx) [m].
+    boundary
+        "periodic" or "free".
+    material
+        Elastic half-space.
+    interaction
+        False: the classical sum of independent contacts.
+    contact_shift
+        Whether coupled contacts stand at the centres that their laws give, and move under the slope
+        of their neighbors' field; otherwise they stay at their summits.
+    curvature, angle
+        Principal curvatures [1/m], (n, 2), the larger first, and directions of the long axis [rad],
+        (n,), of the summits; round footprints if not given.
+
+    Attributes
+    ----------
+    by_height
+        Summits with a usable law from the highest down, shape (m,).
+
+    Raises
+    ------
+    InputError
+        If lengths disagree or a value is not usable.
+    """
+
+    def __init__(
+        self,
+        *,
+        x: ArrayLike,
+        y: ArrayLike,
+        height: ArrayLike,
+        table: LawTable | GrowingTable,
+        cell: tuple[float, float],
+        boundary: str,
+        material: HalfSpace,
+        interaction: bool = True,
+        contact_shift: bool = True,
+        curvature: ArrayLike | None = None,
+        angle: ArrayLike | None = None,
+    ) -> None:
+        self.x, self.y, self.height = (
+            _column(value, name) for value, name in ((x, "x"), (y, "y"), (height, "height"))
+        )
+        rows = len(table) if isinstance(table, GrowingTable) else len(table.reach)
+        if not len(self.x) == len(self.y) == len(self.height) == rows:
+            raise InputError(
+                f"x, y, height and table have {len(self.x)}, {len(self.y)}, {len(self.height)} "
+                f"and {rows} rows; they must agree"
+            )
+        if len(self.x) == 0:
+            raise InputError("the population has no summit; lower the height to segment above")
+        if not (len(cell) == 2 and min(cell) > 0 and math.isfinite(max(cell))):
+            raise InputError(f"cell must be two positive lengths, got {cell!r}")
+        self.boundary, self.material = known_boundary(boundary), material
+        self._table = table
+        self.cell = (float(cell[0]), float(cell[1]))
+        self.interaction = interaction and (boundary == "periodic" or len(self.height) > 1)
+        self.contact_shift = contact_shift
+        self.footprints = Footprints(material.modulus, material.m)
+        self.elongation: Elongation | None = None
+        if curvature is not None and angle is not None:
+            self.elongation = Elongation.of(
+                np.asarray(curvature, float), np.asarray(angle, float), self.footprints
+            )
+        self.laws = Laws(table, self.footprints)
+        usable = np.flatnonzero(self.laws.usable)
+        if len(usable) == 0:
+            raise InputError("no summit of the population has a usable contact law")
+        self.by_height: Rows = usable[np.argsort(-self.height[usable], kind="stable")]
+
+    def __len__(self) -> int:
+        return len(self.height)
+
+    @property
+    def table(self) -> LawTable:
+        """Contact laws of the summits; of a lazy table, those made so far."""
+        return self._table.table if isinstance(self._table, GrowingTable) else self._table
+
+    @property
+    def has_centres(self) -> bool:
+        """Whether contacts stand at the centres that their laws give."""
+        return self.contact_shift and getattr(self.table, "centre", None) is not None
+
+    @property
+    def nominal_area(self) -> float:
+        """Area of the cell [m^2]."""
+        return self.cell[0] * self.cell[1]
+
+    @property
+    def highest(self) -> float:
+        """Height [m] of the highest summit, where the flat first touches."""
+        return float(self.height[self.by_height[0]])
+
+    def above(self, level: float, rows: Rows | None = None) -> Rows:
+        """Summits above a height [m], of `rows` in the order of `by_height`; of all if None."""
+        rows = self.by_height if rows is None else rows
+        return rows[: bisect_left(rows, -level, key=lambda row: -self.height[row])]
+
+
+def _column(value: ArrayLike, name: str) -> Array:
+    array = np.ascontiguousarray(value, dtype=float)
+    if array.ndim != 1:
+        raise InputError(f"{name} must be one-dimensional, got shape {array.shape}")
+    if not np.isfinite(array).all():
+        raise InputError(f"{name} holds values that are not finite")
+    return array

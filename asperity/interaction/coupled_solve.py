@@ -1,0 +1,279 @@
+"""The state of a population at one separation, or under a load near it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.interaction.newton.corrected_forecast import foreseen
+from asperity.interaction.newton.final_step import Solution
+from asperity.interaction.newton.solver import descend
+
+from .candidates import CandidateList
+from .continuation import Continuation
+from .population_state import PopulationState
+
+if TYPE_CHECKING:
+    from asperity.interaction.newton.problem import Problem
+
+    from .contact_system import ContactSystem
+
+__all__ = ["CROWDED", "solve_at"]
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+SPARE = 1.5
+"""Listed summits over those that can touch now, so that lists last for several separations."""
+
+DEEPER = 1.1
+"""How much deeper the field may be at the next separation."""
+
+NEW_LOAD = 1.05
+"""The same where a load was asked for, which is mostly too far from the last for its lists."""
+
+MAX_PLACED = 4
+"""Times that the lists are made anew at one separation: deeper, or about moved contacts."""
+
+BLIND = 0.1
+"""Tolerance of the first solve of all, whose lists and centres are guessed."""
+
+LACKING = 0.05
+"""Contacts that a list may lack after a solve, over the closed ones and the tolerance."""
+
+CROWDED = 0.3
+"""Contact area over nominal area beyond which a point that does not come out is refused."""
+
+LEVEL = 1e-9
+"""Rise of the flat under more load that rounding explains, over its fall since the first touch."""
+
+
+def solve_at(
+    last: Continuation, separation: float, tolerance: float, pressure: float | None = None
+) -> PopulationState:
+    """State at a separation, or at a mean pressure.
+
+    Parameters
+    ----------
+    last
+        What is taken over from the last point.
+    separation
+        Separation [m]; the first guess of it if a mean pressure is given.
+    tolerance
+        Bound on the residual.
+    pressure
+        Mean pressure [Pa], or None.
+
+    Notes
+    -----
+    Prediction, candidates, Newton steps, state. Where the solution shows that summits were missing
+    in the list or that contacts stand elsewhere, the list is made anew and solved again, from what
+    is known then.
+    """
+    system = last.system
+    if not system.interaction:
+        return _independent(last, separation)
+    load = None if pressure is None else pressure * system.nominal_area
+    rows, values = last.predicted(separation, pressure)
+    growth, spare = DEEPER, SPARE
+    if pressure is not None and last.points and last.points[-1].pressure > 0:
+        growth, spare = max(1.0, pressure / last.points[-1].pressure), NEW_LOAD
+    field, listed = last.field, last.candidates
+    if listed is not None:
+        lacks = listed.lacks(system, field, separation, growth)
+        listed = None if lacks else listed.recentred(system, rows, values, tolerance)
+    good: tuple[CandidateList, Solution, Array] | None = None
+    steps = products = 0
+    blind, rounded = not last.points, False
+    for placed in range(MAX_PLACED + 1):
+        if listed is None:
+            listed = CandidateList.of(
+                system,
+                rows,
+                values,
+                field=field,
+                separation=separation,
+                growth=growth,
+                spare=spare,
+                rounded=rounded,
+            )
+        if rows is not listed.index:
+            values = _along(listed.index, rows, values, len(system))
+            rows = listed.index
+        start = values[0]
+        if load is None and placed == 0 and len(last.points) > 1:
+            better, products = foreseen(listed.problem, values[0], values[1], tolerance=tolerance)
+            start = better if math.isfinite(float(better.sum())) else start
+        bound = max(tolerance, BLIND) if blind else tolerance
+        problem, solution = _solved(
+            last,
+            listed.problem,
+            separation,
+            load,
+            start=start,
+            values=values,
+            tolerances=(tolerance, bound),
+            rounding=good is None,
+        )
+        steps, products = steps + solution.steps, products + solution.products
+        if good is None and placed < MAX_PLACED and _unsettled(system, problem, solution):
+            listed, rounded = None, True
+            continue
+        if not solution.reason:
+            listed = replace(listed, problem=problem)
+        field, values, separation = listed.problem.plan, solution.values, solution.separation
+        current = listed
+        if solution.reason and good is not None:
+            current, solution, values = good  # whose contacts have hardly strayed
+            break
+        if solution.reason or placed == MAX_PLACED:
+            break
+        growth = 1.0
+        # those that only just touch carry less than their share of the load
+        few = LACKING * tolerance * np.count_nonzero(values[0] > 0)
+        again = not (listed.lacks(system, field, separation, growth, few) or blind)
+        listed = current.recentred(system, rows, values, tolerance) if again else None
+        blind = False
+        if listed is current:
+            break
+        good = None if listed is None else (current, solution, values)
+    if solution.reason and _share(system, solution) > CROWDED:
+        reason = (
+            f"contacts fill {100 * _share(system, solution):.0f} % of the nominal area and do not "
+            f"settle ({solution.reason}): they are too crowded to be separate"
+        )
+        solution = replace(solution, reason=reason)
+    solution = replace(solution, steps=steps, products=products)
+    area = current.areas(system, solution)
+    return _state(last.after(solution, current, values), current.index, area, solution)
+
+
+def _along(index: Rows, rows: Rows, values: Array, count: int) -> Array:
+    """The `Point.values` of the summits `index`, of those known of `rows`, among `count` in all."""
+    known = np.zeros((len(values), count))
+    known[:, rows] = values
+    return known.take(index, axis=1)  # row by row, as loops are compiled for
+
+
+def _solved(
+    last: Continuation,
+    problem: Problem,
+    separation: float,
+    load: float | None,
+    *,
+    start: Array,
+    values: Array,
+    tolerances: tuple[float, float],
+    rounding: bool,
+) -> tuple[Problem, Solution]:
+    """Solution of a problem from approaches and the other `Point.values`.
+
+    It is refused if it is out of order. With `rounding`, if long footprints may have kept single
+    contacts from settling, these get round ones.
+
+    `tolerances` are those of the point and of this solve.
+    """
+    system, (tolerance, bound) = last.system, tolerances
+    compliance = np.where(values[4] > 0, values[4], 1.0)
+
+    def solved(problem: Problem) -> Solution:
+        found = descend(
+            problem,
+            separation,
+            start,
+            tilt=values[2:4].T,
+            tolerance=bound,
+            load=load,
+            compliance=compliance,
+        )
+        return _ordered(last, found, tolerance)
+
+    found = solved(problem)
+    if not (rounding and _unsettled(system, problem, found)) or found.restless is None:
+        return problem, found
+    problem = problem.rounded(found.restless)
+    again = solved(problem)
+    steps, products = found.steps + again.steps, found.products + again.products
+    return problem, replace(again, steps=steps, products=products)
+
+
+def _unsettled(system: ContactSystem, problem: Problem, solution: Solution) -> bool:
+    """Whether long footprints, not the crowd, may be why a point did not come out."""
+    long = solution.reason and problem.elongation is not None
+    return bool(long and _share(system, solution) <= CROWDED)
+
+
+def _share(system: ContactSystem, solution: Solution) -> float:
+    """Contact area over nominal area."""
+    return float(solution.laws.area.sum()) / system.nominal_area
+
+
+def _ordered(last: Continuation, solution: Solution, tolerance: float) -> Solution:
+    """The solution, refused if the flat would stand higher than under less load, as above no
+    elastic body: footprints that overlap far can pass their load to each other until few contacts
+    carry it."""
+    load = solution.load / last.system.nominal_area
+    if solution.reason or not load > 0:
+        return solution
+    top = last.system.highest
+    for separation, pressure in ((top, 0.0), last.heaviest or (top, 0.0)):
+        apart = abs(load - pressure) > 2 * tolerance * max(load, pressure)
+        over = (solution.separation - separation) * (1 if load > pressure else -1)
+        if apart and over > LEVEL * (top - separation):
+            reason = (
+                f"at {load:.3g} Pa the flat would stand higher than under less load: the "
+                "contacts overlap too far to be separate"
+            )
+            return replace(solution, reason=reason)
+    return solution
+
+
+def _independent(last: Continuation, separation: float) -> PopulationState:
+    """State of independent contacts at a separation."""
+    system = last.system
+    approach = np.maximum(system.height - separation, 0.0)
+    laws, count = system.laws(approach), len(approach)
+    solution = Solution(
+        separation=separation,
+        approach=approach,
+        wanted=approach,
+        laws=laws,
+        tilt=np.zeros((count, 2)),
+        residual=0.0,
+        steps=0,
+        products=0,
+        reason="",
+        shares=np.ones(count),
+        slope=float(laws.stiffness.sum()),
+    )
+    return _state(last.independent(solution), np.arange(count), laws.area, solution)
+
+
+def _state(
+    continuation: Continuation, rows: Rows, area: Array, solution: Solution
+) -> PopulationState:
+    """The state that belongs to a solution, with contact areas [m^2] of the summits `rows`."""
+    system, field = continuation.system, continuation.field
+    law, load = solution.laws, solution.load
+    lowest = 0.0 if field is None else field.lowest
+    filled = float(law.force[system.laws.rows(rows).filled(law)].sum())
+    return PopulationState(
+        separation=solution.separation,
+        mean_pressure=load / system.nominal_area,
+        contact_area=float(area.sum()),
+        active=int(np.count_nonzero(law.force)),
+        filled_share=filled / load if load > 0 else 0.0,
+        residual=solution.residual,
+        converged=not solution.reason,
+        reason=solution.reason,
+        iterations=solution.steps,
+        products=solution.products,
+        lowest_candidate=solution.separation + 1.1 * lowest,
+        rows=rows,
+        listed=np.stack((solution.approach, law.force, law.stiffness, area)),
+        continuation=continuation,
+    )

@@ -1,0 +1,150 @@
+"""Solution of one contact: force, area, boundary and pressure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity.errors import InputError
+from asperity.halfspace.flags import INVALID, Flag
+from asperity.halfspace.material import HalfSpace
+
+__all__ = ["Indentation"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Indentation:
+    """Solution of one contact at one or several approaches; all arrays have that shape.
+
+    Attributes
+    ----------
+    law
+        Name of the law.
+    material
+        The half-space.
+    approach
+        Approach d [m].
+    force
+        Normal force [N], compression positive; NaN where there is no solution (`flags`).
+    contact_area
+        Area [m^2] inside the contact boundary.
+    radius
+        Effective contact radius a [m].
+    stiffness
+        dF/dd [N/m].
+    flags
+        Bits of `asperity.microcontact.Flag`.
+    error_estimate
+        Relative error of the force expected from the difference of neighbouring laws.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> ball = surfaces.PowerLawProfile(2.0, 0.5)
+    >>> one = asperity.indent(ball, asperity.HalfSpace.from_modulus(1.0), 0.01)
+    >>> f"{one.radius:.3f}, {one.contour(0.0):.3f}"
+    '0.100, 0.100'
+    >>> f"{one.pressure(0.0, 0.0) / one.mean_pressure:.3f}"
+    '1.500'
+    """
+
+    law: str
+    material: HalfSpace
+    approach: Array
+    force: Array
+    contact_area: Array
+    radius: Array
+    stiffness: Array
+    flags: NDArray[np.uint8]
+    error_estimate: Array
+    contour_function: Callable[[Array], Array] = field(repr=False)
+    pressure_function: Callable[[Array, Array], Array] = field(repr=False)
+    history_function: Callable[[Array, Array], Array] | None = field(default=None, repr=False)
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """Where no flag says that the answer is meaningless."""
+        return np.asarray((self.flags & np.uint8(INVALID)) == 0)
+
+    @property
+    def mean_pressure(self) -> Array:
+        """Force over contact area [Pa]; zero without contact."""
+        touching = self.contact_area > 0
+        return np.asarray(
+            np.where(touching, self.force, 0.0) / np.where(touching, self.contact_area, 1.0)
+        )
+
+    def flag_names(self) -> str:
+        """Names of the flags set anywhere, joined by |; empty if there are none."""
+        return Flag(int(np.bitwise_or.reduce(np.ravel(self.flags), initial=0))).name or ""
+
+    def contour(self, phi: ArrayLike) -> Array:
+        """Boundary a(phi) [m] of the contact, shape (*approach.shape, *phi.shape)."""
+        angle = np.asarray(phi, dtype=float)
+        values = self.contour_function(angle.ravel())
+        return values.reshape(self.approach.shape + angle.shape)
+
+    def pressure(
+        self, x: ArrayLike, y: ArrayLike, *, balanced: bool = False, history: bool = False
+    ) -> Array:
+        """Pressure [Pa] at the points (x, y) [m], shape (*approach.shape, *points.shape).
+
+        Parameters
+        ----------
+        x, y
+            Coordinates relative to the summit (broadcast).
+        balanced
+            Scale the field so that it integrates to the force over the contact area: the
+            published field does so over the circle, a second-order mismatch.
+        history
+            Integrate over all earlier contacts (equations 28, 51) in place of stretching the
+            axisymmetric field to the contour (29, 52); slower, equal for power laws. The law
+            "harmonic" does so in any case where the shape of the contact changes with load.
+
+        Raises
+        ------
+        InputError
+            If the law has no history integral.
+        """
+        x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+        law = self.history_function if history else self.pressure_function
+        if law is None:
+            raise InputError(f"the law {self.law!r} has no history integral of the pressure")
+        values = law(np.hypot(x, y).ravel(), np.arctan2(y, x).ravel())
+        if balanced:
+            values = values * self._balance().reshape(-1, 1)
+        return values.reshape(self.approach.shape + x.shape)
+
+    def _balance(self) -> Array:
+        """Force over the integral of the pressure field, by rays and a rule for its edge."""
+        x, w = np.polynomial.legendre.leggauss(24)
+        root = (1 - x) / 2
+        rho, share = 1 - root**2, w * root * (1 - root**2)
+        phi = 2 * np.pi * np.arange(64) / 64
+        edge = self.contour(phi).reshape(-1, phi.size)
+        total = np.zeros(self.approach.size)
+        for i in np.flatnonzero(self.force.ravel() > 0):
+            r = rho[:, None] * edge[i]
+            values = self.pressure_function(r.ravel(), np.tile(phi, rho.size))[i]
+            inside = values.reshape(r.shape) * edge[i] ** 2
+            total[i] = share @ inside.mean(axis=1) * 2 * np.pi
+        force = self.force.reshape(-1)
+        return np.asarray(np.where(total > 0, force / np.where(total > 0, total, 1.0), 1.0))
+
+    def __str__(self) -> str:
+        columns = ("approach", "force", "contact_area", "radius", "stiffness", "error_estimate")
+        body = f"E* = {self.material.modulus:.4g}, m = {self.material.m:g}"
+        lines = [f"contact by the law {self.law!r}, {body}"]
+        lines.append(" ".join(f"{name:>14}" for name in columns) + "  flags")
+        values = [np.atleast_1d(getattr(self, name)) for name in columns]
+        for *row, bits in zip(*values, np.atleast_1d(self.flags), strict=True):
+            names = Flag(int(bits)).name or "-"
+            lines.append(" ".join(f"{value:14.5e}" for value in row) + f"  {names}")
+        return "\n".join(lines)
+
+    __repr__ = __str__

@@ -1,0 +1,343 @@
+"""Constants that decide answers of the microcontact model, each with what it was fitted on.
+
+A run takes them from its plan (`make_plan(..., parameters=...)`); what a quarter more or less of
+each changes is measured by ``benchmarks/sensitivity.py``. Numerical tolerances stand where they
+act.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["DEFAULTS", "Corrections", "Parameters"]
+
+
+@dataclass(frozen=True)
+class Segmentation:
+    """How much of a map is segmented.
+
+    Attributes
+    ----------
+    spare_share, depth
+        Share [-] of the heights to segment: the first, and the second times the contact area
+        fraction. The lowest candidate needs 5 (self-affine) to 7 times (plateau-honed maps) that
+        fraction; the rest keeps the rays of the contacts off the height that is cut.
+    whole_share
+        Share [-] of the heights from which on the whole map is segmented, which costs no more.
+    whole_points
+        Points up to which the whole map is segmented: laws of summits whose basins are cut differ
+        a little, and few contacts do not average that out.
+    flat_share
+        Share [-] of the highest points on flat tops from which on a map stays on its own grid:
+        waves through heights cut off ring, and have summits where the map has none.
+    """
+
+    spare_share: float = 0.1
+    depth: float = 8.0
+    whole_share: float = 0.6
+    whole_points: int = 2**20
+    flat_share: float = 0.4
+
+
+@dataclass(frozen=True)
+class PixelWaves:
+    """Waves near the pixel.
+
+    Attributes
+    ----------
+    to_the_pixel
+        Share [-] of the squared slope lost between one pixel and two (`pixel_waves.fineness`) from
+        which on any map is solved on smaller pixels: on cut-off 3 pixels and shorter (also measured
+        maps: four of seven). All summits, seed 11, 256 x 320, H 0.8 and 0.5: load to 15 % of
+        contact -5 to -13 -> -0.5 to -4 %; four measured maps (0.1 to 25 %): -2 to -10 -> 0 to -5 %,
+        area no worse. Below, on cut-off 4 pixels, steps and lay with noise, load rises by 1 % and
+        more whatever its error was.
+    finer
+        Points of the finer grid per point of the map, along each axis, and how many it may have:
+        twice takes 2.5 times as long (1024 x 1024), 1.5 times 1.7 times, and mends two thirds as
+        much.
+    kurtosis
+        How far the kurtosis [-] of second differences may be from 3, that of random waves.
+    """
+
+    to_the_pixel: float = 0.13
+    finer: tuple[tuple[float, int], ...] = ((2.0, 2**22), (1.5, 10**7))
+    kurtosis: float = 0.25
+
+
+@dataclass(frozen=True)
+class WaveSplit:
+    """Which waves are too fine for contacts of their own.
+
+    Attributes
+    ----------
+    breadth
+        Nayak's parameter m0 m4 / m2^2 [-] up to which waves are kept for contacts: beyond it basins
+        are as small as contacts.
+    worth
+        Breadth of the whole map over `breadth` [-] from which on the finest waves are taken out.
+    unresolved_pixels
+        Pixels [-] below which the summits of a wave are uncertain.
+    unresolved_slope
+        Share [-] of the squared slope in such waves from which on they are taken out of any
+        spectrum.
+    fewest_waves
+        Of the shortest waves that are kept, so many fit the side of the map at least. Where few
+        hills carry the load, as on spectra without a roll-off, the law of the waves on each of them
+        is rough.
+    points
+        Grid points per shortest wave that is kept: with four the load is 1 to 2 % lower at 10 to
+        25 % of contact, with eight no more than 0.4 % higher.
+    least_slope
+        Share [-] of the squared slope that the finest waves hold at least, if they are taken out.
+    lay
+        Anisotropy [-] (s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes of a map (0.52 at 2:1,
+        0.83 at 4:1) from which on there is no law.
+    grading
+        Largest |m| [-] for which the law was measured.
+    """
+
+    breadth: float = 14.0
+    worth: float = 1.8
+    unresolved_pixels: float = 3.0
+    unresolved_slope: float = 0.2
+    fewest_waves: float = 50.0
+    points: float = 6.0
+    least_slope: float = 0.03
+    lay: float = 0.2
+    grading: float = 0.5
+
+
+@dataclass(frozen=True)
+class SubContact:
+    """Law of the fine waves within contacts (`SubContactLaw`), fitted on boundary elements without
+    microcontacts: pressures of solutions of the longer waves, Hurst exponents 0.5 to 0.9, one to
+    four octaves.
+
+    Attributes
+    ----------
+    spread
+        Share [-] of the pressure variance of the fine waves in full contact that spreads the
+        pressure of a contact about to open, for few fine waves (0.50 to 0.63 found; Wang and Mueser
+        2017 have 5/9).
+    more_spread
+        What is added to it [-] where the slope of the fine waves is far above the others'.
+    graded_spread
+        c1, c2 [-]: on a graded body the share times 1 - c1 m - c2 m^2 (|m| <= 0.5).
+    lift
+        How far the flat is lifted at no contact, over the first-order value less one [-].
+    lift_power
+        It falls with this power [-] of the share of the area that is not in contact.
+    graded_lift
+        `lift` on a graded body times 1 - c m [-].
+    seen
+        Wave number times contact radius [-] at which half the pressure of the fine waves parts a
+        contact: a longer wave only makes the summit higher or sharper. On seeds 1, 2 and 11 to 14
+        0.9 to 1.5 hardly differ.
+    """
+
+    spread: float = 0.50
+    more_spread: float = 0.13
+    graded_spread: tuple[float, float] = (0.70, 0.55)
+    lift: float = 0.18
+    lift_power: float = 5.0
+    graded_lift: float = 1.2
+    seen: float = 1.0
+
+
+@dataclass(frozen=True)
+class PressedBasins:
+    """Contacts that carry so much of the load that their basins are pressed alone.
+
+    Attributes
+    ----------
+    ridge_share, plateau_share, round_share
+        Share [-] of the load from which on a contact is pressed alone: beyond its expansion on a
+        ridge; of a peak without a summit of its own between the pixels, of which no law holds; of a
+        smooth, round summit, whose law is nearer.
+    ridge
+        Ratio of its curvatures [-] up to which a summit is round.
+    pair_share
+        Share [-] of the load from which on two contacts that join are pressed as one.
+    slack
+        Part of the approach [-] under the pass between them where the basins of both still hang
+        together.
+    """
+
+    ridge_share: float = 0.03
+    plateau_share: float = 0.003
+    round_share: float = 0.1
+    ridge: float = 5.0
+    pair_share: float = 0.2
+    slack: float = 0.1
+
+
+@dataclass(frozen=True)
+class SharpTips:
+    """Tips between two nodes of their rays.
+
+    Attributes
+    ----------
+    ratio
+        Ratio [-] of f/r^2 at a tip and at the first node of its rays from which on the rays do not
+        resolve it: 12 and 4 of r and r^1.5 on 256 points, at most 2.3 on nine measured and random
+        maps.
+    error
+        Error [-] of its force by that from which on a tip is pressed alone as a dominant contact
+        may be.
+    """
+
+    ratio: float = 1.5
+    error: float = 0.05
+
+
+@dataclass(frozen=True)
+class Spots:
+    """Number of separate spots.
+
+    Attributes
+    ----------
+    joined
+        Mean approach over the mean depth [-] of the pass at which two contacts have joined
+        (boundary elements on double wells: 1.7 for two equal summits).
+    sag
+        How much deeper a pass lies than its pixels show, over the rms second difference of heights
+        [-].
+    parted, crowding
+        Spots that fine waves add per wave under the contacts: the factor [-] and the exponent [-]
+        of the area fraction (seeds 1, 2 and 11).
+    """
+
+    joined: float = 1.6
+    sag: float = 0.7
+    parted: float = 0.97
+    crowding: float = 0.15
+
+
+@dataclass(frozen=True)
+class ErrorEstimate:
+    """Weights of the terms of the error estimate: the bound that nine errors in ten keep, by
+    quantile regression on synthetic surfaces (``benchmarks/calibrate_estimate.py``).
+
+    Attributes
+    ----------
+    load_weights, area_weights
+        Weights [-] of `error_estimate.TERMS`, for the load at equal separation and the contact area
+        at equal load.
+    flat_tops, at_border, unsure, unresolved
+        Weights [-] of the terms outside the model, for load and area alike: the largest errors
+        where all contacts are such, of heights cut off at one rms height and of a single wave (0.7
+        to 0.99), of tilted maps and of cups (0.6), of single tips r and r^4 (0.8 to 1.6).
+    pressed
+        Part [-] of the errors on flat tops that is gone where these are pressed alone: of heights
+        cut off at one and two rms heights, cut cones and coarse steps those of load are 0.2 then,
+        those of area 0.5 at the lightest loads (seeds 1, 2 and 11).
+    wide_top
+        Part [-] of the map over which a flat top reaches from which on it is no contact among
+        others: of heights cut off at 0.3 rms heights, whose tops hang together, the load is up to
+        80 % low.
+    resolved_pixels
+        Pixels [-] of a contact from which on the points of the map tell its load: of smaller ones
+        they do not tell how high the summit between them is. Boundary elements on the map and
+        refined twice are 1.4 and 0.5 of the load off at a pixel for each contact (uniform heights,
+        128 x 128, seed 1).
+    fewest_pixels
+        Pixels [-] of the smallest contact that counts as smaller.
+    unsure_error
+        Error [-] of its force that a law expects from which on it tells nothing of a contact.
+    longest_lay
+        Slopes across over those along a lay [-] from which on no errors are estimated: the longest
+        that the estimate was fitted on is 9. Of ground and turned maps and lays of 10:1 and 20:1
+        (seeds 1 and 2) the area came out up to 60 % too small, the load of turned ones to four
+        times too large.
+    """
+
+    load_weights: tuple[float, ...] = (
+        0.0391, 0.0292, 1.1872, 0.1278, 0.5705, 0.0111, 0.0, 0.2729, 0.3301,
+    )  # fmt: skip
+    area_weights: tuple[float, ...] = (
+        0.3272, 0.0846, 1.2033, 0.6293, 0.0, 0.0292, 0.0528, 0.0123, 0.5485,
+    )  # fmt: skip
+    flat_tops: float = 1.0
+    at_border: float = 0.6
+    unsure: float = 1.0
+    unresolved: float = 1.0
+    pressed: float = 0.5
+    wide_top: float = 0.2
+    resolved_pixels: float = 2.0
+    fewest_pixels: float = 0.1
+    unsure_error: float = 0.5
+    longest_lay: float = 10.0
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Where load points are refused.
+
+    Attributes
+    ----------
+    long_area
+        Share [-] of the map in discs on the long axes of the contacts. With lay of 10:1 (shortest
+        wave 8 pixels) the load is 24 to 32 % too high there, at 9 % of contact, with 20:1 half as
+        much again at 5 %; 4:1 reaches 1.8 at 27 %, maps without lay 1 (seeds 1, 2, 11).
+    negligible_shift
+        Shift by the neighbors, relative to the approach [-], below which interaction is left out.
+    """
+
+    long_area: float = 1.9
+    negligible_shift: float = 2e-3
+
+
+@dataclass(frozen=True)
+class Corrections:
+    """Switches of what is added to independent laws and their interaction
+    (``benchmarks/ablation.py`` has a row for each).
+
+    Attributes
+    ----------
+    contact_shift
+        Contacts move aside on the slope of their neighbors' field.
+    elongation
+        Footprints of contacts on long summits are long.
+    pressed_basins
+        Basins that carry much of the load are pressed alone.
+    joined_pairs
+        Two contacts that join while they carry much of the load are pressed as one.
+    sharp_tips
+        Contacts little beyond a tip that their rays do not resolve are no longer trusted.
+    wave_split
+        The finest waves of a broad spectrum act as a law of the contacts.
+    finer_grid
+        Maps whose waves reach the pixel are solved on smaller pixels.
+    coarser_grid
+        Smooth maps are solved on larger pixels.
+    """
+
+    contact_shift: bool = True
+    elongation: bool = True
+    pressed_basins: bool = True
+    joined_pairs: bool = True
+    sharp_tips: bool = True
+    wave_split: bool = True
+    finer_grid: bool = True
+    coarser_grid: bool = True
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """All constants of one run, by what they belong to."""
+
+    segmentation: Segmentation = Segmentation()
+    pixel_waves: PixelWaves = PixelWaves()
+    wave_split: WaveSplit = WaveSplit()
+    sub_contact: SubContact = SubContact()
+    pressed_basins: PressedBasins = PressedBasins()
+    sharp_tips: SharpTips = SharpTips()
+    spots: Spots = Spots()
+    error_estimate: ErrorEstimate = ErrorEstimate()
+    limits: Limits = Limits()
+    corrections: Corrections = Corrections()
+
+
+DEFAULTS = Parameters()
+"""The constants that results are judged with."""

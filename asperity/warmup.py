@@ -1,0 +1,163 @@
+"""Scenes that meet every loop of daily use: each part of the first run compiles its own.
+
+Run as ``python -m asperity.warmup PART ...`` by `asperity.compilation`. A part is run once on a
+tiny scene, which keeps its machine code on disk; it is the same for every body and boundary.
+"""
+
+from __future__ import annotations
+
+import gc
+import sys
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from asperity.compilation import compiling
+from asperity.halfspace.material import HalfSpace
+from surfaces import self_affine
+from surfaces.heightmap import HeightMap
+from surfaces.peaks.profiles import Profiles
+
+if TYPE_CHECKING:
+    from surfaces.peaks.summits import Summits
+
+__all__ = ["PARTS", "small_map"]
+
+SHAPE = (160, 192)
+"""Large enough to meet every kernel of both models."""
+
+BODY = HalfSpace.from_modulus(1.0)
+
+SPHERES, NODES = 400, 9
+"""Spheres that touch, and nodes of their laws."""
+
+
+def small_map() -> HeightMap:
+    """A map on which both models meet all their kernels."""
+    return self_affine(SHAPE, (1.0, 1.0), hurst=0.8, rms_slope=0.1, seed=0)
+
+
+def _summits() -> None:
+    """Peaks and summits of a map, the rays of a few, and the plan of its scales."""
+    from asperity.contacts._spot_kernels import spots
+    from asperity.model.plan import make_plan
+    from surfaces.peaks.segmentation import segment
+    from surfaces.peaks.summits import locate_summits
+
+    hm = small_map()
+    for periodic in True, False:
+        make_plan(hm.replace(periodic=periodic), BODY)
+    peaks = segment(hm)
+    two = np.arange(2)
+    summits = locate_summits(hm, peaks)
+    summits.rows(two)
+    column = np.zeros(len(peaks))
+    spots(peaks.neighbors, peaks.passes, column, column)
+
+
+def _contacts() -> None:
+    """Spheres that touch a flat together: few on a small mesh, and many; also at separations."""
+    from asperity.interaction.population import Population
+    from asperity.microcontact.law_table import LawTable
+
+    y, x, height = np.random.default_rng(0).uniform(0.0, 1.0, (3, SPHERES))
+    u = np.tile(np.linspace(0.0, 1.0, NODES), (SPHERES, 1))
+    table = LawTable(
+        reach=np.full(SPHERES, 0.01),
+        force=4 / 3 * (0.1 * u) ** 3,
+        stiffness=0.2 * u,
+        area=np.pi * (0.1 * u) ** 2,
+        flags=np.zeros(u.shape, np.uint8),
+        spread=np.zeros(u.shape),
+        centre=np.zeros((*u.shape, 2)),
+    )
+    population = Population(
+        x=x,
+        y=y,
+        height=0.01 * height,
+        table=table,
+        cell=(1.0, 1.0),
+        boundary="periodic",
+        material=BODY,
+    )
+    state = None
+    for pressure in 1e-5, 2e-5, 1e-3, 2e-3:
+        state = population.solve(mean_pressure=pressure, state=state)
+    for separation in 7e-3, 6e-3, 5e-3:
+        state = population.solve(separation=separation, state=state)
+
+
+def _laws() -> None:
+    """Law tables of paraboloids, by every law that "auto" can take."""
+    from asperity.microcontact.laws import tabulate
+
+    rays, nodes, count = 16, 17, 2
+    turn = 2 * np.pi * np.arange(rays) / rays
+    profiles = Profiles(
+        x=np.zeros(count),
+        y=np.zeros(count),
+        height=np.ones(count),
+        curvature=np.ones((count, 2)),
+        angle=np.zeros(count),
+        phi=np.tile(turn, (count, 1)),
+        weight=np.full((count, rays), 2 * np.pi / rays),
+        edge=np.ones((count, rays)),
+        t=np.linspace(0.0, 1.0, nodes),
+        q=np.full((count, rays, nodes), 0.5),
+        pixels=np.full(count, 100),
+        border=np.zeros(count, bool),
+        valid=np.ones(count, bool),
+        owner=np.arange(count),
+    )
+    for law in ("ellipse", "ritz"):
+        table = tabulate(profiles, BODY, law=law)
+        table.evaluate(np.arange(count), table.reach)
+
+
+def _basins() -> None:
+    """A basin pressed alone, at no approach, of a map that was not segmented."""
+    from asperity.microcontact.basin_bem.press import press
+
+    one = np.zeros(1, np.int64)
+    peaks = SimpleNamespace(labels=np.zeros((4, 4), np.int32), row=one, col=one)
+    summits = SimpleNamespace(
+        hm=HeightMap(np.eye(4), (1.0, 1.0)),
+        peaks=peaks,
+        owner=one,
+        spline=np.zeros((4, 4)),
+        places=np.zeros((1, 2)),
+        height=np.ones(1),
+        angle=np.zeros(1),
+        curvature=np.ones((1, 2)),
+        floor=np.zeros(1),
+    )
+    press(cast("Summits", summits), one, np.zeros((1, 1)), BODY)
+
+
+def _bem() -> None:
+    """Boundary elements at two loads."""
+    from asperity.bem.curve import bem_curve
+    from asperity.halfspace.load_points import default_pressures
+
+    hm = small_map()
+    bem_curve(hm, BODY, pressures=default_pressures(hm, BODY, count=2), tolerance=1e-2)
+
+
+PARTS = {
+    "contacts": _contacts,
+    "laws": _laws,
+    "summits": _summits,
+    "basins": _basins,
+    "bem": _bem,
+}
+"""Each part with its scene."""
+
+
+if __name__ == "__main__":
+    # the compiler's objects are many and stay: looking through them for cycles again and again
+    # takes a tenth of its time
+    gc.disable()
+    for part in sys.argv[1:]:
+        with compiling(part):
+            PARTS[part]()

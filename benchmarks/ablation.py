@@ -1,0 +1,493 @@
+"""What each correction of the microcontact model is worth: errors and time with and without it.
+
+    python benchmarks/ablation.py --references folder --maps measured --out ablation.csv
+    python benchmarks/ablation.py --table ablation.csv
+
+Judged maps alone (no constant was fitted on them): the families of accuracy.py, drawn.py, maps that
+resemble measured ones, maps cut off flat, long lay and worn plateaus to the pixel, and measured
+maps. The reference is boundary elements on the map refined twice (cut-off maps: on their own grid),
+tolerance 1e-4, at seven loads; loads from 0.05 to 8.5 % of contact count. Load errors are taken at
+equal separation, area errors at equal load.
+
+A correction is switched off at one place (`CORRECTIONS`), most by `asperity.parameters`. A family
+is one kind of map; families of one group are related. `decisive` groups are those in which the
+worst error of some family rises by half a percent of load or area without the correction, `harmed`
+those in which it falls by so much.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import inspect
+import time
+import types
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NamedTuple
+from unittest.mock import patch
+
+import numpy as np
+from accuracy import RECIPES, TO_THE_PIXEL, measured_like, surface
+from drawn import FAMILIES, drawn
+from numba import njit
+from numpy.typing import NDArray
+
+import asperity
+import surfaces
+from asperity.curve import solve_contacts
+from asperity.halfspace.load_points import pressure_scale
+from asperity.parameters import DEFAULTS, Corrections, Parameters, PressedBasins
+from asperity.results.storage import write_csv
+
+LOADS = np.geomspace(5e-4, 4.5e-2, 7)
+LIGHTEST, HEAVIEST = 5e-4, 8.5e-2
+TOLERANCE = 1e-4
+MATTERS = 0.005
+
+Array = NDArray[np.float64]
+
+
+class Scene(NamedTuple):
+    """One map, what it belongs to, and its body."""
+
+    group: str
+    family: str
+    seed: int
+    hm: surfaces.HeightMap
+    m: float = 0.0
+    boundary: str | None = None
+    refined: bool = True
+
+
+class Correction(NamedTuple):
+    """How a correction is switched off, and the objects whose lines are its own.
+
+    By its switch or several of them (`asperity.parameters.Corrections`), by other constants, or
+    from outside.
+    """
+
+    off: str | tuple[str, ...] | PressedBasins | Callable[[ExitStack], object]
+    objects: tuple[str, ...]
+
+
+def replaced(name: str, value: Any) -> Callable[[ExitStack], object]:
+    """Switch that puts another value in the place of a dotted name."""
+    return lambda stack: stack.enter_context(patch(name, value))
+
+
+def found(name: str) -> Any:
+    """Object of a dotted name."""
+    parts = name.split(".")
+    for count in range(len(parts), 0, -1):
+        try:
+            thing = import_module(".".join(parts[:count]))
+        except ModuleNotFoundError:
+            continue
+        for part in parts[count:]:
+            thing = inspect.getattr_static(thing, part)
+            thing = getattr(thing, "fget", None) or getattr(thing, "func", None) or thing
+        return thing
+    raise ModuleNotFoundError(name)
+
+
+def lines_of(objects: tuple[str, ...]) -> int:
+    """Lines of modules, classes and functions."""
+    total = 0
+    for name in objects:
+        thing = found(name)
+        thing = getattr(thing, "py_func", thing)
+        total += len(inspect.getsource(thing).splitlines())
+    return total
+
+
+def _no_shift(_: Any, law: Any, approach: Array, *__: Any) -> tuple[Array, Array, Array]:
+    """`deflection` of contacts that stay where they are."""
+    return np.zeros(len(approach)), np.zeros((len(approach), 2)), np.zeros((len(approach), 2))
+
+
+def _no_powers(stack: ExitStack) -> None:
+    """Every tip is a paraboloid in the kernels that know other powers."""
+    for name in (
+        "interaction.newton._law_kernels.tabulate",
+        "microcontact.table_kernels.evaluate_table",
+    ):
+        kernel = found(f"asperity.{name}").py_func
+        known = kernel.__globals__ | {"BLUNT": np.inf}
+        plain = types.FunctionType(kernel.__code__, known, kernel.__name__)
+        stack.enter_context(patch(f"asperity.{name}", njit(error_model="numpy")(plain)))
+    stack.enter_context(patch(f"{PRESS}.press.BLUNT", np.inf))
+
+
+NEWTON = "asperity.interaction.newton"
+PRESS = "asperity.microcontact.basin_bem"
+POPULATION = "asperity.interaction.contact_system.ContactSystem"
+CANDIDATES = "asperity.interaction.candidates.CandidateList"
+SPLIT = "asperity.multiscale.wave_split"
+PIXEL = "asperity.multiscale.pixel_waves"
+LAWS = "asperity.model.corrections"
+
+CORRECTIONS = {
+    "contact shift": Correction(
+        replaced(f"{NEWTON}.problem.deflection", _no_shift),
+        (
+            f"{NEWTON}.contact_shift.deflection",
+            f"{NEWTON}.state_kernels.deflect",
+            f"{NEWTON}.problem.State.lag",
+            f"{NEWTON}.state_kernels.lag",
+        ),
+    ),
+    "centers of contacts": Correction(
+        replaced(f"{POPULATION}.has_centres", False),
+        (f"{CANDIDATES}.recentred", f"{CANDIDATES}._strayed", f"{POPULATION}.has_centres"),
+    ),
+    "widening": Correction(
+        replaced(f"{NEWTON}.contact_shift.WIDER", 0.0),
+        (f"{NEWTON}.contact_shift.widened", f"{NEWTON}.state_kernels.widen"),
+    ),
+    "elongated footprints": Correction(
+        "elongation",
+        ("asperity.interaction.elongation",),
+    ),
+    "basins pressed alone": Correction(
+        ("pressed_basins", "joined_pairs"),
+        (
+            "asperity.model.load_shares",
+            f"{LAWS}.pressed_basins",
+            f"{LAWS}.joined_pairs",
+            f"{PRESS}.press",
+            f"{PRESS}._element_kernels",
+            f"{PRESS}._closing_kernels",
+        ),
+    ),
+    "pairs pressed as one": Correction(
+        "joined_pairs",
+        (
+            f"{LAWS}.joined_pairs",
+            f"{PRESS}.press._second",
+            "surfaces.peaks.summits.Summits.joined",
+        ),
+    ),
+    "flat tops pressed": Correction(
+        PressedBasins(plateau_share=10.0), ("asperity.model.load_shares._weight",)
+    ),
+    "guard of the ellipse law": Correction(
+        replaced("asperity.microcontact.auto.GROSS", np.inf),
+        (
+            "asperity.microcontact.auto.tabulate",
+            "asperity.microcontact.auto._without_pull",
+            "asperity.microcontact.auto._worst_ratio",
+            "asperity.microcontact.auto._replace",
+            "asperity.microcontact.ritz.batch",
+            "asperity.microcontact.ritz._ray_kernels",
+        ),
+    ),
+    "sharp tips told": Correction("sharp_tips", (f"{LAWS}.sharp_tips",)),
+    "tips of other powers": Correction(
+        _no_powers, ("asperity.microcontact.table_kernels.tip_power",)
+    ),
+    "split of the waves": Correction(
+        "wave_split",
+        (
+            SPLIT,
+            "asperity.multiscale.surface_point",
+            "asperity.multiscale.sub_contact_law",
+            "asperity.multiscale.spectrum_shells",
+            "asperity.multiscale._spectrum_kernels",
+        ),
+    ),
+    "half the pixel": Correction("finer_grid", (f"{PIXEL}.refined_map",)),
+    "fewer points": Correction("coarser_grid", ("surfaces.preparation.coarsening",)),
+}
+"""The corrections by name."""
+
+
+@contextmanager
+def without(name: str) -> Iterator[Parameters]:
+    """The model without a correction; as it is for an empty name."""
+    with ExitStack() as stack:
+        off = CORRECTIONS[name].off if name else ()
+        if isinstance(off, PressedBasins):
+            yield replace(DEFAULTS, pressed_basins=off)
+        elif callable(off):
+            off(stack)
+            yield DEFAULTS
+        else:
+            names = (off,) if isinstance(off, str) else off
+            yield replace(DEFAULTS, corrections=Corrections(**dict.fromkeys(names, False)))
+
+
+def group_of(family: str) -> str:
+    """Group of a family of accuracy.py or drawn.py: those of one group are related."""
+    if family.startswith("isotropic H 0.8 cut-off 32"):
+        return "few hills"
+    for group, names in {
+        "graded": ("graded",),
+        "worn": ("plateau",),
+        "lay": ("anisotropic", "an1.5", "an2", "an3", "an4", "an6", "ground", "lay"),
+        "to the pixel": ("to the pixel", "cut-off 3 px", "iso2:", "iso3:", "expo:"),
+        "few hills": ("few summits", "bumps", "caps", "iso24", "iso32"),
+        "regular": ("lattice", "hexlat", "spheres", "weier", "bands"),
+        "disturbed": ("noise", "spikes", "steps", "heighttail"),
+        "free border": ("free",),
+        "isotropic": ("iso", "gauss", "expocut"),
+    }.items():
+        if family.startswith(names):
+            if group == "to the pixel" and "lay" in family:
+                return "lay to the pixel"
+            return "graded" if "graded" in family else group
+    raise KeyError(family)
+
+
+def special(seed: int) -> Iterator[Scene]:
+    """Maps for corrections that no other family needs: flat tops, long lay, worn to the pixel."""
+    base = surface(256, seed, RECIPES["isotropic H 0.8 cut-off 8 px"])
+    for level in (1.0, 2.0):
+        heights = np.minimum(base.heights, base.heights.mean() + level * base.rms_height)
+        hm = surfaces.HeightMap(heights, base.spacing, periodic=True)
+        yield Scene("cut off flat", f"cut off at {level:g} rms", seed, hm, refined=False)
+    shape, size = (512, 512), (512.0, 512.0)
+    for ratio in (6.0, 8.0):
+        recipe = {"hurst": 0.8, "rms_slope": 0.1, "rolloff": 64.0, "anisotropy": ratio}
+        hm = surfaces.self_affine(shape, size, cutoff=None, seed=seed, **recipe)
+        yield Scene("lay to the pixel", f"to the pixel, lay {ratio:g}:1", seed, hm)
+    hm = surfaces.plateau_honed(shape, size, rms_slope=0.1, cutoff=2.0, seed=seed)
+    yield Scene("worn", "plateau-honed to the pixel", seed, hm)
+    heights = surface(512, seed, TO_THE_PIXEL["to the pixel H 0.8"]).heights
+    hm = surfaces.prepare(surfaces.HeightMap(heights, (1.0, 1.0)), periodic="taper")
+    yield Scene("fading border", "to the pixel, fading border", seed, hm)
+
+
+def hills(seed: int) -> Iterator[Scene]:
+    """Single tips, and wide hills with fine waves on top."""
+    points, steps = 192, np.arange(192.0)
+    r = np.hypot(steps[:, None] - points / 2, 1.1 * (steps - points / 2 + 0.1 * (seed % 5)))
+    for power in (1.0, 1.5, 3.0):
+        heights = -0.1 * points / 2 * (2.0 * r / points) ** power
+        hm = surfaces.HeightMap(heights, (1.0, 1.1))
+        yield Scene("single tip", f"tip r^{power:g}", seed, hm, boundary="free")
+    waves = surfaces.self_affine(
+        (points, points),
+        (192.0, 192.0),
+        hurst=0.8,
+        rms_slope=0.1,
+        rolloff=16.0,
+        cutoff=5.0,
+        seed=seed,
+    )
+    angle = 2.0 * np.pi * steps / points
+    lattice = np.cos(2.0 * angle)[:, None] + np.cos(2.0 * angle)
+    shapes = {
+        "rough sphere": -(r**2) / (2.0 * 600.0),
+        "rough lattice of hills": 4.0 * waves.rms_height * lattice,
+    }
+    for name, shape in shapes.items():
+        hm = surfaces.HeightMap(shape + waves.heights, (1.0, 1.0), periodic="lattice" in name)
+        boundary = None if hm.periodic else "free"
+        yield Scene(name, name, seed, hm, boundary=boundary)
+
+
+def large(seed: int) -> Iterator[Scene]:
+    """Larger maps, on which more spectra are split."""
+    shape, size = (1024, 1024), (1024.0, 1024.0)
+    hm = surfaces.plateau_honed(shape, size, rms_slope=0.1, cutoff=2.0, seed=seed)
+    yield Scene("worn", "plateau-honed to the pixel, large", seed, hm)
+    for ratio in (4.0, 8.0):
+        recipe = {"hurst": 0.8, "rms_slope": 0.1, "rolloff": 128.0, "anisotropy": ratio}
+        hm = surfaces.self_affine(shape, size, cutoff=None, seed=seed, **recipe)
+        yield Scene("lay to the pixel", f"to the pixel, lay {ratio:g}:1, large", seed, hm)
+    hm = surface(1024, seed, RECIPES["isotropic H 0.8 cut-off 32 px"])
+    yield Scene("few hills", "isotropic H 0.8 cut-off 32 px, large", seed, hm)
+
+
+def scenes(maps: Path | None) -> Iterator[Scene]:
+    """All judged maps."""
+    for points, seeds in ((256, (61, 62)), (512, (31,))):
+        for seed in seeds:
+            for name, recipe in (RECIPES | TO_THE_PIXEL).items():
+                hm = surface(points, seed, recipe)
+                yield Scene(group_of(name), name, seed, hm, recipe.get("m", 0.0))
+    for seed in (61, 62):
+        for name, hm in measured_like(256, seed).items():
+            group = "lay" if name.startswith("lay") else group_of(name)
+            yield Scene(group, f"{name} (like measured)", seed, hm)
+        yield from special(seed)
+        yield from hills(seed)
+    yield from large(31)
+    for seed in (101, 102):
+        for name in FAMILIES:
+            hm, m, boundary = drawn(name, seed)
+            yield Scene(group_of(name), f"drawn {name}", seed, hm, m, boundary)
+    for path in sorted(maps.glob("*.h5")) if maps else ():
+        hm = surfaces.prepare(surfaces.read(path), fill="harmonic", periodic="taper")
+        yield Scene("measured", path.stem, 0, hm)
+
+
+def reference(scene: Scene, kept: Path | None) -> asperity.ContactCurve:
+    """Boundary elements; kept and read back."""
+    grid = scene.hm
+    if scene.refined:
+        grid = surfaces.resample(grid, np.asarray(grid.spacing) / 2)
+    path = kept and kept / f"{grid.digest}_{scene.m:g}.h5"
+    if path and path.exists():
+        return asperity.ContactCurve.from_hdf5(path)
+    body = asperity.HalfSpace.from_modulus(1.0, m=scene.m)
+    pressures = LOADS * pressure_scale(scene.hm, body)
+    solved = {"pressures": pressures, "tolerance": TOLERANCE, "boundary": scene.boundary}
+    curve = asperity.bem_curve(grid, body, **solved)
+    if path:
+        curve.to_hdf5(path)
+    return curve
+
+
+def errors(
+    scene: Scene, exact: asperity.ContactCurve, parameters: Parameters = DEFAULTS
+) -> tuple[Array, Array, float]:
+    """Errors of load at equal separation and area at equal load, NaN where a point does not come
+    out, and seconds of the processor for the second."""
+    body = asperity.HalfSpace.from_modulus(1.0, m=scene.m)
+    chosen = {"boundary": scene.boundary, "parameters": parameters}
+    hm = surfaces.HeightMap(scene.hm.heights, scene.hm.spacing, periodic=scene.hm.periodic)
+    plan = asperity.make_plan(hm, body, separations=exact.separation, **chosen)
+    same = solve_contacts(hm, body, plan, separations=exact.separation).curve
+    hm = surfaces.HeightMap(scene.hm.heights, scene.hm.spacing, periodic=scene.hm.periodic)
+    start = time.process_time()
+    plan = asperity.make_plan(hm, body, pressures=exact.mean_pressure, **chosen)
+    model = solve_contacts(hm, body, plan, pressures=exact.mean_pressure).curve
+    seconds = time.process_time() - start
+    load = np.where(same.converged, same.mean_pressure / exact.mean_pressure - 1.0, np.nan)
+    area = np.where(model.converged, model.contact_area / exact.contact_area - 1.0, np.nan)
+    counted = (exact.area_fraction >= LIGHTEST) & (exact.area_fraction <= HEAVIEST)
+    return load[counted], area[counted], seconds
+
+
+Found = dict[tuple[str, str], list[tuple[Array, Array, float]]]
+
+
+def measure(args: argparse.Namespace) -> list[dict[str, Any]]:
+    """Rows of the table: each correction on each family."""
+    groups: dict[str, str] = {}
+    found_: Found = {}
+    names = [n for n in CORRECTIONS if not args.only or any(part in n for part in args.only)]
+    warm = True
+    for scene in scenes(args.maps):
+        if args.families and not any(part in scene.family for part in args.families):
+            continue
+        exact = reference(scene, args.references)
+        groups[scene.family] = scene.group
+        for name in ("", *names):
+            with without(name) as parameters:
+                if warm:
+                    errors(scene, exact, parameters)
+                result = errors(scene, exact, parameters)
+            found_.setdefault((name, scene.family), []).append(result)
+        warm = False
+        load, area, seconds = found_["", scene.family][-1]
+        print(
+            f"{scene.group:16s} {scene.family:40s} {scene.seed:4d}  {seconds:.3f} s  load "
+            f"{100 * worst(load):.2f} area {100 * worst(area):.2f} %",
+            flush=True,
+        )
+    return [
+        row(name, family, group, found_[name, family], found_["", family])
+        for name in names
+        for family, group in groups.items()
+    ]
+
+
+def worst(values: Array) -> float:
+    """Largest error; 0 of none."""
+    return float(np.nanmax(np.abs(values))) if np.isfinite(values).any() else 0.0
+
+
+def row(name: str, family: str, group: str, off: list[Any], on: list[Any]) -> dict[str, Any]:
+    """One row of the table: a correction on a family."""
+    made: dict[str, Any] = {"correction": name, "lines": lines_of(CORRECTIONS[name].objects)}
+    made |= {"group": group, "family": family}
+    for column, kind in enumerate(("load", "area")):
+        for label, runs in (("with", on), ("without", off)):
+            values = np.concatenate([run[column] for run in runs])
+            median = float(np.nanmedian(np.abs(values))) if np.isfinite(values).any() else 0.0
+            made[f"{kind}_median_{label}"] = round(median, 5)
+            made[f"{kind}_worst_{label}"] = round(worst(values), 5)
+            made[f"{kind}_refused_{label}"] = int(np.count_nonzero(np.isnan(values)))
+    for label, runs in (("with", on), ("without", off)):
+        made[f"seconds_{label}"] = round(sum(run[2] for run in runs), 4)
+    made["points"] = int(sum(run[0].size for run in off))
+    return made
+
+
+def summary(rows: list[dict[str, Any]]) -> str:
+    """The table in Markdown: one line per correction."""
+    lines = [
+        "| correction | lines | decisive in | harmful in | median load, area: with → without, % | "
+        "refused | time |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for name in dict.fromkeys(row["correction"] for row in rows):
+        own = [row for row in rows if row["correction"] == name]
+        gains: dict[str, tuple[float, str]] = {}
+        losses: dict[str, tuple[float, str]] = {}
+        for one in own:
+            for kind in ("load", "area"):
+                gain = float(one[f"{kind}_worst_without"]) - float(one[f"{kind}_worst_with"])
+                into = gains if gain > 0 else losses
+                if abs(gain) >= MATTERS and abs(gain) > into.get(one["group"], (0.0, ""))[0]:
+                    change = (
+                        f"{kind} {100 * float(one[f'{kind}_worst_with']):.1f} → "
+                        f"{100 * float(one[f'{kind}_worst_without']):.1f} ({one['family']})"
+                    )
+                    into[one["group"]] = abs(gain), change
+        told = [_told(changes) for changes in (gains, losses)]
+        medians = ", ".join(
+            " → ".join(
+                f"{100 * np.mean([float(o[f'{kind}_median_{way}']) for o in own]):.2f}"
+                for way in ("with", "without")
+            )
+            for kind in ("load", "area")
+        )
+        lost = [
+            sum(int(o[f"{kind}_refused_{way}"]) for o in own for kind in ("load", "area"))
+            for way in ("with", "without")
+        ]
+        spent = [sum(float(o[f"seconds_{way}"]) for o in own) for way in ("with", "without")]
+        lines.append(
+            f"| {name} | {own[0]['lines']} | {told[0] or '-'} | {told[1] or '-'} | {medians} | "
+            f"{lost[0]} → {lost[1]} | {100 * (spent[0] / spent[1] - 1):+.0f} % |"
+        )
+    return "\n".join(lines)
+
+
+def _told(changes: dict[str, tuple[float, str]]) -> str:
+    """Groups and changes, the largest first."""
+    largest = sorted(changes.items(), key=lambda item: -item[1][0])
+    return "; ".join(f"**{group}** {text}" for group, (_, text) in largest)
+
+
+def main() -> None:
+    """Measure, write and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--references", type=Path, help="folder that keeps the reference curves")
+    parser.add_argument("--maps", type=Path, help="folder of measured maps")
+    parser.add_argument("--only", nargs="*", default=[], help="parts of names of corrections")
+    parser.add_argument("--families", nargs="*", default=[], help="parts of family names")
+    parser.add_argument("--out", type=Path, help="CSV that takes the rows")
+    parser.add_argument("--table", type=Path, help="CSV to print as a table; nothing is measured")
+    args = parser.parse_args()
+    if args.table:
+        with args.table.open() as file:
+            print(summary(list(csv.DictReader(file))))
+        return
+    if args.references:
+        args.references.mkdir(parents=True, exist_ok=True)
+    rows = measure(args)
+    if args.out:
+        write_csv(args.out, {name: [row[name] for row in rows] for name in rows[0]})
+    print(summary(rows))
+
+
+if __name__ == "__main__":
+    main()

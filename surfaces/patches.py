@@ -1,0 +1,67 @@
+"""Connected patches of a mask over the pixels of a map."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["label_patches"]
+
+_NO_PAIRS = np.zeros((0, 2), np.int32)
+
+
+def label_patches(mask: NDArray[np.bool_], *, periodic: bool) -> tuple[NDArray[np.int32], int]:
+    """Label the connected patches of a mask (edge neighbors), joined across the seam if periodic.
+
+    Parameters
+    ----------
+    mask
+        Pixels that belong to a patch, shape (ny, nx).
+    periodic
+        Whether the map continues across its border as if repeated.
+
+    Returns
+    -------
+    labels
+        1..n on the patches, 0 outside, shape (ny, nx).
+    count
+        Number of patches n.
+    """
+    labels, count = _components(mask)
+    pairs = _seam_pairs(labels) if periodic and count > 1 else _NO_PAIRS
+    if not len(pairs):
+        return labels, count - 1
+    target = _merged(pairs, count)
+    return target[labels], int(target.max())
+
+
+def _components(mask: NDArray[np.bool_]) -> tuple[NDArray[np.int32], int]:
+    """Labels of the map without its continuation, and their number with the background."""
+    import cv2
+
+    count, labels = cv2.connectedComponents(
+        np.ascontiguousarray(mask).view(np.uint8), connectivity=4, ltype=cv2.CV_32S
+    )
+    return np.asarray(labels, np.int32), count
+
+
+def _seam_pairs(labels: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Pairs of labels that meet across the seam, shape (k, 2)."""
+    pairs = []
+    for first, last in ((labels[0], labels[-1]), (labels[:, 0], labels[:, -1])):
+        both = (first > 0) & (last > 0)
+        pairs.append(np.stack([first[both], last[both]], axis=1))
+    return np.unique(np.concatenate(pairs), axis=0)
+
+
+def _merged(pairs: NDArray[np.int32], count: int) -> NDArray[np.int32]:
+    """New label of each old one when the labels of each pair are made equal."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])), (count, count))
+    _, group = connected_components(graph, directed=False)
+    first = np.full(group.max() + 1, -1)
+    first[group[::-1]] = np.arange(count)[::-1]
+    order = np.argsort(np.argsort(first))
+    return np.asarray(order[group], np.int32)

@@ -1,0 +1,42 @@
+"""`asperity.indent_bem`: load control, thin corners, and what is refused."""
+
+from __future__ import annotations
+
+import pytest
+
+from asperity import HalfSpace, InputError, indent_bem
+from surfaces import PowerLawProfile, shapes
+
+
+def test_a_load_is_found_by_its_approach():
+    material, body = HalfSpace.from_modulus(1.0, 0.2), shapes.rounded_polygon(4, 2.0)
+    by_approach = indent_bem(body, material, 0.3, grid=64)
+    by_load = indent_bem(body, material, load=float(by_approach.force), grid=64)
+    assert by_load.valid and by_load.approach == pytest.approx(0.3, rel=1e-3)
+
+
+def test_thin_corners_are_not_cut_off():
+    """Corners that the coarse grid does not see: the fine grid is widened until it holds them."""
+    body, material = shapes.random_polygon(1.0, sides=5, seed=11), HalfSpace.from_modulus(1.0)
+    found = indent_bem(body, material, 1.0, grid=96)
+    contact = found.solutions[-1].contact
+    assert found.valid
+    assert not contact[[0, -1]].any() and not contact[:, [0, -1]].any()
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda m: indent_bem("cone", m, 1.0), "profile must be a gap"),
+        (
+            lambda m: indent_bem(PowerLawProfile(2, 1.0), 1e9, 1.0),
+            "must be a half-space, got float",
+        ),
+        (lambda m: indent_bem(PowerLawProfile(2, 1.0), m, "deep"), "positive number or several"),
+        (lambda m: indent_bem(PowerLawProfile(1, -1.0), m, 1.0), "does not rise to the approach"),
+        (lambda m: indent_bem(PowerLawProfile(1, 0.0), m, 1.0), "does not rise to the approach"),
+    ],
+)
+def test_what_is_no_contact_is_refused_in_one_sentence(call, words):
+    with pytest.raises(InputError, match=words):
+        call(HalfSpace.from_modulus(1.0))
