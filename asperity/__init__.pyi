@@ -6,8 +6,8 @@ from .bem.solution import BemSolution as BemSolution
 from .bem.solve import bem_solve as bem_solve
 from .comparison.result import Comparison as Comparison
 from .comparison.run import compare as compare
+from .contacts.run import ContactRun as ContactRun
 from .contacts.sizes import size_distribution as size_distribution
-from .curve import ContactRun as ContactRun
 from .curve import contact_curve as contact_curve
 from .curve import solve_contacts as solve_contacts
 from .errors import AsperityError as AsperityError

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-import operator
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.compilation import CURVE, compile_ahead
-from asperity.contacts.fields import contact_map, pressure_map
+from asperity.contacts.run import ContactRun
 from asperity.contacts.spot_count import spot_count
-from asperity.contacts.spots import spot_table
-from asperity.contacts.table import microcontacts
 from asperity.halfspace.load_points import checked_loads
 from asperity.model.decomposition import Decomposition
 from asperity.model.load_point import LoadPoint, load_point, point_at_separation
 from asperity.model.plan import Plan, interaction_needed, make_plan
-from asperity.model.refinement import Refinement
 from asperity.results.curve import ContactCurve
 from asperity.results.stiffness import curve_stiffness
 from asperity.trust.error_estimate import (
@@ -28,81 +23,28 @@ from asperity.trust.error_estimate import (
     TERMS,
     estimate,
     nonrandomness,
-    point_terms,
+    terms,
 )
-from asperity.trust.outside_model import OUTSIDE_MODEL
+from asperity.trust.outside_model import OUTSIDE_MODEL, outside_model_terms
 from surfaces.heightmap import HeightMap
 
-from .errors import ConvergenceError, InputError
+from .errors import InputError
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from asperity.interaction.population import PopulationState
 
-__all__ = ["ContactRun", "contact_curve", "solve_contacts"]
+__all__ = ["contact_curve", "solve_contacts"]
 
 TOLERANCE = 5e-2
 """Bound on the residual under a load before its last Newton step, whose effect on load and area is
 a tenth of it or less (docs/development/interaction.md)."""
 
 CLOSE = 4e-3
-"""The same at a separation, where no step follows."""
+"""Bound on the residual at a separation, where no step follows."""
 
-
-@dataclass(frozen=True, eq=False)
-class ContactRun:
-    """A contact curve with the decomposition and load points behind it.
-
-    Attributes
-    ----------
-    curve
-        The contact curve.
-    decomposition
-        The decomposed surface.
-    points
-        The load points with the state of all microcontacts, in the order of the curve.
-
-    Raises
-    ------
-    ConvergenceError
-        If a table or a map is asked for at a load point that did not converge.
-    """
-
-    curve: ContactCurve
-    decomposition: Decomposition
-    points: tuple[LoadPoint, ...]
-
-    def microcontacts(self, point: int = -1) -> NDArray[np.void]:
-        """Table of the contacts that carry load at a load point, see `contacts.table`."""
-        return microcontacts(self.decomposition, self._point(point))
-
-    def spots(self, point: int = -1) -> NDArray[np.void]:
-        """Table of the separate spots at a load point, see `contacts.spots`."""
-        return spot_table(self.decomposition, self._point(point))
-
-    def contact_map(self, point: int = -1) -> NDArray[np.bool_]:
-        """Pixels in contact at a load point, shape (ny, nx)."""
-        return contact_map(self.decomposition, self._point(point))
-
-    def pressure_map(self, point: int = -1) -> NDArray[np.float64]:
-        """Pressure [Pa] of every pixel at a load point, shape (ny, nx)."""
-        return pressure_map(self.decomposition, self._point(point))
-
-    def __str__(self) -> str:
-        return f"{self.curve}\nsummits         {len(self.decomposition.summits)}"
-
-    __repr__ = __str__
-
-    def _point(self, point: int) -> LoadPoint:
-        try:
-            found = self.points[operator.index(point)]
-        except (IndexError, TypeError):
-            raise InputError(
-                f"point is {point!r}; the load points are numbered 0 to {len(self.points) - 1}"
-            ) from None
-        if not found.converged:
-            raise ConvergenceError(f"load point {point} cannot be used: {found.reason}")
-        return found
+TINY_LOAD = 0.2
+"""Term of contacts smaller than a pixel from which on a load point is warned of."""
 
 
 def contact_curve(
@@ -170,6 +112,17 @@ def contact_curve(
     Each local peak is confined to its basin and carries the load of its contact law at the approach
     d_i = z_i - s - sum_j G_ij F_j (docs/development/laws.md, docs/development/interaction.md);
     contacts that touch remain separate and interact.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> curve = asperity.contact_curve(hm, steel, pressures=[1e8, 1e9])
+    >>> bool(curve.converged.all()), bool(curve.separation[0] > curve.separation[1])
+    (True, True)
     """
     compile_ahead(*CURVE)
     if plan is None:
@@ -210,6 +163,17 @@ def solve_contacts(
 
     The points are solved from light to heavy, so that each starts from the last. Where a contact
     comes near the height below which nothing was segmented, all are solved again on the whole map.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> run = asperity.solve_contacts(hm, steel, pressures=[1e9])
+    >>> f"{run.microcontacts()['force'].sum() / run.curve.load[0]:.6f}"
+    '1.000000'
     """
     compile_ahead(*CURVE)
     if plan is None:
@@ -223,10 +187,9 @@ def solve_contacts(
         not plan.interaction and interaction_needed(hm, material, kind, values, plan.parameters)[0]
     )
     decomposition = Decomposition.of(hm, material, plan)
-    refinement = Refinement(hm, material, plan)
     rows: dict[int, _Row] = {}
     while True:
-        for i, row in _sweep(decomposition, refinement, kind, values, comparing):
+        for i, row in _sweep(decomposition, kind, values, comparing):
             rows[i] = row
             if progress is not None:
                 progress(row.point.state)
@@ -265,7 +228,6 @@ class _Row(NamedTuple):
 
 def _sweep(
     decomposition: Decomposition,
-    refinement: Refinement,
     kind: str,
     values: NDArray[np.float64],
     comparing: bool,
@@ -282,7 +244,7 @@ def _sweep(
     for i in np.argsort(values if by_load else -values, kind="stable").tolist():
         last, value = point, float(values[i])
         if decomposition.plan.sub_contact_law is not None and not by_load:
-            point = point_at_separation(decomposition, refinement, value, last, bound)
+            point = point_at_separation(decomposition, value, last, bound)
         else:
             state = decomposition.population.solve(
                 separation=None if by_load else value,
@@ -291,8 +253,7 @@ def _sweep(
                 tolerance=bound,
                 heaviest=heaviest,
             )
-            refined = refinement.solve(state, None if last is None else last.refined)
-            point = load_point(decomposition, state, refined)
+            point = load_point(decomposition, state)
         if not decomposition.deep_enough(point.state):
             return
         if comparing:
@@ -300,15 +261,9 @@ def _sweep(
                 separation=point.state.separation, state=interacting, tolerance=CLOSE
             )
             difference = _difference(point, interacting)
-        yield (
-            i,
-            _Row(
-                point=point,
-                spots=spot_count(decomposition, point),
-                terms=point_terms(decomposition, point, nonrandom),
-                interaction_difference=difference,
-            ),
-        )
+        state = point.state
+        found = terms(decomposition, state, nonrandom) | outside_model_terms(decomposition, state)
+        yield i, _Row(point, spot_count(decomposition, point), found, difference)
 
 
 def _difference(alone: LoadPoint, interacting: PopulationState) -> float:
@@ -334,14 +289,14 @@ def _curve(decomposition: Decomposition, rows: Sequence[_Row], seconds: float) -
     converged = np.array([row.point.converged for row in rows])
     area, separation = column(surfaces, "contact_area"), column(surfaces, "separation")
     tangent = column(surfaces, "stiffness")
-    weights, checks = plan.parameters.error_estimate, plan.parameters.map_checks
-    known = 0.0 if plan.law in CALIBRATED and plan.lay < checks.longest_lay else np.nan
+    weights = plan.parameters.error_estimate
+    known = 0.0 if plan.law in CALIBRATED and plan.lay < weights.longest_lay else np.nan
     load_error, area_error = (
         known + np.array([estimate(row.terms, fitted, weights) for row in rows])
         for fitted in (weights.load_weights, weights.area_weights)
     )
     warnings = [*plan.warnings, *decomposition.warnings(separation.min())]
-    tiny = sum(row.terms["unresolved"] > checks.tiny_load for row in rows)
+    tiny = sum(row.terms["unresolved"] > TINY_LOAD for row in rows)
     if tiny:
         warnings.append(
             f"at {tiny} of {len(rows)} load points contacts are as small as a pixel of the map, "

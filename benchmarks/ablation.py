@@ -9,10 +9,10 @@ maps. The reference is boundary elements on the map refined twice (cut-off maps:
 tolerance 1e-4, at seven loads; loads from 0.05 to 8.5 % of contact count. Load errors are taken at
 equal separation, area errors at equal load.
 
-A correction is switched off from outside, at one place (`CORRECTIONS`): product code has no options
-for this. A family is one kind of map; families of one group are related. `decisive` groups are
-those in which the worst error of some family rises by half a percent of load or area without the
-correction, `harmed` those in which it falls by so much.
+A correction is switched off at one place (`CORRECTIONS`), most by `asperity.parameters`. A family
+is one kind of map; families of one group are related. `decisive` groups are those in which the
+worst error of some family rises by half a percent of load or area without the correction, `harmed`
+those in which it falls by so much.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ import time
 import types
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -39,6 +40,7 @@ import asperity
 import surfaces
 from asperity.curve import solve_contacts
 from asperity.halfspace.load_points import pressure_scale
+from asperity.parameters import DEFAULTS, Corrections, Parameters, PressedBasins
 from asperity.results.storage import write_csv
 
 LOADS = np.geomspace(5e-4, 4.5e-2, 7)
@@ -62,26 +64,19 @@ class Scene(NamedTuple):
 
 
 class Correction(NamedTuple):
-    """How a correction is switched off, and the objects whose lines are its own."""
+    """How a correction is switched off, and the objects whose lines are its own.
 
-    off: Callable[[ExitStack], object]
+    By its switch or several of them (`asperity.parameters.Corrections`), by other constants, or
+    from outside.
+    """
+
+    off: str | tuple[str, ...] | PressedBasins | Callable[[ExitStack], object]
     objects: tuple[str, ...]
 
 
 def replaced(name: str, value: Any) -> Callable[[ExitStack], object]:
     """Switch that puts another value in the place of a dotted name."""
     return lambda stack: stack.enter_context(patch(name, value))
-
-
-def keyword(name: str, **values: Any) -> Callable[[ExitStack], object]:
-    """Switch that calls a function with other keyword arguments."""
-    owner, attribute = name.rsplit(".", 1)
-
-    def off(stack: ExitStack) -> None:
-        first = getattr(found(owner), attribute)
-        stack.enter_context(patch(name, lambda *a, **k: first(*a, **(k | values))))
-
-    return off
 
 
 def found(name: str) -> Any:
@@ -127,25 +122,13 @@ def _no_powers(stack: ExitStack) -> None:
     stack.enter_context(patch(f"{PRESS}.press.BLUNT", np.inf))
 
 
-def _never(*_: Any, **__: Any) -> None:
-    return None
-
-
-def _several(*switches: Callable[[ExitStack], object]) -> Callable[[ExitStack], object]:
-    return lambda stack: [switch(stack) for switch in switches]
-
-
 NEWTON = "asperity.interaction.newton"
-FACTORY = "asperity.model.law_factory"
-SHARES = "asperity.model.load_shares"
 PRESS = "asperity.microcontact.basin_bem"
 POPULATION = "asperity.interaction.contact_system.ContactSystem"
 CANDIDATES = "asperity.interaction.candidates.CandidateList"
-RANKING = f"{SHARES}.Ranking"
 SPLIT = "asperity.multiscale.wave_split"
 PIXEL = "asperity.multiscale.pixel_waves"
-NOT_PRESSED = replaced(f"{RANKING}.dominant", lambda self, rows, table: np.zeros(0, np.int64))
-NOT_PAIRED = replaced(f"{RANKING}.joined", lambda self, material: self)
+LAWS = "asperity.model.corrections"
 
 CORRECTIONS = {
     "contact shift": Correction(
@@ -166,30 +149,30 @@ CORRECTIONS = {
         (f"{NEWTON}.contact_shift.widened", f"{NEWTON}._state_kernels.widen"),
     ),
     "elongated footprints": Correction(
-        keyword(f"{POPULATION}.__init__", curvature=None, angle=None),
+        "elongation",
         ("asperity.interaction.elongation",),
     ),
     "basins pressed alone": Correction(
-        _several(NOT_PRESSED, NOT_PAIRED),
+        ("pressed_basins", "joined_pairs"),
         (
             "asperity.model.load_shares",
+            f"{LAWS}.pressed_basins",
+            f"{LAWS}.joined_pairs",
             f"{PRESS}.press",
             f"{PRESS}._element_kernels",
             f"{PRESS}._closing_kernels",
         ),
     ),
     "pairs pressed as one": Correction(
-        NOT_PAIRED,
+        "joined_pairs",
         (
-            f"{RANKING}.joining",
-            f"{RANKING}.joined",
-            f"{SHARES}._formed",
+            f"{LAWS}.joined_pairs",
             f"{PRESS}.press._second",
             "surfaces.peaks.summits.Summits.joined",
         ),
     ),
     "flat tops pressed": Correction(
-        replaced(f"{SHARES}.SHARE_OF_NONE", 10.0), (f"{SHARES}._weight",)
+        PressedBasins(plateau_share=10.0), ("asperity.model.load_shares._weight",)
     ),
     "guard of the ellipse law": Correction(
         replaced("asperity.microcontact.auto.GROSS", np.inf),
@@ -202,33 +185,12 @@ CORRECTIONS = {
             "asperity.microcontact.ritz._ray_kernels",
         ),
     ),
-    "sharp tips told": Correction(
-        replaced(f"{FACTORY}._doubt_tips", _never), (f"{FACTORY}._doubt_tips",)
-    ),
-    "coarse rays told": Correction(
-        replaced(f"{FACTORY}.SummitLaws._doubt_rays", _never),
-        (f"{FACTORY}.SummitLaws._doubt_rays",),
-    ),
+    "sharp tips told": Correction("sharp_tips", (f"{LAWS}.sharp_tips",)),
     "tips of other powers": Correction(
         _no_powers, ("asperity.microcontact.table_kernels.tip_power",)
     ),
-    "second split": Correction(
-        replaced("asperity.model.decomposition.Asperities._look", _never),
-        (
-            "asperity.model.decomposition.CloserLook",
-            "asperity.model.decomposition.Asperities._look",
-            "asperity.model.decomposition.Asperities.closer_look",
-            "asperity.model.decomposition.Asperities._finer",
-            "asperity.model.plan.finer_plan",
-            f"{SPLIT}.Split.finer",
-            f"{SPLIT}.Split._next",
-            "asperity.multiscale.surface_point.FinePoint.towards",
-            "asperity.multiscale.surface_point.particular",
-            "asperity.multiscale.surface_point.spread_over",
-        ),
-    ),
     "split of the waves": Correction(
-        replaced("asperity.model.plan.split_scales", lambda *_: "scales: all, for the ablation"),
+        "wave_split",
         (
             SPLIT,
             "asperity.multiscale.surface_point",
@@ -237,23 +199,25 @@ CORRECTIONS = {
             "asperity.multiscale._spectrum_kernels",
         ),
     ),
-    "half the pixel": Correction(
-        replaced("asperity.model.plan.refined_map", _never), (f"{PIXEL}.refined_map",)
-    ),
-    "fewer points": Correction(
-        replaced("asperity.model.plan.coarse_map", _never), ("surfaces.preparation.coarsening",)
-    ),
+    "half the pixel": Correction("finer_grid", (f"{PIXEL}.refined_map",)),
+    "fewer points": Correction("coarser_grid", ("surfaces.preparation.coarsening",)),
 }
 """The corrections by name."""
 
 
 @contextmanager
-def without(name: str) -> Iterator[None]:
+def without(name: str) -> Iterator[Parameters]:
     """The model without a correction; as it is for an empty name."""
     with ExitStack() as stack:
-        if name:
-            CORRECTIONS[name].off(stack)
-        yield
+        off = CORRECTIONS[name].off if name else ()
+        if isinstance(off, PressedBasins):
+            yield replace(DEFAULTS, pressed_basins=off)
+        elif callable(off):
+            off(stack)
+            yield DEFAULTS
+        else:
+            names = (off,) if isinstance(off, str) else off
+            yield replace(DEFAULTS, corrections=Corrections(**dict.fromkeys(names, False)))
 
 
 def group_of(family: str) -> str:
@@ -297,6 +261,35 @@ def special(seed: int) -> Iterator[Scene]:
     yield Scene("fading border", "to the pixel, fading border", seed, hm)
 
 
+def hills(seed: int) -> Iterator[Scene]:
+    """Single tips, and wide hills with fine waves on top."""
+    points, steps = 192, np.arange(192.0)
+    r = np.hypot(steps[:, None] - points / 2, 1.1 * (steps - points / 2 + 0.1 * (seed % 5)))
+    for power in (1.0, 1.5, 3.0):
+        heights = -0.1 * points / 2 * (2.0 * r / points) ** power
+        hm = surfaces.HeightMap(heights, (1.0, 1.1))
+        yield Scene("single tip", f"tip r^{power:g}", seed, hm, boundary="free")
+    waves = surfaces.self_affine(
+        (points, points),
+        (192.0, 192.0),
+        hurst=0.8,
+        rms_slope=0.1,
+        rolloff=16.0,
+        cutoff=5.0,
+        seed=seed,
+    )
+    angle = 2.0 * np.pi * steps / points
+    lattice = np.cos(2.0 * angle)[:, None] + np.cos(2.0 * angle)
+    shapes = {
+        "rough sphere": -(r**2) / (2.0 * 600.0),
+        "rough lattice of hills": 4.0 * waves.rms_height * lattice,
+    }
+    for name, shape in shapes.items():
+        hm = surfaces.HeightMap(shape + waves.heights, (1.0, 1.0), periodic="lattice" in name)
+        boundary = None if hm.periodic else "free"
+        yield Scene(name, name, seed, hm, boundary=boundary)
+
+
 def large(seed: int) -> Iterator[Scene]:
     """Larger maps, on which more spectra are split."""
     shape, size = (1024, 1024), (1024.0, 1024.0)
@@ -322,6 +315,7 @@ def scenes(maps: Path | None) -> Iterator[Scene]:
             group = "lay" if name.startswith("lay") else group_of(name)
             yield Scene(group, f"{name} (like measured)", seed, hm)
         yield from special(seed)
+        yield from hills(seed)
     yield from large(31)
     for seed in (101, 102):
         for name in FAMILIES:
@@ -349,16 +343,19 @@ def reference(scene: Scene, kept: Path | None) -> asperity.ContactCurve:
     return curve
 
 
-def errors(scene: Scene, exact: asperity.ContactCurve) -> tuple[Array, Array, float]:
+def errors(
+    scene: Scene, exact: asperity.ContactCurve, parameters: Parameters = DEFAULTS
+) -> tuple[Array, Array, float]:
     """Errors of load at equal separation and area at equal load, NaN where a point does not come
     out, and seconds of the processor for the second."""
     body = asperity.HalfSpace.from_modulus(1.0, m=scene.m)
+    chosen = {"boundary": scene.boundary, "parameters": parameters}
     hm = surfaces.HeightMap(scene.hm.heights, scene.hm.spacing, periodic=scene.hm.periodic)
-    plan = asperity.make_plan(hm, body, separations=exact.separation, boundary=scene.boundary)
+    plan = asperity.make_plan(hm, body, separations=exact.separation, **chosen)
     same = solve_contacts(hm, body, plan, separations=exact.separation).curve
     hm = surfaces.HeightMap(scene.hm.heights, scene.hm.spacing, periodic=scene.hm.periodic)
     start = time.process_time()
-    plan = asperity.make_plan(hm, body, pressures=exact.mean_pressure, boundary=scene.boundary)
+    plan = asperity.make_plan(hm, body, pressures=exact.mean_pressure, **chosen)
     model = solve_contacts(hm, body, plan, pressures=exact.mean_pressure).curve
     seconds = time.process_time() - start
     load = np.where(same.converged, same.mean_pressure / exact.mean_pressure - 1.0, np.nan)
@@ -382,10 +379,10 @@ def measure(args: argparse.Namespace) -> list[dict[str, Any]]:
         exact = reference(scene, args.references)
         groups[scene.family] = scene.group
         for name in ("", *names):
-            with without(name):
+            with without(name) as parameters:
                 if warm:
-                    errors(scene, exact)
-                result = errors(scene, exact)
+                    errors(scene, exact, parameters)
+                result = errors(scene, exact, parameters)
             found_.setdefault((name, scene.family), []).append(result)
         warm = False
         load, area, seconds = found_["", scene.family][-1]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from surfaces.numerics.memory import require_memory
 
+from .arguments import as_number
 from .errors import InputError
 from .heightmap import LONGEST, SHORTEST, HeightMap
 
@@ -109,12 +110,21 @@ def self_affine(
     '0.100'
     """
     (ny, nx), (ly, lx) = shape, size
+    lengths = {"rolloff": rolloff, "cutoff": cutoff}
+    scales = {"rms_slope": rms_slope, "rms_height": rms_height}
+    for name, value in {**lengths, **scales, "hurst": hurst, "angle": angle}.items():
+        if value is not None:
+            as_number(name, value)
+    as_number("anisotropy", anisotropy)
     _check(0.0 <= hurst <= 1.0, f"hurst is {hurst}; it must lie between 0 and 1")
     _check(
         1.0 <= anisotropy < np.inf, f"anisotropy is {anisotropy}; it must be at least 1, and finite"
     )
     _check(np.isfinite(angle), f"angle is {angle}; it must be a number of radians")
-    _check(int(seed) == seed >= 0, f"seed is {seed}; it must be a whole number, not negative")
+    _check(
+        isinstance(seed, int | np.integer) and seed >= 0,
+        f"seed is {seed}; it must be a whole number, not negative",
+    )
     for name, wavelength in (("rolloff", rolloff), ("cutoff", cutoff)):
         _check(
             wavelength is None or wavelength > 0.0,

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from surfaces.numerics.compiled import SUMS, compiled
 
-from ._simd import LANES, RADIUS, points_short, tile, tile_short
-from ._simd import points as points_wide
+from ._stencil_kernels import LANES, RADIUS, SHORT_RADIUS
+from ._stencil_kernels import points as stencil_of_points
+from ._stencil_kernels import tile as stencil_of_tile
 
 _SHORTEST = 4
 _BLOCK = 64
@@ -98,9 +99,9 @@ def near(
             k = tiles[t, 1]
             out = result[k:] if k + LANES <= end else rest
             if short:
-                tile_short(flat, tiles[t, 0], stride, quadrant, out)
+                stencil_of_tile(SHORT_RADIUS, flat, tiles[t, 0], stride, quadrant, out)
             else:
-                tile(flat, tiles[t, 0], stride, quadrant, out)
+                stencil_of_tile(RADIUS, flat, tiles[t, 0], stride, quadrant, out)
             if k + LANES > end:
                 for i in range(tiles[t, 2]):
                     result[k + i] = rest[i]
@@ -110,9 +111,9 @@ def near(
         j, k, m = min(i + 1, last), min(i + 2, last), min(i + 3, last)
         at = points[i, 0], points[j, 0], points[k, 0], points[m, 0]
         if short:
-            found = points_short(flat, *at, stride, rows)
+            found = stencil_of_points(SHORT_RADIUS, flat, *at, stride, rows)
         else:
-            found = points_wide(flat, *at, stride, rows)
+            found = stencil_of_points(RADIUS, flat, *at, stride, rows)
         result[points[i, 1]] = found[0]
         result[points[j, 1]] = found[1]
         result[points[k, 1]] = found[2]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from asperity.errors import InputError
 from asperity.halfspace.boundary import Boundary
+from surfaces.arguments import as_number
 from surfaces.heightmap import HeightMap
 
 from .grids import CoarseMaps
@@ -73,7 +74,7 @@ def choose_grid(
     given load is inversely proportional), 7.5 / accuracy points per axis, 60 contact points at
     the lightest load, and a tolerance of 1e-2 (1e-3 below 2 %, 1e-5 below 0.5 %).
     """
-    if not 0.002 <= accuracy <= 0.2:
+    if not 0.002 <= as_number("accuracy", accuracy) <= 0.2:
         raise InputError(f"accuracy is {accuracy!r}; give a relative error from 0.002 to 0.2")
     tolerance = 1e-2 if accuracy >= 0.02 else 1e-3 if accuracy >= 0.005 else 1e-5
     ny, nx = hm.shape

@@ -118,6 +118,17 @@ def bem_curve(
         closer they lie, the better. `residual` is the worst entry of the certificate; `extra` holds
         the certificate by entry, raw area, elastic energy, iterations, transform pairs and
         seconds; a point that missed the tolerance is marked and explained.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> curve = asperity.bem_curve(hm, steel, pressures=[1e8, 1e9])
+    >>> bool(curve.converged.all()), bool(curve.area_fraction[1] > curve.area_fraction[0])
+    (True, True)
     """
     if check and accuracy is None:
         raise InputError("check tells how well an accuracy is held; give accuracy as well")

@@ -13,6 +13,7 @@ from asperity.errors import InputError
 from asperity.halfspace.flags import Flag
 from asperity.halfspace.influence import ElasticHalfSpace
 from asperity.halfspace.material import require_half_space
+from surfaces.arguments import as_number
 
 from .certificate import Certificate
 from .profile_map import Profile, map_of, places, sampled, section_box
@@ -57,6 +58,14 @@ class BemIndentation:
         The full solution of each approach, with pressure, gap and certificate.
     summit
         Where the profile's origin lies on the map of each solution, (x, y) [m].
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> tip = surfaces.PowerLawProfile(2.0, 0.5)
+    >>> one = asperity.indent_bem(tip, asperity.HalfSpace.from_modulus(1.0), 0.01, grid=32)
+    >>> one.pressure_map.shape, bool(one.pressure(0.0, 0.0) > one.force / one.contact_area)
+    ((32, 32), True)
     """
 
     approach: Any
@@ -189,7 +198,7 @@ def indent_bem(
     if not callable(profile):
         raise InputError(f"profile must be a gap f(r, phi), got {type(profile).__name__}")
     require_half_space(mat)
-    if grid < 16:
+    if as_number("grid", grid) < 16:
         raise InputError(f"grid is {grid}; give at least 16 points per axis")
     if (approach is None) == (load is None):
         raise InputError("give either approach or load")

@@ -47,6 +47,17 @@ class BemSolution:
         Run time by stage [s].
     boundary, spacing, settings
         "periodic" or "free"; pixel size (dy, dx) [m]; everything needed to repeat the run.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> found = asperity.bem_solve(hm, steel, pressure=1e9)
+    >>> bool(found.gap.min() > -1e-6 * hm.rms_height), bool(0.0 < found.area_fraction < 1.0)
+    (True, True)
     """
 
     pressure: NDArray[np.float64]

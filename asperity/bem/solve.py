@@ -67,6 +67,17 @@ def bem_solve(
     Solves ``p >= 0, g >= 0, p g = 0`` with ``g = u - h - min(u - h)``, ``u = K p``
     (docs/development/half_space.md). The certificate is recomputed from the returned pressure with
     the exact operator in float64.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> found = asperity.bem_solve(hm, steel, pressure=1e9)
+    >>> found.converged, f"{found.pressure.mean():.3e}"
+    (True, '1.000e+09')
     """
     begun = time.perf_counter()
     problem = ContactProblem(hm, mat, tolerance=tolerance, boundary=boundary)

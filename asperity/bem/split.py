@@ -13,8 +13,8 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from . import _grid_kernels, _split_kernels, transform
-from ._simd import LANES, RADIUS
 from ._split_kernels import COARSENING, TAPS
+from ._stencil_kernels import LANES, RADIUS
 from .contact_list import ContactList
 from .operator import HalfSpaceOperator
 from .scratch import Scratch

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.influence import influence, symbol
 
-from ._simd import LANES, RADIUS, SHORT_RADIUS
+from ._stencil_kernels import LANES, RADIUS, SHORT_RADIUS
 
 __all__ = ["fitted_stencil", "precondition_stencil", "stencil_symbol", "vector_tables"]
 

@@ -149,4 +149,8 @@ def _module(command: str) -> ModuleType:
             from . import report
 
             return report
+        case "warmup":
+            from . import warmup
+
+            return warmup
     raise ValueError(f"no command is called {command!r}")

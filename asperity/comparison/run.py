@@ -77,6 +77,17 @@ def compare(
     -----
     The baseline is honest: boundary elements on the full grid and on every coarser grid, with a
     loose tolerance, by the same solver.  Errors are measured against the full grid at `tolerance`.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> both = asperity.compare(hm, steel, pressures=[1e8, 1e9], tolerance=1e-4)
+    >>> both.table["mean_pressure"].size, bool(abs(both.table["load_error"]).max() < 0.3)
+    (2, True)
     """
     say = progress if progress is not None else lambda label: None
     kind, values = checked_loads(hm, material, pressures, separations)
@@ -145,7 +156,7 @@ def compare(
 def _compile(material: HalfSpace, plan: Plan) -> None:
     """Run both models once on a small map, so that no run time holds compilation."""
     small = small_map()
-    whole = dataclasses.replace(plan, above=None, resampled=None, split=None)
+    whole = dataclasses.replace(plan, above=None, resampled=None, sub_contact_law=None)
     loads = default_pressures(small, material, count=2)
     solve_contacts(small, material, whole, pressures=loads)
     bem_curve(small, material, pressures=loads, tolerance=LOOSE_TOLERANCE, boundary=plan.boundary)

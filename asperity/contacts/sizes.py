@@ -33,6 +33,13 @@ def size_distribution(area: ArrayLike, *, bins: int = 20) -> NDArray[np.void]:
     ------
     InputError
         If an area is not positive and finite, or `bins` no whole number above 0.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> sizes = asperity.size_distribution([1.0, 2.0, 4.0, 4.0], bins=2)
+    >>> int(sizes["contacts"].sum())
+    4
     """
     try:
         sizes = np.asarray(area, dtype=np.float64).ravel()

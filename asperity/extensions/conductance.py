@@ -41,6 +41,18 @@ def constriction_conductance(
     The incremental contact problem and the constriction of a current through the same spots are
     the same potential problem (Barber 2003): ``C = 2 k / (E* (rho_1 + rho_2))`` with the
     normal stiffness k. One circular spot gives Holm's ``4 a / (rho_1 + rho_2)``.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> curve = asperity.contact_curve(hm, steel, pressures=[1e8, 1e9])
+    >>> found = asperity.constriction_conductance(curve, resistivity=(1e-7, 1e-7))
+    >>> bool(0 < found[0] < found[1])
+    True
     """
     require_curve(curve)
     if curve.settings.get("m", 0.0) != 0.0:

@@ -29,6 +29,18 @@ class FrictionCurve:
         Share of the nominal area that sticks [-], shape (n,).
     slip_shear
         Shear at gross slip, mu times the mean pressure [Pa].
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> curve = asperity.contact_curve(hm, steel, pressures=[1e7, 1e8, 1e9])
+    >>> slip = asperity.friction_curve(curve, 1e9, friction=0.3, modulus_ratio=1.2)
+    >>> bool(slip.stick_area_fraction[0] > slip.stick_area_fraction[-1])
+    True
     """
 
     displacement: NDArray[np.float64]
@@ -71,6 +83,18 @@ def friction_curve(
     ``tau = mu [p(s) - p(s*)]``, ``u_x = mu (E*/G*) (s* - s)``: the stick region is the contact at
     the larger separation s* (Ciavarella 1998, Jaeger 1998, for any set of contacts on elastically
     similar half-spaces). One loading from rest, constant mu, homogeneous bodies.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> curve = asperity.contact_curve(hm, steel, pressures=[1e7, 1e8, 1e9])
+    >>> slip = asperity.friction_curve(curve, 1e9, friction=0.3, modulus_ratio=1.2)
+    >>> f"{slip.slip_shear:.1e}"
+    '3.0e+08'
     """
     require_curve(curve)
     given = friction, modulus_ratio, mean_pressure, points

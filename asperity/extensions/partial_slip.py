@@ -25,6 +25,13 @@ def tangential_modulus(first: HalfSpace, second: HalfSpace | None = None) -> flo
     ------
     InputError
         If E and nu of a body are not known, or the body is graded.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> f"{steel.modulus / asperity.tangential_modulus(steel):.3f}"
+    '1.214'
     """
     total = 0.0
     for body in (first, second) if second is not None else (first,):
@@ -54,6 +61,17 @@ class PartialSlip:
         Tangential displacement u_x [m]; NaN at gross slip, where it is not determined.
     slipping
         True at gross slip.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> ball = surfaces.PowerLawProfile(2.0, 50.0)
+    >>> push = asperity.partial_slip(
+    ...     ball, steel, 1e-6, friction=0.3, modulus_ratio=1.2, tangential_force=1.0
+    ... )
+    >>> bool(0.0 < push.stick_area < push.full.contact_area)
+    True
     """
 
     full: Indentation
@@ -119,6 +137,19 @@ def partial_slip(
     ``tau = mu [p(d) - p(d*)]``, ``F_x = mu [F(d) - F(d*)]``, ``u_x = mu (E*/G*) (d - d*)``.
     One loading from rest, elastically similar bodies (or one rigid and nu = 1/2), constant mu.
     For nu that differ, or spots that are not round, it is the Cattaneo-Mindlin approximation.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> ball = surfaces.PowerLawProfile(2.0, 50.0)
+    >>> one = asperity.indent(ball, steel, 1e-6)
+    >>> half = 0.5 * 0.3 * float(one.force)
+    >>> push = asperity.partial_slip(
+    ...     ball, steel, 1e-6, friction=0.3, modulus_ratio=1.2, tangential_force=half
+    ... )
+    >>> f"{push.stick_area / one.contact_area:.4f}"  # (1 - 0.5) ** (2 / 3), Cattaneo and Mindlin
+    '0.6300'
     """
     if material.m != 0:
         raise InputError("partial slip needs a homogeneous half-space, m = 0")

@@ -33,6 +33,13 @@ class Relaxation:
         Moduli [Pa] of the arms, positive.
     times
         Relaxation times [s] of the arms, positive.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> polymer = asperity.Relaxation(equilibrium=1e9, strengths=[3e9], times=[2.0])
+    >>> polymer.equilibrium + sum(polymer.strengths)
+    4000000000.0
     """
 
     equilibrium: float
@@ -130,6 +137,17 @@ def viscoelastic_indent(
     ``F(t) = int_0^t E*_rel(t - t') d/dt' [F_el(d(t')) / E*] dt'`` with the geometry of the elastic
     body at the same approach; by exact recursion over the arms for F_el linear between the times.
     Under load control the same recursion is solved for F_el, time by time.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> import numpy as np
+    >>> polymer = asperity.Relaxation(equilibrium=1e9, strengths=[3e9], times=[2.0])
+    >>> time = np.linspace(0.0, 20.0, 21)
+    >>> ball = surfaces.PowerLawProfile(2.0, 50.0)
+    >>> held = asperity.viscoelastic_indent(ball, polymer, time, np.full(21, 1e-6))
+    >>> f"{held.force[0] / held.force[-1]:.2f}"
+    '4.00'
     """
     instants = np.asarray(time, dtype=float)
     if instants.ndim != 1 or instants.size < 2 or np.any(np.diff(instants) <= 0):

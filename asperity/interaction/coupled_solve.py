@@ -172,9 +172,10 @@ def _solved(
     tolerances: tuple[float, float],
     rounding: bool,
 ) -> tuple[Problem, Solution]:
-    """Solution of a problem from approaches and the other `Point.values`, refused if it is out of
-    order; with `rounding`, if long footprints may have kept single contacts from settling, with
-    round ones of these.
+    """Solution of a problem from approaches and the other `Point.values`.
+
+    It is refused if it is out of order. With `rounding`, if long footprints may have kept single
+    contacts from settling, these get round ones.
 
     `tolerances` are those of the point and of this solve.
     """

@@ -30,6 +30,28 @@ class Population(ContactSystem):
     Contact i has the approach d_i = z_i - s - u_i. The displacement u_i by all other contacts (and
     by the images of its own force in a periodic cell) is taken over the footprint of the contact:
     `asperity.interaction` has the formulation.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> fit = surfaces.fit_profiles(hm, surfaces.segment(hm))
+    >>> table = asperity.microcontact.tabulate(fit, steel, law="hertz")
+    >>> population = asperity.Population(
+    ...     x=fit.x,
+    ...     y=fit.y,
+    ...     height=fit.height,
+    ...     table=table,
+    ...     cell=hm.size,
+    ...     boundary="periodic",
+    ...     material=steel,
+    ... )
+    >>> state = population.solve(separation=0.0)
+    >>> state.converged, f"{state.force.sum() / hm.area:.1e}"
+    (True, '4.6e+09')
     """
 
     def solve(

@@ -49,6 +49,28 @@ class PopulationState:
         shape (4, k).
     continuation
         What the next solve starts from.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> fit = surfaces.fit_profiles(hm, surfaces.segment(hm))
+    >>> table = asperity.microcontact.tabulate(fit, steel, law="hertz")
+    >>> population = asperity.Population(
+    ...     x=fit.x,
+    ...     y=fit.y,
+    ...     height=fit.height,
+    ...     table=table,
+    ...     cell=hm.size,
+    ...     boundary="periodic",
+    ...     material=steel,
+    ... )
+    >>> state = population.solve(separation=0.0)
+    >>> state.active == int((state.force > 0).sum())
+    True
     """
 
     separation: float

@@ -41,6 +41,16 @@ class Indentation:
         Bits of `asperity.microcontact.Flag`.
     error_estimate
         Relative error of the force expected from the difference of neighbouring laws.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> ball = surfaces.PowerLawProfile(2.0, 0.5)
+    >>> one = asperity.indent(ball, asperity.HalfSpace.from_modulus(1.0), 0.01)
+    >>> f"{one.radius:.3f}, {one.contour(0.0):.3f}"
+    '0.100, 0.100'
+    >>> f"{one.pressure(0.0, 0.0) / one.mean_pressure:.3f}"
+    '1.500'
     """
 
     law: str

@@ -15,6 +15,9 @@ __all__ = ["LawTable", "joined"]
 
 Array = NDArray[np.float64]
 
+NO_FOOTPRINT = 0.0, 1.0
+"""Factor and exponent of the variance of a force that is not spread."""
+
 
 @dataclass(frozen=True, eq=False)
 class LawTable:
@@ -41,9 +44,10 @@ class LawTable:
 
     Notes
     -----
-    Between the nodes s is a cubic Hermite in u and area/u^2 is linear in u, so that a Hertzian
-    contact is exact and the stiffness is the derivative of the force. Beyond the reach the basin
-    is filled: a flat punch, force linear with the last stiffness, area constant.
+    Between the nodes s is a cubic Hermite polynomial in u and area/u^2 is linear in u
+    (`law_kernels`), so that a Hertzian contact is exact and the stiffness is the derivative of the
+    force. Beyond the reach the basin is filled: a flat punch, force linear with the last stiffness,
+    area constant.
     """
 
     reach: Array
@@ -96,25 +100,31 @@ class LawTable:
         force, stiffness, area
             Of the broadcast shape.
         """
-        from .table_kernels import evaluate_table
+        from .law_kernels import empty_columns, evaluate, tabulate
 
         rows, depth = np.broadcast_arrays(
             np.asarray(index, dtype=np.int64), np.asarray(approach, dtype=float)
         )
-        scale = (np.maximum(np.arange(self.nodes + 1), 1) / self.nodes) ** -self.exponent
-        values = np.zeros((3, rows.size))
-        evaluate_table(
-            np.ascontiguousarray(rows).ravel(),
-            np.ascontiguousarray(depth).ravel(),
+        rows, depth = np.ascontiguousarray(rows), np.ascontiguousarray(depth)
+        asked = np.zeros(len(self), bool)
+        asked[rows] = True
+        place = np.cumsum(asked, dtype=np.int32) - 1
+        nodes = [array[asked] for array in (self.reach, self.force, self.stiffness, self.area)]
+        columns, tips = empty_columns(len(nodes[0]), self.nodes)
+        tabulate(*nodes, self.exponent, *NO_FOOTPRINT, False, columns, tips)
+        values = np.empty((6, rows.size))
+        evaluate(
+            (0, rows.size),
+            rows.ravel(),
+            depth.ravel(),
             self.reach,
-            self.force,
-            self.stiffness,
-            self.area,
             self.exponent,
-            scale,
-            values,
+            place,
+            columns,
+            tips,
+            *values,
         )
-        force, stiffness, area = (value.reshape(rows.shape) for value in values)
+        force, stiffness, area = (value.reshape(rows.shape) for value in values[:3])
         return force, stiffness, area
 
     def centre_at(self, index: NDArray[np.int64], approach: Array) -> tuple[Array, Array]:
@@ -130,15 +140,7 @@ class LawTable:
 
     def flags_at(self, index: ArrayLike, approach: ArrayLike) -> NDArray[np.uint8]:
         """Flags of the node at or above `approach`; the last node's beyond the reach."""
-        from .table_kernels import flags_of_table
-
-        rows, depth = np.broadcast_arrays(
-            np.asarray(index, dtype=np.int64), np.asarray(approach, dtype=float)
-        )
-        out = np.empty(rows.shape, np.uint8)
-        places = np.ascontiguousarray(rows).ravel(), np.ascontiguousarray(depth).ravel()
-        flags_of_table(*places, self.reach, self.flags, out.ravel())
-        return out
+        return np.asarray(self.flags[self._node(index, approach)])
 
     def spread_at(self, index: ArrayLike, approach: ArrayLike) -> Array:
         """Error estimate of the node at or above `approach`; the last node's beyond the reach."""

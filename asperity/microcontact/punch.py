@@ -45,6 +45,14 @@ class FlatPunch:
     Fabrikant's field about the chosen origin: exact for ellipses about their center and for every
     m, an estimate for any other planform (1.5 % low for a square, m = 0), and it depends on the
     origin. Put the origin at the centroid.
+
+    Examples
+    --------
+    >>> import math
+    >>> import asperity
+    >>> punch = asperity.flat_punch(1e-3, asperity.HalfSpace.from_modulus(1e9))
+    >>> f"{punch.contact_area / (math.pi * 1e-6):.6f}"
+    '1.000000'
     """
 
     material: HalfSpace
@@ -88,6 +96,14 @@ def flat_punch(
     ------
     InputError
         If the planform does not contain the origin.
+
+    Examples
+    --------
+    >>> import math
+    >>> import asperity
+    >>> punch = asperity.flat_punch(1e-3, asperity.HalfSpace.from_modulus(1e9))  # a disc
+    >>> f"{punch.stiffness / (2 * 1e9 * 1e-3):.4f}"
+    '1.0000'
     """
     function = _boundary(edge)
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES

@@ -17,6 +17,7 @@ from surfaces.heightmap import HeightMap
 from surfaces.peaks.segmentation import segment
 from surfaces.peaks.summits import locate_summits
 
+from .corrections.joined_pairs import join
 from .law_factory import LawFactory
 from .load_shares import LoadShares
 from .plan import Plan
@@ -69,17 +70,16 @@ class Decomposition:
         """Segment the map, locate the summits and prepare their laws."""
         seconds = {"plan": plan.seconds, "segmentation": 0.0, "profiles": 0.0, "laws": 0.0}
         peaks, summits = _summits(hm, plan, seconds)
-        shares = LoadShares(summits, plan.parameters) if plan.law == "auto" else None
+        shares = LoadShares.of(summits) if plan.law == "auto" else None
         if shares is not None and plan.above is not None and not shares.full:
             plan = replace(plan, above=None)  # laws may not depend on the loads that are asked for
             peaks, summits = _summits(hm, plan, seconds)
-            shares = LoadShares(summits, plan.parameters)
-        if shares is not None:
-            if plan.parameters.corrections.joined_pairs:
-                shares = shares.joined(material)
-            summits = shares.summits
-        pressed = shares if plan.parameters.corrections.pressed_basins else None
-        factory = LawFactory(hm, summits, pressed, material, plan.law, seconds)
+            shares = LoadShares.of(summits)
+        parameters, curvature, angle = plan.parameters, summits.curvature, summits.angle
+        if shares is not None and parameters.corrections.joined_pairs:
+            summits, curvature, angle = join(summits, shares, material, parameters)
+            shares = LoadShares.of(summits)
+        factory = LawFactory(hm, summits, shares, material, plan.law, parameters, seconds)
         return cls(
             hm=hm,
             material=material,
@@ -87,8 +87,8 @@ class Decomposition:
             peaks=peaks,
             summits=summits,
             law_factory=factory,
-            curvature=summits.curvature if shares is None else shares.curvature,
-            angle=summits.angle if shares is None else shares.angle,
+            curvature=curvature,
+            angle=angle,
             table=GrowingTable(len(summits), factory.table),
             seconds=seconds,
         )

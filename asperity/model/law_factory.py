@@ -9,40 +9,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import ModelRangeError
-from asperity.halfspace.flags import Flag
-from asperity.microcontact.basin_bem.press import put
 from asperity.microcontact.laws import tabulate
 from surfaces.numerics import parallel
+
+from .corrections import pressed_basins, sharp_tips
+from .law_rows import LawRows
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from asperity.microcontact.law_table import LawTable
+    from asperity.parameters import Parameters
     from surfaces.heightmap import HeightMap
-    from surfaces.peaks.profiles import Profiles
     from surfaces.peaks.summits import Summits
 
     from .load_shares import LoadShares
 
 __all__ = ["LawFactory"]
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-TINY = float(np.finfo(float).tiny)
-
-SHARP = 1.5
-"""Ratio of f/r^2 at a tip and at the first node of its rays from which on the rays do not
-resolve it: 12 and 4 of r and r^1.5 on 256 points, at most 2.3 on nine measured and random maps."""
-
-MISSED = 0.05
-"""Error of its force by that from which on a tip is pressed alone as a dominant contact may be."""
-
-BETWEEN = 0.02
-"""The same of f/r^2 between two nodes of the rays, on the mean of all (seeds 1 and 2)."""
-
-STEP, NEAR = 1.5, 12
-"""Pixels from node to node of the rays from which on the gap is looked at between the first nodes,
-and half nodes up to which it is."""
+CORRECTIONS = {"sharp_tips": sharp_tips.correct, "pressed_basins": pressed_basins.correct}
+"""What changes the laws of single contacts, in this order: switch (`parameters.Corrections`) and
+function."""
 
 
 class LawFactory:
@@ -53,13 +41,15 @@ class LawFactory:
     hm
         The whole map, whose digest is made meanwhile.
     summits
-        Summits of the map that is solved, as `load_shares` has them where there is one.
-    load_shares
-        What tells the dominant contacts, which are pressed alone; None: the law alone counts.
+        Summits of the map that is solved.
+    shares
+        Loads that they carry; None: laws are not corrected.
     material
         Half-space.
     law
         Name of the law.
+    parameters
+        Constants of the model.
     seconds
         Time of each stage [s], to which that of profiles and laws is added.
 
@@ -73,13 +63,15 @@ class LawFactory:
         self,
         hm: HeightMap,
         summits: Summits,
-        load_shares: LoadShares | None,
+        shares: LoadShares | None,
         material: HalfSpace,
         law: str,
+        parameters: Parameters,
         seconds: dict[str, float],
     ) -> None:
-        self.hm, self.summits, self.load_shares = hm, summits, load_shares
-        self.material, self.law, self.seconds = material, law, seconds
+        self.hm, self.summits, self.shares = hm, summits, shares
+        self.material, self.law, self.parameters = material, law, parameters
+        self.seconds = seconds
         self.without: set[int] = set()
 
     def table(self, rows: Rows) -> LawTable:
@@ -89,32 +81,18 @@ class LawFactory:
         between = time.perf_counter()
         table = tabulate(sampled, self.material, law=self.law)
         self._require_top(rows, table)
-        _doubt_tips(sampled, table)
-        self._doubt_rays(rows, sampled, table)
-        if self.load_shares is not None:
-            chosen = self.load_shares.dominant(rows, table)
-            put(table, chosen, self.summits, rows[chosen], self.material)
+        if self.shares is not None:
+            laws = LawRows(
+                table, rows, sampled, self.summits, self.shares, self.material, self.parameters
+            )
+            for name, correct in CORRECTIONS.items():
+                if getattr(self.parameters.corrections, name):
+                    correct(laws)
         self.seconds["profiles"] += between - begun
         self.seconds["laws"] += time.perf_counter() - between
         hm = self.hm
         parallel.aside(lambda: hm.digest)  # wanted at the end; solving leaves a thread idle
         return table
-
-    def _doubt_rays(self, rows: Rows, profiles: Profiles, table: LawTable) -> None:
-        """Mark summits whose gap changes between the nodes of their rays as beyond the expansion.
-
-        They stand on a hill so wide that a node follows the next only after several pixels.
-        """
-        step = profiles.edge.mean(axis=1) / (profiles.t.size - 1)
-        pixel = np.sqrt(np.prod(self.summits.hm.spacing))
-        wide = np.flatnonzero(profiles.valid & (table.reach > 0) & (step > STEP * pixel))
-        if not wide.size:
-            return
-        q = self.summits.rows(rows[wide], nodes=2 * profiles.t.size - 1).q
-        between, nodes = q[:, :, 1:NEAR:2], q[:, :, : NEAR + 1 : 2]
-        missed = np.abs(between - 0.5 * (nodes[:, :, :-1] + nodes[:, :, 1:])).mean(axis=1)
-        lost = wide[(missed > BETWEEN * between.mean(axis=1)).any(axis=1)]
-        table.flags[lost, 1:] |= np.uint8(Flag.BEYOND_RADIUS)
 
     def _require_top(self, rows: Rows, table: LawTable) -> None:
         """Refuse a law that does not hold for the highest summit, without which nothing is told."""
@@ -129,19 +107,3 @@ class LawFactory:
                 'for the points about it; take law="auto" (--law auto), more points or '
                 "boundary elements"
             )
-
-
-def _doubt_tips(profiles: Profiles, table: LawTable) -> None:
-    """Raise the expected errors of contacts that reach little beyond a tip between two nodes, and
-    mark them as beyond what the expansion describes."""
-    tip, first = (profiles.q[:, :, node].mean(axis=1) for node in (0, 1))
-    ratio = tip / np.maximum(first, TINY)
-    sharp = np.flatnonzero(profiles.valid & (ratio > SHARP))
-    if not sharp.size:
-        return
-    inner = np.pi * np.mean((profiles.t[1] * profiles.edge[sharp]) ** 2, axis=1)
-    part = inner[:, None] / np.maximum(table.area[sharp], inner[:, None])
-    missed = np.minimum((ratio[sharp, None] - 1.0) * part, 1.0)
-    table.spread[sharp] = np.maximum(table.spread[sharp], missed)
-    missed[:, 0] = 0.0
-    table.flags[sharp] |= np.where(missed > MISSED, Flag.BEYOND_RADIUS, 0).astype(np.uint8)

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from asperity.multiscale.surface_point import (
     SurfacePoint,
     closed_areas,
-    scaled_to,
     surface_point,
 )
 
@@ -19,7 +18,6 @@ if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
 
     from .decomposition import Decomposition
-    from .refinement import RefinedState, Refinement
 
 __all__ = ["LoadPoint", "load_point", "point_at_separation"]
 
@@ -44,8 +42,6 @@ class LoadPoint:
         Separation, contact area and stiffness of the whole surface.
     closed_area
         Area [m^2] that touches within each contact, shape (n,).
-    refined
-        The load on refined contacts; None where fine waves average out under the contacts.
     reason
         Why the point cannot be used, in one sentence; empty if it can.
     """
@@ -53,7 +49,6 @@ class LoadPoint:
     state: PopulationState
     surface: SurfacePoint
     closed_area: Array
-    refined: RefinedState | None
     reason: str
 
     @property
@@ -62,30 +57,19 @@ class LoadPoint:
         return not self.reason
 
 
-def load_point(
-    decomposition: Decomposition, state: PopulationState, refined: RefinedState | None
-) -> LoadPoint:
-    """The load point at a state of the contacts.
-
-    Parameters
-    ----------
-    decomposition, state
-        The contacts.
-    refined
-        The load on refined contacts, if it was solved.
-    """
-    surface, area = _whole_surface(decomposition, state)
-    if refined is not None:
-        other, _ = _whole_surface(refined.decomposition, refined.state)
-        surface = surface.towards(other, refined.weight)
-        area = scaled_to(surface.contact_area, area, state.area)
+def load_point(decomposition: Decomposition, state: PopulationState) -> LoadPoint:
+    """The load point at a state of the contacts of a decomposition."""
+    population, law = decomposition.population, decomposition.plan.sub_contact_law
+    area = state.area if law is None else closed_areas(population, law, state)
+    found = decomposition.hm.roughness
+    highest = found.highest - found.mean
+    surface = surface_point(population, law, state, float(area.sum()), highest)
     reason = state.reason or _refusal(decomposition, state, surface)
-    return LoadPoint(state, surface, area, refined, reason)
+    return LoadPoint(state, surface, area, reason)
 
 
 def point_at_separation(
     decomposition: Decomposition,
-    refinement: Refinement,
     separation: float,
     last: LoadPoint | None,
     tolerance: float,
@@ -94,8 +78,8 @@ def point_at_separation(
 
     Parameters
     ----------
-    decomposition, refinement
-        The contacts, and those refined.
+    decomposition
+        The contacts.
     separation
         Separation wanted [m].
     last
@@ -109,12 +93,11 @@ def point_at_separation(
     separation of the longer waves is near the step itself.
     """
     lift = 0.0 if last is None else last.surface.separation - last.state.separation
-    refined = None if last is None else last.refined
     state = None if last is None else last.state
     coarse, before = separation - lift, None
     for left in reversed(range(MAX_TRIES + 1)):
         state = decomposition.population.solve(separation=coarse, state=state, tolerance=tolerance)
-        point = load_point(decomposition, state, refinement.solve(state, refined))
+        point = load_point(decomposition, state)
         error = separation - point.surface.separation
         close = abs(error) * point.surface.stiffness <= LOAD_ERROR * state.mean_pressure
         if not (left and state.converged) or (error >= 0.0 if state.active == 0 else close):
@@ -126,17 +109,6 @@ def point_at_separation(
         before = coarse, error
         coarse += step
     return point
-
-
-def _whole_surface(
-    decomposition: Decomposition, state: PopulationState
-) -> tuple[SurfacePoint, Array]:
-    """The whole surface at a state of its contacts, and their closed areas [m^2]."""
-    population, law = decomposition.population, decomposition.plan.sub_contact_law
-    area = state.area if law is None else closed_areas(population, law, state)
-    found = decomposition.hm.roughness
-    highest = found.highest - found.mean
-    return surface_point(population, law, state, float(area.sum()), highest), area
 
 
 def _refusal(decomposition: Decomposition, state: PopulationState, surface: SurfacePoint) -> str:

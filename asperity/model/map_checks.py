@@ -5,32 +5,46 @@ from __future__ import annotations
 import numpy as np
 
 from asperity.multiscale.pixel_waves import resolution_warning
-from asperity.parameters import DEFAULTS, MapChecks
+from asperity.parameters import DEFAULTS
 from surfaces.heightmap import HeightMap
 from surfaces.statistics.describe import unit_warning
 
 __all__ = ["lay", "map_warnings"]
 
+SPIKE = 3.0
+"""Height of a point above all its neighbors, in rms heights, from which on it is called a spike:
+noise reaches 2.5, a map to the pixel 1."""
+
+LONG_LAY = 7.0
+"""Slopes across over those along a lay from which on ridges are warned of."""
+
+STRAIGHT = 0.4
+"""Share of the highest points in line with both neighbors from which on heights seem clipped: 0.6
+to 1 of plateaus, leveled or not, and of ridges; 0.2 of steps of a thirtieth of the rms height and
+of the coarsest of eight measured maps."""
+
 HIGHEST, LINES = 0.02, 16
 """Share of the points that count as the highest, and rows and columns on which they are sought."""
 
 
-def map_warnings(hm: HeightMap, checks: MapChecks = DEFAULTS.map_checks) -> list[str]:
+def map_warnings(
+    hm: HeightMap, longest_lay: float = DEFAULTS.error_estimate.longest_lay
+) -> list[str]:
     """One sentence for each reason to doubt what any model makes of a map.
 
     Parameters
     ----------
     hm
         Height map without missing points.
-    checks
-        What is warned of.
+    longest_lay
+        Slopes across over those along a lay from which on no errors are estimated.
     """
     return [
         *unit_warning(hm.roughness.rms_slope),
         *resolution_warning(hm),
-        *_spike_warning(hm, checks.spike),
-        *_straight_warning(hm, checks.straight_share),
-        *_lay_warning(lay(hm), checks),
+        *_spike_warning(hm),
+        *_straight_warning(hm),
+        *_lay_warning(lay(hm), longest_lay),
     ]
 
 
@@ -45,7 +59,7 @@ def lay(hm: HeightMap) -> float:
     return float(np.sqrt((middle + apart) / (middle - apart))) if middle > apart else np.inf
 
 
-def _spike_warning(hm: HeightMap, least: float) -> list[str]:
+def _spike_warning(hm: HeightMap) -> list[str]:
     heights, rms = hm.heights, hm.roughness.rms_height
     band, col = np.unravel_index(int(np.argmax(hm.roughness.tops)), hm.roughness.tops.shape)
     row = hm.roughness.rows[band, col]
@@ -56,7 +70,7 @@ def _spike_warning(hm: HeightMap, least: float) -> list[str]:
     )
     second, first = np.partition(heights[np.ix_(*places)], -2, axis=None)[-2:]
     above = float(first - second)
-    if not above > least * rms:
+    if not above > SPIKE * rms:
         return []
     return [
         f"the highest point stands {above / rms:.0f} rms heights above its neighbors and holds up "
@@ -64,7 +78,7 @@ def _spike_warning(hm: HeightMap, least: float) -> list[str]:
     ]
 
 
-def _straight_warning(hm: HeightMap, least: float) -> list[str]:
+def _straight_warning(hm: HeightMap) -> list[str]:
     heights, rounding = hm.heights, 8.0 * np.finfo(float).eps
     largest = max(abs(hm.roughness.highest), abs(hm.roughness.lowest))
     step = -(-len(heights) // LINES)
@@ -75,7 +89,7 @@ def _straight_warning(hm: HeightMap, least: float) -> list[str]:
     share = max(
         float(np.mean(np.abs(bend) <= rounding * largest)) for bend in (along, across) if bend.size
     )
-    if share < least:
+    if share < STRAIGHT:
         return []
     return [
         f"{100 * share:.0f} % of the highest points lie in line with their neighbors (clipped or "
@@ -84,10 +98,10 @@ def _straight_warning(hm: HeightMap, least: float) -> list[str]:
     ]
 
 
-def _lay_warning(ratio: float, checks: MapChecks) -> list[str]:
-    if ratio < checks.long_lay:
+def _lay_warning(ratio: float, longest: float) -> list[str]:
+    if ratio < LONG_LAY:
         return []
-    estimate = ", and its error is not estimated" if ratio >= checks.longest_lay else ""
+    estimate = ", and its error is not estimated" if ratio >= longest else ""
     return [
         f"slopes across the lay are {ratio:.0f} times those along it: the microcontact model is "
         f"doubtful on such ridges{estimate}; use boundary elements"

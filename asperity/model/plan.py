@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from asperity.multiscale.sub_contact_law import SubContactLaw
 
-__all__ = ["SCALES", "Plan", "interaction_needed", "make_plan", "refined_plan"]
+__all__ = ["SCALES", "Plan", "interaction_needed", "make_plan"]
 
 SCALES = ("auto", "all")
 """What may become of the finest waves of a map."""
@@ -64,8 +64,8 @@ class Plan:
         One line for each choice.
     resampled
         The map on another grid, solved in its place; None: the map itself.
-    split
-        The split of its waves into those of this grid and finer ones; None if it holds them all.
+    sub_contact_law
+        Law of the waves that the grid does not hold; None if it holds them all.
     warnings
         One line for each reason to doubt what any model makes of the map.
     lay
@@ -76,6 +76,17 @@ class Plan:
         The map and the material that it was made for.
     parameters
         Constants of the model.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> plan = asperity.make_plan(hm, steel, pressures=[1e8, 1e9], boundary="free")
+    >>> plan.boundary, len(plan.reasons) > 0
+    ('free', True)
     """
 
     boundary: Boundary
@@ -85,17 +96,12 @@ class Plan:
     memory: int
     reasons: tuple[str, ...]
     resampled: HeightMap | None = field(default=None, repr=False)
-    split: Split | None = field(default=None, repr=False, compare=False)
+    sub_contact_law: SubContactLaw | None = field(default=None, repr=False)
     warnings: tuple[str, ...] = ()
     lay: float = 1.0
     seconds: float = field(default=0.0, compare=False)
     scene: tuple[HeightMap, HalfSpace] | None = field(default=None, repr=False, compare=False)
     parameters: Parameters = field(default=DEFAULTS, repr=False)
-
-    @property
-    def sub_contact_law(self) -> SubContactLaw | None:
-        """Law of the waves that the grid does not hold; None if it holds them all."""
-        return None if self.split is None else self.split.fine
 
     def require_scene_of(self, hm: HeightMap, material: HalfSpace) -> None:
         """Refuse the plan for a map or material whose other grid or fine law it does not hold.
@@ -150,6 +156,17 @@ def make_plan(
         If the map has missing points or is constant.
     InputError
         If the load points are not usable or the memory would not suffice.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> plan = asperity.make_plan(hm, steel, pressures=[1e8, 1e9])
+    >>> plan.law, plan.boundary
+    ('auto', 'periodic')
     """
     compile_ahead("summits")
     start = time.perf_counter()
@@ -180,7 +197,7 @@ def make_plan(
         above, why = _lowest_height(hm, material, kind, values, parameters.segmentation)
     reasons.append(why)
     reasons += whys
-    warnings = tuple(map_warnings(hm, parameters.map_checks))
+    warnings = tuple(map_warnings(hm, parameters.error_estimate.longest_lay))
     reasons += [f"warning: {why}" for why in warnings]
     memory = MODEL_BYTES_PER_POINT * points
     reasons.append(f"memory: about {memory / 2**20:.0f} MiB")
@@ -195,33 +212,13 @@ def make_plan(
         memory=memory,
         reasons=tuple(reasons),
         resampled=resampled,
-        split=split,
+        sub_contact_law=None if split is None else split.law,
         warnings=warnings,
         lay=lay(hm),
         seconds=seconds,
         scene=(hm, material),
         parameters=parameters,
     )
-
-
-def refined_plan(plan: Plan) -> Plan | None:
-    """The plan with more waves kept for contacts, for loads that contacts of few fine waves carry.
-
-    None if hardly more can be kept.
-    """
-    parameters = plan.parameters
-    if plan.split is None or plan.scene is None or not parameters.corrections.refinement:
-        return None
-    hm, material = plan.scene
-    split = plan.split.finer(material)
-    if split is plan.split:
-        return None
-    resampled = _grid(hm, "auto", parameters)[0] if split is None else split.coarse
-    above, bounds = None, parameters.segmentation
-    if (hm if resampled is None else resampled).heights.size > bounds.refined_whole_points:
-        share = parameters.refinement.many * plan.split.fine.shortest**2 / hm.area
-        above = _above_contacts(_sample(hm), share, bounds)
-    return replace(plan, resampled=resampled, split=split, above=above)
 
 
 def _require_usable(hm: HeightMap) -> None:
@@ -304,10 +301,10 @@ def _split(
     split = split_scales(hm, material, parameters)
     if isinstance(split, str):
         return None, [split]
-    (ny, nx), fine = split.coarse.shape, split.fine
+    (ny, nx), law = split.coarse.shape, split.law
     return split, [
-        f"scales: waves shorter than {fine.shortest:.3g} m act as a law of the contacts of "
-        f"the others; they hold {100 * fine.ratio / (1 + fine.ratio):.0f} % of the squared slope",
+        f"scales: waves shorter than {law.shortest:.3g} m act as a law of the contacts of "
+        f"the others; they hold {100 * law.ratio / (1 + law.ratio):.0f} % of the squared slope",
         f"grid: {ny} x {nx} points hold the longer waves of {hm.shape[0]} x {hm.shape[1]}",
     ]
 

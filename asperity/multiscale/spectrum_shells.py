@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
@@ -63,13 +63,6 @@ class Shells:
         numbers = np.asarray(qy, float), np.asarray(qx, float)
         width = 2.0 * np.pi / max(hm.size)
         return cls(hm, waves, numbers, width, _sums(hm, waves, numbers, width, m))
-
-    def inner(self, last: int) -> Shells:
-        """Those with no waves beyond the shell `last` but in the corners; the sums stay."""
-        rows, width = self._within(last)
-        qy, qx = self.numbers
-        waves = self.waves[rows, :width]
-        return replace(self, waves=waves, numbers=(qy[rows], qx[:width].copy()))
 
     def map(self, last: int, points: float) -> HeightMap | None:
         """The map of the waves up to the shell `last`, on a grid of `points` per shortest wave.

@@ -8,20 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.parameters import DEFAULTS, Refinement
-
 if TYPE_CHECKING:
     from asperity.interaction.population import Population, PopulationState
 
     from .sub_contact_law import SubContactLaw
 
-__all__ = [
-    "SurfacePoint",
-    "closed_areas",
-    "refinement_weight",
-    "scaled_to",
-    "surface_point",
-]
+__all__ = ["SurfacePoint", "closed_areas", "surface_point"]
 
 Array = NDArray[np.float64]
 
@@ -46,27 +38,6 @@ class SurfacePoint:
     separation: float
     contact_area: float
     stiffness: float
-
-    def towards(self, other: SurfacePoint, weight: float) -> SurfacePoint:
-        """The weighted mean with another point of the load; 1 gives the other."""
-        return SurfacePoint(
-            separation=self.separation + weight * (other.separation - self.separation),
-            contact_area=self.contact_area + weight * (other.contact_area - self.contact_area),
-            stiffness=self.stiffness + weight * (other.stiffness - self.stiffness),
-        )
-
-
-def refinement_weight(
-    law: SubContactLaw, state: PopulationState, bounds: Refinement = DEFAULTS.refinement
-) -> float:
-    """1 where so few fine waves lie under the contacts of a state that each of them counts, 0 where
-    their mean tells."""
-    closed = np.flatnonzero(state.force > 0)
-    if not closed.size:
-        return 0.0
-    force, waves = state.force[closed], 1.0 + state.area[closed] / law.shortest**2
-    number = force.sum() ** 2 / np.sum(force**2 / waves)
-    return float(np.clip(np.log(bounds.many / number) / np.log(bounds.many / bounds.few), 0.0, 1.0))
 
 
 def surface_point(
@@ -133,17 +104,3 @@ def closed_areas(population: Population, law: SubContactLaw, state: PopulationSt
         area[closed] = whole * law.remaining(pressure, share, whole)
         share = 0.5 * (state.contact_area + float(area.sum())) / nominal
     return area
-
-
-def scaled_to(total: float, area: Array, whole: Array) -> Array:
-    """Closed areas [m^2] of another sum: of contacts of the areas `whole`, `area` of them closed.
-
-    Less is taken from what is closed, more from what is open, each by one factor; more than all
-    there is makes contacts wider.
-    """
-    closed, most = float(area.sum()), float(whole.sum())
-    if total <= closed:
-        return np.asarray(area * (total / closed))
-    if total >= most:
-        return np.asarray(whole * (total / most))
-    return np.asarray(whole - (whole - area) * ((most - total) / (most - closed)))

@@ -9,7 +9,7 @@ contacts the short waves leave part of the area open and lift the flat.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,41 +45,12 @@ class Split:
     ----------
     coarse
         Map of the longer waves, on a grid that holds it well.
-    fine
+    law
         Law of the finer ones.
-    shells
-        The waves of the map, but of those `fine` is about only the ones that `finer` may keep.
-    last, finest
-        Shells of the shortest waves that are kept, and that may be.
-    parameters
-        Constants of the model.
     """
 
     coarse: HeightMap
-    fine: SubContactLaw
-    shells: Shells
-    last: int
-    finest: int
-    parameters: Parameters
-
-    def finer(self, material: HalfSpace) -> Split | None:
-        """A split with more waves kept for contacts; itself if hardly more can be, None if hardly
-        any would be left for the law."""
-        shells, last, parameters = self.shells, self._next, self.parameters
-        fine = _law(shells, last, material, parameters)
-        if fine is None:
-            return None
-        if self.last > parameters.refinement.shorter * last:
-            return self
-        coarse = shells.map(last, parameters.refinement.points)
-        return None if coarse is None else Split(coarse, fine, shells, last, last, parameters)
-
-    @property
-    def _next(self) -> int:
-        """Shell up to which `finer` keeps waves."""
-        chosen = self.parameters.refinement
-        more = math.ceil(self.last / chosen.shorter)
-        return min(max(more, _shell(chosen.waves, self.shells.hm)), self.finest)
+    law: SubContactLaw
 
 
 def split_scales(
@@ -126,14 +97,13 @@ def split_scales(
     if m2[finest] > (1.0 - bounds.unresolved_slope) * m2[-1] and breadth[-1] < broad:
         return NARROW
     last = min(max(last or finest, _shell(bounds.fewest_waves, hm)), finest)
-    fine = _law(shells, last, material, parameters)
-    if fine is None:
+    law = _law(shells, last, material, parameters)
+    if law is None:
         return "scales: all, the map has too few waves to take the finest out"
     coarse = shells.map(last, bounds.points)
     if coarse is None:
         return "scales: all, the map is too small to take its finest waves out"
-    split = Split(coarse, fine, shells, last, finest, parameters)
-    return replace(split, shells=shells.inner(split._next))
+    return Split(coarse, law)
 
 
 def _shell(waves: float, hm: HeightMap) -> int:

@@ -46,6 +46,19 @@ def write_vti(
     -----
     VTK XML format 1.0 with inline base64 data: a UInt64 count of bytes, then the bytes with x
     running fastest.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> from pathlib import Path
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     asperity.write_vti(f"{folder}/map.vti", {"height": hm.heights}, hm.spacing)
+    ...     print(Path(f"{folder}/map.vti").read_text()[:21])
+    <?xml version='1.0' e
     """
     if not isinstance(fields, Mapping):
         raise InputError('the fields of an image are given by name: {"pressure": pressure}')

@@ -16,12 +16,11 @@ import numpy as np
 from asperity.halfspace.flags import Flag
 from asperity.parameters import DEFAULTS, ErrorEstimate
 
-from .outside_model import OUTSIDE_MODEL, outside_model_terms
+from .outside_model import OUTSIDE_MODEL
 
 if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
     from asperity.model.decomposition import Decomposition
-    from asperity.model.load_point import LoadPoint
     from surfaces.heightmap import HeightMap
 
 __all__ = [
@@ -29,7 +28,6 @@ __all__ = [
     "TERMS",
     "estimate",
     "nonrandomness",
-    "point_terms",
     "terms",
 ]
 
@@ -104,22 +102,6 @@ def terms(decomposition: Decomposition, state: PopulationState, odd: float) -> d
         few * np.sqrt(crowding),
     )
     return {name: float(value) for name, value in zip(TERMS, found, strict=True)}
-
-
-def point_terms(decomposition: Decomposition, point: LoadPoint, odd: float) -> dict[str, float]:
-    """Terms of a load point, weighted with those of its refined contacts."""
-    found = _all_terms(decomposition, point.state, odd)
-    if point.refined is None:
-        return found
-    weight = point.refined.weight
-    other = _all_terms(point.refined.decomposition, point.refined.state, odd)
-    return {name: value + weight * (other[name] - value) for name, value in found.items()}
-
-
-def _all_terms(
-    decomposition: Decomposition, state: PopulationState, odd: float
-) -> dict[str, float]:
-    return terms(decomposition, state, odd) | outside_model_terms(decomposition, state)
 
 
 def nonrandomness(hm: HeightMap) -> float:

@@ -42,6 +42,8 @@ _DAMAGED = (
 _MISSING = {"", "nan", "na", "n/a", "bad", "none", "null", "-", "--", "---", "*", "**", "***"}
 _COMMENT = "#%;/!"
 _HEAD = 2**16  # bytes that tell how a text is encoded
+_TRUTH = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False, "": False}
+
 _STATED = re.compile(r"^\W*(spacing|unit|periodic|name)\s*[:=]\s*(\S.*?)\s*$", re.IGNORECASE)
 
 
@@ -128,7 +130,6 @@ def read_text(
             f"{path}: three columns of which two run over a grid look like x, y, z; write the "
             "heights as the rows of a map"
         )
-    stated["periodic"] = str(stated.get("periodic", "")).lower() in ("true", "1", "yes")
     return _as_map(heights, path, unit, spacing, stated)
 
 
@@ -240,10 +241,18 @@ def _as_map(
     return HeightMap(
         heights,
         pixel,
-        periodic=bool(stated.get("periodic", False)),
+        periodic=_periodic(stated.get("periodic", False), path),
         name=str(stated.get("name") or path.stem),
         history=(origin,),
     )
+
+
+def _periodic(stated: Any, path: Path) -> bool:
+    """Whether a map is periodic, from a truth value, 0 or 1, or a word."""
+    word = str(np.asarray(stated).ravel()[0] if np.size(stated) == 1 else stated).strip().lower()
+    if word not in _TRUTH:
+        raise FileFormatError(f"{path}: periodic is {word!r}; it must be true or false")
+    return _TRUTH[word]
 
 
 def _check_npy_header(member: IO[bytes], size: int, name: str) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from numpy.typing import ArrayLike
 
+from surfaces.arguments import as_path
 from surfaces.errors import FileFormatError, InputError, SurfaceError
 from surfaces.heightmap import HeightMap, require_map
 
@@ -71,7 +72,7 @@ def read(
     ...     print(surfaces.read(f"{folder}/scan.h5", rows=(0, 16)).shape)
     (16, 48)
     """
-    path = Path(path)
+    path = as_path(path)
     if not path.exists():
         raise FileFormatError(f"{path}: no such file")
     if not path.is_file():
@@ -127,7 +128,7 @@ def write(hm: HeightMap, path: str | os.PathLike[str], *, dtype: str = "float64"
     True
     """
     require_map(hm)
-    path = Path(path)
+    path = as_path(path)
     if path.suffix.lower() in _HDF5:
         from .hdf5_write import write_blocks
 

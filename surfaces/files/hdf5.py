@@ -15,6 +15,7 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from surfaces.arguments import as_path
 from surfaces.errors import AsperityError, FileFormatError, InputError, SurfaceError
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
@@ -237,7 +238,7 @@ def open(
     ...         print(file.shape, file.spacing)
     (32, 48) (1e-06, 1e-06)
     """
-    path, pixel = Path(path), _pair(spacing)
+    path, pixel = as_path(path), _pair(spacing)
     require_sound(path, dataset)
     file = opened(path)
     try:
@@ -278,7 +279,7 @@ def validate(path: str | os.PathLike[str], *, dataset: str | None = None) -> lis
     ...     print(surfaces.validate(f"{folder}/scan.h5"))
     []
     """
-    path = Path(path)
+    path = as_path(path)
     try:
         require_sound(path, dataset)
         file = opened(path)

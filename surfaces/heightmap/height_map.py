@@ -83,7 +83,13 @@ class HeightMap:
         if not isinstance(self.periodic, bool | np.bool_):
             raise SurfaceError(f"periodic is {self.periodic!r}; it must be True or False")
         object.__setattr__(self, "name", str(self.name).encode(errors="replace").decode())
-        object.__setattr__(self, "history", tuple(dict(step) for step in self.history))
+        try:
+            steps = tuple(dict(step) for step in self.history)
+        except (TypeError, ValueError):
+            raise SurfaceError(
+                f"history is {self.history!r}; it is a sequence of mappings, one per step"
+            ) from None
+        object.__setattr__(self, "history", steps)
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from .compiled import QUOTIENTS, inner
-from .lanes import exponent, mantissa, power_of_two, splat, where, whole
+from .lanes import splat
+from .vectors import exponent, mantissa, power_of_two, where, whole
 
 _INVERSE_FACTORIALS = np.array([1 / math.factorial(k) for k in range(11)])
 _SINES = np.array([(-1.0) ** k / math.factorial(2 * k + 1) for k in range(7)])

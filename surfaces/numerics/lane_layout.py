@@ -18,7 +18,7 @@ def spread_rows(source, rows, out, space):
     for k in range(width):
         for lane in range(LANES):
             store(space, lane, load(source, rows[lane] * width + k))
-        transpose(space, 0, 1, out, k * LANES)
+        transpose(space, 0, 1, out, k * LANES, 1)
 
 
 @inner()
@@ -26,7 +26,7 @@ def collect_rows(source, target, rows, count, space):
     """The first `count` lanes as rows of an array of whole groups; `space` is eight groups."""
     width = target.shape[1] // LANES
     for k in range(width):
-        transpose(source, k * LANES, 1, space, 0)
+        transpose(source, k * LANES, 1, space, 0, 1)
         for lane in range(count):
             store(target, rows[lane] * width + k, load(space, lane))
 

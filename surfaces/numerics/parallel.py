@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
+from surfaces.arguments import as_number
 from surfaces.errors import InputError
 
 __all__ = ["aside", "available", "blocks", "each", "lines", "run", "set_threads", "threads"]
@@ -50,9 +51,16 @@ def _default() -> int:
 
 
 def set_threads(count: int | None) -> None:
-    """Use `count` threads from now on, at most one per processor; None returns to the default."""
+    """Use `count` threads from now on, at most one per processor; None returns to the default.
+
+    Examples
+    --------
+    >>> import asperity
+    >>> asperity.set_threads(2)
+    >>> asperity.set_threads(None)  # as many as there are processors
+    """
     global _chosen
-    if count is not None and count < 1:
+    if count is not None and as_number("count", count) < 1:
         raise InputError(f"the number of threads is {count}; give at least 1")
     _chosen = None if count is None else min(int(count), available())
 

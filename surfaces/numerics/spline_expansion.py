@@ -1,7 +1,7 @@
-"""Value and derivatives of the quintic B-spline, as explicit vector instructions.
+"""Value and derivatives of the quintic B-spline.
 
-Written out as vectors because the automatic vectorizer does not find them in a loop of six taps:
-the six weights of an axis are one polynomial in vector coefficients, and each of the six rows of
+Written with vectors because the automatic vectorizer does not find them in a loop of six taps: the
+six weights of an axis are one polynomial in vector coefficients, and each of the six rows of
 coefficients is one load and one multiply-add for every derivative over y that is asked for. The
 lanes that fill the vector have the weight zero.
 
@@ -12,43 +12,20 @@ weights over y from memory, where spreading one over all lanes costs nothing.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.core import cgutils
-from numba.extending import intrinsic
 from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 
-from .vectors import (
-    data_of,
-    everywhere,
-    load,
-    multiply_add,
-    shuffled,
-    store,
-    sum_lanes,
-    sums_of_each,
-)
+from .compiled import inner
+from .vectors import lane, loader, multiply_add, repeater, splatter, store, sums, total
 
-__all__ = [
-    "LANES",
-    "TAPS",
-    "VECTOR",
-    "WEIGHTS",
-    "entry",
-    "horner",
-    "spline_expansion",
-    "spline_values",
-]
+__all__ = ["LANES", "TAPS", "WEIGHTS", "spline_expansion", "spline_values"]
 
 LANES = 8
 TAPS = 6
-_EXPANSION = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 
-VECTOR = ir.VectorType(ir.DoubleType(), LANES)
+load, repeat, splat = loader(LANES), repeater(LANES), splatter(LANES)
 
 
 def _weights() -> NDArray[np.float64]:
@@ -57,107 +34,89 @@ def _weights() -> NDArray[np.float64]:
     The quintic B-spline is sum_k (-1)^k binomial(6, k) (x + 3 - k)_+^5 / 120, at x = t - tap.
     """
     out = np.zeros((3, TAPS, LANES))
-    for lane in range(TAPS):
+    for tap in range(TAPS):
         terms = [
-            (-1) ** k * math.comb(6, k) * polynomial.polypow([5 - lane - k, 1.0], 5) / 120.0
-            for k in range(6 - lane)
+            (-1) ** k * math.comb(6, k) * polynomial.polypow([5 - tap - k, 1.0], 5) / 120.0
+            for k in range(6 - tap)
         ]
         weight = np.sum(terms, axis=0)
         for order in range(3):
             values = polynomial.polyder(weight, order)
-            out[order, : values.size, lane] = values
+            out[order, : values.size, tap] = values
     return out
 
 
 WEIGHTS = _weights()
 
 
-def entry(builder: Any, data: Any, place: Any) -> Any:
-    return builder.load(builder.gep(data, [place]))
+@inner(forceinline=True)
+def _taps(order, t):
+    """Weights of all taps, or their derivative, at a fraction that stands in all lanes."""
+    last = TAPS * (order + 1) - 1 - order
+    found = load(WEIGHTS, last * LANES)
+    for k in range(last - 1, TAPS * order - 1, -1):
+        found = multiply_add(found, t, load(WEIGHTS, k * LANES))
+    return found
 
 
-def horner(builder: Any, powers: list[Any], t: Any) -> Any:
-    total = powers[-1]
-    for power in reversed(powers[:-1]):
-        total = multiply_add(builder, total, t, power)
-    return total
+@inner(forceinline=True)
+def _products(flat, width, corners, weights, t, point, share):
+    """Products of which the sum is the spline at a point; its weights over y are LANES apart."""
+    corner = corners[point]
+    along = repeat(weights, share) * load(flat, corner)
+    for row in range(1, TAPS):
+        corner += width
+        along = multiply_add(repeat(weights, share + row * LANES), load(flat, corner), along)
+    return along * _taps(0, repeat(t, point))
 
 
-def _taps(builder: Any, t: Any, order: int = 0) -> Any:
-    """Weights of all taps at a fraction that stands in all lanes."""
-    rows = WEIGHTS[order, : TAPS - order]
-    return horner(builder, [ir.Constant(VECTOR, row.tolist()) for row in rows], t)
-
-
-@intrinsic
-def spline_values(
-    typing: Any, flat: Any, width: Any, corners: Any, first: Any, weights: Any, t: Any, out: Any,
-    into: Any,
-) -> Any:  # fmt: skip
+@inner()
+def spline_values(flat, width, corners, first, weights, t, out, into):
     """Spline at the eight points from `first` on, into `out` from `into` on.
 
     The coefficients of a point are 6 x 6 from its corner on in `flat`, which holds them row by
     row, `width` in a row; two more than six are read in each row. `weights` are those over y,
     `t` the fractions of a pixel over x.
     """
-
-    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        kinds = signature.args
-        _, width, _, first, _, _, _, into = arguments
-        data, corners, weights, t, out = (
-            data_of(context, builder, kinds[k], arguments[k]) for k in (0, 2, 4, 5, 6)
-        )
-        shares = builder.mul(first, ir.Constant(first.type, TAPS))
-        products = []
-        for lane in range(LANES):
-            point = builder.add(first, ir.Constant(first.type, lane))
-            corner = entry(builder, corners, point)
-            total = None
-            for row in range(TAPS):
-                at = builder.add(shares, ir.Constant(first.type, row * LANES + lane))
-                share = everywhere(builder, entry(builder, weights, at), LANES)
-                values = load(builder, data, corner, VECTOR)
-                if total is None:
-                    total = builder.fmul(share, values)
-                else:
-                    total = multiply_add(builder, share, values, total)
-                corner = builder.add(corner, width)
-            across = _taps(builder, everywhere(builder, entry(builder, t, point), LANES))
-            products.append(builder.fmul(total, across))
-        store(builder, sums_of_each(builder, products), out, into)
-        return context.get_dummy_value()
-
-    place = types.intp
-    return types.void(flat, place, corners, place, weights, t, out, place), codegen
+    share = first * TAPS
+    found = (
+        _products(flat, width, corners, weights, t, first, share),
+        _products(flat, width, corners, weights, t, first + 1, share + 1),
+        _products(flat, width, corners, weights, t, first + 2, share + 2),
+        _products(flat, width, corners, weights, t, first + 3, share + 3),
+        _products(flat, width, corners, weights, t, first + 4, share + 4),
+        _products(flat, width, corners, weights, t, first + 5, share + 5),
+        _products(flat, width, corners, weights, t, first + 6, share + 6),
+        _products(flat, width, corners, weights, t, first + 7, share + 7),
+    )
+    store(out, into, sums(found))
 
 
-@intrinsic
-def spline_expansion(typing: Any, flat: Any, corner: Any, width: Any, t_y: Any, t_x: Any) -> Any:
+@inner()
+def spline_expansion(flat, corner, width, t_y, t_x):
     """Value and derivatives per pixel (h, h_y, h_x, h_yy, h_xy, h_xx) at one point.
 
     The coefficients are the 6 x 6 from `corner` on, t_y and t_x the fractions of a pixel.
     """
-
-    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        data, place, width, t_y, t_x = arguments
-        data = data_of(context, builder, signature.args[0], data)
-        down, across = (
-            [_taps(builder, t, order) for order in range(3)]
-            for t in (everywhere(builder, t, LANES) for t in (t_y, t_x))
-        )
-        sums: list[Any] = []
-        for row in range(TAPS):
-            values = load(builder, data, place, VECTOR)
-            shares = [shuffled(builder, weight, weight, [row] * LANES) for weight in down]
-            sums = [
-                multiply_add(builder, share, values, sums[k])
-                if row
-                else builder.fmul(share, values)
-                for k, share in enumerate(shares)
-            ]
-            place = builder.add(place, width)
-        results = [sum_lanes(builder, builder.fmul(sums[a], across[b])) for a, b in _EXPANSION]
-        return cgutils.pack_array(builder, results)
-
-    arguments = (flat, types.intp, types.intp, types.float64, types.float64)
-    return types.UniTuple(types.float64, len(_EXPANSION))(*arguments), codegen
+    y, x = splat(t_y), splat(t_x)
+    down, falling, bending = _taps(0, y), _taps(1, y), _taps(2, y)
+    values = load(flat, corner)
+    level, slope, bend = (
+        lane(down, 0) * values,
+        lane(falling, 0) * values,
+        lane(bending, 0) * values,
+    )
+    for row in range(1, TAPS):
+        values = load(flat, corner + row * width)
+        level = multiply_add(lane(down, row), values, level)
+        slope = multiply_add(lane(falling, row), values, slope)
+        bend = multiply_add(lane(bending, row), values, bend)
+    across, steep, bent = _taps(0, x), _taps(1, x), _taps(2, x)
+    return (
+        total(level * across),
+        total(slope * across),
+        total(level * steep),
+        total(bend * across),
+        total(slope * steep),
+        total(level * bent),
+    )

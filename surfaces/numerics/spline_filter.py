@@ -7,14 +7,8 @@ recursion over the last two points each.
 
 from __future__ import annotations
 
-from typing import Any
-
-from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic
-
 from .compiled import compiled, inner
-from .vectors import constant, data_of, load, multiply_add, store, transposed
+from .vectors import loader, multiply_add, store, transposer
 
 __all__ = ["LINES", "PAD", "filter_columns", "filter_rows"]
 
@@ -28,67 +22,17 @@ _POLES = -0.43057534709997379, -0.043096288203264654
 _SUM, _PRODUCT = _POLES[0] + _POLES[1], _POLES[0] * _POLES[1]
 _GAIN = 120.0
 _REST = 1.0 / ((1.0 - _POLES[0]) * (1.0 - _POLES[1]))
-_ROW = ir.VectorType(ir.DoubleType(), LINES)
 _SIDE = 8
-_BLOCK = ir.VectorType(ir.DoubleType(), _SIDE)
+"""Rows and columns that are transposed at a time."""
+
+load, turn = loader(LINES), transposer(_SIDE)
 
 
-def _step(gain: float) -> Any:
-    """Function that filters a row of the buffer, given the places of the row and the last two."""
-
-    @intrinsic
-    def function(typing: Any, line: Any, at: Any, last: Any, before: Any) -> Any:
-        def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            data = data_of(context, builder, signature.args[0], arguments[0])
-            value, near, far = (load(builder, data, place, _ROW) for place in arguments[1:])
-            total = builder.fmul(constant(_ROW, gain), value)
-            total = multiply_add(builder, constant(_ROW, -_PRODUCT), far, total)
-            total = multiply_add(builder, constant(_ROW, _SUM), near, total)
-            store(builder, total, data, arguments[1])
-            return context.get_dummy_value()
-
-        return types.void(line, types.intp, types.intp, types.intp), code
-
-    return function
-
-
-_forwards, _backwards = _step(_GAIN), _step(_PRODUCT)
-
-
-@intrinsic
-def _copy(typing: Any, source: Any, start: Any, target: Any, to: Any) -> Any:
-    """Copy one row from a place of the source on to a place of the target."""
-
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        source, start, target, to = arguments
-        kinds = signature.args
-        row = load(builder, data_of(context, builder, kinds[0], source), start, _ROW)
-        store(builder, row, data_of(context, builder, kinds[2], target), to)
-        return context.get_dummy_value()
-
-    return types.void(source, types.intp, target, types.intp), code
-
-
-@intrinsic
-def _turn(typing: Any, source: Any, start: Any, step: Any, target: Any, to: Any, along: Any) -> Any:
-    """Copy a transposed square of `_SIDE` rows, a `step` apart there and `along` here."""
-
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        source, start, step, target, to, along = arguments
-        kinds = signature.args
-        source = data_of(context, builder, kinds[0], source)
-        target = data_of(context, builder, kinds[3], target)
-        rows = []
-        for _ in range(_SIDE):
-            rows.append(load(builder, source, start, _BLOCK))
-            start = builder.add(start, step)
-        for column in transposed(builder, rows):
-            store(builder, column, target, to)
-            to = builder.add(to, along)
-        return context.get_dummy_value()
-
-    place = types.intp
-    return types.void(source, place, place, target, place, place), code
+@inner(forceinline=True)
+def _step(line, at, last, before, gain):
+    """Filter the row of the buffer at a place, given the places of the last two and the gain."""
+    value = multiply_add(load(line, before), -_PRODUCT, gain * load(line, at))
+    store(line, at, multiply_add(load(line, last), _SUM, value))
 
 
 @inner()
@@ -98,8 +42,8 @@ def _filter(line, m, periodic):
     for ghost in range(1, PAD + 1):
         low, high = (PAD - ghost) * LINES, (PAD + m - 1 + ghost) * LINES
         if periodic:
-            _copy(line, (PAD + (-ghost) % m) * LINES, line, low)
-            _copy(line, (PAD + (m - 1 + ghost) % m) * LINES, line, high)
+            store(line, low, load(line, (PAD + (-ghost) % m) * LINES))
+            store(line, high, load(line, (PAD + (m - 1 + ghost) % m) * LINES))
             continue
         bend = 0.5 * ghost * (ghost + 1)
         for edge, way, place in ((PAD, LINES, low), (PAD + m - 1, -LINES, high)):
@@ -109,15 +53,15 @@ def _filter(line, m, periodic):
                 line[place + k] = a + ghost * (a - b) + bend * (a - 2.0 * b + c)
     for k in range(LINES):
         line[k] *= _GAIN * _REST
-    _forwards(line, LINES, 0, 0)
+    _step(line, LINES, 0, 0, _GAIN)
     for i in range(2, n):
-        _forwards(line, i * LINES, (i - 1) * LINES, (i - 2) * LINES)
+        _step(line, i * LINES, (i - 1) * LINES, (i - 2) * LINES, _GAIN)
     last = (n - 1) * LINES
     for k in range(LINES):
         line[last + k] *= _PRODUCT * _REST
-    _backwards(line, last - LINES, last, last)
+    _step(line, last - LINES, last, last, _PRODUCT)
     for i in range(n - 3, -1, -1):
-        _backwards(line, i * LINES, (i + 1) * LINES, (i + 2) * LINES)
+        _step(line, i * LINES, (i + 1) * LINES, (i + 2) * LINES, _PRODUCT)
 
 
 @compiled()
@@ -130,7 +74,7 @@ def filter_columns(heights, periodic, flat, line, start, stop):
         lanes = min(LINES, stop - left)
         for i in range(ny):
             if lanes == LINES:
-                _copy(source, i * nx + left, line, (PAD + i) * LINES)
+                store(line, (PAD + i) * LINES, load(source, i * nx + left))
                 continue
             for k in range(lanes):
                 line[(PAD + i) * LINES + k] = source[i * nx + left + k]
@@ -138,7 +82,7 @@ def filter_columns(heights, periodic, flat, line, start, stop):
         for i in range(ny + 2 * PAD):
             place = i * width + PAD + left
             if lanes == LINES:
-                _copy(line, i * LINES, flat, place)
+                store(flat, place, load(line, i * LINES))
                 continue
             for k in range(lanes):
                 flat[place + k] = line[i * LINES + k]
@@ -154,7 +98,7 @@ def filter_rows(flat, nx, periodic, line, start, stop):
             row, whole = (top + k) * width, lanes >= k + _SIDE
             tail = PAD + nx - nx % _SIDE if whole else PAD
             for j in range(PAD, tail, _SIDE):
-                _turn(flat, row + j, width, line, j * LINES + k, LINES)
+                turn(flat, row + j, width, line, j * LINES + k, LINES)
             for lane in range(k, min(k + _SIDE, lanes)):
                 for j in range(tail, PAD + nx):
                     line[j * LINES + lane] = flat[(top + lane) * width + j]
@@ -163,7 +107,7 @@ def filter_rows(flat, nx, periodic, line, start, stop):
             row, whole = (top + k) * width, lanes >= k + _SIDE
             tail = width - width % _SIDE if whole else 0
             for j in range(0, tail, _SIDE):
-                _turn(line, j * LINES + k, LINES, flat, row + j, width)
+                turn(line, j * LINES + k, LINES, flat, row + j, width)
             for lane in range(k, min(k + _SIDE, lanes)):
                 for j in range(tail, width):
                     flat[(top + lane) * width + j] = line[j * LINES + lane]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.arguments import as_number
 from surfaces.errors import InputError, SurfaceError
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel
@@ -89,7 +90,7 @@ def segment(
             f"the map has {heights.size} points, more than {_MOST_PIXELS}; crop or resample it"
         )
     limit = _limit(heights, min_prominence, wolf)
-    if above is not None and np.isnan(above):
+    if above is not None and np.isnan(as_number("above", above)):
         raise InputError("above is not a number; give a height in m or None")
     link, summit, runs, lowest = _links(heights, hm, -np.inf if above is None else float(above))
     summit = np.sort(summit)
@@ -177,11 +178,11 @@ def _falling(
 
 
 def _limit(heights: NDArray[np.float64], min_prominence: float, wolf: float | None) -> float:
-    if not min_prominence >= 0.0:
+    if not as_number("min_prominence", min_prominence) >= 0.0:
         raise InputError(f"min_prominence is {min_prominence}; it must be a height of at least 0 m")
     if wolf is None:
         return float(min_prominence)
-    if not 0.0 <= wolf <= 100.0:
+    if not 0.0 <= as_number("wolf", wolf) <= 100.0:
         raise InputError(f"wolf is {wolf}; it must be a percentage from 0 to 100")
     return max(float(min_prominence), wolf / 100.0 * float(heights.max() - heights.min()))
 

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.arguments import as_number
 from surfaces.errors import InputError, SurfaceError
-from surfaces.heightmap import HeightMap
+from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel, splines
 
 from . import _climb
@@ -70,7 +71,7 @@ class Summits(SummitArrays):
         InputError
             If there are too few rays or nodes.
         """
-        if rays < 4 or nodes < 4:
+        if as_number("rays", rays) < 4 or as_number("nodes", nodes) < 4:
             raise InputError(f"rays is {rays} and nodes is {nodes}; give at least 4 of each")
         fans = Fans(self, index, rays, nodes)
         near = _near(self.peaks.row[index], self.peaks.col[index])
@@ -96,6 +97,9 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
     SurfaceError
         If the peaks belong to a map of another shape, or the map is constant.
     """
+    require_map(hm)
+    if not isinstance(peaks, Peaks):
+        raise InputError(f"the peaks of segment are needed, not {type(peaks).__name__}")
     if peaks.labels.shape != hm.shape:
         raise SurfaceError(
             f"the peaks belong to a map of shape {peaks.labels.shape}, not {hm.shape}; "

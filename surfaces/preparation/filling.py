@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, diags
 from scipy.sparse.linalg import LinearOperator, cg, splu
 
+from surfaces.arguments import as_number
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_map
 
@@ -59,7 +60,7 @@ def fill_missing(hm: HeightMap, *, limit: float = 0.1) -> HeightMap:
     missing = np.isnan(hm.heights)
     count = int(np.count_nonzero(missing))
     fraction = count / missing.size
-    if fraction > limit:
+    if fraction > as_number("limit", limit):
         raise SurfaceError(
             f"{count} of {missing.size} points are missing ({100 * fraction:.3g} %), more than the "
             f"fill limit of {100 * limit:.3g} %; crop the map or raise fill_limit (--fill-limit)"

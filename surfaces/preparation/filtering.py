@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import fft
 
+from surfaces.arguments import as_number
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel
@@ -55,8 +56,8 @@ def bandpass(
     True
     """
     _require_full(hm, "a band-pass")
-    lower = 0.0 if shortest is None else float(shortest)
-    upper = np.inf if longest is None else float(longest)
+    lower = 0.0 if shortest is None else as_number("shortest", shortest)
+    upper = np.inf if longest is None else as_number("longest", longest)
     if not 0.0 <= lower < upper:
         raise SurfaceError(
             f"bandpass keeps wavelengths {lower:g} to {upper:g} m; the first must be the shorter"
@@ -211,7 +212,7 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
     if how == "mirror":
         heights = np.block([[heights, heights[:, ::-1]], [heights[::-1], heights[::-1, ::-1]]])
     elif how == "taper":
-        strip = 0.1 * min(hm.size) if width is None else float(width)
+        strip = 0.1 * min(hm.size) if width is None else as_number("width", width)
         if not 0.0 < strip <= 0.5 * min(hm.size):
             raise SurfaceError(
                 f"the tapered strip is {strip:g} m wide; it must be at most half of "

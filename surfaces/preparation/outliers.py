@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
+from surfaces.arguments import as_number
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_map
 
@@ -61,7 +62,7 @@ def mark_outliers(hm: HeightMap, threshold: float = 6.0) -> HeightMap:
     1
     """
     require_map(hm)
-    if not threshold >= 3.0:
+    if not as_number("outliers", threshold) >= 3.0:
         raise SurfaceError(f"outliers is {threshold}; use 3 or more robust standard deviations")
     present = np.isfinite(hm.heights)
     middle = float(np.median(hm.heights[present]))

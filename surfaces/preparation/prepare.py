@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from surfaces.arguments import as_number
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_map
 
@@ -67,7 +68,7 @@ def prepare(
     require_map(hm)
     if fill not in (None, "harmonic"):
         raise SurfaceError(f"fill is {fill!r}; it must be None or harmonic")
-    if not 0.0 <= fill_limit < 1.0:
+    if not 0.0 <= as_number("fill_limit", fill_limit) < 1.0:
         raise SurfaceError(f"fill_limit is {fill_limit}; it is a fraction from 0 to below 1")
     if bandpass is not None and np.shape(np.asarray(bandpass, dtype=object)) != (2,):
         raise SurfaceError(f"bandpass is {bandpass!r}; give (shortest, longest) wavelength in m")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from laws.sampled import sampled
+from strategies import sampled
 
 from asperity import HalfSpace, InputError, indent
 from asperity.microcontact import Flag, LawTable, tabulate

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from strategies import GRADINGS, POWERS
 
 from asperity import HalfSpace, InputError, ModelRangeError, indent
 from asperity.halfspace.transforms import kappa
@@ -16,9 +17,6 @@ from surfaces import PolarProfile, PolynomialProfile, PowerLawProfile, PowerSumP
 EXPONENTS = [-0.5, -0.3, 0.0, 0.3, 0.5, 0.8]
 GRADED_HERTZ = {-0.3: 6.0468631897, 0.0: 8 / 3, 0.5: 1.0158730159}
 TURN = 2 * np.pi * np.arange(48) / 48
-
-exponent = st.floats(-0.8, 0.8)
-power = st.floats(0.6, 4.0)
 
 
 def wavy(k):
@@ -47,7 +45,7 @@ def tabulated(profile, radius=1.0, nodes=24):
 
 
 @settings(max_examples=30, deadline=None, derandomize=True)
-@given(k=power, m=exponent, scale=st.floats(1e-6, 1e6))
+@given(k=POWERS, m=GRADINGS, scale=st.floats(1e-6, 1e6))
 def test_axisymmetric_power_law_is_exact(k, m, scale):
     profile, material = PowerLawProfile(k, scale), HalfSpace.from_modulus(7.0, m)
     a = 0.3

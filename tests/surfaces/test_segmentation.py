@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
+from oracles import flood, neighbors_of
 
 import surfaces
 from surfaces.numerics import parallel
@@ -18,51 +19,6 @@ from surfaces.numerics import parallel
 def rough(shape=(48, 60), size=(1.0, 1.5), **changes):
     options = {"hurst": 0.7, "rms_height": 1.0, "rolloff": 0.5, "cutoff": 0.12, "seed": 1}
     return surfaces.self_affine(shape, size, **(options | changes))
-
-
-def neighbors_of(i, j, shape, periodic):
-    for di in (-1, 0, 1):
-        for dj in (-1, 0, 1):
-            row, col = i + di, j + dj
-            if periodic:
-                row, col = row % shape[0], col % shape[1]
-            if (di or dj) and 0 <= row < shape[0] and 0 <= col < shape[1]:
-                yield row, col, di, dj
-
-
-def flood(hm, above=-np.inf):
-    """Pixels in descending height, one by one: summits, labels and saddles (no equal heights)."""
-    h = hm.heights
-    labels = np.full(h.shape, -1)
-    group, summits, saddle, parent = [], [], [], []
-
-    def find(a):
-        while group[a] != a:
-            a = group[a]
-        return a
-
-    for p in np.argsort(-h, axis=None):
-        i, j = divmod(int(p), h.shape[1])
-        if h[i, j] < above:
-            break
-        flooded = [
-            ((h[r, c] - h[i, j]) / np.hypot(di * hm.spacing[0], dj * hm.spacing[1]), labels[r, c])
-            for r, c, di, dj in neighbors_of(i, j, h.shape, hm.periodic)
-            if labels[r, c] >= 0
-        ]
-        if not flooded:
-            labels[i, j] = len(group)
-            group.append(len(group))
-            summits.append((i, j))
-            saddle.append(None)
-            parent.append(-1)
-            continue
-        labels[i, j] = max(flooded)[1]
-        roots = sorted({find(label) for _, label in flooded})
-        for root in roots[1:]:
-            group[root], saddle[root], parent[root] = roots[0], h[i, j], roots[0]
-    lowest = h[labels >= 0].min()
-    return summits, labels, [lowest if s is None else s for s in saddle], parent
 
 
 @pytest.mark.parametrize("periodic", [True, False])

@@ -1,4 +1,4 @@
-"""The 4 by 4 mesh nodes about a point, as explicit vector instructions.
+"""The 4 by 4 mesh nodes about a point, a mesh line at once (cubic B-splines, docs/half_space.md).
 
 Four nodes of a mesh line lie side by side. `lines` are the places of the first node of each of the
 four lines in a flat mesh, `at` the shares (y, x) of a step by which the point lies behind the
@@ -7,204 +7,130 @@ second nodes.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import Any
-
-from llvmlite import ir
+import numpy as np
 from numba import types
-from numba.extending import intrinsic
 
-from surfaces.numerics import vectors as vectors
+from surfaces.numerics.compiled import SUMS, inner
+from surfaces.numerics.vectors import adder, lane, loader, multiply_add, store, total
 
 __all__ = ["add_moved", "add_spread", "add_stored", "read", "read_stored", "set_stored"]
 
 NODES = 4
-_SINGLE, _DOUBLE = (ir.VectorType(kind, NODES) for kind in (ir.FloatType(), ir.DoubleType()))
-_CUBIC = (
-    (-1.0, 3.0, -3.0, 1.0),
-    (3.0, -6.0, 3.0, 0.0),
-    (-3.0, 0.0, 3.0, 0.0),
-    (1.0, 4.0, 1.0, 0.0),
+_CUBIC = np.array(
+    [
+        [-1.0, 3.0, -3.0, 1.0],
+        [3.0, -6.0, 3.0, 0.0],
+        [-3.0, 0.0, 3.0, 0.0],
+        [1.0, 4.0, 1.0, 0.0],
+    ]
 )
 """Six times the cubic B-spline at the four nodes, by falling powers of the share of a step."""
 
-_real, _word = types.float64, types.uint64
-_lines, _pair = types.UniTuple(_word, NODES), types.UniTuple(_real, 2)
+_FALLING = np.array([3.0, 2.0, 1.0, 0.0])[:, None]
+_VALUE = _CUBIC / 6
+_SLOPE = _FALLING[:3] * _VALUE[:3]
+_BEND = (_FALLING[:2] - 1) * _SLOPE[:2]
+
+_load, _add = loader(NODES), adder()
+_load_double = loader(NODES, element=types.float64)
 
 
-def _weights(builder: Any, at: Any, axis: int) -> list[Any]:
-    """B-spline weights of the four nodes along an axis, their first and second slopes."""
-    t = vectors.everywhere(builder, builder.extract_value(at, axis), NODES)
-    found = []
-    for order in range(3):
-        total = None
-        for power, numbers in zip((3, 2, 1, 0), _CUBIC, strict=True):
-            if power < order:
-                break
-            factor = (1, power, power * (power - 1))[order] / 6
-            part = ir.Constant(_DOUBLE, [factor * number for number in numbers])
-            total = part if total is None else vectors.multiply_add(builder, total, t, part)
-        found.append(total)
+@inner(fastmath=SUMS, forceinline=True)
+def _weights(table, t):
+    """Polynomials at t, of which the rows of the table are the coefficients."""
+    found = _load(table, 0)
+    for k in range(1, len(table)):
+        found = multiply_add(found, t, _load(table, NODES * k))
     return found
 
 
-def _each(builder: Any, vector: Any) -> list[Any]:
-    """For every lane, a vector of its number."""
-    return [vectors.shuffled(builder, vector, vector, [lane] * NODES) for lane in range(NODES)]
+@inner(fastmath=SUMS, forceinline=True)
+def _outer(a, b, c, d, line):
+    """Line of the sum of the outer products a b and c d."""
+    return multiply_add(b, lane(a, line), lane(c, line) * d)
 
 
-def _kind(mesh: Any) -> Any:
-    """Vector of four nodes of a mesh of this numba type."""
-    return _SINGLE if mesh.dtype == types.float32 else _DOUBLE
+@inner(fastmath=SUMS, forceinline=True)
+def _spread(at, half):
+    """Weights of a unit force with `half` its variance by y and x [steps^2]: factors of `_outer`.
+
+    With w the B-spline they are (w + half_y w'') w along y and x, and w half_x w''.
+    """
+    along, across = _weights(_VALUE, at[0]), _weights(_VALUE, at[1])
+    first = multiply_add(_weights(_BEND, at[0]), half[0], along)
+    return first, across, half[1] * along, _weights(_BEND, at[1])
 
 
-def _add(builder: Any, data: Any, lines: Any, changes: Iterable[Any]) -> None:
-    """Add a vector to each line."""
-    for a, change in enumerate(changes):
-        place = builder.extract_value(lines, a)
-        held = vectors.load(builder, data, place, change.type)
-        vectors.store(builder, builder.fadd(held, change), data, place)
-
-
-def _stored(builder: Any, data: Any, place: Any) -> Iterator[Any]:
-    """Lines of the 16 weights from element `place` on."""
-    for _ in range(NODES):
-        yield vectors.load(builder, data, place, _SINGLE)
-        place = builder.add(place, ir.Constant(place.type, NODES))
-
-
-def _spread(builder: Any, at: Any, half: Any) -> list[Any]:
-    """Lines of the weights of a unit force with `half` its variance by y and x [steps^2]."""
-    along, _, bent = _weights(builder, at, 0)
-    across, _, curved = _weights(builder, at, 1)
-    high, wide = (
-        vectors.everywhere(builder, builder.extract_value(half, axis), NODES) for axis in (0, 1)
-    )
-    value = vectors.multiply_add(builder, high, bent, along)
-    other = builder.fmul(wide, along)
-    return [
-        vectors.multiply_add(builder, p, across, builder.fmul(q, curved))
-        for p, q in zip(_each(builder, value), _each(builder, other), strict=True)
-    ]
-
-
-@intrinsic
-def add_spread(typing: Any, mesh: Any, lines: Any, at: Any, half: Any, force: Any) -> Any:
+@inner(fastmath=SUMS, forceinline=True)
+def add_spread(mesh, lines, at, half, force):
     """Add a force that is spread with `half` its variance by y and x [steps^2]."""
-    signature = types.void(mesh, _lines, _pair, _pair, _real)
-
-    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        mesh, lines, at, half, force = arguments
-        data = vectors.data_of(context, builder, signature.args[0], mesh)
-        force = vectors.everywhere(builder, force, NODES)
-        _add(builder, data, lines, (builder.fmul(force, w) for w in _spread(builder, at, half)))
-        return context.get_dummy_value()
-
-    return signature, codegen
+    a, b, c, d = _spread(at, half)
+    _add(mesh, lines[0], force * _outer(a, b, c, d, 0))
+    _add(mesh, lines[1], force * _outer(a, b, c, d, 1))
+    _add(mesh, lines[2], force * _outer(a, b, c, d, 2))
+    _add(mesh, lines[3], force * _outer(a, b, c, d, 3))
 
 
-@intrinsic
-def add_moved(typing: Any, mesh: Any, lines: Any, at: Any, moment: Any) -> Any:
+@inner(fastmath=SUMS, forceinline=True)
+def add_moved(mesh, lines, at, moment):
     """Add a force times its shift (y, x) [steps]."""
-    signature = types.void(mesh, _lines, _pair, _pair)
-
-    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        mesh, lines, at, moment = arguments
-        data = vectors.data_of(context, builder, signature.args[0], mesh)
-        along, steep, _ = _weights(builder, at, 0)
-        across, slope, _ = _weights(builder, at, 1)
-        by, bx = (
-            vectors.everywhere(builder, builder.extract_value(moment, axis), NODES)
-            for axis in (0, 1)
-        )
-        parts = (_each(builder, builder.fmul(*pair)) for pair in ((by, steep), (bx, along)))
-        changes = (
-            vectors.multiply_add(builder, p, across, builder.fmul(q, slope))
-            for p, q in zip(*parts, strict=True)
-        )
-        if _kind(signature.args[0]) is _SINGLE:
-            changes = (builder.fptrunc(change, _SINGLE) for change in changes)
-        _add(builder, data, lines, changes)
-        return context.get_dummy_value()
-
-    return signature, codegen
+    a, c = moment[0] * _weights(_SLOPE, at[0]), moment[1] * _weights(_VALUE, at[0])
+    b, d = _weights(_VALUE, at[1]), _weights(_SLOPE, at[1])
+    _add(mesh, lines[0], _outer(a, b, c, d, 0))
+    _add(mesh, lines[1], _outer(a, b, c, d, 1))
+    _add(mesh, lines[2], _outer(a, b, c, d, 2))
+    _add(mesh, lines[3], _outer(a, b, c, d, 3))
 
 
-@intrinsic
-def read(typing: Any, mesh: Any, lines: Any, at: Any) -> Any:
+@inner(fastmath=SUMS, forceinline=True)
+def _sum_of_lines(a, b, c, d, weights):
+    """Sum of four mesh lines with the weights of the nodes along y."""
+    found = multiply_add(b, lane(weights, 1), lane(weights, 0) * a)
+    return multiply_add(d, lane(weights, 3), multiply_add(c, lane(weights, 2), found))
+
+
+@inner(fastmath=SUMS, forceinline=True)
+def read(mesh, lines, at):
     """Value of the spline at the point, its slopes by y and x, and its second slopes [1/steps]."""
-    signature = types.UniTuple(_real, 5)(mesh, _lines, _pair)
-
-    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        mesh, lines, at = arguments
-        data = vectors.data_of(context, builder, signature.args[0], mesh)
-        along = [_each(builder, part) for part in _weights(builder, at, 0)]
-        across = _weights(builder, at, 1)
-        sums: list[Any] = [None] * 3
-        kind = _kind(signature.args[0])
-        for a in range(NODES):
-            line = vectors.load(builder, data, builder.extract_value(lines, a), kind)
-            line = line if kind is _DOUBLE else builder.fpext(line, _DOUBLE)
-            for order, part in enumerate(along):
-                sums[order] = (
-                    builder.fmul(part[a], line)
-                    if a == 0
-                    else vectors.multiply_add(builder, part[a], line, sums[order])
-                )
-        terms = ((0, 0), (1, 0), (0, 1), (2, 0), (0, 2))
-        found = [vectors.sum_lanes(builder, builder.fmul(sums[y], across[x])) for y, x in terms]
-        return context.make_tuple(builder, signature.return_type, found)
-
-    return signature, codegen
+    a, b = _load_double(mesh, lines[0]), _load_double(mesh, lines[1])
+    c, d = _load_double(mesh, lines[2]), _load_double(mesh, lines[3])
+    level = _sum_of_lines(a, b, c, d, _weights(_VALUE, at[0]))
+    slope = _sum_of_lines(a, b, c, d, _weights(_SLOPE, at[0]))
+    bend = _sum_of_lines(a, b, c, d, _weights(_BEND, at[0]))
+    across = _weights(_VALUE, at[1])
+    return (
+        total(level * across),
+        total(slope * across),
+        total(level * _weights(_SLOPE, at[1])),
+        total(bend * across),
+        total(level * _weights(_BEND, at[1])),
+    )
 
 
-@intrinsic
-def set_stored(typing: Any, weight: Any, place: Any, at: Any, half: Any) -> Any:
+@inner(fastmath=SUMS, forceinline=True)
+def set_stored(weight, place, at, half):
     """Write the 16 weights of a force that is spread with `half` its variance by y and x [steps^2]
     from element `place` of `weight` on, flat."""
-    signature = types.void(weight, _word, _pair, _pair)
-
-    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        weight, place, at, half = arguments
-        data = vectors.data_of(context, builder, signature.args[0], weight)
-        for line in _spread(builder, at, half):
-            vectors.store(builder, builder.fptrunc(line, _SINGLE), data, place)
-            place = builder.add(place, ir.Constant(place.type, NODES))
-        return context.get_dummy_value()
-
-    return signature, codegen
+    a, b, c, d = _spread(at, half)
+    store(weight, place, _outer(a, b, c, d, 0))
+    store(weight, place + np.uint64(4), _outer(a, b, c, d, 1))
+    store(weight, place + np.uint64(8), _outer(a, b, c, d, 2))
+    store(weight, place + np.uint64(12), _outer(a, b, c, d, 3))
 
 
-@intrinsic
-def add_stored(typing: Any, mesh: Any, lines: Any, weight: Any, place: Any, force: Any) -> Any:
+@inner(fastmath=SUMS, forceinline=True)
+def add_stored(mesh, lines, weight, place, force):
     """Add a force by the 16 weights from element `place` on."""
-    signature = types.void(mesh, _lines, weight, _word, types.float32)
-
-    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        mesh, lines, weight, place, force = arguments
-        data = vectors.data_of(context, builder, signature.args[0], mesh)
-        stored = vectors.data_of(context, builder, signature.args[2], weight)
-        force = vectors.everywhere(builder, force, NODES)
-        changes = (builder.fmul(force, part) for part in _stored(builder, stored, place))
-        _add(builder, data, lines, changes)
-        return context.get_dummy_value()
-
-    return signature, codegen
+    _add(mesh, lines[0], force * _load(weight, place))
+    _add(mesh, lines[1], force * _load(weight, place + np.uint64(4)))
+    _add(mesh, lines[2], force * _load(weight, place + np.uint64(8)))
+    _add(mesh, lines[3], force * _load(weight, place + np.uint64(12)))
 
 
-@intrinsic
-def read_stored(typing: Any, mesh: Any, lines: Any, weight: Any, place: Any) -> Any:
+@inner(fastmath=SUMS, forceinline=True)
+def read_stored(mesh, lines, weight, place):
     """Sum of the nodes by the 16 weights from element `place` on."""
-    signature = types.float32(mesh, _lines, weight, _word)
-
-    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        mesh, lines, weight, place = arguments
-        data = vectors.data_of(context, builder, signature.args[0], mesh)
-        stored = vectors.data_of(context, builder, signature.args[2], weight)
-        total = vectors.constant(_SINGLE, 0.0)
-        for a, part in enumerate(_stored(builder, stored, place)):
-            line = vectors.load(builder, data, builder.extract_value(lines, a), _SINGLE)
-            total = vectors.multiply_add(builder, part, line, total)
-        return vectors.sum_lanes(builder, total)
-
-    return signature, codegen
+    found = _load(weight, place) * _load(mesh, lines[0])
+    found = multiply_add(_load(weight, place + np.uint64(4)), _load(mesh, lines[1]), found)
+    found = multiply_add(_load(weight, place + np.uint64(8)), _load(mesh, lines[2]), found)
+    return total(multiply_add(_load(weight, place + np.uint64(12)), _load(mesh, lines[3]), found))

@@ -14,8 +14,8 @@ from numba import carray, njit
 
 from asperity.interaction.footprint import PAIR_NODES, SMOOTH_DEGREE
 from surfaces.numerics.compiled import QUOTIENTS, inner
+from surfaces.numerics.vectors import two_floats
 
-from ._record_vectors import two_floats
 from .scratch import BLOCK, COLUMNS, floats
 
 ROUNDEST = np.float32(0.06)

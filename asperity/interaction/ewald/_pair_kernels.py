@@ -7,6 +7,7 @@ from numba import carray, njit
 
 from asperity.interaction.footprint import PAIR_NODES
 from surfaces.numerics.compiled import compiled
+from surfaces.numerics.vectors import loader, store
 
 from ._pair_block_kernels import (
     BEND,
@@ -35,7 +36,6 @@ from ._pair_block_kernels import (
     whole_lanes,
     within,
 )
-from ._record_vectors import add_records
 from .scratch import BLOCK, COLUMNS, columns, doubles, floats, places
 
 PAIRS = BLOCK // 2
@@ -44,6 +44,9 @@ PAIRS = BLOCK // 2
 # columns of the scratch in double precision
 SUM, NEAR, OVER, OWN, OTHER, PART = (np.uint64(column * PAIRS) for column in range(6))
 TWO, FOUR = np.uint64(2), np.uint64(4)
+
+# the four numbers of a point lie side by side, so that one instruction reads them all
+_record = loader(4)
 
 
 @njit(inline="always")
@@ -101,7 +104,7 @@ def _fill(i, k, stop, ptr, col, record, row, both, d):
         own = record[i, 3]
         for t in range(count, count + take):
             j = np.uint64(col[k + t - count])
-            add_records(record, i, j, both, t)
+            store(both, FOUR * t, _record(record, FOUR * i) + _record(record, FOUR * j))
             row[t] = np.int32(i)
             d[t + OWN] = own
             d[t + OTHER] = record[j, 3]

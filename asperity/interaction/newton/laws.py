@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from asperity.errors import InputError
 from asperity.interaction.footprint import Footprints
+from asperity.microcontact import law_kernels
 from surfaces.numerics.parallel import blocks, run
-
-from . import _law_kernels
 
 __all__ = ["BLOCK", "FILLED", "STIFFEST", "Evaluated", "Growing", "LawNodes", "Laws"]
 
@@ -110,14 +109,7 @@ class Laws:
 
     Notes
     -----
-    The table holds 6 numbers for each node v = j: s and its slope ds/dv; the constant of the energy
-    in [j, j+1]; the moment and its slope dm/dv; area/v^2.
-
-    s is a cubic Hermite polynomial, linear in the first interval, so that Hertz contacts are exact
-    at any grading; of a tip that is no paraboloid (`BLUNT`) all are powers of v there. The energy
-    is integrated in closed form; the moment is a growing cubic Hermite polynomial with the slope
-    dm/dF = (v - m)/F at the nodes. Beyond `reach` the basin is filled: the contact is a flat punch
-    of constant stiffness and footprint.
+    What is tabulated, and how it is evaluated between the nodes: `law_kernels`.
 
     The coupled problem needs what every true law has (docs/development/half_space.md): a contact
     grows with its approach, and its stiffness with it, up to that of a flat punch of the contact. A
@@ -166,7 +158,7 @@ class Laws:
         if not store.complete:
             store.need(self.index[approach > 0])
         run(
-            lambda a, b: _law_kernels.evaluate(
+            lambda a, b: law_kernels.evaluate(
                 (a, b),
                 self.index,
                 approach,
@@ -174,6 +166,7 @@ class Laws:
                 store.exponent,
                 store.place,
                 store.table,
+                store.tips,
                 out.force,
                 out.stiffness,
                 out.area,
@@ -232,7 +225,8 @@ class _Store:
             n = len(nodes.reach)
         self.reach, self.largest = np.zeros((2, n))
         self.usable, self.repaired, self.ready = np.ones(n, bool), *np.zeros((2, n), bool)
-        self.exponent, self.table = 3.0 + footprints.m, np.empty((n, 0, _law_kernels.NUMBERS))
+        self.exponent = 3.0 + footprints.m
+        self.table, self.tips = law_kernels.empty_columns(n, 0)
         self.place, self.made = np.zeros(n, np.int32), 0
         self.complete = False
         self.ahead: NDArray[np.int64] | None = None
@@ -256,9 +250,9 @@ class _Store:
         for name, array in zip(names, (reach, force, stiffness, area), strict=True):
             if not np.isfinite(array).all():
                 raise InputError(f"law table: {name} holds values that are not finite")
-        if not self.table.shape[1]:
+        if not self.made:
             self.exponent = float(nodes.exponent)
-            self.table = np.empty((len(self.reach), force.shape[1], _law_kernels.NUMBERS))
+            self.table, self.tips = law_kernels.empty_columns(len(self.reach), force.shape[1] - 1)
         self.ready[rows] = True
         self.complete = bool(self.ready.all())
         good = (reach > 0) & (force[:, -1] > 0)
@@ -269,17 +263,18 @@ class _Store:
         self.reach[rows], self.largest[rows] = reach, area[:, -1]
         first, self.made = self.made, self.made + len(rows)
         self.place[rows] = np.arange(first, self.made)
-        table = self.table[first : self.made]
+        table, tips = self.table[first : self.made], self.tips[first : self.made]
         run(
-            lambda a, b: _law_kernels.tabulate(
+            lambda a, b: law_kernels.tabulate(
                 reach[a:b],
                 force[a:b],
                 stiffness[a:b],
                 area[a:b],
                 self.exponent,
                 *self.footprints.rule,
-                np.empty((3, force.shape[1])),
+                True,
                 table[a:b],
+                tips[a:b],
             ),
             blocks(len(rows), 1000),
         )
@@ -302,7 +297,7 @@ def _sound(
     # a law that stands still would have an infinite compliance
     hull = np.maximum(force[broken], 1e-3 * force[broken, -1:] * u2**2)
     hull[:, 0] = 0.0
-    _law_kernels.convex(u2, hull, np.empty(len(u2), np.int64))
+    law_kernels.convex(u2, hull)
     depth = reach[broken, None] * np.diff(u2)
     secant = np.minimum(np.diff(hull, axis=1) / depth, cap[broken, None])
     force[broken, 1:] = np.cumsum(secant * depth, axis=1)

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from asperity.halfspace.flags import Flag
 from asperity.halfspace.influence import compliance, near_influence
 from asperity.halfspace.material import HalfSpace
+from asperity.microcontact.law_kernels import BLUNT
 from asperity.microcontact.law_table import LawTable
 from asperity.microcontact.monotone_cubic import monotone
-from asperity.microcontact.table_kernels import BLUNT
 from surfaces.numerics import parallel
 
 if TYPE_CHECKING:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,35 +80,26 @@ def tabulate(
     range the table is bounded (F2 <= F/2, the area between half and twice that of the circle) and
     flagged `CONTOUR_DOUBTFUL`. A profile that is marked as unresolved is used as it is given.
     """
-    from surfaces.numerics.lane_layout import packed
-
-    from ._expansion_kernels import QUANTITIES, circle_space, expand_profiles
+    from ._expansion_kernels import QUANTITIES, expand_profiles
 
     m = material.m
     fractions = _OVERSHOOT * np.linspace(_SMALLEST, 1.0, radii) ** _GRADING
     top = np.sqrt(0.5 * np.sum(profiles.weight * profiles.edge**2, axis=1) / np.pi)
     t, weights = gauss_jacobi(m, points)
     usable = np.all(np.isfinite(profiles.q), axis=(1, 2)) & np.all(profiles.edge > 0, axis=1)
-    rays = (
-        *(packed(values) for values in (profiles.phi, profiles.weight, profiles.edge, profiles.q)),
-        profiles.phi.shape[1],
-        profiles.t.size,
-        usable,
-        top,
-    )
+    sampled = (profiles.phi, profiles.weight, profiles.edge, profiles.q)
+    rays = (*map(np.ascontiguousarray, sampled), usable, top)
     harmonics = m + (1 - m) * np.arange(_HARMONICS + 2.0)
     inputs = (rays, fractions, t, _radial(t, weights), harmonics, m)
 
-    def block(start: int, stop: int, space: tuple[Any, ...]) -> LawTable:
+    def block(start: int, stop: int) -> LawTable:
         rows, own = np.zeros((stop - start, radii, QUANTITIES)), slice(start, stop)
-        expand_profiles(start, stop, *inputs, rows, space)
+        expand_profiles(start, stop, *inputs, rows)
         return _assemble(rows, top[own], fractions, material, law, nodes, usable[own])
 
     def part(start: int, stop: int) -> list[LawTable]:
         bounds = [*range(start, max(stop, start + 1), _BLOCK), stop]
-        shape = profiles.q.shape
-        space = circle_space(shape[1], shape[2], _HARMONICS + 1)
-        return [block(a, b, space) for a, b in itertools.pairwise(bounds)]
+        return [block(a, b) for a, b in itertools.pairwise(bounds)]
 
     parts = parallel.run(part, parallel.blocks(top.size, 64))
     return joined([table for tables in parts for table in tables])
@@ -130,7 +121,7 @@ def _assemble(
     valid: NDArray[np.bool_],
 ) -> LawTable:
     """Law table from the explicit quantities over the radii ``top * fractions``."""
-    from asperity.microcontact.table_kernels import resample
+    from ._table_kernels import resample
 
     m, modulus, p = material.m, material.modulus, 3 + material.m
     basin = np.pi * top**2

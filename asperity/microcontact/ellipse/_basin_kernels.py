@@ -19,18 +19,8 @@ from surfaces.numerics.lane_functions import (
     sine_cosine,
 )
 from surfaces.numerics.lane_layout import groups
-from surfaces.numerics.lanes import (
-    LANES,
-    entries,
-    load,
-    pick,
-    root,
-    some,
-    splat,
-    store,
-    where,
-    whole,
-)
+from surfaces.numerics.lanes import LANES, load, pick, splat, store
+from surfaces.numerics.vectors import entries, root, some, where, whole
 
 from ._contour_kernels import NODES
 from ._directions import place

@@ -11,19 +11,8 @@ import numpy as np
 
 from surfaces.numerics.compiled import QUOTIENTS, inner
 from surfaces.numerics.lane_functions import between, least, most
-from surfaces.numerics.lanes import (
-    LANES,
-    absolute,
-    add,
-    load,
-    pick,
-    root,
-    splat,
-    store,
-    transpose,
-    where,
-    whole,
-)
+from surfaces.numerics.lanes import LANES, add, load, pick, splat, store, transpose
+from surfaces.numerics.vectors import absolute, root, where, whole
 
 from ._directions import place
 from ._polynomial_kernels import TERMS
@@ -89,7 +78,7 @@ def amplitudes(values, rows, number, own, fields):
         store(own, n * FIELDS + 8, load(rows, row + TERMS))
         store(own, n * FIELDS + 9, load(rows, row + TERMS + 1))
     for f in range(FIELDS):
-        transpose(own, f, FIELDS, fields, f * LANES)
+        transpose(own, f, FIELDS, fields, f * LANES, 1)
 
 
 @inner(fastmath=QUOTIENTS)
@@ -210,7 +199,7 @@ def second_order(X, rows, number, own, forms):
         for k in range(FORMS):
             store(own, n * FORMS + k, load(rows, int(number[n]) * WIDTH + TERMS + 2 + k))
     for k in range(FORMS):
-        transpose(own, k, FORMS, forms, k * LANES)
+        transpose(own, k, FORMS, forms, k * LANES, 1)
     second, r = splat(0.0), 0
     for c in range(4):
         modes = MODES if c == 0 else MODES - 1

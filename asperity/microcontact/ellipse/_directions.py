@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from surfaces.numerics.compiled import QUOTIENTS, inner
 from surfaces.numerics.lane_functions import most
-from surfaces.numerics.lanes import absolute, splat, where
+from surfaces.numerics.lanes import splat
+from surfaces.numerics.vectors import absolute, where
 
 
 @inner(fastmath=QUOTIENTS)

@@ -14,7 +14,8 @@ import numpy as np
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
 from surfaces.numerics.lane_functions import between, exponential, most, sine_cosine
 from surfaces.numerics.lane_layout import groups
-from surfaces.numerics.lanes import LANES, absolute, entries, load, some, splat, store, where, whole
+from surfaces.numerics.lanes import LANES, load, splat, store
+from surfaces.numerics.vectors import absolute, entries, some, where, whole
 
 from ._contour_kernels import FIELDS, NODES, amplitudes, displace, limits, second_order
 from ._fit_kernels import FITS

@@ -11,7 +11,8 @@ from typing import Any
 from surfaces.numerics.compiled import QUOTIENTS, inner
 from surfaces.numerics.lane_functions import between, least, most
 from surfaces.numerics.lane_layout import groups
-from surfaces.numerics.lanes import load, pick, some, splat, store, where, whole
+from surfaces.numerics.lanes import load, pick, splat, store
+from surfaces.numerics.vectors import some, where, whole
 
 from ._polynomial_kernels import TERMS
 from .galin_operator import DEGREE

@@ -17,7 +17,8 @@ from surfaces.numerics.lane_functions import (
     sine_cosine,
 )
 from surfaces.numerics.lane_layout import collect_rows, groups, ordered, spread_rows
-from surfaces.numerics.lanes import LANES, load, root, splat, store, where, whole
+from surfaces.numerics.lanes import LANES, load, splat, store
+from surfaces.numerics.vectors import root, where, whole
 
 from ._fit_kernels import FITS, fit, fit_space, usable
 from ._polynomial_kernels import TERMS

@@ -74,7 +74,7 @@ def _march(
     profiles: Profiles, m: float, levels: Array, rounds: int
 ) -> tuple[Array, Array, Array, Array]:
     """Reach [m], units of length and height [m], and force, stiffness, area, filled share."""
-    from ._ray_kernels import march_rays, ray_space
+    from ._ray_kernels import march_rays
 
     length = profiles.edge.max(axis=1, initial=0.0)
     height = 2.0 * (profiles.q[:, :, -1] * profiles.edge**2).max(axis=1, initial=0.0)
@@ -87,12 +87,10 @@ def _march(
         profiles.edge / length[:, None],
         length**2 / height,
     )
-    rays, nodes = profiles.q.shape[1:]
-    weights = moment_weights(m, nodes, 0)
+    weights = np.ascontiguousarray(moment_weights(m, profiles.q.shape[2], 0))
 
     def part(begin: int, end: int) -> None:
-        space = ray_space(rays, nodes, weights.shape[0])
-        march_rays(begin, end, inputs, weights, levels, m, rounds, out, space)
+        march_rays(begin, end, inputs, weights, levels, m, rounds, out)
 
     parallel.run(part, parallel.blocks(length.size, 1 + 72 // levels.size))
     return np.where(valid, height, 0.0), length, height, out

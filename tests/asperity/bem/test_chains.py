@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from bem_support import rough
+from strategies import rough
 
 from asperity import HalfSpace, bem_curve
 from asperity.bem import chains, curve

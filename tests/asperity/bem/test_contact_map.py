@@ -4,44 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from oracles import edges_by_hand, labels_by_hand
 
 from asperity import HalfSpace, bem_solve
 from asperity.bem import contact_map
 from surfaces import HeightMap
 from surfaces.patches import label_patches
-
-
-def labels_by_hand(contact, periodic):
-    """Flood fill, one pixel at a time."""
-    ny, nx = contact.shape
-    labels = np.zeros(contact.shape, int)
-    count = 0
-    for start in zip(*np.nonzero(contact), strict=True):
-        if labels[start]:
-            continue
-        count += 1
-        todo = [start]
-        while todo:
-            i, j = todo.pop()
-            if periodic:
-                i, j = i % ny, j % nx
-            if not (0 <= i < ny and 0 <= j < nx) or not contact[i, j] or labels[i, j]:
-                continue
-            labels[i, j] = count
-            todo += [(i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)]
-    return labels, count
-
-
-def edges_by_hand(contact, periodic):
-    """Pixel edges between contact and no contact, which surrounds a map that does not repeat."""
-    around = np.pad(contact, 1, mode="wrap" if periodic else "constant")
-    edges = np.count_nonzero(np.diff(around[1:-1], axis=1)) + np.count_nonzero(
-        np.diff(around[:, 1:-1], axis=0)
-    )
-    if periodic:  # the seam was counted on both sides
-        edges -= np.count_nonzero(contact[0] != contact[-1])
-        edges -= np.count_nonzero(contact[:, 0] != contact[:, -1])
-    return edges
 
 
 def read(contact, spacing, periodic):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from bem_support import periodic_displacement, random_case
+from oracles import periodic_displacement
+from strategies import random_case
 
 from asperity import bem_solve
 from asperity.bem.operator import HalfSpaceOperator

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from bem_support import periodic_displacement, polonsky_keer, rough
+from oracles import periodic_displacement, polonsky_keer
+from strategies import rough
 
 from asperity import HalfSpace, bem_solve, errors
 from surfaces import HeightMap

@@ -10,8 +10,9 @@ import pytest
 import asperity
 import surfaces
 from asperity.contacts.fields import pressed_pixels
+from asperity.contacts.run import ContactRun
 from asperity.contacts.table import ellipses
-from asperity.curve import ContactRun, solve_contacts
+from asperity.curve import solve_contacts
 from asperity.halfspace.load_points import pressure_scale
 from asperity.model.plan import make_plan
 from surfaces import HeightMap, self_affine

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from bem_support import periodic_displacement
+from oracles import periodic_displacement
 
 from asperity import HalfSpace
 from asperity.bem import transform

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from standin import HertzTable
+from oracles import HertzTable
 
 import asperity
 import surfaces

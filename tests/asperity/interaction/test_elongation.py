@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from standin import random_population
+from strategies import random_population
 
 import asperity
 from asperity.interaction import coupled_solve

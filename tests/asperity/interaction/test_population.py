@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from standin import HertzTable, random_population
+from oracles import HertzTable
+from strategies import random_population
 
 import surfaces
 from asperity.errors import InputError

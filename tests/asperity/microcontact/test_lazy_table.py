@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from standin import random_population
+from strategies import random_population
 
 from asperity.halfspace.material import HalfSpace
 from asperity.interaction.population import Population

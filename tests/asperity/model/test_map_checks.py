@@ -73,7 +73,7 @@ def test_errors_on_turned_ridges_are_not_stated():
         hurst=0.8,
         cutoff=8e-5,
     )
-    assert lay(hm) > DEFAULTS.map_checks.longest_lay
+    assert lay(hm) > DEFAULTS.error_estimate.longest_lay
     curve = asperity.contact_curve(hm, BODY, pressures=[1e6])
     assert np.isnan(curve.error_estimate).all()
     assert np.isnan(curve.extra["area_error_estimate"]).all()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scales_support import STEEL, broad
+from strategies import STEEL, broad
 
 from asperity.halfspace.load_points import pressure_scale
 from surfaces import HeightMap

@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from scales_support import STEEL, broad
+from strategies import STEEL, broad
 
 import asperity
 import surfaces
@@ -51,7 +51,7 @@ def test_the_lift_is_the_slope_of_the_energy(rough, loads):
     plan = make_plan(rough, STEEL, pressures=near)
     decomposition = Decomposition.of(rough, STEEL, plan)
     states = [decomposition.population.solve(mean_pressure=p, tolerance=1e-4) for p in near]
-    points = [load_point(decomposition, state, None).surface for state in states]
+    points = [load_point(decomposition, state).surface for state in states]
     fine = plan.sub_contact_law
     state = states[1]
     share = state.contact_area / rough.area

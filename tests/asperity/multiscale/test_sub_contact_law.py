@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scales_support import FINE
 from scipy.integrate import quad
 from scipy.special import erf, exp1
+from strategies import FINE
 
 
 @pytest.mark.parametrize("pressure", [2e7, 3e8, 2e9, 3e10])

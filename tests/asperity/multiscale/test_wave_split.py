@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from scales_support import STEEL, broad
+from strategies import STEEL, broad
 
 import asperity
 import surfaces
@@ -19,7 +19,7 @@ from surfaces import HeightMap
 
 def test_the_map_is_the_band_of_longer_waves(rough):
     split = split_scales(rough, STEEL)
-    coarse, fine = split.coarse, split.fine
+    coarse, fine = split.coarse, split.law
     shell = 1 / max(rough.size)
     edge = 1 / (1 / fine.shortest + 0.5 * shell)
     band = surfaces.resample(surfaces.bandpass(rough, shortest=edge), coarse.spacing)
@@ -43,30 +43,17 @@ def sums(hm: HeightMap, body) -> tuple[float, float]:
 def test_pressure_and_energy_are_those_of_the_waves_left_out(m):
     hm, body = broad(), asperity.HalfSpace.from_modulus(2e11, m=m)
     split = split_scales(hm, body)
-    coarse, fine = split.coarse, split.fine
+    coarse, fine = split.coarse, split.law
     (whole, stored), (longer, held) = (sums(map_, body) for map_ in (hm, coarse))
     assert fine.variance == pytest.approx(whole - longer, rel=1e-6)
     assert fine.energy == pytest.approx(stored - held, rel=1e-6)
     assert fine.ratio == pytest.approx(whole / longer - 1, rel=1e-6)
 
 
-def test_a_finer_split_is_one_of_the_same_waves():
-    """It has only the longer of them at hand, and the sums of all."""
-    hm = broad((400, 480))
-    split = split_scales(hm, STEEL)
-    finer = split.finer(STEEL)
-    assert finer.shells.waves.size < 0.6 * hm.heights.size / 2
-    assert finer.fine.shortest < 0.75 * split.fine.shortest
-    (whole, stored), (longer, held) = (sums(map_, STEEL) for map_ in (hm, finer.coarse))
-    assert finer.fine.variance == pytest.approx(whole - longer, rel=1e-6)
-    assert finer.fine.energy == pytest.approx(stored - held, rel=1e-6)
-    assert finer.finer(STEEL) is finer
-
-
 def test_a_free_map_is_taken_with_its_mirror_images(rough):
     free = dataclasses.replace(rough, periodic=False)
     split = split_scales(free, STEEL)
-    coarse, fine = split.coarse, split.fine
+    coarse, fine = split.coarse, split.law
     mirrored, smooth = (
         surfaces.prepare(hm, level=None, periodic="mirror") for hm in (free, coarse)
     )
@@ -78,12 +65,12 @@ def test_a_free_map_is_taken_with_its_mirror_images(rough):
     ny, nx = coarse.shape
     np.testing.assert_allclose(coarse.heights, band.heights[:ny, :nx], atol=1e-9 * rough.rms_height)
     periodic = split_scales(rough, STEEL)
-    assert fine.variance == pytest.approx(periodic.fine.variance, rel=0.1)
+    assert fine.variance == pytest.approx(periodic.law.variance, rel=0.1)
 
 
 def test_the_law_does_not_jump_at_a_homogeneous_body_(rough):
-    plain = split_scales(rough, STEEL).fine
-    near = split_scales(rough, asperity.HalfSpace.from_modulus(2e11, m=1e-7)).fine
+    plain = split_scales(rough, STEEL).law
+    near = split_scales(rough, asperity.HalfSpace.from_modulus(2e11, m=1e-7)).law
     for name in ("shortest", "spread", "energy", "variance", "ratio"):
         assert getattr(near, name) == pytest.approx(getattr(plain, name), rel=1e-5)
     assert near.lift(0.1) == pytest.approx(plain.lift(0.1), rel=1e-6)
@@ -115,7 +102,7 @@ def test_no_wave_shorter_than_three_pixels_is_kept():
     """A spectrum that is not broad is cut there if it holds much beyond, else not at all."""
     for hurst in (0.6, 0.7):
         hm = broad(rolloff=2.9e-5, hurst=hurst, cutoff=2.2e-6)
-        kept = split_scales(hm, STEEL).fine.shortest / max(hm.spacing)
+        kept = split_scales(hm, STEEL).law.shortest / max(hm.spacing)
         assert 3.0 <= kept < 3.1
     for hurst, cutoff, rolloff in ((0.8, 2.2e-6, 2.9e-5), (0.9, 2.2e-6, 2.9e-5), (0.8, 3e-6, 6e-5)):
         found = split_scales(broad(rolloff=rolloff, hurst=hurst, cutoff=cutoff), STEEL)
@@ -127,5 +114,5 @@ def test_without_a_rolloff_enough_waves_are_kept(hurst):
     """The longest waves make a spectrum as broad as one likes, and all others would be short."""
     hm = broad(hurst=hurst, rolloff=None)
     side = np.sqrt(hm.area)
-    assert side / split_scales(hm, STEEL).fine.shortest == pytest.approx(50, rel=0.02)
+    assert side / split_scales(hm, STEEL).law.shortest == pytest.approx(50, rel=0.02)
     assert "too few waves" in split_scales(broad(hurst=hurst, rolloff=None, cutoff=5e-6), STEEL)

@@ -11,46 +11,53 @@ import asperity
 from asperity.halfspace.flags import Flag
 from asperity.halfspace.load_points import default_pressures
 from asperity.parameters import DEFAULTS
-from asperity.trust.error_estimate import (
-    TERMS,
-    estimate,
-    nonrandomness,
-    terms,
-)
-from surfaces import HeightMap, self_affine
+from asperity.trust.error_estimate import TERMS, nonrandomness, terms
+from surfaces import HeightMap, resample, self_affine
+
+STEEL = asperity.HalfSpace(210e9, 0.3)
 
 FITTED = DEFAULTS.error_estimate
 
 
-@pytest.mark.parametrize("weights", [FITTED.load_weights, FITTED.area_weights])
-def test_every_weakness_only_adds(weights):
-    assert len(weights) == len(TERMS)
-    assert min(weights) >= 0
-    calm = dict.fromkeys(TERMS, 0.1)
-    for name in TERMS:
-        assert estimate({**calm, name: 0.2}, weights) >= estimate(calm, weights)
+def rough(seed: int) -> HeightMap:
+    return self_affine(
+        (144, 192),
+        (1.44e-3, 1.92e-3),
+        hurst=0.8,
+        rms_slope=0.1,
+        rolloff=4e-4,
+        cutoff=8e-5,
+        seed=seed,
+    )
+
+
+def test_a_surface_on_a_coarser_grid_is_trusted_less():
+    stated = []
+    for pixel in (5e-6, 1e-5, 2e-5):
+        curve = asperity.contact_curve(resample(rough(4), pixel), STEEL, pressures=[1e7, 1e8])
+        stated.append((curve.error_estimate, curve.extra["area_error_estimate"]))
+    assert (np.diff(stated, axis=0) > 0).all()
+
+
+def test_without_contact_there_is_nothing_to_be_wrong():
+    hm = rough(4)
+    above = hm.heights.max() - hm.heights.mean() + np.array([0.1, 0.0]) * hm.rms_height
+    curve = asperity.contact_curve(hm, STEEL, separations=[above[0], 0.5 * above[1]])
+    for stated in (curve.error_estimate, curve.extra["area_error_estimate"]):
+        assert stated[0] == 0.0 < stated[1] < 0.3
 
 
 def test_true_errors_lie_inside_the_statement_on_surfaces_it_was_not_fitted_on():
     inside, stated, closed, wide = [], [], [], []
     for seed in (101, 102, 103):
-        hm = self_affine(
-            (144, 192),
-            (1.44e-3, 1.92e-3),
-            hurst=0.8,
-            rms_slope=0.1,
-            rolloff=4e-4,
-            cutoff=8e-5,
-            seed=seed,
-        )
-        steel = asperity.HalfSpace(210e9, 0.3)
-        loads = default_pressures(hm, steel, count=4)
-        reference = asperity.bem_curve(hm, steel, pressures=loads)
-        model = asperity.contact_curve(hm, steel, separations=reference.separation)
+        hm = rough(seed)
+        loads = default_pressures(hm, STEEL, count=4)
+        reference = asperity.bem_curve(hm, STEEL, pressures=loads)
+        model = asperity.contact_curve(hm, STEEL, separations=reference.separation)
         error = np.abs(model.mean_pressure / reference.mean_pressure - 1)
         inside += (error <= model.error_estimate).tolist()
         stated += model.error_estimate.tolist()
-        loaded = asperity.contact_curve(hm, steel, pressures=reference.mean_pressure)
+        loaded = asperity.contact_curve(hm, STEEL, pressures=reference.mean_pressure)
         error = np.abs(loaded.contact_area / reference.contact_area - 1)
         closed += (error <= loaded.extra["area_error_estimate"]).tolist()
         wide += loaded.extra["area_error_estimate"].tolist()
@@ -133,8 +140,3 @@ def test_random_waves_are_not_odd_and_spikes_are():
     assert nonrandomness(hm) < 0.1
     assert nonrandomness(hm.replace(heights=hm.heights + spikes)) == 1.0
     assert 0.0 <= nonrandomness(hm.replace(heights=np.minimum(hm.heights, hm.rms_height))) <= 1.0
-
-
-def test_nothing_is_weak_without_contact():
-    decomposition, state, odd = weak_point(force=0.0)
-    assert set(terms(decomposition, state, odd).values()) == {0.0}

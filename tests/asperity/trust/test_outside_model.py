@@ -114,21 +114,6 @@ def test_a_single_tip_is_pressed_where_its_rays_or_its_polynomial_miss_it(k, lea
     np.testing.assert_allclose(curve.contact_area, exact.contact_area, rtol=0.05)
 
 
-@pytest.mark.parametrize("seed", [1, 3])
-def test_fine_waves_on_top_of_a_wide_hill_are_not_lost_between_the_nodes_of_its_rays(seed):
-    shape, size = (80, 96), (80.0, 96.0)
-    hill, waves = (
-        self_affine(shape, size, hurst=0.8, rms_slope=0.1, rolloff=longest, cutoff=c, seed=s)
-        for longest, c, s in ((80.0, 40.0, seed), (8.0, 5.0, seed + 7))
-    )
-    hm = hill.replace(heights=4.0 * hill.heights + waves.heights)
-    body = asperity.HalfSpace.from_modulus(1.0)
-    load = 0.6 * default_pressures(hm, body, 2)[:1]
-    reference = asperity.bem_curve(hm, body, pressures=load, tolerance=1e-5)
-    curve = asperity.contact_curve(hm, body, separations=reference.separation)
-    np.testing.assert_allclose(curve.load, reference.load, rtol=0.02)
-
-
 def test_a_blunt_tip_that_the_rays_hold_is_not_doubted():
     hm, scale = tip(3)
     approach = np.array([1e-7, 2e-7, 4e-7])

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from surfaces.numerics import lane_functions, lane_layout, lanes
-from surfaces.numerics.lanes import LANES, load, store, where
+from surfaces.numerics import lane_functions, lane_layout, lanes, vectors
+from surfaces.numerics.lanes import LANES, load, store
+from surfaces.numerics.vectors import where
 
 RNG = np.random.default_rng(3)
 
@@ -25,7 +26,7 @@ def _arithmetic(a, b, out):
     store(out, 3, lane_functions.least(x, y))
     store(out, 4, lane_functions.most(x, y))
     store(out, 5, lane_functions.between(x, load(out, 7), y))
-    return lanes.some(x >= 1e3), lanes.some(x < 1e3)
+    return vectors.some(x >= 1e3), vectors.some(x < 1e3)
 
 
 def test_arithmetic_and_choice():
@@ -44,13 +45,13 @@ def test_arithmetic_and_choice():
 def _functions(a, out):
     x = load(a, 0)
     store(out, 0, lane_functions.exponential(x))
-    store(out, 1, lane_functions.logarithm(lanes.absolute(x)))
+    store(out, 1, lane_functions.logarithm(vectors.absolute(x)))
     s, c = lane_functions.sine_cosine(x * 0.1)
     store(out, 2, s)
     store(out, 3, c)
-    store(out, 4, lanes.root(lanes.absolute(x)))
-    store(out, 5, lanes.whole(x))
-    return lanes.total(x)
+    store(out, 4, vectors.root(vectors.absolute(x)))
+    store(out, 5, vectors.whole(x))
+    return vectors.total(x)
 
 
 def test_functions():
@@ -77,8 +78,8 @@ def test_what_is_no_number_stays_inside_the_bounds():
 @njit
 def _moved(a, places, out):
     store(out, 0, lanes.pick(a, load(places, 0)))
-    store(out, 1, lanes.entries(a, load(places, 0)))
-    lanes.transpose(a, 0, 1, out, 2)
+    store(out, 1, vectors.entries(a, load(places, 0)))
+    lanes.transpose(a, 0, 1, out, 2, 1)
 
 
 def test_places_and_columns():

@@ -1,144 +1,159 @@
-"""Vector instructions: each function that emits some, beside numpy, for two kinds of vectors."""
+"""Vectors in compiled loops: each function beside numpy, for two widths and precisions."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
-from llvmlite import ir
 from numba import njit, types
-from numba.extending import intrinsic
 
-from surfaces.numerics import vectors as vectors
+from surfaces.numerics import vectors
 
 RNG = np.random.default_rng(5)
-KINDS = [
-    (np.float64, ir.VectorType(ir.DoubleType(), 8)),
-    (np.float32, ir.VectorType(ir.FloatType(), 16)),
-]
-both = pytest.mark.parametrize(("dtype", "kind"), KINDS, ids=["8 doubles", "16 floats"])
+KINDS = [(np.float64, 8), (np.float32, 16)]
+both = pytest.mark.parametrize(("dtype", "width"), KINDS, ids=["8 doubles", "16 floats"])
+store, lane = vectors.store, vectors.lane
 
 
-def _run(emit: Any, a: np.ndarray, out: np.ndarray, *places: int) -> np.ndarray:
-    """Compile a function whose code is ``emit(builder, data of a, data of out, places)``."""
-
-    @intrinsic
-    def function(typing: Any, a: Any, out: Any, first: Any, second: Any) -> Any:
-        def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            data = (vectors.data_of(context, builder, sig.args[k], args[k]) for k in (0, 1))
-            emit(builder, *data, *args[2:])
-            return context.get_dummy_value()
-
-        return types.void(a, out, types.intp, types.intp), code
+@both
+def test_vectors_are_read_and_written_from_any_element_on(dtype, width):
+    load = vectors.loader(width)
 
     @njit
-    def call(a, out, first, second):
-        function(a, out, first, second)
+    def copy(a, out):
+        store(out, 5, load(a, 3))
+        return lane(load(a, 3), 2)
 
-    call(a, out, *(*places, 0, 0)[:2])
-    return out
-
-
-@both
-def test_vectors_are_read_and_written_from_any_element_on(dtype, kind):
-    a = RNG.normal(size=40).astype(dtype)
-
-    def emit(builder, data, out, first, second):
-        vectors.store(builder, vectors.load(builder, data, first, kind), out, second)
-
-    out = _run(emit, a, np.zeros(40, dtype), 3, 5)
-    np.testing.assert_array_equal(out[5 : 5 + kind.count], a[3 : 3 + kind.count])
-    assert not out[:5].any() and not out[5 + kind.count :].any()
+    a, out = RNG.normal(size=40).astype(dtype), np.zeros(40, dtype)
+    assert copy(a, out) == a[5]
+    np.testing.assert_array_equal(out[5 : 5 + width], a[3 : 3 + width])
+    assert not out[:5].any() and not out[5 + width :].any()
 
 
 @both
-def test_one_number_in_every_lane(dtype, kind):
-    a = RNG.normal(size=4).astype(dtype)
+def test_groups_are_counted(dtype, width):
+    load, put, add = vectors.loader(width, True), vectors.storer(True), vectors.adder(True)
 
-    def emit(builder, data, out, first, second):
-        scalar = builder.load(builder.gep(data, [first]))
-        spread = vectors.everywhere(builder, scalar, kind.count)
-        vectors.store(builder, builder.fadd(spread, vectors.constant(kind, 0.5)), out, second)
+    @njit
+    def moved(a, out):
+        put(out, 0, load(a, 1))
+        add(out, 0, load(a, 0))
 
-    np.testing.assert_array_equal(_run(emit, a, np.zeros(kind.count, dtype), 2), a[2] + dtype(0.5))
-
-
-@both
-def test_elementwise_instructions(dtype, kind):
-    n = kind.count
-    a = RNG.normal(size=3 * n).astype(dtype)
-
-    def emit(builder, data, out, first, second):
-        x, y, z = (
-            vectors.load(builder, data, ir.Constant(first.type, k * n), kind) for k in range(3)
-        )
-        vectors.store(builder, vectors.multiply_add(builder, x, y, z), out, first)
-        vectors.store(builder, vectors.instruction(builder, "floor", x), out, second)
-
-    x, y, z = a.reshape(3, n)
-    found, floor = _run(emit, a, np.zeros(2 * n, dtype), 0, n).reshape(2, n)
-    error = 4 * np.finfo(dtype).eps
-    np.testing.assert_allclose(found, x * y + z, rtol=error, atol=error)
-    np.testing.assert_array_equal(floor, np.floor(x))
+    a, out = RNG.normal(size=2 * width).astype(dtype), np.zeros(width, dtype)
+    moved(a, out)
+    np.testing.assert_array_equal(out, a[:width] + a[width:])
 
 
-@both
-def test_lanes_in_a_new_order(dtype, kind):
-    n = kind.count
-    a, order = RNG.normal(size=2 * n).astype(dtype), RNG.permutation(2 * n)[:n]
+def test_precision_is_that_of_the_array():
+    load, double = vectors.loader(4), vectors.loader(4, element=types.float64)
 
-    def emit(builder, data, out, first, second):
-        x, y = (vectors.load(builder, data, place, kind) for place in (first, second))
-        vectors.store(builder, vectors.shuffled(builder, x, y, order.tolist()), out, first)
+    @njit
+    def converted(single, numbers, whole, out):
+        store(single, 0, load(out, 0))
+        store(whole, 0, load(out, 0))
+        store(out, 0, double(numbers, 0) * 3.0)
 
-    np.testing.assert_array_equal(_run(emit, a, np.zeros(n, dtype), 0, n), a[order])
+    values = RNG.normal(size=4) * 9
+    single, whole, out = np.zeros(4, np.float32), np.zeros(4, np.int64), values.copy()
+    numbers = values.astype(np.float32)
+    converted(single, numbers, whole, out)
+    np.testing.assert_array_equal(single, values.astype(np.float32))
+    np.testing.assert_array_equal(whole, np.trunc(values))
+    np.testing.assert_array_equal(out, numbers.astype(float) * 3.0)
 
 
 @both
-def test_elements_at_places(dtype, kind):
-    n = kind.count
-    a = RNG.normal(size=50).astype(dtype)
-    places = RNG.integers(0, 50, n)
+def test_one_number_in_every_lane(dtype, width):
+    repeat, splat = vectors.repeater(width), vectors.splatter(width)
 
-    def emit(builder, data, out, first, second):
-        at = ir.Constant(ir.VectorType(ir.IntType(64), n), places.tolist())
-        vectors.store(builder, vectors.gathered(builder, data, at, kind), out, first)
+    @njit
+    def spread(a, out):
+        store(out, 0, repeat(a, 2))
+        store(out, width, splat(a[1]) + 0.5)
 
-    np.testing.assert_array_equal(_run(emit, a, np.zeros(n, dtype)), a[places])
-
-
-def _rows(builder: Any, data: Any, first: Any, kind: Any) -> list[Any]:
-    n = kind.count
-    return [vectors.load(builder, data, ir.Constant(first.type, k * n), kind) for k in range(n)]
+    a, out = RNG.normal(size=4).astype(dtype), np.zeros(2 * width, dtype)
+    spread(a, out)
+    assert (out[:width] == a[2]).all() and (out[width:] == a[1] + dtype(0.5)).all()
 
 
 @both
-def test_sums_over_the_lanes(dtype, kind):
-    n = kind.count
-    a = RNG.normal(size=(n, n)).astype(dtype)
+def test_arithmetic_and_choice(dtype, width):
+    load = vectors.loader(width)
 
-    def emit(builder, data, out, first, second):
-        rows = _rows(builder, data, first, kind)
-        vectors.store(builder, vectors.sums_of_each(builder, rows), out, first)
-        one = vectors.sum_lanes(builder, rows[3])
-        builder.store(one, builder.gep(out, [second]))
+    @njit
+    def compute(a, b, out):
+        x, y = load(a, 0), load(b, 0)
+        store(out[0], 0, vectors.multiply_add(x, y, x) - 2.0 / y)
+        store(out[1], 0, vectors.whole(-x))
+        mask = (x > y) & ~(y < 0.5) | (x <= -1.0)
+        store(out[2], 0, vectors.where(mask, x, y))
+        vectors.compress(out[3], 0, x, mask)
+        return vectors.count(mask), vectors.some(mask), vectors.some(x > 1e3)
 
-    found = _run(emit, a.ravel(), np.zeros(n + 1, dtype), 0, n)
-    error = n * np.finfo(dtype).eps
-    np.testing.assert_allclose(found[:n], a.sum(axis=1), atol=error)
-    np.testing.assert_allclose(found[n], a[3].sum(), atol=error)
+    a, b = RNG.normal(size=(2, width)).astype(dtype)
+    out = np.zeros((4, width), dtype)
+    mask = (a > b) & (b >= 0.5) | (a <= -1.0)
+    assert compute(a, b, out) == (mask.sum(), mask.any(), False)
+    error = 8 * np.finfo(dtype).eps
+    np.testing.assert_allclose(out[0], a * b + a - 2 / b, rtol=error, atol=error)
+    np.testing.assert_array_equal(out[1], np.floor(-a))
+    np.testing.assert_array_equal(out[2], np.where(mask, a, b))
+    np.testing.assert_array_equal(out[3], np.append(a[mask], np.zeros(width - mask.sum(), dtype)))
 
 
 @both
-def test_rows_become_columns(dtype, kind):
-    n = kind.count
-    a = RNG.normal(size=(n, n)).astype(dtype)
+def test_elements_at_places(dtype, width):
+    load, pick = vectors.loader(width), vectors.picker()
 
-    def emit(builder, data, out, first, second):
-        columns = vectors.transposed(builder, _rows(builder, data, first, kind))
-        for k, column in enumerate(columns):
-            vectors.store(builder, column, out, ir.Constant(first.type, k * n))
+    @njit
+    def read(a, places, out):
+        store(out, 0, vectors.entries(a, load(places, 0)))
+        store(out, width, pick(a, load(places, 0)))
 
-    found = _run(emit, a.ravel(), np.zeros(n * n, dtype))
-    np.testing.assert_array_equal(found.reshape(n, n), a.T)
+    a = RNG.normal(size=10 * width).astype(dtype)
+    places, out = RNG.integers(0, 10, width), np.zeros(2 * width, dtype)
+    read(a, places.astype(dtype), out)
+    np.testing.assert_array_equal(out[:width], a[places])
+    np.testing.assert_array_equal(out[width:], a[places * width + np.arange(width)])
+
+
+def test_two_numbers_at_once():
+    a = RNG.normal(size=(5, 2)).astype(np.float32)
+    assert njit(lambda a, k: vectors.two_floats(a, np.uint64(k)))(a, 3) == tuple(a[3])
+
+
+@both
+def test_sums_over_the_lanes(dtype, width):
+    load = vectors.loader(width)
+
+    @njit
+    def summed(a):
+        return vectors.total(load(a, width))
+
+    a = RNG.normal(size=3 * width).astype(dtype)
+    error = width * np.finfo(dtype).eps
+    np.testing.assert_allclose(summed(a), a[width : 2 * width].sum(), atol=error)
+
+
+def test_sums_of_several_vectors():
+    load = vectors.loader(4)
+
+    @njit
+    def summed(a, out):
+        store(out, 0, vectors.sums((load(a, 0), load(a, 4), load(a, 8), load(a, 12))))
+
+    a, out = RNG.normal(size=(4, 4)), np.zeros(4)
+    summed(a.ravel(), out)
+    np.testing.assert_allclose(out, a.sum(axis=1), atol=1e-14)
+
+
+@both
+def test_rows_become_columns(dtype, width):
+    transpose = vectors.transposer(width)
+
+    @njit
+    def turned(a, out):
+        transpose(a, 0, width, out, 0, width)
+
+    a, out = RNG.normal(size=(width, width)).astype(dtype), np.zeros(width * width, dtype)
+    turned(a.ravel(), out)
+    np.testing.assert_array_equal(out.reshape(width, width), a.T)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from standin import HertzTable, random_population
+from oracles import HertzTable
+from strategies import random_population
 
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.footprint import Footprints

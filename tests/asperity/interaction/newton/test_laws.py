@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from standin import HertzTable
+from oracles import HertzTable
 
 from asperity.errors import InputError
 from asperity.interaction.footprint import Footprints

@@ -13,9 +13,12 @@ from asperity.interaction.elongation import Elongation
 from asperity.microcontact.basin_bem import press
 from asperity.microcontact.hertz import elliptic_contact
 from asperity.microcontact.laws import tabulate
-from asperity.model import load_shares
+from asperity.model.corrections import pressed_basins
+from asperity.model.corrections.joined_pairs import join
 from asperity.model.decomposition import Decomposition
+from asperity.model.law_rows import LawRows
 from asperity.model.load_shares import LoadShares
+from asperity.parameters import DEFAULTS
 from surfaces import HeightMap, resample, segment, self_affine
 from surfaces.peaks._climb import PLATEAU
 from surfaces.peaks.summits import Summits, locate_summits
@@ -164,17 +167,23 @@ def test_stiffness_is_the_slope_of_the_force(rough):
     np.testing.assert_allclose((high - low) / (2 * step), slope, rtol=1e-3)
 
 
+def dominant(summits, rows, table):
+    """Slots of the laws that are pressed alone."""
+    shares = LoadShares.of(summits)
+    profiles = summits.rows(rows)
+    return pressed_basins.dominant(LawRows(table, rows, profiles, summits, shares, BODY, DEFAULTS))
+
+
 def test_few_contacts_are_dominant_whatever_is_asked_for(rough):
-    load_shares = LoadShares(rough)
     rows = np.flatnonzero(rough.valid)
     table = tabulate(rough.rows(rows), BODY, law="ellipse")
-    chosen = load_shares.dominant(rows, table)
+    chosen = dominant(rough, rows, table)
     assert 0 < chosen.size < 0.5 * len(rows)
     part = rows[::3]
-    some = load_shares.dominant(part, tabulate(rough.rows(part), BODY, law="ellipse"))
+    some = dominant(rough, part, tabulate(rough.rows(part), BODY, law="ellipse"))
     np.testing.assert_array_equal(part[some], np.intersect1d(rows[chosen], part))
     inside = replace(table, flags=np.zeros_like(table.flags))
-    assert load_shares.dominant(rows, inside).size == 0
+    assert dominant(rough, rows, inside).size == 0
 
 
 LONG_RIDGES = {
@@ -207,12 +216,12 @@ def test_load_of_few_contacts_comes_out(recipe, pressure):
 def test_peaks_without_a_summit_of_their_own_are_pressed_sooner(rough):
     rows = np.flatnonzero(rough.valid)
     table = tabulate(rough.rows(rows), BODY, law="ellipse")
-    chosen = LoadShares(rough).dominant(rows, table)
+    chosen = dominant(rough, rows, table)
     beyond = (table.flags & Flag.BEYOND_RADIUS).any(axis=1) & (table.reach > 0)
     other = np.setdiff1d(np.flatnonzero(beyond & ~rough.border[rows]), chosen)[:1]
     kinds = rough.kinds.copy()
     kinds[rows[other]] = PLATEAU
-    found = LoadShares(replace(rough, kinds=kinds)).dominant(rows, table)
+    found = dominant(replace(rough, kinds=kinds), rows, table)
     np.testing.assert_array_equal(np.setdiff1d(found, chosen), other)
 
 
@@ -227,7 +236,7 @@ def two_summits(finer: int = 1) -> HeightMap:
 
 def test_summits_that_join_are_pressed_as_one():
     fine, apart = two_summits(2), summits_of(two_summits())
-    pair = load_shares.LoadShares(apart).joined(BODY).summits
+    pair = join(apart, LoadShares.of(apart), BODY, DEFAULTS)[0]
     np.testing.assert_array_equal(pair.owner, 0)
     assert pair.pixels[0] == 64 * 96 and np.isfinite(pair.floor[0]) and not pair.valid[1]
     high, low = apart.height
@@ -247,7 +256,7 @@ def test_joined_summits_begin_as_the_highest_of_them():
     """However small its contact is beside the basin of them all."""
     apart = summits_of(two_summits())
     depths = np.array([[1e-4, 1e-3, 5e-3]])
-    pair = load_shares.LoadShares(apart).joined(BODY).summits
+    pair = join(apart, LoadShares.of(apart), BODY, DEFAULTS)[0]
     one = press.press(pair, np.array([0]), depths, BODY)[0]
     first = press.press(apart, np.array([0]), depths, BODY)[0]
     np.testing.assert_allclose(one[:, :2], first[:, :2], rtol=0.02)
@@ -264,7 +273,7 @@ def test_the_law_of_joined_summits_goes_on_from_the_first(rough):
     table = tabulate(one.rows(np.array([into, lost])), BODY, law="ellipse")
     assert table.reach[1] == 0.0  # the lower one carries nothing of its own
     before = table.force[0].copy()
-    slots = LoadShares(one).dominant(np.array([into, lost]), table)
+    slots = dominant(one, np.array([into, lost]), table)
     np.testing.assert_array_equal(slots, [0])
     press.put(table, slots, one, np.array([into]), BODY)
     touch = rough.height[into] - rough.height[lost]

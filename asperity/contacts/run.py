@@ -1,0 +1,90 @@
+"""A contact curve with the load points behind it."""
+
+from __future__ import annotations
+
+import operator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.errors import ConvergenceError, InputError
+from asperity.results.curve import ContactCurve
+
+from .fields import contact_map, pressure_map
+from .spots import spot_table
+from .table import microcontacts
+
+if TYPE_CHECKING:
+    from asperity.model.decomposition import Decomposition
+    from asperity.model.load_point import LoadPoint
+
+__all__ = ["ContactRun"]
+
+
+@dataclass(frozen=True, eq=False)
+class ContactRun:
+    """A contact curve with the decomposition and load points behind it.
+
+    Attributes
+    ----------
+    curve
+        The contact curve.
+    decomposition
+        The decomposed surface.
+    points
+        The load points with the state of all microcontacts, in the order of the curve.
+
+    Raises
+    ------
+    ConvergenceError
+        If a table or a map is asked for at a load point that did not converge.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine(
+    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
+    ... )
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> run = asperity.solve_contacts(hm, steel, pressures=[1e9])
+    >>> run.pressure_map().shape
+    (32, 48)
+    """
+
+    curve: ContactCurve
+    decomposition: Decomposition
+    points: tuple[LoadPoint, ...]
+
+    def microcontacts(self, point: int = -1) -> NDArray[np.void]:
+        """Table of the contacts that carry load at a load point, see `contacts.table`."""
+        return microcontacts(self.decomposition, self._point(point))
+
+    def spots(self, point: int = -1) -> NDArray[np.void]:
+        """Table of the separate spots at a load point, see `contacts.spots`."""
+        return spot_table(self.decomposition, self._point(point))
+
+    def contact_map(self, point: int = -1) -> NDArray[np.bool_]:
+        """Pixels in contact at a load point, shape (ny, nx)."""
+        return contact_map(self.decomposition, self._point(point))
+
+    def pressure_map(self, point: int = -1) -> NDArray[np.float64]:
+        """Pressure [Pa] of every pixel at a load point, shape (ny, nx)."""
+        return pressure_map(self.decomposition, self._point(point))
+
+    def __str__(self) -> str:
+        return f"{self.curve}\nsummits         {len(self.decomposition.summits)}"
+
+    __repr__ = __str__
+
+    def _point(self, point: int) -> LoadPoint:
+        try:
+            found = self.points[operator.index(point)]
+        except (IndexError, TypeError):
+            raise InputError(
+                f"point is {point!r}; the load points are numbered 0 to {len(self.points) - 1}"
+            ) from None
+        if not found.converged:
+            raise ConvergenceError(f"load point {point} cannot be used: {found.reason}")
+        return found

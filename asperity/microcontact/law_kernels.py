@@ -1,0 +1,282 @@
+"""The one compiled evaluation of tabulated contact laws.
+
+With v = K sqrt(d / reach), node j at v = j, the force is F = v^p s(v). Between nodes s is a cubic
+Hermite polynomial in v, linear in the first interval, so that a Hertzian contact is exact at any
+grading; area/v^2 is linear in v. The energy int F dd follows in closed form. The moment
+m = (1/F) int variance dF is a growing cubic Hermite polynomial with the slope
+dm/dF = (variance - m)/F at the nodes, an increment at the stiffness k being spread with the
+variance (factor k)^exponent (docs/half_space.md). Beyond the reach the contact is a flat punch.
+
+A tip that is no paraboloid (`BLUNT`) has powers of v instead in the first interval: force, area and
+moment are those of the first node times v to the exponents in `tips`, which are zero for all other
+contacts.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
+
+__all__ = [
+    "AREA",
+    "BLUNT",
+    "ENERGY",
+    "FORCE",
+    "FORCE_SLOPE",
+    "MOMENT",
+    "MOMENT_SLOPE",
+    "NUMBERS",
+    "TIPS",
+    "convex",
+    "empty_columns",
+    "evaluate",
+    "tabulate",
+]
+
+FORCE, FORCE_SLOPE, ENERGY, MOMENT, MOMENT_SLOPE, AREA = range(6)
+"""Columns of a node j: s and ds/dv; the constant of the energy in [j, j + 1]; the moment and dm/dv;
+area/v^2."""
+
+NUMBERS = 6
+"""Columns of a node."""
+
+TIPS = 3
+"""Exponents over v of force, area and moment of a tip that is no paraboloid."""
+
+BLUNT = 0.1
+"""Difference of the exponents of force at the first node and of a paraboloid, over the root of the
+approach, from which on a tip is no paraboloid: r^2.2, r^1.8, and 1 to 6 % of the summits of random
+and measured maps. Down to the tip force and area then are powers."""
+
+LEAST_SLOPE = 0.05
+"""Least stiffness over F/d."""
+
+_GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
+
+
+@inner(fastmath=QUOTIENTS)
+def _power(base, exponent):
+    """base^exponent, the powers of the homogeneous body by products."""
+    if exponent == 3.0:
+        return base * base * base
+    if exponent == 2.0:
+        return base * base
+    return base**exponent
+
+
+@inner(fastmath=QUOTIENTS)
+def _hermite(left, right, left_slope, right_slope):
+    """Coefficients in v - j of the cubic with these values and slopes at j and j + 1."""
+    rise = right - left
+    return (
+        left,
+        left_slope,
+        3.0 * rise - 2.0 * left_slope - right_slope,
+        left_slope + right_slope - 2.0 * rise,
+    )
+
+
+@inner(fastmath=QUOTIENTS)
+def _shares(power):
+    """Integral of v^(power + 1 + k) dv over its v^(power + 2 + k), k = 0 ... 3."""
+    return 1.0 / (power + 2.0), 1.0 / (power + 3.0), 1.0 / (power + 4.0), 1.0 / (power + 5.0)
+
+
+@inner(fastmath=QUOTIENTS)
+def _force_integral(c0, c1, c2, c3, j, shares, factor, v):
+    """Integral of v^(power + 1) s dv from 0, for the cubic s of these coefficients in v - j;
+    `factor` is v^power and `shares` those of the power."""
+    q0, q1, q2, q3 = shares
+    e0 = c0 - j * (c1 - j * (c2 - j * c3))
+    e1 = c1 - j * (2.0 * c2 - 3.0 * j * c3)
+    e2 = c2 - 3.0 * j * c3
+    return v * v * factor * (e0 * q0 + v * (e1 * q1 + v * (e2 * q2 + v * (c3 * q3))))
+
+
+@compiled(fastmath=QUOTIENTS)
+def evaluate(
+    rows,
+    index,
+    approach,
+    reach,
+    power,
+    place,
+    table,
+    tips,
+    force,
+    stiffness,
+    area,
+    energy,
+    moment,
+    growth,
+):
+    """Laws at the approaches of the contacts [rows[0], rows[1]), of table row `place[index]`.
+
+    Fills F, dF/dd, the area, int F dd, the moment m and its growth F dm/dF; zeros where there is no
+    approach or no law.
+    """
+    steps, shares = table.shape[1] - 1, _shares(power)
+    unit = 2.0 / (steps * steps)
+    closed, count = np.empty(rows[1] - rows[0], np.int64), 0
+    for i in range(rows[0], rows[1]):
+        area[i], force[i], stiffness[i] = 0.0, 0.0, 0.0
+        energy[i], moment[i], growth[i] = 0.0, 0.0, 0.0
+        closed[count] = i
+        count += (approach[i] > 0.0) & (reach[index[i]] > 0.0)
+    for i in closed[:count]:
+        d, top = approach[i], reach[index[i]]
+        row = place[index[i]]
+        v = math.sqrt(min(d / top, 1.0)) * steps
+        j = min(int(v), steps - 1)
+        left, right = table[row, j], table[row, j + 1]
+        if j == 0 and tips[row, 0] > 0.0:
+            rise, spread = tips[row, 0], tips[row, 2]
+            f = right[FORCE] * v**rise
+            stiff = 0.5 * rise * f / d
+            work = f * d / (1.0 + 0.5 * rise)
+            m = right[MOMENT] * v**spread
+            grown = m * spread / rise
+            spot = right[AREA] * v ** tips[row, 1]
+        else:
+            t = v - j
+            c0, c1, c2, c3 = _hermite(
+                left[FORCE], right[FORCE], left[FORCE_SLOPE], right[FORCE_SLOPE]
+            )
+            level = c0 + t * (c1 + t * (c2 + t * c3))
+            slope = power * level + v * (c1 + t * (2.0 * c2 + 3.0 * t * c3))
+            width = top * unit  # dd/dv = width v
+            lower = v if power == 3.0 else v ** (power - 2.0)
+            f = lower * v * v * level
+            stiff = lower * slope / width
+            work = left[ENERGY] + width * _force_integral(
+                c0, c1, c2, c3, j, shares, lower * v * v, v
+            )
+            c0, c1, c2, c3 = _hermite(
+                left[MOMENT], right[MOMENT], left[MOMENT_SLOPE], right[MOMENT_SLOPE]
+            )
+            m = c0 + t * (c1 + t * (c2 + t * c3))
+            bend = c1 + t * (2.0 * c2 + 3.0 * t * c3)
+            grown = bend * level * v / slope if slope > 0.0 else 0.0
+            spot = v * v * (left[AREA] + t * (right[AREA] - left[AREA]))
+        over = d - top
+        if over > 0.0:
+            full = m + grown
+            work += over * (f + 0.5 * stiff * over)
+            m = (m * f + full * stiff * over) / (f + stiff * over)
+            f += stiff * over
+            grown = full - m
+        area[i], force[i], stiffness[i] = spot, f, max(stiff, LEAST_SLOPE * f / d)
+        energy[i], moment[i], growth[i] = work, max(m, 0.0), grown
+
+
+@inner()
+def _slope(c0, c1, c2, c3, j, power, v):
+    """dF/dv of F = v^power s(v), for the cubic s of these coefficients in v - j."""
+    t = v - j
+    level = c0 + t * (c1 + t * (c2 + t * c3))
+    bend = c1 + t * (2.0 * c2 + 3.0 * t * c3)
+    return max(_power(v, power - 1.0) * (power * level + v * bend), 0.0)
+
+
+@compiled()
+def tabulate(reach, force, stiffness, area, power, factor, exponent, coupled, table, tips):
+    """Fill the rows of `table` (n, K + 1, NUMBERS) and `tips` (n, TIPS) from nodal values.
+
+    An increment of force at the stiffness k is spread with the variance (factor k)^exponent.
+
+    The moment is integrated by Gauss quadrature on each interval, and its slopes are limited so
+    that it grows between the nodes too (Fritsch and Carlson 1980). If `coupled`, what
+    the coupled problem needs: slopes of s with which the force stays positive between the nodes,
+    and the stiffness is continuous where the powers of a tip end.
+    """
+    steps, shares = force.shape[1] - 1, _shares(power)
+    moment, bend = np.zeros(steps + 1), np.zeros(steps + 1)
+    table[:] = 0.0
+    tips[:] = 0.0
+    for r in range(reach.size):
+        width = 2.0 * reach[r] / (steps * steps)
+        s0, d0, work, load, spread = 0.0, 0.0, 0.0, 0.0, 0.0
+        for j in range(steps):
+            v = j + 1.0
+            s1 = force[r, j + 1] / _power(v, power)
+            d1 = stiffness[r, j + 1] * width * v / _power(v, power) - power * s1 / v
+            table[r, j + 1, AREA] = area[r, j + 1] / (v * v)
+            if j == 0 and abs(d1) > BLUNT * s1 and 0.0 < force[r, 1] < force[r, 2]:
+                # between the exponents of a punch and of a cone
+                rise = min(max(math.log2(force[r, 2] / force[r, 1]), 2.0), 2.0 * power - 2.0)
+                wide = exponent * (rise - 2.0)
+                variance = _power(factor * rise * s1 / width, exponent)
+                tips[r, 0] = rise
+                tips[r, 1] = 2.0 * (rise - 2.0) / (power - 2.0)
+                tips[r, 2] = wide
+                moment[1] = variance * rise / (rise + wide)
+                bend[1] = (variance - moment[1]) * rise
+                work, load, spread = width * s1 / (rise + 2.0), s1, moment[1] * s1
+                s0, d0 = s1, (rise - power) * s1 if coupled else d1
+                continue
+            if j == 0:
+                # straight, through the first node, not below a fifth of its value
+                d1 = min(d1, 0.8 * s1) if coupled else d1
+                s0, d0 = s1 - d1, d1
+            else:
+                # a steeper cubic could pass below zero
+                d1 = min(d1, 3.0 * s1) if coupled else d1
+            c0, c1, c2, c3 = _hermite(s0, s1, d0, d1)
+            below, above = _power(float(j), power), _power(v, power)
+            start = width * _force_integral(c0, c1, c2, c3, j, shares, below, float(j))
+            table[r, j, FORCE] = s0
+            table[r, j, FORCE_SLOPE] = d0
+            table[r, j, ENERGY] = work - start
+            work += width * _force_integral(c0, c1, c2, c3, j, shares, above, v) - start
+            for q in range(_GAUSS_NODES.size):
+                t = j + 0.5 * (1.0 + _GAUSS_NODES[q])
+                slope = _slope(c0, c1, c2, c3, j, power, t)
+                part = 0.5 * _GAUSS_WEIGHTS[q] * slope
+                load += part
+                spread += part * _power(factor * slope / (width * t), exponent)
+            slope = _slope(c0, c1, c2, c3, j, power, v)
+            variance = _power(factor * slope / (width * v), exponent)
+            moment[j + 1] = spread / load
+            bend[j + 1] = (variance - moment[j + 1]) * slope / load
+            s0, d0 = s1, d1
+        table[r, 0, AREA] = table[r, 1, AREA]
+        table[r, steps, FORCE] = s0
+        table[r, steps, FORCE_SLOPE] = d0
+        table[r, steps, ENERGY] = work
+        for j in range(1, steps + 1):
+            before = moment[j] - moment[j - 1]
+            after = moment[j + 1] - moment[j] if j < steps else before
+            table[r, j, MOMENT] = moment[j]
+            table[r, j, MOMENT_SLOPE] = min(max(bend[j], 0.0), 3.0 * max(min(before, after), 0.0))
+
+
+def empty_columns(count: int, intervals: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """`table` and `tips` of so many contacts, to be filled by `tabulate`."""
+    return np.empty((count, intervals + 1, NUMBERS)), np.empty((count, TIPS))
+
+
+@compiled()
+def convex(place, force):
+    """Replace each row of `force` by the largest convex function below it (lower hull)."""
+    nodes = place.size
+    stack = np.empty(nodes, np.int64)
+    for row in force:
+        top = 0
+        for j in range(nodes):
+            while top >= 2:
+                a, b = stack[top - 2], stack[top - 1]
+                lower = (row[b] - row[a]) * (place[j] - place[b])
+                if lower < (row[j] - row[b]) * (place[b] - place[a]):
+                    break
+                top -= 1
+            stack[top] = j
+            top += 1
+        for k in range(top - 1):
+            a, b = stack[k], stack[k + 1]
+            for j in range(a + 1, b):
+                t = (place[j] - place[a]) / (place[b] - place[a])
+                row[j] = (1.0 - t) * row[a] + t * row[b]

@@ -1,0 +1,1 @@
+"""Corrections of the laws of single contacts, one file each."""

@@ -1,0 +1,83 @@
+"""Two contacts that join while they carry much of the load: they are pressed as one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.interaction.elongation import ASPECT_EXPONENT
+from asperity.microcontact.basin_bem.press import press
+
+if TYPE_CHECKING:
+    from asperity.halfspace.material import HalfSpace
+    from asperity.model.load_shares import LoadShares
+    from asperity.parameters import Parameters
+    from surfaces.peaks.summits import Summits
+
+__all__ = ["join"]
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+
+def join(
+    summits: Summits, shares: LoadShares, material: HalfSpace, parameters: Parameters
+) -> tuple[Summits, Array, Array]:
+    """Summits of which those whose contacts join while they carry much of the load are one.
+
+    Pairs that cannot be pressed as one, as they reach too far, stay apart.
+
+    Returns
+    -------
+    summits, curvature, angle
+        The summits, and the forms of their contacts: principal curvatures [1/m], shape (n, 2), and
+        direction of the long axis [rad], (n,), of joined ones those of a summit with a contact of
+        their moments.
+    """
+    pairs, approach, low = _joining(summits, shares, parameters)
+    if not len(pairs):
+        return summits, summits.curvature, summits.angle
+    one = summits.joined(pairs, low)
+    roots, slot = np.unique(one.owner[pairs[:, 0]], return_inverse=True)
+    depth = np.zeros(len(roots))
+    np.maximum.at(depth, slot, approach.max(axis=1))
+    found = press(one, roots, depth[:, None] * np.array([1.0, 2.0]), material)[:, -1]
+    pressed = found[:, 0] > 0.0
+    if not pressed.all():
+        one = summits.joined(pairs[pressed[slot]], low[pressed[slot]])
+    return one, *_forms(one, roots[pressed], found[pressed, 4:].T)
+
+
+def _joining(
+    summits: Summits, shares: LoadShares, parameters: Parameters
+) -> tuple[Rows, Array, Array]:
+    """Pairs of summits, (k, 2), that join while they carry much of the load; the approaches [m] of
+    both, (k, 2), and how far down [m] their basins hang together, (k,)."""
+    bounds = parameters.pressed_basins
+    pairs = summits.owner[summits.peaks.neighbors]
+    top, low = summits.height[pairs], summits.peaks.passes
+    flat = low - (parameters.spots.joined - 1.0) * (top.mean(axis=1) - low)
+    some = shares.usable[pairs].all(axis=1) & (pairs[:, 0] != pairs[:, 1])
+    some &= (flat > shares.lowest) & (flat < top.min(axis=1))
+    pairs, low, flat, approach = pairs[some], low[some], flat[some], (top - flat[:, None])[some]
+    load = np.sum(shares.weight[pairs] * approach**1.5, axis=1)
+    some = load > bounds.pair_share * shares.load(flat)
+    pairs, approach, low = pairs[some], approach[some], low[some]
+    return pairs, approach, low - bounds.slack * approach.mean(axis=1)
+
+
+def _forms(summits: Summits, rows: Rows, moments: Array) -> tuple[Array, Array]:
+    """Principal curvatures [1/m] and directions [rad] of summits, where those of some have contacts
+    of the moments yy, xx, yx, shape (3, k); their own where the moments are those of no area."""
+    curvature, angle = summits.curvature.copy(), summits.angle.copy()
+    yy, xx, yx = moments
+    mean, skew = 0.5 * (yy + xx), np.hypot(0.5 * (yy - xx), yx)
+    wide = mean > skew
+    rows, yy, xx, yx, mean, skew = (array[wide] for array in (rows, yy, xx, yx, mean, skew))
+    steep = ((mean + skew) / (mean - skew)) ** (0.25 / ASPECT_EXPONENT)
+    middle = np.sqrt(np.prod(curvature[rows], axis=1))
+    curvature[rows] = np.stack((middle * steep, middle / steep), axis=1)
+    angle[rows] = 0.5 * np.arctan2(2.0 * yx, xx - yy)
+    return curvature, angle

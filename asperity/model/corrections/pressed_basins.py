@@ -1,0 +1,55 @@
+"""Contacts that carry much of the load beyond their expansion: their basins are pressed alone."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.halfspace.flags import Flag
+from asperity.microcontact.basin_bem.press import put
+from surfaces.peaks.summit_arrays import PLATEAU
+
+if TYPE_CHECKING:
+    from asperity.model.law_rows import LawRows
+
+__all__ = ["correct", "dominant"]
+
+EARLY = 5
+"""Node to which the expansion of a smooth summit holds at least."""
+
+LATER = np.array([0, 1, 3, 6])
+"""Nodes of a table beyond the expansion at which the share is looked at."""
+
+
+def correct(laws: LawRows) -> None:
+    """Put the laws of basins pressed alone in the place of those of dominant contacts."""
+    slots = dominant(laws)
+    put(laws.table, slots, laws.summits, laws.rows[slots], laws.material)
+
+
+def dominant(laws: LawRows) -> NDArray[np.int64]:
+    """Slots of the table whose law has to be exact: of joined summits, and of contacts that carry
+    more than their share beyond the expansion."""
+    bounds, shares, table = laws.parameters.pressed_basins, laws.shares, laws.table
+    summits, rows = laws.summits, laws.rows
+    beyond = (table.flags & Flag.BEYOND_RADIUS) > 0
+    slots = np.flatnonzero(beyond.any(axis=1) & (table.reach > 0) & shares.usable[rows])
+    first = beyond[slots].argmax(axis=1)
+    nodes = np.minimum(first[:, None] + LATER, table.nodes)
+    depth = table.reach[slots, None] * (nodes / table.nodes) ** 2
+    top = summits.height[rows[slots]]
+    near = top - depth[:, 0] > shares.lowest
+    flat = (top[:, None] - depth)[near]
+    slots, depth, first = slots[near], depth[near], first[near]
+    steep, shallow = summits.curvature[rows[slots]].T
+    rough = (steep > bounds.ridge * shallow) | (first <= EARLY)
+    share = np.where(rough, bounds.ridge_share, bounds.round_share)[:, None]
+    plateau = summits.kinds[rows[slots], None] == PLATEAU
+    share = np.where(plateau, bounds.plateau_share, share)
+    load = shares.weight[rows[slots], None] * depth**1.5
+    known = flat > shares.lowest
+    chosen = np.isfinite(summits.floor[rows]) & (table.reach > 0)
+    chosen[slots[(known & (load > share * shares.load(flat))).any(axis=1)]] = True
+    return np.flatnonzero(chosen)

@@ -1,0 +1,67 @@
+"""Each correction can be switched off, and changes what it is for."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+import asperity
+from asperity.halfspace.load_points import pressure_scale
+from asperity.parameters import DEFAULTS, Corrections, Parameters
+from surfaces import HeightMap, self_affine
+
+BODY = asperity.HalfSpace.from_modulus(1.0)
+
+
+def rough(cutoff: float | None = 8.0, anisotropy: float = 1.0) -> HeightMap:
+    """Waves of so many pixels and more on pixels that are not square."""
+    return self_affine(
+        (96, 120), (96.0, 144.0), hurst=0.8, rms_slope=0.1, cutoff=cutoff, seed=3,
+        anisotropy=anisotropy,
+    )  # fmt: skip
+
+
+def tip() -> HeightMap:
+    """A cone whose contact is small beside its rays."""
+    y, x = (np.arange(n) - n // 2 for n in (256, 257))
+    return HeightMap(-0.1 * np.hypot(y[:, None], x), (1.0, 1.0))
+
+
+def area(hm: HeightMap, load: float, parameters: Parameters) -> float:
+    """Contact area under a load that is told in units of modulus and slope."""
+    pressures = load * pressure_scale(hm, BODY)
+    plan = asperity.make_plan(hm, BODY, pressures=pressures, parameters=parameters)
+    return float(asperity.contact_curve(hm, BODY, pressures=pressures, plan=plan).contact_area[0])
+
+
+CASES = {
+    "contact_shift": (rough, 2e-2),
+    "elongation": (lambda: rough(anisotropy=4.0), 2e-2),
+    "pressed_basins": (rough, 1e-2),
+    "joined_pairs": (rough, 1e-2),
+    "sharp_tips": (tip, 1e-7),
+    "wave_split": (
+        lambda: self_affine((256, 320), (256.0, 320.0), hurst=0.8, rms_slope=0.1, seed=2),
+        1e-2,
+    ),
+    "finer_grid": (
+        lambda: self_affine(
+            (96, 120), (96.0, 120.0), hurst=0.8, rms_slope=0.1, rolloff=24.0, cutoff=2.5, seed=2
+        ),
+        1e-2,
+    ),
+    "coarser_grid": (lambda: rough(cutoff=24.0), 1e-2),
+}
+
+
+def test_every_correction_has_its_switch():
+    assert set(CASES) == {field.name for field in fields(Corrections)}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_correction_switched_off_changes_the_area(name):
+    make, load = CASES[name]
+    off = replace(DEFAULTS, corrections=Corrections(**{name: False}))
+    assert area(make(), load, off) != area(make(), load, DEFAULTS)
