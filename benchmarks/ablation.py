@@ -132,11 +132,11 @@ LAWS = "asperity.model.corrections"
 
 CORRECTIONS = {
     "contact shift": Correction(
-        replaced(f"{NEWTON}.problem.contact_shifts", _no_shift),
+        replaced(f"{NEWTON}.state.contact_shifts", _no_shift),
         (
             f"{NEWTON}.contact_shift.contact_shifts",
             f"{NEWTON}._state_kernels.shift_contacts",
-            f"{NEWTON}.problem.State.lag",
+            f"{NEWTON}.state.State.lag",
             f"{NEWTON}._state_kernels.lag",
         ),
     ),

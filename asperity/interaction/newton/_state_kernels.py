@@ -13,7 +13,7 @@ TINY = 1e-200
 
 
 @njit(inline="always")
-def _beside(stiffness, approach, along_y, along_x, radii, modulus, power, limit):
+def _bounded_shift(stiffness, approach, along_y, along_x, radii, modulus, power, limit):
     """Shift (y, x) of a closed contact, bounded, and the height that it gains; the
     formulas are those of `contact_shifts`."""
     radius = power * stiffness / (2.0 * modulus)
@@ -29,17 +29,17 @@ def _beside(stiffness, approach, along_y, along_x, radii, modulus, power, limit)
 
 @compiled()
 def shift_contacts(
-    force, stiffness, approach, tilt, radii, modulus, power, limit, gain, aside, moment
+    force, stiffness, approach, tilt, radii, modulus, power, limit, gain, shift, moment
 ):
     """Height gained, shift and force times shift (n, 2) of each contact."""
     for i in range(force.size):
         y, x, rise = 0.0, 0.0, 0.0
         if force[i] > 0.0 and approach[i] > TINY:
-            y, x, rise = _beside(
+            y, x, rise = _bounded_shift(
                 stiffness[i], approach[i], tilt[i, 0], tilt[i, 1], radii[i], modulus, power, limit
             )
         gain[i] = rise
-        aside[i, 0], aside[i, 1] = y, x
+        shift[i, 0], shift[i, 1] = y, x
         moment[i, 0], moment[i, 1] = force[i] * y, force[i] * x
 
 
@@ -65,7 +65,7 @@ def widen(
         grown[i] = area[i]
         if not (outgrown[i] and force[i] > 0.0 and approach[i] > TINY):
             continue
-        y, x, _ = _beside(
+        y, x, _ = _bounded_shift(
             stiffness[i], approach[i], tilt[i, 0], tilt[i, 1], radii[i], modulus, power, limit
         )
         share = math.pi * power * power * (y * y + x * x) / area[i]
@@ -73,8 +73,8 @@ def widen(
 
 
 @compiled(fastmath=QUOTIENTS)
-def lag(force, stiffness, tilt, aside, fresh, moved, gain):
-    """Share of the load that the difference between `aside` and `fresh` can make."""
+def lag(force, stiffness, tilt, shift, next_shift, moved, gain):
+    """Share of the load that the difference between `shift` and `next_shift` can make."""
     whole = 0.0
     change = 0.0
     others = 0.0
@@ -84,8 +84,8 @@ def lag(force, stiffness, tilt, aside, fresh, moved, gain):
         f = force[i]
         load += f
         slope = tilt[i, 0] ** 2 + tilt[i, 1] ** 2
-        whole += f * math.sqrt(slope * (fresh[i, 0] ** 2 + fresh[i, 1] ** 2))
-        dy, dx = fresh[i, 0] - aside[i, 0], fresh[i, 1] - aside[i, 1]
+        whole += f * math.sqrt(slope * (next_shift[i, 0] ** 2 + next_shift[i, 1] ** 2))
+        dy, dx = next_shift[i, 0] - shift[i, 0], next_shift[i, 1] - shift[i, 1]
         change += f * math.sqrt(slope * (dy * dy + dx * dx))
         others += stiffness[i] * abs(moved[i])
         own += 2.0 * stiffness[i] * gain[i]
@@ -175,7 +175,7 @@ def imbalance(
 
 
 @compiled()
-def fall(gap, error, force, approach, value, work, force1, approach1, value1, work1):
+def energy_change(gap, error, force, approach, value, work, force1, approach1, value1, work1):
     """Change of energy from one point to another (1) at one gap, minus the work of the errors along
     it, and the size of the energies."""
     change = 0.0

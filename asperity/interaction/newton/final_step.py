@@ -12,8 +12,7 @@ from asperity.interaction.ewald.tangent import Tangent
 
 from .conjugate_gradients import conjugate_gradients
 from .laws import Evaluated
-from .problem import Problem, State
-from .residual import Residual
+from .state import State
 from .step import Step
 
 __all__ = ["Solution", "finished", "shared", "tangent_of", "tangent_response"]
@@ -57,7 +56,7 @@ class Solution:
     slope
         Minus the slope of the load over the separation [N/m]; None until `tangent` is asked for.
     linearized
-        Problem and residual whose tangent matrix holds here, as long as `slope` is not known.
+        State whose tangent matrix holds here, as long as `slope` is not known.
     unsettled
         Contacts that have kept the point from settling, shape (n,); None if no single ones have.
     """
@@ -73,7 +72,7 @@ class Solution:
     reason: str
     shares: Array
     slope: float | None = None
-    linearized: tuple[Problem, Residual] | None = None
+    linearized: State | None = None
     unsettled: NDArray[np.bool_] | None = None
 
     @functools.cached_property
@@ -93,7 +92,7 @@ class Solution:
         if self.slope is not None:
             return self.slope, self.shares
         assert self.linearized is not None
-        return tangent_response(*self.linearized, self.shares)
+        return tangent_response(self.linearized, self.shares)
 
     def without_matrix(self) -> Solution:
         """The solution with its tangent in numbers, and not what these are made from."""
@@ -101,20 +100,18 @@ class Solution:
         return replace(self, slope=slope, shares=shares, linearized=None)
 
 
-def finished(
-    problem: Problem, state: State, residual: Residual, found: Solution, load: float
-) -> Solution:
+def finished(state: State, found: Solution, load: float) -> Solution:
     """After the last Newton step, which is taken without a look at what it leaves, and at the load:
     the rest of it follows from the answer to a fall of the plane, by the same tangent."""
-    tangent = tangent_of(problem, residual)
-    rows, error = tangent.index, residual.error[tangent.index]
-    move = Step(problem, state, residual, tangent)
+    tangent = tangent_of(state)
+    rows, error = tangent.index, state.error[tangent.index]
+    move = Step(state, tangent)
     solved = conjugate_gradients(tangent, error, tolerance=FORCING, held=True)
-    approach, wanted = np.zeros(len(state.approach)), residual.wanted - solved.constant
+    approach, wanted = np.zeros(len(state.approach)), state.wanted - solved.constant
     approach[rows] = move.approach(solved.solution)
     wanted[rows] = move.wanted_after(solved.constant, solved.solution, error - solved.residual)
     separation = found.separation + solved.constant
-    slope, shares, products = _tangent_response(tangent, residual, found.shares)
+    slope, shares, products = _tangent_response(tangent, state, found.shares)
     for _ in range(FALLS if slope > 0 else 0):
         fall = (load - float(move.laws(approach[rows]).force.sum())) / slope
         closed = approach > 0
@@ -125,7 +122,7 @@ def finished(
         separation=separation,
         approach=approach,
         wanted=wanted,
-        laws=problem.laws(approach),
+        laws=state.problem.laws(approach),
         products=found.products + solved.products + products,
         shares=shares,
         slope=slope,
@@ -133,35 +130,35 @@ def finished(
     )
 
 
-def tangent_response(
-    problem: Problem, residual: Residual, compliance: Array
-) -> tuple[float, Array]:
+def tangent_response(state: State, compliance: Array) -> tuple[float, Array]:
     """Minus the slope of the load over the separation [N/m], and the approach that each contact
     gains per fall of the plane [-], shape (n,), from a guess of it."""
-    tangent = tangent_of(problem, residual)
+    tangent = tangent_of(state)
     if not len(tangent):
-        return 0.0, np.ones(len(residual.error))
-    return _tangent_response(tangent, residual, compliance)[:2]
+        return 0.0, np.ones(len(state.error))
+    return _tangent_response(tangent, state, compliance)[:2]
 
 
 def _tangent_response(
-    tangent: Tangent, residual: Residual, compliance: Array
+    tangent: Tangent, state: State, compliance: Array
 ) -> tuple[float, Array, int]:
     """`tangent_response`, and the products spent, by a tangent that has done its service."""
     rows = tangent.index
     # footprints that grow would make it too soft
-    tangent.stiffen(1 / residual.stiffness[rows] - tangent.compliance)
+    tangent.stiffen(1 / state.stiffness[rows] - tangent.compliance)
     start = shared(None, compliance, tangent)
     solved = conjugate_gradients(tangent, np.ones(len(rows)), tolerance=RESPONSE, start=start)
-    shares = np.ones(len(residual.error))
+    shares = np.ones(len(state.error))
     shares[rows] = solved.solution * tangent.compliance
     # stationary in the solution, so that its error counts twice
     return float(np.sum(solved.solution * (1 + solved.residual))), shares, solved.products
 
 
-def tangent_of(problem: Problem, residual: Residual) -> Tangent:
+def tangent_of(state: State) -> Tangent:
     """Tangent matrix of the active contacts."""
-    return Tangent(problem.plan, residual.active, residual.stiffness, residual.extra, problem.form)
+    return Tangent(
+        state.problem.plan, state.active, state.stiffness, state.extra, state.problem.form
+    )
 
 
 def shared(missing: float | None, compliance: Array, tangent: Tangent) -> Array:

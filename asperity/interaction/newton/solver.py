@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from .conjugate_gradients import conjugate_gradients
 from .final_step import FORCING, Solution, finished, shared, tangent_of
-from .problem import Problem, State
-from .residual import Residual
+from .problem import Problem
+from .state import State
 from .step import Step
 
 __all__ = ["descend"]
@@ -110,21 +110,21 @@ def descend(
     tilt = np.zeros((len(start), 2)) if tilt is None else np.ascontiguousarray(tilt)
     if compliance is None:
         compliance = np.ones(len(start))
-    state = State.at(problem, np.maximum(start, 0.0), tilt)
+    state = State(problem, np.maximum(start, 0.0), tilt)
     limit = MAX_STEPS if load is None else MAX_LOADED_STEPS
     limit = limit if problem.elongation is None else MAX_LONG_STEPS
     products, reason, held, share = 1, "", None, RELAXATION
     last = np.zeros(len(start))
     for step in range(limit + 1):
-        residual = Residual(problem, state, separation, load is not None)
-        separation = residual.separation
+        state.balance(separation, load is not None)
+        separation = state.separation
         missing = 0.0 if load is None else load - float(state.laws.force.sum())
-        error, wrong = residual.relative + state.lag, abs(missing) / (load or 1.0)
+        error, wrong = state.relative + state.lag, abs(missing) / (load or 1.0)
         closed = int(np.count_nonzero(state.approach))
         few = 1.0 if load is None else min(1.0, math.sqrt(closed / MANY))
         if error <= few * tolerance and wrong <= 0.5 * tolerance:
             break
-        if load is not None and not residual.active.any():
+        if load is not None and not state.active.any():
             reason = "no contact is left to carry the load"
             break
         if step == limit:
@@ -136,12 +136,12 @@ def descend(
         held = state.risen if held is None else held + share * behind
         tilt = tilt + (share if step >= EARLY else 1.0) * (state.field.tilt - tilt)
         last = behind
-        residual.raised(held - state.risen)
-        tangent = tangent_of(problem, residual)
+        state.raised(held - state.risen)
+        tangent = tangent_of(state)
         solved = conjugate_gradients(
             tangent,
-            residual.error[residual.active],
-            tolerance=_forcing(residual.relative, tolerance),
+            state.error[state.active],
+            tolerance=_forcing(state.relative, tolerance),
             start=None if load is None else shared(missing, compliance, tangent),
             held=load is not None,
         )
@@ -149,29 +149,29 @@ def descend(
             reason = f"the step from a residual of {error:.1e} is not finite"
             break
         separation += solved.constant
-        residual.raised(-solved.constant)
-        move = Step(problem, state, residual, tangent)
+        state.raised(-solved.constant)
+        move = Step(state, tangent)
         products, found = products + solved.products, None
-        if residual.relative > ROUGH:
+        if state.relative > ROUGH:
             refined, change, constant, spent = move.refine(
                 solved.solution, tolerance=0.5 * COARSE, load=load
             )
-            residual.raised(-constant)
-            found = _taken(problem, state, residual, refined, change, tilt)
-            residual.raised(0.0 if found else constant)
+            state.raised(-constant)
+            found = _taken(state, refined, change, tilt)
+            state.raised(0.0 if found else constant)
             separation += constant if found else 0.0
             products += spent + 1
         if not found:
-            found, tried = _line_search(problem, state, residual, move, solved.solution, tilt)
+            found, tried = _line_search(state, move, solved.solution, tilt)
             products += tried
         if not found:
-            reason = f"no step lowers the energy, residual {residual.relative:.1e}"
+            reason = f"no step lowers the energy, residual {state.relative:.1e}"
             break
         state = found
     solution = Solution(
         separation=separation,
         approach=state.approach,
-        wanted=residual.wanted,
+        wanted=state.wanted,
         laws=state.laws,
         tilt=tilt + SETTLING * (state.field.tilt - tilt),
         residual=error,
@@ -179,12 +179,12 @@ def descend(
         products=products,
         reason=reason,
         shares=compliance,
-        linearized=(problem, residual),
+        linearized=state,
         unsettled=_unsettled_contacts(state, last) if reason and error <= FAR else None,
     )
     if load is None or reason:
         return solution
-    return finished(problem, state, residual, solution, load)
+    return finished(state, solution, load)
 
 
 def _relaxed(
@@ -219,25 +219,21 @@ def _forcing(residual: float, tolerance: float) -> float:
     return min(0.5 * FORCING, max(0.02, 0.5 * tolerance / residual))
 
 
-def _line_search(
-    problem: Problem, state: State, residual: Residual, move: Step, change: Array, tilt: Array
-) -> tuple[State | None, int]:
+def _line_search(state: State, move: Step, change: Array, tilt: Array) -> tuple[State | None, int]:
     """First point along the step at which the energy has fallen enough, and how many were tried."""
     for tried in range(1, MAX_CUTS + 1):
-        found = _taken(problem, state, residual, move, change, tilt)
+        found = _taken(state, move, change, tilt)
         if found:
             return found, tried
         change = 0.5 * change
     return None, MAX_CUTS
 
 
-def _taken(
-    problem: Problem, state: State, residual: Residual, move: Step, change: Array, tilt: Array
-) -> State | None:
+def _taken(state: State, move: Step, change: Array, tilt: Array) -> State | None:
     """The point after a change of the forces, if the energy has fallen enough there."""
     approach = np.zeros(len(state.approach))
     approach[move.rows] = move.approach(change)
-    trial = State.at(problem, approach, tilt)
-    fall, slope, scale = state.fall(trial, residual.gap, residual.error)
+    trial = State(state.problem, approach, tilt)
+    fall, slope, scale = state.energy_change(trial)
     noise = NOISE * scale
     return trial if slope < noise and fall <= SUFFICIENT * slope + noise else None

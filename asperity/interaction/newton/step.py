@@ -11,8 +11,7 @@ from asperity.interaction.ewald.tangent import Tangent
 
 from . import _state_kernels
 from .conjugate_gradients import conjugate_gradients
-from .problem import Problem, State
-from .residual import Residual
+from .state import State
 
 __all__ = ["Step"]
 
@@ -30,24 +29,22 @@ class Step:
 
     Parameters
     ----------
-    problem, state, residual
-        Where the step starts.
+    state
+        Where the step starts, after `State.balance`.
     tangent
         Tangent matrix there; `refine` changes it.
     """
 
-    def __init__(
-        self, problem: Problem, state: State, residual: Residual, tangent: Tangent
-    ) -> None:
+    def __init__(self, state: State, tangent: Tangent) -> None:
         self.rows = rows = tangent.index
         self.tangent = tangent
-        self.laws = problem.laws.rows(rows)
+        self.laws = state.problem.laws.rows(rows)
         self.before = state.laws.force[rows]
-        self.wanted = residual.wanted[rows]
-        self.own = self.stiffness = residual.stiffness[rows]
-        self.base, self.force = residual.base[rows], residual.force[rows]
+        self.wanted = state.wanted[rows]
+        self.own = self.stiffness = state.stiffness[rows]
+        self.base, self.force = state.base[rows], state.force[rows]
         approach = state.approach[rows]
-        self.lower, self.upper = _bounds(approach, self.wanted, residual.error[rows])
+        self.lower, self.upper = _bounds(approach, self.wanted, state.error[rows])
 
     def approach(self, change: Array) -> Array:
         """Approach [m] after a change [N] of the forces, by the power law that a contact follows at

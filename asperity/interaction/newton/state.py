@@ -1,0 +1,178 @@
+"""A trial point of the coupled problem, and how far it is from balance."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _state_kernels
+from .contact_shift import contact_shifts
+from .problem import Problem
+
+__all__ = ["State"]
+
+
+class State:
+    """A trial point: approaches d >= 0, the laws there, the field of the forces, and how far it is
+    from balance.
+
+    Attributes
+    ----------
+    problem
+        Contacts.
+    approach, laws, field
+        d [m], the laws there, and the field of their forces.
+    shift, next_shift
+        Shifts of the contacts [m] whose field was taken, and those that belong to this field
+        (`contact_shifts`), shape (n, 2).
+    gain
+        Heights [m] gained by `next_shift`, shape (n,).
+    separation
+        Separation [m] at which `balance` has judged the contacts; it sets all that follows.
+    gap, wanted, error
+        z - s, z - s - u, and by how much this exceeds the approach [m], shape (n,).
+    active
+        Contacts that are closed or about to close, bool, shape (n,).
+    stiffness, growth, force, base
+        Laws of the active contacts, and the approach [m] where they were taken, shape (n,).
+    relative
+        sum |error_i| k_i over sum F_i.
+
+    Notes
+    -----
+    With the pair energy F_i F_j N(r; m_i, m_j), the energy at separation s is
+    E = sum_i [U*_i(F_i) - (z_i - s) F_i] + 1/2 sum_ij F_i F_j N_ij, U* = F d - U, and its gradient
+    is dE/dF_i = d_i + u_i - (z_i - s), u_i = v0_i + growth_i v1_i: the growth of the footprint with
+    its force is part of the gradient, so that the residual is that of one energy.
+    """
+
+    def __init__(
+        self, problem: Problem, approach: NDArray[np.float64], tilt: NDArray[np.float64]
+    ) -> None:
+        laws = problem.laws(approach)
+        self.problem, self.laws = problem, laws
+        self.approach = np.where(laws.force > 0, approach, 0.0)
+        if not problem.contact_shift:
+            self.field = problem.plan.field(laws.force, laws.moment)
+            self.gain, self.shift, self.next_shift = np.zeros(len(approach)), tilt, tilt
+            return
+        body, radii = problem.plan.footprints, problem.radii
+        _, self.shift, moment = contact_shifts(body, laws, self.approach, tilt, radii)
+        self.field = problem.plan.field(laws.force, laws.moment, laws.growth, moment, problem.form)
+        self.gain, self.next_shift, _ = contact_shifts(
+            body, laws, self.approach, self.field.tilt, radii
+        )
+
+    @property
+    def risen(self) -> NDArray[np.float64]:
+        """Height [m] that each contact gains by its own shift and loses by those of the others."""
+        return self.gain - self.field.moved
+
+    @property
+    def lag(self) -> float:
+        """Share of the load that the difference between `shift` and `next_shift` can make: that
+        of the moments' work, times the weight of all contact shifts."""
+        if self.next_shift is self.shift:
+            return 0.0
+        return float(
+            _state_kernels.lag(
+                self.laws.force,
+                self.laws.stiffness,
+                self.field.tilt,
+                self.shift,
+                self.next_shift,
+                self.field.moved,
+                self.gain,
+            )
+        )
+
+    def balance(self, separation: float, balanced: bool) -> None:
+        """Judge the contacts at a separation [m], and take the tangent data of the active ones.
+
+        Parameters
+        ----------
+        separation
+            Separation [m].
+        balanced
+            Whether it is moved first to where the errors of the closed contacts, times stiffness,
+            cancel.
+
+        Notes
+        -----
+        A contact about to close has no stiffness yet: it gets that at half the approach it wants,
+        and counts with its force there.
+        """
+        law, field, n = self.laws, self.field, len(self.approach)
+        self.gap, self.wanted, self.error = np.empty((3, n))
+        self.active = np.empty(n, bool)
+        closing = np.empty(n, np.int64)
+        rise, error, load, count = _state_kernels.imbalance(
+            self.problem.height,
+            separation,
+            balanced,
+            self.gain,
+            field.moved,
+            field.longer,
+            field.value,
+            law.growth,
+            field.slope,
+            self.approach,
+            law.force,
+            law.stiffness,
+            self.gap,
+            self.wanted,
+            self.error,
+            self.active,
+            closing,
+        )
+        self.separation = separation + rise
+        self.problem.laws.expect(self.wanted)
+        stiffness, growth, force, base = law.stiffness, law.growth, law.force, self.approach
+        fresh = closing[:count]
+        fresh = fresh[self.problem.laws.rows(fresh).usable]
+        if fresh.size:
+            self.active[fresh] = True
+            half = 0.5 * self.wanted[fresh]
+            law = self.problem.laws.rows(fresh)(half)
+            stiffness, growth, force, base = (
+                values.copy() for values in (stiffness, growth, force, base)
+            )
+            stiffness[fresh], growth[fresh] = law.stiffness, law.growth
+            force[fresh], base[fresh] = law.force, half
+            error += float(law.force.sum())
+        self.stiffness, self.growth, self.force, self.base = stiffness, growth, force, base
+        self.relative = error / load if load > 0 else math.inf if error > 0 else 0.0
+
+    @property
+    def extra(self) -> NDArray[np.float64]:
+        """Extra compliance [m/N], shape (n,): what the growth of a contact's own footprint in the
+        field of the others adds to its tangent, dv/dF dN/dm, with dv/dF = 5/3 (v - m)/F as for
+        Hertz; only its positive part is kept, which leaves the matrix positive definite."""
+        pull, force = np.maximum(self.growth * self.field.slope, 0.0), self.force
+        return np.divide(5 / 3 * pull, force, out=np.zeros(len(force)), where=force > 0)
+
+    def raised(self, change: NDArray[np.float64] | float) -> None:
+        """Take the state with all summits higher by `change` [m]."""
+        self.gap, self.wanted = self.gap + change, self.wanted + change
+        self.error = self.error + change
+
+    def energy_change(self, other: State) -> tuple[float, float, float]:
+        """From this point to another: change of energy [J] at the gaps that are held, the change
+        that the errors here predict, and the size of the energies."""
+        change, slope, scale = _state_kernels.energy_change(
+            self.gap,
+            self.error,
+            *(
+                part
+                for state in (self, other)
+                for part in (
+                    state.laws.force,
+                    state.approach,
+                    state.field.value,
+                    state.laws.energy,
+                )
+            ),
+        )
+        return change, slope, scale
