@@ -5,7 +5,8 @@ Hermite polynomial in v, linear in the first interval, so that a Hertzian contac
 grading; area/v^2 is linear in v. The energy int F dd follows in closed form. The moment
 m = (1/F) int variance dF is a growing cubic Hermite polynomial with the slope
 dm/dF = (variance - m)/F at the nodes, an increment at the stiffness k being spread with the
-variance (factor k)^exponent (docs/half_space.md). Beyond the reach the contact is a flat punch.
+variance (factor k)^exponent (docs/development/half_space.md). Beyond the reach the contact is a
+flat punch.
 
 A tip that is no paraboloid (`BLUNT`) has powers of v instead in the first interval: force, area and
 moment are those of the first node times v to the exponents in `tips`, which are zero for all other
