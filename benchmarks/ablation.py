@@ -105,7 +105,7 @@ def lines_of(objects: tuple[str, ...]) -> int:
 
 
 def _no_shift(_: Any, law: Any, approach: Array, *__: Any) -> tuple[Array, Array, Array]:
-    """`deflection` of contacts that stay where they are."""
+    """`contact_shifts` of contacts that stay where they are."""
     return np.zeros(len(approach)), np.zeros((len(approach), 2)), np.zeros((len(approach), 2))
 
 
@@ -132,12 +132,12 @@ LAWS = "asperity.model.corrections"
 
 CORRECTIONS = {
     "contact shift": Correction(
-        replaced(f"{NEWTON}.problem.deflection", _no_shift),
+        replaced(f"{NEWTON}.problem.contact_shifts", _no_shift),
         (
-            f"{NEWTON}.contact_shift.deflection",
-            f"{NEWTON}.state_kernels.deflect",
+            f"{NEWTON}.contact_shift.contact_shifts",
+            f"{NEWTON}._state_kernels.shift_contacts",
             f"{NEWTON}.problem.State.lag",
-            f"{NEWTON}.state_kernels.lag",
+            f"{NEWTON}._state_kernels.lag",
         ),
     ),
     "centers of contacts": Correction(
@@ -146,7 +146,7 @@ CORRECTIONS = {
     ),
     "widening": Correction(
         replaced(f"{NEWTON}.contact_shift.WIDER", 0.0),
-        (f"{NEWTON}.contact_shift.widened", f"{NEWTON}.state_kernels.widen"),
+        (f"{NEWTON}.contact_shift.widened", f"{NEWTON}._state_kernels.widen"),
     ),
     "elongated footprints": Correction(
         "elongation",

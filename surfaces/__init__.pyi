@@ -32,6 +32,7 @@ from .preparation.filtering import resample as resample
 from .preparation.levelling import level as level
 from .preparation.outliers import mark_outliers as mark_outliers
 from .preparation.prepare import prepare as prepare
+from .redistribution import redistribute as redistribute
 from .statistics.bearing import BearingCurve as BearingCurve
 from .statistics.bearing import bearing_curve as bearing_curve
 from .statistics.correlation import Autocorrelation as Autocorrelation
@@ -49,6 +50,5 @@ from .statistics.spectrum_fit import fit_spectrum as fit_spectrum
 from .synthesis import self_affine as self_affine
 from .textures import ground as ground
 from .textures import plateau_honed as plateau_honed
-from .textures import redistribute as redistribute
 from .textures import turned as turned
 from .textures import two_scale as two_scale

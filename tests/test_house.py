@@ -95,7 +95,6 @@ def test_files_fit_in_a_head():
     assert not long, long
 
 
-@later
 def test_functions_outside_kernels_have_few_parameters():
     many = {
         f"{module}.{node.name}": count

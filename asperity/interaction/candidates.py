@@ -146,7 +146,7 @@ class CandidateList:
             height=system.height[index],
             laws=system.laws.rows(index),
             plan=plan,
-            deflects=system.contact_shift,
+            contact_shift=system.contact_shift,
             elongation=None if elongation is None else elongation.rows(index),
         )
         others = np.ones(len(system), bool)
@@ -222,11 +222,11 @@ class CandidateList:
     def areas(self, system: ContactSystem, solution: Solution) -> Array:
         """Contact areas [m^2], wider where contacts stand beside rough summits, shape (n,)."""
         law, problem, table = solution.laws, self.problem, system.table
-        if not (problem.deflects and hasattr(table, "flags_at")):
+        if not (problem.contact_shift and hasattr(table, "flags_at")):
             return law.area
         depth = solution.approach
         rough = table.flags_at(self.index, depth) & np.uint8(Flag.BEYOND_RADIUS) > 0
-        tilts = solution.tilt, problem.lean
+        tilts = solution.tilt, problem.radii
         return widened(problem.plan.footprints, law, depth, *tilts, rough)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.interaction.newton.corrected_forecast import foreseen
+from asperity.interaction.newton.corrected_prediction import corrected_prediction
 from asperity.interaction.newton.final_step import Solution
 from asperity.interaction.newton.solver import descend
 
@@ -106,7 +106,9 @@ def solve_at(
             rows = listed.index
         start = values[0]
         if load is None and placed == 0 and len(last.points) > 1:
-            better, products = foreseen(listed.problem, values[0], values[1], tolerance=tolerance)
+            better, products = corrected_prediction(
+                listed.problem, values[0], values[1], tolerance=tolerance
+            )
             start = better if math.isfinite(float(better.sum())) else start
         bound = max(tolerance, BLIND) if blind else tolerance
         problem, solution = _solved(
@@ -170,8 +172,10 @@ def _solved(
     tolerances: tuple[float, float],
     rounding: bool,
 ) -> tuple[Problem, Solution]:
-    """Solution of a problem from approaches and the other `Point.values`, refused if it is out of order; with `rounding`, if
-    long footprints may have kept single contacts from settling, with round ones of these.
+    """Solution of a problem from approaches and the other `Point.values`.
+
+    It is refused if it is out of order. With `rounding`, if long footprints may have kept single
+    contacts from settling, these get round ones.
 
     `tolerances` are those of the point and of this solve.
     """
@@ -191,9 +195,9 @@ def _solved(
         return _ordered(last, found, tolerance)
 
     found = solved(problem)
-    if not (rounding and _unsettled(system, problem, found)) or found.restless is None:
+    if not (rounding and _unsettled(system, problem, found)) or found.unsettled is None:
         return problem, found
-    problem = problem.rounded(found.restless)
+    problem = problem.rounded(found.unsettled)
     again = solved(problem)
     steps, products = found.steps + again.steps, found.products + again.products
     return problem, replace(again, steps=steps, products=products)

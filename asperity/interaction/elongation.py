@@ -1,4 +1,4 @@
-"""Elongated contacts: the second moments of their footprints, and how far they lean."""
+"""Elongated contacts: the moments of their footprints, and radii of curvature."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from scipy.special import ellipe, ellipk
 
 from .footprint import Footprints
 
-__all__ = ["ASPECT_EXPONENT", "LARGEST_ASPECT", "LARGEST_LEAN", "Elongation", "aspect_ratio"]
+__all__ = ["ASPECT_EXPONENT", "LARGEST_ASPECT", "LARGEST_RADIUS", "Elongation", "aspect_ratio"]
 
 Array = NDArray[np.float64]
 
 LARGEST_ASPECT = 30.0
 """Largest ratio of the axes of a footprint."""
 
-LARGEST_LEAN = 1.5
+LARGEST_RADIUS = 1.5
 """Largest radius of curvature along a contact over that of the round one: a ridge is no paraboloid
 along its length."""
 
@@ -33,10 +33,10 @@ class Elongation:
 
     Parameters
     ----------
-    spread
+    moments
         Second moments yy, xx, xy of the footprint over the variance of the round footprint of the
         same compliance, shape (n, 3).
-    lean
+    radii
         Components yy, xx, xy of the radius of curvature over that of the round contact of the same
         stiffness and approach, shape (n, 3).
 
@@ -50,11 +50,11 @@ class Elongation:
     the tangent matrix positive definite.
     An elliptic paraboloid of semi-axes a, b with r = a/b and e^2 = 1 - 1/r^2 has the radii
     a^2 / (d c) along and b^2 / (d c') across, c = 2 (K - E) / (e^2 K), c + c' = 2, of which the one
-    along is bounded by `LARGEST_LEAN`.
+    along is bounded by `LARGEST_RADIUS`.
     """
 
-    spread: Array
-    lean: Array
+    moments: Array
+    radii: Array
 
     @classmethod
     def of(cls, curvature: Array, angle: Array, footprints: Footprints) -> Elongation:
@@ -68,24 +68,24 @@ class Elongation:
         eccentricity = np.maximum(1 - ratio**-2, 1e-9)
         k, e = ellipk(eccentricity), ellipe(eccentricity)
         share = 2 * (k - e) / (eccentricity * k)
-        far, near = np.minimum(ratio / share, LARGEST_LEAN), 1 / (ratio * (2 - share))
+        far, near = np.minimum(ratio / share, LARGEST_RADIUS), 1 / (ratio * (2 - share))
         return cls(_turned(along, across, angle), _turned(far, near, angle))
 
     @property
     def along(self) -> Array:
         """Second moment along each footprint over the variance of the round one, shape (n,)."""
-        yy, xx, xy = self.spread.T
+        yy, xx, xy = self.moments.T
         return np.asarray(0.5 * (yy + xx) + np.hypot(0.5 * (yy - xx), xy))
 
     def rounded(self, some: NDArray[np.bool_]) -> Elongation:
         """The same with round footprints of `some` contacts, shape (n,)."""
         still = np.array((1.0, 1.0, 0.0))
-        spread, lean = (np.where(some[:, None], still, v) for v in (self.spread, self.lean))
-        return Elongation(spread, lean)
+        moments, radii = (np.where(some[:, None], still, v) for v in (self.moments, self.radii))
+        return Elongation(moments, radii)
 
     def rows(self, index: NDArray[np.int64]) -> Elongation:
         """Of the contacts `index` alone."""
-        return Elongation(self.spread[index], self.lean[index])
+        return Elongation(self.moments[index], self.radii[index])
 
 
 def aspect_ratio(curvature: Array) -> Array:

@@ -17,6 +17,7 @@ the machine-near code of the project is here and in `stack`.
 
 from __future__ import annotations
 
+import functools
 import operator
 from typing import Any
 
@@ -66,7 +67,7 @@ _BYTES = {"float": 4, "double": 8, "i32": 4, "i64": 8}
 
 
 class Vector(types.Type):
-    """Numba type of `width` numbers, or truths, of the numba type `element`."""
+    """Numba type of `width` numbers, or truths, of the numba type `element`; see `vector_of`."""
 
     def __init__(self, element: Any, width: int) -> None:
         self.element, self.width = element, width
@@ -76,6 +77,12 @@ class Vector(types.Type):
     def code(self) -> Any:
         """Type of the vector in machine code."""
         return ir.VectorType(_CODE[self.element], self.width)
+
+
+@functools.cache
+def vector_of(element: Any, width: int) -> Vector:
+    """The type of vectors of so many elements; made once, the compiler asks for it often."""
+    return Vector(element, width)
 
 
 @register_model(Vector)
@@ -174,11 +181,15 @@ def _place(builder: Any, index: Any, width: int, grouped: bool) -> Any:
 
 def _vectors(*kinds: Any) -> Any:
     """The one vector type among arguments of which the others are numbers, or None."""
-    found = {kind for kind in kinds if isinstance(kind, Vector)}
-    rest = [kind for kind in kinds if not isinstance(kind, Vector)]
-    if len(found) != 1 or not all(isinstance(k, types.Float | types.Integer) for k in rest):
-        return None
-    return found.pop()
+    found = None
+    for kind in kinds:
+        if isinstance(kind, Vector):
+            if found not in (None, kind):
+                return None
+            found = kind
+        elif not isinstance(kind, types.Float | types.Integer):
+            return None
+    return found
 
 
 def _as_vector(builder: Any, value: Any, width: int) -> Any:
@@ -196,7 +207,7 @@ def _binary(function: Any, truth: bool, emit: Any) -> None:
             one = _vectors(*args) if len(args) == 2 and not kws else None
             if one is None or one.element is types.boolean:
                 return None
-            result = Vector(types.boolean, one.width) if truth else one
+            result = vector_of(types.boolean, one.width) if truth else one
             return signature(result, *(a if a == one else one.element for a in args))
 
     infer_global(function)(Typing)
@@ -257,7 +268,7 @@ def loader(width: int, grouped: bool = False, element: Any = None) -> Any:
 
     @intrinsic
     def load(typing: Any, array: Any, place: Any) -> Any:
-        held, kind = Vector(array.dtype, width), Vector(element or array.dtype, width)
+        held, kind = vector_of(array.dtype, width), vector_of(element or array.dtype, width)
 
         def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
             data = _data(context, builder, sig.args[0], args[0])
@@ -316,7 +327,7 @@ def repeater(width: int) -> Any:
             data = _data(context, builder, sig.args[0], args[0])
             return _spread(builder, builder.load(builder.gep(data, [args[1]])), width)
 
-        return Vector(array.dtype, width)(array, types.intp), code
+        return vector_of(array.dtype, width)(array, types.intp), code
 
     return repeat
 
@@ -363,7 +374,7 @@ def two_floats(typing: Any, array: Any, place: Any) -> Any:
 @intrinsic
 def entries(typing: Any, array: Any, places: Any) -> Any:
     """Elements of an array at a vector of whole numbers."""
-    kind = Vector(array.dtype, places.width)
+    kind = vector_of(array.dtype, places.width)
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         data = _data(context, builder, sig.args[0], args[0])
@@ -378,7 +389,7 @@ def picker() -> Any:
 
     @intrinsic
     def pick(typing: Any, array: Any, groups: Any) -> Any:
-        kind = Vector(array.dtype, groups.width)
+        kind = vector_of(array.dtype, groups.width)
 
         def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
             data = _data(context, builder, sig.args[0], args[0])
@@ -400,7 +411,7 @@ def transposer(width: int, grouped: bool = False) -> Any:
     def transpose(
         typing: Any, array: Any, place: Any, step: Any, out: Any, to: Any, along: Any
     ) -> Any:
-        kind = Vector(array.dtype, width).code
+        kind = vector_of(array.dtype, width).code
 
         def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
             source = _data(context, builder, sig.args[0], args[0])
@@ -455,7 +466,7 @@ def splatter(width: int) -> Any:
         def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
             return _spread(builder, args[0], width)
 
-        return Vector(element, width)(element), code
+        return vector_of(element, width)(element), code
 
     return splat
 
@@ -473,7 +484,7 @@ def lane(typing: Any, vector: Any, number: Any) -> Any:
 @intrinsic
 def where(typing: Any, mask: Any, a: Any, b: Any) -> Any:
     """Lanes of `a` where the mask holds, else of `b`; one of them may be a number."""
-    one = _vectors(a, b) or Vector(types.float64, mask.width)
+    one = _vectors(a, b) or vector_of(types.float64, mask.width)
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return builder.select(args[0], *(_as_vector(builder, v, one.width) for v in args[1:]))

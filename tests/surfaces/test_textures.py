@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import surfaces
-from surfaces import textures
+from surfaces import redistribute, textures
 
 SHAPE, SIZE = (128, 160), (1.0, 1.25)
 
@@ -71,7 +71,7 @@ def test_redistribute_gives_the_heights_and_keeps_the_spectrum():
     def quantile(p):
         return -np.log1p(-p)  # exponential heights
 
-    other = textures.redistribute(hm, quantile)
+    other = redistribute(hm, quantile)
     n = hm.heights.size
     assert_allclose(np.sort(other.heights, axis=None), quantile((np.arange(n) + 0.5) / n))
     old, new = (np.abs(np.fft.rfft2(m.heights - m.heights.mean())) for m in (hm, other))
@@ -118,4 +118,4 @@ def test_refusals():
             )
     flat = surfaces.HeightMap(np.eye(5), 1.0)
     with pytest.raises(surfaces.InputError, match="periodic map"):
-        textures.redistribute(flat, np.sort)
+        redistribute(flat, np.sort)

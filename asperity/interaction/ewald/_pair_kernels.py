@@ -9,7 +9,7 @@ from asperity.interaction.footprint import PAIR_NODES
 from surfaces.numerics.compiled import compiled
 from surfaces.numerics.vectors import loader, store
 
-from .pair_blocks import (
+from ._pair_block_kernels import (
     BEND,
     BOTH,
     CROSS,

@@ -14,7 +14,7 @@ from scipy.special import gamma, gammainc, gammaincc
 from asperity.interaction.footprint import Footprints
 from asperity.threads import threads
 
-from . import mesh_kernels
+from . import _mesh_kernels
 
 __all__ = ["Mesh", "mesh_of"]
 
@@ -53,7 +53,7 @@ class Mesh:
     shape
         Nodes (my, mx), padding included.
     waves
-        Of a `SHORT` mesh, what `mesh_kernels.convolve` reads of both sides; otherwise empty.
+        Of a `SHORT` mesh, what `_mesh_kernels.convolve` reads of both sides; otherwise empty.
 
     Notes
     -----
@@ -101,7 +101,7 @@ class Mesh:
         if self.waves:
             potential = np.empty_like(masses)
             high, wide = self.waves
-            mesh_kernels.convolve(masses, high, wide, self.transfer, potential)
+            _mesh_kernels.convolve(masses, high, wide, self.transfer, potential)
             return potential
         workers = threads() if self.transfer.size > NODES_PER_THREAD else 1
         spectrum = scipy.fft.rfft2(masses, workers=workers)
@@ -157,7 +157,7 @@ def _periodic_transfer(
     transfer = np.empty((shape[0], len(qx)))
     table = _smooth_share(m)
     along, across = _correction(shape[0]), _correction(shape[1])[: len(qx)]
-    mesh_kernels.smooth_symbol(
+    _mesh_kernels.smooth_symbol(
         qy, qx, along, across, 1 - m, table, (len(table) - 1) / HIGHEST ** (1 - m), transfer
     )
     transfer[0, 0] = -(0.25 ** ((1 - m) / 2)) / gamma((3 - m) / 2) * along[0] * across[0]

@@ -14,37 +14,23 @@ from numpy.typing import NDArray
 from asperity.interaction.footprint import Footprints, at_origin, pair_table, smooth_polynomials
 from surfaces.numerics.parallel import each
 
-from . import _list_kernels, _pair_kernels, mesh_kernels
+from . import _list_kernels, _mesh_kernels, _pair_kernels
 from .mesh import Mesh, mesh_of
 from .near_pairs import chunks, near_pairs, run, total
-from .two_level import Afar
+from .split_length import long_enough, split_length
+from .two_level import TwoLevelPreconditioner
 
 __all__ = ["CAP", "Field", "Interaction"]
 
-NEIGHBOURS = 15
-"""Neighbours within the cut-off, on average."""
-
-FEW, NEAREST = 3_500, 11
-"""Points whose mesh is short, and their neighbours: pairs and mesh then take the same time."""
-
 CUT = 2.0
 """Cut-off of the near pairs over the split length eta."""
-
-WIDEST = 3.0
-"""Least split length over the root of the widest variance: moments must stay an expansion."""
 
 CAP = 0.35
 """Largest variance over the squared split length that the expansion takes; wider footprints keep
 this second moment beyond the cut-off."""
 
-LARGEST_CUT = 0.499
-"""Largest cut-off of a periodic cell over its shorter side."""
-
 PAIRS_ASIDE = 40_000
 """Near pairs that repay to be summed beside the mesh, on another thread."""
-
-RUNG = 1.19
-"""Ratio of the cut-offs that plans of a periodic cell may have: they share meshes then."""
 
 NODES = 1.7
 """Mesh nodes per split length."""
@@ -113,7 +99,7 @@ class Interaction:
         `vector[order]`.
     pairs
         Number of near pairs.
-    afar
+    two_level
         The points by cells.
     lowest
         Least displacement [m] of the mesh part of the last field, or zero.
@@ -154,20 +140,7 @@ class Interaction:
             small = 1e-9 * math.hypot(*cell)
             y, x = y - self.origin[0], x - self.origin[1]
             size = (float(y.max()) + small, float(x.max()) + small)
-        if neighbours is None:
-            neighbours = NEAREST if len(y) <= FEW else NEIGHBOURS
-        # within this distance of a point there are `neighbours` of a plane or, if more, of a line
-        reach = max(
-            math.sqrt(neighbours / math.pi * size[0] * size[1] / len(y)),
-            0.5 * neighbours * max(size) / len(y),
-        )
-        floor = cut * WIDEST * math.sqrt(widest)
-        reach = max(reach, floor)
-        if periodic:
-            reach = _repeated(reach, floor, LARGEST_CUT * min(size))
-        else:
-            reach = max(min(reach, 1.01 * math.hypot(*size)), 0.02 * math.hypot(*size), floor)
-        self.eta = reach / cut
+        self.eta = split_length(len(y), size, periodic, widest, cut, neighbours)
         self.sides = size
         size = (size[0] / self.eta, size[1] / self.eta)
         y, x = y / self.eta, x / self.eta
@@ -193,7 +166,9 @@ class Interaction:
         self.mesh: Mesh = mesh[0]
         self.mesh_aside = self.mesh.single
         self.tangent_mesh: Mesh = mesh[1]
-        self.afar = Afar(self)
+        self.two_level = TwoLevelPreconditioner(
+            self.y, self.x, size, self.sides, periodic, footprints
+        )
         self.value_table, self.shape, self.far = _tables(footprints.m, cut * cut)
         self.own = at_origin(footprints.m)
         self.scale = footprints.point * self.eta**-footprints.power
@@ -247,7 +222,7 @@ class Interaction:
 
         def far() -> tuple[NDArray[np.floating], NDArray[np.floating]]:
             place = self.y, self.x, force, m, CAP, dipole, self.mesh.per_step
-            mesh_kernels.deposit(np.array([0, n]), *place, masses, aside)
+            _mesh_kernels.deposit(np.array([0, n]), *place, masses, aside)
             return self.mesh.convolve(masses), self.mesh_aside.convolve(aside) if moves else aside
 
         def near(c: int) -> None:
@@ -274,7 +249,7 @@ class Interaction:
         def receivers(_: int, rows: NDArray[np.int64]) -> None:
             place = self.y, self.x, force, m, CAP, self.own, self.mesh.per_step, self.scales
             near = total(self.part, rows)
-            mesh_kernels.gather(rows, *place, size, smooth, other, near, *found)
+            _mesh_kernels.gather(rows, *place, size, smooth, other, near, *found)
 
         parts: list[Callable[[], Any]] = [
             far,
@@ -292,8 +267,7 @@ class Interaction:
     def holds(self, widest: float) -> bool:
         """Whether the split length is that of footprints of this variance [m^2], or the largest
         that the cell has."""
-        largest = self.wrap and self.cut * self.eta >= LARGEST_CUT * min(self.sides)
-        return largest or self.eta >= WIDEST * math.sqrt(widest)
+        return long_enough(self.eta, widest, self.wrap, self.cut, self.sides)
 
     def moved(self, dy: NDArray[np.float64], dx: NDArray[np.float64]) -> Interaction:
         """The plan of the same pairs with its points a little aside, by `dy` and `dx` [m], shape
@@ -331,18 +305,8 @@ class Interaction:
         """
         frame = self.origin, self.eta, self.size, self.wrap, self.mesh.per_step, self.scale
         out = np.empty(len(y))
-        mesh_kernels.sample(y, x, *frame, self.smooth, out)
+        _mesh_kernels.sample(y, x, *frame, self.smooth, out)
         return out
-
-
-def _repeated(wanted: float, least: float, most: float) -> float:
-    """The cut-off nearest to that wanted, and not below the least, of those that plans share."""
-    if wanted >= most:
-        return most
-    rungs = round(math.log(most / wanted, RUNG))
-    if most * RUNG**-rungs < least:
-        rungs -= 1
-    return most * RUNG ** -max(rungs, 0)
 
 
 def _inside(place: NDArray[np.float64], size: float, wrap: bool) -> NDArray[np.float64]:

@@ -1,4 +1,5 @@
-"""What the contacts do to each other from afar, by cells: it helps conjugate gradients."""
+"""Two-level preconditioner of conjugate gradients: the contacts, and what cells of them do to each
+other."""
 
 from __future__ import annotations
 
@@ -9,14 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.interaction.newton import gradient_kernels as kernels
+from . import _tangent_kernels
 
 if TYPE_CHECKING:
     from asperity.interaction.footprint import Footprints
 
-    from .operator import Interaction
-
-__all__ = ["Afar"]
+__all__ = ["TwoLevelPreconditioner"]
 
 CELLS = 10
 """Most cells along each side."""
@@ -31,8 +30,8 @@ FINER = 8
 """Waves per cell along each side of which the kernel between cells is made."""
 
 
-class Afar:
-    """The points of a plan by cells, for `conjugate_gradients`.
+class TwoLevelPreconditioner:
+    """The points by cells, as a second level for `conjugate_gradients`.
 
     Of the tangent matrix A = D + G, D diagonal, the own compliance of the contacts alone is a poor
     guess where many push each other down over long waves. A_c = P' D^-1 (D + P G_c P') D^-1 P is
@@ -43,8 +42,14 @@ class Afar:
 
     Parameters
     ----------
-    plan
-        Interaction of the points.
+    y, x
+        Places of the points in a cell of `size`, shape (n,).
+    size, sides
+        Sides of the cell in the unit of the places, and in [m].
+    wrap
+        Whether the cell repeats.
+    footprints
+        Kernel of the half-space.
 
     Attributes
     ----------
@@ -52,17 +57,23 @@ class Afar:
         Cell of each point, int32, shape (n,).
     """
 
-    def __init__(self, plan: Interaction) -> None:
-        n = len(plan.y)
-        # not the plan itself, whose memory should be free as soon as it is not used
-        self.body, self.wrap = plan.footprints, plan.wrap
-        self.sides = plan.sides
+    def __init__(
+        self,
+        y: NDArray[np.float64],
+        x: NDArray[np.float64],
+        size: tuple[float, float],
+        sides: tuple[float, float],
+        wrap: bool,
+        footprints: Footprints,
+    ) -> None:
+        n = len(y)
+        self.body, self.wrap, self.sides = footprints, wrap, sides
         self.count = min(CELLS, math.isqrt(n // CROWD)) if n >= FEW else 1
         self.cell = np.zeros(n, np.int32)
         if self.count > 1:
             row, column = (
                 np.minimum((place * (self.count / size)).astype(np.int32), self.count - 1)
-                for place, size in zip((plan.y, plan.x), plan.size, strict=True)
+                for place, size in zip((y, x), size, strict=True)
             )
             self.cell = row * np.int32(self.count) + column
 
@@ -80,7 +91,7 @@ class Afar:
         total = np.asarray(np.bincount(cell, stiffness, self.count**2), float)
         far = -self.kernel
         # LAPACK wakes its own threads for this, which then keep a processor from ours for 30 ms
-        kernels.stiffened(far, total, np.empty(len(total)))
+        _tangent_kernels.stiffened(far, total, np.empty(len(total)))
         return far, total
 
 
@@ -88,7 +99,8 @@ class Afar:
 def _kernel(
     body: Footprints, sides: tuple[float, float], wrap: bool, count: int
 ) -> NDArray[np.float64]:
-    """`Afar.kernel`: on a free half-space that of a cell of twice the size, which repeats."""
+    """`TwoLevelPreconditioner.kernel`: on a free half-space that of a cell of twice the size, which
+    repeats."""
     lines = count if wrap else 2 * count
     waves = np.fft.fftfreq(lines * FINER, 1 / (lines * FINER))
     extent = [side * lines / count for side in sides]

@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import gradient_kernels as kernels
-from .tangent import Tangent
+from asperity.interaction.ewald.tangent import Tangent
+
+from . import _gradient_kernels as kernels
 
 __all__ = ["Solved", "conjugate_gradients"]
 
@@ -33,7 +34,7 @@ def conjugate_gradients(
     limit: int = 200,
 ) -> Solved:
     """Solve `matrix` x = `right`, preconditioned by the contacts' own stiffness and, if they are
-    many, by what they do to each other from afar (`Afar`).
+    many, by cells of them (`TwoLevelPreconditioner`).
 
     Parameters
     ----------

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from asperity.interaction.footprint import Footprints
 
-from . import state_kernels
+from . import _state_kernels
 from .laws import Evaluated
 
-__all__ = ["LARGEST_SHIFT", "deflection", "widened"]
+__all__ = ["LARGEST_SHIFT", "contact_shifts", "widened"]
 
 LARGEST_SHIFT = 0.7
 """Bound of the shift over the contact radius: farther off the paraboloid is no guide."""
@@ -25,12 +25,12 @@ WIDEST = 0.14
 """This square beyond which the area does not grow further."""
 
 
-def deflection(
+def contact_shifts(
     footprints: Footprints,
     law: Evaluated,
     approach: NDArray[np.float64],
     tilt: NDArray[np.float64],
-    lean: NDArray[np.float64],
+    radii: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Height [m] that each contact gains by moving aside, shape (n,), its shift [m], (n, 2), and
     its force times that [N m].
@@ -43,7 +43,7 @@ def deflection(
         Laws of the contacts at their approaches [m], shape (n,).
     tilt
         Gradient [-] of the displacement by all others, shape (n, 2).
-    lean
+    radii
         Radii of curvature yy, xx, xy over those of round contacts (`Elongation`), shape (n, 3).
 
     Notes
@@ -62,8 +62,8 @@ def deflection(
     smoothly by `LARGEST_SHIFT` a. Moments act on heights, not on each other's gradients.
     """
     gain, (aside, moment) = np.empty(len(approach)), np.empty((2, len(approach), 2))
-    read = _read(footprints, law, approach, tilt, lean)
-    kernel: Any = state_kernels.deflect
+    read = _read(footprints, law, approach, tilt, radii)
+    kernel: Any = _state_kernels.shift_contacts
     kernel(law.force, *read, gain, aside, moment)
     return gain, aside, moment
 
@@ -73,15 +73,15 @@ def widened(
     law: Evaluated,
     approach: NDArray[np.float64],
     tilt: NDArray[np.float64],
-    lean: NDArray[np.float64],
+    radii: NDArray[np.float64],
     outgrown: NDArray[np.bool_],
 ) -> NDArray[np.float64]:
     """Contact areas [m^2] beside the summits, shape (n,).
 
     Parameters
     ----------
-    footprints, law, approach, tilt, lean
-        As of `deflection`.
+    footprints, law, approach, tilt, radii
+        As of `contact_shifts`.
     outgrown
         Contacts that reach beyond the paraboloid of their summit, shape (n,).
 
@@ -97,8 +97,8 @@ def widened(
     radius is the fall of the field over the radius of the contact, over its approach.
     """
     area = np.empty(len(approach))
-    read = _read(footprints, law, approach, tilt, lean)
-    kernel: Any = state_kernels.widen
+    read = _read(footprints, law, approach, tilt, radii)
+    kernel: Any = _state_kernels.widen
     kernel(law.force, *read, law.area, outgrown, WIDER, WIDEST, area)
     return area
 
@@ -108,8 +108,8 @@ def _read(
     law: Evaluated,
     approach: NDArray[np.float64],
     tilt: NDArray[np.float64],
-    lean: NDArray[np.float64],
+    radii: NDArray[np.float64],
 ) -> tuple[Any, ...]:
     """What both kernels read beside the forces."""
     body = footprints.modulus, footprints.power, LARGEST_SHIFT
-    return law.stiffness, approach, np.ascontiguousarray(tilt), lean, *body
+    return law.stiffness, approach, np.ascontiguousarray(tilt), radii, *body

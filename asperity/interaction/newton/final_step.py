@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.interaction.ewald.tangent import Tangent
+
 from .conjugate_gradients import conjugate_gradients
 from .laws import Evaluated
 from .problem import Problem, State
 from .residual import Residual
 from .step import Step
-from .tangent import Tangent
 
 __all__ = ["Solution", "finished", "shared", "tangent_of", "tangent_response"]
 
@@ -57,7 +58,7 @@ class Solution:
         Minus the slope of the load over the separation [N/m]; None until `tangent` is asked for.
     linearized
         Problem and residual whose tangent matrix holds here, as long as `slope` is not known.
-    restless
+    unsettled
         Contacts that have kept the point from settling, shape (n,); None if no single ones have.
     """
 
@@ -73,7 +74,7 @@ class Solution:
     shares: Array
     slope: float | None = None
     linearized: tuple[Problem, Residual] | None = None
-    restless: NDArray[np.bool_] | None = None
+    unsettled: NDArray[np.bool_] | None = None
 
     @functools.cached_property
     def load(self) -> float:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from asperity.interaction.elongation import Elongation
 from asperity.interaction.ewald.operator import Field, Interaction
 
-from . import state_kernels
-from .contact_shift import deflection
+from . import _state_kernels
+from .contact_shift import contact_shifts
 from .laws import Evaluated, Laws
 
 __all__ = ["Problem", "State"]
@@ -27,8 +27,8 @@ class Problem:
         Summit heights z [m], shape (n,).
     laws, plan
         Laws and interaction in the same order.
-    deflects
-        Whether contacts move aside under the slope of the field (`deflection`).
+    contact_shift
+        Whether contacts shift under the slope of the field (`contact_shifts`).
     elongation
         Their elongation in the same order; None: round.
     """
@@ -36,7 +36,7 @@ class Problem:
     height: NDArray[np.float64]
     laws: Laws
     plan: Interaction
-    deflects: bool = False
+    contact_shift: bool = False
     elongation: Elongation | None = None
 
     def rounded(self, some: NDArray[np.bool_]) -> Problem:
@@ -50,14 +50,14 @@ class Problem:
     def form(self) -> NDArray[np.float64]:
         """Moments of the footprints over their variance, shape (n, 3); contacts that do not move
         aside are taken as round."""
-        if self.elongation is None or not self.deflects:
+        if self.elongation is None or not self.contact_shift:
             return self.plan.round
-        return self.elongation.spread
+        return self.elongation.moments
 
     @property
-    def lean(self) -> NDArray[np.float64]:
+    def radii(self) -> NDArray[np.float64]:
         """Radii of curvature over those of round contacts, shape (n, 3)."""
-        return self.plan.round if self.elongation is None else self.elongation.lean
+        return self.plan.round if self.elongation is None else self.elongation.radii
 
 
 @dataclass(eq=False)
@@ -72,7 +72,7 @@ class State:
         Shifts of the contacts [m] whose field was taken, shape (n, 2).
     gain, fresh
         Heights [m] gained by standing aside, and the shifts that belong to this field
-        (`deflection`).
+        (`contact_shifts`).
 
     Notes
     -----
@@ -96,13 +96,13 @@ class State:
         """The point with these approaches [m], its moments taken for the gradients `tilt` [-]."""
         laws = problem.laws(approach)
         approach = np.where(laws.force > 0, approach, 0.0)
-        if not problem.deflects:
+        if not problem.contact_shift:
             field = problem.plan.field(laws.force, laws.moment)
             return cls(approach, laws, field, tilt, np.zeros(len(approach)), tilt)
-        body, lean = problem.plan.footprints, problem.lean
-        _, aside, moment = deflection(body, laws, approach, tilt, lean)
+        body, radii = problem.plan.footprints, problem.radii
+        _, aside, moment = contact_shifts(body, laws, approach, tilt, radii)
         field = problem.plan.field(laws.force, laws.moment, laws.growth, moment, problem.form)
-        gain, fresh, _ = deflection(body, laws, approach, field.tilt, lean)
+        gain, fresh, _ = contact_shifts(body, laws, approach, field.tilt, radii)
         return cls(approach, laws, field, aside, gain, fresh)
 
     @property
@@ -117,18 +117,18 @@ class State:
 
     @property
     def shift(self) -> NDArray[np.float64]:
-        """Height [m] that each contact gains by deflection, less what it loses by the elongation
+        """Height [m] that each contact gains by its shift, less what it loses by the elongation
         of all."""
         return self.risen - self.field.longer
 
     @property
     def lag(self) -> float:
         """Share of the load that the difference between `aside` and `fresh` can make: that of the
-        moments' work, times the weight of the whole deflection."""
+        moments' work, times the weight of all contact shifts."""
         if self.fresh is self.aside:
             return 0.0
         return float(
-            state_kernels.lag(
+            _state_kernels.lag(
                 self.laws.force,
                 self.laws.stiffness,
                 self.field.tilt,
@@ -144,7 +144,7 @@ class State:
     ) -> tuple[float, float, float]:
         """From this point to another: change of energy [J] at the gaps z - s [m] that are held, the
         change that the errors here predict, and the size of the energies."""
-        change, slope, scale = state_kernels.fall(
+        change, slope, scale = _state_kernels.fall(
             gap,
             error,
             *(

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from . import state_kernels
+from . import _state_kernels
 from .problem import Problem, State
 
 __all__ = ["Residual"]
@@ -43,7 +43,7 @@ class Residual:
         self.gap, self.wanted, self.error = np.empty((3, n))
         self.active = np.empty(n, bool)
         closing = np.empty(n, np.int64)
-        rise, error, load, count = state_kernels.imbalance(
+        rise, error, load, count = _state_kernels.imbalance(
             problem.height,
             separation,
             balanced,

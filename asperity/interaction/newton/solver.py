@@ -28,8 +28,8 @@ NOISE = 1e-10
 """Share of the energies below which a change of energy is not known: pairs are tabulated."""
 
 RELAXATION = 0.8
-"""Share of the change of the deflection that an early step takes: more force here means less there,
-so that the full change overshoots."""
+"""Share of the change of the contact shifts that an early step takes: more force here means less
+there, so that the full change overshoots."""
 
 SETTLING = 0.6
 """The same share where a point ends, of which the next ones are forecast: what is extrapolated
@@ -44,7 +44,7 @@ SHARES = (0.2, 1.0)
 SUFFICIENT = 1e-4
 """Share of the predicted fall of energy that a step must reach (Armijo)."""
 
-RESTLESS = 0.1
+UNSETTLED = 0.1
 """Force that the last change of its shift makes in a contact, over the largest of all, from which
 on it has not settled."""
 
@@ -87,7 +87,7 @@ def descend(
     tolerance
         Bound on `Solution.residual`; half of it bounds the relative error of the load.
     tilt
-        Gradients [-] to start the deflection from, shape (n, 2); none if None.
+        Gradients [-] to start the contact shifts from, shape (n, 2); none if None.
     load
         Sum of the forces [N] to reach, positive; at the separation given if None.
     compliance
@@ -103,7 +103,7 @@ def descend(
     below. Under a given load the separation is one more unknown of each step, the multiplier of
     sum F = load, and the step has to lower the energy at its own new separation.
 
-    The deflection is held while a step is taken, and the shifts follow one step behind the forces.
+    The contact shifts are held while a step is taken, and follow one step behind the forces.
     A point is final if its residual is small together with what the last change of the shifts can
     still do to it (`State.lag`).
     """
@@ -180,7 +180,7 @@ def descend(
         reason=reason,
         shares=compliance,
         linearized=(problem, residual),
-        restless=_restless(state, last) if reason and error <= FAR else None,
+        unsettled=_unsettled_contacts(state, last) if reason and error <= FAR else None,
     )
     if load is None or reason:
         return solution
@@ -206,10 +206,10 @@ def _relaxed(
     return min(max(found, SHARES[0]), SHARES[1])
 
 
-def _restless(state: State, behind: Array) -> NDArray[np.bool_]:
+def _unsettled_contacts(state: State, behind: Array) -> NDArray[np.bool_]:
     """Contacts that make the most of the last change of the shifts."""
     change: Array = state.laws.stiffness * np.abs(behind)
-    return np.asarray(change >= RESTLESS * change.max(initial=0.0))
+    return np.asarray(change >= UNSETTLED * change.max(initial=0.0))
 
 
 def _forcing(residual: float, tolerance: float) -> float:

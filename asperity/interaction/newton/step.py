@@ -7,11 +7,12 @@ import copy
 import numpy as np
 from numpy.typing import NDArray
 
-from . import state_kernels
+from asperity.interaction.ewald.tangent import Tangent
+
+from . import _state_kernels
 from .conjugate_gradients import conjugate_gradients
 from .problem import Problem, State
 from .residual import Residual
-from .tangent import Tangent
 
 __all__ = ["Step"]
 
@@ -91,7 +92,7 @@ class Step:
         self.tangent.stiffen(own - 1 / self.stiffness)
         constant, start = 0.0, None
         if load is not None and closed.any():
-            constant = float(state_kernels.balance(found.stiffness, error))
+            constant = float(_state_kernels.balance(found.stiffness, error))
             missing = load - float(found.force.sum())
             start = missing / float(found.stiffness.sum()) * found.stiffness
         error -= constant

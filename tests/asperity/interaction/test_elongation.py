@@ -1,4 +1,4 @@
-"""Elongated footprints: their compliance, their field, and contacts that lean along and across."""
+"""Elongated footprints: their compliance, their field, and radii of curvature along and across."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from strategies import random_population
 
 import asperity
 from asperity.interaction import coupled_solve
-from asperity.interaction.elongation import LARGEST_ASPECT, LARGEST_LEAN, Elongation
+from asperity.interaction.elongation import LARGEST_ASPECT, LARGEST_RADIUS, Elongation
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.footprint import Footprints
 from asperity.interaction.newton import solver
@@ -38,15 +38,15 @@ def of(ratio, angle, m=0.0):
 @pytest.mark.parametrize("m", EXPONENTS)
 def test_round_summits_have_round_footprints(m):
     found = of(1.0, 0.7, m)
-    np.testing.assert_allclose(found.spread, [[1, 1, 0]], atol=1e-6)
-    np.testing.assert_allclose(found.lean, [[1, 1, 0]], atol=1e-4)
+    np.testing.assert_allclose(found.moments, [[1, 1, 0]], atol=1e-6)
+    np.testing.assert_allclose(found.radii, [[1, 1, 0]], atol=1e-4)
 
 
 @pytest.mark.parametrize("m", EXPONENTS)
 @pytest.mark.parametrize("ratio", [2.0, 9.0, 60.0])
 def test_an_elongated_footprint_keeps_the_compliance_of_its_contact(m, ratio):
     """int Lambda(q) exp(-q C q) d^2q over all directions does not depend on the elongation."""
-    large, small, angle = principal(of(ratio, 0.6, m).spread[0])
+    large, small, angle = principal(of(ratio, 0.6, m).moments[0])
     assert angle == pytest.approx(0.6)
     assert np.sqrt(large / small) == pytest.approx(min(ratio**0.63, LARGEST_ASPECT), rel=1e-6)
     theta = np.linspace(0, np.pi, 4001)[:-1]
@@ -56,11 +56,11 @@ def test_an_elongated_footprint_keeps_the_compliance_of_its_contact(m, ratio):
 
 
 def test_a_contact_leans_less_across_and_not_much_more_along():
-    large, small, angle = principal(of(4.0, -0.4).lean[0])
+    large, small, angle = principal(of(4.0, -0.4).radii[0])
     assert angle == pytest.approx(-0.4)
-    assert large == LARGEST_LEAN
+    assert large == LARGEST_RADIUS
     # Hertz: the radii of curvature have the ratio of the curvatures
-    free = of(1.5, 0.0).lean[0]
+    free = of(1.5, 0.0).radii[0]
     assert free[1] / free[0] == pytest.approx(1.5, rel=0.03)
     assert 0 < small < 1
 
@@ -71,7 +71,7 @@ def test_field_of_a_long_pair_is_that_of_elliptic_gaussians(m, angle):
     """Gauss-Hermite average of round kernels over the long axis, with many nodes."""
     f, place = Footprints(2.0, m), np.array([[0.0, 0.0], [0.05, 0.12]])
     plan = Interaction(place[:, 0], place[:, 1], (1.0, 1.0), "free", f, widest=1e-3)
-    variance, form = np.full(2, 4e-4), of(4.0, angle, m).spread
+    variance, form = np.full(2, 4e-4), of(4.0, angle, m).moments
     force = np.array([0.0, 1.0])[plan.order]
     field = plan.field(force, variance, np.zeros(2), np.zeros((2, 2)), np.tile(form, (2, 1)))
     here = int(np.flatnonzero(force == 0)[0])
@@ -93,7 +93,7 @@ def test_far_from_a_long_footprint_its_mean_moment_is_felt(m):
     y, x = np.append(far * np.sin(turn), 0.0), np.append(far * np.cos(turn), 0.0)
     plan = Interaction(y, x, (1.0, 1.0), "free", f, widest=variance, neighbours=4)
     assert plan.cut * plan.eta < far
-    form = of(6.0, 0.4, m).spread
+    form = of(6.0, 0.4, m).moments
     n, force = count + 1, (plan.order == count).astype(float)
     field = plan.field(
         force, np.full(n, variance), np.zeros(n), np.zeros((n, 2)), np.repeat(form, n, axis=0)
@@ -117,7 +117,7 @@ def test_moments_are_the_adjoint_of_the_gradient(boundary):
     n, variance = len(y), np.full(len(y), 2e-4)
     form = Elongation.of(
         np.stack((rng.uniform(1, 20, n), np.ones(n)), 1), rng.uniform(-1.5, 1.5, n), f
-    ).spread
+    ).moments
     force, p = rng.uniform(0.2, 1.0, n), rng.normal(size=(n, 2))
     # beyond the cut-off the mesh knows moments of the variance that forces alone have
     field = plan.field(force, variance, np.zeros(n), p, form)
@@ -174,12 +174,14 @@ def test_first_only_contacts_that_do_not_settle_become_round(monkeypatch):
         solution = descend(problem, *args, **more)
         if len(problems) > 1:
             return solution
-        return replace(solution, reason="two contacts", restless=np.arange(len(problem.height)) < 2)
+        return replace(
+            solution, reason="two contacts", unsettled=np.arange(len(problem.height)) < 2
+        )
 
     monkeypatch.setattr(coupled_solve, "descend", stubborn)
     state = long_and_round()[0].solve(separation=0.01)
     assert state.converged
     first, second = (problem.elongation for problem in problems[:2])
-    for before, after in ((first.spread, second.spread), (first.lean, second.lean)):
+    for before, after in ((first.moments, second.moments), (first.radii, second.radii)):
         np.testing.assert_array_equal(after[:2], [[1.0, 1.0, 0.0]] * 2)
         np.testing.assert_array_equal(after[2:], before[2:])

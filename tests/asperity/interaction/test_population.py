@@ -251,7 +251,7 @@ def test_unusable_points_are_refused(given, message):
 
 
 def test_contacts_stand_at_the_centres_of_their_laws():
-    """Two contacts whose laws lean towards each other interact as if their summits were nearer."""
+    """Two contacts whose centres are nearer interact as if their summits were."""
     from dataclasses import replace
 
     from asperity import HalfSpace

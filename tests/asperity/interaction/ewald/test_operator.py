@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from oracles import dense_matrix, periodic_interaction, self_image
 
-from asperity.interaction.ewald.exact import dense_matrix, periodic_interaction, self_image
 from asperity.interaction.ewald.mesh import Mesh
-from asperity.interaction.ewald.operator import NEAREST, RUNG, Interaction
+from asperity.interaction.ewald.operator import Interaction
+from asperity.interaction.ewald.split_length import NEAREST, RUNG
+from asperity.interaction.ewald.tangent import Tangent
 from asperity.interaction.footprint import FLOOR, Footprints
-from asperity.interaction.newton.tangent import Tangent
 
 CELL = (1.0, 1.7)
 

@@ -1,4 +1,4 @@
-"""What contacts do to each other from afar: a preconditioner must not change what is solved."""
+"""The two-level preconditioner: it must not change what is solved."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import pytest
 
 from asperity.interaction.ewald import two_level
 from asperity.interaction.ewald.operator import Interaction
+from asperity.interaction.ewald.tangent import Tangent
 from asperity.interaction.footprint import Footprints
 from asperity.interaction.newton.conjugate_gradients import conjugate_gradients
-from asperity.interaction.newton.tangent import Tangent
 
 CELL = (1.0, 1.7)
 MANY = 5_000
@@ -30,7 +30,7 @@ def tangent(n, m, boundary, seed=0):
 @pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
 def test_inverse_is_that_of_forces_which_share_a_displacement_in_each_cell(m, boundary):
     matrix = tangent(MANY, m, boundary)
-    cells, stiffness = matrix.plan.afar, 1 / matrix.compliance
+    cells, stiffness = matrix.plan.two_level, 1 / matrix.compliance
     correction, total = cells.inverse(matrix.cell, stiffness)
     np.testing.assert_allclose(total.sum(), stiffness.sum(), rtol=1e-12)
     np.testing.assert_allclose(correction, correction.T, atol=1e-9 * np.abs(correction).max())

@@ -13,7 +13,7 @@ from asperity.interaction.newton.contact_shift import (
     LARGEST_SHIFT,
     WIDER,
     WIDEST,
-    deflection,
+    contact_shifts,
     widened,
 )
 from asperity.interaction.newton.laws import Laws
@@ -98,7 +98,7 @@ def test_gain_of_a_sphere_on_a_slope(m):
     y, x = np.array([0.0, 30.0]), np.array([0.0, 40.0])
     plan = Interaction(y, x, (100.0, 120.0), "free", f, widest=1.0)
     laws = Laws(table, f)
-    problem = Problem(np.zeros(2), laws.rows(plan.order), plan, deflects=True)
+    problem = Problem(np.zeros(2), laws.rows(plan.order), plan, contact_shift=True)
     state = State.at(problem, np.array([0.05, 0.5])[plan.order], np.zeros((2, 2)))
     gained = np.empty(2)
     gained[plan.order] = state.shift
@@ -112,7 +112,7 @@ def test_a_lone_contact_does_not_move():
     f = Footprints(1.0)
     table = HertzTable(np.array([1.0]), np.array([1.0]))
     plan = Interaction(np.array([0.3]), np.array([0.4]), CELL, "periodic", f)
-    problem = Problem(np.zeros(1), Laws(table, f).rows(plan.order), plan, deflects=True)
+    problem = Problem(np.zeros(1), Laws(table, f).rows(plan.order), plan, contact_shift=True)
     state = State.at(problem, np.array([1e-3]), np.zeros((1, 2)))
     assert abs(state.shift[0]) < 1e-6 * 1e-3
 
@@ -126,9 +126,12 @@ def test_deflection_raises_the_load(m):
     laws = Laws(table, f).rows(plan.order)
     still, moving = (
         descend(
-            Problem(height[plan.order], laws, plan, deflects), 0.01, np.zeros(196), tolerance=1e-4
+            Problem(height[plan.order], laws, plan, contact_shift),
+            0.01,
+            np.zeros(196),
+            tolerance=1e-4,
         )
-        for deflects in (False, True)
+        for contact_shift in (False, True)
     )
     assert not still.reason and not moving.reason and moving.residual <= 1e-4
     assert 1.0 < moving.laws.force.sum() / still.laws.force.sum() < 1.3
@@ -137,20 +140,20 @@ def test_deflection_raises_the_load(m):
 @pytest.mark.parametrize("m", EXPONENTS)
 def test_contacts_beside_rough_summits_are_wider(m):
     table = HertzTable(np.full(4, 0.1), np.full(4, 0.01), m=m)
-    body, approach, lean = Footprints(1.0, m), np.full(4, 1e-3), np.tile([1.0, 1.0, 0.0], (4, 1))
+    body, approach, radii = Footprints(1.0, m), np.full(4, 1e-3), np.tile([1.0, 1.0, 0.0], (4, 1))
     laws = Laws(table, body)(approach)
     radius = np.sqrt(laws.area / np.pi)
     # a paraboloid moves by R times the gradient, and less near the largest shift
     free = np.array([0.2, 0.2, 0.1, 3.0])
     tilt = np.outer(free, [0.6, 0.8]) * radius[:, None] / 0.1
     rough = np.array([False, True, True, True])
-    area = widened(body, laws, approach, tilt, lean, rough)
+    area = widened(body, laws, approach, tilt, radii, rough)
     aside = free / (1 + (free / LARGEST_SHIFT) ** 2)
     np.testing.assert_allclose(
-        deflection(body, laws, approach, tilt, lean)[1],
+        contact_shifts(body, laws, approach, tilt, radii)[1],
         -tilt * (0.1 * aside / free)[:, None],
         rtol=1e-6,
     )
     grown = 1 + WIDER * np.minimum(((1 + m) * aside) ** 2, WIDEST) * rough
     np.testing.assert_allclose(area, laws.area * grown, rtol=1e-6)
-    assert (widened(body, laws, approach, 0 * tilt, lean, rough) == laws.area).all()
+    assert (widened(body, laws, approach, 0 * tilt, radii, rough) == laws.area).all()

@@ -8,12 +8,12 @@ from oracles import HertzTable
 from strategies import random_population
 
 from asperity.interaction.ewald.operator import Interaction
+from asperity.interaction.ewald.tangent import Tangent
 from asperity.interaction.footprint import Footprints
 from asperity.interaction.newton.conjugate_gradients import conjugate_gradients
 from asperity.interaction.newton.laws import Laws
 from asperity.interaction.newton.problem import Problem, State
 from asperity.interaction.newton.solver import descend
-from asperity.interaction.newton.tangent import Tangent
 
 CELL = (1.0, 1.4)
 
@@ -27,7 +27,7 @@ def make(n, *, m=0.0, boundary="periodic", seed=0, filling=0.3, apart=False):
 
 
 def energy(state, gap):
-    """E = sum F (d + v0/2 - gap) - U, with held deflection."""
+    """E = sum F (d + v0/2 - gap) - U, with held contact shifts."""
     law = state.laws
     return (law.force * (state.approach + 0.5 * state.field.value - gap) - law.energy).sum()
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from . import state_kernels
+from asperity.interaction.ewald.tangent import Tangent
+
+from . import _state_kernels
 from .conjugate_gradients import conjugate_gradients
 from .problem import Problem
-from .tangent import Tangent
 
-__all__ = ["foreseen"]
+__all__ = ["corrected_prediction"]
 
 FORCING = 0.05
 """Relative accuracy of the linear solve at best: of many contacts a rougher one left a third of the
@@ -19,7 +20,7 @@ points to a Newton step, which costs twice as much as the rest."""
 Array = NDArray[np.float64]
 
 
-def foreseen(
+def corrected_prediction(
     problem: Problem, wanted: Array, force: Array, *, tolerance: float
 ) -> tuple[Array, int]:
     """Approaches that agree with the forces of a forecast, and the products spent.
@@ -49,7 +50,7 @@ def foreseen(
     right, exponent, share = np.empty((3, len(rows)))
     known = law.force, law.stiffness, wanted, force
     # the residual, sum |r| k, is at most the root of sum k r^2 times sum k
-    load, most = state_kernels.mismatch(rows, *known, right, exponent, share)
+    load, most = _state_kernels.mismatch(rows, *known, right, exponent, share)
     enough = tolerance * load / most if most > 0 else 1.0
     solved = conjugate_gradients(tangent, right, tolerance=min(max(FORCING, enough), 1.0))
     share += solved.solution / law.force.take(rows)

@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.interaction.ewald import mesh_kernels
-from asperity.interaction.ewald.near_pairs import run, total
-from asperity.interaction.ewald.operator import BEADS, CAP, Interaction
-
-from . import _tangent_kernels
+from . import _mesh_kernels, _tangent_kernels
+from .near_pairs import run, total
+from .operator import BEADS, CAP, Interaction
 
 __all__ = ["Tangent"]
 
@@ -64,7 +62,7 @@ class Tangent:
             plan.scale,
             size,
             skew,
-            plan.afar.cell,
+            plan.two_level.cell,
             rank,
             narrow,
             self.index,
@@ -84,7 +82,7 @@ class Tangent:
         self._far: tuple[Array, Array] | None = None
 
         def rows_of(c: int, _: NDArray[np.int64]) -> None:
-            mesh_kernels.spline(
+            _mesh_kernels.spline(
                 rows[c],
                 self.index,
                 plan.y,
@@ -127,9 +125,9 @@ class Tangent:
 
     @property
     def far(self) -> tuple[Array, Array]:
-        """`Afar.inverse` of the points by their own compliance."""
+        """`TwoLevelPreconditioner.inverse` of the points by their own compliance."""
         if self._far is None:
-            self._far = self.plan.afar.inverse(self.cell, 1 / self.compliance)
+            self._far = self.plan.two_level.inverse(self.cell, 1 / self.compliance)
         return self._far
 
     def __call__(self, vector: Array) -> Array:
@@ -137,13 +135,13 @@ class Tangent:
         out = np.empty(len(vector))
 
         def sources(c: int, rows: NDArray[np.int64]) -> None:
-            mesh_kernels.spread(rows, self.place, self.weight, vector, self.grids[c, 0])
+            _mesh_kernels.spread(rows, self.place, self.weight, vector, self.grids[c, 0])
             _tangent_kernels.near_tangent(
                 rows, self.ptr, self.col, self.value, vector, self.part[c]
             )
 
         def receivers(_: int, rows: NDArray[np.int64]) -> None:
-            mesh_kernels.collect(
+            _mesh_kernels.collect(
                 rows,
                 self.place,
                 self.weight,

@@ -13,14 +13,14 @@ TINY = 1e-200
 
 
 @njit(inline="always")
-def _beside(stiffness, approach, along_y, along_x, lean, modulus, power, limit):
-    """Shift (y, x) of a closed contact, bounded, and the height that it gains; `deflection` has the
-    formulas."""
+def _beside(stiffness, approach, along_y, along_x, radii, modulus, power, limit):
+    """Shift (y, x) of a closed contact, bounded, and the height that it gains; the
+    formulas are those of `contact_shifts`."""
     radius = power * stiffness / (2.0 * modulus)
     square = radius * radius if power == 1.0 else radius ** (2.0 / power)
     bend = square / (power * approach)
-    y = -bend * (lean[0] * along_y + lean[2] * along_x)
-    x = -bend * (lean[2] * along_y + lean[1] * along_x)
+    y = -bend * (radii[0] * along_y + radii[2] * along_x)
+    x = -bend * (radii[2] * along_y + radii[1] * along_x)
     free = -0.5 * (along_y * y + along_x * x)
     bound = 0.5 * limit * limit * power * approach
     share = bound / (bound + free)
@@ -28,13 +28,15 @@ def _beside(stiffness, approach, along_y, along_x, lean, modulus, power, limit):
 
 
 @compiled()
-def deflect(force, stiffness, approach, tilt, lean, modulus, power, limit, gain, aside, moment):
+def shift_contacts(
+    force, stiffness, approach, tilt, radii, modulus, power, limit, gain, aside, moment
+):
     """Height gained, shift and force times shift (n, 2) of each contact."""
     for i in range(force.size):
         y, x, rise = 0.0, 0.0, 0.0
         if force[i] > 0.0 and approach[i] > TINY:
             y, x, rise = _beside(
-                stiffness[i], approach[i], tilt[i, 0], tilt[i, 1], lean[i], modulus, power, limit
+                stiffness[i], approach[i], tilt[i, 0], tilt[i, 1], radii[i], modulus, power, limit
             )
         gain[i] = rise
         aside[i, 0], aside[i, 1] = y, x
@@ -47,7 +49,7 @@ def widen(
     stiffness,
     approach,
     tilt,
-    lean,
+    radii,
     modulus,
     power,
     limit,
@@ -64,7 +66,7 @@ def widen(
         if not (outgrown[i] and force[i] > 0.0 and approach[i] > TINY):
             continue
         y, x, _ = _beside(
-            stiffness[i], approach[i], tilt[i, 0], tilt[i, 1], lean[i], modulus, power, limit
+            stiffness[i], approach[i], tilt[i, 0], tilt[i, 1], radii[i], modulus, power, limit
         )
         share = math.pi * power * power * (y * y + x * x) / area[i]
         grown[i] = area[i] * (1.0 + wider * min(share, widest))
@@ -75,7 +77,7 @@ def lag(force, stiffness, tilt, aside, fresh, moved, gain):
     """Share of the load that the difference between `aside` and `fresh` can make."""
     whole = 0.0
     change = 0.0
-    afar = 0.0
+    others = 0.0
     own = 0.0
     load = 0.0
     for i in range(force.size):
@@ -85,9 +87,9 @@ def lag(force, stiffness, tilt, aside, fresh, moved, gain):
         whole += f * math.sqrt(slope * (fresh[i, 0] ** 2 + fresh[i, 1] ** 2))
         dy, dx = fresh[i, 0] - aside[i, 0], fresh[i, 1] - aside[i, 1]
         change += f * math.sqrt(slope * (dy * dy + dx * dx))
-        afar += stiffness[i] * abs(moved[i])
+        others += stiffness[i] * abs(moved[i])
         own += 2.0 * stiffness[i] * gain[i]
-    return change / whole * max(afar, own) / load if whole > 0.0 else 0.0
+    return change / whole * max(others, own) / load if whole > 0.0 else 0.0
 
 
 @compiled()

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numba import carray
 
-from asperity.interaction.ewald.pair_blocks import (
+from surfaces.numerics.compiled import compiled
+
+from ._pair_block_kernels import (
     BOTH,
     DX,
     DY,
@@ -26,8 +28,7 @@ from asperity.interaction.ewald.pair_blocks import (
     smooth,
     whole_lanes,
 )
-from asperity.interaction.ewald.scratch import BLOCK, COLUMNS, floats, places
-from surfaces.numerics.compiled import compiled
+from .scratch import BLOCK, COLUMNS, floats, places
 
 
 @compiled()
@@ -192,3 +193,18 @@ def near_tangent(rows, tptr, tcol, tval, v, out):
             total += tval[k] * v[j]
             out[j] += tval[k] * own
         out[i] += total
+
+
+@compiled()
+def stiffened(far, total, row):
+    """-(1 + G K)^-1 G of the symmetric G = -`far`, in its place, with K = diag(`total`), one spring
+    after another; `row` is scratch."""
+    count = total.size
+    for c in range(count):
+        weight = total[c] / (1.0 - total[c] * far[c, c])
+        for k in range(count):
+            row[k] = far[c, k]
+        for e in range(count):
+            share = weight * row[e]
+            for k in range(count):
+                far[e, k] += share * row[k]

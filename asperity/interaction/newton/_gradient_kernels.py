@@ -24,21 +24,6 @@ def weigh(stiffness, residual, held):
     return max(square - first * first / total, 0.0) if held else square
 
 
-@compiled()
-def stiffened(far, total, row):
-    """-(1 + G K)^-1 G of the symmetric G = -`far`, in its place, with K = diag(`total`), one spring
-    after another; `row` is scratch."""
-    count = total.size
-    for c in range(count):
-        weight = total[c] / (1.0 - total[c] * far[c, c])
-        for k in range(count):
-            row[k] = far[c, k]
-        for e in range(count):
-            share = weight * row[e]
-            for k in range(count):
-                far[e, k] += share * row[k]
-
-
 @inner()
 def _aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
     """`aim`, within compiled loops."""
@@ -87,8 +72,8 @@ def aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
     """New `direction`: the preconditioned residual z_i = k_i (r_i + far_c), c the cell of i, its
     sum zero if held, plus the old one times the sum of r z over the `last` such sum.
 
-    `inverse` and `total` are E and K of `Afar`, `far` (3, cells) is scratch. Returns what `weigh`
-    does, the mean of r weighted by k if held, and the sum of r z.
+    `inverse` and `total` are E and K of `TwoLevelPreconditioner`, `far` (3, cells) is scratch.
+    Returns what `weigh` does, the mean of r weighted by k if held, and the sum of r z.
     """
     return _aim(last, direction, residual, stiffness, cell, inverse, total, held, far)
 
