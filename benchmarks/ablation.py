@@ -110,15 +110,12 @@ def _no_shift(_: Any, law: Any, approach: Array, *__: Any) -> tuple[Array, Array
 
 
 def _no_powers(stack: ExitStack) -> None:
-    """Every tip is a paraboloid in the kernels that know other powers."""
-    for name in (
-        "interaction.newton._law_kernels.tabulate",
-        "microcontact.table_kernels.evaluate_table",
-    ):
-        kernel = found(f"asperity.{name}").py_func
-        known = kernel.__globals__ | {"BLUNT": np.inf}
-        plain = types.FunctionType(kernel.__code__, known, kernel.__name__)
-        stack.enter_context(patch(f"asperity.{name}", njit(error_model="numpy")(plain)))
+    """Every tip is a paraboloid in the kernel that knows other powers."""
+    name = "asperity.microcontact.law_kernels.tabulate"
+    kernel = found(name).py_func
+    known = kernel.__globals__ | {"BLUNT": np.inf}
+    plain = types.FunctionType(kernel.__code__, known, kernel.__name__)
+    stack.enter_context(patch(name, njit(error_model="numpy")(plain)))
     stack.enter_context(patch(f"{PRESS}.press.BLUNT", np.inf))
 
 
@@ -187,7 +184,7 @@ CORRECTIONS = {
     ),
     "sharp tips told": Correction("sharp_tips", (f"{LAWS}.sharp_tips",)),
     "tips of other powers": Correction(
-        _no_powers, ("asperity.microcontact.table_kernels.tip_power",)
+        _no_powers, ("asperity.microcontact.law_kernels._tip_exponents",)
     ),
     "split of the waves": Correction(
         "wave_split",
