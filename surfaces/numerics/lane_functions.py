@@ -1,4 +1,4 @@
-"""Functions of eight numbers at once (`_lanes`), compiled into the kernels that use them."""
+"""Functions of eight numbers at once (`lanes`), compiled into the kernels that use them."""
 
 from __future__ import annotations
 
