@@ -40,7 +40,7 @@ def small_map() -> HeightMap:
 
 def _summits() -> None:
     """Peaks and summits of a map, the rays of a few, and the plan of its scales."""
-    from asperity.contacts._spot_kernels import spots
+    from asperity.contacts.spot_count import joined_spots
     from asperity.model.plan import make_plan
     from surfaces.peaks.segmentation import segment
     from surfaces.peaks.summits import locate_summits
@@ -53,7 +53,7 @@ def _summits() -> None:
     summits = locate_summits(hm, peaks)
     summits.rows(two)
     column = np.zeros(len(peaks))
-    spots(peaks.neighbors, peaks.passes, column, column)
+    joined_spots(peaks.neighbors, peaks.passes, column, column)
 
 
 def _contacts() -> None:

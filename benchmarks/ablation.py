@@ -1,7 +1,8 @@
-"""What each correction of the microcontact model is worth: errors and time with and without it.
+r"""What each correction of the microcontact model is worth: errors and time with and without it.
 
-    python benchmarks/ablation.py --references folder --maps measured --out ablation.csv
-    python benchmarks/ablation.py --table ablation.csv
+    python benchmarks/ablation.py --references folder --maps measured --out rows.csv
+    python benchmarks/ablation.py --rows docs/development/ablation.csv \
+        --csv docs/development/data/ablation.csv
 
 Judged maps alone (no constant was fitted on them): the families of accuracy.py, drawn.py, maps that
 resemble measured ones, maps cut off flat, long lay and worn plateaus to the pixel, and measured
@@ -110,15 +111,12 @@ def _no_shift(_: Any, law: Any, approach: Array, *__: Any) -> tuple[Array, Array
 
 
 def _no_powers(stack: ExitStack) -> None:
-    """Every tip is a paraboloid in the kernels that know other powers."""
-    for name in (
-        "interaction.newton._law_kernels.tabulate",
-        "microcontact.table_kernels.evaluate_table",
-    ):
-        kernel = found(f"asperity.{name}").py_func
-        known = kernel.__globals__ | {"BLUNT": np.inf}
-        plain = types.FunctionType(kernel.__code__, known, kernel.__name__)
-        stack.enter_context(patch(f"asperity.{name}", njit(error_model="numpy")(plain)))
+    """Every tip is a paraboloid in the kernel that knows other powers."""
+    name = "asperity.microcontact.law_kernels.tabulate"
+    kernel = found(name).py_func
+    known = kernel.__globals__ | {"BLUNT": np.inf}
+    plain = types.FunctionType(kernel.__code__, known, kernel.__name__)
+    stack.enter_context(patch(name, njit(error_model="numpy")(plain)))
     stack.enter_context(patch(f"{PRESS}.press.BLUNT", np.inf))
 
 
@@ -185,9 +183,9 @@ CORRECTIONS = {
             "asperity.microcontact.ritz._ray_kernels",
         ),
     ),
-    "sharp tips told": Correction("sharp_tips", (f"{LAWS}.sharp_tips",)),
+    "sharp tips": Correction("sharp_tips", (f"{LAWS}.sharp_tips",)),
     "tips of other powers": Correction(
-        _no_powers, ("asperity.microcontact.table_kernels.tip_power",)
+        _no_powers, ("asperity.microcontact.law_kernels._tip_exponents",)
     ),
     "split of the waves": Correction(
         "wave_split",
@@ -420,13 +418,9 @@ def row(name: str, family: str, group: str, off: list[Any], on: list[Any]) -> di
     return made
 
 
-def summary(rows: list[dict[str, Any]]) -> str:
-    """The table in Markdown: one line per correction."""
-    lines = [
-        "| correction | lines | decisive in | harmful in | median load, area: with → without, % | "
-        "refused | time |",
-        "|---|---|---|---|---|---|---|",
-    ]
+def summary(rows: list[dict[str, Any]]) -> list[dict[str, str]]:
+    """The table of the pages: one row per correction."""
+    table = []
     for name in dict.fromkeys(row["correction"] for row in rows):
         own = [row for row in rows if row["correction"] == name]
         gains: dict[str, tuple[float, str]] = {}
@@ -441,30 +435,28 @@ def summary(rows: list[dict[str, Any]]) -> str:
                         f"{100 * float(one[f'{kind}_worst_without']):.1f} ({one['family']})"
                     )
                     into[one["group"]] = abs(gain), change
-        told = [_told(changes) for changes in (gains, losses)]
-        medians = ", ".join(
-            " → ".join(
+        spent = [sum(float(o[f"seconds_{way}"]) for o in own) for way in ("with", "without")]
+        line = {
+            "correction": name,
+            "lines": str(own[0]["lines"]),
+            "decisive in": _told(gains) or "-",
+            "harmful in": _told(losses) or "-",
+        }
+        for kind in ("load", "area"):
+            line[f"median {kind} error: with → without, %"] = " → ".join(
                 f"{100 * np.mean([float(o[f'{kind}_median_{way}']) for o in own]):.2f}"
                 for way in ("with", "without")
             )
-            for kind in ("load", "area")
-        )
-        lost = [
-            sum(int(o[f"{kind}_refused_{way}"]) for o in own for kind in ("load", "area"))
-            for way in ("with", "without")
-        ]
-        spent = [sum(float(o[f"seconds_{way}"]) for o in own) for way in ("with", "without")]
-        lines.append(
-            f"| {name} | {own[0]['lines']} | {told[0] or '-'} | {told[1] or '-'} | {medians} | "
-            f"{lost[0]} → {lost[1]} | {100 * (spent[0] / spent[1] - 1):+.0f} % |"
-        )
-    return "\n".join(lines)
+        line["time, %"] = f"{100 * (spent[0] / spent[1] - 1):+.0f}"
+        table.append(line)
+    return table
 
 
 def _told(changes: dict[str, tuple[float, str]]) -> str:
-    """Groups and changes, the largest first."""
+    """The three groups that change most, and how many more change."""
     largest = sorted(changes.items(), key=lambda item: -item[1][0])
-    return "; ".join(f"**{group}** {text}" for group, (_, text) in largest)
+    told = [f"**{group}** {text}" for group, (_, text) in largest[:3]]
+    return "; ".join(told + [f"{len(largest) - 3} more"] * (len(largest) > 3))
 
 
 def main() -> None:
@@ -474,19 +466,24 @@ def main() -> None:
     parser.add_argument("--maps", type=Path, help="folder of measured maps")
     parser.add_argument("--only", nargs="*", default=[], help="parts of names of corrections")
     parser.add_argument("--families", nargs="*", default=[], help="parts of family names")
-    parser.add_argument("--out", type=Path, help="CSV that takes the rows")
-    parser.add_argument("--table", type=Path, help="CSV to print as a table; nothing is measured")
+    parser.add_argument("--out", type=Path, help="CSV that takes all rows")
+    parser.add_argument("--rows", type=Path, help="CSV of all rows, made before: measure nothing")
+    parser.add_argument("--csv", type=Path, help="CSV that takes the table of the pages")
     args = parser.parse_args()
-    if args.table:
-        with args.table.open() as file:
-            print(summary(list(csv.DictReader(file))))
-        return
-    if args.references:
-        args.references.mkdir(parents=True, exist_ok=True)
-    rows = measure(args)
+    if args.rows:
+        with args.rows.open() as file:
+            rows: list[dict[str, Any]] = list(csv.DictReader(file))
+    else:
+        if args.references:
+            args.references.mkdir(parents=True, exist_ok=True)
+        rows = measure(args)
     if args.out:
         write_csv(args.out, {name: [row[name] for row in rows] for name in rows[0]})
-    print(summary(rows))
+    table = summary(rows)
+    if args.csv:
+        write_csv(args.csv, {name: [line[name] for line in table] for name in table[0]})
+    for line in table:
+        print(" | ".join(line.values()))
 
 
 if __name__ == "__main__":

@@ -1,17 +1,21 @@
-"""What a quarter more or less of each constant of the model changes in the judged errors.
+r"""What a quarter more or less of each constant of the model changes in the judged errors.
 
-    python benchmarks/sensitivity.py --references folder --out sensitivity.csv
+    python benchmarks/sensitivity.py --references folder --out docs/development/sensitivity.csv
+    python benchmarks/sensitivity.py --rows docs/development/sensitivity.csv \
+        --csv docs/development/data/sensitivity.csv
 
 Every field of `asperity.parameters` that is a number, or a tuple of numbers, is scaled by 0.75 and
 1.25 alone, but for the weights of the error estimate, which change no load and no area. The maps
 are a few of those of ablation.py, with the boundary elements kept there. The table holds the
 root-mean-square and the worst error of load and area over all points, with the constant as it is
-(first row) and scaled, and the largest change of any of them.
+(first row) and scaled, and the largest change of any of them. ``--csv`` writes the constants that
+change a load or an area by a tenth of a percent and more.
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
 import math
 from collections.abc import Iterator
 from dataclasses import fields, replace
@@ -39,6 +43,16 @@ FAMILIES = (
     "cut off at 2 rms",
 )
 FACTORS = (0.75, 1.25)
+MATTERS = 0.001
+COLUMNS = {
+    "load error: rms, %": "load_rms",
+    "load error: worst, %": "load_worst",
+    "load: largest change, %": "load_change",
+    "area error: rms, %": "area_rms",
+    "area error: worst, %": "area_worst",
+    "area: largest change, %": "area_change",
+}
+"""Heading of the table of the pages, and column of the rows."""
 
 Judged = tuple[NDArray[np.float64], NDArray[np.float64]]
 
@@ -78,12 +92,47 @@ def row(name: str, factor: float, found: Judged, kept: Judged) -> dict[str, Any]
     return made
 
 
+def summary(rows: list[dict[str, Any]]) -> list[dict[str, str]]:
+    """The table of the pages: constants that change an answer, with both factors."""
+    matters: dict[str, dict[float, dict[str, Any]]] = {}
+    for one in rows[1:]:
+        matters.setdefault(one["constant"], {})[float(one["factor"])] = one
+    table = []
+    for name, scaled_rows in {"": {factor: rows[0] for factor in FACTORS}, **matters}.items():
+        both = [scaled_rows[factor] for factor in FACTORS]
+        changes = [float(one[f"{kind}_change"]) for one in both for kind in ("load", "area")]
+        if name and max(changes) < MATTERS:
+            continue
+        line = {"constant": name or "as they are"}
+        for label, key in COLUMNS.items():
+            low, high = (f"{100 * float(one[key]):.1f}" for one in both)
+            line[label] = f"{low}, {high}" if name else low
+        table.append(line)
+    return table
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--references", type=Path, help="folder of boundary-element curves")
     parser.add_argument("--only", nargs="*", default=(), help="parts of names of constants")
-    parser.add_argument("--out", type=Path)
+    parser.add_argument("--out", type=Path, help="CSV that takes all rows")
+    parser.add_argument("--rows", type=Path, help="CSV of all rows, made before: measure nothing")
+    parser.add_argument("--csv", type=Path, help="CSV that takes the table of the pages")
     args = parser.parse_args()
+    if args.rows:
+        with args.rows.open() as file:
+            table: list[dict[str, Any]] = list(csv.DictReader(file))
+    else:
+        table = measure(args)
+    if args.out:
+        write_csv(args.out, {key: [line[key] for line in table] for key in table[0]})
+    if args.csv:
+        shown = summary(table)
+        write_csv(args.csv, {key: [line[key] for line in shown] for key in shown[0]})
+
+
+def measure(args: argparse.Namespace) -> list[dict[str, Any]]:
+    """Rows of the table: the constants as they are, and each of them scaled."""
     judged: list[tuple[Scene, asperity.ContactCurve]] = []
     for scene in scenes(None):
         if scene.family in FAMILIES and scene.family not in {s.family for s, _ in judged}:
@@ -98,8 +147,7 @@ def main() -> None:
             kept = load, area
         table.append(row(name, factor, (load, area), kept))
         print(*table[-1].values(), flush=True)
-    if args.out:
-        write_csv(args.out, {key: np.array([line[key] for line in table]) for key in table[0]})
+    return table
 
 
 if __name__ == "__main__":

@@ -1,4 +1,5 @@
-"""Symmetric stencils on a padded grid (docs/half_space.md), 16 points or 16 taps at once.
+"""Symmetric stencils on a padded grid (docs/development/half_space.md), 16 points or 16 taps at
+once.
 
 Written with vectors because the automatic vectorizer does not find them. A tile is 16 neighbors of
 a row: rows at equal distance above and below are added first, then weighted, and the weighted sums

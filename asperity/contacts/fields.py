@@ -57,7 +57,7 @@ def pressed_pixels(decomposition: Decomposition, point: LoadPoint) -> tuple[Inde
 
     Returns
     -------
-    pixel, own, pressure
+    pixel, contact, pressure
         Flat index of each pixel, the contact that presses there, and its pressure [Pa]. A contact
         whose basin has no pixel's centre has the pixel of its summit, with another contact.
 
@@ -82,22 +82,24 @@ def pressed_pixels(decomposition: Decomposition, point: LoadPoint) -> tuple[Inde
     grid = _Grid.of(decomposition, state, solved, decomposition.peaks.labels)
     pressure = _start(decomposition, state)
     for _ in range(CORRECTIONS):
-        pressed = grid.pressed(grid.wanted(pressure, grid.beside), state.area, state.force)
+        pressed = grid.occupied(
+            grid.corrected(pressure, grid.gap_stiffness), state.area, state.force
+        )
         pressure = _image(solved, *pressed)
     if solved is whole:
         return pressed
-    beside, fine, spread = grid.beside, 0.0, 0.0
+    stiffness, fine, deviation = grid.gap_stiffness, 0.0, 0.0
     full = _Grid.of(decomposition, state, whole, decomposition.labels)
     if decomposition.plan.sub_contact_law is not None:
         left = whole.heights - resample(solved, whole.spacing).heights
         fine = np.sqrt(decomposition.plan.sub_contact_law.spread) * full.pressed_flat(left)
-        spread = float(np.std(fine))
-        beside = spread / float(np.std(left))
+        deviation = float(np.std(fine))
+        stiffness = deviation / float(np.std(left))
     area = point.closed_area
     periodic = decomposition.plan.boundary == "periodic"
-    field = _cubic(grid.wanted(pressure, beside), whole.shape, periodic) + fine
-    pressure = _image(whole, *full.pressed(field, area, state.force, spread))
-    return full.pressed(full.wanted(pressure, full.beside), area, state.force, spread)
+    field = _cubic(grid.corrected(pressure, stiffness), whole.shape, periodic) + fine
+    pressure = _image(whole, *full.occupied(field, area, state.force, deviation))
+    return full.occupied(full.corrected(pressure, full.gap_stiffness), area, state.force, deviation)
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,7 @@ class _Grid:
         A wave of pressure p displaces by symbol q^(m-1) p.
     closed
         The contacts with load, shape (c,).
-    pixel, own
+    pixel, contact
         Flat index of each pixel of their basins, shape (k,), in their order, and its contact.
     first
         The first pixel of each, shape (c,).
@@ -130,7 +132,7 @@ class _Grid:
     m: float
     closed: Index
     pixel: Index
-    own: Index
+    contact: Index
     first: Index
 
     @classmethod
@@ -150,15 +152,15 @@ class _Grid:
         owner = np.append(decomposition.summits.owner, len(state.force))[labels.ravel()]
         pixel = np.flatnonzero(np.append(state.force > 0, False)[owner])
         lost = np.setdiff1d(np.flatnonzero(state.force > 0), owner[pixel])
-        own = np.append(owner[pixel], lost)
+        contact = np.append(owner[pixel], lost)
         pixel = np.append(pixel, decomposition.summit_pixels(lost, hm))
-        order = np.argsort(own, kind="stable")
-        pixel, own = pixel[order], own[order]
-        closed, first = np.unique(own, return_index=True)
-        return cls(hm, (ny, nx), number, symbol, body.m, closed, pixel, own, first)
+        order = np.argsort(contact, kind="stable")
+        pixel, contact = pixel[order], contact[order]
+        closed, first = np.unique(contact, return_index=True)
+        return cls(hm, (ny, nx), number, symbol, body.m, closed, pixel, contact, first)
 
     @property
-    def beside(self) -> float:
+    def gap_stiffness(self) -> float:
         """Pressure over gap [Pa/m] beside the contacts."""
         return float(self.hm.roughness.length ** (self.m - 1.0) / self.symbol)
 
@@ -172,45 +174,46 @@ class _Grid:
         """Pressure [Pa] that presses heights [m] flat."""
         return self._through(heights, self.number ** (1.0 - self.m) / self.symbol)
 
-    def wanted(self, pressure: Array, beside: float) -> Array:
+    def corrected(self, pressure: Array, stiffness: float) -> Array:
         """Field [Pa], shape (ny, nx), whose largest values are the pixels of the contacts.
 
-        The gap under each contact is taken relative to its mean; `beside` [Pa/m] as the property.
+        The gap under each contact is taken relative to its mean; `stiffness` [Pa/m] as
+        `gap_stiffness`.
         """
         gap = self.displaced(pressure) - self.hm.heights
         gap -= np.average(gap, weights=pressure)
-        own = gap.ravel()[self.pixel]
+        gaps = gap.ravel()[self.pixel]
         weight = pressure.ravel()[self.pixel]
         weight = weight + 1e-12 * weight.max()
-        mean = np.add.reduceat(weight * own, self.first) / np.add.reduceat(weight, self.first)
-        gap.flat[self.pixel] = own - self._at_pixels(mean)
+        mean = np.add.reduceat(weight * gaps, self.first) / np.add.reduceat(weight, self.first)
+        gap.flat[self.pixel] = gaps - self._at_pixels(mean)
         touching = pressure > 0.0
         pressed = pressure - RELAXATION * self.pressed_flat(np.where(touching, gap, 0.0))
-        return np.where(touching, pressed, -beside * gap)
+        return np.where(touching, pressed, -stiffness * gap)
 
-    def pressed(
-        self, field: Array, area: Array, force: Array, spread: float = 0.0
+    def occupied(
+        self, field: Array, area: Array, force: Array, deviation: float = 0.0
     ) -> tuple[Index, Index, Array]:
         """Pixels, whose they are, and pressures [Pa] of contacts of areas [m^2] and forces [N].
 
-        They occupy the largest values of the field; `spread` [Pa] is s in `pressed_pixels`.
+        They occupy the largest values of the field; `deviation` [Pa] is s in `pressed_pixels`.
         """
         size = self.hm.spacing[0] * self.hm.spacing[1]
         height = field.ravel()[self.pixel]
-        order = np.lexsort((-height, self.own))
+        order = np.lexsort((-height, self.contact))
         height = height[order]
         end = np.append(self.first[1:], len(order))
         stop = np.minimum(self.first + _whole(area[self.closed] / size), end)
         level = height[np.minimum(stop, end - 1)]
         level = np.where(stop == end, np.minimum(level, 0.0), level)
         over = np.maximum(height - self._at_pixels(level), 0.0)
-        over = np.sqrt(over * (over + 2.0 * spread))
+        over = np.sqrt(over * (over + 2.0 * deviation))
         over += 1e-9 * over.max() + np.finfo(float).tiny  # equal heights press alike
         taken = np.arange(len(order)) < self._at_pixels(stop)
         over[~taken] = 0.0
         scale = force[self.closed] / (np.add.reduceat(over, self.first) * size)
         over *= self._at_pixels(scale)
-        return self.pixel[order][taken], self.own[taken], over[taken]
+        return self.pixel[order][taken], self.contact[taken], over[taken]
 
     def _at_pixels(self, values: NDArray[Any]) -> NDArray[Any]:
         """Values of the contacts, at the pixels of their basins."""
@@ -230,14 +233,14 @@ def _start(decomposition: Decomposition, state: PopulationState) -> Array:
     It is rescaled so that the pixels of each carry its force.
     """
     hm = decomposition.solved
-    pixel, own, distance = ellipses(decomposition, state)
+    pixel, contact, distance = ellipses(decomposition, state)
     shape = (1.0 - distance**2) ** (0.5 * (1.0 + decomposition.material.m))
-    carried = np.bincount(own, weights=shape, minlength=len(state.force))
-    share = state.force[own] * shape / (carried[own] * hm.spacing[0] * hm.spacing[1])
-    return _image(hm, pixel, own, share)
+    carried = np.bincount(contact, weights=shape, minlength=len(state.force))
+    share = state.force[contact] * shape / (carried[contact] * hm.spacing[0] * hm.spacing[1])
+    return _image(hm, pixel, contact, share)
 
 
-def _image(hm: HeightMap, pixel: Index, own: Index, pressure: Array) -> Array:
+def _image(hm: HeightMap, pixel: Index, contact: Index, pressure: Array) -> Array:
     """Pressure [Pa] of every pixel of a map, shape (ny, nx), of `pressed_pixels`."""
     found = np.bincount(pixel, weights=pressure, minlength=hm.heights.size)
     return np.asarray(found, float).reshape(hm.shape)

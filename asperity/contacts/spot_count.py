@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _spot_kernels
+
 if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
     from asperity.model.decomposition import Decomposition
     from asperity.model.load_point import LoadPoint
     from surfaces.peaks.summits import Summits
 
-__all__ = ["spot_count"]
+__all__ = ["joined_spots", "spot_count"]
 
 Array = NDArray[np.float64]
 
@@ -38,13 +40,10 @@ def spot_count(decomposition: Decomposition, point: LoadPoint) -> int:
     fine waves.
     The constants were found on seeds 1, 2 and 11 (docs/development/errors.md).
     """
-    from ._spot_kernels import spots
-
     fitted = decomposition.plan.parameters.spots
     pairs, depth = decomposition.passes
-    count = float(
-        spots(pairs, 2.0 * fitted.joined * depth, *_each(decomposition.summits, point.state))
-    )
+    each = _each(decomposition.summits, point.state)
+    count = joined_spots(pairs, 2.0 * fitted.joined * depth, *each)
     fine, area = decomposition.plan.sub_contact_law, point.state.contact_area
     if fine is not None and area > 0.0:
         closed = float(point.closed_area.sum()) / area
@@ -52,6 +51,21 @@ def spot_count(decomposition: Decomposition, point: LoadPoint) -> int:
         waves = area * (fine.number / (2.0 * np.pi)) ** 2
         count += fitted.parted * share * waves * (1.0 - closed) / closed
     return round(count)
+
+
+def joined_spots(pairs: NDArray[np.int64], depth: Array, approach: Array, area: Array) -> float:
+    """Number of spots of contacts that have joined over the passes between them.
+
+    Parameters
+    ----------
+    pairs
+        Contacts on both sides of each pass, shape (k, 2).
+    depth
+        Sum of their approaches [m] from which on they have joined, shape (k,).
+    approach, area
+        Approaches [m] and areas [m^2] of the contacts, shape (n,).
+    """
+    return float(_spot_kernels.spots(pairs, depth, approach, area))
 
 
 def _each(summits: Summits, state: PopulationState) -> tuple[Array, Array]:

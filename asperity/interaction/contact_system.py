@@ -13,7 +13,7 @@ from asperity.errors import InputError
 from asperity.halfspace.boundary import known_boundary
 from asperity.halfspace.footprint import Footprints
 from asperity.interaction.newton.laws import Laws
-from asperity.microcontact.lazy_table import GrowingTable
+from asperity.microcontact.lazy_table import LazyTable
 
 from .elongation import Elongation
 
@@ -70,7 +70,7 @@ class ContactSystem:
         x: ArrayLike,
         y: ArrayLike,
         height: ArrayLike,
-        table: LawTable | GrowingTable,
+        table: LawTable | LazyTable,
         cell: tuple[float, float],
         boundary: str,
         material: HalfSpace,
@@ -82,7 +82,7 @@ class ContactSystem:
         self.x, self.y, self.height = (
             _column(value, name) for value, name in ((x, "x"), (y, "y"), (height, "height"))
         )
-        rows = len(table) if isinstance(table, GrowingTable) else len(table.reach)
+        rows = len(table) if isinstance(table, LazyTable) else len(table.reach)
         if not len(self.x) == len(self.y) == len(self.height) == rows:
             raise InputError(
                 f"x, y, height and table have {len(self.x)}, {len(self.y)}, {len(self.height)} "
@@ -115,7 +115,7 @@ class ContactSystem:
     @property
     def table(self) -> LawTable:
         """Contact laws of the summits; of a lazy table, those made so far."""
-        return self._table.table if isinstance(self._table, GrowingTable) else self._table
+        return self._table.table if isinstance(self._table, LazyTable) else self._table
 
     @property
     def has_centres(self) -> bool:

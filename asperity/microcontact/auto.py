@@ -18,7 +18,7 @@ from asperity.halfspace.flags import Flag
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.circle import expansion
 from asperity.microcontact.ellipse import ellipse_law
-from asperity.microcontact.ritz import batch
+from asperity.microcontact.ritz import batch as ritz_batch
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .indentation import Indentation
@@ -92,7 +92,7 @@ def tabulate(
     wrong = np.flatnonzero(ratio > GROSS)
     if not wrong.size:
         return table
-    second = batch.tabulate(profiles.rows(wrong), material, nodes=nodes)
+    second = ritz_batch.tabulate(profiles.rows(wrong), material, nodes=nodes)
     _without_pull(second)
     _replace(table, wrong, second, ratio[wrong])
     return table
@@ -123,7 +123,7 @@ def _worst_ratio(
 ) -> Array:
     """Largest ratio of the forces of the table and of `ritz`, either way, over a few approaches."""
     first = table.evaluate(rows[:, None], SHARES * table.reach[rows, None])[0]
-    other = batch.forces(profiles, material, np.sqrt(SHARES))
+    other = ritz_batch.forces(profiles, material, np.sqrt(SHARES))
     usable = (first > 0) & (other > 0)
     ratio = np.divide(first, other, out=np.ones(first.shape), where=usable)
     return np.asarray(np.maximum(ratio, 1 / ratio).max(axis=1))

@@ -5,7 +5,8 @@ Hermite polynomial in v, linear in the first interval, so that a Hertzian contac
 grading; area/v^2 is linear in v. The energy int F dd follows in closed form. The moment
 m = (1/F) int variance dF is a growing cubic Hermite polynomial with the slope
 dm/dF = (variance - m)/F at the nodes, an increment at the stiffness k being spread with the
-variance (factor k)^exponent (docs/half_space.md). Beyond the reach the contact is a flat punch.
+variance (factor k)^exponent (docs/development/half_space.md). Beyond the reach the contact is a
+flat punch.
 
 A tip that is no paraboloid (`BLUNT`) has powers of v instead in the first interval: force, area and
 moment are those of the first node times v to the exponents in `tips`, which are zero for all other
@@ -182,6 +183,14 @@ def _slope(c0, c1, c2, c3, j, power, v):
     return max(_power(v, power - 1.0) * (power * level + v * bend), 0.0)
 
 
+@inner()
+def _tip_exponents(first, second, power, exponent):
+    """Exponents over v of force, area and moment of a tip that is no paraboloid, from the forces at
+    the first two nodes: that of force lies between those of a punch and of a cone."""
+    rise = min(max(math.log2(second / first), 2.0), 2.0 * power - 2.0)
+    return rise, 2.0 * (rise - 2.0) / (power - 2.0), exponent * (rise - 2.0)
+
+
 @compiled()
 def tabulate(reach, force, stiffness, area, power, factor, exponent, coupled, table, tips):
     """Fill the rows of `table` (n, K + 1, NUMBERS) and `tips` (n, TIPS) from nodal values.
@@ -206,13 +215,9 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, coupled, ta
             d1 = stiffness[r, j + 1] * width * v / _power(v, power) - power * s1 / v
             table[r, j + 1, AREA] = area[r, j + 1] / (v * v)
             if j == 0 and abs(d1) > BLUNT * s1 and 0.0 < force[r, 1] < force[r, 2]:
-                # between the exponents of a punch and of a cone
-                rise = min(max(math.log2(force[r, 2] / force[r, 1]), 2.0), 2.0 * power - 2.0)
-                wide = exponent * (rise - 2.0)
+                tips[r] = _tip_exponents(force[r, 1], force[r, 2], power, exponent)
+                rise, wide = tips[r, 0], tips[r, 2]
                 variance = _power(factor * rise * s1 / width, exponent)
-                tips[r, 0] = rise
-                tips[r, 1] = 2.0 * (rise - 2.0) / (power - 2.0)
-                tips[r, 2] = wide
                 moment[1] = variance * rise / (rise + wide)
                 bend[1] = (variance - moment[1]) * rise
                 work, load, spread = width * s1 / (rise + 2.0), s1, moment[1] * s1

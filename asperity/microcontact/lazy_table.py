@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from .law_table import LawTable
 
-__all__ = ["GrowingTable"]
+__all__ = ["LazyTable"]
 
 Rows = NDArray[np.int64]
 
 
-class GrowingTable:
+class LazyTable:
     """The law table of n contacts, of which only the rows asked for are made.
 
     At light loads most summits never touch; their laws would cost more than all the rest.

@@ -7,7 +7,7 @@ import numpy as np
 from asperity.multiscale.pixel_waves import resolution_warning
 from asperity.parameters import DEFAULTS
 from surfaces.heightmap import HeightMap
-from surfaces.statistics.describe import unit_warning
+from surfaces.units import unit_warning
 
 __all__ = ["lay", "map_warnings"]
 

@@ -48,8 +48,10 @@ CALIBRATED = "auto", "ellipse"
 """Laws of which the weights tell; by others, the area is up to three times too large."""
 
 
-def terms(decomposition: Decomposition, state: PopulationState, odd: float) -> dict[str, float]:
-    """Terms of the error estimate at a load point, each from 0 upwards; `odd` is `nonrandomness`.
+def terms(
+    decomposition: Decomposition, state: PopulationState, nonrandom: float
+) -> dict[str, float]:
+    """Terms of the error estimate at a load point, each from 0; `nonrandom` is `nonrandomness`.
 
     Returns
     -------
@@ -93,7 +95,7 @@ def terms(decomposition: Decomposition, state: PopulationState, odd: float) -> d
     found = (
         coarse,
         np.sqrt(np.sum(share[outgrown] ** 2)),
-        odd * np.sum(share * np.abs(table.spread_at(closed, depth))),
+        nonrandom * np.sum(share * np.abs(table.spread_at(closed, depth))),
         taken * few,
         taken * coarse,
         few * long,

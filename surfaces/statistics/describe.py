@@ -13,17 +13,17 @@ from numpy.typing import NDArray
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.preparation.levelling import level
+from surfaces.units import unit_warning
 
 from .bearing import bearing_curve
 from .correlation import Texture, autocorrelation, texture
 from .spectrum import SpectralMoments, power_spectrum
 from .spectrum_fit import SpectrumFit, fit_spectrum
 
-__all__ = ["Statistics", "describe", "gradients", "unit_warning"]
+__all__ = ["Statistics", "describe", "gradients"]
 
 _RESOLVED = 0.1  # relative difference of finite differences and spectrum that is warned of
 _TILTED = 0.01  # share of the height variance in the tilt that is warned of
-_SLOPES = (1e-6, 10.0)  # rms slopes outside which the units may be wrong
 _BLOCK = 200_000  # points
 
 
@@ -248,13 +248,6 @@ def _tilt_warning(hm: HeightMap, sq: float) -> list[str]:
     if share < _TILTED:
         return []
     return [f"a plane makes up {100 * share:.3g} % of the variance: level the map first"]
-
-
-def unit_warning(slope: float) -> list[str]:
-    """A slope that no measured surface has: heights or pixels in another unit than stated."""
-    if _SLOPES[0] < slope < _SLOPES[1]:
-        return []
-    return [f"the rms slope is {slope:.2g}: check the unit of the heights and the pixel size"]
 
 
 def _resolution_warning(moments: SpectralMoments, slope: float, curvature: float) -> list[str]:

@@ -197,7 +197,7 @@ def test_a_comparison_of_which_a_part_is_missing(part, folder, capsys):
     with h5py.File("results.h5", "a") as file:
         del file[part]
     assert main(["report", "results.h5"]) == 2
-    assert "part of the comparison is missing" in capsys.readouterr().err
+    assert "of the comparison is missing" in capsys.readouterr().err
 
 
 def test_compare_goes_on_from_the_boundary_elements_it_has(folder, monkeypatch, capsys):

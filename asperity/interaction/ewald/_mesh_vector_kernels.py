@@ -1,4 +1,5 @@
-"""The 4 by 4 mesh nodes about a point, a mesh line at once (cubic B-splines, docs/half_space.md).
+"""The 4 by 4 mesh nodes about a point, a mesh line at once (cubic B-splines,
+docs/development/half_space.md).
 
 Four nodes of a mesh line lie side by side. `lines` are the places of the first node of each of the
 four lines in a flat mesh, `at` the shares (y, x) of a step by which the point lies behind the

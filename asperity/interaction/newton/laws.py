@@ -12,7 +12,7 @@ from asperity.halfspace.footprint import Footprints
 from asperity.microcontact import law_kernels
 from surfaces.numerics.parallel import blocks, run
 
-__all__ = ["BLOCK", "FILLED", "STIFFEST", "Evaluated", "Growing", "LawNodes", "Laws"]
+__all__ = ["BLOCK", "FILLED", "STIFFEST", "Evaluated", "LawNodes", "Laws", "LazyNodes"]
 
 BLOCK = 128
 """Laws made at least at a time, on demand."""
@@ -53,7 +53,7 @@ class LawNodes(Protocol):
     def exponent(self) -> float: ...
 
 
-class Growing(Protocol):
+class LazyNodes(Protocol):
     """A table whose rows are made on demand (`asperity.microcontact.lazy_table`)."""
 
     ready: NDArray[np.bool_]
@@ -98,7 +98,7 @@ class Laws:
     nodes
         Tables with `reach` (n,) [m], `force` [N], `stiffness` [N/m] and `area` [m^2] (n, K+1) at
         the approaches reach (j/K)^2, and the `exponent` p of F = v^p s(v), v = K sqrt(d/reach); or
-        a growing table, whose rows are made when they are needed.
+        a lazy table, whose rows are made when they are needed.
     footprints
         Kernel that turns a stiffness into a footprint.
 
@@ -118,7 +118,7 @@ class Laws:
     neighboring intervals.
     """
 
-    def __init__(self, nodes: LawNodes | Growing, footprints: Footprints) -> None:
+    def __init__(self, nodes: LawNodes | LazyNodes, footprints: Footprints) -> None:
         self.footprints = footprints
         self.store = _Store(nodes, footprints)
         self.index = np.arange(len(self.store.reach))
@@ -215,12 +215,12 @@ class _Store:
     a large surface never touch, and memory that is never touched costs nothing.
     """
 
-    def __init__(self, nodes: LawNodes | Growing, footprints: Footprints) -> None:
+    def __init__(self, nodes: LawNodes | LazyNodes, footprints: Footprints) -> None:
         self.footprints = footprints
-        self.growing: Growing | None = None
+        self.lazy: LazyNodes | None = None
         if hasattr(nodes, "ensure"):
-            self.growing = cast(Growing, nodes)
-            n = len(self.growing)
+            self.lazy = cast(LazyNodes, nodes)
+            n = len(self.lazy)
         else:
             n = len(nodes.reach)
         self.reach, self.largest = np.zeros((2, n))
@@ -230,19 +230,19 @@ class _Store:
         self.place, self.made = np.zeros(n, np.int32), 0
         self.complete = False
         self.ahead: NDArray[np.int64] | None = None
-        if self.growing is None:
+        if self.lazy is None:
             self._add(np.arange(n), cast(LawNodes, nodes))
 
     def need(self, rows: NDArray[np.int64]) -> None:
         """Make the rows that are missing, and with them those foreseen."""
         rows = rows[~self.ready[rows]]
-        if rows.size and self.growing is not None:
+        if rows.size and self.lazy is not None:
             left = np.flatnonzero(~self.ready)
             if self.ahead is not None:
                 rows = np.append(rows, self.ahead[~self.ready[self.ahead]])
             rows = left if len(left) <= WHOLE else np.unique(rows)
-            self.growing.ensure(rows)
-            self._add(rows, self.growing.table)
+            self.lazy.ensure(rows)
+            self._add(rows, self.lazy.table)
 
     def _add(self, rows: NDArray[np.int64], nodes: LawNodes) -> None:
         names = ("reach", "force", "stiffness", "area")

@@ -17,7 +17,7 @@ from .basis import Basis, PowerBasis, basis_of, samples, synthesis
 from .batch import tabulate
 from .expansion_error import expected_error
 from .history_pressure import HistoryPressure
-from .inverse_approach import RisingBranch
+from .inverse_approach import InverseApproach
 from .pressure import AxisymmetricPressure
 
 __all__ = ["Expansion", "indent", "tabulate"]
@@ -133,7 +133,7 @@ def indent(
     """Solution by the laws "paper" and "harmonic"; see `asperity.indent`."""
     basis = basis_of(profile, material.m)
     depth = approach.ravel()
-    a = RisingBranch(basis).radius(depth)
+    a = InverseApproach(basis).radius(depth)
     known = np.isfinite(a) & (a > 0)
     harmonic = Expansion.at(basis, a[known], material, published=False)
     published = Expansion.at(basis, a[known], material, published=True)

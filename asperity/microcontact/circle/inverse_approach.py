@@ -11,7 +11,7 @@ from asperity.errors import ModelRangeError
 
 from .basis import Basis, PowerBasis, TableBasis
 
-__all__ = ["RisingBranch"]
+__all__ = ["InverseApproach"]
 
 Array = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ _FARTHEST = 4.0
 """Radius to which a table is followed, over its last."""
 
 
-class RisingBranch:
+class InverseApproach:
     """D(a) from a = 0 to the first zero of D'(a), and its inverse.
 
     Parameters

@@ -16,7 +16,7 @@ from surfaces.numerics.vectors import absolute, root, where, whole
 
 from ._directions import place
 from ._polynomial_kernels import TERMS
-from .galin_operator import DEGREE
+from .ellipse_operator import DEGREE
 
 NODES = DEGREE + 1
 MODES = DEGREE // 2 + 1

@@ -20,7 +20,7 @@ from surfaces.numerics.vectors import absolute, entries, some, where, whole
 from ._contour_kernels import FIELDS, NODES, amplitudes, displace, limits, second_order
 from ._fit_kernels import FITS
 from ._polynomial_kernels import TERMS, move, solve
-from .galin_operator import DEGREE
+from .ellipse_operator import DEGREE
 
 WIDEST, SHARE, CONFINED = 0.5, 0.05, 0.5
 """Limits of trust: displacement of the contour, share of F2, confined share of the contour."""

@@ -15,7 +15,7 @@ from surfaces.numerics.lanes import load, pick, splat, store
 from surfaces.numerics.vectors import some, where, whole
 
 from ._polynomial_kernels import TERMS
-from .galin_operator import DEGREE
+from .ellipse_operator import DEGREE
 
 FITS = 5
 """Nested fits of a summit."""

@@ -1,7 +1,7 @@
 """Numba kernels of the parts of one Newton step: polynomials moved, a small system.
 
 Everything is done for eight profiles at once (`_lanes`). Coefficients run over the monomials
-x**i y**j of `galin.monomials`.
+x**i y**j of `ellipse_operator.monomials`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
 from surfaces.numerics.lanes import load, store
 
-from .galin_operator import DEGREE
+from .ellipse_operator import DEGREE
 
 TERMS = (DEGREE + 1) * (DEGREE + 2) // 2
 """Number of monomials: a constant, so that the loops unroll."""

@@ -9,7 +9,7 @@ from asperity.halfspace.flags import Flag
 from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.circle.basis import basis_of
-from asperity.microcontact.circle.inverse_approach import RisingBranch
+from asperity.microcontact.circle.inverse_approach import InverseApproach
 from asperity.microcontact.indentation import Indentation
 from asperity.microcontact.validity import profile_flags
 from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
@@ -117,6 +117,12 @@ def _state(
     )
 
 
+def _punch_radius(stiffness: Array, material: HalfSpace) -> Array:
+    """Radius [m] of the flat round punch of a stiffness [N/m]."""
+    p = 1.0 + material.m
+    return np.asarray((p * stiffness / (2 * material.modulus)) ** (1 / p))
+
+
 def indent(
     profile: PowerSumProfile | PolarProfile,
     material: HalfSpace,
@@ -131,7 +137,7 @@ def indent(
     from asperity.microcontact.circle.expansion import indent as resolved
 
     depth = approach.ravel()
-    start = RisingBranch(basis_of(profile, material.m)).radius(depth)
+    start = InverseApproach(basis_of(profile, material.m)).radius(depth)
     states = _states(profile, material, depth, start)
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
 
@@ -172,7 +178,7 @@ def indent(
         approach=approach,
         force=force,
         contact_area=shaped("area"),
-        radius=Footprints(material.modulus, material.m).radius(np.maximum(stiffness, 0.0)),
+        radius=_punch_radius(np.maximum(stiffness, 0.0), material),
         stiffness=stiffness,
         flags=flags,
         error_estimate=shaped("expected_error"),

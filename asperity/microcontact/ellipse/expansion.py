@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.transforms import kappa
 
-from .galin_operator import monomials
+from .ellipse_operator import monomials
 from .operator_tables import LOG_RATIO, ellipse_tables
 
 __all__ = ["ANGLES", "DEGREE", "Edge", "Gap", "between", "edge_of", "fit_points", "fitted"]

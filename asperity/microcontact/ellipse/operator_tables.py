@@ -1,4 +1,4 @@
-"""Tables of the elliptic contact over its axis ratio, by Galin's operator (`galin`).
+"""Tables of the elliptic contact over its axis ratio, by Galin's operator (`ellipse_operator`).
 
 Per monomial of the displacement they give the amplitude of the edge singularity at nodes on a
 quarter of the ellipse, and what the edge makes of a change of the contour. A table takes a
@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from .galin_operator import (
+from .ellipse_operator import (
     DEGREE,
     edge_operator,
     fourier_moments,

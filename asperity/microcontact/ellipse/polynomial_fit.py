@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from surfaces.errors import InputError
 
-from .galin_operator import DEGREE, monomials
+from .ellipse_operator import DEGREE, monomials
 
 __all__ = ["FitRules", "fit_rules"]
 

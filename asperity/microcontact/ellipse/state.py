@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.material import HalfSpace
 
+from .ellipse_operator import monomials, pressure_operator
 from .expansion import DEGREE
-from .galin_operator import monomials, pressure_operator
 from .search import SHARP
 
 __all__ = ["EllipseState"]

@@ -20,7 +20,7 @@ from asperity.halfspace.flags import Flag
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import gauss_jacobi
 from asperity.microcontact.circle.basis import basis_of
-from asperity.microcontact.circle.inverse_approach import RisingBranch
+from asperity.microcontact.circle.inverse_approach import InverseApproach
 from asperity.microcontact.indentation import Indentation
 from asperity.microcontact.validity import contour_flags, profile_flags
 from surfaces.polar import PolarProfile, PowerSumProfile
@@ -159,7 +159,7 @@ def indent(
 ) -> Indentation:
     """Solution by the law "ritz"; see `asperity.indent`. It has no pressure field."""
     m, depth = material.m, approach.ravel()
-    start = RisingBranch(basis_of(profile, m)).radius(depth)
+    start = InverseApproach(basis_of(profile, m)).radius(depth)
     rays = np.full((depth.size, _RAYS), np.nan)
     rays[depth <= 0] = 0.0
     force, lower, free = np.where(depth > 0, np.nan, np.zeros((3, depth.size)))

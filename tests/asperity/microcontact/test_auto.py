@@ -78,7 +78,7 @@ def test_a_plateau_that_pulls_at_first_is_a_paraboloid_up_to_where_it_pushes_mos
     profiles, monkeypatch
 ):
     monkeypatch.setattr(auto, "GROSS", 1.0)
-    tabulated, nodes = auto.batch.tabulate, ellipse_law.NODES
+    tabulated, nodes = auto.ritz_batch.tabulate, ellipse_law.NODES
 
     def pulled(*args, **options):
         table = tabulated(*args, **options)
@@ -90,7 +90,7 @@ def test_a_plateau_that_pulls_at_first_is_a_paraboloid_up_to_where_it_pushes_mos
         ritz_law.tabulate(profiles, STEEL, nodes=nodes),
         ellipse_law.tabulate(profiles, STEEL),
     )
-    monkeypatch.setattr(auto.batch, "tabulate", pulled)
+    monkeypatch.setattr(auto.ritz_batch, "tabulate", pulled)
     table = auto.tabulate(profiles, STEEL)
     taken = np.flatnonzero((table.force != own.force).any(axis=1))
     assert taken.size

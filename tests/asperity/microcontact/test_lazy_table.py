@@ -9,7 +9,7 @@ from strategies import random_population
 from asperity.halfspace.material import HalfSpace
 from asperity.interaction.population import Population
 from asperity.microcontact.law_table import LawTable
-from asperity.microcontact.lazy_table import GrowingTable
+from asperity.microcontact.lazy_table import LazyTable
 
 CELL = (1.0, 1.4)
 
@@ -27,25 +27,25 @@ def tables(n, seed=0):
         arrays = (getattr(whole, k)[rows] for k in ("reach", "force", "stiffness", "area"))
         return LawTable(*arrays, whole.flags[rows], whole.spread[rows])
 
-    return y, x, height, whole, GrowingTable(n, make), asked
+    return y, x, height, whole, LazyTable(n, make), asked
 
 
 def test_rows_are_made_once_and_in_place():
-    *_, whole, growing, asked = tables(50)
-    growing.ensure(np.array([7, 3, 7]))
-    growing.ensure(np.array([3, 9]))
+    *_, whole, lazy, asked = tables(50)
+    lazy.ensure(np.array([7, 3, 7]))
+    lazy.ensure(np.array([3, 9]))
     np.testing.assert_array_equal(np.concatenate(asked), [3, 7, 9])
-    assert growing.ready.sum() == 3 and len(growing) == 50
-    np.testing.assert_array_equal(growing.table.force[[3, 7, 9]], whole.force[[3, 7, 9]])
-    assert not growing.table.reach[[0, 49]].any()
+    assert lazy.ready.sum() == 3 and len(lazy) == 50
+    np.testing.assert_array_equal(lazy.table.force[[3, 7, 9]], whole.force[[3, 7, 9]])
+    assert not lazy.table.reach[[0, 49]].any()
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("interaction", [True, False])
-def test_a_growing_table_gives_the_same_curve(boundary, interaction):
-    y, x, height, whole, growing, _ = tables(900)
+def test_a_lazy_table_gives_the_same_curve(boundary, interaction):
+    y, x, height, whole, lazy, _ = tables(900)
     curves, counts = [], []
-    for table in (whole, growing):
+    for table in (whole, lazy):
         population = Population(
             x=x, y=y, height=height, table=table, cell=CELL, boundary=boundary,
             material=HalfSpace.from_modulus(1.0), interaction=interaction,
@@ -55,7 +55,7 @@ def test_a_growing_table_gives_the_same_curve(boundary, interaction):
             state = population.solve(separation=separation, state=state)
             assert state.converged
             pressures.append(state.mean_pressure)
-            counts.append(growing.ready.sum())
+            counts.append(lazy.ready.sum())
         state = population.solve(mean_pressure=pressures[-1] * 1.2, state=state)
         curves.append([*pressures, state.separation])
     np.testing.assert_allclose(curves[0], curves[1], rtol=2e-3)
@@ -91,7 +91,7 @@ def test_summits_without_a_law_stay_open():
         return LawTable(*arrays.values(), whole.flags[rows], whole.spread[rows])
 
     population = Population(
-        x=x, y=y, height=height, table=GrowingTable(100, make), cell=CELL, boundary="periodic",
+        x=x, y=y, height=height, table=LazyTable(100, make), cell=CELL, boundary="periodic",
         material=HalfSpace.from_modulus(1.0),
     )  # fmt: skip
     state = population.solve(separation=0.0)

@@ -10,7 +10,7 @@ from scipy.special import gamma
 
 from asperity import HalfSpace
 from asperity.microcontact.ellipse.ellipse_law import tabulate
-from asperity.microcontact.ellipse.galin_operator import edge_operator, monomials
+from asperity.microcontact.ellipse.ellipse_operator import edge_operator, monomials
 from asperity.microcontact.hertz import elliptic_contact
 from surfaces import Profiles
 

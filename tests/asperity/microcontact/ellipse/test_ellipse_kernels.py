@@ -24,7 +24,7 @@ from asperity.microcontact.ellipse.batch import (
     _stencils,
     levels_of,
 )
-from asperity.microcontact.ellipse.galin_operator import monomials
+from asperity.microcontact.ellipse.ellipse_operator import monomials
 from asperity.microcontact.ellipse.polynomial_fit import fit_rules
 from asperity.microcontact.ray_moments import edge_weights
 from surfaces.numerics.lane_layout import groups
