@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.halfspace.flags import Flag
-from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.circle.basis import basis_of
 from asperity.microcontact.circle.inverse_approach import InverseApproach
