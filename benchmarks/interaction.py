@@ -26,9 +26,9 @@ from common import least, options, rough
 import surfaces
 from asperity import HalfSpace, Population
 from asperity.curve import CLOSE, TOLERANCE
+from asperity.halfspace.footprint import Footprints
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.ewald.tangent import Tangent
-from asperity.interaction.footprint import Footprints
 from asperity.microcontact import tabulate
 from asperity.microcontact.law_table import LawTable
 from asperity.threads import threads

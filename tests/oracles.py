@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gamma, gammaincc, roots_jacobi
 
-from asperity.interaction.footprint import Footprints
+from asperity.halfspace.footprint import Footprints
 
 
 def periodic_displacement(pressure, spacing, modulus, m):

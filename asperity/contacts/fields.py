@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from asperity.interaction.footprint import Footprints
+from asperity.halfspace.footprint import Footprints
 from surfaces.numerics.parallel import threads
 from surfaces.preparation.filtering import resample
 

@@ -14,12 +14,12 @@ from asperity.interaction.newton.contact_shift import widened
 from asperity.interaction.newton.problem import Problem
 
 if TYPE_CHECKING:
+    from asperity.halfspace.footprint import Footprints
     from asperity.interaction.newton.final_step import Solution
     from asperity.interaction.newton.laws import Evaluated
 
     from .contact_system import ContactSystem
     from .elongation import Elongation
-    from .footprint import Footprints
 
 __all__ = ["CandidateList"]
 

@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
 from asperity.halfspace.boundary import known_boundary
+from asperity.halfspace.footprint import Footprints
 from asperity.interaction.newton.laws import Laws
 from asperity.microcontact.lazy_table import LazyTable
 
 from .elongation import Elongation
-from .footprint import Footprints
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace

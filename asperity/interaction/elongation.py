@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ellipe, ellipk
 
-from .footprint import Footprints
+from asperity.halfspace.footprint import Footprints
 
 __all__ = ["ASPECT_EXPONENT", "LARGEST_ASPECT", "LARGEST_RADIUS", "Elongation", "aspect_ratio"]
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.interaction.footprint import Footprints
+from asperity.halfspace.footprint import Footprints
 from asperity.parameters import DEFAULTS, Parameters
 from surfaces.heightmap import HeightMap
 

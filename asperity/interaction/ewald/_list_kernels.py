@@ -9,7 +9,7 @@ from numba import njit
 
 from surfaces.numerics.compiled import compiled
 
-from ._select_vectors import LANES, keep_near
+from ._select_kernels import LANES, keep_near
 
 
 @njit(inline="always")

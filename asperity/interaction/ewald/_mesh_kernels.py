@@ -2,6 +2,10 @@
 
 A mesh line r belongs to the node r - 1, so that the four nodes about a point at p (in steps) are
 the lines int(p) to int(p) + 3, modulo the size of the mesh.
+
+Smooth part of the sum in `Interaction`: sources (1 + m_i/2 Laplacian) F_i delta(r - r_i) by
+B-spline weights, their convolution, and the gather with the same weights
+(docs/development/interaction.md, "Sum over pairs").
 """
 
 from __future__ import annotations
@@ -13,7 +17,7 @@ from numba import carray, njit
 
 from surfaces.numerics.compiled import SUMS, compiled, inner
 
-from ._mesh_vectors import add_moved, add_spread, add_stored, read, read_stored, set_stored
+from ._mesh_vector_kernels import add_moved, add_spread, add_stored, read, read_stored, set_stored
 from .scratch import doubles, floats
 
 NODES, SIZE = np.uint64(4), np.uint64(16)

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numba import carray, njit
 
-from asperity.interaction.footprint import PAIR_NODES, SMOOTH_DEGREE
+from asperity.halfspace.footprint import PAIR_NODES, SMOOTH_DEGREE
 from surfaces.numerics.compiled import QUOTIENTS, inner
 from surfaces.numerics.vectors import two_floats
 

@@ -1,11 +1,15 @@
-"""Compiled loops over near pairs: displacements and gradients."""
+"""Compiled loops over near pairs: displacements and gradients.
+
+Near part of the sum in `Interaction`: g(r; m_i + m_j) less the smooth part and its Laplacians, with
+the slopes by the moments and by the distance (docs/development/interaction.md, "Sum over pairs").
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from numba import carray, njit
 
-from asperity.interaction.footprint import PAIR_NODES
+from asperity.halfspace.footprint import PAIR_NODES
 from surfaces.numerics.compiled import compiled
 from surfaces.numerics.vectors import loader, store
 

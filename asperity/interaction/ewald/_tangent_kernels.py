@@ -1,4 +1,8 @@
-"""Compiled loops over near pairs: the tangent matrix."""
+"""Compiled loops over near pairs: the tangent matrix.
+
+The matrix diag(1/k + extra) + g_ij(v_i + v_j) of `Tangent`, and the inverse -(1 + G K)^-1 G between
+the cells of `TwoLevelPreconditioner` (docs/development/interaction.md).
+"""
 
 from __future__ import annotations
 

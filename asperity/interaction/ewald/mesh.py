@@ -11,7 +11,7 @@ import scipy.fft
 from numpy.typing import NDArray
 from scipy.special import gamma, gammainc, gammaincc
 
-from asperity.interaction.footprint import Footprints
+from asperity.halfspace.footprint import Footprints
 from asperity.threads import threads
 
 from . import _mesh_kernels

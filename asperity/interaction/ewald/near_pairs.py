@@ -11,7 +11,7 @@ from asperity.threads import threads
 from surfaces.numerics.parallel import each
 
 from . import _list_kernels
-from ._select_vectors import LANES
+from ._select_kernels import LANES
 
 __all__ = ["chunks", "near_pairs", "run", "total"]
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.interaction.footprint import Footprints, at_origin, pair_table, smooth_polynomials
+from asperity.halfspace.footprint import Footprints, at_origin, pair_table, smooth_polynomials
 from surfaces.numerics.parallel import each
 
 from . import _list_kernels, _mesh_kernels, _pair_kernels

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from . import _tangent_kernels
 
 if TYPE_CHECKING:
-    from asperity.interaction.footprint import Footprints
+    from asperity.halfspace.footprint import Footprints
 
 __all__ = ["TwoLevelPreconditioner"]
 

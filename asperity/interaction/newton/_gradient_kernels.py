@@ -1,4 +1,8 @@
-"""Compiled loops of the conjugate gradients."""
+"""Compiled loops of the conjugate gradients.
+
+Preconditioned conjugate gradients for A x = b, and for A x + c = b with the sum of x held, with the
+inverse D^-1 + D^-1 P E P' D^-1 of `TwoLevelPreconditioner`.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Compiled passes over the contacts of a trial point."""
+"""Compiled passes over the contacts of a trial point.
+
+The residual d_i + u_i - (z_i - s), the energy of which it is the gradient, both as in the notes of
+`State`, and the shifts of `contact_shifts` (docs/development/interaction.md, "Contact shift").
+"""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.interaction.footprint import Footprints
+from asperity.halfspace.footprint import Footprints
 
 from . import _state_kernels
 from .laws import Evaluated

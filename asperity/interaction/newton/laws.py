@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import InputError
-from asperity.interaction.footprint import Footprints
+from asperity.halfspace.footprint import Footprints
 from asperity.microcontact import law_kernels
 from surfaces.numerics.parallel import blocks, run
 

@@ -9,10 +9,10 @@ import pytest
 from strategies import random_population
 
 import asperity
+from asperity.halfspace.footprint import Footprints
 from asperity.interaction import coupled_solve
 from asperity.interaction.elongation import LARGEST_ASPECT, LARGEST_RADIUS, Elongation
 from asperity.interaction.ewald.operator import Interaction
-from asperity.interaction.footprint import Footprints
 from asperity.interaction.newton import solver
 from asperity.interaction.newton.laws import Laws
 from asperity.interaction.newton.problem import Problem

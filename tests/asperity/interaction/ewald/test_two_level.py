@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from asperity.halfspace.footprint import Footprints
 from asperity.interaction.ewald import two_level
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.ewald.tangent import Tangent
-from asperity.interaction.footprint import Footprints
 from asperity.interaction.newton.conjugate_gradients import conjugate_gradients
 
 CELL = (1.0, 1.7)

@@ -7,8 +7,8 @@ import pytest
 from oracles import HertzTable
 from strategies import random_population
 
+from asperity.halfspace.footprint import Footprints
 from asperity.interaction.ewald.operator import Interaction
-from asperity.interaction.footprint import Footprints
 from asperity.interaction.newton.contact_shift import (
     LARGEST_SHIFT,
     WIDER,

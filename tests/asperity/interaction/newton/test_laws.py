@@ -9,7 +9,7 @@ import pytest
 from oracles import HertzTable
 
 from asperity.errors import InputError
-from asperity.interaction.footprint import Footprints
+from asperity.halfspace.footprint import Footprints
 from asperity.interaction.newton.laws import FILLED, STIFFEST, Laws
 from asperity.microcontact.law_table import LawTable
 

@@ -7,9 +7,9 @@ import pytest
 from oracles import HertzTable
 from strategies import random_population
 
+from asperity.halfspace.footprint import Footprints
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.ewald.tangent import Tangent
-from asperity.interaction.footprint import Footprints
 from asperity.interaction.newton import solver
 from asperity.interaction.newton.conjugate_gradients import conjugate_gradients
 from asperity.interaction.newton.laws import Laws

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import gammaincc, i0e, j0
 
-from asperity.interaction.footprint import (
+from asperity.halfspace.footprint import (
     FLOOR,
     Footprints,
     pair_table,
