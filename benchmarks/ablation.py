@@ -41,6 +41,7 @@ import asperity
 import surfaces
 from asperity.curve import solve_contacts
 from asperity.halfspace.load_points import pressure_scale
+from asperity.model import law_factory
 from asperity.parameters import DEFAULTS, Corrections, Parameters, PressedBasins
 from asperity.results.storage import write_csv
 
@@ -200,7 +201,13 @@ CORRECTIONS = {
     "half the pixel": Correction("finer_grid", (f"{PIXEL}.refined_map",)),
     "fewer points": Correction("coarser_grid", ("surfaces.preparation.coarsening",)),
 }
-"""The corrections by name."""
+"""The corrections by name; one that is only a switch and a module gets its row below."""
+
+CORRECTIONS |= {
+    name.replace("_", " "): Correction(name, (f"{LAWS}.{name}",))
+    for name in law_factory.CORRECTIONS
+    if not any(f"{LAWS}.{name}" in known.objects for known in CORRECTIONS.values())
+}
 
 
 @contextmanager

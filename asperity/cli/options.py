@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.material import HalfSpace
+from asperity.microcontact.laws import LAWS
 from surfaces.heightmap import HeightMap
 
 from .surface import prepared, read_map
@@ -68,7 +69,7 @@ def add_model_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--law",
         default="auto",
-        choices=["auto", "hertz", "paper", "harmonic", "ellipse", "ritz"],
+        choices=LAWS,
         help="contact law of one summit (default auto)",
     )
     group.add_argument(

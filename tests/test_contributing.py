@@ -1,0 +1,80 @@
+"""The examples of CONTRIBUTING.md work in the places that it names."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import field, make_dataclass, replace
+from pathlib import Path
+from textwrap import dedent
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+import asperity
+from asperity.microcontact import laws
+from asperity.model import law_factory
+from asperity.parameters import DEFAULTS, Corrections
+from surfaces import HeightMap, self_affine
+
+PAGE = (Path(__file__).resolve().parents[1] / "CONTRIBUTING.md").read_text()
+BODY = asperity.HalfSpace.from_modulus(1.0)
+
+
+def example(heading: str) -> ModuleType:
+    """The module that a section shows."""
+    section = PAGE.partition(f"## {heading}\n")[2].partition("\n## ")[0]
+    (text,) = re.findall(r"^ *```python\n(.*?)^ *```", section, re.MULTILINE | re.DOTALL)
+    module = ModuleType("example")
+    exec(compile(dedent(text), "CONTRIBUTING.md", "exec"), vars(module))
+    return module
+
+
+def hills(stretch: float) -> HeightMap:
+    """A lattice of hills, longer along y than along x by a factor, on a grid that is not square."""
+    y, x = (2.0 * np.pi * np.arange(n) / n for n in (48, 60))
+    heights = 0.01 * (stretch**-2 * np.cos(2.0 * y)[:, None] + np.cos(2.0 * x))
+    return HeightMap(heights, (1.0 / 48, 1.0 / 60), periodic=True)
+
+
+def test_a_law_of_the_page_gives_a_curve(monkeypatch):
+    module, known = example("Add a contact law"), laws.law_module
+    monkeypatch.setattr(
+        laws, "law_module", lambda name: module if name == "sphere" else known(name)
+    )
+    for stretch, equal in ((1.0, True), (2.0, False)):
+        hm = hills(stretch)
+        given = {"separations": [0.6 * float(hm.heights.max() - hm.heights.mean())]}
+        sphere, hertz = (
+            float(asperity.contact_curve(hm, BODY, law=law, **given).load[0])
+            for law in ("sphere", "hertz")
+        )
+        assert sphere > 0.0
+        assert (abs(sphere / hertz - 1.0) < 1e-3) == equal
+
+
+def test_a_correction_of_the_page_changes_the_laws_that_it_is_for(monkeypatch):
+    module = example("Add a correction")
+    monkeypatch.setitem(law_factory.CORRECTIONS, "cut_basins", module.correct)
+    switches = make_dataclass(
+        "Switches", [("cut_basins", bool, field(default=True))], bases=(Corrections,), frozen=True
+    )
+    hm = self_affine((96, 120), (96.0, 120.0), hurst=0.8, rms_slope=0.1, cutoff=6.0, seed=1)
+    stated = []
+    for on in (False, True):
+        parameters = replace(DEFAULTS, corrections=switches(cut_basins=on))
+        given = {"separations": [0.5 * hm.rms_height], "boundary": "free"}
+        plan = asperity.make_plan(hm, BODY, **given, parameters=parameters)
+        solved = asperity.solve_contacts(hm, BODY, plan, separations=given["separations"])
+        stated.append(solved.microcontacts(0)["estimate"])
+    changed = stated[1] > stated[0]
+    assert changed.any() and not changed.all()
+    np.testing.assert_allclose(stated[1][changed], 0.1)
+
+
+@pytest.mark.parametrize(
+    "file",
+    ["asperity/microcontact/laws.py", "asperity/parameters.py", "asperity/model/law_factory.py"],
+)
+def test_the_page_names_the_files_to_change(file):
+    assert f"`{file}`" in PAGE
