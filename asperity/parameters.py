@@ -189,8 +189,8 @@ class SharpTips:
         resolve it: 12 and 4 of r and r^1.5 on 256 points, at most 2.3 on nine measured and random
         maps. (25 %: load 0.1 %, area 0.4 %.)
     error
-        Error [-] of its force by that from which on a tip is pressed alone as a dominant contact
-        may be.
+        Error [-] of its force by that from which on a tip is pressed alone as a contact
+        of large load share may be.
     """
 
     ratio: float = 1.5

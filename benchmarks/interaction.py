@@ -138,7 +138,7 @@ def large() -> None:
         spread=np.zeros((n, steps + 1)),
     )
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    bodies = Population(
+    contacts = Population(
         x=place[0],
         y=place[1],
         height=0.05 * spacing * rng.normal(size=n),
@@ -154,7 +154,7 @@ def large() -> None:
     state = None
     for pressure in np.geomspace(1e-3, 1.2e-2, 7):
         wall, busy = time.perf_counter(), time.process_time()
-        state = bodies.solve(mean_pressure=float(pressure), state=state)
+        state = contacts.solve(mean_pressure=float(pressure), state=state)
         wall, busy = time.perf_counter() - wall, time.process_time() - busy
         memory = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1e3
         end = f"{state.residual:10.1e}" if state.converged else state.reason
@@ -172,10 +172,10 @@ def walk() -> None:
         ends: Counter[str] = Counter()
         steps = []
         for seed in (1, 2, 3):
-            bodies, rms = population(512, "ellipse", seed, **spectrum)
-            state, top = None, float(bodies.height.max())
+            contacts, rms = population(512, "ellipse", seed, **spectrum)
+            state, top = None, float(contacts.height.max())
             for separation in np.linspace(top, -0.2 * rms, 40):
-                state = bodies.solve(separation=float(separation), state=state)
+                state = contacts.solve(separation=float(separation), state=state)
                 steps.append(state.iterations)
                 end = "converged" if state.converged else "failed"
                 ends["refused" if "nominal area" in state.reason else end] += 1
@@ -193,11 +193,11 @@ def tolerance() -> None:
     for family, spectrum in FAMILIES.items():
         worst, spent = np.zeros(3), np.zeros(2)
         for seed in (5, 6):
-            bodies, _ = population(512, "ellipse", seed, **spectrum)
+            contacts, _ = population(512, "ellipse", seed, **spectrum)
             rough = exact = None
             for pressure in np.geomspace(5e-5, 5e-3, 10):
                 rough, exact = (
-                    bodies.solve(mean_pressure=float(pressure), state=state, tolerance=bound)
+                    contacts.solve(mean_pressure=float(pressure), state=state, tolerance=bound)
                     for state, bound in ((rough, TOLERANCE), (exact, 0.02 * TOLERANCE))
                 )
                 fall = (exact.separation - rough.separation) * exact.normal_stiffness
@@ -221,27 +221,29 @@ def cost() -> None:
     print(f"cost per separation, {threads()} threads, {how}")
     print("map           contact shift   closed    area   ms wall   ms processor   products")
     for n, cutoff, closed in ((1024, 8.0, 2000), (2048, 4.0, 14_000)):
-        bodies, rms = population(n, "hertz", cutoff=cutoff)
+        contacts, rms = population(n, "hertz", cutoff=cutoff)
         for shift in (False, True):
-            bodies.contact_shift = shift
-            top, state = float(np.sort(bodies.height)[-3]), None
+            contacts.contact_shift = shift
+            top, state = float(np.sort(contacts.height)[-3]), None
             low = top
             while state is None or state.active < closed:
                 low -= 0.1 * rms
-                state = bodies.solve(separation=low, state=state)
+                state = contacts.solve(separation=low, state=state)
             runs = []
             for _ in range(REPEATS):
                 state, rows = None, []
                 for separation in np.linspace(top, low, 50):
                     wall, busy = time.perf_counter(), time.process_time()
-                    state = bodies.solve(separation=float(separation), state=state, tolerance=CLOSE)
+                    state = contacts.solve(
+                        separation=float(separation), state=state, tolerance=CLOSE
+                    )
                     rows.append(
                         (time.perf_counter() - wall, time.process_time() - busy, state.products)
                     )
                 runs.append(rows[-6:])
             # the mean of the last separations, lists rebuilt among them
             wall, busy, products = np.array(runs).mean(axis=1).min(axis=0)
-            share = state.contact_area / bodies.nominal_area
+            share = state.contact_area / contacts.nominal_area
             print(
                 f"{n:5d}^2, {cutoff:.0f} px {shift!s:>14} {state.active:8d} {share:7.3f} "
                 f"{1e3 * wall:9.1f} {1e3 * busy:14.1f} {products:10.1f}"

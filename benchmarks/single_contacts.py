@@ -113,7 +113,7 @@ def judge(contacts: list[Contact], grid: int) -> dict[str, list[str]]:
         if found is None:
             continue
         used += 1
-        truth, doubt = found
+        truth, uncertainty = found
         material = HalfSpace.from_modulus(1.0, contact.m)
         for law in LAWS:
             try:
@@ -123,7 +123,7 @@ def judge(contacts: list[Contact], grid: int) -> dict[str, list[str]]:
             if not (one.valid and np.isfinite(one.force)):
                 continue
             error = abs(float(one.force / truth.force) - 1)
-            inside = error <= float(one.error_estimate) + doubt
+            inside = error <= float(one.error_estimate) + uncertainty
             area = abs(float(one.contact_area / truth.contact_area) - 1)
             flagged = bool(np.any(one.flags))
             row = (error, area, float(one.error_estimate), inside, flagged)

@@ -26,7 +26,7 @@ _FIRST_BAND = 0.15
 error (at most 1)."""
 
 _BAND = 2.0
-"""The same in later corrections."""
+"""Gap over the length scale, times the error, below which points are candidates later."""
 
 _WIDEST_BAND = 0.05
 """Bound of the band of later corrections."""

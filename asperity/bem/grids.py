@@ -154,7 +154,7 @@ def prolong(
 def _places(
     n: int, count: int, boundary: Boundary
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-    """Coarse points below and above each fine point of one axis, and the share of the latter.
+    """Coarse points below and above each point of the fine grid along one axis, and their shares.
 
     Fourier truncation keeps the first points of both grids together, averaging their borders.
     """

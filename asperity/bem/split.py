@@ -141,7 +141,7 @@ def _spline(x: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _taps(count: int, period: int, coarse: int) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """First coarse point and weights (count, order) of each fine point of one axis."""
+    """First coarse point and weights (count, order) of each point of the fine grid on one axis."""
     place = np.arange(count) * (coarse / period)
     first = np.floor(place - 0.5 * TAPS).astype(np.int64) + 1
     weights = _spline(place[:, None] - (first[:, None] + np.arange(TAPS)))
@@ -151,7 +151,7 @@ def _taps(count: int, period: int, coarse: int) -> tuple[NDArray[np.int64], NDAr
 def _transposed(
     first: NDArray[np.int64], weights: NDArray[np.float32], coarse: int
 ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """The same weights by coarse point: fine rows and weights (coarse, k), zeros at the end."""
+    """The weights by coarse point: fine rows and weights (coarse, k), zeros at the end."""
     target = ((first[:, None] + np.arange(weights.shape[1])) % coarse).ravel()
     source = np.repeat(np.arange(first.size), weights.shape[1])
     order = np.argsort(target, kind="stable")

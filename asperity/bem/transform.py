@@ -148,7 +148,7 @@ class _FFTWTransform:
 
 
 class _ScipyTransform:
-    """The same pair by scipy.fft."""
+    """Forward and backward transform by scipy.fft."""
 
     def __init__(
         self,

@@ -32,7 +32,7 @@ __all__ = [
 ]
 
 SOFTEST = 1e3
-"""Modulus [Pa] below which a unit is in doubt; a soft gel has more."""
+"""Modulus [Pa] below which a unit is probably wrong; a soft gel has more."""
 
 
 def add_surface_options(parser: argparse.ArgumentParser, *, several: bool = False) -> None:

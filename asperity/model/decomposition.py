@@ -207,7 +207,7 @@ class Decomposition:
         return np.asarray(2.0 * np.pi * total / np.maximum(points, 1))
 
     def warnings(self, separation: float) -> list[str]:
-        """Reasons to doubt load points down to a separation [m], besides those of the plan."""
+        """Warnings of load points down to a separation [m], besides those of the plan."""
         height = self.population.height[sorted(self.law_factory.without)]
         silent = int(np.count_nonzero(height > separation))
         if not silent:

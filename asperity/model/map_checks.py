@@ -30,7 +30,7 @@ HIGHEST, LINES = 0.02, 16
 def map_warnings(
     hm: HeightMap, longest_lay: float = DEFAULTS.error_estimate.longest_lay
 ) -> list[str]:
-    """One sentence for each reason to doubt what any model makes of a map.
+    """One sentence for each reason why any model of a map may be wrong.
 
     Parameters
     ----------

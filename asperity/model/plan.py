@@ -67,7 +67,7 @@ class Plan:
     sub_contact_law
         Law of the waves that the grid does not hold; None if it holds them all.
     warnings
-        One line for each reason to doubt what any model makes of the map.
+        One line for each finding of the map checks: why any model of the map may be wrong.
     lay
         Slope across the lay of the map over that along it.
     seconds

@@ -1,6 +1,6 @@
 """How far the microcontact model can be trusted at a load point, without boundary elements.
 
-The estimate is a sum of terms, each of which grows with one known weakness of the model; their
+The estimate is a sum of terms, each of which grows with one known limit of the model; their
 weights are quantiles fitted on synthetic surfaces of several families (``benchmarks/accuracy.py``,
 ``benchmarks/calibrate_estimate.py``) and checked on others: see ``docs/development/fits.md``.
 Contacts that no law describes, which those surfaces hardly have, add terms of their own

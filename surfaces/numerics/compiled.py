@@ -36,7 +36,8 @@ SUMS = {"reassoc", "contract", "nsz"}
 the sign of zero. Infinities and NaN keep their meaning."""
 
 QUOTIENTS = SUMS | {"arcp"}
-"""The same, and multiply by the inverse in place of a division."""
+"""What a loop may do with sums and quotients: `SUMS`, and multiply by the inverse in place of a
+division."""
 
 _SHARED: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
 _IMPORTS = re.compile(r"^from (\.*)([\w.]*) import (?:\(([^)]*)\)|(.*))", re.MULTILINE)

@@ -15,8 +15,8 @@ def touching(heights, labels, periodic, counts, runs):
     Adds to the `counts` (n,); returns pairs as ``low * n + high`` and their passes. A pair may
     occur several times: those met last are held in a table where each pair has one place, and
     leave it for the list when another pair needs that place. Nothing branches on where basins
-    touch, since that cannot be foreseen: pixels on an edge are collected first, then their pairs,
-    a repeated one once.
+    touch, which is not known in advance: pixels on an edge are collected first, then their pairs, a
+    repeated one once.
     """
     ny, nx = heights.shape
     n = counts.size
@@ -93,7 +93,7 @@ def touching(heights, labels, periodic, counts, runs):
 
 @inner()
 def _doubled(keys, passes, used):
-    """The same lists with twice the room."""
+    """Copies of both lists, twice as long."""
     more_keys, more_passes = np.empty(2 * keys.size, np.int64), np.empty(2 * keys.size)
     for k in range(used):
         more_keys[k], more_passes[k] = keys[k], passes[k]

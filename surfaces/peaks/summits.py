@@ -37,9 +37,9 @@ class Summits(SummitArrays):
     """
 
     def joined(self, pairs: NDArray[np.int64], floors: Array) -> Summits:
-        """The same where the basins of each pair, (k, 2), are one of the higher summit.
+        """Summits of which the basins of each pair, (k, 2), are one basin of the higher summit.
 
-        They hang together above `floors` [m], shape (k,).
+        The basins of a pair hang together above `floors` [m], shape (k,).
         """
         owner, floor = self.owner.copy(), self.floor.copy()
         pixels, border, valid = self.pixels.copy(), self.border.copy(), self.valid.copy()

@@ -76,12 +76,12 @@ class SpectrumFit:
             return f"{value:.4g} +- {error:.2g} m" if math.isfinite(value) else "not seen"
 
         kind = f" ({self.cutoff_kind})" if self.cutoff_kind else ""
-        doubt = "" if self.self_affine else ", not self-affine"
+        note = "" if self.self_affine else ", not self-affine"
         return (
             f"Hurst exponent {self.hurst:.3f} +- {self.hurst_error:.2g}, roll-off "
             f"{shown(self.rolloff, self.rolloff_error)}, cut-off "
             f"{shown(self.cutoff, self.cutoff_error)}{kind}, "
-            f"scatter {100 * self.scatter:.2g} %{doubt}"
+            f"scatter {100 * self.scatter:.2g} %{note}"
         )
 
 

@@ -1,4 +1,4 @@
-"""The same question, asked in several ways: one load or many, a load or a separation."""
+"""One answer to a question asked in several ways: one load or many, a load or a separation."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def body():
 
 
 def tabulated(profile, radius=1.0, nodes=24):
-    """The same body as a table."""
+    """A profile as a table."""
     r = np.linspace(0, radius, nodes)
     return PolarProfile(r, TURN, profile(r[:, None], TURN))
 

@@ -1,4 +1,4 @@
-"""No law is silent: every kind of doubt on a constructed profile, for every law."""
+"""No law is silent: every flag is raised on a constructed profile, by every law."""
 
 from __future__ import annotations
 

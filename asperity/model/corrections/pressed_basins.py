@@ -14,7 +14,7 @@ from surfaces.peaks.summit_arrays import PLATEAU
 if TYPE_CHECKING:
     from asperity.model.law_rows import LawRows
 
-__all__ = ["correct", "dominant"]
+__all__ = ["correct", "pressed_slots"]
 
 EARLY = 5
 """Node to which the expansion of a smooth summit holds at least."""
@@ -24,12 +24,12 @@ LATER = np.array([0, 1, 3, 6])
 
 
 def correct(laws: LawRows) -> None:
-    """Put the laws of basins pressed alone in the place of those of dominant contacts."""
-    slots = dominant(laws)
+    """Put laws of basins pressed alone in the place of those of contacts of large load share."""
+    slots = pressed_slots(laws)
     put(laws.table, slots, laws.summits, laws.rows[slots], laws.material)
 
 
-def dominant(laws: LawRows) -> NDArray[np.int64]:
+def pressed_slots(laws: LawRows) -> NDArray[np.int64]:
     """Slots of the table whose law has to be exact: of joined summits, and of contacts that carry
     more than their share beyond the expansion."""
     bounds, shares, table = laws.parameters.pressed_basins, laws.shares, laws.table

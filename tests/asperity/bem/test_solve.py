@@ -52,7 +52,7 @@ def test_westergaard_wave(axis):
 @pytest.mark.parametrize("m", [-0.4, 0.0, 0.5, 0.8])
 @pytest.mark.parametrize("shape", [(60, 84), (45, 63)])
 def test_agrees_with_the_textbook_solver(m, shape):
-    """The same pressure as Polonsky and Keer's iteration, for every grading and odd grids."""
+    """The pressure is that of Polonsky and Keer's iteration, for every grading and odd grids."""
     hm = rough(shape)
     mean = 0.05 * 1.0
     body = HalfSpace.from_modulus(3.0, m)

@@ -278,9 +278,9 @@ def test_contacts_stand_at_the_centres_of_their_laws():
         )  # fmt: skip
         return population.solve(separation=-0.5, tolerance=1e-6).mean_pressure
 
-    leaning = load([8.0, 12.0], replace(table, centre=centre))
-    np.testing.assert_allclose(leaning, load([8.5, 11.5], table), rtol=1e-4)
-    assert leaning < load([8.0, 12.0], table) * 0.999
+    shifted = load([8.0, 12.0], replace(table, centre=centre))
+    np.testing.assert_allclose(shifted, load([8.5, 11.5], table), rtol=1e-4)
+    assert shifted < load([8.0, 12.0], table) * 0.999
 
 
 def test_contacts_that_move_aside_settle_from_point_to_point():

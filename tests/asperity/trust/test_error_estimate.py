@@ -1,4 +1,4 @@
-"""The stated error: it grows with each weakness, and true errors of other surfaces lie inside."""
+"""The stated error grows with each limit of the model, and true errors of other maps lie inside."""
 
 from __future__ import annotations
 

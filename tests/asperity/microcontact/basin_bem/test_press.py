@@ -167,23 +167,25 @@ def test_stiffness_is_the_slope_of_the_force(rough):
     np.testing.assert_allclose((high - low) / (2 * step), slope, rtol=1e-3)
 
 
-def dominant(summits, rows, table):
+def pressed_slots(summits, rows, table):
     """Slots of the laws that are pressed alone."""
     shares = LoadShares.of(summits)
     profiles = summits.rows(rows)
-    return pressed_basins.dominant(LawRows(table, rows, profiles, summits, shares, BODY, DEFAULTS))
+    return pressed_basins.pressed_slots(
+        LawRows(table, rows, profiles, summits, shares, BODY, DEFAULTS)
+    )
 
 
 def test_few_contacts_are_dominant_whatever_is_asked_for(rough):
     rows = np.flatnonzero(rough.valid)
     table = tabulate(rough.rows(rows), BODY, law="ellipse")
-    chosen = dominant(rough, rows, table)
+    chosen = pressed_slots(rough, rows, table)
     assert 0 < chosen.size < 0.5 * len(rows)
     part = rows[::3]
-    some = dominant(rough, part, tabulate(rough.rows(part), BODY, law="ellipse"))
+    some = pressed_slots(rough, part, tabulate(rough.rows(part), BODY, law="ellipse"))
     np.testing.assert_array_equal(part[some], np.intersect1d(rows[chosen], part))
     inside = replace(table, flags=np.zeros_like(table.flags))
-    assert dominant(rough, rows, inside).size == 0
+    assert pressed_slots(rough, rows, inside).size == 0
 
 
 LONG_RIDGES = {
@@ -216,12 +218,12 @@ def test_load_of_few_contacts_comes_out(recipe, pressure):
 def test_peaks_without_a_summit_of_their_own_are_pressed_sooner(rough):
     rows = np.flatnonzero(rough.valid)
     table = tabulate(rough.rows(rows), BODY, law="ellipse")
-    chosen = dominant(rough, rows, table)
+    chosen = pressed_slots(rough, rows, table)
     beyond = (table.flags & Flag.BEYOND_RADIUS).any(axis=1) & (table.reach > 0)
     other = np.setdiff1d(np.flatnonzero(beyond & ~rough.border[rows]), chosen)[:1]
     kinds = rough.kinds.copy()
     kinds[rows[other]] = PLATEAU
-    found = dominant(replace(rough, kinds=kinds), rows, table)
+    found = pressed_slots(replace(rough, kinds=kinds), rows, table)
     np.testing.assert_array_equal(np.setdiff1d(found, chosen), other)
 
 
@@ -273,7 +275,7 @@ def test_the_law_of_joined_summits_goes_on_from_the_first(rough):
     table = tabulate(one.rows(np.array([into, lost])), BODY, law="ellipse")
     assert table.reach[1] == 0.0  # the lower one carries nothing of its own
     before = table.force[0].copy()
-    slots = dominant(one, np.array([into, lost]), table)
+    slots = pressed_slots(one, np.array([into, lost]), table)
     np.testing.assert_array_equal(slots, [0])
     press.put(table, slots, one, np.array([into]), BODY)
     touch = rough.height[into] - rough.height[lost]
