@@ -31,10 +31,11 @@ SPARE = 1.5
 """Listed summits over those that can touch now, so that lists last for several separations."""
 
 DEEPER = 1.1
-"""How much deeper the field may be at the next separation."""
+"""Depth of the field allowed for at the next separation, over that of the last."""
 
 NEW_LOAD = 1.05
-"""The same where a load was asked for, which is mostly too far from the last for its lists."""
+"""Depth of the field allowed for at the next load, over that of the last: most loads lie too far
+apart for a list to last."""
 
 MAX_PLACED = 4
 """Times that the lists are made anew at one separation: deeper, or about moved contacts."""

@@ -78,7 +78,7 @@ class Elongation:
         return np.asarray(0.5 * (yy + xx) + np.hypot(0.5 * (yy - xx), xy))
 
     def rounded(self, some: NDArray[np.bool_]) -> Elongation:
-        """The same with round footprints of `some` contacts, shape (n,)."""
+        """The elongation, with round footprints of `some` contacts, shape (n,)."""
         still = np.array((1.0, 1.0, 0.0))
         moments, radii = (np.where(some[:, None], still, v) for v in (self.moments, self.radii))
         return Elongation(moments, radii)

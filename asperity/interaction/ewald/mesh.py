@@ -90,7 +90,7 @@ class Mesh:
 
     @functools.cached_property
     def single(self) -> Mesh:
-        """The same in single precision."""
+        """The mesh in single precision."""
         mesh = copy.copy(self)
         mesh.waves = tuple(waves.astype(np.float32) for waves in self.waves)
         mesh.transfer = self.transfer.astype(np.float32)

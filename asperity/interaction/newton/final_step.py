@@ -1,4 +1,4 @@
-"""What a descent ends with: the last Newton step, and the answer to a fall of the plane."""
+"""End of a descent: the final Newton step, and the response to a fall of the plane."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ FORCING = 0.2
 """Relative accuracy of the linear solve of a step."""
 
 RESPONSE = 0.1
-"""The same of the answer to a fall of the plane; twice as many digits of its sum are right."""
+"""Relative accuracy of the response to a fall of the plane; the sum of the response is right to
+twice as many digits."""
 
 FALLS = 2
 """Small falls of the plane that bring a point to its load."""
@@ -31,7 +32,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """What `descend` reached.
+    """Solution that `descend` reached.
 
     Attributes
     ----------

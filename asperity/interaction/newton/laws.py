@@ -18,8 +18,8 @@ BLOCK = 128
 """Laws made at least at a time, on demand."""
 
 FEW = 64
-"""Laws made at least besides those that lack, where those that will be needed later are foreseen:
-with half as many one more block is made at the last load."""
+"""Laws made at least besides those that are missing, where it is known which laws will be needed
+later: with half as many one more block is made at the last load."""
 
 CONTACTS_PER_THREAD = 10_000
 """Contacts whose laws repay a thread."""
@@ -234,7 +234,7 @@ class _Store:
             self._add(np.arange(n), cast(LawNodes, nodes))
 
     def need(self, rows: NDArray[np.int64]) -> None:
-        """Make the rows that are missing, and with them those foreseen."""
+        """Make the rows that are missing, and with them those needed later (`ahead`)."""
         rows = rows[~self.ready[rows]]
         if rows.size and self.lazy is not None:
             left = np.flatnonzero(~self.ready)

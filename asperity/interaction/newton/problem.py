@@ -38,8 +38,8 @@ class Problem:
     elongation: Elongation | None = None
 
     def rounded(self, some: NDArray[np.bool_]) -> Problem:
-        """The same with round footprints of `some` contacts, shape (n,): long ones can overlap so
-        far that their approximate sum has no solution."""
+        """The problem with round footprints of `some` contacts, shape (n,): long footprints can
+        overlap so far that their approximate sum has no solution."""
         if self.elongation is None:
             return self
         return replace(self, elongation=self.elongation.rounded(some))

@@ -32,8 +32,8 @@ RELAXATION = 0.8
 there, so that the full change overshoots."""
 
 SETTLING = 0.6
-"""The same share where a point ends, of which the next ones are forecast: what is extrapolated
-doubles the differences that points leave, and overshoots grew from point to point."""
+"""Share of the change of the contact shifts that a point leaves for the next prediction: what is
+extrapolated doubles the differences that points leave, and overshoots grew from point to point."""
 
 EARLY = 3
 """Newton steps from which on the share is taken from how the last change went."""

@@ -35,7 +35,7 @@ STEPS = np.array([0, 1, 2, 4, 6, 9, 13, 23])
 and the last node."""
 
 STEPS_JOINED = np.array([0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 19, 23])
-"""The same of joined summits, whose contacts grow by leaps."""
+"""Nodes at which the basin of joined summits is pressed, whose contact grows by jumps."""
 
 POINTS = 300.0
 """Elements of the box about the part of a basin above the flat, of which contact takes a third."""

@@ -14,8 +14,8 @@ gives another one, so that the fields of lower exponent follow from these:
 
     S = [(b+1) R' - R - b R R] / (b-1).
 
-The same with d - f gives ``a_1 = (Q + 2 b R P)/(2b+2)`` and so on, and with the force, whose change
-by a field of exponent b - 1 is ``scale/(2 b) int w A_-1 dt``,
+Scaling the field of d - f likewise gives ``a_1 = (Q + 2 b R P)/(2b+2)`` and so on. With the change
+of the force, which a field of exponent b - 1 makes ``scale/(2 b) int w A_-1 dt``,
 
     F = F_ellipse + scale/(2 b) int w {A_-1 + b/(b-1) (1 - R) A_-2 + b/(b-2) (1 - R - S) A_-3} dt.
 

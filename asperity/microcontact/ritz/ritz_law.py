@@ -112,7 +112,7 @@ class _Functional:
         return self._best(np.array([np.log(radius), 0.0, 0.0, 0.0, 0.0]), 1e-5, 1e-10)
 
     def refined_ellipse(self, found: Array) -> tuple[float, Array]:
-        """The same to all digits, from parameters found before."""
+        """Largest value to all digits, and its parameters, from parameters found before."""
         return self._best(found, 1e-8, 1e-14, found + 1e-4 * np.eye(6, 5))
 
     def _best(
