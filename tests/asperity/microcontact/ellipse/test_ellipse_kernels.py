@@ -223,7 +223,7 @@ def shape_on_rays(outline, ratio, m, rays=16):
 
 
 def shape_of_elements(outline, ratio, m, cells=19):
-    """`shape_on_rays` up to a factor, by boundary elements that are about as long as wide once shrunk."""
+    """`shape_on_rays` up to a factor, by elements about as long as wide once shrunk."""
     place = (np.arange(-2 * cells, 2 * cells + 1) + 0.13) / cells
     y, x = np.meshgrid(place, place, indexing="ij")
     inside = np.argwhere(np.hypot(x, y) < outline(np.arctan2(y, x)))
