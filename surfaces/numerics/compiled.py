@@ -29,7 +29,16 @@ import numba
 import numpy as np
 from numba import njit
 
-__all__ = ["QUOTIENTS", "SUMS", "cache_folder", "compiled", "inner", "kept_sources", "stamp"]
+__all__ = [
+    "BORROWING",
+    "QUOTIENTS",
+    "SUMS",
+    "cache_folder",
+    "compiled",
+    "inner",
+    "kept_sources",
+    "stamp",
+]
 
 SUMS = {"reassoc", "contract", "nsz"}
 """What a loop may do with sums: take terms in another order, fuse products into them, and forget
@@ -38,6 +47,10 @@ the sign of zero. Infinities and NaN keep their meaning."""
 QUOTIENTS = SUMS | {"arcp"}
 """What a loop may do with sums and quotients: `SUMS`, and multiply by the inverse in place of a
 division."""
+
+BORROWING: dict[str, Any] = {"_nrt": False}
+"""Options of a loop that makes no array: it counts no references to those of its caller. Each count
+is an atomic operation, and they made the rays of summits three times as slow."""
 
 _SHARED: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
 _IMPORTS = re.compile(r"^from (\.*)([\w.]*) import (?:\(([^)]*)\)|(.*))", re.MULTILINE)

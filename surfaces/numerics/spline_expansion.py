@@ -17,7 +17,7 @@ import numpy as np
 from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 
-from .compiled import inner
+from .compiled import BORROWING, inner
 from .vectors import lane, loader, multiply_add, repeater, splatter, store, sums, total
 
 __all__ = ["LANES", "TAPS", "WEIGHTS", "spline_expansion", "spline_values"]
@@ -49,7 +49,7 @@ def _weights() -> NDArray[np.float64]:
 WEIGHTS = _weights()
 
 
-@inner(forceinline=True)
+@inner(forceinline=True, **BORROWING)
 def _taps(order, t):
     """Weights of all taps, or their derivative, at a fraction that stands in all lanes."""
     last = TAPS * (order + 1) - 1 - order
@@ -59,7 +59,7 @@ def _taps(order, t):
     return found
 
 
-@inner(forceinline=True)
+@inner(forceinline=True, **BORROWING)
 def _products(flat, width, corners, weights, t, point, share):
     """Products of which the sum is the spline at a point; its weights over y are LANES apart."""
     corner = corners[point]
@@ -70,7 +70,7 @@ def _products(flat, width, corners, weights, t, point, share):
     return along * _taps(0, repeat(t, point))
 
 
-@inner()
+@inner(**BORROWING)
 def spline_values(flat, width, corners, first, weights, t, out, into):
     """Spline at the eight points from `first` on, into `out` from `into` on.
 
@@ -92,7 +92,7 @@ def spline_values(flat, width, corners, first, weights, t, out, into):
     store(out, into, sums(found))
 
 
-@inner()
+@inner(**BORROWING)
 def spline_expansion(flat, corner, width, t_y, t_x):
     """Value and derivatives per pixel (h, h_y, h_x, h_yy, h_xy, h_xx) at one point.
 

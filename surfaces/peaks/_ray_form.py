@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from surfaces.numerics.compiled import inner
+from surfaces.numerics.compiled import BORROWING, inner
 from surfaces.numerics.spline_expansion import LANES, TAPS, WEIGHTS
 from surfaces.numerics.vectors import loader, multiply_add, splatter, store, where, whole
 
@@ -11,18 +11,18 @@ __all__ = ["ray_places", "ray_signs", "rising_nodes"]
 _load, _splat = loader(LANES), splatter(LANES)
 
 
-@inner(forceinline=True)
+@inner(forceinline=True, **BORROWING)
 def _least(a, b):
     return where(a < b, a, b)
 
 
-@inner(forceinline=True)
+@inner(forceinline=True, **BORROWING)
 def _inside(value, center, n, inverse):
     """A place moved by whole sides n so that `center` lies in the map; `inverse` is 1/n or 0."""
     return value - n * whole(center * inverse)
 
 
-@inner(forceinline=True)
+@inner(forceinline=True, **BORROWING)
 def _along(start, way, r, n, inverse, margin):
     """Places along an axis, kept in the map or its margin, and their nearest pixels."""
     value = _least(multiply_add(r, way, _splat(start)), _splat(n + margin))
@@ -32,7 +32,7 @@ def _along(start, way, r, n, inverse, margin):
     return value, _inside(pixel, pixel + 0.5, n, inverse)
 
 
-@inner()
+@inner(**BORROWING)
 def ray_places(
     y, x, way_y, way_x, scale, most, radii, first, cell, corners, rest, weights, pixels, at, into
 ):
@@ -63,7 +63,7 @@ def ray_places(
         store(weights, TAPS * at + tap * LANES, share)
 
 
-@inner()
+@inner(**BORROWING)
 def ray_signs(zs, at, z, high, dip, pixels, labels, owner, peak, radii, first, end):
     """What holds at the eight samples of a ray from `at` on: five bytes of a number.
 
@@ -88,7 +88,7 @@ def ray_signs(zs, at, z, high, dip, pixels, labels, owner, peak, radii, first, e
     return signs
 
 
-@inner()
+@inner(**BORROWING)
 def rising_nodes(zs, at, z, least, high, scale, squares, inverses, first):
     """Turn the eight heights from `at` on into f/r^2 at the nodes of a ray, from `first` on.
 

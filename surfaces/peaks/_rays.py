@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from surfaces.numerics.compiled import compiled, inner
+from surfaces.numerics.compiled import BORROWING, compiled, inner
 from surfaces.numerics.spline_expansion import LANES, TAPS, spline_values
 from surfaces.numerics.spline_filter import PAD
 
@@ -45,7 +45,7 @@ _RAY = np.dtype(
 )
 
 
-@inner()
+@inner(**BORROWING)
 def _look(
     flat, cell, rays, live, groups, radii, first, corners, rest, weights, pixels, out
 ):  # fmt: skip
@@ -69,7 +69,7 @@ def _look(
             spline_values(flat, int(cell[5]), corners, at, weights, rest, out, group * LANES)
 
 
-@inner()
+@inner(**BORROWING)
 def _march(
     flat, cell, labels, owner, rays, live, signs, radii, corners, rest, weights, pixels, zs
 ):  # fmt: skip
@@ -97,7 +97,7 @@ def _march(
             break
 
 
-@inner()
+@inner(**BORROWING)
 def _advance(ray, signs, radii, first, at, zs):
     """Take a ray on by the samples from number `first` on; returns whether it goes on.
 
@@ -127,7 +127,7 @@ def _advance(ray, signs, radii, first, at, zs):
     return not ended and stop == LANES
 
 
-@inner()
+@inner(**BORROWING)
 def _crest(ray, radii):
     """Where f is highest: at the vertex of the parabola through the highest of its samples."""
     edge = radii[ray.top]
@@ -151,7 +151,7 @@ def scratch(rays: int, nodes: int) -> tuple[Any, tuple[Any, ...], tuple[Any, ...
     )
 
 
-@compiled()
+@compiled(**BORROWING)
 def fit(
     flat, cell, labels, owner, dip, peak, y, x, z, way_y, way_x, pixel, limit, radii, shares,
     tip, slot, edge, q, rays, numbers, values, first, last,
