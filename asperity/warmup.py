@@ -51,7 +51,7 @@ def _summits() -> None:
     peaks = segment(hm)
     two = np.arange(2)
     summits = locate_summits(hm, peaks)
-    summits.rows(two)
+    summits.tilted(two, np.zeros((2, 2)), np.zeros(2)).rows(two)
     column = np.zeros(len(peaks))
     joined_spots(peaks.neighbors, peaks.passes, column, column)
 

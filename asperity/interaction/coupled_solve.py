@@ -278,5 +278,6 @@ def _state(
         lowest_candidate=solution.separation + 1.1 * lowest,
         rows=rows,
         listed=np.stack((solution.approach, law.force, law.stiffness, area)),
+        tilt=solution.tilt,
         continuation=continuation,
     )

@@ -47,6 +47,8 @@ class PopulationState:
     rows, listed
         Summits that were candidates, shape (k,), and approach, force, stiffness and area of each,
         shape (4, k).
+    tilt
+        Gradients [-] of the displacement of each candidate by all others, along y and x, (k, 2).
     continuation
         What the next solve starts from.
 
@@ -86,6 +88,7 @@ class PopulationState:
     lowest_candidate: float
     rows: NDArray[np.int64] = field(repr=False)
     listed: Array = field(repr=False)
+    tilt: Array = field(repr=False)
     continuation: Continuation = field(repr=False)
 
     def refused(self, reason: str) -> PopulationState:

@@ -14,6 +14,8 @@ from asperity.multiscale.surface_point import (
     surface_point,
 )
 
+from .corrections import tilted_basins
+
 if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
 
@@ -60,6 +62,8 @@ class LoadPoint:
 def load_point(decomposition: Decomposition, state: PopulationState) -> LoadPoint:
     """The load point at a state of the contacts of a decomposition."""
     population, law = decomposition.population, decomposition.plan.sub_contact_law
+    if decomposition.plan.parameters.corrections.tilted_basins:
+        state = tilted_basins.correct(decomposition, state)
     area = state.area if law is None else closed_areas(population, law, state)
     found = decomposition.hm.roughness
     highest = found.highest - found.mean

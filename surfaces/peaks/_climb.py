@@ -131,8 +131,10 @@ def _newton(e):
 
 
 @inner()
-def climb(heights, flat, width, labels, periodic, row, col, n, c):
+def climb(heights, flat, width, labels, periodic, row, col, n, tilt, c):
     """Climb from the summit pixel of peak n to the maximum of the interpolated surface.
+
+    The surface is tilted: it falls by `tilt` (2,) [m per pixel] along y and x.
 
     Newton steps with the absolute values of the principal curvatures, of at most half a pixel,
     on the local quartic `c` where it represents the map and else on the spline. Returns y, x
@@ -146,6 +148,7 @@ def climb(heights, flat, width, labels, periodic, row, col, n, c):
         e = _quartic(c, y - row, x - col) if local else expand(flat, width, y, x)
         if e[3] == 0.0 and e[4] == 0.0 and e[5] == 0.0:
             break
+        e = (e[0], e[1] - tilt[0], e[2] - tilt[1], e[3], e[4], e[5])
         step_y, step_x, concave = _newton(e)
         length = max(abs(step_y), abs(step_x))
         if concave and length < 1e-9:
@@ -176,7 +179,7 @@ def climb(heights, flat, width, labels, periodic, row, col, n, c):
 
 @compiled()
 def summits(
-    heights, flat, width, labels, periodic, row, col, order, places, expansions, kinds, c,
+    heights, flat, width, labels, periodic, row, col, tilt, order, places, expansions, kinds, c,
     first, last,
 ):  # fmt: skip
     """Climb from the peaks ``order[first:last]``: places (n, 2), expansions (n, 6), kinds (n,).
@@ -189,12 +192,45 @@ def summits(
             other = order[k + _AHEAD]
             prefetch_block(heights, heights.shape[1], row[other] - 2, col[other] - 2, 5, 5)
             prefetch_block(flat, width, row[other] + PAD - 3, col[other] + PAD - 3, 8, 8)
-        y, x, e, kind = climb(heights, flat, width, labels, periodic, row[n], col[n], n, c)
+        y, x, e, kind = climb(heights, flat, width, labels, periodic, row[n], col[n], n, tilt[n], c)
         places[n, 0] = y
         places[n, 1] = x
         kinds[n] = kind
         for i in range(6):
             expansions[n, i] = e[i]
+
+
+@compiled()
+def uphill(heights, labels, owner, periodic, tilt, rows, row, col):
+    """Move the pixels (row, col) of the peaks `rows` to the maxima of the tilted map about them.
+
+    Steps lead to the highest of the eight neighbors of the same peak. A walk once round a periodic
+    cell would climb for ever (a level ridge that runs round it): its pixel stays where it is.
+    """
+    ny, nx = heights.shape
+    for n in rows:
+        y, x = row[n], col[n]
+        while True:
+            best, up, right = 0.0, 0, 0
+            here = heights[y % ny, x % nx]
+            for step in range(9):
+                r, c = y + step // 3 - 1, x + step % 3 - 1
+                if not periodic and (r < 0 or c < 0 or r >= ny or c >= nx):
+                    continue
+                label = labels[r % ny, c % nx]
+                if label < 0 or owner[label] != n:
+                    continue
+                rise = heights[r % ny, c % nx] - here
+                rise -= tilt[n, 0] * (r - y) + tilt[n, 1] * (c - x)
+                if rise > best:
+                    best, up, right = rise, r - y, c - x
+            if best == 0.0:
+                break
+            y, x = y + up, x + right
+            if abs(y - row[n]) >= ny or abs(x - col[n]) >= nx:
+                y, x = row[n], col[n]
+                break
+        row[n], col[n] = y % ny, x % nx
 
 
 @inner()

@@ -92,9 +92,11 @@ class Fans:
         y, x = of.places[peak].T
         if of.hm.periodic:
             y, x = y % of.hm.shape[0], x % of.hm.shape[1]
+        tilt = of.tilt[peak]
+        fall = tilt[:, :1] * way_y + tilt[:, 1:] * way_x
         given = (
             of.spline.ravel(), self._cell, of.peaks.labels.ravel(), of.owner,
-            of.dip[peak], peak, y.copy(), x.copy(), of.height[peak], way_y, way_x,
+            of.dip[peak], peak, y.copy(), x.copy(), of.height[peak], way_y, way_x, fall,
             pixel, limit, _RADII, self._shares, tip, slot, self.edge, self.q,
         )  # fmt: skip
         # the calls before are too short for several threads, which would wait for each other

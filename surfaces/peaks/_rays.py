@@ -33,6 +33,7 @@ _RAY = np.dtype(
         ("z", np.float64),
         ("way_y", np.float64),  # step of one pixel
         ("way_x", np.float64),
+        ("fall", np.float64),  # tilt of the surface [m per step]
         ("dip", np.float64),  # how far f may fall again
         ("end", np.float64),  # length, or what limits it [steps]
         ("top", np.int64),  # number of the highest sample
@@ -67,6 +68,13 @@ def _look(
         for group in range(start, stop):
             at = (group - start) * LANES
             spline_values(flat, int(cell[5]), corners, at, weights, rest, out, group * LANES)
+            ray = rays[live[group // groups]]
+            if ray.fall != 0.0:
+                scale = ray.end if nodes else 1.0
+                most = np.inf if nodes else max(1.0, 1.1 * ray.end, ray.end + 0.5)
+                for k in range(LANES):
+                    radius = min(scale * radii[first + group % groups * LANES + k], most)
+                    out[group * LANES + k] -= ray.fall * radius
 
 
 @inner(**BORROWING)
@@ -153,7 +161,7 @@ def scratch(rays: int, nodes: int) -> tuple[Any, tuple[Any, ...], tuple[Any, ...
 
 @compiled(**BORROWING)
 def fit(
-    flat, cell, labels, owner, dip, peak, y, x, z, way_y, way_x, pixel, limit, radii, shares,
+    flat, cell, labels, owner, dip, peak, y, x, z, way_y, way_x, fall, pixel, limit, radii, shares,
     tip, slot, edge, q, rays, numbers, values, first, last,
 ):  # fmt: skip
     """Fill the lengths and nodes of the rays of some peaks; see `surfaces.peaks.profiles.Profiles`.
@@ -166,8 +174,9 @@ def fit(
         Basin of each pixel (flat), and the peak that stands for each peak.
     dip, peak, y, x, z
         How far f may fall [m], number and summit [pixels; m] of each peak, shape (n,).
-    way_y, way_x, pixel, limit
-        Steps of one pixel, their length [m], and how many there may be, shape (n, rays).
+    way_y, way_x, fall, pixel, limit
+        Steps of one pixel, by how much the surface is taken to fall along them [m], their length
+        [m], and how many there may be, shape (n, rays).
     radii, shares
         Numbers of steps to look at, and nodes in shares of the length.
     tip
@@ -200,7 +209,7 @@ def fit(
                 k = (n - start) * count + p
                 ray, live[k] = rays[k], k
                 ray.peak, ray.y, ray.x, ray.z = peak[n], y[n], x[n], z[n]
-                ray.way_y, ray.way_x = way_y[n, p], way_x[n, p]
+                ray.way_y, ray.way_x, ray.fall = way_y[n, p], way_x[n, p], fall[n, p]
                 ray.end, ray.dip = limit[n, p], dip[n]
                 ray.high, ray.latest, ray.top, ray.outside = 0.0, 0.0, 0, 0
         _march(

@@ -40,6 +40,8 @@ class SummitArrays:
         the surface rises, shape (n,).
     floor
         Height [m] above which the basin of summits that were joined hangs together, shape (n,).
+    tilt
+        By how much the surface about each is taken to fall along y and x [m per pixel], (n, 2).
     dip
         How far f may fall along a ray before the ray ends [m], shape (n,).
     single
@@ -61,6 +63,7 @@ class SummitArrays:
     places: Array = field(repr=False)
     kinds: NDArray[np.int64] = field(repr=False)
     floor: Array = field(repr=False)
+    tilt: Array = field(repr=False)
     dip: Array = field(repr=False)
     single: NDArray[np.int64] = field(repr=False)
 

@@ -54,6 +54,48 @@ class Summits(SummitArrays):
             valid[lost] = False
         return replace(self, owner=owner, floor=floor, pixels=pixels, border=border, valid=valid)
 
+    def tilted(self, index: NDArray[np.int64], gradient: Array, dip: Array) -> Summits:
+        """Summits of which the surface about those of the rows `index` is tilted.
+
+        Parameters
+        ----------
+        index
+            Rows of the summits, shape (k,).
+        gradient
+            By how much the surface falls along y and x [-], shape (k, 2).
+        dip
+            How far f may fall along a ray before it ends [m], shape (k,).
+
+        Notes
+        -----
+        A summit stands where the tilted surface is highest, the next one uphill in its basin;
+        `height` is still that of the surface itself. It is `valid` if there is such a place.
+        """
+        hm, peaks = self.hm, self.peaks
+        names = "x", "y", "height", "curvature", "angle", "valid", "places", "kinds", "tilt", "dip"
+        own = {name: getattr(self, name).copy() for name in names}
+        own["tilt"][index], own["dip"][index] = gradient * np.asarray(hm.spacing), dip
+        row, col = peaks.row.copy(), peaks.col.copy()
+        _climb.uphill(
+            hm.heights, peaks.labels, self.owner, hm.periodic, own["tilt"], index, row, col
+        )
+        expansions = np.empty((len(self), 6))
+        _climb.summits(
+            hm.heights, self.spline.ravel(), self.spline.shape[1], peaks.labels, hm.periodic, row,
+            col, own["tilt"], index, own["places"], expansions, own["kinds"],
+            np.empty(40), 0, len(index),
+        )  # fmt: skip
+        found = np.empty((len(index), 3)), np.empty((len(index), 2)), np.empty(len(index))
+        _climb.frames(
+            hm.heights, hm.spacing, row[index], col[index], peaks.prominence[index],
+            self.pixels[index], own["places"][index], expansions[index], own["kinds"][index],
+            *found,
+        )  # fmt: skip
+        (own["x"][index], own["y"][index], own["height"][index]) = found[0].T
+        own["curvature"][index], own["angle"][index] = found[1:]
+        own["valid"][index] &= own["kinds"][index] == SUMMIT
+        return replace(self, **own)
+
     def rows(self, index: NDArray[np.int64], *, rays: int = 16, nodes: int = 17) -> Profiles:
         """Profiles of the peaks `index`, in that order; `owner` keeps the numbers of all peaks.
 
@@ -114,11 +156,11 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
         depth = np.maximum(depth, 1e-6 * relief)
     spline = splines.coefficients(hm.heights, hm.periodic)
     places, expansions, kinds = np.empty((n, 2)), np.empty((n, 6)), np.empty(n, np.int64)
-    near = _near(peaks.row, peaks.col)
+    near, level = _near(peaks.row, peaks.col), np.zeros((n, 2))
     parallel.run(
         lambda a, b: _climb.summits(
             hm.heights, spline.ravel(), spline.shape[1], peaks.labels, hm.periodic, peaks.row,
-            peaks.col, near, places, expansions, kinds, np.empty(40), a, b,
+            peaks.col, level, near, places, expansions, kinds, np.empty(40), a, b,
         ),
         parallel.blocks(n, 512),
     )  # fmt: skip
@@ -145,7 +187,7 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
     x, y, height = (np.ascontiguousarray(column) for column in summit.T)
     return Summits(
         x, y, height, curvature, angle, pixels, border, own, owner, peaks, hm, spline, places,
-        kinds, np.full(n, np.inf), dip, owner,
+        kinds, np.full(n, np.inf), level, dip, owner,
     )  # fmt: skip
 
 

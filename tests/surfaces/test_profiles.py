@@ -52,6 +52,27 @@ def test_single_paraboloid_comes_back(angle, spacing):
     assert_allclose(profile(r, around), exact, rtol=2e-3)
 
 
+def test_a_tilted_summit_is_that_of_the_tilted_map():
+    spacing, tilt = (0.7, 1.1), np.array([0.12, -0.2])
+    y = (np.arange(60)[:, None] - 29.6) * spacing[0]
+    x = (np.arange(48)[None, :] - 23.3) * spacing[1]
+    hill = -0.01 * y**2 - 0.02 * x**2 - 0.004 * x * y - 1e-4 * (x**2 + y**2) ** 1.5 - 2e-5 * x**4
+    plane = tilt[0] * y + tilt[1] * x
+    level, tilted = (
+        locate_summits(hm, surfaces.segment(hm))
+        for hm in (surfaces.HeightMap(z, spacing) for z in (hill, hill - plane))
+    )
+    assert len(level) == len(tilted) == 1
+    inclined = level.tilted(np.array([0]), tilt[None], np.zeros(1))
+    assert np.hypot(inclined.x - level.x, inclined.y - level.y) > 3.0
+    fallen = tilt @ ((inclined.places[0] - [29.6, 23.3]) * spacing)
+    assert_allclose(inclined.height, tilted.height + fallen, atol=1e-9)
+    first, second = (summits.rows(np.array([0])) for summits in (inclined, tilted))
+    for name in ("x", "y", "curvature", "angle", "phi", "edge", "q"):
+        assert_allclose(getattr(first, name), getattr(second, name), rtol=1e-6, err_msg=name)
+    assert inclined.valid[0] and not level.tilt.any()
+
+
 def test_rays_rise_and_weights_make_one_turn():
     peaks, fit = fitted(rough())
     assert_allclose(fit.weight.sum(axis=1), 2 * np.pi)
@@ -304,3 +325,12 @@ def test_straight_ridges_round_a_periodic_cell_end_in_a_curve():
     hm = surfaces.HeightMap(np.tile(np.arange(32) % 16, (32, 1)) * 1e-8, 1e-6, periodic=True)
     body = asperity.HalfSpace.from_modulus(1e9)
     assert (asperity.contact_curve(hm, body, pressures=[1e4, 1e5]).load > 0).all()
+
+
+def test_a_tilt_along_a_level_ridge_of_a_periodic_map_comes_to_an_end():
+    """Uphill leads round the cell for ever."""
+    hm = surfaces.HeightMap(np.tile(np.arange(32) % 16, (32, 1)) * 1e-8, 1e-6, periodic=True)
+    summits = locate_summits(hm, surfaces.segment(hm))
+    rows = np.arange(len(summits))
+    tilted = summits.tilted(rows, np.tile([-1e-3, 0.0], (len(rows), 1)), np.zeros(len(rows)))
+    assert np.isfinite(tilted.height).all()

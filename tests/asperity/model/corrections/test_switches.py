@@ -43,6 +43,12 @@ CASES = {
     "elongation": (lambda: rough(anisotropy=4.0), 2e-2),
     "pressed_basins": (rough, 1e-2),
     "joined_pairs": (rough, 1e-2),
+    "tilted_basins": (
+        lambda: self_affine(
+            (96, 120), (96.0, 120.0), hurst=1.0, rms_slope=0.1, cutoff=8.0, seed=12
+        ),
+        3e-2,
+    ),
     "sharp_tips": (tip, 1e-7),
     "wave_split": (
         lambda: self_affine((256, 320), (256.0, 320.0), hurst=0.8, rms_slope=0.1, seed=2),

@@ -1,0 +1,97 @@
+"""Contacts on basins that the field of the others tilts: they get the area of the tilted basin."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.halfspace.flags import Flag
+from asperity.microcontact.laws import tabulate
+
+if TYPE_CHECKING:
+    from asperity.interaction.population import PopulationState
+    from asperity.microcontact.law_table import LawTable
+    from asperity.model.decomposition import Decomposition
+
+__all__ = ["area_under", "correct"]
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+
+def correct(decomposition: Decomposition, state: PopulationState) -> PopulationState:
+    """State of which the contacts on tilted basins have the areas of these; forces do not change.
+
+    Notes
+    -----
+    A contact counts as on a tilted basin where the shift of a paraboloid by the gradient of the
+    field, R |g| over the contact radius, is large and the contact reaches beyond the paraboloid of
+    its summit. If such contacts hold much of the area, each is pressed anew with its force on the
+    next summit uphill of its basin, which the gradient has tilted
+    (docs/development/interaction.md).
+    """
+    plan, population = decomposition.plan, decomposition.population
+    fitted = plan.parameters.tilted_basins
+    if not (plan.law == "auto" and population.contact_shift and state.contact_area > 0.0):
+        return state
+    approach, force, stiffness, area = state.listed
+    closed = np.flatnonzero(force > 0.0)
+    beyond = population.table.flags_at(state.rows[closed], approach[closed])
+    closed = closed[(beyond & np.uint8(Flag.BEYOND_RADIUS)) > 0]
+    body, depth = population.footprints, approach[closed]
+    radius = (body.power * stiffness[closed] / (2.0 * body.modulus)) ** (1.0 / body.power)
+    shift = radius * np.hypot(*state.tilt[closed].T) / (body.power * depth)
+    weight = _rise(shift, fitted.shift)
+    tilted = weight * area[closed]
+    share = tilted.sum() / state.contact_area
+    if share <= fitted.share[0]:
+        return state
+    order = np.argsort(-tilted, kind="stable")
+    held = np.cumsum(tilted[order])
+    most = order[: np.searchsorted(held, fitted.most * held[-1]) + 1]
+    own, weight = closed[most], weight[most]
+    gradient = state.tilt[own] / (1.0 + shift[most, None])
+    found = _areas(decomposition, state.rows[own], gradient, approach[own], force[own])
+    found = np.where(found > 0.0, found, area[own])
+    listed = state.listed.copy()
+    listed[3, own] += _rise(share, fitted.share) * weight * (found - area[own])
+    return replace(state, listed=listed, contact_area=float(listed[3].sum()))
+
+
+def area_under(table: LawTable, force: Array) -> Array:
+    """Area [m^2] of each contact of a table under a force [N], shape (n,).
+
+    Power laws between the nodes; beyond the force of the last node its area.
+    """
+    upper = np.clip(np.argmax(table.force >= force[:, None], axis=1), 1, table.nodes)
+    upper[force > table.force[:, -1]] = table.nodes
+    row = np.arange(len(table))
+    high, low = ((table.force[row, node], table.area[row, node]) for node in (upper, upper - 1))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        power = np.log(high[1] / low[1]) / np.log(high[0] / low[0])
+        power = np.where(upper > 1, power, 2.0 / table.exponent)
+        area = high[1] * np.minimum(force / high[0], 1.0) ** power
+    return np.where(table.reach > 0, np.nan_to_num(area), 0.0)
+
+
+def _areas(
+    decomposition: Decomposition, rows: Rows, gradient: Array, approach: Array, force: Array
+) -> Array:
+    """Areas [m^2] of contacts on their tilted basins, shape (k,); zero where there is no summit."""
+    deepest = decomposition.plan.parameters.tilted_basins.passed * approach
+    summits = decomposition.summits.tilted(rows, gradient, deepest)
+    area = np.zeros(len(rows))
+    alone = np.flatnonzero(summits.valid[rows] & np.isinf(summits.floor[rows]))
+    if alone.size:
+        profiles = summits.rows(rows[alone])
+        table = tabulate(profiles, decomposition.material, law="ellipse")
+        area[alone] = area_under(table, force[alone])
+    return area
+
+
+def _rise(value: Array | float, ends: tuple[float, float]) -> Array:
+    """From 0 to 1 between two values."""
+    return np.clip((value - ends[0]) / (ends[1] - ends[0]), 0.0, 1.0)
