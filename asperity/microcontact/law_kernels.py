@@ -18,9 +18,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numba import carray, types
 from numpy.typing import NDArray
 
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
+from surfaces.numerics.stack import on_stack
 
 __all__ = [
     "AREA",
@@ -55,6 +57,20 @@ and measured maps. Down to the tip force and area then are powers."""
 
 LEAST_SLOPE = 0.05
 """Least stiffness over F/d."""
+
+BLOCK = 256
+"""Contacts of a block."""
+
+COLUMNS = 10
+_V, _NODE, _TOP, _LOWER, _F, _STIFF, _WORK, _M, _GROWN, _SPOT = range(0, COLUMNS * BLOCK, BLOCK)
+"""Where the numbers of the contacts of a block begin."""
+
+_FORCE, _FORCE_SLOPE, _ENERGY, _MOMENT, _MOMENT_SLOPE, _AREA = (
+    np.uint64(column) for column in range(NUMBERS)
+)
+"""Columns of a node without a sign: places that may be negative are no vector instructions."""
+
+_columns, _places = on_stack(types.float64, COLUMNS * BLOCK), on_stack(types.int32, 2 * BLOCK)
 
 _GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
 
@@ -118,60 +134,86 @@ def evaluate(
     """Laws at the approaches of the contacts [rows[0], rows[1]), of table row `place[index]`.
 
     Fills F, dF/dd, the area, int F dd, the moment m and its growth F dm/dF; zeros where there is no
-    approach or no law.
+    approach or no law. Closed contacts are taken in blocks: polynomials of a block, whose results
+    stand on the stack, become vector instructions.
     """
-    steps, shares = table.shape[1] - 1, _shares(power)
+    nodes, shares = np.int32(table.shape[1]), _shares(power)
+    steps, flat = float(table.shape[1] - 1), table.reshape(-1)
     unit = 2.0 / (steps * steps)
-    closed, count = np.empty(rows[1] - rows[0], np.int64), 0
-    for i in range(rows[0], rows[1]):
-        area[i], force[i], stiffness[i] = 0.0, 0.0, 0.0
-        energy[i], moment[i], growth[i] = 0.0, 0.0, 0.0
-        closed[count] = i
-        count += (approach[i] > 0.0) & (reach[index[i]] > 0.0)
-    for i in closed[:count]:
-        d, top = approach[i], reach[index[i]]
-        row = place[index[i]]
-        v = math.sqrt(min(d / top, 1.0)) * steps
-        j = min(int(v), steps - 1)
-        left, right = table[row, j], table[row, j + 1]
-        if j == 0 and tips[row, 0] > 0.0:
-            rise, spread = tips[row, 0], tips[row, 2]
-            f = right[FORCE] * v**rise
-            stiff = 0.5 * rise * f / d
-            work = f * d / (1.0 + 0.5 * rise)
-            m = right[MOMENT] * v**spread
-            grown = m * spread / rise
-            spot = right[AREA] * v ** tips[row, 1]
+    s = carray(_columns(), (COLUMNS * BLOCK,))
+    ends = carray(_places(), (2 * BLOCK,))
+    first, closed = ends[:BLOCK], ends[BLOCK:]
+    i = rows[0]
+    while i < rows[1]:
+        count = 0
+        while i < rows[1] and count < BLOCK:
+            closed[count] = i
+            count += 1 if (approach[i] > 0.0) & (reach[index[i]] > 0.0) else 0
+            area[i], force[i], stiffness[i] = 0.0, 0.0, 0.0
+            energy[i], moment[i], growth[i] = 0.0, 0.0, 0.0
+            i += 1
+        for k in range(count):
+            d, top = approach[closed[k]], reach[index[closed[k]]]
+            v = math.sqrt(min(d / top, 1.0)) * steps
+            j = min(np.int32(v), nodes - np.int32(2))
+            first[k] = (place[index[closed[k]]] * nodes + j) * np.int32(NUMBERS)
+            s[k + _V], s[k + _NODE], s[k + _TOP] = v, j, top
+        if power == 3.0:
+            for k in range(count):
+                s[k + _LOWER] = s[k + _V]
         else:
-            t = v - j
+            for k in range(count):
+                s[k + _LOWER] = s[k + _V] ** (power - 2.0)
+        for k in range(count):
+            left = np.uint64(first[k])
+            right = left + np.uint64(NUMBERS)
+            v, j, lower = s[k + _V], s[k + _NODE], s[k + _LOWER]
+            t, width, factor = v - j, s[k + _TOP] * unit, lower * v * v  # dd/dv = width v
             c0, c1, c2, c3 = _hermite(
-                left[FORCE], right[FORCE], left[FORCE_SLOPE], right[FORCE_SLOPE]
+                flat[left + _FORCE],
+                flat[right + _FORCE],
+                flat[left + _FORCE_SLOPE],
+                flat[right + _FORCE_SLOPE],
             )
             level = c0 + t * (c1 + t * (c2 + t * c3))
             slope = power * level + v * (c1 + t * (2.0 * c2 + 3.0 * t * c3))
-            width = top * unit  # dd/dv = width v
-            lower = v if power == 3.0 else v ** (power - 2.0)
-            f = lower * v * v * level
-            stiff = lower * slope / width
-            work = left[ENERGY] + width * _force_integral(
-                c0, c1, c2, c3, j, shares, lower * v * v, v
-            )
+            work = width * _force_integral(c0, c1, c2, c3, j, shares, factor, v)
+            s[k + _WORK] = flat[left + _ENERGY] + work
+            s[k + _F] = factor * level
+            s[k + _STIFF] = lower * slope / width
             c0, c1, c2, c3 = _hermite(
-                left[MOMENT], right[MOMENT], left[MOMENT_SLOPE], right[MOMENT_SLOPE]
+                flat[left + _MOMENT],
+                flat[right + _MOMENT],
+                flat[left + _MOMENT_SLOPE],
+                flat[right + _MOMENT_SLOPE],
             )
-            m = c0 + t * (c1 + t * (c2 + t * c3))
             bend = c1 + t * (2.0 * c2 + 3.0 * t * c3)
-            grown = bend * level * v / slope if slope > 0.0 else 0.0
-            spot = v * v * (left[AREA] + t * (right[AREA] - left[AREA]))
-        over = d - top
-        if over > 0.0:
-            full = m + grown
-            work += over * (f + 0.5 * stiff * over)
-            m = (m * f + full * stiff * over) / (f + stiff * over)
-            f += stiff * over
-            grown = full - m
-        area[i], force[i], stiffness[i] = spot, f, max(stiff, LEAST_SLOPE * f / d)
-        energy[i], moment[i], growth[i] = work, max(m, 0.0), grown
+            s[k + _M] = c0 + t * (c1 + t * (c2 + t * c3))
+            s[k + _GROWN] = bend * level * v / slope if slope > 0.0 else 0.0
+            spot = flat[left + _AREA]
+            s[k + _SPOT] = v * v * (spot + t * (flat[right + _AREA] - spot))
+        for k in range(count):
+            n, d, v, top = closed[k], approach[closed[k]], s[k + _V], s[k + _TOP]
+            f, stiff, work = s[k + _F], s[k + _STIFF], s[k + _WORK]
+            m, grown, spot = s[k + _M], s[k + _GROWN], s[k + _SPOT]
+            if v < 1.0 and tips[place[index[n]], 0] > 0.0:
+                row = place[index[n]]
+                rise, spread = tips[row, 0], tips[row, 2]
+                f = table[row, 1, FORCE] * v**rise
+                stiff = 0.5 * rise * f / d
+                work = f * d / (1.0 + 0.5 * rise)
+                m = table[row, 1, MOMENT] * v**spread
+                grown = m * spread / rise
+                spot = table[row, 1, AREA] * v ** tips[row, 1]
+            over = d - top
+            if over > 0.0:
+                full = m + grown
+                work += over * (f + 0.5 * stiff * over)
+                m = (m * f + full * stiff * over) / (f + stiff * over)
+                f += stiff * over
+                grown = full - m
+            area[n], force[n], stiffness[n] = spot, f, max(stiff, LEAST_SLOPE * f / d)
+            energy[n], moment[n], growth[n] = work, max(m, 0.0), grown
 
 
 @inner()
