@@ -42,7 +42,8 @@ import surfaces
 from asperity.curve import solve_contacts
 from asperity.halfspace.load_points import pressure_scale
 from asperity.model import law_factory
-from asperity.parameters import DEFAULTS, Corrections, Parameters, PressedBasins
+from asperity.parameters import DEFAULTS, Corrections, Parameters
+from asperity.parameters.constants import PressedBasins
 from asperity.results.storage import write_csv
 
 LOADS = np.geomspace(5e-4, 4.5e-2, 7)

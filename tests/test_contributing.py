@@ -74,7 +74,11 @@ def test_a_correction_of_the_page_changes_the_laws_that_it_is_for(monkeypatch):
 
 @pytest.mark.parametrize(
     "file",
-    ["asperity/microcontact/laws.py", "asperity/parameters.py", "asperity/model/law_factory.py"],
+    [
+        "asperity/microcontact/laws.py",
+        "asperity/parameters/switches.py",
+        "asperity/model/law_factory.py",
+    ],
 )
 def test_the_page_names_the_files_to_change(file):
     assert f"`{file}`" in PAGE

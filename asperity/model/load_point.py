@@ -62,8 +62,10 @@ class LoadPoint:
 def load_point(decomposition: Decomposition, state: PopulationState) -> LoadPoint:
     """The load point at a state of the contacts of a decomposition."""
     population, law = decomposition.population, decomposition.plan.sub_contact_law
-    if decomposition.plan.parameters.corrections.tilted_basins:
-        state = tilted_basins.correct(decomposition, state)
+    plan = decomposition.plan
+    if plan.law == "auto" and plan.parameters.corrections.tilted_basins:
+        fitted = plan.parameters.tilted_basins
+        state = tilted_basins.correct(population, decomposition.summits, state, fitted)
     area = state.area if law is None else closed_areas(population, law, state)
     found = decomposition.hm.roughness
     highest = found.highest - found.mean

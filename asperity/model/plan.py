@@ -20,7 +20,8 @@ from asperity.halfspace.load_points import (
 )
 from asperity.multiscale.pixel_waves import refined_map
 from asperity.multiscale.wave_split import Split, split_scales
-from asperity.parameters import DEFAULTS, Parameters, Segmentation
+from asperity.parameters import DEFAULTS, Parameters
+from asperity.parameters.constants import Segmentation
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import available_bytes
 from surfaces.peaks.flat_tops import flat_share

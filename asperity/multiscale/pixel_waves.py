@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from asperity.parameters import DEFAULTS, PixelWaves
+from asperity.parameters import DEFAULTS
+from asperity.parameters.constants import PixelWaves
 from surfaces.heightmap import HeightMap
 from surfaces.preparation.filtering import resample
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.parameters import DEFAULTS, SubContact
+from asperity.parameters import DEFAULTS
+from asperity.parameters.constants import SubContact
 
 __all__ = ["SubContactLaw"]
 

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asperity.halfspace.flags import Flag
-from asperity.parameters import DEFAULTS, ErrorEstimate
+from asperity.parameters import DEFAULTS
+from asperity.parameters.constants import ErrorEstimate
 
 from .outside_model import OUTSIDE_MODEL
 

@@ -15,7 +15,8 @@ from asperity.curve import solve_contacts
 from asperity.errors import ConvergenceError, InputError, SurfaceError
 from asperity.halfspace.load_points import default_pressures
 from asperity.model.plan import make_plan
-from asperity.parameters import DEFAULTS, Segmentation
+from asperity.parameters import DEFAULTS
+from asperity.parameters.constants import Segmentation
 from surfaces import HeightMap, self_affine
 
 STEEL = asperity.HalfSpace(210e9, 0.3)

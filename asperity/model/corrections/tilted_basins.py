@@ -12,9 +12,11 @@ from asperity.halfspace.flags import Flag
 from asperity.microcontact.laws import tabulate
 
 if TYPE_CHECKING:
-    from asperity.interaction.population import PopulationState
+    from asperity.halfspace.material import HalfSpace
+    from asperity.interaction.population import Population, PopulationState
     from asperity.microcontact.law_table import LawTable
-    from asperity.model.decomposition import Decomposition
+    from asperity.parameters.constants import TiltedBasins
+    from surfaces.peaks.summits import Summits
 
 __all__ = ["area_under", "correct"]
 
@@ -22,7 +24,12 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 
-def correct(decomposition: Decomposition, state: PopulationState) -> PopulationState:
+def correct(
+    population: Population,
+    summits: Summits,
+    state: PopulationState,
+    fitted: TiltedBasins,
+) -> PopulationState:
     """State of which the contacts on tilted basins have the areas of these; forces do not change.
 
     Notes
@@ -33,9 +40,7 @@ def correct(decomposition: Decomposition, state: PopulationState) -> PopulationS
     next summit uphill of its basin, which the gradient has tilted
     (docs/development/interaction.md).
     """
-    plan, population = decomposition.plan, decomposition.population
-    fitted = plan.parameters.tilted_basins
-    if not (plan.law == "auto" and population.contact_shift and state.contact_area > 0.0):
+    if not (population.contact_shift and state.contact_area > 0.0):
         return state
     approach, force, stiffness, area = state.listed
     closed = np.flatnonzero(force > 0.0)
@@ -54,7 +59,8 @@ def correct(decomposition: Decomposition, state: PopulationState) -> PopulationS
     most = order[: np.searchsorted(held, fitted.most * held[-1]) + 1]
     own, weight = closed[most], weight[most]
     gradient = state.tilt[own] / (1.0 + shift[most, None])
-    found = _areas(decomposition, state.rows[own], gradient, approach[own], force[own])
+    rows, deepest = state.rows[own], fitted.passed * approach[own]
+    found = _areas(summits.tilted(rows, gradient, deepest), rows, force[own], population.material)
     found = np.where(found > 0.0, found, area[own])
     listed = state.listed.copy()
     listed[3, own] += _rise(share, fitted.share) * weight * (found - area[own])
@@ -77,17 +83,13 @@ def area_under(table: LawTable, force: Array) -> Array:
     return np.where(table.reach > 0, np.nan_to_num(area), 0.0)
 
 
-def _areas(
-    decomposition: Decomposition, rows: Rows, gradient: Array, approach: Array, force: Array
-) -> Array:
+def _areas(summits: Summits, rows: Rows, force: Array, material: HalfSpace) -> Array:
     """Areas [m^2] of contacts on their tilted basins, shape (k,); zero where there is no summit."""
-    deepest = decomposition.plan.parameters.tilted_basins.passed * approach
-    summits = decomposition.summits.tilted(rows, gradient, deepest)
     area = np.zeros(len(rows))
     alone = np.flatnonzero(summits.valid[rows] & np.isinf(summits.floor[rows]))
     if alone.size:
         profiles = summits.rows(rows[alone])
-        table = tabulate(profiles, decomposition.material, law="ellipse")
+        table = tabulate(profiles, material, law="ellipse")
         area[alone] = area_under(table, force[alone])
     return area
 

@@ -11,7 +11,8 @@ import asperity
 import surfaces
 from asperity.halfspace.load_points import pressure_scale
 from asperity.multiscale.pixel_waves import fineness, random_waves, refined_map
-from asperity.parameters import DEFAULTS, PixelWaves
+from asperity.parameters import DEFAULTS
+from asperity.parameters.constants import PixelWaves
 from surfaces import HeightMap, self_affine
 
 BODY = asperity.HalfSpace.from_modulus(1.0)
