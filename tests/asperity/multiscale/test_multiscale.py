@@ -145,7 +145,7 @@ def test_from_the_command_line(rough, tmp_path, capsys):
         assert (curve.settings["shortest_wave"] is not None) == waves
 
 
-def test_without_a_rolloff_the_area_of_crowded_hills_is_nearer():
+def test_without_a_rolloff_the_area_of_crowded_hills_is_right():
     hm = broad(rolloff=None, seed=12)
     loads = np.array([2.5e-2, 6e-2]) * pressure_scale(hm, STEEL)
     exact = asperity.bem_curve(hm, STEEL, pressures=loads, tolerance=1e-3)
@@ -155,4 +155,4 @@ def test_without_a_rolloff_the_area_of_crowded_hills_is_nearer():
         - 1
         for scales in ("auto", "all")
     )
-    assert (np.abs(auto) < 0.05).all() and (np.abs(auto) < 0.5 * np.abs(every)).all()
+    assert (np.abs([auto, every]) < 0.05).all()
