@@ -185,6 +185,14 @@ CORRECTIONS = {
             "asperity.microcontact.ritz._ray_kernels",
         ),
     ),
+    "tilted basins": Correction(
+        "tilted_basins",
+        (
+            f"{LAWS}.tilted_basins",
+            "surfaces.peaks.summits.Summits.tilted",
+            "surfaces.peaks._climb.uphill",
+        ),
+    ),
     "sharp tips": Correction("sharp_tips", (f"{LAWS}.sharp_tips",)),
     "tips of other powers": Correction(
         _no_powers, ("asperity.microcontact.law_kernels._tip_exponents",)
