@@ -59,18 +59,8 @@ class PopulationState:
     ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
     ... )
     >>> steel = asperity.HalfSpace(210e9, 0.3)
-    >>> fit = surfaces.fit_profiles(hm, surfaces.segment(hm))
-    >>> table = asperity.microcontact.tabulate(fit, steel, law="hertz")
-    >>> population = asperity.Population(
-    ...     x=fit.x,
-    ...     y=fit.y,
-    ...     height=fit.height,
-    ...     table=table,
-    ...     cell=hm.size,
-    ...     boundary="periodic",
-    ...     material=steel,
-    ... )
-    >>> state = population.solve(separation=0.0)
+    >>> run = asperity.solve_contacts(hm, steel, pressures=[1e8])
+    >>> state = run.points[0].state
     >>> state.active == int((state.force > 0).sum())
     True
     """
