@@ -10,6 +10,7 @@ from .contacts.run import ContactRun as ContactRun
 from .contacts.sizes import size_distribution as size_distribution
 from .curve import contact_curve as contact_curve
 from .curve import solve_contacts as solve_contacts
+from .engine.solve import solve as solve
 from .errors import AsperityError as AsperityError
 from .errors import ConvergenceError as ConvergenceError
 from .errors import InputError as InputError

@@ -1,4 +1,4 @@
-"""The coarsest grid and loosest tolerance that hold an accuracy asked for."""
+"""The coarsest grid that holds an accuracy asked for."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ from surfaces.heightmap import HeightMap
 
 from .grids import CoarseMaps
 
-__all__ = ["GridChoice", "choose_grid", "coarsened"]
+__all__ = ["LOOSEST", "GridChoice", "choose_grid", "coarsened", "require_accuracy"]
+
+LOOSEST = 1e-2
+"""Tolerance that each load is solved to first; looser saves little."""
 
 _POINTS_TIMES_ACCURACY = 7.5
 """Points per axis times the accuracy."""
@@ -33,27 +36,31 @@ _LARGEST_RATIO = 0.8
 
 @dataclass(frozen=True)
 class GridChoice:
-    """Grid and tolerance for an accuracy, and why.
+    """Grid for an accuracy, and why.
 
     Attributes
     ----------
     shape
         Points (ny, nx) of the grid to solve on.
-    tolerance
-        Bound on the certificate.
     reason
         One sentence.
     """
 
     shape: tuple[int, int]
-    tolerance: float
     reason: str
+
+
+def require_accuracy(accuracy: float) -> float:
+    """Refuse an accuracy that is no relative error from 0.002 to 0.2."""
+    if not 0.002 <= as_number("accuracy", accuracy) <= 0.2:
+        raise InputError(f"accuracy is {accuracy!r}; give a relative error from 0.002 to 0.2")
+    return accuracy
 
 
 def choose_grid(
     hm: HeightMap, accuracy: float, lightest_area: float, boundary: Boundary
 ) -> GridChoice:
-    """Coarsest grid and loosest tolerance for an accuracy of load and corrected area.
+    """Coarsest grid for an accuracy of load and corrected area.
 
     Parameters
     ----------
@@ -71,12 +78,10 @@ def choose_grid(
     -----
     Calibrated on self-affine maps solved on every coarser grid: two points per wave that still
     carries slope (a third of the accuracy may be lost from the rms slope, to which the area at
-    given load is inversely proportional), 7.5 / accuracy points per axis, 60 contact points at
-    the lightest load, and a tolerance of 1e-2 (1e-3 below 2 %, 1e-5 below 0.5 %).
+    given load is inversely proportional), 7.5 / accuracy points per axis, and 60 contact points at
+    the lightest load.
     """
-    if not 0.002 <= as_number("accuracy", accuracy) <= 0.2:
-        raise InputError(f"accuracy is {accuracy!r}; give a relative error from 0.002 to 0.2")
-    tolerance = 1e-2 if accuracy >= 0.02 else 1e-3 if accuracy >= 0.005 else 1e-5
+    require_accuracy(accuracy)
     ny, nx = hm.shape
     needs = {
         "the waves that carry its slope": _slope_share(hm, 1.0 - _SLOPE_SHARE * accuracy, boundary),
@@ -89,10 +94,10 @@ def choose_grid(
     if boundary == "free":
         share = 0.5 ** math.floor(-math.log2(share)) if share < 1.0 else 1.0
     if share > _LARGEST_RATIO:
-        return GridChoice(hm.shape, tolerance, f"full grid: {rule} ask for it")
+        return GridChoice(hm.shape, f"full grid: {rule} ask for it")
     rows, columns = (scipy.fft.next_fast_len(math.ceil(share * n), real=True) for n in (ny, nx))
     shape = (min(rows, ny), min(columns, nx))
-    return GridChoice(shape, tolerance, f"{shape[0]} x {shape[1]} points: set by {rule}")
+    return GridChoice(shape, f"{shape[0]} x {shape[1]} points: set by {rule}")
 
 
 def _slope_share(hm: HeightMap, kept: float, boundary: Boundary) -> float:

@@ -52,10 +52,23 @@ _FULL_SHARE = 0.4
 
 @dataclass
 class Outcome:
-    """How the outer iteration on one grid ended."""
+    """How the outer iteration on one grid ended.
+
+    Attributes
+    ----------
+    reading
+        The certificate and what was read with it.
+    iterations
+        Conjugate-gradient steps spent.
+    tolerance
+        Bound on the certificate that was asked for.
+    converged, reason
+        Whether it was met, and why not.
+    """
 
     reading: Reading
     iterations: int
+    tolerance: float
     converged: bool
     reason: str
 
@@ -123,7 +136,7 @@ class Level:
             )
             worst = reading.certificate.worst
             if worst <= tolerance and not known:
-                return Outcome(reading, iterations, True, "")
+                return Outcome(reading, iterations, tolerance, True, "")
             idle = 0 if worst < 0.7 * best else idle + 1
             self._careful = self._careful or idle >= 2
             best = min(best, worst)
@@ -139,7 +152,7 @@ class Level:
             f"the error stopped falling at {best:.1e}, above the tolerance {tolerance:.1e}, "
             f"after {outer} corrections"
         )
-        return Outcome(reading, iterations, False, reason)
+        return Outcome(reading, iterations, tolerance, False, reason)
 
     def _correct(
         self,

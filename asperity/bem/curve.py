@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -21,12 +22,12 @@ from asperity.results.curve import ContactCurve
 from asperity.threads import threads as thread_count
 from surfaces.heightmap import HeightMap
 
-from .accuracy import choose_grid, coarsened
+from .accuracy import LOOSEST, choose_grid, coarsened, require_accuracy
 from .chains import follow_chains, split_loads
 from .contact_map import read_contact
 from .interpolation import interpolated, loads_to_solve
 from .memory import fits
-from .path import LoadPath
+from .path import AREA_OVER_LOAD_ERROR, LoadPath
 from .problem import ContactProblem
 
 __all__ = ["SolvedLoad", "bem_curve"]
@@ -82,6 +83,7 @@ def bem_curve(
     tolerance: float = 1e-6,
     boundary: str | None = None,
     accuracy: float | None = None,
+    coarsen: bool = True,
     check: bool = False,
     progress: Callable[[SolvedLoad], object] | None = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
@@ -98,14 +100,18 @@ def bem_curve(
         separations [m]. With neither: 10 geometric loads for about 0.1 % to 10 % of contact,
         from the rms slope and the modulus.
     accuracy
-        Relative error allowed in load and corrected area [-], 0.002 to 0.2: the coarsest grid and
-        the loosest tolerance that hold it are chosen from the spectrum of the map and the
-        lightest load (`accuracy.choose_grid`), and `tolerance` is not used. Of more than ten
-        pressures about ten are solved and the others interpolated (`interpolation`), which
-        `extra["interpolated"]` and the setting `solved_loads` state.
+        Relative error allowed in load and corrected area [-], 0.002 to 0.2, in place of a
+        tolerance: each load is solved until its certificate bounds the error by that. The coarsest
+        grid that holds it is chosen from the spectrum of the map and the lightest load
+        (`accuracy.choose_grid`), and of more than ten pressures about ten are solved and the others
+        interpolated (`interpolation`), which `extra["interpolated"]` and the setting `solved_loads`
+        state.
+    coarsen
+        With `accuracy`: False solves every load on the grid of the map.
     check
         With `accuracy`: solve the middle load once more on a grid twice as fine (at most the full
-        one); the larger difference in separation over rms height and in area is `error_estimate`.
+        one); where the difference in separation over rms height or in area is larger than the bound
+        of the certificate, it is the `error_estimate`.
     progress
         Called with every finished load point, with its contact map; one call at a time.
     checkpoint
@@ -115,9 +121,11 @@ def bem_curve(
     -------
     ContactCurve
         In the order asked for. `stiffness` comes from the load points (`spline_stiffness`): the
-        closer they lie, the better. `residual` is the worst entry of the certificate; `extra` holds
-        the certificate by entry, raw area, elastic energy, iterations, transform pairs and
-        seconds; a point that missed the tolerance is marked and explained.
+        closer they lie, the better. `residual` is the worst entry of the certificate, and
+        `error_estimate` the bound on the error of the load on the grid that was solved
+        (`ContactProblem.load_error`), `extra["area_error_estimate"]` that of the area, three times
+        as much. `extra` holds the certificate by entry, raw area, elastic energy, iterations,
+        transform pairs and seconds; a point that missed the tolerance is marked and explained.
 
     Examples
     --------
@@ -134,7 +142,8 @@ def bem_curve(
         raise InputError("check tells how well an accuracy is held; give accuracy as well")
     compile_ahead("bem")
     kind, values = checked_loads(hm, mat, pressures, separations)
-    few = loads_to_solve(values) if accuracy is not None and kind == "pressure" else None
+    sparse = accuracy is not None and coarsen and kind == "pressure"
+    few = loads_to_solve(values) if sparse else None
     if few is not None:
         solved_curve = bem_curve(
             hm,
@@ -152,11 +161,13 @@ def bem_curve(
     asked: dict[str, Any] = {"input": hm.digest}
     grid = hm
     if accuracy is not None:
+        asked |= {"accuracy": require_accuracy(accuracy)}
+        tolerance = LOOSEST
+    if accuracy is not None and coarsen:
         lightest = _lightest_area(hm, mat, kind, values)
         choice = choose_grid(hm, accuracy, lightest, boundary)
-        tolerance = choice.tolerance
         grid = hm if choice.shape == hm.shape else coarsened(hm, choice.shape, boundary)
-        asked |= {"accuracy": accuracy, "accuracy_reason": choice.reason}
+        asked |= {"accuracy_reason": choice.reason}
     order = np.argsort(values if kind == "pressure" else -values, kind="stable")
     chains = split_loads(_shares(kind, values[order]), grid.heights.size)
     together = len(chains) > 1 and thread_count() > 1 and fits(grid.shape, boundary, len(chains))
@@ -176,7 +187,7 @@ def bem_curve(
         return _curve(problem, [solved[i] for i in indices], seconds, asked)
 
     def follow(chain: range, stop: threading.Event) -> None:
-        path = LoadPath(planned() if together and chain.start else problem)
+        path = LoadPath(planned() if together and chain.start else problem, accuracy or math.inf)
         for index in order[chain.start : chain.stop].tolist():
             if stop.is_set():
                 return
@@ -203,7 +214,7 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
     periodic = problem.boundary == "periodic"
     contact = problem.level.pressure > 0.0 if keep_map else _NO_MAP
     raw, area, patches = read_contact(exact.pressure, hm.spacing, hm.shape[1], periodic=periodic)
-    mean = problem.mean_pressure(outcome)
+    mean, load_error = problem.mean_pressure(outcome), problem.load_error(outcome)
     columns = {
         "separation": problem.separation(outcome),
         "mean_pressure": mean,
@@ -213,6 +224,8 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
         "contacts": patches,
         "converged": outcome.converged,
         "residual": certificate.worst,
+        "error_estimate": load_error,
+        "area_error_estimate": AREA_OVER_LOAD_ERROR * load_error,
         "load_error": certificate.load,
         "complementarity": certificate.complementarity,
         "penetration": certificate.penetration,
@@ -283,7 +296,7 @@ def _curve(
         stiffness=spline_stiffness(separation, mean, columns["converged"].astype(bool)),
         converged=columns.pop("converged").astype(bool),
         residual=columns.pop("residual"),
-        error_estimate=np.full(len(points), np.nan),
+        error_estimate=columns.pop("error_estimate"),
         model="bem",
         seconds=seconds,
         settings={**problem.settings(), **asked},
@@ -326,4 +339,4 @@ def _checked(
     )
     shift = abs(finest.separation[0] - curve.separation[middle]) / hm.rms_height
     area = abs(curve.contact_area[middle] / max(finest.contact_area[0], 1e-300) - 1.0)
-    return replace(curve, error_estimate=np.full(len(curve), max(shift, area)))
+    return replace(curve, error_estimate=np.maximum(curve.error_estimate, max(shift, area)))

@@ -19,7 +19,12 @@ _LEAST = 10
 _PER_DECADE = 4.5
 """Loads solved per decade."""
 
-_WORST_OF_NEIGHBORS = ("load_error", "complementarity", "penetration")
+_WORST_OF_NEIGHBORS = (
+    "load_error",
+    "complementarity",
+    "penetration",
+    "area_error_estimate",
+)
 """Columns of which an interpolated point has the larger value of its neighbors."""
 
 _COST = ("iterations", "fft_pairs", "seconds")

@@ -12,7 +12,14 @@ from .correction import Level, Outcome
 from .load_search import LoadSearch
 from .problem import ContactProblem
 
-__all__ = ["LoadPath"]
+__all__ = ["AREA_OVER_LOAD_ERROR", "LoadPath"]
+
+AREA_OVER_LOAD_ERROR = 3.0
+"""Bound on the error of the contact area at equal load over that of the load at equal separation
+(docs/development/verification.md)."""
+
+_SHARPEST = 1e-11
+"""Smallest tolerance that an accuracy leads to."""
 
 _LARGEST_RATIO = 4.0
 """Ratio of two loads above which the next starts from coarser grids."""
@@ -28,6 +35,9 @@ class LoadPath:
     ----------
     problem
         Map, material and boundary, planned.
+    accuracy
+        Relative error allowed in the contact area: where the certificate leaves more, a load is
+        solved further, to a smaller tolerance than that of the problem.
 
     Notes
     -----
@@ -38,8 +48,9 @@ class LoadPath:
     times the load starts from the coarser grids instead.
     """
 
-    def __init__(self, problem: ContactProblem) -> None:
+    def __init__(self, problem: ContactProblem, accuracy: float = math.inf) -> None:
         self.problem = problem
+        self._accuracy = accuracy
         self._old: tuple[NDArray[np.float32], NDArray[np.float32]] | None = None
         self._means = (0.0, 0.0)
         self._level = 0.0
@@ -64,8 +75,19 @@ class LoadPath:
             spent, search = problem.start(load, offset)
             outcome = level.solve(search or load, problem.tolerance)
             outcome.iterations += spent
+        outcome = self._sharpened(outcome, search or load)
         self._remember(outcome, search)
         return outcome
+
+    def _sharpened(self, outcome: Outcome, load: LoadSearch | float) -> Outcome:
+        """Solve further until the area is known to the accuracy."""
+        error = AREA_OVER_LOAD_ERROR * self.problem.load_error(outcome)
+        tolerance = outcome.tolerance * self._accuracy / error if error else math.inf
+        if tolerance >= outcome.tolerance or not outcome.converged:
+            return outcome
+        further = self.problem.level.solve(load, max(tolerance, _SHARPEST))
+        further.iterations += outcome.iterations
+        return further
 
     def _forecast(self, offset: float) -> float:
         """Load at a level, if it goes on growing exponentially with it; zero if not known."""

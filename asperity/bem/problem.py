@@ -211,6 +211,23 @@ class ContactProblem:
         cell = self.hm.spacing[0] * self.hm.spacing[1]
         return 0.5 * outcome.reading.moment / self.compliance * cell
 
+    def load_error(self, outcome: Outcome) -> float:
+        """Bound on the relative error of the load at equal separation [-], from the certificate.
+
+        Notes
+        -----
+        A certificate e is relative to the rms height h, so that the level of the contact may be off
+        by e h, and the load by the factor e h k with k = -d ln F/ds. The elastic energy
+        U = int_s F ds' gives k <= F/U wherever k falls with the load, as it does of rough surfaces
+        and of every body that is blunt at its tip.
+        """
+        worst = max(outcome.tolerance, outcome.reading.certificate.worst)
+        energy = 0.5 * outcome.reading.moment / self.hm.heights.size
+        mean = outcome.reading.total / self.hm.heights.size
+        if mean == 0.0:
+            return 0.0
+        return worst * outcome.reading.scale * mean / energy if energy > 0.0 else math.inf
+
     def settings(self) -> dict[str, Any]:
         """Everything needed to repeat a run."""
         return {

@@ -122,6 +122,13 @@ class ContactCurve:
     def __len__(self) -> int:
         return len(self.separation)
 
+    @property
+    def verification(self) -> Mapping[str, Any] | None:
+        """What `asperity.solve` tells of its answer: engine and reason, accuracy and whether it is
+        met, anchors (load points that boundary elements solved), and the uncertainty of load and
+        area that the pixels of the map leave; None of other curves."""
+        return self.settings.get("verification")
+
     def at(
         self, *, pressure: ArrayLike | None = None, separation: ArrayLike | None = None
     ) -> CurvePoint:

@@ -1,0 +1,1 @@
+"""The main door: choose boundary elements or the microcontact model, run, verify."""

@@ -1,0 +1,276 @@
+"""The curve of the microcontact model, corrected and bounded by boundary elements at a few loads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.bem.curve import spline_stiffness
+from asperity.results.curve import ContactCurve
+from surfaces.heightmap import HeightMap
+
+from .misfit import between, halved
+
+__all__ = ["LEAST_LOADS", "Accuracy", "Judge", "verified"]
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+Judge = Callable[[Array], ContactCurve]
+"""Solves load points by boundary elements."""
+
+LEAST_LOADS = 5
+"""Load points from which on some can be left to the model."""
+
+PRIOR_SHARE = 1.0 / 3.0
+"""Share of the a-priori estimate that is left between anchors at all of which it held."""
+
+UNKNOWN = 0.05, 0.15
+"""Estimates of load and area where the model states none."""
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """Relative errors allowed.
+
+    Attributes
+    ----------
+    load
+        Of the load at equal separation [-].
+    area
+        Of the contact area at equal load [-].
+    """
+
+    load: float
+    area: float
+
+    def met(self, curve: ContactCurve) -> NDArray[np.bool_]:
+        """Load points of a curve whose bounds are within it, shape (n,)."""
+        area = curve.extra["area_error_estimate"]
+        return np.asarray((curve.error_estimate <= self.load) & (area <= self.area))
+
+
+@dataclass(frozen=True, eq=False)
+class _Columns:
+    """What the model and boundary elements are compared in, over load points.
+
+    Attributes
+    ----------
+    pressure, separation, area
+        Mean pressure [Pa], separation [m] and contact area [m^2].
+    contacts
+        Number of separate spots.
+    """
+
+    pressure: Array
+    separation: Array
+    area: Array
+    contacts: Array
+
+    @classmethod
+    def of(cls, curve: ContactCurve, points: Indices) -> _Columns:
+        count = np.maximum(curve.contacts, 1).astype(float)
+        columns = curve.mean_pressure, curve.separation, curve.contact_area, count
+        return cls(*(values[points] for values in columns))
+
+
+def verified(
+    hm: HeightMap, model: ContactCurve, kind: str, values: Array, judge: Judge, accuracy: Accuracy
+) -> ContactCurve:
+    """Anchor a curve of the model until its bounds are within the accuracy.
+
+    Parameters
+    ----------
+    hm
+        The map.
+    model
+        Curve of the microcontact model, n load points.
+    kind, values
+        "pressure" or "separation", and the load points asked for, shape (n,).
+    judge
+        Boundary elements on the grid of the map, exact to a small part of the accuracy.
+    accuracy
+        Errors allowed.
+
+    Returns
+    -------
+    ContactCurve
+        `error_estimate` and `extra["area_error_estimate"]` are bounds; `extra["anchor"]` marks the
+        points that boundary elements solved.
+
+    Notes
+    -----
+    At the anchors the model is off by d in the logarithm of the load at equal separation and by a
+    in that of the area at equal load. Both vary slowly with the load. Interpolated in its logarithm
+    they correct the points between: s = s_model - d/k with k = -d ln F/ds, A = A_model exp(-a)
+    (docs/development/verification.md). Points where the model has no answer are solved by boundary
+    elements.
+    """
+    points = np.flatnonzero(
+        model.converged
+        & (model.mean_pressure > 0)
+        & (model.contact_area > 0)
+        & (model.stiffness > 0)
+    )
+    points = points[np.argsort(model.mean_pressure[points], kind="stable")]
+    others = np.setdiff1d(np.arange(len(model)), points)
+    if len(points) < LEAST_LOADS:
+        return judge(values)
+    count = len(points)
+    position = np.log(model.mean_pressure[points])
+    prior = _prior(model)[:, points]
+    anchors = np.unique([0, (count - 1) // 2, count - 1])
+    solved: dict[int, ContactCurve] = _solved(judge, values, others)
+    while True:
+        new = [i for i in points[anchors] if i not in solved]
+        solved |= _solved(judge, values, np.array(new))
+        known = _misfit(model, kind, points[anchors], solved)
+        broken = float(np.max(np.abs(known[:2]) / prior[:, anchors]))
+        floors = prior * (PRIOR_SHARE if broken <= 1.0 else broken)
+        load, load_bound = between(position, anchors, known[0], floors[0])
+        area, area_bound = between(position, anchors, known[1], floors[1])
+        own = _of_judge(solved, points[anchors])
+        rest = np.array([np.interp(position, position[anchors], found) for found in own])
+        bounds = np.array([load_bound, area_bound]) + rest
+        over = np.maximum(bounds[0] / accuracy.load, bounds[1] / accuracy.area)
+        over[anchors] = 0.0
+        if len(anchors) == count or over.max() <= 1.0:
+            break
+        anchors = np.arange(count) if len(anchors) > count // 2 else halved(anchors, over)
+    spots = np.interp(position, position[anchors], known[2])
+    misfit = np.array([load, area, spots])
+    return _curve(hm, model, kind, points, misfit, bounds, solved)
+
+
+def _solved(judge: Judge, values: Array, new: Indices) -> dict[int, ContactCurve]:
+    """Curves of one point each, by the number of the load point."""
+    if not new.size:
+        return {}
+    curve = judge(values[new])
+    return {int(i): curve.select([at]) for at, i in enumerate(new)}
+
+
+def _prior(model: ContactCurve) -> Array:
+    """A-priori estimates of load and area, shape (2, n)."""
+    stated = model.error_estimate, model.extra["area_error_estimate"]
+    return np.array(
+        [
+            np.where(np.isfinite(error), error, unknown)
+            for error, unknown in zip(stated, UNKNOWN, strict=True)
+        ]
+    )
+
+
+def _of_judge(solved: dict[int, ContactCurve], points: Indices) -> Array:
+    """Bounds of boundary elements for load and area, shape (2, k)."""
+    return np.array(
+        [
+            [float(solved[i].error_estimate[0]) for i in points.tolist()],
+            [float(solved[i].extra["area_error_estimate"][0]) for i in points.tolist()],
+        ]
+    )
+
+
+def _misfit(
+    model: ContactCurve, kind: str, points: Indices, solved: dict[int, ContactCurve]
+) -> Array:
+    """Logarithms of model over boundary elements: of the load at equal separation, of the area and
+    the number of spots at equal load, shape (3, k)."""
+    ours = _Columns.of(model, points)
+    told = [_Columns.of(solved[i], np.zeros(1, np.int64)) for i in points.tolist()]
+    judged = _Columns(
+        *(
+            np.concatenate([getattr(one, name) for one in told])
+            for name in ("pressure", "separation", "area", "contacts")
+        )
+    )
+    if kind == "pressure":
+        rate = model.stiffness[points] / ours.pressure
+        load = rate * (ours.separation - judged.separation)
+        shift = np.zeros(len(points))
+    else:
+        load = np.log(ours.pressure / judged.pressure)
+        shift = load
+    area = np.log(ours.area / judged.area) - _growth(model, model.contact_area, points) * shift
+    return np.array([load, area, np.log(ours.contacts / judged.contacts)])
+
+
+def _growth(model: ContactCurve, column: Array, points: Indices) -> Array:
+    """Slope of the logarithm of a column over that of the load, about the points, shape (k,)."""
+    usable = np.flatnonzero((model.mean_pressure > 0) & (column > 0) & model.converged)
+    usable = usable[np.argsort(model.mean_pressure[usable], kind="stable")]
+    x, y = np.log(model.mean_pressure[usable]), np.log(column[usable])
+    rising = np.diff(x, prepend=-np.inf) > 1e-9
+    x, y = x[rising], y[rising]
+    if len(x) < 2:
+        return np.ones(len(points))
+    return np.asarray(np.interp(np.log(model.mean_pressure[points]), x, np.gradient(y, x)))
+
+
+def _curve(
+    hm: HeightMap,
+    model: ContactCurve,
+    kind: str,
+    points: Indices,
+    misfit: Array,
+    bounds: Array,
+    solved: dict[int, ContactCurve],
+) -> ContactCurve:
+    """The corrected curve, with what boundary elements found at the points that they solved."""
+    load, area, spots = misfit
+    columns: dict[str, Array] = {
+        name: np.array(getattr(model, name), float)
+        for name in ("mean_pressure", "separation", "contact_area", "contacts", "residual")
+    }
+    columns["error_estimate"] = np.zeros(len(model))
+    told = np.zeros(len(model))
+    if kind == "pressure":
+        rate = model.stiffness[points] / model.mean_pressure[points]
+        columns["separation"][points] -= load / rate
+        columns["contact_area"][points] *= np.exp(-area)
+    else:
+        columns["mean_pressure"][points] *= np.exp(-load)
+        growth = _growth(model, model.contact_area, points)
+        columns["contact_area"][points] *= np.exp(-area - growth * load)
+    columns["contacts"][points] *= np.exp(-spots)
+    columns["error_estimate"][points], told[points] = bounds
+    converged = model.converged.copy()
+    reasons = list(model.reasons)
+    for i, one in solved.items():
+        for name in columns:
+            columns[name][i] = getattr(one, name)[0]
+        told[i] = one.extra["area_error_estimate"][0]
+        converged[i], reasons[i] = one.converged[0], one.reasons[0]
+    is_anchor = np.zeros(len(model), bool)
+    is_anchor[list(solved)] = True
+    pressure, separation = columns.pop("mean_pressure"), columns.pop("separation")
+    contact_area = columns.pop("contact_area")
+    settings: dict[str, Any] = {
+        name: model.settings[name]
+        for name in ("law", "boundary", "modulus", "m", "input", "warnings")
+    }
+    return ContactCurve(
+        separation=separation,
+        mean_pressure=pressure,
+        load=pressure * hm.area,
+        area_fraction=contact_area / hm.area,
+        contact_area=contact_area,
+        contacts=np.rint(columns.pop("contacts")).astype(np.int64),
+        stiffness=spline_stiffness(separation, pressure, converged),
+        converged=converged,
+        residual=columns["residual"],
+        error_estimate=columns["error_estimate"],
+        model="anchored",
+        settings=settings,
+        extra={
+            "area_error_estimate": told,
+            "anchor": is_anchor,
+            "prior_error_estimate": model.error_estimate,
+            "prior_area_error_estimate": model.extra["area_error_estimate"],
+        },
+        reasons=tuple(reasons),
+    )
