@@ -1,0 +1,165 @@
+"""Whether the bounds of `asperity.solve` hold, and what they cost.
+
+    python benchmarks/verification.py --points 512 --seeds 1 2 --out rows.csv
+    python benchmarks/verification.py --points 1024 2048 --families "random waves" --engines auto
+    python benchmarks/verification.py --drawn --seeds 201 --out rows.csv
+    python benchmarks/verification.py --maps MEASURED
+
+Every map is solved by boundary elements to a bound of 0.1 % in load, and by `solve` at the accuracies
+named. A row is one load point: error and bound of load at equal separation and of area at equal load, and
+the seconds of `solve` over those of boundary elements at the same accuracy, measured in turns.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from drawn import FAMILIES, drawn
+from textures import TEXTURES
+
+import asperity
+import surfaces
+from asperity.halfspace.load_points import default_pressures
+
+TRUTH = 0.003
+"""Accuracy in area of the reference: its load is known to a third of that."""
+
+
+def scenes(args: argparse.Namespace) -> Iterator[tuple[str, int, surfaces.HeightMap, float, str | None]]:
+    """Name, seed, map, exponent of the grading and boundary of everything asked for."""
+
+    def wanted(name: str) -> bool:
+        return not args.families or any(part in name for part in args.families)
+
+    if args.maps:
+        for path in sorted(args.maps.glob("*.h5")):
+            if wanted(path.stem):
+                hm = surfaces.prepare(surfaces.read(path), fill="harmonic", periodic="taper")
+                yield path.stem, 0, hm, 0.0, None
+        return
+    for seed in args.seeds:
+        if args.drawn:
+            for name in filter(wanted, FAMILIES):
+                yield name, seed, *drawn(name, seed)
+            continue
+        for name in filter(wanted, TEXTURES):
+            for points in args.points:
+                heights = TEXTURES[name](points, seed)
+                yield f"{name} {points}", seed, surfaces.HeightMap(heights, (1.0, 1.0), periodic=True), 0.0, None
+
+
+def rows_of(name, seed, hm, m, boundary, args) -> list[dict]:
+    """Rows of one map."""
+    body = asperity.HalfSpace.from_modulus(1.0, m)
+    loads = default_pressures(hm, body, args.loads)
+    truth = asperity.bem_curve(hm, body, pressures=loads, accuracy=TRUTH, coarsen=False, boundary=boundary)
+    rate = truth.load / truth.extra["elastic_energy"]
+    found = []
+    for engine in args.engines:
+        for accuracy in args.accuracies:
+            begun = time.perf_counter()
+            alone = asperity.bem_curve(
+                hm, body, pressures=loads, accuracy=2 * accuracy, coarsen=False, boundary=boundary
+            )
+            middle = time.perf_counter()
+            # another object: nothing that a map keeps of itself may help
+            fresh = hm.replace()
+            curve = asperity.solve(
+                fresh, body, pressures=loads, accuracy=accuracy, engine=engine, boundary=boundary
+            )
+            seconds = time.perf_counter() - middle - curve.seconds["resolution"]
+            told = curve.verification
+            load = rate * (curve.separation - truth.separation)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                area = np.log(curve.contact_area / truth.contact_area)
+                alone_area = np.log(alone.contact_area / truth.contact_area)
+            for i in range(len(curve)):
+                found.append(
+                    {
+                        "family": name,
+                        "seed": seed,
+                        "asked": engine,
+                        "accuracy": accuracy,
+                        "engine": told["engine"],
+                        "anchors": len(told["anchors"]),
+                        "anchor": i in told["anchors"],
+                        "met": told["met"],
+                        "area_fraction": truth.area_fraction[i],
+                        "load_error": load[i],
+                        "load_bound": curve.error_estimate[i],
+                        "area_error": area[i],
+                        "area_bound": curve.extra["area_error_estimate"][i],
+                        "bem_load_error": (rate * (alone.separation - truth.separation))[i],
+                        "bem_area_error": alone_area[i],
+                        "converged": curve.converged[i] and truth.converged[i],
+                        "seconds": seconds,
+                        "bem_seconds": middle - begun,
+                        "resolution_load": told["resolution_uncertainty"][0],
+                    }
+                )
+    return found
+
+
+def summary(rows: list[dict]) -> None:
+    """One line per map and accuracy, and the shares of points inside the bounds."""
+    keys = dict.fromkeys((r["family"], r["seed"], r["asked"], r["accuracy"]) for r in rows)
+    for key in keys:
+        own = [r for r in rows if (r["family"], r["seed"], r["asked"], r["accuracy"]) == key]
+        first = own[0]
+        worst = {k: max(abs(r[k]) for r in own) for k in ("load_error", "load_bound", "area_error", "area_bound")}
+        ratio = [max(abs(r[f"{k}_error"]) / r[f"{k}_bound"] for r in own) for k in ("load", "area")]
+        flag = " OUTSIDE" if max(ratio) > 1 else ""
+        print(
+            f"{key[0]:28s} {key[1]:4d} {key[2]:8s} {key[3]:.2f} {first['engine']:8s} {first['anchors']:2d} anchors "
+            f"met {first['met']!s:5s} load {100 * worst['load_error']:6.2f} ({100 * worst['load_bound']:5.1f}) "
+            f"area {100 * worst['area_error']:6.2f} ({100 * worst['area_bound']:5.1f}) % "
+            f"time {first['seconds']:6.2f} / {first['bem_seconds']:6.2f} s = "
+            f"{first['seconds'] / first['bem_seconds']:.2f}{flag}"
+        )
+    for asked, accuracy in dict.fromkeys((r["asked"], r["accuracy"]) for r in rows):
+        own = [r for r in rows if r["asked"] == asked and r["accuracy"] == accuracy and r["converged"]]
+        text = f"{asked} {accuracy}: {len(own)} points"
+        for k, allowed in (("load", accuracy), ("area", 2 * accuracy)):
+            ratio = np.array([abs(r[f"{k}_error"]) / r[f"{k}_bound"] for r in own])
+            error = np.array([abs(r[f"{k}_error"]) for r in own])
+            alone = np.array([abs(r[f"bem_{k}_error"]) for r in own])
+            text += (
+                f"; {k}: inside {100 * np.mean(ratio <= 1):.2f} %, beyond twice {np.sum(ratio > 2)}, "
+                f"within accuracy {100 * np.mean(error <= allowed):.2f} % (boundary elements alone "
+                f"{100 * np.mean(alone <= allowed):.2f} %)"
+            )
+        print(text)
+
+
+def main() -> None:
+    """Run as asked."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--points", type=int, nargs="+", default=[512])
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1])
+    parser.add_argument("--loads", type=int, default=10)
+    parser.add_argument("--families", nargs="+", default=[])
+    parser.add_argument("--engines", nargs="+", default=["anchored"])
+    parser.add_argument("--accuracies", type=float, nargs="+", default=[0.05, 0.02])
+    parser.add_argument("--drawn", action="store_true")
+    parser.add_argument("--maps", type=Path)
+    parser.add_argument("--out", type=Path)
+    args = parser.parse_args()
+    rows: list[dict] = []
+    for scene in scenes(args):
+        new = rows_of(*scene, args)
+        rows += new
+    summary(rows)
+    if args.out:
+        with args.out.open("w", newline="") as file:
+            writer = csv.DictWriter(file, list(rows[0]))
+            writer.writeheader()
+            writer.writerows(rows)
+
+
+if __name__ == "__main__":
+    main()
