@@ -46,7 +46,9 @@ def wavy_hill(points: int, seed: int) -> Heights:
     rng = np.random.default_rng(seed)
     y, x = _axes(points)
     wave = points / 80 * (np.cos(2 * np.pi * y) + np.cos(2 * np.pi * x))
-    return wave + _fine(points, seed, rng.uniform(0.01, 0.03) * np.ptp(wave), rng.choice([4, 8, 16]))
+    return wave + _fine(
+        points, seed, rng.uniform(0.01, 0.03) * np.ptp(wave), rng.choice([4, 8, 16])
+    )
 
 
 def few_summits(points: int, seed: int) -> Heights:
@@ -60,7 +62,9 @@ def terraces(points: int, seed: int) -> Heights:
     rng = np.random.default_rng(seed)
     waves = _waves(points, seed, cutoff=16.0)
     step = rng.uniform(0.3, 1.0) * waves.std()
-    return ndimage.gaussian_filter(step * np.round(waves / step), rng.uniform(0.7, 1.5), mode="wrap")
+    return ndimage.gaussian_filter(
+        step * np.round(waves / step), rng.uniform(0.7, 1.5), mode="wrap"
+    )
 
 
 def turned(points: int, seed: int) -> Heights:

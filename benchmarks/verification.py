@@ -30,7 +30,9 @@ TRUTH = 0.003
 """Accuracy in area of the reference: its load is known to a third of that."""
 
 
-def scenes(args: argparse.Namespace) -> Iterator[tuple[str, int, surfaces.HeightMap, float, str | None]]:
+def scenes(
+    args: argparse.Namespace,
+) -> Iterator[tuple[str, int, surfaces.HeightMap, float, str | None]]:
     """Name, seed, map, exponent of the grading and boundary of everything asked for."""
 
     def wanted(name: str) -> bool:
@@ -50,14 +52,22 @@ def scenes(args: argparse.Namespace) -> Iterator[tuple[str, int, surfaces.Height
         for name in filter(wanted, TEXTURES):
             for points in args.points:
                 heights = TEXTURES[name](points, seed)
-                yield f"{name} {points}", seed, surfaces.HeightMap(heights, (1.0, 1.0), periodic=True), 0.0, None
+                yield (
+                    f"{name} {points}",
+                    seed,
+                    surfaces.HeightMap(heights, (1.0, 1.0), periodic=True),
+                    0.0,
+                    None,
+                )
 
 
 def rows_of(name, seed, hm, m, boundary, args) -> list[dict]:
     """Rows of one map."""
     body = asperity.HalfSpace.from_modulus(1.0, m)
     loads = default_pressures(hm, body, args.loads)
-    truth = asperity.bem_curve(hm, body, pressures=loads, accuracy=TRUTH, coarsen=False, boundary=boundary)
+    truth = asperity.bem_curve(
+        hm, body, pressures=loads, accuracy=TRUTH, coarsen=False, boundary=boundary
+    )
     rate = truth.load / truth.extra["elastic_energy"]
     found = []
     for engine in args.engines:
@@ -111,7 +121,10 @@ def summary(rows: list[dict]) -> None:
     for key in keys:
         own = [r for r in rows if (r["family"], r["seed"], r["asked"], r["accuracy"]) == key]
         first = own[0]
-        worst = {k: max(abs(r[k]) for r in own) for k in ("load_error", "load_bound", "area_error", "area_bound")}
+        worst = {
+            k: max(abs(r[k]) for r in own)
+            for k in ("load_error", "load_bound", "area_error", "area_bound")
+        }
         ratio = [max(abs(r[f"{k}_error"]) / r[f"{k}_bound"] for r in own) for k in ("load", "area")]
         flag = " OUTSIDE" if max(ratio) > 1 else ""
         print(
@@ -122,7 +135,9 @@ def summary(rows: list[dict]) -> None:
             f"{first['seconds'] / first['bem_seconds']:.2f}{flag}"
         )
     for asked, accuracy in dict.fromkeys((r["asked"], r["accuracy"]) for r in rows):
-        own = [r for r in rows if r["asked"] == asked and r["accuracy"] == accuracy and r["converged"]]
+        own = [
+            r for r in rows if r["asked"] == asked and r["accuracy"] == accuracy and r["converged"]
+        ]
         text = f"{asked} {accuracy}: {len(own)} points"
         for k, allowed in (("load", accuracy), ("area", 2 * accuracy)):
             ratio = np.array([abs(r[f"{k}_error"]) / r[f"{k}_bound"] for r in own])
@@ -138,7 +153,9 @@ def summary(rows: list[dict]) -> None:
 
 def main() -> None:
     """Run as asked."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--points", type=int, nargs="+", default=[512])
     parser.add_argument("--seeds", type=int, nargs="+", default=[1])
     parser.add_argument("--loads", type=int, default=10)

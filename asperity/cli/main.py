@@ -19,6 +19,7 @@ from .interrupt import interruptible
 
 COMMANDS = {
     "demo": "make a surface, run both models, write report.html and print the verdict",
+    "solve": "the contact curve as accurate as asked for, by the cheaper engine, checked",
     "curve": "load-separation and contact area from the sum of microcontacts",
     "bem": "the same curves from the full boundary-element solution",
     "compare": "both models, their differences and run times; results and report",
@@ -121,6 +122,10 @@ def _module(command: str) -> ModuleType:
             from . import demo
 
             return demo
+        case "solve":
+            from . import solve
+
+            return solve
         case "curve":
             from . import curve
 

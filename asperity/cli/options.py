@@ -122,7 +122,7 @@ def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     hm = prepared(hm, args)
     if np.ptp(hm.heights) == 0.0:
         raise SurfaceError(f"{Path(file).name} is constant: a flat map has no peaks to touch")
-    if args.command not in ("plan", "curve"):  # which have them among their lines
+    if args.command not in ("plan", "curve", "solve"):  # which have them among their lines
         for warning in map_warnings(hm):
             sys.stderr.write(f"asperity {args.command}: {Path(file).name}: {warning}\n")
     return hm if hm.name else hm.replace(name=Path(file).stem)

@@ -14,7 +14,7 @@ ANCHORS = 4
 """Load points that are expected to be anchored."""
 
 MODEL_SECONDS = 0.1, 1.0e-6
-"""Seconds of a curve of the model: in any case, and per point of the grid that its plan solves on."""
+"""Seconds of a curve of the model: in any case, and per point of the grid that is solved."""
 
 BEM_SECONDS = 3.4e-7, 1.5e-7
 """Seconds of boundary elements per point of a map of 512 x 512: of a curve, times the root of the

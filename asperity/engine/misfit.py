@@ -11,9 +11,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
-def between(
-    position: Array, anchors: Indices, misfit: Array, floor: Array
-) -> tuple[Array, Array]:
+def between(position: Array, anchors: Indices, misfit: Array, floor: Array) -> tuple[Array, Array]:
     """Misfit at all load points, interpolated between the anchors, and a bound on what that leaves.
 
     Parameters

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.bem.curve import SolvedLoad, bem_curve
+from asperity.bem.path import AREA_OVER_LOAD_ERROR
 from asperity.compilation import CURVE, compile_ahead
 from asperity.curve import solve_contacts
 from asperity.errors import InputError, ModelRangeError
@@ -40,6 +41,9 @@ ENGINES = ("auto", "bem", "anchored")
 ACCURACIES = 0.004, 0.1
 """Least and largest accuracy in load that can be asked for."""
 
+KINDS = "pressure", "separation"
+"""Kinds of load points."""
+
 JUDGE_SHARE = 0.15
 """Error of boundary elements at anchors over the accuracy asked for."""
 
@@ -55,6 +59,7 @@ def solve(
     engine: str = "auto",
     boundary: str | None = None,
     progress: Callable[[SolvedLoad], object] | None = None,
+    judge: Callable[..., ContactCurve] = bem_curve,
 ) -> ContactCurve:
     """Load, separation and real contact area, as accurate as asked for, by the cheaper engine.
 
@@ -80,6 +85,9 @@ def solve(
         "periodic" or "free"; as the map says if None.
     progress
         Called with every load point that boundary elements have solved.
+    judge
+        Solves load points by boundary elements: a function with the arguments of `bem_curve`, such
+        as one that keeps in a file what it has solved.
 
     Returns
     -------
@@ -122,11 +130,14 @@ def solve(
     plan, chosen, reason = _choice(hm, material, kind, values, edge, engine)
     lightest = LightestLoad(progress)
 
-    def judge(points: Array, error: float) -> ContactCurve:
-        return bem_curve(
+    def exact(points: Array, error: float) -> ContactCurve:
+        """Boundary elements on the grid of the map, within an error of the area."""
+        pressures, separations = (points if kind == one else None for one in KINDS)
+        return judge(
             hm,
             material,
-            **_loads(kind, points),
+            pressures=pressures,
+            separations=separations,
             accuracy=error,
             coarsen=False,
             boundary=edge,
@@ -135,16 +146,22 @@ def solve(
 
     spent = {"choice": time.perf_counter() - begun}
     if plan is not None:
-        model = solve_contacts(hm, material, plan, **_loads(kind, values)).curve
+        pressures, separations = (values if kind == one else None for one in KINDS)
+        run = solve_contacts(hm, material, plan, pressures=pressures, separations=separations)
         spent["model"] = time.perf_counter() - begun - sum(spent.values())
-        exact = JUDGE_SHARE * asked.area
-        curve = verified(hm, model, kind, values, lambda points: judge(points, exact), asked)
+        error = JUDGE_SHARE * asked.area
+        curve = verified(hm, run.curve, kind, values, lambda at: exact(at, error), asked)
     else:
-        curve = judge(values, asked.area)
+        curve = exact(values, min(asked.area, AREA_OVER_LOAD_ERROR * asked.load))
     anchors = np.flatnonzero(curve.extra.get("anchor", np.ones(len(values))))
     if plan is not None and len(anchors) == len(values):
         chosen, reason = "bem", f"{reason}; but it did not hold between anchors"
     spent["boundary elements"] = time.perf_counter() - begun - sum(spent.values())
+    if lightest.point is None and (curve.mean_pressure > 0.0).any():  # all were solved before
+        exact(
+            values[[np.argmin(np.where(curve.mean_pressure > 0.0, curve.mean_pressure, np.inf))]],
+            asked.area,
+        )
     left = resolution(hm, material, edge, lightest)
     spent["resolution"] = time.perf_counter() - begun - sum(spent.values())
     told = {
@@ -180,8 +197,9 @@ def _choice(
         return None, "bem", "as asked"
     if engine == "auto" and len(values) < LEAST_LOADS:
         return None, "bem", f"fewer than {LEAST_LOADS} load points"
+    pressures, separations = (values if kind == one else None for one in KINDS)
     try:
-        plan = make_plan(hm, material, **_loads(kind, values), boundary=edge)
+        plan = make_plan(hm, material, pressures=pressures, separations=separations, boundary=edge)
     except ModelRangeError as error:
         return None, "bem", f"the microcontact model has no answer: {error}"
     if engine == "anchored":
@@ -191,7 +209,3 @@ def _choice(
     if alone <= anchored:
         return None, "bem", f"{times} with anchors"
     return plan, "anchored", f"{times} with anchors"
-
-
-def _loads(kind: str, values: Array) -> dict[str, Array]:
-    return {"pressures" if kind == "pressure" else "separations": values}

@@ -1,4 +1,4 @@
-"""The curve of the microcontact model, corrected and bounded by boundary elements at a few loads."""
+"""The curve of the model, corrected and bounded by boundary elements at a few loads."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.bem.curve import spline_stiffness
+from asperity.multiscale.pixel_waves import random_waves
 from asperity.results.curve import ContactCurve
 from surfaces.heightmap import HeightMap
 
@@ -25,6 +26,9 @@ Judge = Callable[[Array], ContactCurve]
 
 LEAST_LOADS = 5
 """Load points from which on some can be left to the model."""
+
+FIRST_ANCHORS = 3, 5
+"""Anchors in any case: on random waves, and on other maps, whose misfit varies less evenly."""
 
 PRIOR_SHARE = 1.0 / 3.0
 """Share of the a-priori estimate that is left between anchors at all of which it held."""
@@ -123,7 +127,8 @@ def verified(
     count = len(points)
     position = np.log(model.mean_pressure[points])
     prior = _prior(model)[:, points]
-    anchors = np.unique([0, (count - 1) // 2, count - 1])
+    first = FIRST_ANCHORS[not random_waves(hm)]
+    anchors = np.unique(np.linspace(0, count - 1, first).astype(np.int64))
     solved: dict[int, ContactCurve] = _solved(judge, values, others)
     while True:
         new = [i for i in points[anchors] if i not in solved]

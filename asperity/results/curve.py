@@ -301,6 +301,8 @@ class ContactCurve:
             + ", ".join(f"{stage} {value:.2g}" for stage, value in self.seconds.items())
             + ")",
         ]
+        if self.verification is not None:
+            lines += _told(self.verification)
         if alone is not None:
             lines.append(f"interaction     left out: load {span(100 * alone, ' %')} off by that")
         lines += [f"warning         {why}" for why in self.settings.get("warnings", ())]
@@ -308,6 +310,19 @@ class ContactCurve:
         return "\n".join(lines)
 
     __repr__ = __str__
+
+
+def _told(verification: Mapping[str, Any]) -> list[str]:
+    """Lines about engine, accuracy and resolution."""
+    load, area = (f"{share:.2g}" for share in verification["accuracy"])
+    met = "met" if verification["met"] else "NOT MET"
+    left = " in load, ".join(f"{100 * x:.2g} %" for x in verification["resolution_uncertainty"])
+    return [
+        f"engine          {verification['engine']} ({verification['reason']})",
+        f"accuracy        {load} in load, {area} in area: {met} on the "
+        f"{verification['reference']}; {len(verification['anchors'])} points by boundary elements",
+        f"pixels leave    {left} in area open ({verification['resolution']})",
+    ]
 
 
 def require_curve(curve: object) -> None:
