@@ -50,6 +50,8 @@ class Reading:
     ----------
     certificate
         The relative errors.
+    points
+        Number of points under pressure.
     level
         Mean of u - h over the contact [m]; its smallest value if there is no contact.
     scale
@@ -63,6 +65,7 @@ class Reading:
     """
 
     certificate: Certificate
+    points: int
     level: float
     scale: float
     total: float
@@ -114,7 +117,7 @@ def certify(
         missing = 0.0 if not mean_pressure else 1.0
         penetration = 0.0 if offset is None else max(0.0, offset - lowest) / scale
         level = lowest if offset is None else offset
-        return Reading(Certificate(missing, 0.0, penetration), level, scale, 0.0, 0.0, block_low)
+        return Reading(Certificate(missing, 0.0, penetration), 0, level, scale, 0.0, 0.0, block_low)
     if offset is not None:
         load = abs(level - offset) / scale
     elif mean_pressure:
@@ -123,4 +126,4 @@ def certify(
         load = float("inf")
     complementarity = max(work / total - lowest, 0.0) / scale
     certificate = Certificate(load, complementarity, (level - lowest) / scale)
-    return Reading(certificate, level, scale, total, moment, block_low)
+    return Reading(certificate, count, level, scale, total, moment, block_low)

@@ -27,7 +27,7 @@ from .chains import follow_chains, split_loads
 from .contact_map import read_contact
 from .interpolation import interpolated, loads_to_solve
 from .memory import fits
-from .path import AREA_OVER_LOAD_ERROR, LoadPath
+from .path import LoadPath
 from .problem import ContactProblem
 
 __all__ = ["SolvedLoad", "bem_curve"]
@@ -123,9 +123,10 @@ def bem_curve(
         In the order asked for. `stiffness` comes from the load points (`spline_stiffness`): the
         closer they lie, the better. `residual` is the worst entry of the certificate, and
         `error_estimate` the bound on the error of the load on the grid that was solved
-        (`ContactProblem.load_error`), `extra["area_error_estimate"]` that of the area, three times
-        as much. `extra` holds the certificate by entry, raw area, elastic energy, iterations,
-        transform pairs and seconds; a point that missed the tolerance is marked and explained.
+        (`ContactProblem.load_error`), `extra["area_error_estimate"]` that of the area
+        (`area_error`). `extra` holds the certificate by entry, raw area, elastic energy,
+        iterations, transform pairs and seconds; a point that missed the tolerance is marked and
+        explained.
 
     Examples
     --------
@@ -214,7 +215,7 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
     periodic = problem.boundary == "periodic"
     contact = problem.level.pressure > 0.0 if keep_map else _NO_MAP
     raw, area, patches = read_contact(exact.pressure, hm.spacing, hm.shape[1], periodic=periodic)
-    mean, load_error = problem.mean_pressure(outcome), problem.load_error(outcome)
+    mean = problem.mean_pressure(outcome)
     columns = {
         "separation": problem.separation(outcome),
         "mean_pressure": mean,
@@ -224,8 +225,8 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
         "contacts": patches,
         "converged": outcome.converged,
         "residual": certificate.worst,
-        "error_estimate": load_error,
-        "area_error_estimate": AREA_OVER_LOAD_ERROR * load_error,
+        "error_estimate": problem.load_error(outcome),
+        "area_error_estimate": problem.area_error(outcome),
         "load_error": certificate.load,
         "complementarity": certificate.complementarity,
         "penetration": certificate.penetration,

@@ -23,7 +23,11 @@ from .memory import require_memory
 from .operator import HalfSpaceOperator
 from .scratch import Scratch
 
-__all__ = ["ContactProblem"]
+__all__ = ["AREA_OVER_LOAD_ERROR", "ContactProblem"]
+
+AREA_OVER_LOAD_ERROR = 3.0
+"""Bound on the error of the contact area at equal load over that of the load at equal separation
+(docs/development/verification.md)."""
 
 _COARSE_TOLERANCE = 1e-2
 """Bound on the certificate on the coarser grids."""
@@ -227,6 +231,13 @@ class ContactProblem:
         if mean == 0.0:
             return 0.0
         return worst * outcome.reading.scale * mean / energy if energy > 0.0 else math.inf
+
+    def area_error(self, outcome: Outcome) -> float:
+        """Bound on the relative error of the contact area at equal load [-]: three times that of
+        the load, and one pixel."""
+        if outcome.reading.points == 0:
+            return 0.0
+        return AREA_OVER_LOAD_ERROR * self.load_error(outcome) + 1.0 / outcome.reading.points
 
     def settings(self) -> dict[str, Any]:
         """Everything needed to repeat a run."""

@@ -12,9 +12,11 @@ from asperity.bem.curve import SolvedLoad, bem_curve
 from asperity.bem.memory import fits
 from asperity.halfspace.boundary import Boundary
 from asperity.halfspace.material import HalfSpace
+from asperity.model.map_checks import seam_warning
+from asperity.multiscale.pixel_waves import resolution_warning
 from surfaces.heightmap import HeightMap
 from surfaces.patches import label_patches
-from surfaces.preparation.filtering import resample
+from surfaces.preparation.filtering import make_periodic, resample
 
 __all__ = ["LightestLoad", "Resolution", "resolution", "small_share"]
 
@@ -22,7 +24,13 @@ FEW_PIXELS = 10
 """Pixels of a contact below which its area and its load depend on the grid."""
 
 DOUBTFUL = 0.5
-"""Share of the contact area in such contacts from which on a refined grid is solved."""
+"""Share of the contact area in such contacts from which on finer grids are solved."""
+
+TILE = 1024
+"""Points along the sides of the part of a map, about its highest point, that stands for it."""
+
+SAFETY = 1.5
+"""Uncertainty stated over the larger difference at two loads."""
 
 FLOOR = 0.02, 0.05
 """Least uncertainty of load and area that is stated."""
@@ -30,13 +38,13 @@ FLOOR = 0.02, 0.05
 LARGE = 0.05, 0.15
 """Uncertainty of load and area that is warned of."""
 
-CURE = (
-    "the waves of the map reach its pixels, which leaves open {}: take out the waves below a "
-    "length that matters (bandpass), or measure on a finer grid"
-)
+ACCURACY = 0.05
+"""Accuracy in area of the solutions that are compared."""
 
-SAFETY = 1.5
-"""Uncertainty stated over the difference that was found at one load."""
+CURE = (
+    "the pixels of the map leave {} open: take out the waves below a length that matters "
+    "(bandpass), or measure on a finer grid"
+)
 
 
 @dataclass(frozen=True)
@@ -61,7 +69,7 @@ class Resolution:
 
 
 class LightestLoad:
-    """Keeps the lightest load point that boundary elements solve, and calls `progress` of each."""
+    """Keeps the lightest load point that boundary elements solve; calls `progress` with each."""
 
     def __init__(self, progress: Callable[[SolvedLoad], object] | None = None) -> None:
         self.progress = progress
@@ -83,33 +91,69 @@ def small_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
 
 
 def resolution(
-    hm: HeightMap, material: HalfSpace, boundary: Boundary, lightest: LightestLoad
+    hm: HeightMap, material: HalfSpace, boundary: Boundary, lightest: LightestLoad, heaviest: float
 ) -> Resolution:
-    """What the pixels leave open of a curve, by its lightest load on a grid twice as fine."""
+    """What the pixels leave open of a curve, by its ends on a grid twice as fine.
+
+    Parameters
+    ----------
+    hm, material, boundary
+        Scene.
+    lightest
+        Lightest load point of the curve.
+    heaviest
+        Heaviest mean pressure of the curve [Pa].
+
+    Notes
+    -----
+    Where the waves of a map end well above its pixels, and contacts hold many of them, no finer
+    grid is needed to know that it would tell the same.
+    """
     point = lightest.point
     if point is None:
         return Resolution(0.0, 0.0, "nothing touches")
     share = small_share(point.contact, periodic=boundary == "periodic")
-    held = f"contacts of fewer than {FEW_PIXELS} pixels hold {share:.0%} of the lightest contact"
-    if share < DOUBTFUL:
+    held = f"contacts below {FEW_PIXELS} pixels hold {share:.0%} of the lightest contact"
+    broken = resolution_warning(hm) + seam_warning(hm)
+    if share < DOUBTFUL and not broken:
         return Resolution(*FLOOR, held)
-    ny, nx = hm.shape
-    if not fits((2 * ny, 2 * nx), boundary, 1):
+    part = _part(hm)
+    finer = resample(part, np.asarray(part.spacing) / 2)
+    if not fits(finer.shape, boundary, 1):
         why = f"{held}, and a finer grid does not fit into memory"
         return Resolution(np.nan, np.nan, why, (CURE.format("an unknown part"),))
-    finer = resample(hm, np.asarray(hm.spacing) / 2)
-    found = bem_curve(
-        finer, material, pressures=[point.mean_pressure], accuracy=FLOOR[0], boundary=boundary
+    loads = np.unique([point.mean_pressure, heaviest])
+    own, fine = (
+        bem_curve(
+            grid,
+            material,
+            pressures=loads,
+            accuracy=ACCURACY,
+            coarsen=False,
+            boundary=boundary,
+        )
+        for grid in (part, finer)
     )
-    columns = point.columns
-    rate = columns["load"] / columns["elastic_energy"]
-    load = abs(rate * (columns["separation"] - float(found.separation[0])))
-    area = abs(np.log(columns["contact_area"] / float(found.contact_area[0])))
-    load, area = (max(SAFETY * x, least) for x, least in zip((load, area), FLOOR, strict=True))
-    warnings = (CURE.format(f"{load:.0%} of the load and {area:.0%} of the area"),)
-    return Resolution(
-        load,
-        area,
-        f"{held}: solved on a grid twice as fine",
-        warnings if load > LARGE[0] or area > LARGE[1] else (),
-    )
+    rate = own.load / own.extra["elastic_energy"]
+    load = float(np.max(np.abs(rate * (own.separation - fine.separation))))
+    area = float(np.max(np.abs(np.log(own.contact_area / fine.contact_area))))
+    load, area = max(SAFETY * load, FLOOR[0]), max(SAFETY * area, FLOOR[1])
+    large = load > LARGE[0] or area > LARGE[1]
+    warning = CURE.format(f"{load:.0%} of the load and {area:.0%} of the contact area")
+    where = "of the map" if part is hm else f"of {TILE} x {TILE} points about its highest"
+    told = f"{held}; the lightest and the heaviest load solved on a grid twice as fine {where}"
+    return Resolution(load, area, told, (warning,) if large else ())
+
+
+def _part(hm: HeightMap) -> HeightMap:
+    """The map, or of a large one the part about its highest point, faded to a period."""
+    if max(hm.shape) <= TILE:
+        return hm
+    top = np.unravel_index(int(np.argmax(hm.heights)), hm.shape)
+    start = [
+        int(np.clip(at - TILE // 2, 0, max(n - TILE, 0)))
+        for at, n in zip(top, hm.shape, strict=True)
+    ]
+    rows, columns = (slice(at, at + TILE) for at in start)
+    part = hm.replace(heights=hm.heights[rows, columns], periodic=False)
+    return make_periodic(part, "taper") if hm.periodic else part

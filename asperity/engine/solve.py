@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.bem.curve import SolvedLoad, bem_curve
-from asperity.bem.path import AREA_OVER_LOAD_ERROR
+from asperity.bem.problem import AREA_OVER_LOAD_ERROR
 from asperity.compilation import CURVE, compile_ahead
 from asperity.curve import solve_contacts
 from asperity.errors import InputError, ModelRangeError
@@ -162,7 +162,7 @@ def solve(
             values[[np.argmin(np.where(curve.mean_pressure > 0.0, curve.mean_pressure, np.inf))]],
             asked.area,
         )
-    left = resolution(hm, material, edge, lightest)
+    left = resolution(hm, material, edge, lightest, float(curve.mean_pressure.max()))
     spent["resolution"] = time.perf_counter() - begun - sum(spent.values())
     told = {
         "engine": chosen,

@@ -30,8 +30,9 @@ LEAST_LOADS = 5
 FIRST_ANCHORS = 3, 5
 """Anchors in any case: on random waves, and on other maps, whose misfit varies less evenly."""
 
-PRIOR_SHARE = 1.0 / 3.0
-"""Share of the a-priori estimate that is left between anchors at all of which it held."""
+PRIOR_SHARE = np.array([[0.5], [1.0 / 3.0]])
+"""Share of the a-priori estimates of load and area that is left between anchors at all of which
+they held."""
 
 UNKNOWN = 0.05, 0.15
 """Estimates of load and area where the model states none."""
@@ -128,6 +129,7 @@ def verified(
     position = np.log(model.mean_pressure[points])
     prior = _prior(model)[:, points]
     first = FIRST_ANCHORS[not random_waves(hm)]
+    grain = _grain(hm, model)[points]
     anchors = np.unique(np.linspace(0, count - 1, first).astype(np.int64))
     solved: dict[int, ContactCurve] = _solved(judge, values, others)
     while True:
@@ -140,15 +142,26 @@ def verified(
         area, area_bound = between(position, anchors, known[1], floors[1])
         own = _of_judge(solved, points[anchors])
         rest = np.array([np.interp(position, position[anchors], found) for found in own])
-        bounds = np.array([load_bound, area_bound]) + rest
+        bounds = np.array([load_bound, area_bound + grain]) + rest
         over = np.maximum(bounds[0] / accuracy.load, bounds[1] / accuracy.area)
-        over[anchors] = 0.0
+        over[anchors], bounds[1, anchors] = 0.0, rest[1, anchors]
         if len(anchors) == count or over.max() <= 1.0:
             break
         anchors = np.arange(count) if len(anchors) > count // 2 else halved(anchors, over)
     spots = np.interp(position, position[anchors], known[2])
     misfit = np.array([load, area, spots])
     return _curve(hm, model, kind, points, misfit, bounds, solved)
+
+
+def _grain(hm: HeightMap, model: ContactCurve) -> Array:
+    """Relative scatter of an area counted in pixels, which the model does not share, shape (n,).
+
+    The number of pixels in a disc of radius R pixels scatters by about the root of R about its
+    area. Over n spots that hold N pixels this is the root of n R, with N = n pi R^2.
+    """
+    pixels = model.contact_area / (hm.spacing[0] * hm.spacing[1])
+    scatter = (np.maximum(model.contacts, 1) * pixels / np.pi) ** 0.25
+    return np.asarray(scatter / np.maximum(pixels, 1e-300))
 
 
 def _solved(judge: Judge, values: Array, new: Indices) -> dict[int, ContactCurve]:

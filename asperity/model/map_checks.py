@@ -9,11 +9,15 @@ from asperity.parameters import DEFAULTS
 from surfaces.heightmap import HeightMap
 from surfaces.units import unit_warning
 
-__all__ = ["lay", "map_warnings"]
+__all__ = ["lay", "map_warnings", "seam_warning"]
 
 SPIKE = 3.0
 """Height of a point above all its neighbors, in rms heights, from which on it is called a spike:
 noise reaches 2.5, a map to the pixel 1."""
+
+CLIFF = 3.0
+"""Rms step across the seam of a periodic map over the largest between two lines inside from which
+on it is told: random waves have 1."""
 
 LONG_LAY = 7.0
 """Slopes across over those along a lay from which on ridges are warned of."""
@@ -43,6 +47,7 @@ def map_warnings(
         *unit_warning(hm.roughness.rms_slope),
         *resolution_warning(hm),
         *_spike_warning(hm),
+        *seam_warning(hm),
         *_straight_warning(hm),
         *_lay_warning(lay(hm), longest_lay),
     ]
@@ -57,6 +62,31 @@ def lay(hm: HeightMap) -> float:
     middle = 0.5 * float(np.mean(y * y) + np.mean(x * x))
     apart = float(np.hypot(0.5 * (np.mean(y * y) - np.mean(x * x)), np.mean(y * x)))
     return float(np.sqrt((middle + apart) / (middle - apart))) if middle > apart else np.inf
+
+
+def seam_warning(hm: HeightMap) -> list[str]:
+    """A cliff where the sides of a periodic map do not meet; empty without one.
+
+    Notes
+    -----
+    The rms step across the seam is compared with the largest between two lines inside, which a
+    grating has, too.
+    """
+    if not hm.periodic:
+        return []
+    worst = 0.0
+    for axis, (slope, width) in enumerate(zip(hm.roughness.slope, hm.spacing, strict=True)):
+        lines = hm.heights if axis == 0 else hm.heights.T
+        seam = float(np.sqrt(np.mean((lines[0] - lines[-1]) ** 2)))
+        if seam > CLIFF * slope * width > 0.0:
+            inside = np.mean(np.diff(hm.heights, axis=axis) ** 2, axis=1 - axis)
+            worst = max(worst, seam / float(np.sqrt(inside.max())))
+    if worst < CLIFF:
+        return []
+    return [
+        f"the sides of the map do not meet: the step across its seam is {worst:.0f} times the "
+        "largest inside; make it periodic (--periodic taper or mirror), or take it as free"
+    ]
 
 
 def _spike_warning(hm: HeightMap) -> list[str]:
