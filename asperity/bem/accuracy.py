@@ -51,9 +51,9 @@ class GridChoice:
 
 
 def require_accuracy(accuracy: float) -> float:
-    """Refuse an accuracy that is no relative error from 0.002 to 0.2."""
-    if not 0.002 <= as_number("accuracy", accuracy) <= 0.2:
-        raise InputError(f"accuracy is {accuracy!r}; give a relative error from 0.002 to 0.2")
+    """Refuse an accuracy that is no relative error from 1e-4 to 0.2."""
+    if not 1e-4 <= as_number("accuracy", accuracy) <= 0.2:
+        raise InputError(f"accuracy is {accuracy!r}; give a relative error from 1e-4 to 0.2")
     return accuracy
 
 
@@ -68,7 +68,7 @@ def choose_grid(
         Height map without missing points.
     accuracy
         Relative error allowed in the load at equal separation and about the same in the corrected
-        area at equal load, 0.002 to 0.2.
+        area at equal load, 1e-4 to 0.2.
     lightest_area
         Expected contact area fraction at the lightest load.
     boundary

@@ -100,7 +100,7 @@ def bem_curve(
         separations [m]. With neither: 10 geometric loads for about 0.1 % to 10 % of contact,
         from the rms slope and the modulus.
     accuracy
-        Relative error allowed in load and corrected area [-], 0.002 to 0.2, in place of a
+        Relative error allowed in load and corrected area [-], 1e-4 to 0.2, in place of a
         tolerance: each load is solved until its certificate bounds the error by that. The coarsest
         grid that holds it is chosen from the spectrum of the map and the lightest load
         (`accuracy.choose_grid`), and of more than ten pressures about ten are solved and the others

@@ -12,7 +12,7 @@ from asperity.bem.curve import SolvedLoad, bem_curve
 from asperity.bem.memory import fits
 from asperity.halfspace.boundary import Boundary
 from asperity.halfspace.material import HalfSpace
-from asperity.model.map_checks import seam_warning
+from asperity.model.map_checks import seam_warning, straight_warning
 from asperity.multiscale.pixel_waves import resolution_warning
 from surfaces.heightmap import HeightMap
 from surfaces.patches import label_patches
@@ -29,8 +29,11 @@ DOUBTFUL = 0.5
 TILE = 1024
 """Points along the sides of the part of a map, about its highest point, that stands for it."""
 
+LOADS = 3
+"""Loads of a curve that are solved on a finer grid, its ends among them."""
+
 SAFETY = 1.5
-"""Uncertainty stated over the larger difference at two loads."""
+"""Uncertainty stated over the largest difference that was found."""
 
 FLOOR = 0.02, 0.05
 """Least uncertainty of load and area that is stated."""
@@ -93,7 +96,7 @@ def small_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
 def resolution(
     hm: HeightMap, material: HalfSpace, boundary: Boundary, lightest: LightestLoad, heaviest: float
 ) -> Resolution:
-    """What the pixels leave open of a curve, by its ends on a grid twice as fine.
+    """What the pixels leave open of a curve, by some of its loads on a grid twice as fine.
 
     Parameters
     ----------
@@ -114,7 +117,7 @@ def resolution(
         return Resolution(0.0, 0.0, "nothing touches")
     share = small_share(point.contact, periodic=boundary == "periodic")
     held = f"contacts below {FEW_PIXELS} pixels hold {share:.0%} of the lightest contact"
-    broken = resolution_warning(hm) + seam_warning(hm)
+    broken = resolution_warning(hm) + seam_warning(hm) + straight_warning(hm)
     if share < DOUBTFUL and not broken:
         return Resolution(*FLOOR, held)
     part = _part(hm)
@@ -122,7 +125,9 @@ def resolution(
     if not fits(finer.shape, boundary, 1):
         why = f"{held}, and a finer grid does not fit into memory"
         return Resolution(np.nan, np.nan, why, (CURE.format("an unknown part"),))
-    loads = np.unique([point.mean_pressure, heaviest])
+    loads = np.geomspace(
+        point.mean_pressure, heaviest, LOADS if heaviest > point.mean_pressure else 1
+    )
     own, fine = (
         bem_curve(
             grid,
@@ -141,7 +146,7 @@ def resolution(
     large = load > LARGE[0] or area > LARGE[1]
     warning = CURE.format(f"{load:.0%} of the load and {area:.0%} of the contact area")
     where = "of the map" if part is hm else f"of {TILE} x {TILE} points about its highest"
-    told = f"{held}; the lightest and the heaviest load solved on a grid twice as fine {where}"
+    told = f"{held}; {len(loads)} loads solved on a grid twice as fine {where}"
     return Resolution(load, area, told, (warning,) if large else ())
 
 

@@ -9,7 +9,7 @@ from asperity.parameters import DEFAULTS
 from surfaces.heightmap import HeightMap
 from surfaces.units import unit_warning
 
-__all__ = ["lay", "map_warnings", "seam_warning"]
+__all__ = ["lay", "map_warnings", "seam_warning", "straight_warning"]
 
 SPIKE = 3.0
 """Height of a point above all its neighbors, in rms heights, from which on it is called a spike:
@@ -26,6 +26,10 @@ STRAIGHT = 0.4
 """Share of the highest points in line with both neighbors from which on heights seem clipped: 0.6
 to 1 of plateaus, leveled or not, and of ridges; 0.2 of steps of a thirtieth of the rms height and
 of the coarsest of eight measured maps."""
+
+STRAIGHT_TO = 1e-6
+"""Second difference of heights over the rms height up to which points are in line: noise of
+rounding is below it, waves of 4 000 points and shorter are above."""
 
 HIGHEST, LINES = 0.02, 16
 """Share of the points that count as the highest, and rows and columns on which they are sought."""
@@ -48,7 +52,7 @@ def map_warnings(
         *resolution_warning(hm),
         *_spike_warning(hm),
         *seam_warning(hm),
-        *_straight_warning(hm),
+        *straight_warning(hm),
         *_lay_warning(lay(hm), longest_lay),
     ]
 
@@ -108,17 +112,15 @@ def _spike_warning(hm: HeightMap) -> list[str]:
     ]
 
 
-def _straight_warning(hm: HeightMap) -> list[str]:
-    heights, rounding = hm.heights, 8.0 * np.finfo(float).eps
-    largest = max(abs(hm.roughness.highest), abs(hm.roughness.lowest))
+def straight_warning(hm: HeightMap) -> list[str]:
+    """Highest points in line with their neighbors; empty where few are."""
+    heights, straight = hm.heights, STRAIGHT_TO * hm.roughness.rms_height
     step = -(-len(heights) // LINES)
     above, line, below = (heights[at : len(heights) - 2 + at : step] for at in range(3))
     top = line >= np.quantile(line, 1.0 - HIGHEST)
     across = (above - 2.0 * line + below)[top]
     along = (line[:, 2:] - 2.0 * line[:, 1:-1] + line[:, :-2])[top[:, 1:-1]]
-    share = max(
-        float(np.mean(np.abs(bend) <= rounding * largest)) for bend in (along, across) if bend.size
-    )
+    share = max(float(np.mean(np.abs(bend) <= straight)) for bend in (along, across) if bend.size)
     if share < STRAIGHT:
         return []
     return [

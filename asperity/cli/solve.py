@@ -1,0 +1,125 @@
+"""``asperity solve``: the contact curve, as accurate as asked for, by the cheaper engine."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from asperity.errors import InputError
+
+from . import derived, options, output
+
+if TYPE_CHECKING:
+    from asperity.bem.curve import SolvedLoad
+    from asperity.halfspace.material import HalfSpace
+    from asperity.results.curve import ContactCurve
+    from surfaces.heightmap import HeightMap
+
+EPILOG = """examples:
+  asperity solve scan.h5 --E 210e9 --nu 0.3 --accuracy 5%
+  asperity solve scan.h5 --E 210e9 --pressure 1e6:5e8:30 --accuracy 2% --csv curve.csv
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of ``asperity solve``."""
+    parser.epilog = EPILOG
+    options.add_surface_options(parser)
+    options.add_material_options(parser)
+    options.add_load_options(parser)
+    group = parser.add_argument_group("accuracy")
+    group.add_argument(
+        "--accuracy",
+        default="5%",
+        help="relative error allowed in the load, as 0.05 or 5%% (default 5%%)",
+    )
+    group.add_argument(
+        "--area-accuracy", help="relative error allowed in the contact area (default twice that)"
+    )
+    group.add_argument(
+        "--engine",
+        default="auto",
+        choices=["auto", "bem", "anchored"],
+        help="auto: the cheaper one; bem: boundary elements at every load; anchored: the "
+        "microcontact model, anchored by boundary elements at a few loads (default auto)",
+    )
+    output.add_output_options(parser)
+    derived.add_derived_options(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Solve, write the results file and print the curve."""
+    output.require_outputs(args.results, args.csv, args.slip, inputs=[args.file])
+    material, loads = options.material(args), options.loads(args)
+    derived.require_derivable(material, loads, args)
+    allowed = {
+        "accuracy": _share(args.accuracy, "--accuracy"),
+        "area_accuracy": args.area_accuracy and _share(args.area_accuracy, "--area-accuracy"),
+    }
+    hm = options.load_surface(args.file, args)
+    from asperity.engine.solve import solve
+    from asperity.results.storage import ResultFile, write_results
+
+    settings: dict[str, Any] = {**allowed, "boundary": args.boundary, "engine": args.engine}
+    request = output.request_of(hm, material, args, settings)
+    judge = _Resumable(args, request)
+    curve = solve(hm, material, **loads, **settings, judge=judge)
+    curves = {one.model: one.to_record() for one in (judge.solved, curve) if one is not None}
+    write_results(args.results, ResultFile(curves=curves, about={"request": request}))
+    return output.finish(curve, material, args)
+
+
+class _Resumable:
+    """Boundary elements that keep what they solve in the results file, and go on from it."""
+
+    def __init__(self, args: argparse.Namespace, request: dict[str, Any]) -> None:
+        self.args, self.request = args, request
+        self.asked = np.empty(0)
+        self.solved: ContactCurve | None = None
+
+    def __call__(
+        self,
+        hm: HeightMap,
+        material: HalfSpace,
+        *,
+        progress: Callable[[SolvedLoad], object],
+        **how: Any,
+    ) -> ContactCurve:
+        """Solve the load points that the file lacks."""
+        from asperity.bem.curve import bem_curve
+
+        kind = "pressures" if self.args.separation is None else "separations"
+        points = how.pop(kind)
+        how = {name: value for name, value in how.items() if value is not None}
+
+        def solve(progress: Any, **asked: Any) -> ContactCurve:
+            def both(point: SolvedLoad) -> None:
+                keep(point)
+                progress(point)
+
+            return bem_curve(hm, material, progress=both, **asked, **how)
+
+        keep = progress
+        self.asked = np.append(self.asked, points)
+        self.solved = output.solve_and_keep(
+            solve,
+            hm,
+            material,
+            {kind: self.asked},
+            self.args.results,
+            "bem",
+            self.request,
+            self.args.resume or self.solved is not None,
+        )
+        return self.solved.select(np.arange(len(self.asked) - len(points), len(self.asked)))
+
+
+def _share(text: str, option: str) -> float:
+    """A relative error written as a number or in per cent."""
+    try:
+        return float(text[:-1]) / 100 if text.endswith("%") else float(text)
+    except ValueError:
+        raise InputError(f"{option} {text}: write a relative error, such as 5% or 0.05") from None

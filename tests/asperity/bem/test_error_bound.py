@@ -1,0 +1,82 @@
+"""The bound on the error of a result of boundary elements, in terms of load and area."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asperity import HalfSpace, bem_curve
+from asperity.bem.problem import AREA_OVER_LOAD_ERROR
+from asperity.halfspace.load_points import default_pressures
+from surfaces import HeightMap, self_affine
+
+BODY = HalfSpace.from_modulus(1.0)
+
+
+def hills(seed: int) -> HeightMap:
+    """Few high hills: the exponential of random heights, where the rms height means little."""
+    waves = self_affine(
+        (160, 160), (160.0, 160.0), hurst=0.8, rms_slope=0.1, cutoff=16.0, rolloff=40.0, seed=seed
+    ).heights
+    return HeightMap(np.exp(waves / waves.std()), (1.0, 1.0), periodic=True)
+
+
+def waves(seed: int) -> HeightMap:
+    """Random waves."""
+    return self_affine((96, 96), (96.0, 96.0), hurst=0.8, rms_slope=0.1, cutoff=6.0, seed=seed)
+
+
+def errors(curve, exact):
+    """Errors of load at equal separation and of area at equal load."""
+    load = exact.stiffness / exact.mean_pressure * (curve.separation - exact.separation)
+    return np.abs(load), np.abs(np.log(curve.contact_area / exact.contact_area))
+
+
+@pytest.mark.parametrize("make", [hills, waves])
+@pytest.mark.parametrize("body", [BODY, HalfSpace.from_modulus(1.0, 0.4)], ids=["m0", "m0.4"])
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_true_error_is_within_the_bound(make, body, boundary):
+    """Which differs by orders between the maps at one tolerance."""
+    hm = make(3)
+    loads = default_pressures(hm, body, 12)[4:]
+    exact = bem_curve(hm, body, pressures=loads, tolerance=1e-8, boundary=boundary)
+    for tolerance in (1e-2, 1e-3):
+        curve = bem_curve(hm, body, pressures=loads, tolerance=tolerance, boundary=boundary)
+        load, area = errors(curve, exact)
+        assert (load <= curve.error_estimate).all()
+        assert (area <= curve.extra["area_error_estimate"]).all()
+        # no looser than the tolerance in rms heights makes it
+        rate = exact.stiffness / exact.mean_pressure * hm.rms_height
+        assert (curve.error_estimate <= 3.0 * tolerance * rate).all()
+
+
+def test_decay_of_the_load_from_the_elastic_energy():
+    """F/U is k = -d ln F/ds for the exponential law, 5/3 of it for a single Hertz contact."""
+    hm = waves(1)
+    curve = bem_curve(hm, BODY, pressures=default_pressures(hm, BODY, 8), tolerance=1e-7)
+    ratio = curve.load / curve.extra["elastic_energy"] * curve.mean_pressure / curve.stiffness
+    assert np.all((ratio > 0.9) & (ratio < 1.8))
+    y, x = np.meshgrid((np.arange(64) - 31.5) / 32, (np.arange(64) - 31.5) / 32, indexing="ij")
+    ball = HeightMap(-(x**2 + y**2), (1 / 32, 1 / 32))
+    curve = bem_curve(ball, BODY, pressures=np.geomspace(0.01, 0.03, 6), tolerance=1e-9)
+    ratio = curve.load / curve.extra["elastic_energy"] * curve.mean_pressure / curve.stiffness
+    np.testing.assert_allclose(ratio[1:-1], 5 / 3, rtol=0.05)
+
+
+@pytest.mark.parametrize("make", [hills, waves])
+@pytest.mark.parametrize("accuracy", [0.1, 0.01])
+def test_an_accuracy_is_held_on_the_grid_of_the_map(make, accuracy):
+    hm = make(5)
+    loads = default_pressures(hm, BODY, 6)
+    exact = bem_curve(hm, BODY, pressures=loads, tolerance=1e-8)
+    curve = bem_curve(hm, BODY, pressures=loads, accuracy=accuracy, coarsen=False)
+    assert curve.settings["shape"] == hm.shape
+    load, area = errors(curve, exact)
+    assert (area <= accuracy).all() and (AREA_OVER_LOAD_ERROR * load <= accuracy).all()
+    assert (AREA_OVER_LOAD_ERROR * curve.error_estimate <= accuracy).all()
+
+
+def test_no_load_has_no_error():
+    hm = waves(2)
+    curve = bem_curve(hm, BODY, pressures=[0.0, 1e-3], accuracy=0.05, coarsen=False)
+    assert curve.error_estimate[0] == 0.0 and curve.extra["area_error_estimate"][0] == 0.0

@@ -1,0 +1,151 @@
+"""`solve`: the accuracy asked for, by either engine, with bounds that hold."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import surfaces
+from asperity import ContactCurve, HalfSpace, InputError, bem_curve, solve
+from asperity.engine.cost import forecast
+from asperity.halfspace.load_points import default_pressures
+from asperity.model.plan import make_plan
+
+BODY = HalfSpace.from_modulus(1.0)
+
+
+def waves(points: int = 128, **recipe: object) -> surfaces.HeightMap:
+    """Random waves cut off at six pixels."""
+    recipe = {"hurst": 0.8, "rms_slope": 0.1, "cutoff": 6.0, "rolloff": 32.0, "seed": 1} | recipe
+    return surfaces.self_affine((points, points), (float(points), float(points)), **recipe)
+
+
+def hill() -> surfaces.HeightMap:
+    """A round hill with few fine summits, on which the model alone fails."""
+    y, x = np.meshgrid(*2 * [(np.arange(128) + 0.5) / 128 - 0.5], indexing="ij")
+    heights = 3.0 * np.exp(-12 * (x**2 + y**2))
+    fine = waves(rolloff=12.0, seed=4).heights
+    return surfaces.HeightMap(heights + 0.05 * fine / fine.std(), (1.0, 1.0), periodic=True)
+
+
+def exact(hm, body, loads, boundary=None):
+    """Boundary elements to a bound of 0.1 % in load."""
+    return bem_curve(hm, body, pressures=loads, tolerance=1e-7, boundary=boundary)
+
+
+def inside(curve, true, of_bound=1.0):
+    """Whether load at equal separation and area at equal load are within the bounds."""
+    load = true.stiffness / true.mean_pressure * (curve.separation - true.separation)
+    area = np.log(curve.contact_area / true.contact_area)
+    return (np.abs(load) <= of_bound * curve.error_estimate).all() and (
+        np.abs(area) <= of_bound * curve.extra["area_error_estimate"]
+    ).all()
+
+
+SCENES = {
+    "waves": (waves(), BODY, None),
+    "hill": (hill(), BODY, None),
+    "graded": (waves(seed=2), HalfSpace.from_modulus(1.0, 0.3), None),
+    "free": (waves(seed=3), BODY, "free"),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("engine", ["bem", "anchored"])
+def test_bounds_hold_and_the_accuracy_is_met(name, engine):
+    hm, body, boundary = SCENES[name]
+    loads = default_pressures(hm, body, 9)
+    true = exact(hm, body, loads, boundary)
+    curve = solve(hm, body, pressures=loads, engine=engine, boundary=boundary)
+    assert inside(curve, true)
+    assert curve.verification["met"] == bool(
+        (curve.error_estimate <= 0.05).all() and (curve.extra["area_error_estimate"] <= 0.1).all()
+    )
+    np.testing.assert_allclose(curve.stiffness, true.stiffness, rtol=0.12)
+    np.testing.assert_allclose(curve.contacts, true.contacts, rtol=0.35, atol=3)
+
+
+def test_points_solved_by_boundary_elements_are_theirs():
+    """And anchors are what boundary elements give alone."""
+    hm = waves()
+    loads = default_pressures(hm, BODY, 9)
+    curve = solve(hm, BODY, pressures=loads, engine="anchored", accuracy=0.1)
+    assert curve.model == "anchored" and curve.verification["engine"] == "anchored"
+    anchors = curve.verification["anchors"]
+    assert {0, 8} < set(anchors) and len(anchors) < 9
+    true = exact(hm, BODY, loads[anchors])
+    np.testing.assert_allclose(curve.separation[anchors], true.separation, rtol=1e-2)
+    np.testing.assert_allclose(curve.contact_area[anchors], true.contact_area, rtol=2e-2)
+
+
+def test_more_is_anchored_where_more_accuracy_is_asked():
+    hm = waves()
+    loads = default_pressures(hm, BODY, 9)
+    count = [
+        len(solve(hm, BODY, pressures=loads, engine="anchored", accuracy=a).verification["anchors"])
+        for a in (0.1, 0.02, 0.004)
+    ]
+    assert count[0] < count[2] == 9 and count[0] <= count[1]
+
+
+def test_separations_in_place_of_pressures():
+    hm = waves()
+    loads = default_pressures(hm, BODY, 8)
+    true = exact(hm, BODY, loads)
+    for engine in ("bem", "anchored"):
+        curve = solve(hm, BODY, separations=true.separation, engine=engine)
+        load = np.abs(np.log(curve.mean_pressure / true.mean_pressure))
+        assert (load <= curve.error_estimate).all()
+
+
+def test_order_and_zero_load_are_kept():
+    hm = waves()
+    loads = default_pressures(hm, BODY, 7)
+    mixed = np.concatenate([loads[[5, 0, 3]], [0.0], loads[[1, 6, 2, 4]]])
+    curve = solve(hm, BODY, pressures=mixed, engine="anchored")
+    np.testing.assert_allclose(curve.mean_pressure, mixed, rtol=1e-2)
+    order = np.argsort(mixed)
+    assert (np.diff(curve.separation[order]) < 0).all() and curve.contact_area[3] == 0.0
+
+
+def test_answer_is_kept_in_a_file(tmp_path):
+    hm = waves()
+    curve = solve(hm, BODY, pressures=default_pressures(hm, BODY, 6), engine="anchored")
+    curve.to_hdf5(tmp_path / "r.h5")
+    again = ContactCurve.from_hdf5(tmp_path / "r.h5")
+    assert again.verification == curve.verification
+    assert str(again) == str(curve) and "engine" in str(curve)
+
+
+def test_boundary_elements_alone_where_they_are_cheaper():
+    """Small maps, and few loads; a large map rough to the pixel is left to the model."""
+    hm = waves()
+    plan = make_plan(hm, BODY)
+    alone, anchored = forecast(hm, plan, 10)
+    assert alone < anchored and solve(hm, BODY).verification["engine"] == "bem"
+    large = waves(1024, cutoff=None, rolloff=256.0)
+    alone, anchored = forecast(large, make_plan(large, BODY), 20)
+    assert alone > anchored
+
+
+def test_a_model_without_an_answer_leaves_all_to_boundary_elements():
+    """Parallel ridges touch along lines, which no law of a summit describes."""
+    heights = np.cos(2 * np.pi * np.arange(64) / 32)[:, None] * np.ones(64)
+    hm = surfaces.HeightMap(heights, (1.0, 1.0), periodic=True)
+    loads = default_pressures(hm, BODY, 6)
+    curve = solve(hm, BODY, pressures=loads, engine="anchored")
+    assert curve.verification["engine"] == "bem" and inside(curve, exact(hm, BODY, loads))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "text"),
+    [
+        ({"accuracy": 0.5}, "accuracy is 0.5"),
+        ({"accuracy": "high"}, "accuracy"),
+        ({"area_accuracy": 2.0}, "area_accuracy is 2.0"),
+        ({"engine": "fem"}, "engine is 'fem'"),
+    ],
+)
+def test_bad_input_is_told_in_one_sentence(wrong, text):
+    with pytest.raises(InputError, match=text):
+        solve(waves(), BODY, **wrong)
