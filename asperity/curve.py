@@ -11,21 +11,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.compilation import CURVE, compile_ahead
 from asperity.contacts.run import ContactRun
-from asperity.contacts.spot_count import spot_count
-from asperity.halfspace.load_points import checked_loads
+from asperity.contacts.spots import spot_count
+from asperity.halfspace.scene import checked_loads
 from asperity.model.decomposition import Decomposition
 from asperity.model.load_point import LoadPoint, load_point, point_at_separation
 from asperity.model.plan import Plan, interaction_needed, make_plan
 from asperity.results.curve import ContactCurve
-from asperity.results.stiffness import curve_stiffness
+from asperity.results.interpolation import curve_stiffness
 from asperity.trust.error_estimate import (
     CALIBRATED,
-    TERMS,
     estimate,
     nonrandomness,
+    outside_model_terms,
     terms,
 )
-from asperity.trust.outside_model import OUTSIDE_MODEL, outside_model_terms
 from surfaces.heightmap import HeightMap
 
 from .errors import InputError
@@ -89,7 +88,7 @@ def contact_curve(
     scales
         "auto": of a broad random spectrum the finest waves act as a law of the contacts of the
         others (`asperity.multiscale`), and other maps whose waves reach the pixel are solved on a
-        finer grid (`asperity.multiscale.pixel_waves`); "all": every summit of the map is a contact.
+        finer grid (`asperity.multiscale.wave_split`); "all": every summit of the map is a contact.
     progress
         Called with the state of every finished load point.
     checkpoint
@@ -341,10 +340,7 @@ def _curve(decomposition: Decomposition, rows: Sequence[_Row], seconds: float) -
             "tangent_stiffness": tangent,
             "area_error_estimate": area_error,
             **differences,
-            **{
-                name: np.array([row.terms[name] for row in rows])
-                for name in (*TERMS, *OUTSIDE_MODEL)
-            },
+            **{name: np.array([row.terms[name] for row in rows]) for name in rows[0].terms},
         },
         reasons=tuple(row.point.reason for row in rows),
     )

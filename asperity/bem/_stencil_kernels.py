@@ -13,7 +13,7 @@ import numpy as np
 from numba import carray, types
 
 from surfaces.numerics.compiled import inner
-from surfaces.numerics.stack import on_stack
+from surfaces.numerics.vector_code import on_stack
 from surfaces.numerics.vectors import loader, multiply_add, repeater, splatter, store, total
 
 __all__ = [

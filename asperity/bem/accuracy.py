@@ -10,7 +10,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from asperity.errors import InputError
-from asperity.halfspace.boundary import Boundary
+from asperity.halfspace.scene import Boundary
 from surfaces.arguments import as_number
 from surfaces.heightmap import HeightMap
 

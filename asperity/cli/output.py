@@ -90,7 +90,7 @@ def solve_and_keep(
 ) -> ContactCurve:
     """Run a solver that takes load points, `progress` and `checkpoint`, such as `contact_curve` of
     a map and a material; each finished point is kept in the file."""
-    from asperity.halfspace.load_points import checked_loads
+    from asperity.halfspace.scene import checked_loads
     from asperity.results.resume import run_resumably
 
     kind, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))

@@ -14,10 +14,10 @@ from asperity.bem.solve import bem_solve
 from asperity.compilation import CURVE, compile_ahead
 from asperity.contacts.table import microcontacts
 from asperity.curve import solve_contacts
-from asperity.halfspace.load_points import checked_loads, default_pressures, slope_scale
+from asperity.halfspace.scene import checked_loads, default_pressures, slope_scale
 from asperity.model.plan import Plan, make_plan
 from asperity.results.curve import ContactCurve
-from asperity.results.tables import structured
+from asperity.results.storage import structured
 from asperity.warmup import small_map
 from surfaces.heightmap import HeightMap
 

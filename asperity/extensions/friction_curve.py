@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from asperity.errors import InputError
 from asperity.results.curve import ContactCurve, require_curve
-from asperity.results.read_off import SLACK
+from asperity.results.interpolation import SLACK
 
 __all__ = ["FrictionCurve", "friction_curve"]
 

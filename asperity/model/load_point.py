@@ -8,11 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.multiscale.surface_point import (
-    SurfacePoint,
-    closed_areas,
-    surface_point,
-)
+from asperity.multiscale.sub_contact_law import SurfacePoint, closed_areas, surface_point
 
 from .corrections import tilted_basins
 

@@ -15,7 +15,7 @@ from numba import types
 from numba.core import cgutils
 from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import models, register_model
+from numba.extending import intrinsic, models, register_model
 
 __all__ = [
     "BYTES",
@@ -30,6 +30,7 @@ __all__ = [
     "fitted",
     "gathered",
     "halves",
+    "on_stack",
     "place_of",
     "read",
     "shuffled",
@@ -38,6 +39,7 @@ __all__ = [
     "vector_of",
     "write",
 ]
+
 
 INDEX, WORD = ir.IntType(32), ir.IntType(64)
 CODE = {
@@ -230,3 +232,28 @@ _unary_operator(operator.and_, True, 2, lambda builder, a, b: builder.and_(a, b)
 _unary_operator(operator.or_, True, 2, lambda builder, a, b: builder.or_(a, b))
 _unary_operator(operator.invert, True, 1, lambda builder, a: builder.not_(a))
 _unary_operator(operator.neg, False, 1, lambda builder, a: builder.fsub(constant(a.type, 0.0), a))
+
+
+ALIGNMENT = 64
+"""Bytes of a cache line."""
+
+
+def on_stack(kind: Any, count: int) -> Any:
+    """pointer(): `count` elements of a numba type in the frame of the calling function, for
+    `numba.carray`; the caller must not return it.
+
+    A loop that reads at places found in an index becomes vector instructions only if its results
+    cannot lie in what it reads: arrays of the caller might, an array on the stack cannot.
+    """
+
+    @intrinsic
+    def pointer(typing: Any) -> Any:
+        def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            element = context.get_data_type(kind)
+            place = cgutils.alloca_once(builder, element, count)
+            place.align = ALIGNMENT
+            return place
+
+        return types.CPointer(kind)(), code
+
+    return pointer

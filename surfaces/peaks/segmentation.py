@@ -12,7 +12,7 @@ from surfaces.errors import InputError, SurfaceError
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel
 
-from . import _flood, _saddles
+from . import _flood
 from .peaks import Peaks
 
 __all__ = ["segment"]
@@ -151,7 +151,7 @@ def _merged(
     low = keys[order] // height.size
     saddle, parent = np.full(height.size, lowest), np.full(height.size, -1)
     keeper, top = np.arange(height.size), np.arange(height.size)
-    _saddles.merge(
+    _flood.merge(
         *(height, low, keys[order] - low * height.size, passes[order], limit),
         *(top, keeper, saddle, parent),
     )
@@ -229,7 +229,7 @@ def _passes(
 
     counts = [np.zeros(n, np.int64) for _ in runs]
     found = parallel.each(
-        lambda part: _saddles.touching(heights, labels, periodic, counts[part], runs[part]),
+        lambda part: _flood.touching(heights, labels, periodic, counts[part], runs[part]),
         range(len(runs)),
     )
     keys, passes = (np.concatenate(parts) for parts in zip(*found, strict=True))

@@ -14,11 +14,8 @@ from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel, splines
 
 from . import _climb
-from ._fans import PART, Fans
-from .flat_tops import flat_tops
-from .peaks import Peaks
-from .profiles import Profiles
-from .summit_arrays import PLATEAU, RIM, SUMMIT, SummitArrays
+from .peaks import PLATEAU, RIM, SUMMIT, Peaks, SummitArrays, flat_tops
+from .profiles import PART, Fans, Profiles
 
 __all__ = ["Summits", "fit_profiles", "locate_summits"]
 

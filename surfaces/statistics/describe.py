@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.preparation.levelling import level
-from surfaces.units import unit_warning
+from surfaces.roughness import unit_warning
 
 from .bearing import bearing_curve
 from .correlation import Texture, autocorrelation, texture
