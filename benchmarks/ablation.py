@@ -39,7 +39,7 @@ from numpy.typing import NDArray
 
 import asperity
 import surfaces
-from asperity.curve import solve_contacts
+from asperity.contacts.run import solve_contacts
 from asperity.halfspace.scene import pressure_scale
 from asperity.model import law_factory
 from asperity.parameters import DEFAULTS, Corrections, Parameters

@@ -38,7 +38,7 @@ from numpy.typing import NDArray
 
 import asperity
 import surfaces
-from asperity.curve import solve_contacts
+from asperity.contacts.run import solve_contacts
 from asperity.halfspace.scene import pressure_scale
 from asperity.model.plan import SCALES, make_plan
 from asperity.results.storage import write_csv

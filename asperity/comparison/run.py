@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.bem.curve import bem_curve
 from asperity.bem.solve import bem_solve
 from asperity.compilation import CURVE, compile_ahead
+from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import microcontacts
-from asperity.curve import solve_contacts
 from asperity.halfspace.scene import checked_loads, default_pressures, slope_scale
 from asperity.model.plan import Plan, make_plan
 from asperity.results.curve import ContactCurve

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
     from asperity.model.decomposition import Decomposition
     from asperity.model.load_point import LoadPoint
-    from surfaces import Profiles
+    from surfaces.peaks.profiles import Profiles
 
 __all__ = ["DIRECTIONS", "ellipses", "microcontacts", "outlines"]
 

@@ -10,8 +10,8 @@ import pytest
 
 import asperity
 from asperity.contacts.fields import contact_map, pressure_map
+from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import ellipses, microcontacts
-from asperity.curve import solve_contacts
 from asperity.errors import ConvergenceError, InputError, SurfaceError
 from asperity.halfspace.scene import default_pressures
 from asperity.model.plan import make_plan

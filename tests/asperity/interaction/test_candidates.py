@@ -9,7 +9,7 @@ import pytest
 
 import asperity
 import surfaces
-from asperity.curve import solve_contacts
+from asperity.contacts.run import solve_contacts
 from asperity.halfspace.scene import pressure_scale
 from asperity.interaction import candidates as module
 from asperity.interaction.candidates import SKIN

@@ -11,7 +11,7 @@ from strategies import STEEL, broad
 import asperity
 import surfaces
 from asperity.cli.main import main
-from asperity.curve import solve_contacts
+from asperity.contacts.run import solve_contacts
 from asperity.halfspace.scene import pressure_scale
 from asperity.model.decomposition import Decomposition
 from asperity.model.load_point import load_point
