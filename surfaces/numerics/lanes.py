@@ -8,18 +8,18 @@ and rows of eight profiles turned into lanes.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
+from llvmlite import ir
 from numpy.typing import NDArray
 
 from .compiled import QUOTIENTS, inner
+from .vector_type import WORD, constant, unary
 from .vectors import (
     adder,
-    exponent,
     loader,
-    mantissa,
     picker,
-    power_of_two,
     splatter,
     storer,
     transposer,
@@ -111,6 +111,38 @@ def most(a, b):
 def between(value, low, high):
     """Value kept between two; the lower where it is not a number."""
     return least(most(value, low), high)
+
+
+def _words(value: Any, number: int) -> Any:
+    return constant(ir.VectorType(WORD, value.type.count), number)
+
+
+def _exponent(builder: Any, value: Any) -> Any:
+    word = builder.bitcast(value, ir.VectorType(WORD, value.type.count))
+    word = builder.lshr(word, _words(value, 52))
+    return builder.sitofp(builder.sub(word, _words(value, 1023)), value.type)
+
+
+def _mantissa(builder: Any, value: Any) -> Any:
+    word = builder.bitcast(value, ir.VectorType(WORD, value.type.count))
+    word = builder.and_(word, _words(value, (1 << 52) - 1))
+    return builder.bitcast(builder.or_(word, _words(value, 1023 << 52)), value.type)
+
+
+def _power_of_two(builder: Any, value: Any) -> Any:
+    word = builder.fptosi(value, ir.VectorType(WORD, value.type.count))
+    word = builder.shl(builder.add(word, _words(value, 1023)), _words(value, 52))
+    return builder.bitcast(word, value.type)
+
+
+exponent = unary(_exponent)
+"""Whole part of the logarithm to base 2 of positive normal numbers (double precision)."""
+
+mantissa = unary(_mantissa)
+"""Number over 2 to the power of its exponent, in [1, 2) (double precision)."""
+
+power_of_two = unary(_power_of_two)
+"""2 to the power of whole numbers from -1022 to 1023 (double precision)."""
 
 
 @inner(fastmath=QUOTIENTS)
