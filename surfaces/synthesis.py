@@ -101,9 +101,7 @@ def self_affine(
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> hm
     <HeightMap 32 x 48, pixel 1e-06 x 1e-06 m, periodic>
     >>> f"{hm.roughness.rms_slope:.3f}"

@@ -81,9 +81,7 @@ def compare(
     Examples
     --------
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> both = asperity.compare(hm, steel, pressures=[1e8, 1e9], tolerance=1e-4)
     >>> both.table["mean_pressure"].size, bool(abs(both.table["load_error"]).max() < 0.3)

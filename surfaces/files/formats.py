@@ -64,9 +64,7 @@ def read(
     --------
     >>> import tempfile
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     surfaces.write(hm, f"{folder}/scan.h5")
     ...     print(surfaces.read(f"{folder}/scan.h5", rows=(0, 16)).shape)
@@ -119,9 +117,7 @@ def write(hm: HeightMap, path: str | os.PathLike[str], *, dtype: str = "float64"
     --------
     >>> import tempfile
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     surfaces.write(hm, f"{folder}/scan.h5")
     ...     print(surfaces.read(f"{folder}/scan.h5").digest == hm.digest)

@@ -51,9 +51,7 @@ class SurfaceFile:
     --------
     >>> import tempfile
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     surfaces.write(hm, f"{folder}/scan.h5")
     ...     with surfaces.open(f"{folder}/scan.h5") as file:
@@ -229,9 +227,7 @@ def open(
     --------
     >>> import tempfile
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     surfaces.write(hm, f"{folder}/scan.h5")
     ...     with surfaces.open(f"{folder}/scan.h5") as file:
@@ -271,9 +267,7 @@ def validate(path: str | os.PathLike[str], *, dataset: str | None = None) -> lis
     --------
     >>> import tempfile
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     surfaces.write(hm, f"{folder}/scan.h5")
     ...     print(surfaces.validate(f"{folder}/scan.h5"))

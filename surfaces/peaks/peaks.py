@@ -51,9 +51,7 @@ class Peaks:
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> peaks = surfaces.segment(hm, min_prominence=0.1 * hm.rms_height)
     >>> len(peaks) == int(peaks.labels.max()) + 1
     True

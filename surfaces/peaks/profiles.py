@@ -77,9 +77,7 @@ class Profiles:
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> fit = surfaces.fit_profiles(hm, surfaces.segment(hm))
     >>> profile = fit.profile(0)
     >>> float(profile(0.0, 0.0))

@@ -71,9 +71,7 @@ def segment(
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> peaks = surfaces.segment(hm)
     >>> peaks.labels.shape, bool(peaks.height[0] == hm.heights.max())
     ((32, 48), True)

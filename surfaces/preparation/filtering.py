@@ -46,9 +46,7 @@ def bandpass(
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> smooth = surfaces.bandpass(hm, shortest=16e-6)
     >>> bool(smooth.roughness.rms_slope < hm.roughness.rms_slope)
     True
@@ -96,9 +94,7 @@ def crop(hm: HeightMap, rows: tuple[int, int], columns: tuple[int, int]) -> Heig
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> surfaces.crop(hm, (0, 16), (8, 40))
     <HeightMap 16 x 32, pixel 1e-06 x 1e-06 m, not periodic>
     """
@@ -144,9 +140,7 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> part = surfaces.crop(hm, (0, 16), (8, 40))
     >>> surfaces.make_periodic(part, "mirror")
     <HeightMap 32 x 64, pixel 1e-06 x 1e-06 m, periodic>

@@ -53,9 +53,7 @@ def mark_outliers(hm: HeightMap, threshold: float = 6.0) -> HeightMap:
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> heights = hm.heights.copy()
     >>> heights[10, 20] += 1e-3
     >>> surfaces.mark_outliers(hm.replace(heights=heights)).missing

@@ -62,9 +62,7 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> surfaces.resample(hm, 2e-6)
     <HeightMap 16 x 24, pixel 2e-06 x 2e-06 m, periodic>
     """
