@@ -12,9 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.compilation import CURVE, compile_ahead
 from asperity.halfspace.scene import checked_loads
 from asperity.model.decomposition import Decomposition
-from asperity.model.load_point import LoadPoint, load_point, point_at_separation
+from asperity.model.load_point import LoadPoint, load_point, point_at_separation, spot_count
 from asperity.model.plan import Plan, interaction_needed, make_plan
-from asperity.model.spot_count import spot_count
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import curve_stiffness
 from asperity.trust.error_estimate import (

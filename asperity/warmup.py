@@ -40,8 +40,8 @@ def small_map() -> HeightMap:
 
 def _summits() -> None:
     """Peaks and summits of a map, the rays of a few, and the plan of its scales."""
+    from asperity.model.load_point import joined_spots
     from asperity.model.plan import make_plan
-    from asperity.model.spot_count import joined_spots
     from surfaces.peaks.segmentation import segment
     from surfaces.peaks.summits import locate_summits
 

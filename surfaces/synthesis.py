@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from surfaces.numerics.memory import require_memory
 
-from .arguments import as_number
-from .errors import InputError
+from .errors import InputError, as_number
 from .heightmap import LONGEST, SHORTEST, HeightMap
 
 __all__ = ["self_affine", "synthesis"]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from asperity.errors import InputError
 from asperity.halfspace.scene import Boundary
-from surfaces.arguments import as_number
+from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap
 
 from .grids import CoarseMaps

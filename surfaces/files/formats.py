@@ -9,8 +9,7 @@ from pathlib import Path
 
 from numpy.typing import ArrayLike
 
-from surfaces.arguments import as_path
-from surfaces.errors import FileFormatError, InputError, SurfaceError
+from surfaces.errors import FileFormatError, InputError, SurfaceError, as_path
 from surfaces.heightmap import HeightMap, require_map
 
 __all__ = ["read", "write"]

@@ -15,8 +15,7 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces.arguments import as_path
-from surfaces.errors import AsperityError, FileFormatError, InputError, SurfaceError
+from surfaces.errors import AsperityError, FileFormatError, InputError, SurfaceError, as_path
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
 from surfaces.units import metres_per

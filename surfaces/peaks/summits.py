@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.arguments import as_number
-from surfaces.errors import InputError, SurfaceError
+from surfaces.errors import InputError, SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel, splines
 

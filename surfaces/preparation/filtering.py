@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from surfaces.arguments import as_number
-from surfaces.errors import SurfaceError
+from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_full, require_map
 
 __all__ = ["bandpass", "crop", "make_periodic"]

@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
-from surfaces.arguments import as_number
-from surfaces.errors import SurfaceError
+from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
 
 from .filling import quick_fill

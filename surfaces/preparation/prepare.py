@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surfaces.arguments import as_number
-from surfaces.errors import SurfaceError
+from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
 
 from . import filling, filtering, levelling
