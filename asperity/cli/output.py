@@ -39,6 +39,7 @@ __all__ = [
     "require_pictures",
     "save_figure",
     "solve_and_keep",
+    "tell",
     "told",
 ]
 
@@ -70,6 +71,13 @@ def bar(total: int | None, label: str) -> tuple[Any, Callable[[Any], None]]:
 
     shown = tqdm(total=total, desc=label, disable=None, leave=False)
     return shown, lambda _: shown.update(1)
+
+
+def tell(text: str, *, error: bool = False) -> None:
+    """Write lines above the progress bar, or to standard error."""
+    from tqdm import tqdm
+
+    tqdm.write(text, file=sys.stderr if error else None)
 
 
 def named(file: str, stem: str, several: bool) -> str:
