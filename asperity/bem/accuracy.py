@@ -10,8 +10,8 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from asperity.errors import InputError
-from asperity.halfspace.boundary import Boundary
-from surfaces.arguments import as_number
+from asperity.halfspace.scene import Boundary
+from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap
 
 from .grids import CoarseMaps

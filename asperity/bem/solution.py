@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.halfspace.boundary import Boundary
+from asperity.halfspace.scene import Boundary
 from surfaces.patches import label_patches
 
 from .certificate import Certificate

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.bem.curve import SolvedLoad, bem_curve
 from asperity.bem.problem import AREA_OVER_LOAD_ERROR
 from asperity.compilation import CURVE, compile_ahead
-from asperity.curve import solve_contacts
+from asperity.contacts.run import solve_contacts
 from asperity.errors import InputError, ModelRangeError
 from asperity.halfspace.boundary import Boundary, chosen_boundary
 from asperity.halfspace.load_points import checked_loads

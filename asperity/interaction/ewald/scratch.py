@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numba import types
 
-from surfaces.numerics.stack import on_stack
+from surfaces.numerics.vectors import on_stack
 
 __all__ = ["BLOCK", "COLUMNS", "columns", "doubles", "floats", "places"]
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from surfaces.numerics.compiled import QUOTIENTS, inner
-from surfaces.numerics.lane_functions import most
-from surfaces.numerics.lanes import splat
+from surfaces.numerics.lanes import most, splat
 from surfaces.numerics.vectors import absolute, where
 
 

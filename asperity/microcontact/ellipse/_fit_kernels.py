@@ -9,9 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from surfaces.numerics.compiled import QUOTIENTS, inner
-from surfaces.numerics.lane_functions import between, least, most
-from surfaces.numerics.lane_layout import groups
-from surfaces.numerics.lanes import load, pick, splat, store
+from surfaces.numerics.lanes import between, groups, least, load, most, pick, splat, store
 from surfaces.numerics.vectors import some, where, whole
 
 from ._polynomial_kernels import TERMS

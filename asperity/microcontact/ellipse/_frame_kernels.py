@@ -8,16 +8,22 @@ from typing import Any
 import numpy as np
 
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
-from surfaces.numerics.lane_functions import (
+from surfaces.numerics.lanes import (
+    LANES,
     between,
+    collect_rows,
     exponential,
+    groups,
     least,
+    load,
     logarithm,
     most,
+    ordered,
     sine_cosine,
+    splat,
+    spread_rows,
+    store,
 )
-from surfaces.numerics.lane_layout import collect_rows, groups, ordered, spread_rows
-from surfaces.numerics.lanes import LANES, load, splat, store
 from surfaces.numerics.vectors import root, where, whole
 
 from ._fit_kernels import FITS, fit, fit_space, usable

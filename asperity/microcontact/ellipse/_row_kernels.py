@@ -10,9 +10,18 @@ from __future__ import annotations
 from typing import Any
 
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
-from surfaces.numerics.lane_functions import between, exponential, least, logarithm, most
-from surfaces.numerics.lane_layout import groups
-from surfaces.numerics.lanes import load, pick, splat, store
+from surfaces.numerics.lanes import (
+    between,
+    exponential,
+    groups,
+    least,
+    load,
+    logarithm,
+    most,
+    pick,
+    splat,
+    store,
+)
 from surfaces.numerics.vectors import absolute, entries, where
 
 from ._ellipse_kernels import STATES

@@ -188,7 +188,7 @@ def tabulate(
     nodes
         Intervals of the table.
     """
-    from surfaces.numerics.lane_layout import packed
+    from surfaces.numerics.lanes import packed
 
     from ._ellipse_kernels import SHAPE_ROW, STATES, march_rows, march_space
     from ._fit_kernels import FITS

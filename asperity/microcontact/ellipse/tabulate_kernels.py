@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from surfaces.numerics.compiled import compiled, inner
-from surfaces.numerics.lane_layout import groups, ordered, spread_rows
-from surfaces.numerics.lanes import LANES, load
+from surfaces.numerics.lanes import LANES, groups, load, ordered, spread_rows
 
 from ._basin_kernels import basin_space, fill
 from ._ellipse_kernels import SHAPE_ROW, STATES
