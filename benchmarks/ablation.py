@@ -181,8 +181,8 @@ CORRECTIONS = {
             "asperity.microcontact.auto._without_pull",
             "asperity.microcontact.auto._worst_ratio",
             "asperity.microcontact.auto._replace",
-            "asperity.microcontact.ritz.batch",
-            "asperity.microcontact.ritz._ray_kernels",
+            "asperity.microcontact.ritz",
+            "asperity.microcontact._ray_kernels",
         ),
     ),
     "tilted basins": Correction(

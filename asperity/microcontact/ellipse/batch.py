@@ -28,7 +28,7 @@ from .polynomial_fit import fit_rules
 if TYPE_CHECKING:
     from surfaces import Profiles
 
-__all__ = ["tabulate"]
+__all__ = ["NODES", "tabulate"]
 
 Array = NDArray[np.float64]
 

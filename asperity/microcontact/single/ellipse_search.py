@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from .expansion import ANGLES, DEGREE, Edge, Gap, edge_of, fit_points, fitted
-from .series import Expansion, expand
+from .ellipse_expansion import ANGLES, DEGREE, Edge, Gap, edge_of, fit_points, fitted
+from .ellipse_series import Expansion, expand
 
 __all__ = ["SHARP", "Ellipse", "Search", "Solved"]
 

@@ -1,4 +1,4 @@
-"""Law "ellipse": expansion about the optimal ellipse, of one profile or of a batch."""
+"""Law "ellipse" of one contact: expansion about the optimal ellipse."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.flags import Flag
 from asperity.halfspace.material import HalfSpace
-from asperity.microcontact.circle.basis import basis_of
-from asperity.microcontact.circle.inverse_approach import InverseApproach
-from asperity.microcontact.indentation import Indentation
-from asperity.microcontact.validity import profile_flags
 from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 
-from .batch import NODES, tabulate
-from .search import Search, Solved
-from .state import EllipseState
+from . import circle
+from .basis import basis_of
+from .ellipse_search import Search, Solved
+from .ellipse_state import EllipseState
+from .indentation import Indentation
+from .inverse_approach import InverseApproach
+from .validity import profile_flags
 
-__all__ = ["NODES", "indent", "solve_ellipse", "tabulate"]
+__all__ = ["indent", "solve_ellipse"]
 
 Array = NDArray[np.float64]
 
@@ -133,8 +133,6 @@ def indent(
 
     The pressure of a sharp tip, which is no polynomial, is that of the law "harmonic".
     """
-    from asperity.microcontact.circle.expansion import indent as resolved
-
     depth = approach.ravel()
     start = InverseApproach(basis_of(profile, material.m)).radius(depth)
     states = _states(profile, material, depth, start)
@@ -162,7 +160,7 @@ def indent(
             [None if one is None else one.pressure(r, angle, material) for one in states], angle
         )
         if np.any(sharp):
-            tips = resolved(profile, material, depth[sharp], law="harmonic")
+            tips = circle.indent(profile, material, depth[sharp], law="harmonic")
             values[sharp] = tips.pressure_function(r, angle)
         return values
 

@@ -9,14 +9,26 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError, ModelRangeError
 from asperity.halfspace.material import HalfSpace, require_half_space
+from asperity.microcontact.laws import require_law
 from surfaces.polar import PolarProfile, PowerSumProfile
 
+from . import auto, circle, ellipse, hertz, ritz
 from .indentation import Indentation
-from .laws import law_module
 
 __all__ = ["indent"]
 
 Array = NDArray[np.float64]
+Solver = Callable[..., Indentation]
+
+SOLVERS: dict[str, Solver] = {
+    "auto": auto.indent,
+    "hertz": hertz.indent,
+    "paper": circle.indent,
+    "harmonic": circle.indent,
+    "ellipse": ellipse.indent,
+    "ritz": ritz.indent,
+}
+"""Solution of one contact by each law."""
 
 _STEPS = 60
 """Newton steps towards a load."""
@@ -66,9 +78,7 @@ def indent(
     require_half_space(material)
     if (approach is None) == (load is None):
         raise InputError("give either approach or load")
-    solve: Callable[..., Indentation] | None = getattr(law_module(law), "indent", None)
-    if solve is None:
-        raise ModelRangeError(f"the law {law!r} works on batches of peaks only")
+    solve = _solver(law)
     if load is None:
         return solve(profile, material, _finite(approach, "approach"), law=law)
     force = _finite(load, "load")
@@ -77,8 +87,15 @@ def indent(
     return _by_load(solve, profile, material, force, law)
 
 
+def _solver(law: str) -> Solver:
+    require_law(law)
+    if law not in SOLVERS:
+        raise ModelRangeError(f"the law {law!r} works on batches of peaks only")
+    return SOLVERS[law]
+
+
 def _by_load(
-    solve: Callable[..., Indentation],
+    solve: Solver,
     profile: PowerSumProfile | PolarProfile,
     material: HalfSpace,
     force: Array,

@@ -9,18 +9,17 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.flags import Flag
 from asperity.halfspace.material import HalfSpace
-from asperity.microcontact.indentation import Indentation
-from asperity.microcontact.validity import contour_flags, profile_flags
+from asperity.microcontact.circle import expected_error
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .basis import Basis, PowerBasis, basis_of, samples, synthesis
-from .batch import tabulate
-from .expansion_error import expected_error
 from .history_pressure import HistoryPressure
+from .indentation import Indentation
 from .inverse_approach import InverseApproach
 from .pressure import AxisymmetricPressure
+from .validity import contour_flags, profile_flags
 
-__all__ = ["Expansion", "indent", "tabulate"]
+__all__ = ["Expansion", "indent"]
 
 Array = NDArray[np.float64]
 

@@ -7,10 +7,10 @@ import pytest
 
 import asperity
 from asperity import HalfSpace, indent, indent_bem
-from asperity.microcontact.ellipse.expansion import DEGREE, edge_of, fit_points, fitted
 from asperity.microcontact.ellipse.operator_tables import LOG_RATIO, edge_slopes
-from asperity.microcontact.ellipse.series import expand
 from asperity.microcontact.hertz import elliptic_contact
+from asperity.microcontact.single.ellipse_expansion import DEGREE, edge_of, fit_points, fitted
+from asperity.microcontact.single.ellipse_series import expand
 from surfaces import PolynomialProfile, PowerLawProfile, shapes
 
 

@@ -30,8 +30,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from .expansion import ANGLES, Edge, between
-from .operator_tables import edge_slopes
+from asperity.microcontact.ellipse.operator_tables import edge_slopes
+
+from .ellipse_expansion import ANGLES, Edge, between
 
 __all__ = ["Expansion", "expand"]
 

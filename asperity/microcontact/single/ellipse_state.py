@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.halfspace.material import HalfSpace
+from asperity.microcontact.ellipse.ellipse_operator import monomials, pressure_operator
 
-from .ellipse_operator import monomials, pressure_operator
-from .expansion import DEGREE
-from .search import SHARP
+from .ellipse_expansion import DEGREE
+from .ellipse_search import SHARP
 
 __all__ = ["EllipseState"]
 

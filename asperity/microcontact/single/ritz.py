@@ -1,4 +1,4 @@
-"""Law "ritz": direct maximisation of the Barber-Fabrikant functional.
+"""Law "ritz" of one contact: direct maximisation of the Barber-Fabrikant functional.
 
 F[a] = 2 E / J int [d a^2 / (1+m) - a^2 G~(a, phi)] dphi, J = int a^(1-m) dphi (equations 10, 15),
 first over ellipses with a shift, then over every ray. The functional is exact for ellipses about
@@ -19,15 +19,14 @@ from scipy.optimize import minimize
 from asperity.halfspace.flags import Flag
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import gauss_jacobi
-from asperity.microcontact.circle.basis import basis_of
-from asperity.microcontact.circle.inverse_approach import InverseApproach
-from asperity.microcontact.indentation import Indentation
-from asperity.microcontact.validity import contour_flags, profile_flags
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from .batch import tabulate
+from .basis import basis_of
+from .indentation import Indentation
+from .inverse_approach import InverseApproach
+from .validity import contour_flags, profile_flags
 
-__all__ = ["indent", "tabulate"]
+__all__ = ["indent"]
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace
-from asperity.microcontact.circle.basis import corner_rule
+
+from .basis import corner_rule
 
 __all__ = ["FlatPunch", "flat_punch"]
 
