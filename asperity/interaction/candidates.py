@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from asperity.halfspace.flags import Flag
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.newton.contact_shift import widened
-from asperity.interaction.newton.problem import Problem
+from asperity.interaction.newton.state import Problem
 
 if TYPE_CHECKING:
     from asperity.halfspace.footprint import Footprints

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.interaction.newton.corrected_prediction import corrected_prediction
 from asperity.interaction.newton.final_step import Solution
 from asperity.interaction.newton.solver import descend
+from asperity.interaction.newton.step import corrected_prediction
 
 from .candidates import CandidateList
 from .continuation import Continuation
 from .population_state import PopulationState
 
 if TYPE_CHECKING:
-    from asperity.interaction.newton.problem import Problem
+    from asperity.interaction.newton.state import Problem
 
     from .contact_system import ContactSystem
 

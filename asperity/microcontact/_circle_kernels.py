@@ -13,8 +13,6 @@ import numpy as np
 
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
 
-__all__ = ["resample"]
-
 QUANTITIES = 11
 """Numbers at every radius, see `expand_profiles`."""
 

@@ -19,7 +19,7 @@ from surfaces.peaks.summits import locate_summits
 
 from .corrections.joined_pairs import join
 from .law_factory import LawFactory
-from .load_shares import LoadShares
+from .law_rows import LoadShares
 from .plan import Plan
 
 if TYPE_CHECKING:

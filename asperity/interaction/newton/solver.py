@@ -7,11 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from .conjugate_gradients import conjugate_gradients
 from .final_step import FORCING, Solution, finished, shared, tangent_of
-from .problem import Problem
-from .state import State
-from .step import Step
+from .state import Problem, State
+from .step import Step, conjugate_gradients
 
 __all__ = ["descend"]
 

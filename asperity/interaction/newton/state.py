@@ -1,17 +1,64 @@
-"""A trial point of the coupled problem, and how far it is from balance."""
+"""The coupled problem of contacts that may close, and a trial point of it with its balance."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _state_kernels
-from .contact_shift import contact_shifts
-from .problem import Problem
+from asperity.interaction.elongation import Elongation
+from asperity.interaction.ewald.operator import Interaction
 
-__all__ = ["State"]
+from . import _newton_kernels
+from .contact_shift import contact_shifts
+from .laws import Laws
+
+__all__ = ["Problem", "State"]
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Contacts that may close, their laws and their interaction.
+
+    Attributes
+    ----------
+    height
+        Summit heights z [m], shape (n,).
+    laws, plan
+        Laws and interaction in the same order.
+    contact_shift
+        Whether contacts shift under the slope of the field (`contact_shifts`).
+    elongation
+        Their elongation in the same order; None: round.
+    """
+
+    height: NDArray[np.float64]
+    laws: Laws
+    plan: Interaction
+    contact_shift: bool = False
+    elongation: Elongation | None = None
+
+    def rounded(self, some: NDArray[np.bool_]) -> Problem:
+        """The problem with round footprints of `some` contacts, shape (n,): long footprints can
+        overlap so far that their approximate sum has no solution."""
+        if self.elongation is None:
+            return self
+        return replace(self, elongation=self.elongation.rounded(some))
+
+    @property
+    def form(self) -> NDArray[np.float64]:
+        """Moments of the footprints over their variance, shape (n, 3); contacts that do not move
+        aside are taken as round."""
+        if self.elongation is None or not self.contact_shift:
+            return self.plan.round
+        return self.elongation.moments
+
+    @property
+    def radii(self) -> NDArray[np.float64]:
+        """Radii of curvature over those of round contacts, shape (n, 3)."""
+        return self.plan.round if self.elongation is None else self.elongation.radii
 
 
 class State:
@@ -77,7 +124,7 @@ class State:
         if self.next_shift is self.shift:
             return 0.0
         return float(
-            _state_kernels.lag(
+            _newton_kernels.lag(
                 self.laws.force,
                 self.laws.stiffness,
                 self.field.tilt,
@@ -108,7 +155,7 @@ class State:
         self.gap, self.wanted, self.error = np.empty((3, n))
         self.active = np.empty(n, bool)
         closing = np.empty(n, np.int64)
-        rise, error, load, count = _state_kernels.imbalance(
+        rise, error, load, count = _newton_kernels.imbalance(
             self.problem.height,
             separation,
             balanced,
@@ -161,7 +208,7 @@ class State:
     def energy_change(self, other: State) -> tuple[float, float, float]:
         """From this point to another: change of energy [J] at the gaps that are held, the change
         that the errors here predict, and the size of the energies."""
-        change, slope, scale = _state_kernels.energy_change(
+        change, slope, scale = _newton_kernels.energy_change(
             self.gap,
             self.error,
             *(

@@ -22,8 +22,7 @@ from surfaces.numerics.lane_layout import groups
 from surfaces.numerics.lanes import LANES, load, pick, splat, store
 from surfaces.numerics.vectors import entries, root, some, where, whole
 
-from ._contour_kernels import NODES
-from ._directions import place
+from ._contour_kernels import NODES, place
 from ._ellipse_kernels import STATES
 
 CELLS = 24

@@ -1,24 +1,79 @@
-"""Numba kernels of the polynomial fits of summits, eight at once.
+"""Compiled loops of the polynomials of summits, eight at once: fitted, moved, and the small systems
+of Newton steps.
 
 Units inside: one height per profile, and its length for the coefficients. Arrays are groups of
-eight numbers, one per profile (`_lanes`).
+eight numbers, one per profile (`surfaces.numerics.lanes`). Coefficients run over the monomials
+x**i y**j of `ellipse_operator.monomials`.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from surfaces.numerics.compiled import QUOTIENTS, inner
+from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
 from surfaces.numerics.lane_functions import between, least, most
 from surfaces.numerics.lane_layout import groups
 from surfaces.numerics.lanes import load, pick, splat, store
 from surfaces.numerics.vectors import some, where, whole
 
-from ._polynomial_kernels import TERMS
 from .ellipse_operator import DEGREE
+
+TERMS = (DEGREE + 1) * (DEGREE + 2) // 2
+"""Number of monomials: a constant, so that the loops unroll."""
 
 FITS = 5
 """Nested fits of a summit."""
+
+
+@inner(fastmath=QUOTIENTS)
+def move(x0, y0, sine, tangent, out):
+    """Coefficients about (x0, y0) in turned axes, by Taylor shifts and three shears.
+
+    Given are the sine of the turn and the tangent of half of it.
+    """
+    for j in range(DEGREE):
+        top = DEGREE - j
+        for p in range(top):
+            for i in range(top - 1, p - 1, -1):
+                k = i + j
+                low, high = k * (k + 1) // 2 + j, (k + 1) * (k + 2) // 2 + j
+                store(out, low, load(out, low) + x0 * load(out, high))
+    for i in range(DEGREE):
+        top = DEGREE - i
+        for p in range(top):
+            for j in range(top - 1, p - 1, -1):
+                k = i + j
+                low, high = k * (k + 1) // 2 + j, (k + 1) * (k + 2) // 2 + j + 1
+                store(out, low, load(out, low) + y0 * load(out, high))
+    for k in range(1, DEGREE + 1):
+        o = k * (k + 1) // 2
+        for shear in range(3):
+            for p in range(k):
+                for j in range(k - 1, p - 1, -1):
+                    if shear == 1:
+                        store(out, o + j, load(out, o + j) + sine * load(out, o + j + 1))
+                    else:
+                        above = tangent * load(out, o + k - j - 1)
+                        store(out, o + k - j, load(out, o + k - j) - above)
+
+
+@compiled(fastmath=QUOTIENTS)
+def solve(matrix, vector):
+    """Gaussian elimination in place of a positive system of five; upper triangle given."""
+    n = 5
+    for i in range(n):
+        pivot = 1.0 / load(matrix, n * i + i)
+        store(matrix, n * i + i, pivot)
+        for r in range(i + 1, n):
+            f = load(matrix, n * i + r) * pivot
+            for c in range(r, n):
+                store(matrix, n * r + c, load(matrix, n * r + c) - f * load(matrix, n * i + c))
+            store(vector, r, load(vector, r) - f * load(vector, i))
+    for i in range(n - 1, -1, -1):
+        v = load(vector, i)
+        for c in range(i + 1, n):
+            v -= load(matrix, n * i + c) * load(vector, c)
+        store(vector, i, v * load(matrix, n * i + i))
 
 
 @inner(fastmath=QUOTIENTS)

@@ -20,8 +20,7 @@ from surfaces.numerics.lane_layout import collect_rows, groups, ordered, spread_
 from surfaces.numerics.lanes import LANES, load, splat, store
 from surfaces.numerics.vectors import root, where, whole
 
-from ._fit_kernels import FITS, fit, fit_space, usable
-from ._polynomial_kernels import TERMS
+from ._fit_kernels import FITS, TERMS, fit, fit_space, usable
 
 SMALLEST_RATIO = 1 / 40
 """Least axis ratio of the ellipses on which a summit is fitted."""

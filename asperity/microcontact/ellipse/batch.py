@@ -22,8 +22,7 @@ from asperity.microcontact.law_table import LawTable
 from asperity.microcontact.ray_moments import edge_weights
 from surfaces.numerics import parallel
 
-from .operator_tables import LANES, LOG_RATIO, ellipse_tables
-from .polynomial_fit import fit_rules
+from .shared_tables import LANES, LOG_RATIO, ellipse_tables, fit_rules
 
 if TYPE_CHECKING:
     from surfaces import Profiles
@@ -191,10 +190,9 @@ def tabulate(
     from surfaces.numerics.lane_layout import packed
 
     from ._ellipse_kernels import SHAPE_ROW, STATES, march_rows, march_space
-    from ._fit_kernels import FITS
+    from ._fit_kernels import FITS, TERMS
     from ._frame_kernels import SCALES, fit_rows, frame_space
-    from ._polynomial_kernels import TERMS
-    from .tabulate_kernels import table_space, tabulate_rows
+    from ._table_kernels import table_space, tabulate_rows
 
     n, rays = profiles.phi.shape
     m = material.m

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.transforms import kappa
 from asperity.microcontact.ellipse.ellipse_operator import monomials
-from asperity.microcontact.ellipse.operator_tables import LOG_RATIO, ellipse_tables
+from asperity.microcontact.ellipse.shared_tables import LOG_RATIO, ellipse_tables
 
 __all__ = ["ANGLES", "DEGREE", "Edge", "Gap", "between", "edge_of", "fit_points", "fitted"]
 

@@ -30,7 +30,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.microcontact.ellipse.operator_tables import edge_slopes
+from asperity.microcontact.ellipse.shared_tables import edge_slopes
 
 from .ellipse_expansion import ANGLES, Edge, between
 

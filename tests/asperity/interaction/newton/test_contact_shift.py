@@ -17,9 +17,8 @@ from asperity.interaction.newton.contact_shift import (
     widened,
 )
 from asperity.interaction.newton.laws import Laws
-from asperity.interaction.newton.problem import Problem
 from asperity.interaction.newton.solver import descend
-from asperity.interaction.newton.state import State
+from asperity.interaction.newton.state import Problem, State
 
 CELL = (1.0, 1.4)
 EXPONENTS = (-0.3, 0.0, 0.5)

@@ -16,8 +16,7 @@ from asperity.microcontact.laws import tabulate
 from asperity.model.corrections import pressed_basins
 from asperity.model.corrections.joined_pairs import join
 from asperity.model.decomposition import Decomposition
-from asperity.model.law_rows import LawRows
-from asperity.model.load_shares import LoadShares
+from asperity.model.law_rows import LawRows, LoadShares
 from asperity.parameters import DEFAULTS
 from surfaces import HeightMap, resample, segment, self_affine
 from surfaces.peaks._climb import PLATEAU

@@ -7,7 +7,7 @@ import sys
 PROGRAM = """
 import numpy as np
 from numba import njit
-from asperity.interaction.ewald._select_kernels import LANES, keep_near
+from asperity.interaction.ewald._list_kernels import LANES, keep_near
 
 @njit
 def chosen(y, x, first, last, cut, col, dy, dx):
