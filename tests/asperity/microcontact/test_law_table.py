@@ -9,7 +9,6 @@ from strategies import random_population
 from asperity.halfspace.material import HalfSpace
 from asperity.interaction.population import Population
 from asperity.microcontact.law_table import LawTable
-from asperity.microcontact.lazy_table import LazyTable
 
 CELL = (1.0, 1.4)
 
@@ -27,7 +26,7 @@ def tables(n, seed=0):
         arrays = (getattr(whole, k)[rows] for k in ("reach", "force", "stiffness", "area"))
         return LawTable(*arrays, whole.flags[rows], whole.spread[rows])
 
-    return y, x, height, whole, LazyTable(n, make), asked
+    return y, x, height, whole, LawTable.lazy(n, make), asked
 
 
 def test_rows_are_made_once_and_in_place():
@@ -36,8 +35,8 @@ def test_rows_are_made_once_and_in_place():
     lazy.ensure(np.array([3, 9]))
     np.testing.assert_array_equal(np.concatenate(asked), [3, 7, 9])
     assert lazy.ready.sum() == 3 and len(lazy) == 50
-    np.testing.assert_array_equal(lazy.table.force[[3, 7, 9]], whole.force[[3, 7, 9]])
-    assert not lazy.table.reach[[0, 49]].any()
+    np.testing.assert_array_equal(lazy.force[[3, 7, 9]], whole.force[[3, 7, 9]])
+    assert not lazy.reach[[0, 49]].any()
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
@@ -91,7 +90,7 @@ def test_summits_without_a_law_stay_open():
         return LawTable(*arrays.values(), whole.flags[rows], whole.spread[rows])
 
     population = Population(
-        x=x, y=y, height=height, table=LazyTable(100, make), cell=CELL, boundary="periodic",
+        x=x, y=y, height=height, table=LawTable.lazy(100, make), cell=CELL, boundary="periodic",
         material=HalfSpace.from_modulus(1.0),
     )  # fmt: skip
     state = population.solve(separation=0.0)
