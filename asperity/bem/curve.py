@@ -21,13 +21,10 @@ from asperity.results.curve import ContactCurve
 from asperity.threads import threads as thread_count
 from surfaces.heightmap import HeightMap
 
-from .accuracy import choose_grid, coarsened
-from .chains import follow_chains, split_loads
-from .contact_map import read_contact
-from .interpolation import interpolated, loads_to_solve
-from .memory import fits
-from .path import LoadPath
-from .problem import ContactProblem
+from .accuracy import choose_grid, coarsened, interpolated, loads_to_solve
+from .path import LoadPath, follow_chains, split_loads
+from .problem import ContactProblem, fits
+from .solution import read_contact
 
 __all__ = ["SolvedLoad", "bem_curve"]
 
@@ -101,7 +98,7 @@ def bem_curve(
         Relative error allowed in load and corrected area [-], 0.002 to 0.2: the coarsest grid and
         the loosest tolerance that hold it are chosen from the spectrum of the map and the
         lightest load (`accuracy.choose_grid`), and `tolerance` is not used. Of more than ten
-        pressures about ten are solved and the others interpolated (`interpolation`), which
+        pressures about ten are solved and the others interpolated (`accuracy.interpolated`), which
         `extra["interpolated"]` and the setting `solved_loads` state.
     check
         With `accuracy`: solve the middle load once more on a grid twice as fine (at most the full

@@ -13,7 +13,7 @@ from asperity.halfspace.boundary import Boundary
 from asperity.halfspace.influence import ElasticHalfSpace, compliance, influence, symbol_quadrant
 
 from . import convolution
-from .scratch import Scratch
+from .transform import Scratch
 
 __all__ = ["HalfSpaceOperator"]
 

@@ -13,11 +13,9 @@ from asperity.microcontact.circle import expected_error
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .basis import Basis, PowerBasis, basis_of, samples, synthesis
-from .history_pressure import HistoryPressure
-from .indentation import Indentation
+from .indentation import Indentation, contour_flags, profile_flags
 from .inverse_approach import InverseApproach
-from .pressure import AxisymmetricPressure
-from .validity import contour_flags, profile_flags
+from .pressure import AxisymmetricPressure, HistoryPressure
 
 __all__ = ["Expansion", "indent"]
 

@@ -13,9 +13,8 @@ from . import circle
 from .basis import basis_of
 from .ellipse_search import Search, Solved
 from .ellipse_state import EllipseState
-from .indentation import Indentation
+from .indentation import Indentation, profile_flags
 from .inverse_approach import InverseApproach
-from .validity import profile_flags
 
 __all__ = ["indent", "solve_ellipse"]
 

@@ -12,8 +12,7 @@ from surfaces.polar import PolarProfile, PowerSumProfile
 
 from . import circle
 from .basis import PowerBasis, TableBasis, basis_of
-from .indentation import Indentation
-from .validity import profile_flags
+from .indentation import Indentation, profile_flags
 
 __all__ = ["indent"]
 

@@ -22,9 +22,8 @@ from asperity.halfspace.transforms import gauss_jacobi
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .basis import basis_of
-from .indentation import Indentation
+from .indentation import Indentation, contour_flags, profile_flags
 from .inverse_approach import InverseApproach
-from .validity import contour_flags, profile_flags
 
 __all__ = ["indent"]
 

@@ -7,7 +7,7 @@ import pytest
 from oracles import edges_by_hand, labels_by_hand
 
 from asperity import HalfSpace, bem_solve
-from asperity.bem import contact_map
+from asperity.bem import solution
 from surfaces import HeightMap
 from surfaces.patches import label_patches
 
@@ -16,7 +16,7 @@ def read(contact, spacing, periodic):
     """`read_contact` of a map, with more columns than it has."""
     pressure = np.ones((contact.shape[0], contact.shape[1] + 2))
     pressure[:, :-2] = contact
-    return contact_map.read_contact(pressure, spacing, contact.shape[1], periodic=periodic)
+    return solution.read_contact(pressure, spacing, contact.shape[1], periodic=periodic)
 
 
 @pytest.mark.parametrize("periodic", [False, True])
@@ -29,7 +29,7 @@ def test_patches_match_a_flood_fill(periodic, filling):
     assert count == number == labels.max()
     raw, corrected, patches = read(contact, (0.5, 2.0), periodic)
     assert (raw, patches) == (contact.sum(), number)
-    edge = contact_map.AREA_FACTOR * edges_by_hand(contact, periodic)
+    edge = solution.AREA_FACTOR * edges_by_hand(contact, periodic)
     assert corrected == pytest.approx(max(raw - edge, 0.0), rel=1e-12)
     pairs = np.unique(np.stack([labels[contact], expected[contact]]), axis=1)
     assert pairs.shape[1] == number
@@ -53,7 +53,7 @@ def test_full_contact_has_no_edge_in_a_periodic_cell():
     """Nothing is taken off a closed contact."""
     full = np.ones((6, 9), bool)
     assert read(full, (1.0, 2.0), True) == (108.0, 108.0, 1)
-    assert read(full, (1.0, 2.0), False)[1] == 108.0 - 30 * 2.0 * contact_map.AREA_FACTOR
+    assert read(full, (1.0, 2.0), False)[1] == 108.0 - 30 * 2.0 * solution.AREA_FACTOR
 
 
 def test_contours_enclose_their_patches():
@@ -61,7 +61,7 @@ def test_contours_enclose_their_patches():
     contact = np.zeros((20, 30), bool)
     contact[3:9, 4:12] = True
     contact[14:17, 20:25] = True
-    found = contact_map.contours(contact, (0.5, 0.25))
+    found = solution.contours(contact, (0.5, 0.25))
     assert len(found) == 2
     box = sorted(tuple(np.ptp(outline, axis=0)) for outline in found)
     assert box == [(4 * 0.25, 2 * 0.5), (7 * 0.25, 5 * 0.5)]
@@ -70,10 +70,10 @@ def test_contours_enclose_their_patches():
 def test_histogram_integrates_to_one():
     """A density over the positive values."""
     values = np.random.default_rng(6).normal(size=1000)
-    density, edges = contact_map.histogram(values, 20)
+    density, edges = solution.histogram(values, 20)
     assert (density * np.diff(edges)).sum() == pytest.approx(1.0)
     assert edges[0] == 0.0
-    assert not contact_map.histogram(np.zeros(5))[0].any()
+    assert not solution.histogram(np.zeros(5))[0].any()
 
 
 def test_histograms_of_pressure_and_gap():

@@ -7,7 +7,7 @@ import pytest
 from strategies import rough
 
 from asperity import HalfSpace, bem_curve
-from asperity.bem import chains, curve
+from asperity.bem import curve, path
 from asperity.threads import set_threads
 
 BODY = HalfSpace.from_modulus(1.0)
@@ -17,10 +17,10 @@ BODY = HalfSpace.from_modulus(1.0)
 def test_chains_hold_every_load_once(n):
     """In ascending order; one chain if there are few loads or the grid is small."""
     shares = np.geomspace(0.02, 1.0, n)
-    found = chains.split_loads(shares, 10**6)
+    found = path.split_loads(shares, 10**6)
     assert [i for chain in found for i in chain] == list(range(n))
     assert len(found) == (2 if n >= 8 else 1)
-    assert chains.split_loads(shares, 100) == [range(n)]
+    assert path.split_loads(shares, 100) == [range(n)]
     if len(found) == 2:
         cost = [sum(1 + 5 * shares[i] for i in chain) for chain in found]
         assert cost[0] == pytest.approx(cost[1] + 2.0, abs=6.0)
