@@ -116,9 +116,7 @@ def contact_curve(
     Examples
     --------
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> curve = asperity.contact_curve(hm, steel, pressures=[1e8, 1e9])
     >>> bool(curve.converged.all()), bool(curve.separation[0] > curve.separation[1])
@@ -167,9 +165,7 @@ def solve_contacts(
     Examples
     --------
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> run = asperity.solve_contacts(hm, steel, pressures=[1e9])
     >>> f"{run.microcontacts()['force'].sum() / run.curve.load[0]:.6f}"

@@ -119,9 +119,7 @@ def bem_curve(
     Examples
     --------
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> curve = asperity.bem_curve(hm, steel, pressures=[1e8, 1e9])
     >>> bool(curve.converged.all()), bool(curve.area_fraction[1] > curve.area_fraction[0])

@@ -17,7 +17,7 @@ from surfaces.patches import label_patches
 from ._contact_kernels import contact_counts
 from .certificate import Certificate
 
-__all__ = ["BemSolution", "contours", "histogram", "read_contact"]
+__all__ = ["BemSolution", "contours", "read_contact"]
 
 AREA_FACTOR = (math.pi - 1.0 + math.log(2.0)) / 24.0
 """Correction of the contact area per edge pixel (Yastrebov, Anciaux, Molinari 2017)."""
@@ -55,9 +55,7 @@ class BemSolution:
     Examples
     --------
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> found = asperity.bem_solve(hm, steel, pressure=1e9)
     >>> bool(found.gap.min() > -1e-6 * hm.rms_height), bool(0.0 < found.area_fraction < 1.0)
@@ -125,14 +123,6 @@ class BemSolution:
         """Outlines of the patches, polygons (x, y) [m], shape (n, 2) each."""
         return contours(self.contact, self.spacing)
 
-    def pressure_histogram(self, bins: int = 64) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Density of the positive pressures [1/Pa] and bin edges [Pa]."""
-        return histogram(self.pressure, bins)
-
-    def gap_histogram(self, bins: int = 64) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Density of the gap outside the contact [1/m] and bin edges [m]."""
-        return histogram(self.gap[~self.contact], bins)
-
     def __str__(self) -> str:
         ny, nx = self.pressure.shape
         c = self.certificate
@@ -182,16 +172,3 @@ def contours(contact: NDArray[np.bool_], spacing: tuple[float, float]) -> list[N
     )
     scale = np.array([spacing[1], spacing[0]])
     return [(outline[:, 0, :] + 0.5) * scale for outline in found]
-
-
-def histogram(
-    values: NDArray[np.float64], bins: int = 64
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Probability density of positive values, shape (bins,), and bin edges, shape (bins + 1,)."""
-    positive = values[values > 0.0]
-    if positive.size == 0:
-        return np.zeros(bins), np.linspace(0.0, 1.0, bins + 1)
-    density, edges = np.histogram(
-        positive, bins=bins, range=(0.0, float(positive.max())), density=True
-    )
-    return density, edges

@@ -24,6 +24,9 @@ _ONE_THREAD = 160 * 160
 class Scratch:
     """Arrays carved from others that are not in use.
 
+    Fresh memory is dear: the operating system clears it page by page, which on large grids takes as
+    long as the arithmetic.
+
     Parameters
     ----------
     idle

@@ -45,9 +45,7 @@ class Population(ContactSystem):
     Examples
     --------
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> fit = surfaces.fit_profiles(hm, surfaces.segment(hm))
     >>> table = asperity.microcontact.tabulate(fit, steel, law="hertz")

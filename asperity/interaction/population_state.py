@@ -55,9 +55,7 @@ class PopulationState:
     Examples
     --------
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> run = asperity.solve_contacts(hm, steel, pressures=[1e8])
     >>> state = run.points[0].state

@@ -51,15 +51,11 @@ def tabulate(
 
     Parameters
     ----------
-    profiles
-        Batch of sampled profiles (`surfaces.fit_profiles`).
-    material
-        Half-space, any m.
+    profiles, material, nodes
+        As of `laws.tabulate`.
     law
         "paper" (equations 22-25, 49, 50) or "harmonic" (harmonic by harmonic, with the
         second-order force and area).
-    nodes
-        Intervals of the table.
     radii, points
         Radii at which the expansion is evaluated, and points of the radial rule.
 

@@ -28,19 +28,7 @@ _ROUNDS, _FEW = 8, 4
 def tabulate(
     profiles: Profiles, material: HalfSpace, *, law: str = "ritz", nodes: int = 24
 ) -> LawTable:
-    """Law table of a batch of profiles by free rays inside the basin.
-
-    Parameters
-    ----------
-    profiles
-        Batch of sampled profiles (`surfaces.fit_profiles`).
-    material
-        Half-space, any m.
-    law
-        "ritz".
-    nodes
-        Intervals of the table.
-    """
+    """Law table of a batch of profiles by free rays inside the basin; see `laws.tabulate`."""
     levels = np.arange(1, nodes + 1) / nodes
     reach, length, height, out = _march(profiles, material.m, levels, _ROUNDS)
     unit = material.modulus * length ** (1 + material.m)

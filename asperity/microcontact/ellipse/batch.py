@@ -174,19 +174,7 @@ def _workspace(key: tuple[Any, ...], make: Callable[[], tuple[Any, ...]]) -> tup
 def tabulate(
     profiles: Profiles, material: HalfSpace, *, law: str = "ellipse", nodes: int = NODES
 ) -> LawTable:
-    """Law table of a batch of profiles about their optimal ellipses.
-
-    Parameters
-    ----------
-    profiles
-        Batch of sampled profiles (`surfaces.fit_profiles`).
-    material
-        Half-space, any m.
-    law
-        "ellipse".
-    nodes
-        Intervals of the table.
-    """
+    """Law table of a batch of profiles about their optimal ellipses; see `laws.tabulate`."""
     from surfaces.numerics.lane_layout import packed
 
     from ._ellipse_kernels import SHAPE_ROW, STATES, march_rows, march_space

@@ -98,18 +98,13 @@ class Indentation:
         values = self.contour_function(angle.ravel())
         return values.reshape(self.approach.shape + angle.shape)
 
-    def pressure(
-        self, x: ArrayLike, y: ArrayLike, *, balanced: bool = False, history: bool = False
-    ) -> Array:
+    def pressure(self, x: ArrayLike, y: ArrayLike, *, history: bool = False) -> Array:
         """Pressure [Pa] at the points (x, y) [m], shape (*approach.shape, *points.shape).
 
         Parameters
         ----------
         x, y
             Coordinates relative to the summit (broadcast).
-        balanced
-            Scale the field so that it integrates to the force over the contact area: the
-            published field does so over the circle, a second-order mismatch.
         history
             Integrate over all earlier contacts (equations 28, 51) in place of stretching the
             axisymmetric field to the contour (29, 52); slower, equal for power laws. The law
@@ -125,25 +120,7 @@ class Indentation:
         if law is None:
             raise InputError(f"the law {self.law!r} has no history integral of the pressure")
         values = law(np.hypot(x, y).ravel(), np.arctan2(y, x).ravel())
-        if balanced:
-            values = values * self._balance().reshape(-1, 1)
         return values.reshape(self.approach.shape + x.shape)
-
-    def _balance(self) -> Array:
-        """Force over the integral of the pressure field, by rays and a rule for its edge."""
-        x, w = np.polynomial.legendre.leggauss(24)
-        root = (1 - x) / 2
-        rho, share = 1 - root**2, w * root * (1 - root**2)
-        phi = 2 * np.pi * np.arange(64) / 64
-        edge = self.contour(phi).reshape(-1, phi.size)
-        total = np.zeros(self.approach.size)
-        for i in np.flatnonzero(self.force.ravel() > 0):
-            r = rho[:, None] * edge[i]
-            values = self.pressure_function(r.ravel(), np.tile(phi, rho.size))[i]
-            inside = values.reshape(r.shape) * edge[i] ** 2
-            total[i] = share @ inside.mean(axis=1) * 2 * np.pi
-        force = self.force.reshape(-1)
-        return np.asarray(np.where(total > 0, force / np.where(total > 0, total, 1.0), 1.0))
 
     def __str__(self) -> str:
         columns = ("approach", "force", "contact_area", "radius", "stiffness", "error_estimate")

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 from oracles import edges_by_hand, labels_by_hand
 
-from asperity import HalfSpace, bem_solve
 from asperity.bem import solution
-from surfaces import HeightMap
 from surfaces.patches import label_patches
 
 
@@ -65,28 +63,3 @@ def test_contours_enclose_their_patches():
     assert len(found) == 2
     box = sorted(tuple(np.ptp(outline, axis=0)) for outline in found)
     assert box == [(4 * 0.25, 2 * 0.5), (7 * 0.25, 5 * 0.5)]
-
-
-def test_histogram_integrates_to_one():
-    """A density over the positive values."""
-    values = np.random.default_rng(6).normal(size=1000)
-    density, edges = solution.histogram(values, 20)
-    assert (density * np.diff(edges)).sum() == pytest.approx(1.0)
-    assert edges[0] == 0.0
-    assert not solution.histogram(np.zeros(5))[0].any()
-
-
-def test_histograms_of_pressure_and_gap():
-    """Under a sphere the density of the pressure p rises as 2 p / p0^2; the mean gap is kept."""
-    ny, nx, dy, dx = 120, 150, 1.0, 0.8
-    y, x = (np.arange(ny) - 59.5) * dy, (np.arange(nx) - 74.5) * dx
-    hm = HeightMap(-(y[:, None] ** 2 + x**2) / 4e4, (dy, dx))
-    solution = bem_solve(hm, HalfSpace.from_modulus(1.0), pressure=8.0 / hm.area, boundary="free")
-    density, edges = solution.pressure_histogram(6)
-    middle = 0.5 * (edges[1:] + edges[:-1])
-    np.testing.assert_allclose(
-        density, 2 * middle / edges[-1] ** 2, rtol=0.1, atol=0.02 / edges[-1]
-    )
-    density, edges = solution.gap_histogram(200)
-    mean = np.sum(density * 0.5 * (edges[1:] ** 2 - edges[:-1] ** 2))
-    assert mean == pytest.approx(solution.gap[~solution.contact].mean(), rel=1e-2)
