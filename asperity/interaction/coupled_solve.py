@@ -14,8 +14,7 @@ from asperity.interaction.newton.solver import descend
 from asperity.interaction.newton.step import corrected_prediction
 
 from .candidates import CandidateList
-from .continuation import Continuation
-from .population_state import PopulationState
+from .population_state import Continuation, PopulationState
 
 if TYPE_CHECKING:
     from asperity.interaction.newton.state import Problem

@@ -10,9 +10,8 @@ from asperity.errors import InputError
 from asperity.interaction.newton.laws import BLOCK
 
 from .contact_system import ContactSystem
-from .continuation import Continuation
 from .coupled_solve import CROWDED, solve_at
-from .population_state import PopulationState
+from .population_state import Continuation, PopulationState
 
 __all__ = ["Population", "PopulationState", "solve_under"]
 

@@ -75,7 +75,7 @@ def tabulate(
     range the table is bounded (F2 <= F/2, the area between half and twice that of the circle) and
     flagged `CONTOUR_DOUBTFUL`. A profile that is marked as unresolved is used as it is given.
     """
-    from ._circle_kernels import QUANTITIES, expand_profiles
+    from ._ray_kernels import QUANTITIES, expand_profiles
 
     m = material.m
     fractions = _OVERSHOOT * np.linspace(_SMALLEST, 1.0, radii) ** _GRADING
@@ -116,7 +116,7 @@ def _assemble(
     valid: NDArray[np.bool_],
 ) -> LawTable:
     """Law table from the explicit quantities over the radii ``top * fractions``."""
-    from ._circle_kernels import resample
+    from ._ray_kernels import resample
 
     m, modulus, p = material.m, material.modulus, 3 + material.m
     basin = np.pi * top**2

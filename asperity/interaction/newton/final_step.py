@@ -82,7 +82,7 @@ class Solution:
 
     @property
     def values(self) -> Array:
-        """What the next point is predicted from, `continuation.Point.values`, shape (5, n)."""
+        """What the next point is predicted from, `population_state.Point.values`, shape (5, n)."""
         return np.stack((self.wanted, self.laws.force, *self.tilt.T, self.shares))
 
     @functools.cached_property

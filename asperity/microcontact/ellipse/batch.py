@@ -178,8 +178,7 @@ def tabulate(
     from surfaces.numerics.lane_layout import packed
 
     from ._ellipse_kernels import SHAPE_ROW, STATES, march_rows, march_space
-    from ._fit_kernels import FITS, TERMS
-    from ._frame_kernels import SCALES, fit_rows, frame_space
+    from ._fit_kernels import FITS, SCALES, TERMS, fit_rows, frame_space
     from ._table_kernels import table_space, tabulate_rows
 
     n, rays = profiles.phi.shape
