@@ -7,9 +7,9 @@ from .bem.solve import bem_solve as bem_solve
 from .comparison.result import Comparison as Comparison
 from .comparison.run import compare as compare
 from .contacts.run import ContactRun as ContactRun
+from .contacts.run import solve_contacts as solve_contacts
 from .contacts.sizes import size_distribution as size_distribution
 from .curve import contact_curve as contact_curve
-from .curve import solve_contacts as solve_contacts
 from .errors import AsperityError as AsperityError
 from .errors import ConvergenceError as ConvergenceError
 from .errors import InputError as InputError

@@ -10,22 +10,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.compilation import CURVE, compile_ahead
-from asperity.contacts.run import ContactRun
-from asperity.contacts.spot_count import spot_count
-from asperity.halfspace.load_points import checked_loads
+from asperity.halfspace.scene import checked_loads
 from asperity.model.decomposition import Decomposition
-from asperity.model.load_point import LoadPoint, load_point, point_at_separation
+from asperity.model.load_point import LoadPoint, load_point, point_at_separation, spot_count
 from asperity.model.plan import Plan, interaction_needed, make_plan
 from asperity.results.curve import ContactCurve
-from asperity.results.stiffness import curve_stiffness
+from asperity.results.interpolation import curve_stiffness
 from asperity.trust.error_estimate import (
     CALIBRATED,
-    TERMS,
     estimate,
     nonrandomness,
+    outside_model_terms,
     terms,
 )
-from asperity.trust.outside_model import OUTSIDE_MODEL, outside_model_terms
 from surfaces.heightmap import HeightMap
 
 from .errors import InputError
@@ -34,7 +31,7 @@ if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from asperity.interaction.population import PopulationState
 
-__all__ = ["contact_curve", "solve_contacts"]
+__all__ = ["contact_curve", "solve_loads"]
 
 TOLERANCE = 5e-2
 """Bound on the residual under a load before its last Newton step, whose effect on load and area is
@@ -89,7 +86,7 @@ def contact_curve(
     scales
         "auto": of a broad random spectrum the finest waves act as a law of the contacts of the
         others (`asperity.multiscale`), and other maps whose waves reach the pixel are solved on a
-        finer grid (`asperity.multiscale.pixel_waves`); "all": every summit of the map is a contact.
+        finer grid (`asperity.multiscale.wave_split`); "all": every summit of the map is a contact.
     progress
         Called with the state of every finished load point.
     checkpoint
@@ -134,7 +131,7 @@ def contact_curve(
             boundary=boundary,
             scales=scales,
         )
-    return solve_contacts(
+    curve, _, _ = solve_loads(
         hm,
         material,
         plan,
@@ -142,10 +139,11 @@ def contact_curve(
         separations=separations,
         progress=progress,
         checkpoint=checkpoint,
-    ).curve
+    )
+    return curve
 
 
-def solve_contacts(
+def solve_loads(
     hm: HeightMap,
     material: HalfSpace,
     plan: Plan | None = None,
@@ -154,22 +152,13 @@ def solve_contacts(
     separations: ArrayLike | None = None,
     progress: Callable[[PopulationState], object] | None = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
-) -> ContactRun:
-    """Run `contact_curve` by a plan and keep the load points (for maps and tables).
+) -> tuple[ContactCurve, Decomposition, tuple[LoadPoint, ...]]:
+    """The curve of a plan with the decomposed surface and the load points behind it.
 
     Arguments are those of `contact_curve`; without a plan one is made with its defaults.
 
     The points are solved from light to heavy, so that each starts from the last. Where a contact
     comes near the height below which nothing was segmented, all are solved again on the whole map.
-
-    Examples
-    --------
-    >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
-    >>> steel = asperity.HalfSpace(210e9, 0.3)
-    >>> run = asperity.solve_contacts(hm, steel, pressures=[1e9])
-    >>> f"{run.microcontacts()['force'].sum() / run.curve.load[0]:.6f}"
-    '1.000000'
     """
     compile_ahead(*CURVE)
     if plan is None:
@@ -197,7 +186,7 @@ def solve_contacts(
         decomposition, rows = decomposition.of_whole_map(), {}
     ordered = [rows[i] for i in sorted(rows)]
     curve = _curve(decomposition, ordered, time.perf_counter() - start)
-    return ContactRun(curve, decomposition, tuple(row.point for row in ordered))
+    return curve, decomposition, tuple(row.point for row in ordered)
 
 
 class _Row(NamedTuple):
@@ -337,10 +326,7 @@ def _curve(decomposition: Decomposition, rows: Sequence[_Row], seconds: float) -
             "tangent_stiffness": tangent,
             "area_error_estimate": area_error,
             **differences,
-            **{
-                name: np.array([row.terms[name] for row in rows])
-                for name in (*TERMS, *OUTSIDE_MODEL)
-            },
+            **{name: np.array([row.terms[name] for row in rows]) for name in rows[0].terms},
         },
         reasons=tuple(row.point.reason for row in rows),
     )

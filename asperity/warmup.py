@@ -40,7 +40,7 @@ def small_map() -> HeightMap:
 
 def _summits() -> None:
     """Peaks and summits of a map, the rays of a few, and the plan of its scales."""
-    from asperity.contacts.spot_count import joined_spots
+    from asperity.model.load_point import joined_spots
     from asperity.model.plan import make_plan
     from surfaces.peaks.segmentation import segment
     from surfaces.peaks.summits import locate_summits
@@ -138,7 +138,7 @@ def _basins() -> None:
 def _bem() -> None:
     """Boundary elements at two loads."""
     from asperity.bem.curve import bem_curve
-    from asperity.halfspace.load_points import default_pressures
+    from asperity.halfspace.scene import default_pressures
 
     hm = small_map()
     bem_curve(hm, BODY, pressures=default_pressures(hm, BODY, count=2), tolerance=1e-2)

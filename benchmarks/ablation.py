@@ -39,8 +39,8 @@ from numpy.typing import NDArray
 
 import asperity
 import surfaces
-from asperity.curve import solve_contacts
-from asperity.halfspace.load_points import pressure_scale
+from asperity.contacts.run import solve_contacts
+from asperity.halfspace.scene import pressure_scale
 from asperity.model import law_factory
 from asperity.parameters import DEFAULTS, Corrections, Parameters
 from asperity.parameters.constants import PressedBasins
@@ -127,7 +127,7 @@ PRESS = "asperity.microcontact.basin_bem"
 POPULATION = "asperity.interaction.contact_system.ContactSystem"
 CANDIDATES = "asperity.interaction.candidates.CandidateList"
 SPLIT = "asperity.multiscale.wave_split"
-PIXEL = "asperity.multiscale.pixel_waves"
+PIXEL = "asperity.multiscale.wave_split"
 LAWS = "asperity.model.corrections"
 
 CORRECTIONS = {
@@ -201,14 +201,14 @@ CORRECTIONS = {
         "wave_split",
         (
             SPLIT,
-            "asperity.multiscale.surface_point",
+            "asperity.multiscale.sub_contact_law",
             "asperity.multiscale.sub_contact_law",
             "asperity.multiscale.spectrum_shells",
-            "asperity.multiscale._spectrum_kernels",
+            "asperity.multiscale.spectrum_shells",
         ),
     ),
     "half the pixel": Correction("finer_grid", (f"{PIXEL}.refined_map",)),
-    "fewer points": Correction("coarser_grid", ("surfaces.preparation.coarsening",)),
+    "fewer points": Correction("coarser_grid", ("surfaces.preparation.resampling",)),
 }
 """The corrections by name; one that is only a switch and a module gets its row below."""
 

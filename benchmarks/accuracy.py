@@ -38,8 +38,8 @@ from numpy.typing import NDArray
 
 import asperity
 import surfaces
-from asperity.curve import solve_contacts
-from asperity.halfspace.load_points import pressure_scale
+from asperity.contacts.run import solve_contacts
+from asperity.halfspace.scene import pressure_scale
 from asperity.model.plan import SCALES, make_plan
 from asperity.results.storage import write_csv
 

@@ -31,7 +31,7 @@ from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.ewald.tangent import Tangent
 from asperity.microcontact import tabulate
 from asperity.microcontact.law_table import LawTable
-from asperity.threads import threads
+from surfaces.numerics.parallel import threads
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 

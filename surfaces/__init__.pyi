@@ -28,10 +28,10 @@ from .preparation.filling import fill_missing as fill_missing
 from .preparation.filtering import bandpass as bandpass
 from .preparation.filtering import crop as crop
 from .preparation.filtering import make_periodic as make_periodic
-from .preparation.filtering import resample as resample
 from .preparation.levelling import level as level
 from .preparation.outliers import mark_outliers as mark_outliers
 from .preparation.prepare import prepare as prepare
+from .preparation.resampling import resample as resample
 from .redistribution import redistribute as redistribute
 from .statistics.bearing import BearingCurve as BearingCurve
 from .statistics.bearing import bearing_curve as bearing_curve

@@ -1,11 +1,16 @@
-"""Connected patches of a mask over the pixels of a map."""
+"""Connected patches: of a mask over the pixels of a map, and of things joined pair by pair."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["label_patches"]
+from .numerics.compiled import inner
+
+__all__ = ["label_patches", "root"]
+
 
 _NO_PAIRS = np.zeros((0, 2), np.int32)
 
@@ -65,3 +70,12 @@ def _merged(pairs: NDArray[np.int32], count: int) -> NDArray[np.int32]:
     first[group[::-1]] = np.arange(count)[::-1]
     order = np.argsort(np.argsort(first))
     return np.asarray(order[group], np.int32)
+
+
+@inner()
+def root(parent: NDArray[np.int64], i: Any) -> Any:
+    """First of the group of `i`, whose way to it is halved; it is its own parent."""
+    while parent[i] != i:
+        parent[i] = parent[parent[i]]
+        i = parent[i]
+    return i

@@ -45,9 +45,7 @@ def plot_map(hm: HeightMap, peaks: Peaks | None = None) -> Figure:
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> figure = surfaces.plot_map(hm, surfaces.segment(hm))
     >>> len(figure.axes[0].images)
     2
@@ -81,9 +79,7 @@ def plot_spectrum(spectrum: Spectrum, fit: SpectrumFit | None = None) -> Figure:
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> figure = surfaces.plot_spectrum(surfaces.power_spectrum(hm))
     >>> figure.axes[0].get_xscale()
     'log'
@@ -128,9 +124,7 @@ def plot_profiles(profiles: Profiles, chosen: Iterable[int]) -> Figure:
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> profiles = surfaces.fit_profiles(hm, surfaces.segment(hm))
     >>> figure = surfaces.plot_profiles(profiles, [0, 1])
     >>> len(figure.axes)
@@ -170,9 +164,7 @@ def plot_bearing(curve: BearingCurve) -> Figure:
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> figure = surfaces.plot_bearing(surfaces.bearing_curve(hm))
     >>> len(figure.axes) > 0
     True
@@ -197,9 +189,7 @@ def plot_autocorrelation(correlation: Autocorrelation) -> Figure:
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> figure = surfaces.plot_autocorrelation(surfaces.autocorrelation(hm))
     >>> len(figure.axes) > 0
     True

@@ -47,9 +47,7 @@ def redistribute(
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> import numpy as np
     >>> uniform = surfaces.redistribute(hm, lambda share: 1e-6 * share)
     >>> f"{np.ptp(uniform.heights):.1e}"

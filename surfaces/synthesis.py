@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from surfaces.numerics.memory import require_memory
 
-from .arguments import as_number
-from .errors import InputError
+from .errors import InputError, as_number
 from .heightmap import LONGEST, SHORTEST, HeightMap
 
 __all__ = ["self_affine", "synthesis"]
@@ -101,9 +100,7 @@ def self_affine(
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> hm
     <HeightMap 32 x 48, pixel 1e-06 x 1e-06 m, periodic>
     >>> f"{hm.roughness.rms_slope:.3f}"

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from .errors import InputError
 
-__all__ = ["METRES", "metres_per", "unit_warning"]
-
-_SLOPES = (1e-6, 10.0)  # rms slopes outside which the units may be wrong
+__all__ = ["METRES", "metres_per"]
 
 METRES = {
     "m": 1.0,
@@ -61,10 +59,3 @@ def metres_per(unit: str) -> float:
     if name not in METRES:
         raise InputError(f"{unit[:30]!r} is not a unit of length; known are {', '.join(METRES)}")
     return METRES[name]
-
-
-def unit_warning(slope: float) -> list[str]:
-    """A slope that no measured surface has: heights or pixels in another unit than stated."""
-    if _SLOPES[0] < slope < _SLOPES[1]:
-        return []
-    return [f"the rms slope is {slope:.2g}: check the unit of the heights and the pixel size"]

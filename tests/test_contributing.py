@@ -76,7 +76,7 @@ def test_a_correction_of_the_page_changes_the_laws_that_it_is_for(monkeypatch):
     "file",
     [
         "asperity/microcontact/laws.py",
-        "asperity/parameters/switches.py",
+        "asperity/parameters/__init__.py",
         "asperity/model/law_factory.py",
     ],
 )

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.numerics.compiled import compiled, inner
-from surfaces.numerics.union_find import root
+from surfaces.patches import root
 
 Index = NDArray[np.int64]
 

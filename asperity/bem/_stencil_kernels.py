@@ -13,8 +13,15 @@ import numpy as np
 from numba import carray, types
 
 from surfaces.numerics.compiled import inner
-from surfaces.numerics.stack import on_stack
-from surfaces.numerics.vectors import loader, multiply_add, repeater, splatter, store, total
+from surfaces.numerics.vectors import (
+    loader,
+    multiply_add,
+    on_stack,
+    repeater,
+    splatter,
+    store,
+    total,
+)
 
 __all__ = [
     "LANES",

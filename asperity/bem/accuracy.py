@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from asperity.errors import InputError
-from asperity.halfspace.boundary import Boundary
+from asperity.halfspace.scene import Boundary
 from asperity.results.curve import ContactCurve
-from surfaces.arguments import as_number
+from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap
 
 from .grids import CoarseMaps

@@ -14,12 +14,11 @@ from scipy.interpolate import CubicSpline
 
 from asperity.compilation import compile_ahead
 from asperity.errors import InputError
-from asperity.halfspace.boundary import chosen_boundary
-from asperity.halfspace.load_points import checked_loads, expected_area_fraction
 from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.scene import checked_loads, chosen_boundary, expected_area_fraction
 from asperity.results.curve import ContactCurve
-from asperity.threads import threads as thread_count
 from surfaces.heightmap import HeightMap
+from surfaces.numerics.parallel import threads as thread_count
 
 from .accuracy import choose_grid, coarsened, interpolated, loads_to_solve
 from .path import LoadPath, follow_chains, split_loads

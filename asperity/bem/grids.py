@@ -6,7 +6,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from asperity.halfspace.boundary import Boundary
+from asperity.halfspace.scene import Boundary
 from surfaces.numerics import parallel
 
 from . import _grid_kernels

@@ -9,8 +9,8 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from asperity.errors import InputError
-from asperity.halfspace.boundary import Boundary
 from asperity.halfspace.influence import ElasticHalfSpace, compliance, influence, symbol_quadrant
+from asperity.halfspace.scene import Boundary
 
 from . import convolution
 from .transform import Scratch

@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import InputError, SurfaceError
-from asperity.halfspace.boundary import Boundary, chosen_boundary
 from asperity.halfspace.influence import ElasticHalfSpace
-from asperity.halfspace.load_points import require_scene
+from asperity.halfspace.scene import Boundary, chosen_boundary, require_scene
 from asperity.threads import require_own_threads
 from asperity.threads import threads as thread_count
 from surfaces.heightmap import HeightMap

@@ -13,7 +13,7 @@ from asperity.errors import InputError
 from asperity.halfspace.flags import Flag
 from asperity.halfspace.influence import ElasticHalfSpace
 from asperity.halfspace.material import require_half_space
-from surfaces.arguments import as_number
+from surfaces.errors import as_number
 
 from .certificate import Certificate
 from .profile_map import Profile, map_of, places, sampled, section_box

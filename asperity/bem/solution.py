@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.halfspace.boundary import Boundary
+from asperity.halfspace.scene import Boundary
 from surfaces.patches import label_patches
 
 from ._contact_kernels import contact_counts

@@ -63,8 +63,7 @@ def _compare_one(file, args, material, loads, targets) -> bool:  # type: ignore[
     from asperity.bem.curve import bem_curve
     from asperity.comparison.run import compare
     from asperity.results.resume import require_continuable
-    from asperity.results.storage import write_csv, write_results
-    from asperity.results.tables import columns
+    from asperity.results.storage import columns, write_csv, write_results
 
     results, report, table = targets
     settings = {"tolerance": args.tolerance, "boundary": args.boundary}

@@ -54,11 +54,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _write_last_point(hm, material, plan, curve, args) -> None:  # type: ignore[no-untyped-def]
+    from asperity.contacts.run import solve_contacts
     from asperity.contacts.sizes import size_distribution
-    from asperity.curve import solve_contacts
     from asperity.results.paraview import write_vti
-    from asperity.results.storage import write_csv
-    from asperity.results.tables import columns
+    from asperity.results.storage import columns, write_csv
 
     last = solve_contacts(hm, material, plan, pressures=curve.mean_pressure[-1:])
     if args.contacts:

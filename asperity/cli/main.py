@@ -14,20 +14,25 @@ from typing import Any
 from asperity import __version__
 from asperity.errors import AsperityError, ConvergenceError
 
+from . import bem, compare, curve, demo, indent, plan, report, surface, warmup
 from .exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED, EXIT_NOT_CONVERGED, EXIT_OK
 from .interrupt import interruptible
 
-COMMANDS = {
-    "demo": "make a surface, run both models, write report.html and print the verdict",
-    "curve": "load-separation and contact area from the sum of microcontacts",
-    "bem": "the same curves from the full boundary-element solution",
-    "compare": "both models, their differences and run times; results and report",
-    "plan": "what a run would do, need and leave out, and why; nothing is run",
-    "indent": "one microcontact: force, area, contour and pressure against approach",
-    "surface": "height maps: info, generate, prepare, convert, validate, peaks",
-    "report": "rebuild the report from a results file",
-    "warmup": "compile for this machine all that daily use needs; later runs start at once",
+COMMANDS: dict[str, tuple[ModuleType, str]] = {
+    "demo": (demo, "make a surface, run both models, write report.html and print the verdict"),
+    "curve": (curve, "load-separation and contact area from the sum of microcontacts"),
+    "bem": (bem, "the same curves from the full boundary-element solution"),
+    "compare": (compare, "both models, their differences and run times; results and report"),
+    "plan": (plan, "what a run would do, need and leave out, and why; nothing is run"),
+    "indent": (indent, "one microcontact: force, area, contour and pressure against approach"),
+    "surface": (surface, "height maps: info, generate, prepare, convert, validate, peaks"),
+    "report": (report, "rebuild the report from a results file"),
+    "warmup": (
+        warmup,
+        "compile what daily use needs for this machine; later runs start at once",
+    ),
 }
+"""Module of each sub-command, with `add_arguments` and `run`, and what it does."""
 
 
 class _OneSentenceParser(argparse.ArgumentParser):
@@ -50,23 +55,22 @@ class _OneSentenceParser(argparse.ArgumentParser):
         raise SystemExit(EXIT_BAD_INPUT)
 
 
-def build_parser(command: str | None = None) -> argparse.ArgumentParser:
-    """Parser of the whole command line; only `command` (or every command) gets its options."""
+def build_parser() -> argparse.ArgumentParser:
+    """Parser of the whole command line."""
     parser = _OneSentenceParser(
         prog="asperity",
         description="How much of a rough surface really touches, and how far to trust the answer.",
     )
     parser.add_argument("--version", action="version", version=f"asperity {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for name, summary in COMMANDS.items():
+    for name, (module, summary) in COMMANDS.items():
         sub = commands.add_parser(
             name,
             help=summary,
             description=summary[0].upper() + summary[1:] + ".",
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        if command in (None, name):
-            _module(name).add_arguments(sub)
+        module.add_arguments(sub)
     return parser
 
 
@@ -77,9 +81,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     named = next((word for word in arguments if not word.startswith("-")), "")
     args = argparse.Namespace(command=named)
     try:
-        args = build_parser(named).parse_args(arguments)
+        args = build_parser().parse_args(arguments)
         with interruptible():
-            code = int(_module(args.command).run(args))
+            code = int(COMMANDS[args.command][0].run(args))
         sys.stdout.flush()
         return code
     except (AsperityError, MemoryError) as error:
@@ -112,45 +116,3 @@ def _open_streams() -> None:
             setattr(sys, name, open(os.devnull, "w"))
         elif isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-
-
-def _module(command: str) -> ModuleType:
-    """Module of a sub-command, with `add_arguments` and `run`; only the one in use is imported."""
-    match command:
-        case "demo":
-            from . import demo
-
-            return demo
-        case "curve":
-            from . import curve
-
-            return curve
-        case "bem":
-            from . import bem
-
-            return bem
-        case "compare":
-            from . import compare
-
-            return compare
-        case "plan":
-            from . import plan
-
-            return plan
-        case "indent":
-            from . import indent
-
-            return indent
-        case "surface":
-            from . import surface
-
-            return surface
-        case "report":
-            from . import report
-
-            return report
-        case "warmup":
-            from . import warmup
-
-            return warmup
-    raise ValueError(f"no command is called {command!r}")

@@ -39,6 +39,7 @@ __all__ = [
     "require_pictures",
     "save_figure",
     "solve_and_keep",
+    "tell",
     "told",
 ]
 
@@ -72,6 +73,13 @@ def bar(total: int | None, label: str) -> tuple[Any, Callable[[Any], None]]:
     return shown, lambda _: shown.update(1)
 
 
+def tell(text: str, *, error: bool = False) -> None:
+    """Write lines above the progress bar, or to standard error."""
+    from tqdm import tqdm
+
+    tqdm.write(text, file=sys.stderr if error else None)
+
+
 def named(file: str, stem: str, several: bool) -> str:
     """File name for the results of one of several inputs: the input's name goes in front."""
     target = Path(file)
@@ -90,7 +98,7 @@ def solve_and_keep(
 ) -> ContactCurve:
     """Run a solver that takes load points, `progress` and `checkpoint`, such as `contact_curve` of
     a map and a material; each finished point is kept in the file."""
-    from asperity.halfspace.load_points import checked_loads
+    from asperity.halfspace.scene import checked_loads
     from asperity.results.resume import run_resumably
 
     kind, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))

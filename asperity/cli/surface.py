@@ -6,11 +6,8 @@ import argparse
 import glob
 import inspect
 import math
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-
-from tqdm import tqdm
 
 import surfaces
 from surfaces.errors import AsperityError, InputError
@@ -25,6 +22,8 @@ Work = Callable[[Path, argparse.Namespace], bool]
 
 def run(args: argparse.Namespace) -> int:
     """Run one action on every file; a bad file is named and the batch goes on."""
+    from tqdm import tqdm
+
     if args.action == "generate":
         return _generate(args)
     actions: dict[str, Work] = {
@@ -47,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
         except (AsperityError, MemoryError) as error:
             bad += 1
             text = output.told(path, error)
-            tqdm.write(f"asperity surface {args.action}: {text}", file=sys.stderr)
+            output.tell(f"asperity surface {args.action}: {text}", error=True)
     if getattr(args, "sections", None):
         from surfaces.page import write_page
 
@@ -96,7 +95,7 @@ def _info(path: Path, args: argparse.Namespace) -> bool:
         *str(surfaces.describe(hm)).splitlines(),
         *(f"history     {_told(step)}" for step in hm.history),
     ]
-    tqdm.write("\n".join([str(path), *(f"  {line}" for line in lines)]))
+    output.tell("\n".join([str(path), *(f"  {line}" for line in lines)]))
     if args.html:
         from surfaces.page import section
 
@@ -119,9 +118,9 @@ def _short(value: object) -> str:
 def _validate(path: Path, args: argparse.Namespace) -> bool:
     faults = surfaces.validate(path, dataset=args.dataset)
     if not faults:
-        tqdm.write(f"{path}: valid, schema surface/1")
+        output.tell(f"{path}: valid, schema surface/1")
     for fault in faults:
-        tqdm.write(f"{path}: {'fault' if fault.fatal else 'note'}: {fault}")
+        output.tell(f"{path}: {'fault' if fault.fatal else 'note'}: {fault}")
     return not any(fault.fatal for fault in faults)
 
 
@@ -140,7 +139,7 @@ def _read_and_prepared(path: Path, args: argparse.Namespace) -> surfaces.HeightM
     before = read_map(path, args)
     hm = prepared(before, args)
     for step in hm.history[len(before.history) :]:
-        tqdm.write(f"{path}: {_told(step)}", file=sys.stderr)
+        output.tell(f"{path}: {_told(step)}", error=True)
     return hm
 
 
@@ -184,7 +183,7 @@ def _target(path: Path, args: argparse.Namespace) -> Path:
 def _save(hm: surfaces.HeightMap, path: Path, args: argparse.Namespace) -> None:
     target = _target(path, args)
     surfaces.write(hm, target, dtype="float32" if args.float32 else "float64")
-    tqdm.write(f"{path} -> {target}", file=sys.stderr)
+    output.tell(f"{path} -> {target}", error=True)
 
 
 def _generate(args: argparse.Namespace) -> int:
@@ -206,7 +205,7 @@ def _generate(args: argparse.Namespace) -> int:
     if args.name:
         hm = hm.replace(name=args.name)
     surfaces.write(hm, args.output, dtype="float32" if args.float32 else "float64")
-    tqdm.write(f"{args.output}: {hm!r}, rms height {hm.rms_height:.6g} m", file=sys.stderr)
+    output.tell(f"{args.output}: {hm!r}, rms height {hm.rms_height:.6g} m", error=True)
     return 0
 
 
@@ -231,7 +230,7 @@ def _peaks(path: Path, args: argparse.Namespace) -> bool:
         "resolved": profiles.valid.astype(int),
     }
     resolved = int(profiles.valid.sum())
-    tqdm.write(
+    output.tell(
         f"{path}: {len(peaks)} peaks, {resolved} resolved, {peaks.border.sum()} at the border"
     )
     if args.plot:
@@ -248,7 +247,7 @@ def _peaks(path: Path, args: argparse.Namespace) -> bool:
         write_csv(args.output, columns)
         return True
     shown = list(columns)[:7]
-    tqdm.write("  " + "".join(f"{name:>18s}" for name in shown) + "   (highest ten)")
+    output.tell("  " + "".join(f"{name:>18s}" for name in shown) + "   (highest ten)")
     for index in range(min(10, len(peaks))):
-        tqdm.write("  " + "".join(f"{float(columns[name][index]):18.6g}" for name in shown))
+        output.tell("  " + "".join(f"{float(columns[name][index]):18.6g}" for name in shown))
     return True

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import surfaces
 from asperity.bem.curve import bem_curve
-from asperity.halfspace.boundary import Boundary
+from asperity.halfspace.scene import Boundary
 from asperity.results.curve import ContactCurve
 from surfaces.heightmap import HeightMap
 

@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.bem.curve import bem_curve
 from asperity.bem.solve import bem_solve
 from asperity.compilation import CURVE, compile_ahead
+from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import microcontacts
-from asperity.curve import solve_contacts
-from asperity.halfspace.load_points import checked_loads, default_pressures, slope_scale
+from asperity.halfspace.scene import checked_loads, default_pressures, slope_scale
 from asperity.model.plan import Plan, make_plan
 from asperity.results.curve import ContactCurve
-from asperity.results.tables import structured
+from asperity.results.storage import structured
 from asperity.warmup import small_map
 from surfaces.heightmap import HeightMap
 
@@ -81,9 +81,7 @@ def compare(
     Examples
     --------
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> both = asperity.compare(hm, steel, pressures=[1e8, 1e9], tolerance=1e-4)
     >>> both.table["mean_pressure"].size, bool(abs(both.table["load_error"]).max() < 0.3)

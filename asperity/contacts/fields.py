@@ -15,7 +15,7 @@ from scipy import fft
 
 from asperity.halfspace.footprint import Footprints
 from surfaces.numerics.parallel import threads
-from surfaces.preparation.filtering import resample
+from surfaces.preparation.resampling import resample
 
 from .table import ellipses
 

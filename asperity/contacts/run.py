@@ -1,4 +1,4 @@
-"""A contact curve with the load points behind it."""
+"""A contact curve with the load points behind it, for maps and tables."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from asperity.curve import solve_loads
 from asperity.errors import ConvergenceError, InputError
 from asperity.results.curve import ContactCurve
 
@@ -17,10 +18,13 @@ from .spots import spot_table
 from .table import microcontacts
 
 if TYPE_CHECKING:
+    from asperity.halfspace.material import HalfSpace
     from asperity.model.decomposition import Decomposition
     from asperity.model.load_point import LoadPoint
+    from asperity.model.plan import Plan
+    from surfaces.heightmap import HeightMap
 
-__all__ = ["ContactRun"]
+__all__ = ["ContactRun", "solve_contacts"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,9 +48,7 @@ class ContactRun:
     Examples
     --------
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> run = asperity.solve_contacts(hm, steel, pressures=[1e9])
     >>> run.pressure_map().shape
@@ -88,3 +90,29 @@ class ContactRun:
         if not found.converged:
             raise ConvergenceError(f"load point {point} cannot be used: {found.reason}")
         return found
+
+
+def solve_contacts(
+    hm: HeightMap,
+    material: HalfSpace,
+    plan: Plan | None = None,
+    *,
+    pressures: ArrayLike | None = None,
+    separations: ArrayLike | None = None,
+) -> ContactRun:
+    """Run `contact_curve` by a plan and keep the load points (for maps and tables).
+
+    Arguments are those of `contact_curve`; without a plan one is made with its defaults.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> run = asperity.solve_contacts(hm, steel, pressures=[1e9])
+    >>> f"{run.microcontacts()['force'].sum() / run.curve.load[0]:.6f}"
+    '1.000000'
+    """
+    return ContactRun(
+        *solve_loads(hm, material, plan, pressures=pressures, separations=separations)
+    )

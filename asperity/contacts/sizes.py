@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
-from asperity.results.tables import structured
+from asperity.results.storage import structured
 
 __all__ = ["size_distribution"]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.results.tables import structured
+from asperity.results.storage import structured
 from surfaces.patches import label_patches
 
 from .fields import pressed_pixels

@@ -45,9 +45,7 @@ def constriction_conductance(
     Examples
     --------
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> curve = asperity.contact_curve(hm, steel, pressures=[1e8, 1e9])
     >>> found = asperity.constriction_conductance(curve, resistivity=(1e-7, 1e-7))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from asperity.errors import InputError
 from asperity.results.curve import ContactCurve, require_curve
-from asperity.results.read_off import SLACK
+from asperity.results.interpolation import SLACK
 
 __all__ = ["FrictionCurve", "friction_curve"]
 
@@ -33,9 +33,7 @@ class FrictionCurve:
     Examples
     --------
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> curve = asperity.contact_curve(hm, steel, pressures=[1e7, 1e8, 1e9])
     >>> slip = asperity.friction_curve(curve, 1e9, friction=0.3, modulus_ratio=1.2)
@@ -87,9 +85,7 @@ def friction_curve(
     Examples
     --------
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> curve = asperity.contact_curve(hm, steel, pressures=[1e7, 1e8, 1e9])
     >>> slip = asperity.friction_curve(curve, 1e9, friction=0.3, modulus_ratio=1.2)

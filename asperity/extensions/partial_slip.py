@@ -86,10 +86,6 @@ class PartialSlip:
         """Area [m^2] of the stick region."""
         return self.stick.contact_area
 
-    def stick_contour(self, phi: ArrayLike) -> Array:
-        """Boundary [m] of the stick region, shape (*pushes, *phi.shape)."""
-        return self.stick.contour(phi)
-
     def traction(self, x: ArrayLike, y: ArrayLike) -> Array:
         """Tangential traction [Pa] at points, shape (*pushes, *points.shape)."""
         whole = self.full.pressure(x, y)

@@ -59,11 +59,6 @@ class Relaxation:
         object.__setattr__(self, "strengths", tuple(map(float, strengths)))
         object.__setattr__(self, "times", tuple(map(float, times)))
 
-    @property
-    def glassy(self) -> float:
-        """Modulus [Pa] at once after a step."""
-        return self.equilibrium + sum(self.strengths)
-
     def __call__(self, t: ArrayLike) -> Array:
         """E*_rel [Pa] at the times `t` [s] >= 0 after a step."""
         time = np.asarray(t, dtype=float)

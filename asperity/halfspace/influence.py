@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
+from numba import prange
 from numpy.typing import NDArray
 from scipy.special import hyp2f1
+
+from surfaces.numerics.compiled import compiled
 
 __all__ = [
     "ElasticHalfSpace",
@@ -22,6 +25,7 @@ __all__ = [
     "symbol",
     "symbol_quadrant",
 ]
+
 
 _NEAR_CELLS = 8
 """Distance in cells up to which the corner function is used."""
@@ -92,11 +96,10 @@ def symbol_quadrant(
 
     Compiled: its temporaries would take longer than the arithmetic.
     """
-    from ._influence_kernels import powers
 
     ky, kx = wave_numbers(shape, spacing)
     values = np.empty((shape[0] // 2 + 1, shape[1] // 2 + 1))
-    powers(np.square(ky[: values.shape[0]]), np.square(kx), 0.5 * power, factor, values)
+    _powers(np.square(ky[: values.shape[0]]), np.square(kx), 0.5 * power, factor, values)
     return values
 
 
@@ -113,13 +116,12 @@ def influence(
     2F1), a 5 x 5 Gauss rule to 100 cells, and beyond it the mean over the cell by its Taylor
     series to fourth order (relative error below 1e-13).
     """
-    from ._influence_kernels import far_cells
 
     pixel = math.sqrt(spacing[0] * spacing[1])
     hy, hx = spacing[0] / pixel, spacing[1] / pixel
     factor *= _point_factor(m)
     kernel = np.empty(shape)
-    far_cells(hy, hx, m, factor, kernel)
+    _far_cells(hy, hx, m, factor, kernel)
     near = _near_cells(hy, hx, m)
     rows, columns = (min(n, k) for n, k in zip(shape, near.shape, strict=True))
     np.multiply(near[:rows, :columns], factor, out=kernel[:rows, :columns])
@@ -184,3 +186,44 @@ def _corner(x: NDArray[np.float64], y: NDArray[np.float64], m: float) -> NDArray
     along_x = x ** (-2 * a) * hyp2f1(0.5, a, 1.5, -((y / x) ** 2))
     along_y = y ** (-2 * a) * hyp2f1(0.5, a, 1.5, -((x / y) ** 2))
     return np.asarray(x * y / (1.0 - m) * (along_x + along_y))
+
+
+Grid = NDArray[np.floating[Any]]
+
+
+@compiled(parallel=True)
+def _powers(ky: Grid, kx: Grid, power: float, factor: float, result: Grid) -> None:
+    """Factor times (ky + kx)**power on the grid of both, zero at the first point."""
+    for y in prange(ky.size):
+        row = result[y]
+        if power == -0.5:
+            for x in range(kx.size):
+                row[x] = factor / np.sqrt(max(ky[y] + kx[x], 1e-300))
+        else:
+            for x in range(kx.size):
+                row[x] = factor * max(ky[y] + kx[x], 1e-300) ** power
+    result[0, 0] = 0.0
+
+
+@compiled(parallel=True)
+def _far_cells(hy: float, hx: float, m: float, factor: float, result: Grid) -> None:
+    """Factor times the integral of r**-(1+m) over cells far from the origin.
+
+    The mean over a cell by its Taylor series: value and even derivatives to the fourth.
+    """
+    a = 1.0 + m
+    yy, xx = hy * hy, hx * hx
+    for i in prange(result.shape[0]):
+        y = (hy * i) ** 2
+        for j in range(result.shape[1]):
+            inverse = 1.0 / max(y + (hx * j) ** 2, 1e-300)
+            cx = (hx * j) ** 2 * inverse
+            cy = 1.0 - cx
+            second = a * (a + 2.0) * inverse * inverse
+            mean = 1.0 + a * inverse / 24.0 * (xx * ((a + 2) * cx - 1) + yy * ((a + 2) * cy - 1))
+            fourth = 3.0 + (a + 4) * cx * ((a + 6) * cx - 6.0)
+            mean += second * xx * xx / 1920.0 * fourth
+            fourth = 3.0 + (a + 4) * cy * ((a + 6) * cy - 6.0)
+            mean += second * yy * yy / 1920.0 * fourth
+            mean += second * xx * yy / 576.0 * (1.0 - (a + 4) + (a + 4) * (a + 6) * cx * cy)
+            result[i, j] = factor * hx * hy * mean * inverse ** (0.5 * a)

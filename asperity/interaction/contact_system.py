@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
-from asperity.halfspace.boundary import known_boundary
 from asperity.halfspace.footprint import Footprints
+from asperity.halfspace.scene import known_boundary
 from asperity.interaction.newton.laws import Laws
 
 from .elongation import Elongation

@@ -22,7 +22,7 @@ from numba import carray, types
 from numpy.typing import NDArray
 
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
-from surfaces.numerics.stack import on_stack
+from surfaces.numerics.vectors import on_stack
 
 __all__ = [
     "AREA",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.peaks.summit_arrays import PLATEAU, RIM
+from surfaces.peaks.peaks import PLATEAU, RIM
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace

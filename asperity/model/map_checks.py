@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from asperity.multiscale.pixel_waves import resolution_warning
+from asperity.multiscale.wave_split import resolution_warning
 from asperity.parameters import DEFAULTS
 from surfaces.heightmap import HeightMap
-from surfaces.units import unit_warning
+from surfaces.roughness import unit_warning
 
 __all__ = ["lay", "map_warnings"]
 

@@ -11,21 +11,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.compilation import compile_ahead
 from asperity.errors import InputError, SurfaceError
-from asperity.halfspace.boundary import Boundary, chosen_boundary
-from asperity.halfspace.load_points import (
+from asperity.halfspace.scene import (
+    Boundary,
     checked_loads,
+    chosen_boundary,
     expected_area_fraction,
     require_scene,
     slope_scale,
 )
-from asperity.multiscale.pixel_waves import refined_map
-from asperity.multiscale.wave_split import Split, split_scales
+from asperity.multiscale.wave_split import Split, refined_map, split_scales
 from asperity.parameters import DEFAULTS, Parameters
 from asperity.parameters.constants import Segmentation
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import available_bytes
-from surfaces.peaks.flat_tops import flat_share
-from surfaces.preparation.coarsening import coarse_map
+from surfaces.peaks.peaks import flat_share
+from surfaces.preparation.resampling import coarse_map
 
 from .map_checks import lay, map_warnings
 

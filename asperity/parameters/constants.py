@@ -58,7 +58,7 @@ class PixelWaves:
     Attributes
     ----------
     to_the_pixel
-        Share [-] of the squared slope lost between one pixel and two (`pixel_waves.fineness`) from
+        Share [-] of the squared slope lost between one pixel and two (`wave_split.fineness`) from
         which on any map is solved on smaller pixels: on cut-off 3 pixels and shorter (also measured
         maps: four of seven). All summits, seed 11, 256 x 320, H 0.8 and 0.5: load to 15 % of
         contact -5 to -13 -> -0.5 to -4 %; four measured maps (0.1 to 25 %): -2 to -10 -> 0 to -5 %,

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity import __version__
 from asperity.errors import FileFormatError, InputError
 
-from .read_off import READ_FIELDS, CurvePoint, read_off
+from .interpolation import READ_FIELDS, CurvePoint, read_off
 from .storage import CurveRecord, ResultFile, read_results, write_results
 
 __all__ = ["POINT_FIELDS", "ContactCurve", "CurvePoint", "require_curve"]
@@ -77,9 +77,7 @@ class ContactCurve:
     Examples
     --------
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> curve = asperity.contact_curve(hm, steel, pressures=[1e8, 3e8, 1e9])
     >>> between = curve.at(pressure=5e8)
@@ -178,7 +176,7 @@ class ContactCurve:
         Where tangents are known the stiffness is that of all points together. What one of the runs
         did not find out, such as the difference that interaction makes, is NaN at its points.
         """
-        from .stiffness import curve_stiffness
+        from .interpolation import curve_stiffness
 
         columns: dict[str, Any] = {
             name: np.concatenate([getattr(self, name), getattr(later, name)])

@@ -51,9 +51,7 @@ def write_vti(
     --------
     >>> import tempfile
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> from pathlib import Path
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     asperity.write_vti(f"{folder}/map.vti", {"height": hm.heights}, hm.spacing)

@@ -24,8 +24,6 @@ from asperity import __version__
 from asperity.errors import FileFormatError
 from surfaces.files.atomic import replacing
 
-from .tables import columns, structured
-
 if TYPE_CHECKING:
     import h5py
 
@@ -33,10 +31,28 @@ __all__ = [
     "SCHEMA",
     "CurveRecord",
     "ResultFile",
+    "columns",
     "read_results",
+    "structured",
     "write_csv",
     "write_results",
 ]
+
+
+def structured(columns: Mapping[str, Any]) -> NDArray[np.void]:
+    """One structured array from columns of equal length."""
+    arrays = {name: np.asarray(column) for name, column in columns.items()}
+    rows = len(next(iter(arrays.values())))
+    table = np.empty(rows, [(name, a.dtype, a.shape[1:]) for name, a in arrays.items()])
+    for name, array in arrays.items():
+        table[name] = array
+    return table
+
+
+def columns(table: NDArray[np.void]) -> dict[str, NDArray[Any]]:
+    """The named columns of a structured array."""
+    return {name: table[name] for name in table.dtype.names or ()}
+
 
 SCHEMA = "asperity/1"
 

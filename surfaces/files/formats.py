@@ -9,8 +9,7 @@ from pathlib import Path
 
 from numpy.typing import ArrayLike
 
-from surfaces.arguments import as_path
-from surfaces.errors import FileFormatError, InputError, SurfaceError
+from surfaces.errors import FileFormatError, InputError, SurfaceError, as_path
 from surfaces.heightmap import HeightMap, require_map
 
 __all__ = ["read", "write"]
@@ -64,9 +63,7 @@ def read(
     --------
     >>> import tempfile
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     surfaces.write(hm, f"{folder}/scan.h5")
     ...     print(surfaces.read(f"{folder}/scan.h5", rows=(0, 16)).shape)
@@ -119,9 +116,7 @@ def write(hm: HeightMap, path: str | os.PathLike[str], *, dtype: str = "float64"
     --------
     >>> import tempfile
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     surfaces.write(hm, f"{folder}/scan.h5")
     ...     print(surfaces.read(f"{folder}/scan.h5").digest == hm.digest)

@@ -15,8 +15,7 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces.arguments import as_path
-from surfaces.errors import AsperityError, FileFormatError, InputError, SurfaceError
+from surfaces.errors import AsperityError, FileFormatError, InputError, SurfaceError, as_path
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
 from surfaces.units import metres_per
@@ -51,9 +50,7 @@ class SurfaceFile:
     --------
     >>> import tempfile
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     surfaces.write(hm, f"{folder}/scan.h5")
     ...     with surfaces.open(f"{folder}/scan.h5") as file:
@@ -229,9 +226,7 @@ def open(
     --------
     >>> import tempfile
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     surfaces.write(hm, f"{folder}/scan.h5")
     ...     with surfaces.open(f"{folder}/scan.h5") as file:
@@ -271,9 +266,7 @@ def validate(path: str | os.PathLike[str], *, dataset: str | None = None) -> lis
     --------
     >>> import tempfile
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     surfaces.write(hm, f"{folder}/scan.h5")
     ...     print(surfaces.validate(f"{folder}/scan.h5"))

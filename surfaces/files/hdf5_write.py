@@ -61,9 +61,7 @@ def write_blocks(
     --------
     >>> import tempfile
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     blocks = (hm.heights[i : i + 8] for i in range(0, 32, 8))
     ...     surfaces.write_blocks(f"{folder}/scan.h5", hm.shape, hm.spacing, blocks)

@@ -10,8 +10,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from surfaces.arguments import as_number
-from surfaces.errors import InputError
+from surfaces.errors import InputError, as_number
 
 __all__ = ["aside", "available", "blocks", "each", "lines", "run", "set_threads", "threads"]
 

@@ -12,7 +12,7 @@ processor at hand, whatever its width.
         store(out, 0, where(load(a, 0) > load(b, 0), weight * load(a, 0), 0.0))
 
 Width and precision are those of what is loaded: every function below takes vectors of any. All of
-the machine-near code of the project is here, in `vector_arrays`, `vector_code` and `stack`.
+the machine-near code of the project is here and in `vector_type`.
 """
 
 from __future__ import annotations
@@ -24,30 +24,27 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from .vector_arrays import (
-    adder,
-    compress,
-    entries,
-    loader,
-    picker,
-    prefetch,
-    repeater,
-    store,
-    storer,
-    transposer,
-    two_floats,
-)
-from .vector_code import (
+from .vector_type import (
+    BYTES,
+    CODE,
     INDEX,
     WORD,
-    as_vector,
+    absolute,
+    call,
     constant,
-    elementwise,
+    count,
     halves,
-    shuffled,
+    lane,
+    multiply_add,
+    root,
+    some,
+    splatter,
     spread,
-    vector_among,
+    sums,
+    total,
     vector_of,
+    where,
+    whole,
 )
 
 __all__ = [
@@ -56,13 +53,11 @@ __all__ = [
     "compress",
     "count",
     "entries",
-    "exponent",
     "lane",
     "loader",
-    "mantissa",
     "multiply_add",
+    "on_stack",
     "picker",
-    "power_of_two",
     "prefetch",
     "repeater",
     "root",
@@ -79,156 +74,264 @@ __all__ = [
 ]
 
 
-def splatter(width: int) -> Any:
-    """splat(value): a number in every lane of a vector of `width`."""
+def loader(width: int, grouped: bool = False, element: Any = None) -> Any:
+    """load(array, place): vector of `width` elements of a contiguous array from a place on.
+
+    If `grouped`, places count groups of `width` elements; so for the functions below. In the
+    precision of the array, or that of the numba type `element`.
+    """
 
     @intrinsic
-    def splat(typing: Any, value: Any) -> Any:
-        element = value if isinstance(value, types.Float) else types.float64
+    def load(typing: Any, array: Any, place: Any) -> Any:
+        held, kind = vector_of(array.dtype, width), vector_of(element or array.dtype, width)
 
         def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            return spread(builder, args[0], width)
+            data = data_of(context, builder, sig.args[0], args[0])
+            found = read(builder, data, place_of(builder, args[1], width, grouped), held.code)
+            return fitted(builder, found, kind.element)
 
-        return vector_of(element, width)(element), code
+        return kind(array, types.intp), code
 
-    return splat
+    return load
+
+
+def storer(grouped: bool = False) -> Any:
+    """store(array, place, vector): write a vector from a place on, in the precision of the array;
+    of an array of whole numbers, their whole part."""
+
+    @intrinsic
+    def store(typing: Any, array: Any, place: Any, vector: Any) -> Any:
+        def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            data = data_of(context, builder, sig.args[0], args[0])
+            start = place_of(builder, args[1], sig.args[2].width, grouped)
+            write(builder, fitted(builder, args[2], array.dtype), data, start)
+            return context.get_dummy_value()
+
+        return types.void(array, types.intp, vector), code
+
+    return store
+
+
+store = storer()
+
+
+def adder(grouped: bool = False) -> Any:
+    """add(array, place, vector): add a vector to what is there."""
+
+    @intrinsic
+    def add(typing: Any, array: Any, place: Any, vector: Any) -> Any:
+        def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            data = data_of(context, builder, sig.args[0], args[0])
+            start = place_of(builder, args[1], sig.args[2].width, grouped)
+            change = fitted(builder, args[2], array.dtype)
+            held = read(builder, data, start, change.type)
+            write(builder, builder.fadd(held, change), data, start)
+            return context.get_dummy_value()
+
+        return types.void(array, types.intp, vector), code
+
+    return add
+
+
+def repeater(width: int) -> Any:
+    """repeat(array, place): an element in every lane of a vector of `width`."""
+
+    @intrinsic
+    def repeat(typing: Any, array: Any, place: Any) -> Any:
+        def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            data = data_of(context, builder, sig.args[0], args[0])
+            return spread(builder, builder.load(builder.gep(data, [args[1]])), width)
+
+        return vector_of(array.dtype, width)(array, types.intp), code
+
+    return repeat
 
 
 @intrinsic
-def lane(typing: Any, vector: Any, number: Any) -> Any:
-    """The number in a lane."""
+def compress(typing: Any, array: Any, place: Any, vector: Any, mask: Any) -> Any:
+    """Write the lanes of a vector that are in the mask from a place on, without gaps, and zeros
+    behind them up to all lanes: to leave these out takes some processors ten times as long."""
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.extract_element(args[0], args[1])
+        data = data_of(context, builder, sig.args[0], args[0])
+        value = fitted(builder, args[2], array.dtype)
+        # as integers: where processors lack the instruction, LLVM cannot expand that of floats
+        size = 8 * BYTES[str(value.type.element)]
+        words = ir.VectorType(ir.IntType(size), vector.width)
+        takes = ir.FunctionType(words, [words, args[3].type, words])
+        name = f"experimental.vector.compress.v{vector.width}i{size}"
+        held = builder.bitcast(value, words)
+        found = call(builder, name, takes, held, args[3], constant(words, 0))
+        write(builder, builder.bitcast(found, value.type), data, args[1])
+        return context.get_dummy_value()
 
-    return vector.element(vector, types.intp), code
+    return types.void(array, types.intp, vector, mask), code
 
 
 @intrinsic
-def where(typing: Any, mask: Any, a: Any, b: Any) -> Any:
-    """Lanes of `a` where the mask holds, else of `b`; one of them may be a number."""
-    one = vector_among(a, b) or vector_of(types.float64, mask.width)
+def two_floats(typing: Any, array: Any, place: Any) -> Any:
+    """The two numbers `place` of an array (n, 2) in single precision, read as one word: a loop over
+    vectors then gathers them at once."""
+    single = types.float32
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.select(args[0], *(as_vector(builder, v, one.width) for v in args[1:]))
+        data = builder.bitcast(data_of(context, builder, sig.args[0], args[0]), WORD.as_pointer())
+        both = builder.load(builder.gep(data, [args[1]]), align=4, typ=WORD)
+        numbers = [
+            builder.bitcast(builder.trunc(part, INDEX), ir.FloatType())
+            for part in (both, builder.lshr(both, WORD(32)))
+        ]
+        return context.make_tuple(builder, sig.return_type, numbers)
 
-    return one(mask, *(v if v == one else one.element for v in (a, b))), code
+    return types.UniTuple(single, 2)(array, types.uint64), code
 
 
 @intrinsic
-def count(typing: Any, mask: Any) -> Any:
-    """Number of lanes in a mask."""
+def entries(typing: Any, array: Any, places: Any) -> Any:
+    """Elements of an array at a vector of whole numbers."""
+    kind = vector_of(array.dtype, places.width)
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        word = builder.bitcast(args[0], ir.IntType(mask.width))
-        return builder.zext(builder.ctpop(word), WORD)
+        data = data_of(context, builder, sig.args[0], args[0])
+        places = builder.fptosi(args[1], ir.VectorType(WORD, kind.width))
+        return gathered(builder, data, places, kind.code)
 
-    return types.int64(mask), code
-
-
-@intrinsic
-def some(typing: Any, mask: Any) -> Any:
-    """Whether a mask holds in any lane."""
-
-    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        word = ir.IntType(mask.width)
-        return builder.icmp_unsigned("!=", builder.bitcast(args[0], word), word(0))
-
-    return types.boolean(mask), code
+    return kind(array, places), code
 
 
-@intrinsic
-def total(typing: Any, vector: Any) -> Any:
-    """Sum of the lanes, pairwise; their number is a power of two."""
+def picker() -> Any:
+    """pick(array, groups): in lane l that lane of group groups[l] of the array."""
 
-    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        value, width = args[0], vector.width
-        while width > 1:
-            width //= 2
-            low, high = (
-                shuffled(builder, value, value, range(start, start + width)) for start in (0, width)
+    @intrinsic
+    def pick(typing: Any, array: Any, groups: Any) -> Any:
+        kind = vector_of(array.dtype, groups.width)
+
+        def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            data = data_of(context, builder, sig.args[0], args[0])
+            words = ir.VectorType(WORD, kind.width)
+            groups = builder.mul(builder.fptosi(args[1], words), constant(words, kind.width))
+            own = ir.Constant(words, list(range(kind.width)))
+            return gathered(builder, data, builder.add(groups, own), kind.code)
+
+        return kind(array, groups), code
+
+    return pick
+
+
+def transposer(width: int, grouped: bool = False) -> Any:
+    """transpose(array, place, step, out, to, along): turn the `width` vectors of an array from a
+    place on, a `step` apart, into columns, `along` apart in `out`."""
+
+    @intrinsic
+    def transpose(
+        typing: Any, array: Any, place: Any, step: Any, out: Any, to: Any, along: Any
+    ) -> Any:
+        kind = vector_of(array.dtype, width).code
+
+        def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            source = data_of(context, builder, sig.args[0], args[0])
+            target = data_of(context, builder, sig.args[3], args[3])
+            place, step, to, along = (
+                place_of(builder, args[k], width, grouped) for k in (1, 2, 4, 5)
             )
-            value = builder.fadd(low, high)
-        return builder.extract_element(value, INDEX(0))
+            rows = []
+            for _ in range(width):
+                rows.append(read(builder, source, place, kind))
+                place = builder.add(place, step)
+            half = width // 2
+            while half:
+                for i in (i for i in range(width) if not i & half):
+                    rows[i], rows[i + half] = halves(builder, (rows[i], rows[i + half]), half)
+                half //= 2
+            for row in rows:
+                write(builder, row, target, to)
+                to = builder.add(to, along)
+            return context.get_dummy_value()
 
-    return vector.element(vector), code
+        place = types.intp
+        return types.void(array, place, place, out, place, place), code
 
-
-@intrinsic
-def sums(typing: Any, vectors: Any) -> Any:
-    """Vector of the `total` of each vector of a tuple of as many as there are lanes."""
-    kind = vectors.dtype
-
-    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        rows, step = cgutils.unpack_tuple(builder, args[0]), kind.width // 2
-        while step:
-            half = len(rows) // 2
-            pairs = zip(rows[:half], rows[half:], strict=True)
-            rows = [builder.fadd(*halves(builder, pair, step)) for pair in pairs]
-            step //= 2
-        return rows[0]
-
-    return kind(vectors), code
+    return transpose
 
 
 @intrinsic
-def multiply_add(typing: Any, a: Any, b: Any, c: Any) -> Any:
-    """a b + c, rounded once where the processor can; numbers stand in every lane."""
-    one = vector_among(a, b, c)
+def prefetch(typing: Any, array: Any, place: Any) -> Any:
+    """Ask for the cache line of an element that will be read soon; it need not exist."""
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return elementwise(
-            builder, "fmuladd", *(as_vector(builder, value, one.width) for value in args)
-        )
+        data = data_of(context, builder, sig.args[0], args[0])
+        pointer = builder.bitcast(builder.gep(data, [args[1]]), ir.IntType(8).as_pointer())
+        takes = ir.FunctionType(ir.VoidType(), [pointer.type, INDEX, INDEX, INDEX])
+        call(builder, "prefetch.p0", takes, pointer, *(INDEX(n) for n in (0, 3, 1)))
+        return context.get_dummy_value()
 
-    return one(*(value if value == one else one.element for value in (a, b, c))), code
+    return types.void(array, types.intp), code
 
 
-def _unary(emit: Any) -> Any:
-    """An elementwise function whose code is `emit(builder, value)`."""
+ALIGNMENT = 64
+"""Bytes of a cache line."""
+
+
+def on_stack(kind: Any, count: int) -> Any:
+    """pointer(): `count` elements of a numba type in the frame of the calling function, for
+    `numba.carray`; the caller must not return it.
+
+    A loop that reads at places found in an index becomes vector instructions only if its results
+    cannot lie in what it reads: arrays of the caller might, an array on the stack cannot.
+    """
 
     @intrinsic
-    def function(typing: Any, vector: Any) -> Any:
+    def pointer(typing: Any) -> Any:
         def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            return emit(builder, args[0])
+            element = context.get_data_type(kind)
+            place = cgutils.alloca_once(builder, element, count)
+            place.align = ALIGNMENT
+            return place
 
-        return vector(vector), code
+        return types.CPointer(kind)(), code
 
-    return function
-
-
-root = _unary(lambda builder, value: elementwise(builder, "sqrt", value))
-absolute = _unary(lambda builder, value: elementwise(builder, "fabs", value))
-whole = _unary(lambda builder, value: elementwise(builder, "floor", value))
+    return pointer
 
 
-def _words(value: Any, number: int) -> Any:
-    return constant(ir.VectorType(WORD, value.type.count), number)
+def data_of(context: Any, builder: Any, kind: Any, array: Any) -> Any:
+    """Pointer to the first element of an array of the numba type `kind`."""
+    return context.make_array(kind)(context, builder, array).data
 
 
-def _exponent(builder: Any, value: Any) -> Any:
-    word = builder.bitcast(value, ir.VectorType(WORD, value.type.count))
-    word = builder.lshr(word, _words(value, 52))
-    return builder.sitofp(builder.sub(word, _words(value, 1023)), value.type)
+def fitted(builder: Any, vector: Any, element: Any) -> Any:
+    """A vector in the precision of an array's elements; whole numbers are cut off."""
+    if element in CODE:
+        code = ir.VectorType(CODE[element], vector.type.count)
+        if code == vector.type:
+            return vector
+        return (builder.fpext if element == types.float64 else builder.fptrunc)(vector, code)
+    return builder.fptosi(vector, ir.VectorType(ir.IntType(element.bitwidth), vector.type.count))
 
 
-def _mantissa(builder: Any, value: Any) -> Any:
-    word = builder.bitcast(value, ir.VectorType(WORD, value.type.count))
-    word = builder.and_(word, _words(value, (1 << 52) - 1))
-    return builder.bitcast(builder.or_(word, _words(value, 1023 << 52)), value.type)
+def read(builder: Any, data: Any, place: Any, kind: Any) -> Any:
+    pointer = builder.bitcast(builder.gep(data, [place]), kind.as_pointer())
+    return builder.load(pointer, align=BYTES[str(kind.element)], typ=kind)
 
 
-def _power_of_two(builder: Any, value: Any) -> Any:
-    word = builder.fptosi(value, ir.VectorType(WORD, value.type.count))
-    word = builder.shl(builder.add(word, _words(value, 1023)), _words(value, 52))
-    return builder.bitcast(word, value.type)
+def write(builder: Any, vector: Any, data: Any, place: Any) -> None:
+    pointer = builder.bitcast(builder.gep(data, [place]), vector.type.as_pointer())
+    builder.store(vector, pointer, align=BYTES[str(vector.type.element)])
 
 
-exponent = _unary(_exponent)
-"""Whole part of the logarithm to base 2 of positive normal numbers (double precision)."""
+def gathered(builder: Any, data: Any, places: Any, kind: Any) -> Any:
+    """Elements of the data at a vector of 64-bit places."""
+    width, size = kind.count, BYTES[str(kind.element)]
+    start = spread(builder, builder.ptrtoint(data, WORD), width)
+    pointers = ir.VectorType(kind.element.as_pointer(), width)
+    at = builder.add(start, builder.mul(places, constant(places.type, size)))
+    at = builder.inttoptr(at, pointers)
+    truth = ir.VectorType(ir.IntType(1), width)
+    takes = ir.FunctionType(kind, [pointers, INDEX, truth, kind])
+    name = f"masked.gather.v{width}f{8 * size}.v{width}p0"
+    rest = ir.Constant(kind, ir.Undefined)
+    return call(builder, name, takes, at, INDEX(size), constant(truth, 1), rest)
 
-mantissa = _unary(_mantissa)
-"""Number over 2 to the power of its exponent, in [1, 2) (double precision)."""
 
-power_of_two = _unary(_power_of_two)
-"""2 to the power of whole numbers from -1022 to 1023 (double precision)."""
+def place_of(builder: Any, index: Any, width: int, grouped: bool) -> Any:
+    """Element at which a vector starts: the index, or the start of that group of `width`."""
+    return builder.mul(index, ir.Constant(index.type, width)) if grouped else index

@@ -9,15 +9,31 @@ from numpy.typing import NDArray
 
 from surfaces.numerics.compiled import compiled, inner
 from surfaces.numerics.splines import PAD, expand
+from surfaces.numerics.vectors import prefetch
 
-from ._prefetch import prefetch_block
-from .summit_arrays import PLATEAU, RIM, SUMMIT
+from .peaks import PLATEAU, RIM, SUMMIT
+
+__all__ = ["prefetch_block"]
+
 
 FLATTEST = 1e-3  # least ratio of the principal curvatures
 _LOCAL = 1e-4  # largest misfit of the local quartic, relative to the range of its points
 _LEVEL = 1e-6  # ratio of the principal curvatures below which rounding may decide the smaller sign
 
 _AHEAD = 8  # summits
+_LINE = 64  # bytes of a cache line
+
+
+@inner()
+def prefetch_block(array, width, row, col, rows, cols):
+    """Prefetch `rows` times `cols` elements from (row, col) on of an array of that width.
+
+    Summits lie scattered over the map.
+    """
+    step = _LINE // array.itemsize
+    for i in range(row, row + rows):
+        for j in range(0, cols + step - 1, step):
+            prefetch(array, i * width + col + min(j, cols - 1))
 
 
 def _quartic_rows() -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -1,13 +1,19 @@
-"""The peaks of a map: summits, basins, saddles, prominences and neighbors."""
+"""The peaks of a map and what is known of their summits before any ray is sampled.
+
+Summits, basins, saddles, prominences and neighbors; and the tops of one height, of which a spline
+says nothing: it only rings on them.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Peaks"]
+from surfaces.heightmap import HeightMap
+
+__all__ = ["PLATEAU", "RIM", "SUMMIT", "Peaks", "SummitArrays", "flat_share", "flat_tops"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,9 +51,7 @@ class Peaks:
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> peaks = surfaces.segment(hm, min_prominence=0.1 * hm.rms_height)
     >>> len(peaks) == int(peaks.labels.max()) + 1
     True
@@ -78,3 +82,125 @@ class Peaks:
             f"<Peaks: {len(self)}, heights {self.height[-1]:.4g} .. {self.height[0]:.4g} m, "
             f"{int(self.border.sum())} at the border>"
         )
+
+
+SUMMIT, PLATEAU, RIM = 0, -1, -2
+"""Kinds of summits: a maximum of the surface, none within reach, none at the border of the map."""
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SummitArrays:
+    """Summits of n peaks, one row of every array per peak.
+
+    Attributes
+    ----------
+    x, y, height, curvature, angle, pixels, border, valid, owner
+        As in `Profiles`.
+    peaks
+        The peaks.
+    hm
+        The map that was segmented.
+    spline
+        Coefficients of the spline through the map.
+    places
+        Row and column of the summits [pixels], shape (n, 2).
+    kinds
+        How each was found: `SUMMIT`, `RIM` or `PLATEAU`, or one more than the peak into whose basin
+        the surface rises, shape (n,).
+    floor
+        Height [m] above which the basin of summits that were joined hangs together, shape (n,).
+    tilt
+        By how much the surface about each is taken to fall along y and x [m per pixel], (n, 2).
+    dip
+        How far f may fall along a ray before the ray ends [m], shape (n,).
+    single
+        Owners before any were joined, shape (n,).
+    """
+
+    x: Array
+    y: Array
+    height: Array
+    curvature: Array
+    angle: Array
+    pixels: NDArray[np.int64]
+    border: NDArray[np.bool_]
+    valid: NDArray[np.bool_]
+    owner: NDArray[np.int64]
+    peaks: Peaks = field(repr=False)
+    hm: HeightMap = field(repr=False)
+    spline: Array = field(repr=False)
+    places: Array = field(repr=False)
+    kinds: NDArray[np.int64] = field(repr=False)
+    floor: Array = field(repr=False)
+    tilt: Array = field(repr=False)
+    dip: Array = field(repr=False)
+    single: NDArray[np.int64] = field(repr=False)
+
+    def __len__(self) -> int:
+        return int(self.x.size)
+
+
+HIGHEST = 0.02
+"""Share of the points that count as the highest."""
+
+
+def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Peaks with a flat top and its middle.
+
+    Parameters
+    ----------
+    hm
+        Height map.
+    peaks
+        Its peaks.
+
+    Returns
+    -------
+    rows
+        Peaks of which a highest point has eight neighbors of its height, (k,).
+    middle
+        Row and column of such a point that is nearest to the mean of them, (k, 2).
+    """
+    heights, shape = hm.heights, np.array(hm.shape)
+    tops = np.stack((peaks.row, peaks.col), axis=1)
+    line, level = heights.shape[1], heights.ravel()
+    at = peaks.row * line + peaks.col
+    here, beside = level.take(at), (level.take(at + k, mode="wrap") for k in (1, -1, line, -line))
+    rows = np.flatnonzero(np.logical_or.reduce([height == here for height in beside]))
+    if not rows.size:
+        return rows, tops[:0]
+    top, slot = np.full(len(peaks) + 1, np.inf), np.zeros(len(peaks) + 1, np.int64)
+    top[rows], slot[rows] = heights[tuple(tops[rows].T)], np.arange(rows.size)
+    points = np.argwhere(heights == top[peaks.labels])
+    points = points[_level_steps(hm, points).all(axis=1)]
+    of = slot[peaks.labels[tuple(points.T)]]
+    away = (points - tops[rows][of]).astype(float)
+    if hm.periodic:
+        away -= shape * np.round(away / shape)
+    count, square = np.maximum(np.bincount(of), 1), np.zeros(of.size)
+    for along in away.T:
+        square += (along - (np.bincount(of, along) / count)[of]) ** 2
+    order = np.lexsort((square, of))
+    flat, first = np.unique(of[order], return_index=True)
+    return rows[flat], points[order[first]]
+
+
+def flat_share(hm: HeightMap) -> float:
+    """Share of the highest points whose eight neighbors have their height."""
+    heights = hm.heights
+    if not hm.repeats:
+        return 0.0
+    top = np.argwhere(heights >= np.quantile(heights, 1.0 - HIGHEST))
+    return float(np.mean(_level_steps(hm, top).all(axis=1)))
+
+
+def _level_steps(hm: HeightMap, points: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Which of the nine points about each of some, (k, 2), have its height, (k, 9)."""
+    steps = np.stack(np.meshgrid((-1, 0, 1), (-1, 0, 1), indexing="ij"), axis=-1).reshape(9, 2)
+    near, shape = points[:, None] + steps, np.array(hm.shape)
+    inside = hm.periodic | ((near >= 0) & (near < shape)).all(axis=2)
+    near %= shape
+    here = hm.heights[tuple(points.T)][:, None]
+    return np.asarray(inside & (hm.heights[near[:, :, 0], near[:, :, 1]] == here))

@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.arguments import as_number
-from surfaces.errors import InputError, SurfaceError
+from surfaces.errors import InputError, SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel
 
-from . import _flood, _saddles
+from . import _flood
 from .peaks import Peaks
 
 __all__ = ["segment"]
@@ -71,9 +70,7 @@ def segment(
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> peaks = surfaces.segment(hm)
     >>> peaks.labels.shape, bool(peaks.height[0] == hm.heights.max())
     ((32, 48), True)
@@ -151,7 +148,7 @@ def _merged(
     low = keys[order] // height.size
     saddle, parent = np.full(height.size, lowest), np.full(height.size, -1)
     keeper, top = np.arange(height.size), np.arange(height.size)
-    _saddles.merge(
+    _flood.merge(
         *(height, low, keys[order] - low * height.size, passes[order], limit),
         *(top, keeper, saddle, parent),
     )
@@ -229,7 +226,7 @@ def _passes(
 
     counts = [np.zeros(n, np.int64) for _ in runs]
     found = parallel.each(
-        lambda part: _saddles.touching(heights, labels, periodic, counts[part], runs[part]),
+        lambda part: _flood.touching(heights, labels, periodic, counts[part], runs[part]),
         range(len(runs)),
     )
     keys, passes = (np.concatenate(parts) for parts in zip(*found, strict=True))

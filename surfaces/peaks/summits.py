@@ -8,17 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.arguments import as_number
-from surfaces.errors import InputError, SurfaceError
+from surfaces.errors import InputError, SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel, splines
 
 from . import _climb
-from ._fans import PART, Fans
-from .flat_tops import flat_tops
-from .peaks import Peaks
-from .profiles import Profiles
-from .summit_arrays import PLATEAU, RIM, SUMMIT, SummitArrays
+from .peaks import PLATEAU, RIM, SUMMIT, Peaks, SummitArrays, flat_tops
+from .profiles import PART, Fans, Profiles
 
 __all__ = ["Summits", "fit_profiles", "locate_summits"]
 

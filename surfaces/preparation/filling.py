@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, diags
 from scipy.sparse.linalg import LinearOperator, cg, splu
 
-from surfaces.arguments import as_number
-from surfaces.errors import SurfaceError
+from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
 
 __all__ = ["fill_missing", "quick_fill"]

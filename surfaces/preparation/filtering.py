@@ -1,18 +1,15 @@
-"""Spectral band-pass and resampling by physical wavelength; crop; mirror or taper to periodic."""
+"""Spectral band-pass by physical wavelength; crop; mirror or taper to periodic."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy import fft
 
-from surfaces.arguments import as_number
-from surfaces.errors import SurfaceError
-from surfaces.heightmap import HeightMap, require_map
-from surfaces.numerics import parallel
-from surfaces.numerics.memory import require_memory
+from surfaces.errors import SurfaceError, as_number
+from surfaces.heightmap import HeightMap, require_full, require_map
 
-__all__ = ["bandpass", "crop", "make_periodic", "resample", "resample_waves"]
+__all__ = ["bandpass", "crop", "make_periodic"]
 
 PERIODIC = ("mirror", "taper", "wrap")
 
@@ -48,14 +45,12 @@ def bandpass(
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> smooth = surfaces.bandpass(hm, shortest=16e-6)
     >>> bool(smooth.roughness.rms_slope < hm.roughness.rms_slope)
     True
     """
-    _require_full(hm, "a band-pass")
+    require_full(hm, "a band-pass")
     lower = 0.0 if shortest is None else as_number("shortest", shortest)
     upper = np.inf if longest is None else as_number("longest", longest)
     if not 0.0 <= lower < upper:
@@ -87,57 +82,6 @@ def bandpass(
     return hm.replace(heights=heights, step=step)
 
 
-def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
-    """Move the map to other pixel sizes by its spectrum.
-
-    Parameters
-    ----------
-    hm
-        The map, without missing points.
-    spacing
-        Wanted pixel size (dy, dx) [m], or one number; the nearest that divides the map's size into
-        whole pixels is used.
-
-    Returns
-    -------
-    HeightMap
-        History step ``resample`` with the shapes; wavelengths that the new pixels cannot hold are
-        left out, not folded back.
-
-    Raises
-    ------
-    SurfaceError
-        If points are missing, the pixel sizes are not positive, or too few pixels are left.
-
-    Examples
-    --------
-    >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
-    >>> surfaces.resample(hm, 2e-6)
-    <HeightMap 16 x 24, pixel 2e-06 x 2e-06 m, periodic>
-    """
-    _require_full(hm, "resampling")
-    try:
-        wanted = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,))
-    except (TypeError, ValueError):
-        wanted = np.zeros(2)
-    if not (wanted > 0).all():
-        raise SurfaceError(f"spacing is {spacing!r}; give two positive pixel sizes (dy, dx) in m")
-    ny, nx = (max(1, round(length / d)) for length, d in zip(hm.size, wanted, strict=True))
-    if min(ny, nx) < 3:
-        raise SurfaceError(f"pixels of {wanted[0]:g} x {wanted[1]:g} m leave {ny} x {nx} points")
-    needed = 24 * ny * nx + 8 * hm.shape[0] * (nx + hm.shape[1])
-    require_memory(needed, f"a map of {ny} x {nx} points", "take larger pixels")
-    if hm.periodic:
-        heights = resample_waves(hm.heights, ny, nx)
-    else:
-        heights = _resample_cosines(_resample_cosines(hm.heights, nx, 1), ny, 0)
-    step = {"step": "resample", "from": list(hm.shape), "to": [ny, nx]}
-    return hm.replace(heights=heights, spacing=(hm.size[0] / ny, hm.size[1] / nx), step=step)
-
-
 def crop(hm: HeightMap, rows: tuple[int, int], columns: tuple[int, int]) -> HeightMap:
     """Cut out a rectangle of pixels, first and one past last; the result is not periodic.
 
@@ -149,9 +93,7 @@ def crop(hm: HeightMap, rows: tuple[int, int], columns: tuple[int, int]) -> Heig
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> surfaces.crop(hm, (0, 16), (8, 40))
     <HeightMap 16 x 32, pixel 1e-06 x 1e-06 m, not periodic>
     """
@@ -197,16 +139,14 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> part = surfaces.crop(hm, (0, 16), (8, 40))
     >>> surfaces.make_periodic(part, "mirror")
     <HeightMap 32 x 64, pixel 1e-06 x 1e-06 m, periodic>
     """
     if how not in PERIODIC:
         raise SurfaceError(f"periodic is {how!r}; it must be None or one of {', '.join(PERIODIC)}")
-    _require_full(hm, "a periodic map")
+    require_full(hm, "a periodic map")
     heights, changed = hm.heights, 0.0
     step: dict[str, object] = {"step": "periodic", "how": how, "rms_before": hm.rms_height}
     if how == "mirror":
@@ -242,55 +182,6 @@ def _frequencies(hm: HeightMap) -> tuple[NDArray[np.float64], NDArray[np.float64
     return np.arange(ny) / (2 * ny * dy), np.arange(nx) / (2 * nx * dx)
 
 
-def _resample_cosines(heights: NDArray[np.float64], count: int, axis: int) -> NDArray[np.float64]:
-    """Interpolation by cosines to `count` cell centres of the same length."""
-    old = heights.shape[axis]
-    if count == old:
-        return heights
-    kept = min(old, count)
-    moved = np.moveaxis(heights, axis, -1)
-    spectrum = np.zeros((*moved.shape[:-1], count))
-    spectrum[..., :kept] = fft.dct(moved, axis=-1)[..., :kept] * (count / old)
-    return np.ascontiguousarray(np.moveaxis(fft.idct(spectrum, axis=-1), -1, axis))
-
-
-def resample_waves(
-    heights: NDArray[np.float64], ny: int, nx: int, fewer: tuple[int, int] = (1, 1)
-) -> NDArray[np.float64]:
-    """Trigonometric interpolation of a periodic array to the cell centres of (ny, nx) pixels.
-
-    Rows first; of the columns only those of waves that are kept are transformed. Of heights without
-    waves that so few cannot hold, every `fewer`-th along y and x is enough, divisors of the shape.
-    """
-    down, across = (
-        _moved(old, count, part)
-        for old, count, part in zip(heights.shape, (ny, nx), fewer, strict=True)
-    )
-    (first_y, first_x), (step_y, step_x) = ((part - 1) // 2 for part in fewer), fewer
-    heights = heights[first_y::step_y, first_x::step_x]
-    workers = len(parallel.lines(len(heights), heights.size))
-    rows = fft.rfft(heights, axis=1, workers=workers)[:, : across.size] * across
-    waves = fft.fft(rows, axis=0, workers=workers, overwrite_x=True)
-    kept = np.zeros((ny, across.size), np.complex128)
-    kept[: down.size] = waves[: down.size] * down[:, None]
-    kept[1 - down.size :] = waves[1 - down.size :] * down[:0:-1, None].conj()
-    kept = fft.ifft(kept, axis=0, workers=workers, overwrite_x=True)
-    return np.asarray(fft.irfft(kept, n=nx, axis=1, workers=workers))
-
-
-def _moved(all_points: int, count: int, fewer: int) -> NDArray[np.complex128]:
-    """Factors of the waves kept when every `fewer`-th of the cell centres becomes `count`."""
-    old = all_points // fewer
-    kept = min(old, count)
-    waves = np.arange(kept // 2 + 1)
-    first = ((fewer - 1) // 2 + 0.5) / all_points
-    shift: NDArray[np.complex128] = np.exp(2j * np.pi * waves * (0.5 / count - first))
-    shift *= count / old
-    if kept % 2 == 0 and count != all_points:
-        shift[-1] = 0.0
-    return shift
-
-
 def _window(places: NDArray[np.float64], length: float, strip: float) -> NDArray[np.float64]:
     """Raised cosine: 0 at the border, 1 from `strip` inwards."""
     inward = np.minimum(places, length - places)
@@ -299,13 +190,3 @@ def _window(places: NDArray[np.float64], length: float, strip: float) -> NDArray
 
 def _rms(values: NDArray[np.float64]) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
-
-
-def _require_full(hm: HeightMap, what: str) -> None:
-    require_map(hm)
-    if hm.missing:
-        row, column = np.argwhere(np.isnan(hm.heights))[0]
-        raise SurfaceError(
-            f"heights[{row}, {column}] is missing ({hm.missing} of {hm.heights.size} points); "
-            f'{what} needs a full map: pass fill="harmonic" (--fill harmonic)'
-        )

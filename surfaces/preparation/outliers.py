@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
-from surfaces.arguments import as_number
-from surfaces.errors import SurfaceError
+from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
 
 from .filling import quick_fill
@@ -53,9 +52,7 @@ def mark_outliers(hm: HeightMap, threshold: float = 6.0) -> HeightMap:
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> heights = hm.heights.copy()
     >>> heights[10, 20] += 1e-3
     >>> surfaces.mark_outliers(hm.replace(heights=heights)).missing

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surfaces.arguments import as_number
-from surfaces.errors import SurfaceError
+from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
 
 from . import filling, filtering, levelling
@@ -57,9 +56,7 @@ def prepare(
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> part = surfaces.crop(hm, (0, 16), (8, 40))
     >>> ready = surfaces.prepare(part, periodic="taper")
     >>> ready.periodic, [step["step"] for step in ready.history]

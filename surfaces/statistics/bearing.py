@@ -98,9 +98,7 @@ def bearing_curve(hm: HeightMap) -> BearingCurve:
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> curve = surfaces.bearing_curve(hm)
     >>> bool(curve.height[0] > curve.height[-1])
     True

@@ -34,9 +34,7 @@ class Autocorrelation:
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> correlation = surfaces.autocorrelation(hm)
     >>> float(abs(correlation.lag_x).min())
     0.0
@@ -69,9 +67,7 @@ class Texture:
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> found = surfaces.texture(surfaces.autocorrelation(hm))
     >>> 0.0 < found.aspect <= 1.0
     True
@@ -105,9 +101,7 @@ def autocorrelation(hm: HeightMap) -> Autocorrelation:
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> correlation = surfaces.autocorrelation(hm)
     >>> correlation.value.shape, f"{correlation.value.max():.2f}"
     ((33, 49), '1.00')

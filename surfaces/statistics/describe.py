@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.preparation.levelling import level
-from surfaces.units import unit_warning
+from surfaces.roughness import unit_warning
 
 from .bearing import bearing_curve
 from .correlation import Texture, autocorrelation, texture
@@ -55,9 +55,7 @@ class Statistics:
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> sorted(surfaces.describe(hm).heights)
     ['Sa', 'Sku', 'Sp', 'Sq', 'Ssk', 'Sv', 'Sz']
     """
@@ -117,9 +115,7 @@ def describe(hm: HeightMap) -> Statistics:
     Examples
     --------
     >>> import surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> found = surfaces.describe(hm)
     >>> f"{found.heights['Sq'] / hm.rms_height:.3f}"
     '1.000'

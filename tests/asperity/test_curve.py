@@ -10,10 +10,10 @@ import pytest
 
 import asperity
 from asperity.contacts.fields import contact_map, pressure_map
+from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import ellipses, microcontacts
-from asperity.curve import solve_contacts
 from asperity.errors import ConvergenceError, InputError, SurfaceError
-from asperity.halfspace.load_points import default_pressures
+from asperity.halfspace.scene import default_pressures
 from asperity.model.plan import make_plan
 from asperity.parameters import DEFAULTS
 from asperity.parameters.constants import Segmentation

@@ -76,7 +76,7 @@ def test_sphere_under_partial_slip_is_cattaneo_mindlin(law):
     a = np.sqrt(depth)
     np.testing.assert_allclose(slip.stick.radius, a * np.cbrt(rest), rtol=1e-9, atol=1e-12)
     edge = np.repeat(a * np.cbrt(rest)[:, None], 3, axis=1)
-    np.testing.assert_allclose(slip.stick_contour([0.0, 1.0, 4.0]), edge, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(slip.stick.contour([0.0, 1.0, 4.0]), edge, rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(
         slip.displacement[:3],
         (mu * ratio * depth * (1 - rest ** (2 / 3)))[:3],

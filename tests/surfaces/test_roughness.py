@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import surfaces
-from surfaces.heightmap.roughness import BANDS
+from surfaces.roughness import BANDS
 
 
 def by_numpy(hm):

@@ -14,8 +14,7 @@ from numba import carray, njit, types
 
 from asperity.halfspace.footprint import PAIR_NODES, SMOOTH_DEGREE
 from surfaces.numerics.compiled import QUOTIENTS, inner
-from surfaces.numerics.stack import on_stack
-from surfaces.numerics.vectors import two_floats
+from surfaces.numerics.vectors import on_stack, two_floats
 
 BLOCK = 256
 """Pairs of a block."""

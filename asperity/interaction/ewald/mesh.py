@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.special import gamma, gammainc, gammaincc
 
 from asperity.halfspace.footprint import Footprints
-from asperity.threads import threads
+from surfaces.numerics.parallel import threads
 
 from . import _mesh_kernels
 

@@ -11,8 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.threads import threads
-from surfaces.numerics.parallel import each
+from surfaces.numerics.parallel import each, threads
 
 from . import _list_kernels
 from ._list_kernels import LANES

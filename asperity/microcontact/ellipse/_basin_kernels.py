@@ -10,16 +10,20 @@ import math
 from typing import Any
 
 from surfaces.numerics.compiled import QUOTIENTS, inner
-from surfaces.numerics.lane_functions import (
+from surfaces.numerics.lanes import (
+    LANES,
     between,
     exponential,
+    groups,
     least,
+    load,
     logarithm,
     most,
+    pick,
     sine_cosine,
+    splat,
+    store,
 )
-from surfaces.numerics.lane_layout import groups
-from surfaces.numerics.lanes import LANES, load, pick, splat, store
 from surfaces.numerics.vectors import entries, root, some, where, whole
 
 from ._contour_kernels import NODES, place

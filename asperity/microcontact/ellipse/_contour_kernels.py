@@ -11,8 +11,18 @@ from __future__ import annotations
 import numpy as np
 
 from surfaces.numerics.compiled import QUOTIENTS, inner
-from surfaces.numerics.lane_functions import between, least, most
-from surfaces.numerics.lanes import LANES, add, load, pick, splat, store, transpose
+from surfaces.numerics.lanes import (
+    LANES,
+    add,
+    between,
+    least,
+    load,
+    most,
+    pick,
+    splat,
+    store,
+    transpose,
+)
 from surfaces.numerics.vectors import absolute, root, where, whole
 
 from ._fit_kernels import TERMS

@@ -12,9 +12,17 @@ from typing import Any
 import numpy as np
 
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
-from surfaces.numerics.lane_functions import between, exponential, most, sine_cosine
-from surfaces.numerics.lane_layout import groups
-from surfaces.numerics.lanes import LANES, load, splat, store
+from surfaces.numerics.lanes import (
+    LANES,
+    between,
+    exponential,
+    groups,
+    load,
+    most,
+    sine_cosine,
+    splat,
+    store,
+)
 from surfaces.numerics.vectors import absolute, entries, some, where, whole
 
 from ._contour_kernels import FIELDS, NODES, amplitudes, displace, limits, second_order

@@ -1,8 +1,7 @@
 """Compiled loops of the frames of summits, and of their polynomials: fitted, moved, solved for.
 
-Eight profiles at once. Units inside: one height per profile, and its length for the coefficients.
-Arrays are groups of eight numbers, one per profile (`surfaces.numerics.lanes`). Coefficients run
-over the monomials x**i y**j of `ellipse_operator.monomials`.
+Eight profiles at once, in groups of eight numbers (`surfaces.numerics.lanes`), in units of one
+height and one length of each. Coefficients run over the monomials of `ellipse_operator.monomials`.
 """
 
 from __future__ import annotations
@@ -13,16 +12,23 @@ from typing import Any
 import numpy as np
 
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
-from surfaces.numerics.lane_functions import (
+from surfaces.numerics.lanes import (
+    LANES,
     between,
+    collect_rows,
     exponential,
+    groups,
     least,
+    load,
     logarithm,
     most,
+    ordered,
+    pick,
     sine_cosine,
+    splat,
+    spread_rows,
+    store,
 )
-from surfaces.numerics.lane_layout import collect_rows, groups, ordered, spread_rows
-from surfaces.numerics.lanes import LANES, load, pick, splat, store
 from surfaces.numerics.vectors import root, some, where, whole
 
 from .ellipse_operator import DEGREE

@@ -13,9 +13,21 @@ from typing import Any
 import numpy as np
 
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
-from surfaces.numerics.lane_functions import between, exponential, least, logarithm, most
-from surfaces.numerics.lane_layout import groups, ordered, spread_rows
-from surfaces.numerics.lanes import LANES, load, pick, splat, store
+from surfaces.numerics.lanes import (
+    LANES,
+    between,
+    exponential,
+    groups,
+    least,
+    load,
+    logarithm,
+    most,
+    ordered,
+    pick,
+    splat,
+    spread_rows,
+    store,
+)
 from surfaces.numerics.vectors import absolute, entries, where
 
 from ._basin_kernels import basin_space, fill

@@ -175,7 +175,7 @@ def tabulate(
     profiles: Profiles, material: HalfSpace, *, law: str = "ellipse", nodes: int = NODES
 ) -> LawTable:
     """Law table of a batch of profiles about their optimal ellipses; see `laws.tabulate`."""
-    from surfaces.numerics.lane_layout import packed
+    from surfaces.numerics.lanes import packed
 
     from ._ellipse_kernels import SHAPE_ROW, STATES, march_rows, march_space
     from ._fit_kernels import FITS, SCALES, TERMS, fit_rows, frame_space

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.flags import Flag
 from asperity.microcontact.basin_bem.press import put
-from surfaces.peaks.summit_arrays import PLATEAU
+from surfaces.peaks.peaks import PLATEAU
 
 if TYPE_CHECKING:
     from asperity.model.law_rows import LawRows

@@ -10,10 +10,9 @@ import pytest
 import asperity
 import surfaces
 from asperity.contacts.fields import pressed_pixels
-from asperity.contacts.run import ContactRun
+from asperity.contacts.run import ContactRun, solve_contacts
 from asperity.contacts.table import ellipses
-from asperity.curve import solve_contacts
-from asperity.halfspace.load_points import pressure_scale
+from asperity.halfspace.scene import pressure_scale
 from asperity.model.plan import make_plan
 from surfaces import HeightMap, self_affine
 from surfaces.patches import label_patches

@@ -9,8 +9,8 @@ import pytest
 
 import asperity
 import surfaces
-from asperity.curve import solve_contacts
-from asperity.halfspace.load_points import pressure_scale
+from asperity.contacts.run import solve_contacts
+from asperity.halfspace.scene import pressure_scale
 from asperity.interaction import candidates as module
 from asperity.interaction.candidates import SKIN
 

@@ -10,8 +10,7 @@ import pytest
 
 from asperity.errors import FileFormatError, InputError
 from asperity.results.curve import POINT_FIELDS, ContactCurve
-from asperity.results.storage import ResultFile, read_results, write_csv, write_results
-from asperity.results.tables import structured
+from asperity.results.storage import ResultFile, read_results, structured, write_csv, write_results
 
 
 def power_law_curve(n: int = 12, *, broken: int | None = None) -> ContactCurve:

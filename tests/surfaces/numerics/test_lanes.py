@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from surfaces.numerics import lane_functions, lane_layout, lanes, vectors
+from surfaces.numerics import lanes, vectors
 from surfaces.numerics.lanes import LANES, load, store
 from surfaces.numerics.vectors import where
 
@@ -23,9 +23,9 @@ def _arithmetic(a, b, out):
     store(out, 1, -x)
     mask = (x > y) & ~(y < 0.5) | (x <= -1.0)
     store(out, 2, where(mask, x, 7))
-    store(out, 3, lane_functions.least(x, y))
-    store(out, 4, lane_functions.most(x, y))
-    store(out, 5, lane_functions.between(x, load(out, 7), y))
+    store(out, 3, lanes.least(x, y))
+    store(out, 4, lanes.most(x, y))
+    store(out, 5, lanes.between(x, load(out, 7), y))
     return vectors.some(x >= 1e3), vectors.some(x < 1e3)
 
 
@@ -44,9 +44,9 @@ def test_arithmetic_and_choice():
 @njit
 def _functions(a, out):
     x = load(a, 0)
-    store(out, 0, lane_functions.exponential(x))
-    store(out, 1, lane_functions.logarithm(vectors.absolute(x)))
-    s, c = lane_functions.sine_cosine(x * 0.1)
+    store(out, 0, lanes.exponential(x))
+    store(out, 1, lanes.logarithm(vectors.absolute(x)))
+    s, c = lanes.sine_cosine(x * 0.1)
     store(out, 2, s)
     store(out, 3, c)
     store(out, 4, vectors.root(vectors.absolute(x)))
@@ -66,7 +66,7 @@ def test_functions():
 @njit
 def _bounded(a, out):
     x = load(a, 0)
-    store(out, 0, lane_functions.between(x, lanes.splat(1.0), lanes.splat(2.0)))
+    store(out, 0, lanes.between(x, lanes.splat(1.0), lanes.splat(2.0)))
 
 
 def test_what_is_no_number_stays_inside_the_bounds():
@@ -94,13 +94,13 @@ def test_places_and_columns():
 
 def test_working_space_starts_a_cache_line():
     for count in (1, 3, 40):
-        space = lane_layout.groups(count)
+        space = lanes.groups(count)
         assert space.size == count * LANES and space.ctypes.data % 64 == 0
 
 
 def test_rows_of_whole_groups():
     values = RNG.normal(size=(3, 2, 5))
-    rows = lane_layout.packed(values)
+    rows = lanes.packed(values)
     np.testing.assert_array_equal(rows[:, :10], values.reshape(3, 10))
     assert rows.shape == (3, 16) and not rows[:, 10:].any()
-    assert lane_layout.packed(values[:0]).shape == (0, 16)
+    assert lanes.packed(values[:0]).shape == (0, 16)

@@ -22,8 +22,7 @@ from asperity.microcontact.ellipse.batch import (
 from asperity.microcontact.ellipse.ellipse_operator import monomials
 from asperity.microcontact.ellipse.shared_tables import fit_rules
 from asperity.microcontact.ray_moments import edge_weights
-from surfaces.numerics.lane_layout import groups
-from surfaces.numerics.lanes import LANES, load, splat, store
+from surfaces.numerics.lanes import LANES, groups, load, splat, store
 
 RNG = np.random.default_rng(7)
 POWERS = np.stack(monomials(6))

@@ -4,10 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from caps import (
+    Cap,
+    cone,
+    draw,
+    ellipsoid,
+    paraboloid,
+    pyramid,
+    random_caps,
+    sphere,
+    sphere_array,
+    star,
+)
 from numpy.testing import assert_allclose
 
 import surfaces
-from surfaces import examples
 
 
 def found(hm):
@@ -27,19 +38,17 @@ def nearest(fit, cap, hm):
 
 
 @pytest.mark.parametrize("spacing", [(1.0, 1.0), (1.0, 1.4), (0.6, 0.5)])
-@pytest.mark.parametrize(
-    ("kind", "options"), [(examples.paraboloid, {}), (examples.ellipsoid, {"depth": 40.0})]
-)
+@pytest.mark.parametrize(("kind", "options"), [(paraboloid, {}), (ellipsoid, {"depth": 40.0})])
 @pytest.mark.parametrize("periodic", [True, False])
 def test_random_caps_come_back(spacing, kind, options, periodic):
     """Positions to 0.02 pixels, curvatures to 1 %: touching, across the seam, at the border."""
     shape = (160, 140)
     for seed in range(2):
-        caps = examples.random_caps(
+        caps = random_caps(
             shape, spacing, 25, distance=16 * max(spacing), curvature=(0.03, 0.08),
             kind=kind, height=1.0, seed=seed, **options,
         )  # fmt: skip
-        hm = examples.draw(shape, spacing, caps, base=-8.0, periodic=periodic)
+        hm = draw(shape, spacing, caps, base=-8.0, periodic=periodic)
         _, fit = found(hm)
         assert len(fit) <= len(caps)
         hits = 0
@@ -62,10 +71,8 @@ def test_random_caps_come_back(spacing, kind, options, periodic):
 
 def test_noise_is_pruned_and_the_caps_remain():
     shape, spacing = (150, 170), (1.0, 1.0)
-    caps = examples.random_caps(
-        shape, spacing, 12, distance=32, curvature=(0.02, 0.04), height=1.0, seed=5
-    )
-    hm = examples.draw(shape, spacing, caps, base=-6.0, periodic=True)
+    caps = random_caps(shape, spacing, 12, distance=32, curvature=(0.02, 0.04), height=1.0, seed=5)
+    hm = draw(shape, spacing, caps, base=-6.0, periodic=True)
     noise = np.random.default_rng(1).normal(scale=0.01, size=shape)
     noisy = hm.replace(heights=hm.heights + noise)
     assert len(surfaces.segment(noisy)) > 100
@@ -80,9 +87,9 @@ def test_noise_is_pruned_and_the_caps_remain():
 
 
 def test_profile_of_an_ellipsoid_is_its_gap():
-    gap = examples.ellipsoid(0.05, 0.02, depth=10.0)
-    cap = examples.Cap(30.3, 24.8, 0.0, gap, 0.5)
-    hm = examples.draw((48, 60), (1.0, 1.0), [cap], base=-5.0)
+    gap = ellipsoid(0.05, 0.02, depth=10.0)
+    cap = Cap(30.3, 24.8, 0.0, gap, 0.5)
+    hm = draw((48, 60), (1.0, 1.0), [cap], base=-5.0)
     _, fit = found(hm)
     k, _ = nearest(fit, cap, hm)
     r = fit.t * fit.edge[k][:, None]
@@ -93,12 +100,12 @@ def test_profile_of_an_ellipsoid_is_its_gap():
 
 @pytest.mark.parametrize(
     "gap",
-    [examples.cone(0.2), examples.pyramid(0.2, 4), examples.pyramid(0.2, 3),
-     examples.star(2.0, 0.01, points=5, wave=0.3), examples.star(1.0, 0.1, points=4)],
+    [cone(0.2), pyramid(0.2, 4), pyramid(0.2, 3),
+     star(2.0, 0.01, points=5, wave=0.3), star(1.0, 0.1, points=4)],
 )  # fmt: skip
 def test_sharp_and_star_shaped_peaks_are_single(gap):
-    cap = examples.Cap(30.2, 24.7, 1.0, gap, 0.3)
-    hm = examples.draw((50, 60), (1.0, 1.0), [cap])
+    cap = Cap(30.2, 24.7, 1.0, gap, 0.3)
+    hm = draw((50, 60), (1.0, 1.0), [cap])
     peaks, fit = found(hm)
     k, away = nearest(fit, cap, hm)
     assert k == 0 and away < 0.75
@@ -110,9 +117,7 @@ def test_sharp_and_star_shaped_peaks_are_single(gap):
 
 
 def test_sphere_array():
-    hm = examples.sphere_array(
-        (64, 96), (1.0, 1.0), rows=2, columns=3, radius=12.0, height_step=0.1
-    )
+    hm = sphere_array((64, 96), (1.0, 1.0), rows=2, columns=3, radius=12.0, height_step=0.1)
     _, fit = found(hm)
     assert len(fit) == 6
     assert_allclose(fit.height, -0.1 * np.arange(6), atol=1e-4)
@@ -122,10 +127,10 @@ def test_sphere_array():
 
 def test_refusals():
     with pytest.raises(surfaces.InputError, match="k1 >= k2 > 0"):
-        examples.paraboloid(0.1, 0.2)
+        paraboloid(0.1, 0.2)
     with pytest.raises(surfaces.InputError, match="at least 3 sides"):
-        examples.pyramid(0.1, 2)
+        pyramid(0.1, 2)
     with pytest.raises(surfaces.InputError, match="wave is"):
-        examples.star(1.0, 0.1, wave=1.5)
+        star(1.0, 0.1, wave=1.5)
     with pytest.raises(surfaces.SurfaceError, match="infinite"):
-        examples.draw((8, 9), (1.0, 1.0), [examples.Cap(2.0, 2.0, 0.0, examples.sphere(2.0))])
+        draw((8, 9), (1.0, 1.0), [Cap(2.0, 2.0, 0.0, sphere(2.0))])

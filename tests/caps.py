@@ -1,4 +1,4 @@
-"""Maps with known peaks, for tests and for teaching: the truth goes in, and must come out.
+"""Maps with known peaks: the truth goes in, and must come out.
 
 A peak is a `Cap`: a summit at a known place and the gap f(r, phi) below it. `draw` takes the
 highest of all caps at each point, so that caps may touch, cross the seam of a periodic map or be
@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import InputError
-from .heightmap import HeightMap
+from surfaces.errors import InputError
+from surfaces.heightmap import HeightMap
 
 __all__ = [
     "Cap", "cone", "draw", "ellipsoid", "paraboloid", "pyramid", "random_caps", "sphere",
@@ -95,7 +95,7 @@ def draw(
             away_x -= nx * dx * np.round(away_x / (nx * dx))
         gap = np.asarray(cap.gap(np.hypot(away_y, away_x), np.arctan2(away_y, away_x) - cap.angle))
         heights = np.fmax(heights, np.where(np.isnan(gap), -np.inf, cap.height - gap))
-    return HeightMap(heights, spacing, periodic=periodic, history=({"step": "examples.draw"},))
+    return HeightMap(heights, spacing, periodic=periodic, history=({"step": "draw"},))
 
 
 def paraboloid(k1: float, k2: float | None = None) -> Gap:

@@ -1,9 +1,9 @@
-"""Load points: what was asked, checked, or a default range of light to moderate contact."""
+"""What a curve is asked for: the boundary of its map and its load points, checked or by default."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,13 +15,42 @@ if TYPE_CHECKING:
     from .material import HalfSpace
 
 __all__ = [
+    "Boundary",
     "checked_loads",
+    "chosen_boundary",
     "default_pressures",
     "expected_area_fraction",
+    "known_boundary",
     "pressure_scale",
     "require_scene",
     "slope_scale",
 ]
+
+
+Boundary = Literal["periodic", "free"]
+
+
+def chosen_boundary(hm: HeightMap, asked: str | None) -> Boundary:
+    """The boundary asked for, or the one that the map states."""
+    return known_boundary(("periodic" if hm.periodic else "free") if asked is None else asked)
+
+
+def known_boundary(name: str) -> Boundary:
+    """The name of a boundary.
+
+    Raises
+    ------
+    InputError
+        If there is none of this name.
+    """
+    if _is_boundary(name):
+        return name
+    raise InputError(f'boundary is {name!r}; choose "periodic" or "free"')
+
+
+def _is_boundary(name: str) -> TypeGuard[Boundary]:
+    return name in ("periodic", "free")
+
 
 AREA_OVER_LOAD = 2.0
 """Contact area fraction over p/(E* h') at light load (about 2 for random roughness: Hyun, Pei,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.halfspace.load_points import pressure_scale
-from asperity.results.stiffness import curve_stiffness
+from asperity.halfspace.scene import pressure_scale
+from asperity.results.interpolation import curve_stiffness
 from surfaces import self_affine
 
 

@@ -7,8 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import surfaces
-from surfaces.preparation.coarsening import coarse_map, shortest_wave
-from surfaces.preparation.filtering import resample_waves
+from surfaces.preparation.resampling import coarse_map, resample_waves, shortest_wave
 
 
 def smooth(cutoff=0.09, shape=(240, 288), size=(1.0, 1.8)):

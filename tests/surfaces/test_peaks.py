@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surfaces
-from surfaces.peaks.flat_tops import flat_tops
+from surfaces.peaks.peaks import flat_tops
 from surfaces.peaks.summits import locate_summits
 
 

@@ -7,7 +7,7 @@ import pytest
 
 import surfaces
 from asperity import HalfSpace, indent
-from asperity.contacts.outlines import DIRECTIONS, outlines
+from asperity.contacts.table import DIRECTIONS, outlines
 from asperity.interaction.elongation import aspect_ratio
 from surfaces.shapes import bent_body
 

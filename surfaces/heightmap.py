@@ -14,17 +14,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.errors import SurfaceError
+from surfaces.numerics import parallel
 
 if TYPE_CHECKING:
-    from .roughness import Roughness
+    from surfaces.roughness import Roughness
 
-__all__ = ["LONGEST", "SHORTEST", "HeightMap", "checked_spacing", "require_map"]
+__all__ = [
+    "LONGEST",
+    "SHORTEST",
+    "HeightMap",
+    "checked_spacing",
+    "require_map",
+]
+
 
 SHORTEST, LONGEST = 1e-40, 1e40
 """Lengths [m] between which the fourth power of every slope is a floating-point number."""
 
 SLIMMEST = 1e3
 """Ratio of the pixel sizes beyond which one of them is in another unit: no instrument has it."""
+
+
+_LINES = 64
+"""Rows, and columns, that tell of all of a map: of the power of its waves, of repeated heights."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,23 +144,47 @@ class HeightMap:
     @functools.cached_property
     def roughness(self) -> Roughness:
         """Means over the map: height, slope, curvature by finite differences, found in one pass."""
-        from .roughness import roughness
+        from surfaces.roughness import roughness
 
         return roughness(self.heights, self.spacing, self.periodic)
 
     @functools.cached_property
     def line_power(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Mean squares [m^2] of the waves along y and x, see `line_samples.line_power`."""
-        from .line_samples import line_power
+        """Mean squares [m^2] of the waves along y and x in some lines of the map.
 
-        return line_power(self.heights, self.periodic)
+        The k-th wave has k periods over the length of the map; k / 2 in a map that is not periodic,
+        which is continued by its mirror images. No point may be missing.
+        """
+        from scipy import fft
+
+        def along(axis: int) -> NDArray[np.float64]:
+            count = self.heights.shape[axis]
+            stride = max(1, self.heights.shape[1 - axis] // _LINES)
+            lines = (
+                self.heights[::stride]
+                if axis
+                else np.ascontiguousarray(self.heights[:, ::stride].T)
+            )
+            if self.periodic:
+                waves = fft.rfft(lines, axis=1)
+                squares = np.square(waves.real) + np.square(waves.imag)
+            else:
+                squares = np.square(0.5 * fft.dct(lines, axis=1))
+            power: NDArray[np.float64] = squares.mean(axis=0) * (2.0 / count**2)
+            power[0] *= 0.5
+            if self.periodic and count % 2 == 0:
+                power[-1] *= 0.5
+            return power
+
+        y, x = parallel.each(along, (0, 1))
+        return y, x
 
     @functools.cached_property
     def repeats(self) -> bool:
         """Whether neighbors have the same height, as far as some lines tell."""
-        from .line_samples import has_repeated_heights
-
-        return has_repeated_heights(self.heights)
+        step = max(1, len(self.heights) // _LINES)
+        lines, below = self.heights[:-1:step], self.heights[1::step]
+        return bool((lines[:, 1:] == lines[:, :-1]).any() or (lines == below).any())
 
     @functools.cached_property
     def digest(self) -> str:
@@ -229,4 +265,15 @@ def require_map(hm: object) -> None:
         raise SurfaceError(
             f"a surfaces.HeightMap is needed, not {type(hm).__name__}: "
             "surfaces.HeightMap(heights, (dy, dx)) or surfaces.read(path)"
+        )
+
+
+def require_full(hm: HeightMap, what: str) -> None:
+    """Refuse a map with missing points, and say how to fill them."""
+    require_map(hm)
+    if hm.missing:
+        row, column = np.argwhere(np.isnan(hm.heights))[0]
+        raise SurfaceError(
+            f"heights[{row}, {column}] is missing ({hm.missing} of {hm.heights.size} points); "
+            f'{what} needs a full map: pass fill="harmonic" (--fill harmonic)'
         )

@@ -1,4 +1,4 @@
-"""The type of vectors in compiled loops, its operators, and the machine code of both.
+"""The type of vectors in compiled loops, its operators and functions, and their machine code.
 
 What loops are written with is in `vectors`. A `builder` is that of llvmlite, a vector one of its
 values of `ir.VectorType`.
@@ -15,29 +15,7 @@ from numba import types
 from numba.core import cgutils
 from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import models, register_model
-
-__all__ = [
-    "BYTES",
-    "INDEX",
-    "WORD",
-    "Vector",
-    "as_vector",
-    "call",
-    "constant",
-    "data_of",
-    "elementwise",
-    "fitted",
-    "gathered",
-    "halves",
-    "place_of",
-    "read",
-    "shuffled",
-    "spread",
-    "vector_among",
-    "vector_of",
-    "write",
-]
+from numba.extending import intrinsic, models, register_model
 
 INDEX, WORD = ir.IntType(32), ir.IntType(64)
 CODE = {
@@ -90,45 +68,6 @@ def shuffled(builder: Any, a: Any, b: Any, order: Any) -> Any:
     return builder.shuffle_vector(a, b, mask)
 
 
-def data_of(context: Any, builder: Any, kind: Any, array: Any) -> Any:
-    """Pointer to the first element of an array of the numba type `kind`."""
-    return context.make_array(kind)(context, builder, array).data
-
-
-def fitted(builder: Any, vector: Any, element: Any) -> Any:
-    """A vector in the precision of an array's elements; whole numbers are cut off."""
-    if element in CODE:
-        code = ir.VectorType(CODE[element], vector.type.count)
-        if code == vector.type:
-            return vector
-        return (builder.fpext if element == types.float64 else builder.fptrunc)(vector, code)
-    return builder.fptosi(vector, ir.VectorType(ir.IntType(element.bitwidth), vector.type.count))
-
-
-def read(builder: Any, data: Any, place: Any, kind: Any) -> Any:
-    pointer = builder.bitcast(builder.gep(data, [place]), kind.as_pointer())
-    return builder.load(pointer, align=BYTES[str(kind.element)], typ=kind)
-
-
-def write(builder: Any, vector: Any, data: Any, place: Any) -> None:
-    pointer = builder.bitcast(builder.gep(data, [place]), vector.type.as_pointer())
-    builder.store(vector, pointer, align=BYTES[str(vector.type.element)])
-
-
-def gathered(builder: Any, data: Any, places: Any, kind: Any) -> Any:
-    """Elements of the data at a vector of 64-bit places."""
-    width, size = kind.count, BYTES[str(kind.element)]
-    start = spread(builder, builder.ptrtoint(data, WORD), width)
-    pointers = ir.VectorType(kind.element.as_pointer(), width)
-    at = builder.add(start, builder.mul(places, constant(places.type, size)))
-    at = builder.inttoptr(at, pointers)
-    truth = ir.VectorType(ir.IntType(1), width)
-    takes = ir.FunctionType(kind, [pointers, INDEX, truth, kind])
-    name = f"masked.gather.v{width}f{8 * size}.v{width}p0"
-    rest = ir.Constant(kind, ir.Undefined)
-    return call(builder, name, takes, at, INDEX(size), constant(truth, 1), rest)
-
-
 def elementwise(builder: Any, name: str, *values: Any) -> Any:
     """LLVM intrinsic of equal vectors."""
     kind = values[0].type
@@ -151,11 +90,6 @@ def halves(builder: Any, pair: Any, step: int) -> Any:
     low = [lane if not lane & step else len(lanes) + lane - step for lane in lanes]
     high = [lane + step if not lane & step else len(lanes) + lane for lane in lanes]
     return shuffled(builder, *pair, low), shuffled(builder, *pair, high)
-
-
-def place_of(builder: Any, index: Any, width: int, grouped: bool) -> Any:
-    """Element at which a vector starts: the index, or the start of that group of `width`."""
-    return builder.mul(index, ir.Constant(index.type, width)) if grouped else index
 
 
 def vector_among(*kinds: Any) -> Any:
@@ -230,3 +164,126 @@ _unary_operator(operator.and_, True, 2, lambda builder, a, b: builder.and_(a, b)
 _unary_operator(operator.or_, True, 2, lambda builder, a, b: builder.or_(a, b))
 _unary_operator(operator.invert, True, 1, lambda builder, a: builder.not_(a))
 _unary_operator(operator.neg, False, 1, lambda builder, a: builder.fsub(constant(a.type, 0.0), a))
+
+
+def splatter(width: int) -> Any:
+    """splat(value): a number in every lane of a vector of `width`."""
+
+    @intrinsic
+    def splat(typing: Any, value: Any) -> Any:
+        element = value if isinstance(value, types.Float) else types.float64
+
+        def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            return spread(builder, args[0], width)
+
+        return vector_of(element, width)(element), code
+
+    return splat
+
+
+@intrinsic
+def lane(typing: Any, vector: Any, number: Any) -> Any:
+    """The number in a lane."""
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.extract_element(args[0], args[1])
+
+    return vector.element(vector, types.intp), code
+
+
+@intrinsic
+def where(typing: Any, mask: Any, a: Any, b: Any) -> Any:
+    """Lanes of `a` where the mask holds, else of `b`; one of them may be a number."""
+    one = vector_among(a, b) or vector_of(types.float64, mask.width)
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.select(args[0], *(as_vector(builder, v, one.width) for v in args[1:]))
+
+    return one(mask, *(v if v == one else one.element for v in (a, b))), code
+
+
+@intrinsic
+def count(typing: Any, mask: Any) -> Any:
+    """Number of lanes in a mask."""
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        word = builder.bitcast(args[0], ir.IntType(mask.width))
+        return builder.zext(builder.ctpop(word), WORD)
+
+    return types.int64(mask), code
+
+
+@intrinsic
+def some(typing: Any, mask: Any) -> Any:
+    """Whether a mask holds in any lane."""
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        word = ir.IntType(mask.width)
+        return builder.icmp_unsigned("!=", builder.bitcast(args[0], word), word(0))
+
+    return types.boolean(mask), code
+
+
+@intrinsic
+def total(typing: Any, vector: Any) -> Any:
+    """Sum of the lanes, pairwise; their number is a power of two."""
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        value, width = args[0], vector.width
+        while width > 1:
+            width //= 2
+            low, high = (
+                shuffled(builder, value, value, range(start, start + width)) for start in (0, width)
+            )
+            value = builder.fadd(low, high)
+        return builder.extract_element(value, INDEX(0))
+
+    return vector.element(vector), code
+
+
+@intrinsic
+def sums(typing: Any, vectors: Any) -> Any:
+    """Vector of the `total` of each vector of a tuple of as many as there are lanes."""
+    kind = vectors.dtype
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        rows, step = cgutils.unpack_tuple(builder, args[0]), kind.width // 2
+        while step:
+            half = len(rows) // 2
+            pairs = zip(rows[:half], rows[half:], strict=True)
+            rows = [builder.fadd(*halves(builder, pair, step)) for pair in pairs]
+            step //= 2
+        return rows[0]
+
+    return kind(vectors), code
+
+
+@intrinsic
+def multiply_add(typing: Any, a: Any, b: Any, c: Any) -> Any:
+    """a b + c, rounded once where the processor can; numbers stand in every lane."""
+    one = vector_among(a, b, c)
+
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return elementwise(
+            builder, "fmuladd", *(as_vector(builder, value, one.width) for value in args)
+        )
+
+    return one(*(value if value == one else one.element for value in (a, b, c))), code
+
+
+def unary(emit: Any) -> Any:
+    """An elementwise function whose code is `emit(builder, value)`."""
+
+    @intrinsic
+    def function(typing: Any, vector: Any) -> Any:
+        def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            return emit(builder, args[0])
+
+        return vector(vector), code
+
+    return function
+
+
+root = unary(lambda builder, value: elementwise(builder, "sqrt", value))
+absolute = unary(lambda builder, value: elementwise(builder, "fabs", value))
+whole = unary(lambda builder, value: elementwise(builder, "floor", value))

@@ -1,0 +1,217 @@
+"""Maps on other grids: resampled by their spectrum, and the coarsest that holds a smooth map."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import fft
+
+from surfaces.errors import SurfaceError
+from surfaces.heightmap import HeightMap, require_full
+from surfaces.numerics import parallel, splines
+from surfaces.numerics.memory import require_memory
+from surfaces.roughness import BANDS
+
+__all__ = ["coarse_map", "resample", "resample_waves", "shortest_wave"]
+
+_POINTS = 8.0
+"""Points per shortest wave: the contact curve then changes no more than by half a pixel's shift of
+the full grid."""
+
+_SLOPE_LOST = 2e-3
+"""Share of the slope variance that waves shorter than the shortest one may carry."""
+
+_SMOOTH = 2.0
+"""Length over which the slope turns [pixels] below which no coarser grid can hold the map."""
+
+_WORTH_IT = 0.75
+"""Largest ratio of the points per axis."""
+
+_FEWEST = 64
+"""Least points of the shorter side of a coarser grid."""
+
+_MISSED, _MISSED_MOST = 5e-4, 5e-3
+"""Rms and largest deviation of the highest point of every block of a map that a coarser grid may
+have, over the rms height."""
+
+
+def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
+    """Move the map to other pixel sizes by its spectrum.
+
+    Parameters
+    ----------
+    hm
+        The map, without missing points.
+    spacing
+        Wanted pixel size (dy, dx) [m], or one number; the nearest that divides the map's size into
+        whole pixels is used.
+
+    Returns
+    -------
+    HeightMap
+        History step ``resample`` with the shapes; wavelengths that the new pixels cannot hold are
+        left out, not folded back.
+
+    Raises
+    ------
+    SurfaceError
+        If points are missing, the pixel sizes are not positive, or too few pixels are left.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
+    >>> surfaces.resample(hm, 2e-6)
+    <HeightMap 16 x 24, pixel 2e-06 x 2e-06 m, periodic>
+    """
+    require_full(hm, "resampling")
+    try:
+        wanted = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,))
+    except (TypeError, ValueError):
+        wanted = np.zeros(2)
+    if not (wanted > 0).all():
+        raise SurfaceError(f"spacing is {spacing!r}; give two positive pixel sizes (dy, dx) in m")
+    ny, nx = (max(1, round(length / d)) for length, d in zip(hm.size, wanted, strict=True))
+    if min(ny, nx) < 3:
+        raise SurfaceError(f"pixels of {wanted[0]:g} x {wanted[1]:g} m leave {ny} x {nx} points")
+    needed = 24 * ny * nx + 8 * hm.shape[0] * (nx + hm.shape[1])
+    require_memory(needed, f"a map of {ny} x {nx} points", "take larger pixels")
+    if hm.periodic:
+        heights = resample_waves(hm.heights, ny, nx)
+    else:
+        heights = _resample_cosines(_resample_cosines(hm.heights, nx, 1), ny, 0)
+    step = {"step": "resample", "from": list(hm.shape), "to": [ny, nx]}
+    return hm.replace(heights=heights, spacing=(hm.size[0] / ny, hm.size[1] / nx), step=step)
+
+
+def resample_waves(
+    heights: NDArray[np.float64], ny: int, nx: int, fewer: tuple[int, int] = (1, 1)
+) -> NDArray[np.float64]:
+    """Trigonometric interpolation of a periodic array to the cell centres of (ny, nx) pixels.
+
+    Rows first; of the columns only those of waves that are kept are transformed. Of heights without
+    waves that so few cannot hold, every `fewer`-th along y and x is enough, divisors of the shape.
+    """
+    down, across = (
+        _moved(old, count, part)
+        for old, count, part in zip(heights.shape, (ny, nx), fewer, strict=True)
+    )
+    (first_y, first_x), (step_y, step_x) = ((part - 1) // 2 for part in fewer), fewer
+    heights = heights[first_y::step_y, first_x::step_x]
+    workers = len(parallel.lines(len(heights), heights.size))
+    rows = fft.rfft(heights, axis=1, workers=workers)[:, : across.size] * across
+    waves = fft.fft(rows, axis=0, workers=workers, overwrite_x=True)
+    kept = np.zeros((ny, across.size), np.complex128)
+    kept[: down.size] = waves[: down.size] * down[:, None]
+    kept[1 - down.size :] = waves[1 - down.size :] * down[:0:-1, None].conj()
+    kept = fft.ifft(kept, axis=0, workers=workers, overwrite_x=True)
+    return np.asarray(fft.irfft(kept, n=nx, axis=1, workers=workers))
+
+
+def coarse_map(hm: HeightMap) -> HeightMap | None:
+    """A smooth periodic map on the coarsest grid that holds it; None if that is its own.
+
+    Parameters
+    ----------
+    hm
+        Height map without missing points.
+
+    Notes
+    -----
+    Fourier truncation to eight points per shortest wave (`shortest_wave`), both axes by the same
+    ratio. The highest point of every block of the map must lie on the surface through the coarse
+    points: features too few to show in the spectrum, such as single spikes, keep the full grid.
+    """
+    if not hm.periodic or min(hm.shape) <= _FEWEST:
+        return None
+    turns = [
+        slope / (bend * step) if bend > 0.0 else math.inf
+        for slope, bend, step in zip(
+            hm.roughness.slope, hm.roughness.curvature, hm.spacing, strict=True
+        )
+    ]
+    if min(turns) < _SMOOTH:
+        return None
+    wave = min(shortest_wave(hm, axis) for axis in (0, 1))
+    ratio = max(_POINTS / wave, _FEWEST / min(hm.shape))
+    if ratio > _WORTH_IT:
+        return None
+    ny, nx = (min(n, fft.next_fast_len(math.ceil(ratio * n), real=True)) for n in hm.shape)
+    # of all points there are more than enough to find waves that the coarse grid holds
+    fewer = [_divisor(n, n // m) for n, m in zip(hm.shape, (ny, nx), strict=True)]
+    coarse = hm.replace(
+        heights=resample_waves(hm.heights, ny, nx, (fewer[0], fewer[1])),
+        spacing=(hm.size[0] / ny, hm.size[1] / nx),
+        step={"step": "resample", "from": list(hm.shape), "to": [ny, nx]},
+    )
+    return coarse if _holds(coarse, hm) else None
+
+
+def _divisor(count: int, most: int) -> int:
+    """Largest divisor of `count` that is no larger than `most`."""
+    return next(part for part in range(most, 0, -1) if count % part == 0)
+
+
+def shortest_wave(hm: HeightMap, axis: int) -> float:
+    """Length [pixels] of the shortest wave along an axis of a periodic map that carries slope."""
+    power, count = hm.line_power[axis], hm.shape[axis]
+    inside = np.cumsum(power * np.arange(power.size) ** 2)
+    if inside[-1] == 0.0:
+        return float(count)
+    return count / max(1, int(np.searchsorted(inside, (1.0 - _SLOPE_LOST) * inside[-1])))
+
+
+def _holds(coarse: HeightMap, hm: HeightMap) -> bool:
+    """Whether the highest point of every block of a map lies on the surface of a coarser one."""
+    rows, cols = _highest(hm)
+    spline = splines.coefficients(coarse.heights, coarse.periodic)
+    scale_y, scale_x = (n / m for n, m in zip(coarse.shape, hm.shape, strict=True))
+    off = np.empty(rows.size)
+    splines.evaluate_all(
+        spline.ravel(),
+        spline.shape[1],
+        (rows + 0.5) * scale_y - 0.5,
+        (cols + 0.5) * scale_x - 0.5,
+        off,
+    )
+    off -= hm.heights[rows, cols]
+    rms = hm.roughness.rms_height
+    return bool(
+        np.sqrt(np.mean(off**2)) <= _MISSED * rms and np.abs(off).max() <= _MISSED_MOST * rms
+    )
+
+
+def _highest(hm: HeightMap) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Row and column of the highest point of each of `BANDS` times `BANDS` blocks."""
+    nx, found, band = hm.shape[1], hm.roughness, np.arange(BANDS)
+    bounds = nx * np.arange(BANDS + 1) // BANDS
+    columns = np.minimum(bounds[:-1, None] + np.arange(-(-nx // BANDS)), bounds[1:, None] - 1)
+    cols = columns[band, found.tops[:, columns].argmax(axis=2)]
+    return found.rows[band[:, None], cols].ravel(), cols.ravel()
+
+
+def _resample_cosines(heights: NDArray[np.float64], count: int, axis: int) -> NDArray[np.float64]:
+    """Interpolation by cosines to `count` cell centres of the same length."""
+    old = heights.shape[axis]
+    if count == old:
+        return heights
+    kept = min(old, count)
+    moved = np.moveaxis(heights, axis, -1)
+    spectrum = np.zeros((*moved.shape[:-1], count))
+    spectrum[..., :kept] = fft.dct(moved, axis=-1)[..., :kept] * (count / old)
+    return np.ascontiguousarray(np.moveaxis(fft.idct(spectrum, axis=-1), -1, axis))
+
+
+def _moved(all_points: int, count: int, fewer: int) -> NDArray[np.complex128]:
+    """Factors of the waves kept when every `fewer`-th of the cell centres becomes `count`."""
+    old = all_points // fewer
+    kept = min(old, count)
+    waves = np.arange(kept // 2 + 1)
+    first = ((fewer - 1) // 2 + 0.5) / all_points
+    shift: NDArray[np.complex128] = np.exp(2j * np.pi * waves * (0.5 / count - first))
+    shift *= count / old
+    if kept % 2 == 0 and count != all_points:
+        shift[-1] = 0.0
+    return shift

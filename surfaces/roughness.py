@@ -1,0 +1,250 @@
+"""Mean, rms height, slope and curvature of a map in one pass."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surfaces.numerics import parallel
+from surfaces.numerics.compiled import SUMS, compiled, inner
+
+__all__ = ["Roughness", "roughness", "unit_warning"]
+
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+BANDS = 32
+"""Bands of rows whose highest points are kept."""
+
+_SLOPES = (1e-6, 10.0)
+"""Rms slopes outside which the units may be wrong."""
+
+
+@dataclass(frozen=True)
+class Roughness:
+    """Means over the points present; differences that meet a missing point are left out.
+
+    Attributes
+    ----------
+    mean
+        Mean height [m].
+    rms_height
+        Root-mean-square height about the mean [m].
+    lowest, highest
+        Extreme heights [m].
+    slope
+        Root-mean-square slopes (along y, along x) by forward differences [-].
+    curvature
+        Root-mean-square second differences (along y, along x) over the squared spacing [1/m].
+    kurtosis
+        Kurtosis of the second differences (along y, along x), those across the border of a periodic
+        map among them: 3 for random waves, more for spikes, steps and worn plateaus; infinite
+        along an axis that does not vary.
+    missing
+        Number of missing points.
+    tops, rows
+        Height [m] and row of the highest point of each column in each of `BANDS` bands of rows,
+        shape (BANDS, nx); fewer bands if there are fewer rows.
+    """
+
+    mean: float
+    rms_height: float
+    lowest: float
+    highest: float
+    slope: tuple[float, float]
+    curvature: tuple[float, float]
+    kurtosis: tuple[float, float]
+    missing: int
+    tops: Array = field(repr=False, compare=False)
+    rows: Index = field(repr=False, compare=False)
+
+    @property
+    def rms_slope(self) -> float:
+        """Root-mean-square gradient [-]."""
+        return math.hypot(*self.slope)
+
+    @property
+    def length(self) -> float:
+        """Length over which the slope turns [m]: rms slope over rms curvature; infinite if flat."""
+        bend = math.hypot(*self.curvature)
+        return self.rms_slope / bend if bend > 0.0 else math.inf
+
+
+def roughness(heights: Array, spacing: tuple[float, float], periodic: bool) -> Roughness:
+    """Means over a map; `HeightMap.roughness` keeps them.
+
+    Parameters
+    ----------
+    heights
+        Heights [m], shape (ny, nx); NaN where missing.
+    spacing
+        Pixel size (dy, dx) [m].
+    periodic
+        Whether the map continues across its border as if repeated.
+
+    Notes
+    -----
+    Differences do not cross the border, but for those of the kurtosis. Heights are summed relative
+    to the first one present.
+    """
+    ny, nx = heights.shape
+    bands = min(BANDS, ny)
+    bounds = ny * np.arange(bands + 1) // bands
+    lows, tops = np.full((bands, nx), np.inf), np.full((bands, nx), -np.inf)
+    rows = np.zeros((bands, nx), np.int64)
+    start = heights[0, 0] if heights[0, 0] == heights[0, 0] else np.nanmean(heights)
+
+    def part(first: int, last: int) -> Array:
+        out = np.zeros(19)
+        _sums(heights, start, bounds, first, last, lows, tops, rows, out)
+        return out
+
+    total = np.sum(parallel.run(part, parallel.lines(bands, heights.size)), axis=0)
+    number, first, second = total[0], total[1], total[2]
+    seam = total[13:] if periodic else np.zeros(6)
+    mean = first / number
+    dy, dx = spacing
+    rms = [
+        math.sqrt(total[k + 1] / total[k]) / scale if total[k] else 0.0
+        for k, scale in ((3, dy), (8, dx), (5, dy * dy), (10, dx * dx))
+    ]
+    return Roughness(
+        mean=float(start + mean),
+        rms_height=math.sqrt(max(second / number - mean * mean, 0.0)),
+        lowest=float(lows.min()),
+        highest=float(tops.max()),
+        slope=(rms[0], rms[1]),
+        curvature=(rms[2], rms[3]),
+        kurtosis=(_kurtosis(total[5:8] + seam[:3]), _kurtosis(total[10:13] + seam[3:])),
+        missing=int(heights.size - number),
+        tops=tops,
+        rows=rows,
+    )
+
+
+def unit_warning(slope: float) -> list[str]:
+    """A slope that no measured surface has: heights or pixels in another unit than stated."""
+    if _SLOPES[0] < slope < _SLOPES[1]:
+        return []
+    return [f"the rms slope is {slope:.2g}: check the unit of the heights and the pixel size"]
+
+
+def _kurtosis(sums: Array) -> float:
+    """Kurtosis of second differences from their number and sums of squares and fourth powers."""
+    number, square, fourth = sums.tolist()
+    return number * fourth / square**2 if square > 0.0 else math.inf
+
+
+@compiled(fastmath=SUMS)
+def _sums(
+    heights: Array,
+    start: float,
+    bounds: Index,
+    first: int,
+    last: int,
+    lows: Array,
+    tops: Array,
+    rows: Index,
+    out: Array,
+) -> None:
+    """Sums over the bands [first, last) of rows and over the differences that begin there.
+
+    Adds to `out` (19,) the number, sum and sum of squares of the heights about `start`; along y and
+    then x the number and sum of squares of the first differences, and the number, sums of squares
+    and of fourth powers of the second ones; and the last three of those second differences that
+    cross the border as if the map were repeated. The lowest height of every column of a band lowers
+    `lows`, the highest raises `tops`, and its row is kept in `rows`, all of shape (bands, nx).
+    """
+    ny, nx = heights.shape
+    for band in range(first, last):
+        for i in range(bounds[band], bounds[band + 1]):
+            here, below, beneath = heights[i], heights[(i + 1) % ny], heights[(i + 2) % ny]
+            plain = _add_row(
+                here, below, beneath, start, i, ny, lows[band], tops[band], rows[band], out
+            )
+            for j in range(plain, nx):
+                z = here[j]
+                if z < lows[band, j]:
+                    lows[band, j] = z
+                if z > tops[band, j]:
+                    tops[band, j], rows[band, j] = z, i
+                if z == z:
+                    out[0] += 1.0
+                    out[1] += z - start
+                    out[2] += (z - start) * (z - start)
+                _add_point(z, below[j], beneath[j], ny - i, out, 3, 13)
+                _add_point(z, here[(j + 1) % nx], here[(j + 2) % nx], nx - j, out, 8, 16)
+
+
+@inner(fastmath=SUMS)
+def _add_row(
+    here: Array,
+    below: Array,
+    beneath: Array,
+    start: float,
+    i: int,
+    ny: int,
+    lows: Array,
+    tops: Array,
+    rows: Index,
+    out: Array,
+) -> int:
+    """Add all points of a row but the last two; returns how many, none if some are missing."""
+    count = here.size - 2
+    total, square = 0.0, 0.0
+    down, down_bend, down_fourth = 0.0, 0.0, 0.0
+    along, along_bend, along_fourth = 0.0, 0.0, 0.0
+    for j in range(count):
+        z = here[j]
+        lows[j] = z if z < lows[j] else lows[j]
+        rows[j] = i if z > tops[j] else rows[j]
+        tops[j] = z if z > tops[j] else tops[j]
+        total += z - start
+        square += (z - start) * (z - start)
+        d = below[j] - z
+        e = (beneath[j] - below[j]) - d
+        down += d * d
+        down_bend += e * e
+        down_fourth += (e * e) * (e * e)
+        d = here[j + 1] - z
+        e = (here[j + 2] - here[j + 1]) - d
+        along += d * d
+        along_bend += e * e
+        along_fourth += (e * e) * (e * e)
+    if along_bend + down_bend != along_bend + down_bend:
+        return 0
+    out[0] += count
+    out[1] += total
+    out[2] += square
+    if i + 1 < ny:
+        out[3] += count
+        out[4] += down
+    bends = 5 if i + 2 < ny else 13
+    out[bends] += count
+    out[bends + 1] += down_bend
+    out[bends + 2] += down_fourth
+    out[8] += count
+    out[9] += along
+    out[10] += count
+    out[11] += along_bend
+    out[12] += along_fourth
+    return count
+
+
+@inner()
+def _add_point(a: float, b: float, c: float, left: int, out: Array, at: int, seam: int) -> None:
+    """Add the differences present of three points in a line, of which `left` are in the map."""
+    d = b - a
+    e = (c - b) - d
+    if d == d and left > 1:
+        out[at] += 1.0
+        out[at + 1] += d * d
+    if e == e:
+        bends = at + 2 if left > 2 else seam
+        out[bends] += 1.0
+        out[bends + 1] += e * e
+        out[bends + 2] += (e * e) * (e * e)
