@@ -180,7 +180,9 @@ class CandidateList:
             return self
         touches = np.flatnonzero(values[0] > 0)
         some = touches[:: 1 + len(touches) // SAMPLE]
-        law = system.laws.rows(rows[some])(values[0, some])
+        laws = system.laws.rows(rows[some])
+        laws.make()
+        law = laws(values[0, some])
         elongation = None if self.problem.elongation is None else system.elongation
         plan = self.problem.plan
         if not plan.holds(_widest(plan.footprints, elongation, rows[some], law)):

@@ -214,8 +214,9 @@ def _independent_separation(system: ContactSystem, pressure: float) -> float:
 
     def carried(separation: float) -> float:
         above = system.above(separation)
-        laws = system.laws.rows(above)(height[above] - separation)
-        return float(laws.force.sum()) / system.nominal_area
+        laws = system.laws.rows(above)
+        laws.make()
+        return float(laws(height[above] - separation).force.sum()) / system.nominal_area
 
     # by numbers of summits: one that stands out must not lead far down among the others
     high, end = system.highest, BLOCK

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Solution that `descend` reached.
+    """Solution that `descent` reached.
 
     Attributes
     ----------

@@ -122,10 +122,10 @@ class Laws:
         return self.store.ready[self.index]
 
     def __call__(self, approach: NDArray[np.float64]) -> Evaluated:
-        """Laws at the approaches [m], shape (n,); zero force where they are not positive."""
+        """Laws at the approaches [m], shape (n,), of contacts whose laws are made; zero force where
+        approaches are not positive."""
         out, store = Evaluated(len(approach)), self.store
-        if not store.complete:
-            store.need(self.index[approach > 0])
+        assert store.complete or store.ready[self.index[approach > 0]].all(), "laws are missing"
         run(
             lambda a, b: law_kernels.evaluate(
                 (a, b),
@@ -147,30 +147,32 @@ class Laws:
         )
         return out
 
-    def expect(self, wanted: NDArray[np.float64]) -> None:
-        """Make the laws of contacts that want to close, and with them those that come next.
+    def lacking(self, wanted: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Contacts that want to close and whose laws are missing, and with them those that come
+        next; none if no law is missing.
 
         `wanted` is the approach [m] where positive, minus the gap elsewhere, shape (n,).
         """
         if self.store.complete:
-            return
+            return np.empty(0, np.int64)
         missing = np.flatnonzero(~self.ready)
         lacking = int(np.count_nonzero(wanted[missing] > 0))
-        if lacking:
-            block = lacking + max(lacking // 8, FEW)
-            if self.store.ahead is None:
-                block = max(lacking + lacking // 8, BLOCK, int(self.store.ready.sum()) // 40)
-            nearest = missing[np.argsort(-wanted[missing], kind="stable")[:block]]
-            self.store.need(self.index[nearest])
+        if not lacking:
+            return missing[:0]
+        block = lacking + max(lacking // 8, FEW)
+        if self.store.ahead is None:
+            block = max(lacking + lacking // 8, BLOCK, int(self.store.ready.sum()) // 40)
+        return missing[np.argsort(-wanted[missing], kind="stable")[:block]]
 
     def foresee(self, rows: NDArray[np.int64] | None) -> None:
-        """Let the laws of the contacts `rows` be made with the next that lack, and few besides;
+        """Let the laws of the contacts `rows` be made with the next that are made, and few besides;
         None: as many as come next, since nothing is known of what will be needed."""
         self.store.ahead = None if rows is None else self.index[rows]
 
-    def make(self) -> None:
-        """Make the laws of all these contacts."""
-        self.store.need(self.index)
+    def make(self, some: NDArray[np.bool_] | NDArray[np.int64] | None = None) -> None:
+        """Make the laws of `some` of these contacts; of all if None."""
+        if not self.store.complete:
+            self.store.need(self.index if some is None else self.index[some])
 
     def filled(self, law: Evaluated) -> NDArray[np.bool_]:
         """Which contacts cover more than `FILLED` of the area that they have at reach."""

@@ -80,6 +80,8 @@ class State:
         Separation [m] at which `balance` has judged the contacts; it sets all that follows.
     gap, wanted, error
         z - s, z - s - u, and by how much this exceeds the approach [m], shape (n,).
+    closing, sums
+        Contacts about to close, and the sums of |error| k and of the force over the closed ones.
     active
         Contacts that are closed or about to close, bool, shape (n,).
     stiffness, growth, force, base
@@ -136,7 +138,7 @@ class State:
         )
 
     def balance(self, separation: float, balanced: bool) -> None:
-        """Judge the contacts at a separation [m], and take the tangent data of the active ones.
+        """Judge the contacts at a separation [m]; `linearize` follows.
 
         Parameters
         ----------
@@ -145,11 +147,6 @@ class State:
         balanced
             Whether it is moved first to where the errors of the closed contacts, times stiffness,
             cancel.
-
-        Notes
-        -----
-        A contact about to close has no stiffness yet: it gets that at half the approach it wants,
-        and counts with its force there.
         """
         law, field, n = self.laws, self.field, len(self.approach)
         self.gap, self.wanted, self.error = np.empty((3, n))
@@ -175,10 +172,17 @@ class State:
             closing,
         )
         self.separation = separation + rise
-        self.problem.laws.expect(self.wanted)
+        self.closing, self.sums = closing[:count], (error, load)
+
+    def linearize(self) -> None:
+        """Take the tangent data of the active contacts, whose laws are made by now.
+
+        A contact about to close has no stiffness yet: it gets that at half the approach it wants,
+        and counts with its force there.
+        """
+        law, (error, load) = self.laws, self.sums
         stiffness, growth, force, base = law.stiffness, law.growth, law.force, self.approach
-        fresh = closing[:count]
-        fresh = fresh[self.problem.laws.rows(fresh).usable]
+        fresh = self.closing[self.problem.laws.rows(self.closing).usable]
         if fresh.size:
             self.active[fresh] = True
             half = 0.5 * self.wanted[fresh]
