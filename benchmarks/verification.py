@@ -5,9 +5,10 @@
     python benchmarks/verification.py --drawn --seeds 201 --out rows.csv
     python benchmarks/verification.py --maps MEASURED
 
-Every map is solved by boundary elements to a bound of 0.1 % in load, and by `solve` at the accuracies
-named. A row is one load point: error and bound of load at equal separation and of area at equal load, and
-the seconds of `solve` over those of boundary elements at the same accuracy, measured in turns.
+Every map is solved by boundary elements to a bound of 0.1 % in load, and by `solve` at the
+accuracies named. A row is one load point: error and bound of load at equal separation and of area
+at equal load, and the seconds of `solve` and of boundary elements at the same accuracy, in turns.
+With ``--table`` rows of earlier runs are summed up, one line for each file.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from textures import TEXTURES
 
 import asperity
 import surfaces
-from asperity.halfspace.load_points import default_pressures
+from asperity.halfspace.scene import default_pressures
 
 TRUTH = 0.003
 """Accuracy in area of the reference: its load is known to a third of that."""
@@ -116,39 +117,57 @@ def rows_of(name, seed, hm, m, boundary, args) -> list[dict]:
 
 
 def summary(rows: list[dict]) -> None:
-    """One line per map and accuracy, and the shares of points inside the bounds."""
-    keys = dict.fromkeys((r["family"], r["seed"], r["asked"], r["accuracy"]) for r in rows)
-    for key in keys:
+    """One line per map and accuracy."""
+    for key in dict.fromkeys((r["family"], r["seed"], r["asked"], r["accuracy"]) for r in rows):
         own = [r for r in rows if (r["family"], r["seed"], r["asked"], r["accuracy"]) == key]
-        first = own[0]
-        worst = {
-            k: max(abs(r[k]) for r in own)
-            for k in ("load_error", "load_bound", "area_error", "area_bound")
-        }
-        ratio = [max(abs(r[f"{k}_error"]) / r[f"{k}_bound"] for r in own) for k in ("load", "area")]
-        flag = " OUTSIDE" if max(ratio) > 1 else ""
-        print(
-            f"{key[0]:28s} {key[1]:4d} {key[2]:8s} {key[3]:.2f} {first['engine']:8s} {first['anchors']:2d} anchors "
-            f"met {first['met']!s:5s} load {100 * worst['load_error']:6.2f} ({100 * worst['load_bound']:5.1f}) "
-            f"area {100 * worst['area_error']:6.2f} ({100 * worst['area_bound']:5.1f}) % "
-            f"time {first['seconds']:6.2f} / {first['bem_seconds']:6.2f} s = "
-            f"{first['seconds'] / first['bem_seconds']:.2f}{flag}"
-        )
+        first, text = own[0], f"{key[0]:28s} {key[1]:4d} {key[2]:8s} {key[3]:.2f}"
+        text += f" {first['engine']:8s} {first['anchors']:2d} anchors, met {first['met']!s:5s}"
+        for k in ("load", "area"):
+            error, bound = (max(abs(r[f"{k}_{what}"]) for r in own) for what in ("error", "bound"))
+            outside = any(abs(r[f"{k}_error"]) > r[f"{k}_bound"] for r in own)
+            text += f"  {k} {100 * error:5.2f} of {100 * bound:4.1f} %{' OUTSIDE' * outside}"
+        seconds, alone = first["seconds"], first["bem_seconds"]
+        print(f"{text}  {seconds:.2f} / {alone:.2f} s = {seconds / alone:.2f}")
+
+
+def table(rows: list[dict], name: str) -> list[dict]:
+    """Shares of points inside their bounds and within the accuracy, one row per accuracy."""
+    lines = []
     for asked, accuracy in dict.fromkeys((r["asked"], r["accuracy"]) for r in rows):
-        own = [
-            r for r in rows if r["asked"] == asked and r["accuracy"] == accuracy and r["converged"]
-        ]
-        text = f"{asked} {accuracy}: {len(own)} points"
+        own = [r for r in rows if (r["asked"], r["accuracy"]) == (asked, accuracy)]
+        own = [r for r in own if r["converged"]]
+        line = {"maps": name, "engine": asked, "accuracy": f"{accuracy:.0%} / {2 * accuracy:.0%}"}
+        line["points"] = str(len(own))
         for k, allowed in (("load", accuracy), ("area", 2 * accuracy)):
-            ratio = np.array([abs(r[f"{k}_error"]) / r[f"{k}_bound"] for r in own])
             error = np.array([abs(r[f"{k}_error"]) for r in own])
-            alone = np.array([abs(r[f"bem_{k}_error"]) for r in own])
-            text += (
-                f"; {k}: inside {100 * np.mean(ratio <= 1):.2f} %, beyond twice {np.sum(ratio > 2)}, "
-                f"within accuracy {100 * np.mean(error <= allowed):.2f} % (boundary elements alone "
-                f"{100 * np.mean(alone <= allowed):.2f} %)"
-            )
-        print(text)
+            ratio = error / np.array([r[f"{k}_bound"] for r in own])
+            line[f"{k} inside its bound, %"] = f"{100 * np.mean(ratio <= 1):.1f}"
+            line[f"{k} beyond twice"] = str(np.sum(ratio > 2))
+            line[f"{k} within the accuracy, %"] = f"{100 * np.mean(error <= allowed):.1f}"
+        lines.append(line)
+    return lines
+
+
+def read(path: Path) -> list[dict]:
+    """Rows of an earlier run."""
+    with path.open(newline="") as file:
+        found = list(csv.DictReader(file))
+    text = "family", "asked", "engine"
+    return [
+        {
+            k: v if k in text else v == "True" if v in ("True", "False") else float(v)
+            for k, v in r.items()
+        }
+        for r in found
+    ]
+
+
+def write(path: Path, rows: list[dict]) -> None:
+    """Write rows as CSV."""
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
 
 
 def main() -> None:
@@ -164,18 +183,18 @@ def main() -> None:
     parser.add_argument("--accuracies", type=float, nargs="+", default=[0.05, 0.02])
     parser.add_argument("--drawn", action="store_true")
     parser.add_argument("--maps", type=Path)
+    parser.add_argument("--table", type=Path, nargs="+", help="files of rows to sum up")
     parser.add_argument("--out", type=Path)
     args = parser.parse_args()
-    rows: list[dict] = []
-    for scene in scenes(args):
-        new = rows_of(*scene, args)
-        rows += new
+    if args.table:
+        write(args.out, [line for path in args.table for line in table(read(path), path.stem)])
+        return
+    rows = [row for scene in scenes(args) for row in rows_of(*scene, args)]
     summary(rows)
+    for line in table(rows, "all"):
+        print(line)
     if args.out:
-        with args.out.open("w", newline="") as file:
-            writer = csv.DictWriter(file, list(rows[0]))
-            writer.writeheader()
-            writer.writerows(rows)
+        write(args.out, rows)
 
 
 if __name__ == "__main__":

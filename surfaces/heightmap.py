@@ -19,13 +19,7 @@ from surfaces.numerics import parallel
 if TYPE_CHECKING:
     from surfaces.roughness import Roughness
 
-__all__ = [
-    "LONGEST",
-    "SHORTEST",
-    "HeightMap",
-    "checked_spacing",
-    "require_map",
-]
+__all__ = ["LONGEST", "SHORTEST", "HeightMap", "checked_spacing", "require_map"]
 
 
 SHORTEST, LONGEST = 1e-40, 1e40

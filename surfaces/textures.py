@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -77,7 +74,6 @@ def plateau_honed(
     if not 0.0 < plateau <= 1.0:
         raise InputError(f"plateau is {plateau}; it must be a fraction above 0, at most 1")
     long = min(size) / 8.0 if rolloff is None else rolloff
-    part: dict[str, Any] = {"hurst": hurst, "rms_height": 1.0, "rolloff": long}
     stretch = np.sqrt(_SCRATCH)  # the short wavelengths keep the roll-off asked for
     scratches = sum(
         self_affine(
@@ -89,8 +85,10 @@ def plateau_honed(
     half = 0.5 * (1.0 - plateau)
     worn = 0.5 * (1.0 + plateau) * scratches - np.hypot(half * scratches, 0.1)
     worn /= worn.std()
-    rough = self_affine(shape, size, cutoff=2.0 * cutoff, seed=seed, **part).heights
-    return _finished(worn + fine * rough, size, cutoff, rms_slope, "plateau_honed")
+    rough = self_affine(
+        shape, size, hurst=hurst, rms_height=1.0, rolloff=long, cutoff=2.0 * cutoff, seed=seed
+    )
+    return _finished(worn + fine * rough.heights, size, cutoff, rms_slope, "plateau_honed")
 
 
 @synthesis
@@ -281,29 +279,19 @@ def two_scale(
     heights = np.zeros(shape)
     for k, (short, rms) in enumerate(((coarse, coarse_height), (fine, fine_height))):
         whole = self_affine(shape, size, hurst=hurst, rms_height=1.0, cutoff=short, seed=seed + k)
-        band = _filtered(whole.heights, size, _longest(width * short))
+        band = _filtered(whole.heights, size, short, width * short)
         if not band.any():
             raise InputError(f"no wave fits between {width * short:g} and {short:g} m")
         heights += band * (rms / band.std())
     return _map(heights, size, "two_scale")
 
 
-def _longest(wavelength: float) -> Callable[[Array], NDArray[np.bool_]]:
-    return lambda f: f > 1.0 / wavelength
-
-
-def _shortest(wavelength: float) -> Callable[[Array], NDArray[np.bool_]]:
-    return lambda f: (f > 0.0) & (f <= (1.0 + 1e-9) / wavelength)
-
-
-def _filtered(
-    heights: Array, size: tuple[float, float], keep: Callable[[Array], NDArray[np.bool_]]
-) -> Array:
-    """Waves of the map whose frequency [1/m] is kept."""
+def _filtered(heights: Array, size: tuple[float, float], shortest: float, longest: float) -> Array:
+    """Waves of the map from a shortest length [m] up to, but without, a longest one."""
     ny, nx = heights.shape
     f = np.hypot(np.fft.fftfreq(ny, size[0] / ny)[:, None], np.fft.rfftfreq(nx, size[1] / nx))
     spectrum = np.fft.rfft2(heights)
-    spectrum[~keep(f)] = 0.0
+    spectrum[(f <= 1.0 / longest) | (f > (1.0 + 1e-9) / shortest)] = 0.0
     return np.fft.irfft2(spectrum, s=heights.shape)
 
 
@@ -318,7 +306,7 @@ def _finished(
     if not rms_slope > 0.0:
         raise InputError(f"rms_slope is {rms_slope}; it must be positive")
     ny, nx = heights.shape
-    smooth = _filtered(heights, size, _shortest(cutoff))
+    smooth = _filtered(heights, size, cutoff, np.inf)
     fy = np.fft.fftfreq(ny, size[0] / ny)[:, None]
     fx = np.fft.fftfreq(nx, size[1] / nx)[None, :]
     power = np.abs(np.fft.fft2(smooth) / smooth.size) ** 2

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from .errors import InputError
+from pathlib import Path
 
-__all__ = ["METRES", "metres_per"]
+from .errors import FileFormatError, InputError
+
+__all__ = ["METRES", "chosen_unit", "metres_per"]
 
 METRES = {
     "m": 1.0,
@@ -36,6 +38,21 @@ _ALIASES = {
     "A": "angstrom",
     "in": "inch",
 }
+
+
+def chosen_unit(path: Path, stated: str | None, given: str | None) -> str:
+    """The unit of the heights of a file: as it states, or as the caller says where it does not.
+
+    Raises
+    ------
+    FileFormatError
+        If neither says one, or they differ.
+    """
+    if not (stated or given):
+        raise FileFormatError(f"{path}: states no unit; pass --unit (unit=...), such as --unit um")
+    if stated and given and metres_per(stated) != metres_per(given):
+        raise FileFormatError(f"{path}: states unit {stated!r}; leave out --unit {given}")
+    return stated or str(given)
 
 
 def metres_per(unit: str) -> float:

@@ -21,13 +21,17 @@ from asperity.results.curve import ContactCurve
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import threads as thread_count
 
-from .accuracy import LOOSEST, choose_grid, coarsened, require_accuracy
-from .chains import follow_chains, split_loads
-from .contact_map import read_contact
-from .interpolation import interpolated, loads_to_solve
-from .memory import fits
-from .path import LoadPath
-from .problem import ContactProblem
+from .accuracy import (
+    LOOSEST,
+    choose_grid,
+    coarsened,
+    interpolated,
+    loads_to_solve,
+    require_accuracy,
+)
+from .path import LoadPath, follow_chains, split_loads
+from .problem import ContactProblem, fits
+from .solution import read_contact
 
 __all__ = ["SolvedLoad", "bem_curve"]
 
@@ -103,8 +107,8 @@ def bem_curve(
         tolerance: each load is solved until its certificate bounds the error by that. The coarsest
         grid that holds it is chosen from the spectrum of the map and the lightest load
         (`accuracy.choose_grid`), and of more than ten pressures about ten are solved and the others
-        interpolated (`interpolation`), which `extra["interpolated"]` and the setting `solved_loads`
-        state.
+        interpolated (`accuracy.interpolated`): see `extra["interpolated"]` and the setting
+        `solved_loads`.
     coarsen
         With `accuracy`: False solves every load on the grid of the map.
     check
@@ -130,9 +134,7 @@ def bem_curve(
     Examples
     --------
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> curve = asperity.bem_curve(hm, steel, pressures=[1e8, 1e9])
     >>> bool(curve.converged.all()), bool(curve.area_fraction[1] > curve.area_fraction[0])

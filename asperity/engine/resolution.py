@@ -9,14 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.bem.curve import SolvedLoad, bem_curve
-from asperity.bem.memory import fits
-from asperity.halfspace.boundary import Boundary
+from asperity.bem.problem import fits
 from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.scene import Boundary
 from asperity.model.map_checks import seam_warning, straight_warning
-from asperity.multiscale.pixel_waves import resolution_warning
+from asperity.multiscale.wave_split import resolution_warning
 from surfaces.heightmap import HeightMap
 from surfaces.patches import label_patches
-from surfaces.preparation.filtering import make_periodic, resample
+from surfaces.preparation.filtering import make_periodic
+from surfaces.preparation.resampling import resample
 
 __all__ = ["LightestLoad", "Resolution", "resolution", "small_share"]
 

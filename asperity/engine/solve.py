@@ -15,11 +15,10 @@ from asperity.bem.problem import AREA_OVER_LOAD_ERROR
 from asperity.compilation import CURVE, compile_ahead
 from asperity.contacts.run import solve_contacts
 from asperity.errors import InputError, ModelRangeError
-from asperity.halfspace.boundary import Boundary, chosen_boundary
-from asperity.halfspace.load_points import checked_loads
+from asperity.halfspace.scene import Boundary, checked_loads, chosen_boundary
 from asperity.model.map_checks import map_warnings
 from asperity.model.plan import make_plan
-from surfaces.arguments import as_number
+from surfaces.errors import as_number
 
 from .cost import forecast
 from .resolution import LightestLoad, resolution

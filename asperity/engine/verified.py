@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.bem.curve import spline_stiffness
-from asperity.multiscale.pixel_waves import random_waves
+from asperity.multiscale.wave_split import random_waves
 from asperity.results.curve import ContactCurve
 from surfaces.heightmap import HeightMap
 

@@ -66,12 +66,6 @@ def read_off(
         Points that count, shape (n,).
     pressure, separation
         Where the curve is read: one of them [Pa], [m].
-
-    Raises
-    ------
-    InputError
-        If neither or both are given, the question lies outside the curve, or fewer than two
-        converged points with load exist.
     """
     from scipy.interpolate import PchipInterpolator
 

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from surfaces.errors import FileFormatError, InputError
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
-from surfaces.units import metres_per
+from surfaces.units import chosen_unit, metres_per
 
 from .atomic import replacing
 
@@ -224,16 +224,12 @@ def _as_map(
         raise FileFormatError(
             f"{path}: holds {array.dtype} of shape {array.shape}; heights are real numbers, 2-D"
         )
-    if unit is None and not stated.get("unit"):
-        raise FileFormatError(f"{path}: states no unit; pass --unit (unit=...), such as --unit um")
+    chosen = chosen_unit(path, stated.get("unit"), unit)
     if spacing is None and "spacing" not in stated:
         raise FileFormatError(
             f"{path}: states no pixel size; pass --spacing DY DX (spacing=...) in m"
         )
     require_memory(24 * array.size, f"{path}: a map of {array.shape}", "crop it first")
-    chosen = str(stated.get("unit") if unit is None else unit)
-    if unit is not None and stated.get("unit") and metres_per(stated["unit"]) != metres_per(unit):
-        raise FileFormatError(f"{path}: states unit {stated['unit']!r}; leave out --unit {unit}")
     pixel: Any = stated.get("spacing") if spacing is None else spacing
     origin = {"step": "read", "file": path.name, "unit": chosen}
     with np.errstate(all="ignore"):

@@ -208,14 +208,8 @@ def open(
 
     Parameters
     ----------
-    path
-        The file.
-    dataset
-        Name of the heights inside it; ``/heights`` by default.
-    unit
-        Unit of the heights, needed where the file states none.
-    spacing
-        Pixel size (dy, dx) [m], or one number, needed where the file states none.
+    path, dataset, unit, spacing
+        As in `surfaces.read`.
 
     Raises
     ------

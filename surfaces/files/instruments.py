@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from surfaces.errors import FileFormatError
 from surfaces.heightmap import HeightMap
-from surfaces.units import metres_per
+from surfaces.units import chosen_unit, metres_per
 
 __all__ = ["read_instrument"]
 
@@ -70,7 +70,9 @@ def read_instrument(
     try:
         with np.errstate(all="ignore"), library.open_topography(str(path)) as reader:
             channel = _channel(reader, path, dataset)
-            chosen = _unit(channel, path, unit)
+            # the library uses one unit for heights and lengths
+            stated = channel.unit if isinstance(channel.unit, str) else None
+            chosen = chosen_unit(path, stated, unit)
             sizes = _sizes(channel, path, spacing, metres_per(chosen))
             topography = channel.topography(**sizes)
             origin = {
@@ -102,16 +104,6 @@ def read_instrument(
     ny, nx = heights.shape
     pixel = (length_y * metres_per(chosen) / ny, length_x * metres_per(chosen) / nx)
     return HeightMap(heights, pixel, periodic=periodic, name=path.stem, history=(origin,))
-
-
-def _unit(channel: Any, path: Path, given: str | None) -> str:
-    """Unit of the heights and lengths of a channel; the library uses one for both."""
-    stated = channel.unit if isinstance(channel.unit, str) else None
-    if stated is None and given is None:
-        raise FileFormatError(f"{path}: states no unit; pass --unit (unit=...), such as --unit um")
-    if stated is not None and given is not None and metres_per(stated) != metres_per(given):
-        raise FileFormatError(f"{path}: states unit {stated!r}; leave out --unit {given}")
-    return str(stated or given)
 
 
 def _sizes(

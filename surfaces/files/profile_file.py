@@ -12,24 +12,9 @@ from surfaces.errors import FileFormatError
 from surfaces.heightmap import HeightMap
 from surfaces.polar import PolarProfile
 
-from .atomic import replacing
 from .formats import read
 
-__all__ = ["read_profile", "write_profile"]
-
-_SCHEMA = "profile/1"
-
-
-def write_profile(profile: PolarProfile, path: str | Path) -> None:
-    """Write a profile: datasets ``r``, ``phi``, ``f``, ``edge`` with units, schema "profile/1"."""
-    import h5py
-
-    with replacing(path) as part, h5py.File(part, "w") as file:
-        file.attrs["schema"] = _SCHEMA
-        for name, unit in (("r", "m"), ("phi", "rad"), ("f", "m"), ("edge", "m")):
-            if getattr(profile, name) is None:
-                continue
-            file.create_dataset(name, data=getattr(profile, name)).attrs["unit"] = unit
+__all__ = ["read_profile"]
 
 
 def read_profile(

@@ -16,16 +16,7 @@ from numpy.typing import NDArray
 
 from .compiled import QUOTIENTS, inner
 from .vector_type import WORD, constant, unary
-from .vectors import (
-    adder,
-    loader,
-    picker,
-    splatter,
-    storer,
-    transposer,
-    where,
-    whole,
-)
+from .vectors import adder, loader, picker, splatter, storer, transposer, where, whole
 
 __all__ = ["LANES", "add", "load", "pick", "splat", "store", "transpose"]
 

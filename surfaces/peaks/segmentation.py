@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.errors import InputError, SurfaceError, as_number
-from surfaces.heightmap import HeightMap, require_map
+from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel
 
 from . import _flood
@@ -75,12 +75,7 @@ def segment(
     >>> peaks.labels.shape, bool(peaks.height[0] == hm.heights.max())
     ((32, 48), True)
     """
-    require_map(hm)
-    if hm.missing:
-        raise SurfaceError(
-            f"{hm.missing} of {hm.heights.size} points are missing; "
-            'fill them first with prepare(hm, fill="harmonic")'
-        )
+    require_full(hm, "segmentation")
     heights = hm.heights
     if heights.size > _MOST_PIXELS:
         raise SurfaceError(

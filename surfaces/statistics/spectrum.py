@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from surfaces.errors import SurfaceError
-from surfaces.heightmap import HeightMap, require_map
+from surfaces.heightmap import HeightMap, require_full
 from surfaces.preparation.levelling import level
 
 __all__ = ["SpectralMoments", "Spectrum", "power_spectrum", "power_spectrum_2d"]
@@ -232,12 +231,7 @@ def power_spectrum_2d(
 
 def _ready(hm: HeightMap) -> tuple[NDArray[np.float64], bool]:
     """Heights of zero mean, and whether they need a window."""
-    require_map(hm)
-    if hm.missing:
-        raise SurfaceError(
-            f"{hm.missing} of {hm.heights.size} points are missing; a power spectrum needs a full "
-            'map: prepare it with fill="harmonic" (--fill harmonic)'
-        )
+    require_full(hm, "a power spectrum")
     if hm.periodic:
         return hm.heights - hm.heights.mean(), False
     return level(hm, "plane").heights, True

@@ -9,10 +9,18 @@ import pytest
 from asperity import HalfSpace, indent
 from asperity.cli.main import main
 from surfaces import HeightMap, PolarProfile, write
-from surfaces.files.profile_file import read_profile, write_profile
+from surfaces.files.profile_file import read_profile
 from surfaces.shapes import bent_body
 
 TURN = 2 * np.pi * np.arange(32) / 32
+
+
+def write_profile(profile, path):
+    """A profile file: datasets ``r``, ``phi``, ``f``, ``edge``."""
+    with h5py.File(path, "w") as file:
+        for name in ("r", "phi", "f", "edge"):
+            if getattr(profile, name) is not None:
+                file[name] = getattr(profile, name)
 
 
 @pytest.fixture

@@ -114,7 +114,7 @@ def test_generate_textures(tmp_path: Path, words: str) -> None:
         (["info", "{0}/map0.h5", "--spacing", "1", "2", "3"], "one number or two"),
         (["info", "{0}/map0.h5", "--unit", "um"], "leave out"),
         (["info", "{0}/map0.h5", "--dataset", "z"], "the file holds heights (20, 31) float64"),
-        (["peaks", "{0}/map0.h5"], "1 of 620 points are missing"),
+        (["peaks", "{0}/map0.h5"], "missing (1 of 620 points)"),
         (["peaks", "{0}/*.h5", "--plot", "a.png"], "--plot names one file and 3 were given"),
         (["peaks", "{0}/map0.h5", "--fill", "harmonic", "--plot", "a.xyz"], "cannot be written"),
         (["prepare", "{0}/map0.h5", "--fill-limit", "0", "-o", "a.h5"], "fill limit of 0 %"),

@@ -217,7 +217,7 @@ def test_a_plateau_has_its_peak_at_the_member_nearest_its_centroid(flip):
 def test_refusals():
     gap = np.zeros((4, 5))
     gap[1, 2] = np.nan
-    with pytest.raises(surfaces.SurfaceError, match="1 of 20 points are missing"):
+    with pytest.raises(surfaces.SurfaceError, match="1 of 20 points"):
         surfaces.segment(surfaces.HeightMap(gap, 1.0))
     with pytest.raises(surfaces.InputError, match="min_prominence is -1"):
         surfaces.segment(rough(), min_prominence=-1.0)

@@ -138,7 +138,7 @@ def test_without_roll_off_or_cut_off_none_is_claimed() -> None:
 def test_missing_points_are_refused() -> None:
     heights = noise().heights.copy()
     heights[0, 0] = np.nan
-    with pytest.raises(SurfaceError, match="1 of 2880 points are missing"):
+    with pytest.raises(SurfaceError, match="1 of 2880 points"):
         surfaces.power_spectrum(noise().replace(heights=heights))
 
 

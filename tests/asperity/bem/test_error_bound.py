@@ -7,7 +7,7 @@ import pytest
 
 from asperity import HalfSpace, bem_curve
 from asperity.bem.problem import AREA_OVER_LOAD_ERROR
-from asperity.halfspace.load_points import default_pressures
+from asperity.halfspace.scene import default_pressures
 from surfaces import HeightMap, self_affine
 
 BODY = HalfSpace.from_modulus(1.0)

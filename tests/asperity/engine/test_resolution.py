@@ -8,7 +8,7 @@ import pytest
 import surfaces
 from asperity import HalfSpace, bem_curve, solve
 from asperity.engine.resolution import FLOOR, small_share
-from asperity.halfspace.load_points import default_pressures
+from asperity.halfspace.scene import default_pressures
 
 BODY = HalfSpace.from_modulus(1.0)
 
