@@ -24,8 +24,9 @@ MAX_INNER_STEPS = 12
 _SHORTEST_STEP = 1e-3
 """Share of a step below which steepest descent takes over."""
 
-_ENERGY_NOISE = 0.1
-"""Rise of the energy taken for rounding, over tolerance times load times length scale."""
+_ENERGY_NOISE, _LOOSEST_NOISE = 0.1, 1e-3
+"""Rise of the energy taken for rounding, over tolerance times load times length scale; and the
+largest tolerance that counts. A larger rise is none of rounding: the iteration would cycle."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +111,7 @@ def solve_on_list(
     state = _State(operator, pressure, gap, total)
     accepted, wanted = np.empty_like(pressure), np.empty_like(pressure)
     lowest_energy, share = np.inf, 1.0
-    margin = _ENERGY_NOISE * tolerance * scale * total
+    margin = _ENERGY_NOISE * min(tolerance, _LOOSEST_NOISE) * scale * total
     plain = False
     iterations = 0
     while True:

@@ -27,7 +27,7 @@ FEW_PIXELS = 10
 DOUBTFUL = 0.5
 """Share of the contact area in such contacts from which on finer grids are solved."""
 
-TILE = 1024
+TILE = 512
 """Points along the sides of the part of a map, about its highest point, that stands for it."""
 
 LOADS = 3
