@@ -30,6 +30,14 @@ __all__ = [
 Boundary = Literal["periodic", "free"]
 
 
+AREA_OVER_LOAD = 2.0
+"""Contact area fraction over p/(E* h') at light load (about 2 for random roughness: Hyun, Pei,
+Molinari & Robbins 2004; Putignano, Afferrante, Carbone & Demelio 2012)."""
+
+_LARGEST = 1e40
+"""Size of a load point [Pa or m] whose square, as that of its inverse, can be calculated with."""
+
+
 def chosen_boundary(hm: HeightMap, asked: str | None) -> Boundary:
     """The boundary asked for, or the one that the map states."""
     return known_boundary(("periodic" if hm.periodic else "free") if asked is None else asked)
@@ -50,14 +58,6 @@ def known_boundary(name: str) -> Boundary:
 
 def _is_boundary(name: str) -> TypeGuard[Boundary]:
     return name in ("periodic", "free")
-
-
-AREA_OVER_LOAD = 2.0
-"""Contact area fraction over p/(E* h') at light load (about 2 for random roughness: Hyun, Pei,
-Molinari & Robbins 2004; Putignano, Afferrante, Carbone & Demelio 2012)."""
-
-_LARGEST = 1e40
-"""Size of a load point [Pa or m] whose square, as that of its inverse, can be calculated with."""
 
 
 def require_scene(hm: object, material: object) -> None:
