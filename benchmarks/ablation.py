@@ -134,9 +134,9 @@ CORRECTIONS = {
         replaced(f"{NEWTON}.state.contact_shifts", _no_shift),
         (
             f"{NEWTON}.contact_shift.contact_shifts",
-            f"{NEWTON}._state_kernels.shift_contacts",
+            f"{NEWTON}._newton_kernels.shift_contacts",
             f"{NEWTON}.state.State.lag",
-            f"{NEWTON}._state_kernels.lag",
+            f"{NEWTON}._newton_kernels.lag",
         ),
     ),
     "centers of contacts": Correction(
@@ -145,7 +145,7 @@ CORRECTIONS = {
     ),
     "widening": Correction(
         replaced(f"{NEWTON}.contact_shift.WIDER", 0.0),
-        (f"{NEWTON}.contact_shift.widened", f"{NEWTON}._state_kernels.widen"),
+        (f"{NEWTON}.contact_shift.widened", f"{NEWTON}._newton_kernels.widen"),
     ),
     "elongated footprints": Correction(
         "elongation",
@@ -154,7 +154,7 @@ CORRECTIONS = {
     "basins pressed alone": Correction(
         ("pressed_basins", "joined_pairs"),
         (
-            "asperity.model.load_shares",
+            "asperity.model.law_rows",
             f"{LAWS}.pressed_basins",
             f"{LAWS}.joined_pairs",
             f"{PRESS}.press",
@@ -171,7 +171,7 @@ CORRECTIONS = {
         ),
     ),
     "flat tops pressed": Correction(
-        PressedBasins(plateau_share=10.0), ("asperity.model.load_shares._weight",)
+        PressedBasins(plateau_share=10.0), ("asperity.model.law_rows._weight",)
     ),
     "guard of the ellipse law": Correction(
         replaced("asperity.microcontact.auto.GROSS", np.inf),
@@ -180,8 +180,8 @@ CORRECTIONS = {
             "asperity.microcontact.auto._without_pull",
             "asperity.microcontact.auto._worst_ratio",
             "asperity.microcontact.auto._replace",
-            "asperity.microcontact.ritz.batch",
-            "asperity.microcontact.ritz._ray_kernels",
+            "asperity.microcontact.ritz",
+            "asperity.microcontact._ray_kernels",
         ),
     ),
     "tilted basins": Correction(

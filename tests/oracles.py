@@ -70,6 +70,13 @@ class HertzTable:
     modulus: float = 1.0
     m: float = 0.0
     nodes: int = 12
+    centre = make = None
+
+    def __len__(self):
+        return len(self.reach)
+
+    def flags_at(self, index, approach):
+        return np.zeros(len(index), np.uint8)
 
     def _law(self, d, index):
         """Force, stiffness, area at approaches d of the contacts `index`, basins without limit."""

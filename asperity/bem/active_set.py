@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from . import _list_kernels
 
-__all__ = ["ListOperator", "solve_on_list"]
+__all__ = ["ContactList", "ListOperator", "solve_on_list"]
 
 RESIDUAL_DROP = 0.3
 """Fall of the preconditioned residual at which an inner solve ends."""
@@ -25,6 +26,35 @@ _SHORTEST_STEP = 1e-3
 
 _ENERGY_NOISE = 0.1
 """Rise of the energy taken for rounding, over tolerance times load times length scale."""
+
+
+@dataclass(frozen=True)
+class ContactList:
+    """Points of a grid in row order.
+
+    Attributes
+    ----------
+    start
+        First entry of each row, shape (ny + 1,).
+    columns
+        Column of each entry, shape (n,).
+    """
+
+    start: NDArray[np.int64]
+    columns: NDArray[np.int32]
+
+    @classmethod
+    def empty(cls) -> ContactList:
+        """A list without points."""
+        return cls(np.zeros(1, np.int64), np.empty(0, np.int32))
+
+    def __len__(self) -> int:
+        return self.columns.size
+
+    def flat(self, stride: int) -> NDArray[np.int64]:
+        """Flat index of each entry in rows of `stride` values."""
+        rows = np.repeat(np.arange(self.start.size - 1) * stride, np.diff(self.start))
+        return rows + self.columns
 
 
 class ListOperator(Protocol):

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from surfaces.numerics import parallel
 
 from . import _grid_kernels, transform
-from .scratch import Scratch
+from .transform import Scratch
 
 __all__ = ["Convolution", "plan"]
 

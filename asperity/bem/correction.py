@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from asperity.threads import idle_threads, use_numba
 
 from . import _grid_kernels
-from .active_set import solve_on_list
+from .active_set import ContactList, solve_on_list
 from .certificate import Reading, certify
-from .contact_list import ContactList
 from .full_grid import FullGridOperator
 from .load_search import LoadSearch
 from .operator import HalfSpaceOperator

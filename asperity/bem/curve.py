@@ -20,13 +20,10 @@ from asperity.results.curve import ContactCurve
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import threads as thread_count
 
-from .accuracy import choose_grid, coarsened
-from .chains import follow_chains, split_loads
-from .contact_map import read_contact
-from .interpolation import interpolated, loads_to_solve
-from .memory import fits
-from .path import LoadPath
-from .problem import ContactProblem
+from .accuracy import choose_grid, coarsened, interpolated, loads_to_solve
+from .path import LoadPath, follow_chains, split_loads
+from .problem import ContactProblem, fits
+from .solution import read_contact
 
 __all__ = ["SolvedLoad", "bem_curve"]
 
@@ -100,7 +97,7 @@ def bem_curve(
         Relative error allowed in load and corrected area [-], 0.002 to 0.2: the coarsest grid and
         the loosest tolerance that hold it are chosen from the spectrum of the map and the
         lightest load (`accuracy.choose_grid`), and `tolerance` is not used. Of more than ten
-        pressures about ten are solved and the others interpolated (`interpolation`), which
+        pressures about ten are solved and the others interpolated (`accuracy.interpolated`), which
         `extra["interpolated"]` and the setting `solved_loads` state.
     check
         With `accuracy`: solve the middle load once more on a grid twice as fine (at most the full
@@ -121,9 +118,7 @@ def bem_curve(
     Examples
     --------
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> curve = asperity.bem_curve(hm, steel, pressures=[1e8, 1e9])
     >>> bool(curve.converged.all()), bool(curve.area_fraction[1] > curve.area_fraction[0])

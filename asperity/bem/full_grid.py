@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from asperity.halfspace.influence import symbol
 
 from . import _grid_kernels, transform
-from .contact_list import ContactList
+from .active_set import ContactList
 from .operator import HalfSpaceOperator
-from .scratch import Scratch
+from .transform import Scratch
 
 __all__ = ["FullGridOperator"]
 

@@ -10,7 +10,7 @@ from asperity.halfspace.scene import Boundary
 from surfaces.numerics import parallel
 
 from . import _grid_kernels
-from .scratch import Scratch
+from .transform import Scratch
 
 __all__ = ["CoarseMaps", "level_shapes", "prolong"]
 

@@ -13,7 +13,7 @@ from asperity.halfspace.influence import ElasticHalfSpace, compliance, influence
 from asperity.halfspace.scene import Boundary
 
 from . import convolution
-from .scratch import Scratch
+from .transform import Scratch
 
 __all__ = ["HalfSpaceOperator"]
 

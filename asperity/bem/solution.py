@@ -1,7 +1,8 @@
-"""The result of one boundary-element solution."""
+"""The result of one boundary-element solution, and what its pressure says of the contact."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -13,10 +14,13 @@ from numpy.typing import NDArray
 from asperity.halfspace.scene import Boundary
 from surfaces.patches import label_patches
 
+from ._contact_kernels import contact_counts
 from .certificate import Certificate
-from .contact_map import contours, histogram, read_contact
 
-__all__ = ["BemSolution"]
+__all__ = ["BemSolution", "contours", "read_contact"]
+
+AREA_FACTOR = (math.pi - 1.0 + math.log(2.0)) / 24.0
+"""Correction of the contact area per edge pixel (Yastrebov, Anciaux, Molinari 2017)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +55,7 @@ class BemSolution:
     Examples
     --------
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> found = asperity.bem_solve(hm, steel, pressure=1e9)
     >>> bool(found.gap.min() > -1e-6 * hm.rms_height), bool(0.0 < found.area_fraction < 1.0)
@@ -121,14 +123,6 @@ class BemSolution:
         """Outlines of the patches, polygons (x, y) [m], shape (n, 2) each."""
         return contours(self.contact, self.spacing)
 
-    def pressure_histogram(self, bins: int = 64) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Density of the positive pressures [1/Pa] and bin edges [Pa]."""
-        return histogram(self.pressure, bins)
-
-    def gap_histogram(self, bins: int = 64) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Density of the gap outside the contact [1/m] and bin edges [m]."""
-        return histogram(self.gap[~self.contact], bins)
-
     def __str__(self) -> str:
         ny, nx = self.pressure.shape
         c = self.certificate
@@ -148,3 +142,33 @@ class BemSolution:
         return "\n".join(lines)
 
     __repr__ = __str__
+
+
+def read_contact(
+    pressure: NDArray[np.float64], spacing: tuple[float, float], nx: int, *, periodic: bool
+) -> tuple[float, float, int]:
+    """Contact area [m^2] in pixels, the same corrected for the pixels at its edge, and the number
+    of patches, of a pressure with nx columns or more.
+
+    Notes
+    -----
+    ``A = A_px - (pi - 1 + ln 2)/24 P d`` (Yastrebov, Anciaux, Molinari 2017), where P d is the
+    number of edges times the pixel area, so that it holds for pixels that are not square.
+    """
+    pixels, edges, patches = contact_counts(pressure, nx, periodic)
+    pixel = spacing[0] * spacing[1]
+    return pixels * pixel, max(pixels - AREA_FACTOR * edges, 0.0) * pixel, patches
+
+
+def contours(contact: NDArray[np.bool_], spacing: tuple[float, float]) -> list[NDArray[np.float64]]:
+    """Outlines of the patches as closed polygons of pixel centres (x, y) [m], shape (n, 2) each.
+
+    A patch that crosses the seam of a periodic map gives one outline on each side of it.
+    """
+    import cv2
+
+    found, _ = cv2.findContours(
+        np.ascontiguousarray(contact).view(np.uint8), cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE
+    )
+    scale = np.array([spacing[1], spacing[0]])
+    return [(outline[:, 0, :] + 0.5) * scale for outline in found]

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from . import _grid_kernels, _split_kernels, transform
 from ._split_kernels import COARSENING, TAPS
 from ._stencil_kernels import LANES, RADIUS
-from .contact_list import ContactList
+from .active_set import ContactList
 from .operator import HalfSpaceOperator
-from .scratch import Scratch
 from .stencil import fitted_stencil, precondition_stencil, stencil_symbol, vector_tables
+from .transform import Scratch
 
 __all__ = ["SplitOperator"]
 

@@ -1,4 +1,4 @@
-"""A real two-dimensional FFT pair, planned once, on buffers that it owns."""
+"""A real two-dimensional FFT pair, planned once, and idle memory that temporary arrays reuse."""
 
 from __future__ import annotations
 
@@ -9,15 +9,47 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from .scratch import Scratch
+__all__ = ["RealTransform", "Scratch", "plan", "prefers_fftw"]
 
-__all__ = ["RealTransform", "plan", "prefers_fftw"]
+_ALIGNMENT = 64
+"""Bytes, one cache line."""
 
 _LARGEST_FACTOR = 13
 """Largest prime factor of a length for which FFTW is faster than scipy."""
 
 _ONE_THREAD = 160 * 160
 """Points up to which a transform runs on one thread."""
+
+
+class Scratch:
+    """Arrays carved from others that are not in use.
+
+    Fresh memory is dear: the operating system clears it page by page, which on large grids takes as
+    long as the arithmetic.
+
+    Parameters
+    ----------
+    idle
+        Contiguous arrays whose contents are not needed while the carved ones live.
+    """
+
+    def __init__(self, *idle: NDArray[Any]) -> None:
+        self._left = [array.reshape(-1).view(np.uint8) for array in idle]
+
+    def zeros(self, shape: tuple[int, ...], dtype: Any = np.float64) -> NDArray[Any]:
+        """Array of zeros, aligned to 64 bytes; from fresh memory if nothing idle is long enough."""
+        size = math.prod(shape) * np.dtype(dtype).itemsize
+        for i, left in enumerate(self._left):
+            skip = -left.ctypes.data % _ALIGNMENT
+            if skip + size <= left.size:
+                self._left[i] = left[skip + size :]
+                array: NDArray[Any] = left[skip : skip + size].view(dtype).reshape(shape)
+                array[...] = 0
+                return array
+        fresh = np.zeros(size + _ALIGNMENT, np.uint8)
+        skip = -fresh.ctypes.data % _ALIGNMENT
+        made: NDArray[Any] = fresh[skip : skip + size].view(dtype).reshape(shape)
+        return made
 
 
 class RealTransform(Protocol):

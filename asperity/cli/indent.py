@@ -115,11 +115,11 @@ def _boundary_elements(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _laws(text: str | None) -> tuple[str, ...]:
-    from asperity.microcontact.laws import law_module
+    from asperity.microcontact.laws import require_law
 
     names = () if text is None else tuple(word.strip() for word in text.split(","))
     for name in names:
-        law_module(name)
+        require_law(name)
     return names
 
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from asperity.errors import ModelRangeError
 from asperity.halfspace.material import HalfSpace
-from asperity.microcontact.indent import indent
-from asperity.microcontact.indentation import Indentation
 from asperity.microcontact.laws import LAWS
+from asperity.microcontact.single.indent import indent
+from asperity.microcontact.single.indentation import Indentation
 from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError, ModelRangeError
 from asperity.halfspace.material import HalfSpace
-from asperity.microcontact.indent import indent
-from asperity.microcontact.indentation import Indentation
+from asperity.microcontact.single.indent import indent
+from asperity.microcontact.single.indentation import Indentation
 from asperity.results.curve import ContactCurve, require_curve
 from asperity.results.interpolation import SLACK
 from surfaces.polar import PolarProfile, PowerSumProfile

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from asperity.halfspace.flags import Flag
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.newton.contact_shift import widened
-from asperity.interaction.newton.problem import Problem
+from asperity.interaction.newton.state import Problem
 
 if TYPE_CHECKING:
     from asperity.halfspace.footprint import Footprints
@@ -180,7 +180,9 @@ class CandidateList:
             return self
         touches = np.flatnonzero(values[0] > 0)
         some = touches[:: 1 + len(touches) // SAMPLE]
-        law = system.laws.rows(rows[some])(values[0, some])
+        laws = system.laws.rows(rows[some])
+        laws.make()
+        law = laws(values[0, some])
         elongation = None if self.problem.elongation is None else system.elongation
         plan = self.problem.plan
         if not plan.holds(_widest(plan.footprints, elongation, rows[some], law)):
@@ -222,7 +224,7 @@ class CandidateList:
     def areas(self, system: ContactSystem, solution: Solution) -> Array:
         """Contact areas [m^2], wider where contacts stand beside rough summits, shape (n,)."""
         law, problem, table = solution.laws, self.problem, system.table
-        if not (problem.contact_shift and hasattr(table, "flags_at")):
+        if not problem.contact_shift:
             return law.area
         depth = solution.approach
         rough = table.flags_at(self.index, depth) & np.uint8(Flag.BEYOND_RADIUS) > 0

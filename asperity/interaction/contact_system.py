@@ -13,7 +13,6 @@ from asperity.errors import InputError
 from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.scene import known_boundary
 from asperity.interaction.newton.laws import Laws
-from asperity.microcontact.lazy_table import LazyTable
 
 from .elongation import Elongation
 
@@ -37,7 +36,7 @@ class ContactSystem:
     height
         Heights [m] above the mean plane of the map, shape (n,).
     table
-        Contact laws of the summits, or a lazy table that makes those that are needed.
+        Contact laws of the summits; of a lazy table those that are needed are made.
     cell
         Nominal area (Ly, Lx) [m].
     boundary
@@ -70,7 +69,7 @@ class ContactSystem:
         x: ArrayLike,
         y: ArrayLike,
         height: ArrayLike,
-        table: LawTable | LazyTable,
+        table: LawTable,
         cell: tuple[float, float],
         boundary: str,
         material: HalfSpace,
@@ -82,18 +81,17 @@ class ContactSystem:
         self.x, self.y, self.height = (
             _column(value, name) for value, name in ((x, "x"), (y, "y"), (height, "height"))
         )
-        rows = len(table) if isinstance(table, LazyTable) else len(table.reach)
-        if not len(self.x) == len(self.y) == len(self.height) == rows:
+        if not len(self.x) == len(self.y) == len(self.height) == len(table):
             raise InputError(
                 f"x, y, height and table have {len(self.x)}, {len(self.y)}, {len(self.height)} "
-                f"and {rows} rows; they must agree"
+                f"and {len(table)} rows; they must agree"
             )
         if len(self.x) == 0:
             raise InputError("the population has no summit; lower the height to segment above")
         if not (len(cell) == 2 and min(cell) > 0 and math.isfinite(max(cell))):
             raise InputError(f"cell must be two positive lengths, got {cell!r}")
         self.boundary, self.material = known_boundary(boundary), material
-        self._table = table
+        self.table = table
         self.cell = (float(cell[0]), float(cell[1]))
         self.interaction = interaction and (boundary == "periodic" or len(self.height) > 1)
         self.contact_shift = contact_shift
@@ -113,14 +111,9 @@ class ContactSystem:
         return len(self.height)
 
     @property
-    def table(self) -> LawTable:
-        """Contact laws of the summits; of a lazy table, those made so far."""
-        return self._table.table if isinstance(self._table, LazyTable) else self._table
-
-    @property
     def has_centres(self) -> bool:
         """Whether contacts stand at the centres that their laws give."""
-        return self.contact_shift and getattr(self.table, "centre", None) is not None
+        return self.contact_shift and self.table.centre is not None
 
     @property
     def nominal_area(self) -> float:

@@ -4,25 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.interaction.newton.corrected_prediction import corrected_prediction
 from asperity.interaction.newton.final_step import Solution
-from asperity.interaction.newton.solver import descend
+from asperity.interaction.newton.solver import descent
+from asperity.interaction.newton.step import corrected_prediction
 
 from .candidates import CandidateList
-from .continuation import Continuation
-from .population_state import PopulationState
+from .population_state import Continuation, PopulationState
 
 if TYPE_CHECKING:
-    from asperity.interaction.newton.problem import Problem
+    from asperity.interaction.newton.state import Problem
 
     from .contact_system import ContactSystem
 
-__all__ = ["CROWDED", "solve_at"]
+__all__ = ["CROWDED", "descend", "solve_at"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -107,6 +106,7 @@ def solve_at(
             rows = listed.index
         start = values[0]
         if load is None and placed == 0 and len(last.points) > 1:
+            listed.problem.laws.make(values[0] > 0)
             better, products = corrected_prediction(
                 listed.problem, values[0], values[1], tolerance=tolerance
             )
@@ -204,6 +204,18 @@ def _solved(
     return problem, replace(again, steps=steps, products=products)
 
 
+def descend(problem: Problem, separation: float, start: Array, **settings: Any) -> Solution:
+    """Solution of `descent`, of which the arguments are; the laws that it lacks are made."""
+    problem.laws.make(start > 0)
+    steps = descent(problem, separation, start, **settings)
+    while True:
+        try:
+            problem.laws.make(next(steps))
+        except StopIteration as end:
+            found: Solution = end.value
+            return found
+
+
 def _unsettled(system: ContactSystem, problem: Problem, solution: Solution) -> bool:
     """Whether long footprints, not the crowd, may be why a point did not come out."""
     long = solution.reason and problem.elongation is not None
@@ -239,6 +251,7 @@ def _independent(last: Continuation, separation: float) -> PopulationState:
     """State of independent contacts at a separation."""
     system = last.system
     approach = np.maximum(system.height - separation, 0.0)
+    system.laws.make(approach > 0)
     laws, count = system.laws(approach), len(approach)
     solution = Solution(
         separation=separation,

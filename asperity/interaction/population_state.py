@@ -1,20 +1,198 @@
-"""The contacts of a population at one separation."""
+"""The contacts of a population at one separation, and what the next solve takes over from it."""
 
 from __future__ import annotations
 
 import functools
+import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from .continuation import Continuation
+    from asperity.interaction.ewald.operator import Interaction
+    from asperity.interaction.newton.final_step import Solution
 
-__all__ = ["PopulationState"]
+    from .candidates import CandidateList
+    from .contact_system import ContactSystem
+
+__all__ = ["MEMORY", "Continuation", "Point", "PopulationState", "predict", "weights"]
+
+MEMORY = 3
+"""Points kept to extrapolate from."""
+
+STEEPEST = 6.0
+"""Largest weight of one point in an extrapolation over three: beyond it, noise is magnified."""
 
 Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """One solved point.
+
+    Attributes
+    ----------
+    separation, pressure
+        Where it is [m], and its mean pressure [Pa].
+    rows
+        Summits that were listed, shape (m,).
+    values
+        Of each of these, shape (5, m): z - s - u [m], the approach or minus the gap; force [N];
+        two gradients of the displacement [-]; approach gained per fall of the plane [-].
+    """
+
+    separation: float
+    pressure: float
+    rows: NDArray[np.int64]
+    values: Array
+
+
+def predict(points: tuple[Point, ...], separation: float, count: int) -> Array:
+    """`Point.values` of the summits of the last point, of `count` in all, at a separation, each
+    from as many points as know it; along the response if there is one point."""
+    last = points[-1]
+    if len(points) == 1:
+        values, fall = last.values.copy(), last.separation - separation
+        values[0] += np.where(values[0] > 0, values[4] * fall, 0.0)
+        return values
+    share: list[float | Array] = [1.0]
+    known, parts = None, [last.values]
+    for back in range(2, len(points) + 1):
+        other, found = points[-back], weights(separation, [p.separation for p in points[-back:]])
+        values = other.values
+        if other.rows is not last.rows:
+            place = np.full(count, -1, np.int32)
+            place[other.rows] = np.arange(len(other.rows), dtype=np.int32)
+            place = place.take(last.rows)
+            known = place >= 0 if known is None else known & (place >= 0)
+            values = values.take(place, axis=1)
+        parts.insert(0, values)
+        share.insert(0, 0.0)
+        for k, weight in enumerate(found):
+            share[k] = weight if known is None else np.where(known, weight, share[k])
+    values = share[0] * parts[0]
+    for weight, part in zip(share[1:], parts[1:], strict=True):
+        values += weight * part
+    values[4] = last.values[4]
+    return values
+
+
+def weights(place: float, known: list[float]) -> Array:
+    """Weights of points at `known` places in the value at `place`: the polynomial through up to
+    three, the line through the last two if those lie badly, and never far beyond it."""
+    count = len(known)
+    if count == 1:
+        return np.ones(1)
+    if count > 2 and len(set(known)) == count:
+        a, b, c = known
+        share = np.array(
+            [
+                (place - b) * (place - c) / ((a - b) * (a - c)),
+                (place - a) * (place - c) / ((b - a) * (b - c)),
+                (place - a) * (place - b) / ((c - a) * (c - b)),
+            ]
+        )
+        if np.abs(share).max() <= STEEPEST:
+            return share
+    before, last = known[-2:]
+    ratio = 0.0 if before == last else (place - last) / (last - before)
+    ratio = min(max(ratio, -1.5), 1.5)
+    return np.array([0.0] * (count - 2) + [-ratio, 1.0 + ratio])
+
+
+@dataclass(frozen=True, eq=False)
+class Continuation:
+    """The last points of a population, and the candidates listed for them.
+
+    Attributes
+    ----------
+    system
+        Summits, laws and half-space.
+    candidates
+        Summits listed for the last point; None before the first, and of independent contacts.
+    points
+        Points to predict the next from, the last one last.
+    heaviest
+        Separation [m] and mean pressure [Pa] of the largest load that was solved.
+    solution
+        The last solution.
+    """
+
+    system: ContactSystem
+    candidates: CandidateList | None = None
+    points: tuple[Point, ...] = ()
+    heaviest: tuple[float, float] | None = None
+    solution: Solution | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the candidates, which the next solve lists anew, and with the tangent solved."""
+        solution = None if self.solution is None else self.solution.without_matrix()
+        return vars(self) | {"candidates": None, "solution": solution}
+
+    @property
+    def field(self) -> Interaction | None:
+        """The interaction that holds the last field."""
+        return None if self.candidates is None else self.candidates.problem.plan
+
+    def after(self, solution: Solution, candidates: CandidateList, values: Array) -> Continuation:
+        """The continuation from a solution on, with its `Point.values`."""
+        pressure = solution.load / self.system.nominal_area
+        point = Point(solution.separation, pressure, candidates.index, values)
+        heaviest = self.heaviest
+        if not solution.reason and (heaviest is None or pressure > heaviest[1]):
+            heaviest = solution.separation, pressure
+        return Continuation(
+            system=self.system,
+            candidates=candidates,
+            points=(*self.points[1 - MEMORY :], point),
+            heaviest=heaviest,
+            solution=solution,
+        )
+
+    def independent(self, solution: Solution) -> Continuation:
+        """The continuation from a solution of independent contacts on."""
+        return replace(self, candidates=None, solution=solution)
+
+    def predicted(self, separation: float, pressure: float | None) -> tuple[Rows, Array]:
+        """Summits to start from, and `Point.values` of each, at a separation or mean pressure."""
+        system = self.system
+        if self.points:
+            # at a separation contacts correct what a line misses, if they are not too far
+            known = self.points[-2:] if pressure is None else self.points
+            return self.points[-1].rows, predict(known, separation, len(system))
+        rows = system.above(separation)
+        values = np.zeros((5, len(rows)))
+        values[0] = 0.5 * (system.height[rows] - separation)
+        return rows, values
+
+    def predicted_separation(self, pressure: float) -> float | None:
+        """Separation [m] at a mean pressure [Pa], from the points solved before; None without."""
+        known = [point for point in self.points if point.pressure > 0]
+        if not known:
+            return None
+        if len(known) == 1:
+            rise = math.log(pressure / known[0].pressure) * known[0].pressure
+            return known[0].separation - rise / self.normal_stiffness
+        place = [math.log(point.pressure) for point in known]
+        share = weights(math.log(pressure), place)
+        return float(np.dot(share, [point.separation for point in known]))
+
+    @property
+    def normal_stiffness(self) -> float:
+        """Minus the slope of mean pressure over separation [Pa/m] at the last point."""
+        assert self.solution is not None
+        return self.solution.tangent[0] / self.system.nominal_area
+
+    @property
+    def response(self) -> Array:
+        """Approach that each contact gains per fall of the flat [-], shape (n,)."""
+        gained = np.ones(len(self.system))
+        if self.points and self.solution is not None:
+            gained[self.points[-1].rows] = self.solution.tangent[1]
+        return gained
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,9 +233,7 @@ class PopulationState:
     Examples
     --------
     >>> import asperity, surfaces
-    >>> hm = surfaces.self_affine(
-    ...     (32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6
-    ... )
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> run = asperity.solve_contacts(hm, steel, pressures=[1e8])
     >>> state = run.points[0].state

@@ -16,18 +16,15 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.flags import Flag
 from asperity.halfspace.material import HalfSpace
-from asperity.microcontact.circle import expansion
-from asperity.microcontact.ellipse import ellipse_law
-from asperity.microcontact.ritz import batch as ritz_batch
-from surfaces.polar import PolarProfile, PowerSumProfile
+from asperity.microcontact.ellipse import batch as ellipse_batch
 
-from .indentation import Indentation
+from . import ritz
 from .law_table import LawTable
 
 if TYPE_CHECKING:
     from surfaces import Profiles
 
-__all__ = ["indent", "tabulate"]
+__all__ = ["tabulate"]
 
 Array = NDArray[np.float64]
 
@@ -42,38 +39,8 @@ GROSS = 1.3
 """Ratio of two laws' forces beyond which the law that needs no polynomial is believed."""
 
 
-def indent(
-    profile: PowerSumProfile | PolarProfile,
-    material: HalfSpace,
-    approach: Array,
-    *,
-    law: str = "auto",
-) -> Indentation:
-    """Solution by the law with the smaller expected error; see `asperity.indent`."""
-    first = ellipse_law.indent(profile, material, approach)
-    second = expansion.indent(profile, material, approach, law="harmonic")
-    own = np.where(np.isfinite(first.force), first.error_estimate, np.inf)
-    other = np.where(np.isfinite(second.force), second.error_estimate, np.inf)
-    take = np.nan_to_num(own, nan=np.inf) <= np.nan_to_num(other, nan=np.inf)
-    rows = take.reshape(-1, 1)
-    names = ("force", "contact_area", "radius", "stiffness", "flags", "error_estimate")
-    columns = {name: np.where(take, getattr(first, name), getattr(second, name)) for name in names}
-    return replace(
-        first,
-        law=law,
-        **columns,
-        contour_function=lambda phi: np.where(
-            rows, first.contour_function(phi), second.contour_function(phi)
-        ),
-        pressure_function=lambda r, phi: np.where(
-            rows, first.pressure_function(r, phi), second.pressure_function(r, phi)
-        ),
-        history_function=None,
-    )
-
-
 def tabulate(
-    profiles: Profiles, material: HalfSpace, *, law: str = "auto", nodes: int = ellipse_law.NODES
+    profiles: Profiles, material: HalfSpace, *, law: str = "auto", nodes: int = ellipse_batch.NODES
 ) -> LawTable:
     """Law table of a batch: the ellipse law, guarded by direct maximisation where it ends early.
 
@@ -83,7 +50,7 @@ def tabulate(
     tabulated by `ritz` and the disagreement is its spread. So are summits whose smallest
     polynomial is no summit: the ellipse law has nothing to say of them.
     """
-    table = replace(ellipse_law.tabulate(profiles, material, nodes=nodes), law=law)
+    table = replace(ellipse_batch.tabulate(profiles, material, nodes=nodes), law=law)
     left = table.flags[:, 1 : int(EARLY * nodes) + 1] & Flag.BEYOND_RADIUS
     ratio = np.where(profiles.valid & (table.reach == 0), np.inf, 1.0)
     doubtful = np.flatnonzero(left.any(axis=1) & (table.reach > 0))
@@ -92,7 +59,7 @@ def tabulate(
     wrong = np.flatnonzero(ratio > GROSS)
     if not wrong.size:
         return table
-    second = ritz_batch.tabulate(profiles.rows(wrong), material, nodes=nodes)
+    second = ritz.tabulate(profiles.rows(wrong), material, nodes=nodes)
     _without_pull(second)
     _replace(table, wrong, second, ratio[wrong])
     return table
@@ -123,7 +90,7 @@ def _worst_ratio(
 ) -> Array:
     """Largest ratio of the forces of the table and of `ritz`, either way, over a few approaches."""
     first = table.evaluate(rows[:, None], SHARES * table.reach[rows, None])[0]
-    other = ritz_batch.forces(profiles, material, np.sqrt(SHARES))
+    other = ritz.forces(profiles, material, np.sqrt(SHARES))
     usable = (first > 0) & (other > 0)
     ratio = np.divide(first, other, out=np.ones(first.shape), where=usable)
     return np.asarray(np.maximum(ratio, 1 / ratio).max(axis=1))

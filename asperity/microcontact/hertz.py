@@ -9,22 +9,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from asperity.errors import InputError, ModelRangeError
+from asperity.errors import InputError
 from asperity.halfspace.flags import Flag
 from asperity.halfspace.material import HalfSpace
-from asperity.microcontact.circle.basis import PowerBasis, TableBasis, basis_of
 from surfaces.numerics import parallel
-from surfaces.polar import PolarProfile, PowerSumProfile
 
-from .indentation import Indentation
 from .law_table import LawTable
 from .ray_moments import moment_weights
-from .validity import profile_flags
 
 if TYPE_CHECKING:
     from surfaces import Profiles
 
-__all__ = ["EllipticContact", "elliptic_contact", "indent", "tabulate"]
+__all__ = ["EllipticContact", "elliptic_contact", "tabulate"]
 
 Array = NDArray[np.float64]
 
@@ -95,83 +91,6 @@ def elliptic_contact(
     return EllipticContact(beta * major, major, force, stiffness, peak)
 
 
-def indent(
-    profile: PowerSumProfile | PolarProfile,
-    material: HalfSpace,
-    approach: Array,
-    *,
-    law: str = "hertz",
-) -> Indentation:
-    """Hertz contact of the curvatures at the summit; see `asperity.indent`."""
-    k1, k2, along = _summit(profile, material.m)
-    depth = np.maximum(approach.ravel(), 0.0)
-    contact = elliptic_contact(k1, k2, depth, material)
-    major, minor = contact.semi_major, contact.semi_minor
-
-    def contour(phi: Array) -> Array:
-        turn = phi - along
-        ratio = major / np.where(minor > 0, minor, 1.0)
-        return major[:, None] / np.hypot(np.cos(turn), ratio[:, None] * np.sin(turn))
-
-    def pressure(r: Array, phi: Array) -> Array:
-        edge = contour(phi)
-        rho = np.minimum(r / np.where(edge > 0, edge, 1.0), 1.0)
-        inside = np.where(edge > 0, (1 - rho) * (1 + rho), 0.0)
-        return np.asarray(contact.peak_pressure[:, None] * inside ** ((1 + material.m) / 2))
-
-    phi = 2 * np.pi * np.arange(180) / 180
-    flags = profile_flags(profile, depth, phi, contour(phi))
-    shape = approach.shape
-    return Indentation(
-        law=law,
-        material=material,
-        approach=approach,
-        force=contact.force.reshape(shape),
-        contact_area=np.asarray(np.pi * major * minor).reshape(shape),
-        radius=np.sqrt(major * minor).reshape(shape),
-        stiffness=contact.stiffness.reshape(shape),
-        flags=flags.reshape(shape),
-        error_estimate=_difference(profile, material, depth, contact.force).reshape(shape),
-        contour_function=contour,
-        pressure_function=pressure,
-    )
-
-
-def _difference(
-    profile: PowerSumProfile | PolarProfile, material: HalfSpace, depth: Array, force: Array
-) -> Array:
-    """Relative difference of the force to the harmonic-resolved law, plus what that errs by.
-
-    NaN where that law has no solution.
-    """
-    from asperity.microcontact.circle.expansion import indent as indent_expansion
-
-    one = indent_expansion(profile, material, depth, law="harmonic")
-    touching = depth > 0
-    change = np.abs(force - one.force) / np.where(touching, one.force, 1.0)
-    return np.asarray(np.where(touching, change + one.error_estimate, 0.0))
-
-
-def _summit(profile: PowerSumProfile | PolarProfile, m: float) -> tuple[float, float, float]:
-    """Principal curvatures [1/m] at the summit, largest first, and the long axis [rad]."""
-    basis = basis_of(profile, m)
-    if isinstance(basis, PowerBasis):
-        lowest = int(np.argmin(basis.powers))
-        if basis.powers[lowest] != 2:
-            raise ModelRangeError(
-                f"the summit grows as r^{basis.powers[lowest]:g}, not as r^2: it has no curvature "
-                "for the law 'hertz'; use 'harmonic'"
-            )
-        mean, wave = basis.means[lowest], basis.harmonics[lowest, 1]
-    else:
-        assert isinstance(basis, TableBasis)
-        mean, wave = basis.summit()
-    high, low = 2 * (mean + abs(wave)), 2 * (mean - abs(wave))
-    if not low > 0:
-        raise ModelRangeError("the summit is a saddle or flat; the law 'hertz' needs a convex one")
-    return float(high), float(low), float((np.pi - np.angle(wave)) / 2)
-
-
 def tabulate(
     profiles: Profiles, material: HalfSpace, *, law: str = "hertz", nodes: int = 16
 ) -> LawTable:
@@ -202,7 +121,7 @@ def _spread(profiles: Profiles, m: float, u: Array, reach: Array, axes: Array) -
     The punch functional k (d - <f>) is stationary in the ellipse, so that the change is -k times
     the mean of the rest of f under the flat punch.
     """
-    from ._hertz_kernels import mean_excess
+    from ._ray_kernels import mean_excess
 
     out = np.zeros((reach.size, u.size))
     inputs = (

@@ -1,9 +1,9 @@
-"""Force, stiffness and area of many contacts, tabulated over their approach."""
+"""Force, stiffness and area of many contacts, tabulated over their approach; made when needed."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -14,12 +14,13 @@ from asperity.errors import InputError
 __all__ = ["LawTable", "joined"]
 
 Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
 
 NO_FOOTPRINT = 0.0, 1.0
 """Factor and exponent of the variance of a force that is not spread."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class LawTable:
     """The law of n contacts at the approaches ``reach * (j / K)^2``, j = 0 ... K.
 
@@ -41,6 +42,14 @@ class LawTable:
     centre
         Centre (x, y) [m] of the contact relative to the summit at the nodes, shape
         (n, K + 1, 2); None if the law keeps every contact about its summit.
+    make
+        Table of the contacts whose rows are given, in that order, of a lazy table (`lazy`).
+
+    Attributes
+    ----------
+    ready
+        Rows that have been made, bool, shape (n,); of a lazy table those asked for (`ensure`), the
+        others being zero, as without a usable law.
 
     Notes
     -----
@@ -59,6 +68,8 @@ class LawTable:
     exponent: float = 3.0
     law: str = ""
     centre: Array | None = None
+    make: Callable[[Rows], LawTable] | None = None
+    ready: NDArray[np.bool_] = field(init=False)
 
     def __post_init__(self) -> None:
         n, nodes = self.force.shape
@@ -71,6 +82,17 @@ class LawTable:
             raise InputError(f"reach must have the shape ({n},), got {self.reach.shape}")
         if self.centre is not None and self.centre.shape != (n, nodes, 2):
             raise InputError(f"centre must have the shape {(n, nodes, 2)}, got {self.centre.shape}")
+        self.ready = np.full(n, self.make is None)
+
+    @classmethod
+    def lazy(cls, count: int, make: Callable[[Rows], LawTable]) -> LawTable:
+        """A table of `count` contacts whose rows are made in blocks, when they are first needed.
+
+        At light loads most summits never touch; their laws would cost more than all the rest.
+        """
+        force, stiffness, area, spread = np.zeros((4, count, 3))
+        flags = np.zeros((count, 3), np.uint8)
+        return cls(np.zeros(count), force, stiffness, area, flags, spread, make=make)
 
     def __len__(self) -> int:
         return int(self.reach.size)
@@ -79,6 +101,22 @@ class LawTable:
     def nodes(self) -> int:
         """Number K of intervals."""
         return int(self.force.shape[1]) - 1
+
+    def ensure(self, rows: Rows) -> None:
+        """Make the rows that are missing among `rows`."""
+        missing = np.unique(rows[~self.ready[rows]])
+        if self.make is None or not missing.size:
+            return
+        block, first = self.make(missing), not self.ready.any()
+        for column in fields(LawTable):
+            values = getattr(block, column.name)
+            if isinstance(values, np.ndarray) and column.init:
+                if first:
+                    empty = np.zeros((len(self), *values.shape[1:]), values.dtype)
+                    setattr(self, column.name, empty)
+                getattr(self, column.name)[missing] = values
+        self.exponent, self.law = block.exponent, block.law
+        self.ready[missing] = True
 
     def approach(self) -> Array:
         """Approaches [m] of the nodes, shape (n, K + 1)."""
@@ -161,8 +199,8 @@ def joined(tables: Sequence[LawTable]) -> LawTable:
     if len(tables) == 1:
         return tables[0]
     columns: dict[str, Any] = {}
-    for field in fields(LawTable):
-        values = [getattr(table, field.name) for table in tables]
-        if isinstance(values[0], np.ndarray):
-            columns[field.name] = np.concatenate(values)
+    for column in fields(LawTable):
+        values = [getattr(table, column.name) for table in tables]
+        if isinstance(values[0], np.ndarray) and column.init:
+            columns[column.name] = np.concatenate(values)
     return replace(tables[0], **columns)

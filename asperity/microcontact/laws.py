@@ -1,4 +1,4 @@
-"""The laws by name: each is a module with `indent` (one contact) and `tabulate` (a batch)."""
+"""The laws by name: each has a module with `tabulate`, which makes the law table of a batch."""
 
 from __future__ import annotations
 
@@ -13,40 +13,42 @@ if TYPE_CHECKING:
 
     from .law_table import LawTable
 
-__all__ = ["LAWS", "law_module", "tabulate"]
+__all__ = ["LAWS", "law_module", "require_law", "tabulate"]
 
 LAWS = ("auto", "hertz", "paper", "harmonic", "ellipse", "ritz")
 """Names of the laws, the default first."""
 
 
+def require_law(law: str) -> None:
+    """Refuse a name that is not that of a law."""
+    if law not in LAWS:
+        raise InputError(f"no law is called {law!r}; the laws are {', '.join(LAWS)}")
+
+
 def law_module(law: str) -> ModuleType:
-    """Module of the law called `law`, imported when first used.
-
-    It holds ``indent(profile, material, approach, *, law)`` and
-    ``tabulate(profiles, material, *, law, nodes)``.
-    """
+    """Module of the law called `law`, imported when first used, with
+    ``tabulate(profiles, material, *, law, nodes)``."""
+    require_law(law)
     match law:
-        case "auto":
-            from . import auto
-
-            return auto
         case "hertz":
             from . import hertz
 
             return hertz
         case "paper" | "harmonic":
-            from .circle import expansion
+            from . import circle
 
-            return expansion
+            return circle
         case "ellipse":
-            from .ellipse import ellipse_law
+            from .ellipse import batch
 
-            return ellipse_law
+            return batch
         case "ritz":
-            from .ritz import ritz_law
+            from . import ritz
 
-            return ritz_law
-    raise InputError(f"no law is called {law!r}; the laws are {', '.join(LAWS)}")
+            return ritz
+    from . import auto
+
+    return auto
 
 
 def tabulate(

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from asperity.interaction.elongation import aspect_ratio
 from asperity.interaction.population import Population, PopulationState
-from asperity.microcontact.lazy_table import LazyTable
+from asperity.microcontact.law_table import LawTable
 from surfaces.heightmap import HeightMap
 from surfaces.peaks.segmentation import segment
 from surfaces.peaks.summits import locate_summits
 
 from .corrections.joined_pairs import join
 from .law_factory import LawFactory
-from .load_shares import LoadShares
+from .law_rows import LoadShares
 from .plan import Plan
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class Decomposition:
     law_factory: LawFactory
     curvature: Array
     angle: Array
-    table: LazyTable
+    table: LawTable
     seconds: dict[str, float]
 
     @classmethod
@@ -89,7 +89,7 @@ class Decomposition:
             law_factory=factory,
             curvature=curvature,
             angle=angle,
-            table=LazyTable(len(summits), factory.table),
+            table=LawTable.lazy(len(summits), factory.table),
             seconds=seconds,
         )
 

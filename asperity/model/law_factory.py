@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from surfaces.heightmap import HeightMap
     from surfaces.peaks.summits import Summits
 
-    from .load_shares import LoadShares
+    from .law_rows import LoadShares
 
 __all__ = ["LawFactory"]
 

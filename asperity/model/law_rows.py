@@ -1,4 +1,4 @@
-"""The laws of some summits of a map, as corrections see them."""
+"""The laws of some summits of a map, as corrections see them, and the loads that summits carry."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.peaks.peaks import PLATEAU, RIM
+
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from asperity.microcontact.law_table import LawTable
@@ -15,9 +17,12 @@ if TYPE_CHECKING:
     from surfaces.peaks.profiles import Profiles
     from surfaces.peaks.summits import Summits
 
-    from .load_shares import LoadShares
+__all__ = ["LawRows", "LoadShares"]
 
-__all__ = ["LawRows"]
+Array = NDArray[np.float64]
+
+MOST = 200
+"""Summits above the flat at which no contact is looked at any more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,3 +48,63 @@ class LawRows:
     shares: LoadShares
     material: HalfSpace
     parameters: Parameters
+
+
+@dataclass(frozen=True, eq=False)
+class LoadShares:
+    """The highest summits of a map, with the loads that they carry under a flat.
+
+    Attributes
+    ----------
+    usable
+        Summits that can carry load, shape (n,).
+    weight
+        Load of each summit over its approach to the power 3/2, but for a common factor, shape (n,).
+    height, first
+        Heights [m] of the `MOST` highest usable summits, from the highest down, and their weights.
+
+    Notes
+    -----
+    The loads are those of independent Hertz contacts. A mean displacement of the body moves all
+    summits alike and leaves the shares of the load at a given depth of one contact as they are.
+    The shares follow from the map alone: they do not depend on the loads that are asked for, and a
+    curve has no steps where contacts enter or leave them.
+    """
+
+    usable: NDArray[np.bool_]
+    weight: Array
+    height: Array
+    first: Array
+
+    @classmethod
+    def of(cls, summits: Summits) -> LoadShares:
+        """The shares of the summits of a map."""
+        usable = summits.valid & (summits.kinds != RIM)
+        rows = np.flatnonzero(usable)
+        highest = rows[np.argsort(-summits.height[rows], kind="stable")[:MOST]]
+        weight = _weight(summits)
+        return cls(usable, weight, summits.height[highest], weight[highest])
+
+    @property
+    def full(self) -> bool:
+        """Whether there are so many summits that a lower one cannot change the shares."""
+        return len(self.height) == MOST
+
+    @property
+    def lowest(self) -> float:
+        """Height [m] of the flat down to which loads are known."""
+        return float(self.height[-1]) if self.full else -np.inf
+
+    def load(self, flat: Array) -> Array:
+        """Load of all summits under flats at heights [m], in the unit of `weight`."""
+        over = np.maximum(self.height - flat[..., None], 0.0)
+        return np.asarray((over * np.sqrt(over)) @ self.first)
+
+
+def _weight(summits: Summits) -> Array:
+    """Root of the mean radius [m^1/2] of summits, of plateaus that of the others."""
+    weight = np.prod(summits.curvature, axis=1) ** -0.25
+    plateau = summits.kinds == PLATEAU
+    if plateau.any() and not plateau.all():
+        weight[plateau] = np.median(weight[~plateau])
+    return np.asarray(weight)

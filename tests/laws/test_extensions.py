@@ -8,7 +8,7 @@ import pytest
 from asperity import HalfSpace, InputError, ModelRangeError
 from asperity.extensions.partial_slip import partial_slip, tangential_modulus
 from asperity.extensions.viscoelastic import Relaxation, viscoelastic_indent
-from asperity.microcontact.punch import flat_punch
+from asperity.microcontact.single.punch import flat_punch
 from surfaces import PowerLawProfile
 from surfaces.shapes import polygon
 

@@ -1,4 +1,7 @@
-"""Compiled loops over cell lists: the pairs of near points."""
+"""Compiled loops over cell lists: the pairs of near points.
+
+Several points are looked at together; what is kept of them is written without gaps.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +10,41 @@ import math
 import numpy as np
 from numba import njit
 
-from surfaces.numerics.compiled import compiled
+from surfaces.numerics.compiled import compiled, inner
+from surfaces.numerics.vectors import compress, count, loader, multiply_add, splatter, where
 
-from ._select_kernels import LANES, keep_near
+LANES = 8
+"""Points that are looked at together."""
+
+_NUMBERS = np.arange(float(LANES))
+
+_load, _splat = loader(LANES), splatter(LANES)
+
+
+@inner(forceinline=True)
+def _nearest(way, size):
+    """A way within half of the size of a cell that repeats."""
+    way = where(way > 0.5 * size, way - size, way)
+    return where(way < -0.5 * size, way + size, way)
+
+
+@inner(forceinline=True)
+def keep_near(y, x, first, last, here, size, cut, col, dy, dx, place):
+    """Points from `first` on, up to eight and before `last`, closer than sqrt(cut) to a place.
+
+    Writes their numbers and `here` (y, x) less their places y, x, less what brings these within
+    half of `size` (y, x), to `col`, `dy` and `dx` from element `place` on, and zeros behind them
+    up to eight elements in all. Returns their number.
+    `y` and `x` are read up to seven elements beyond the last.
+    """
+    way_y = _nearest(_splat(here[0]) - _load(y, first), size[0])
+    way_x = _nearest(_splat(here[1]) - _load(x, first), size[1])
+    numbers = _load(_NUMBERS, 0) + float(first)
+    near = (multiply_add(way_y, way_y, way_x * way_x) < cut) & (numbers < float(last))
+    compress(col, place, numbers, near)
+    compress(dy, place, way_y, near)
+    compress(dx, place, way_x, near)
+    return count(near)
 
 
 @njit(inline="always")

@@ -18,7 +18,7 @@ from numba import carray, njit
 from surfaces.numerics.compiled import SUMS, compiled, inner
 
 from ._mesh_vector_kernels import add_moved, add_spread, add_stored, read, read_stored, set_stored
-from .scratch import doubles, floats
+from ._pair_block_kernels import doubles, floats
 
 NODES, SIZE = np.uint64(4), np.uint64(16)
 # lines of a patch on its own

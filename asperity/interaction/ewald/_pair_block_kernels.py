@@ -10,13 +10,22 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import carray, njit
+from numba import carray, njit, types
 
 from asperity.halfspace.footprint import PAIR_NODES, SMOOTH_DEGREE
 from surfaces.numerics.compiled import QUOTIENTS, inner
-from surfaces.numerics.vectors import two_floats
+from surfaces.numerics.vectors import on_stack, two_floats
 
-from .scratch import BLOCK, COLUMNS, floats
+BLOCK = 256
+"""Pairs of a block."""
+
+COLUMNS = 9
+"""Columns of numbers for each block."""
+
+doubles = on_stack(types.float64, 2 * BLOCK)
+columns = on_stack(types.float64, COLUMNS * BLOCK)
+floats = on_stack(types.float32, COLUMNS * BLOCK)
+places = on_stack(types.int32, 2 * BLOCK)
 
 ROUNDEST = np.float32(0.06)
 """Least variance of the round parts of a long footprint over that along it."""

@@ -15,7 +15,9 @@ from surfaces.numerics.vectors import loader, store
 
 from ._pair_block_kernels import (
     BEND,
+    BLOCK,
     BOTH,
+    COLUMNS,
     CROSS,
     FAST,
     FLAT,
@@ -33,14 +35,17 @@ from ._pair_block_kernels import (
     TO_ROW,
     WIDE,
     ZERO,
+    columns,
+    doubles,
+    floats,
     long_pairs,
     look,
+    places,
     set_powers,
     smooth,
     whole_lanes,
     within,
 )
-from .scratch import BLOCK, COLUMNS, columns, doubles, floats, places
 
 PAIRS = BLOCK // 2
 """Pairs of a block."""

@@ -12,7 +12,9 @@ from numba import carray
 from surfaces.numerics.compiled import compiled
 
 from ._pair_block_kernels import (
+    BLOCK,
     BOTH,
+    COLUMNS,
     DX,
     DY,
     FAST,
@@ -24,15 +26,16 @@ from ._pair_block_kernels import (
     SKEW,
     VALUE,
     ZERO,
+    floats,
     long_pairs,
     look,
+    places,
     set_doubt,
     set_powers,
     set_reach,
     smooth,
     whole_lanes,
 )
-from .scratch import BLOCK, COLUMNS, floats, places
 
 
 @compiled()

@@ -16,8 +16,7 @@ from surfaces.numerics.parallel import each
 
 from . import _list_kernels, _mesh_kernels, _pair_kernels
 from .mesh import Mesh, mesh_of
-from .near_pairs import chunks, near_pairs, run, total
-from .split_length import long_enough, split_length
+from .near_pairs import chunks, long_enough, near_pairs, run, split_length, total
 from .two_level import TwoLevelPreconditioner
 
 __all__ = ["CAP", "Field", "Interaction"]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.footprint import Footprints
 
-from . import _state_kernels
+from . import _newton_kernels
 from .laws import Evaluated
 
 __all__ = ["LARGEST_SHIFT", "contact_shifts", "widened"]
@@ -63,7 +63,7 @@ def contact_shifts(
     """
     gain, (aside, moment) = np.empty(len(approach)), np.empty((2, len(approach), 2))
     read = _read(footprints, law, approach, tilt, radii)
-    kernel: Any = _state_kernels.shift_contacts
+    kernel: Any = _newton_kernels.shift_contacts
     kernel(law.force, *read, gain, aside, moment)
     return gain, aside, moment
 
@@ -98,7 +98,7 @@ def widened(
     """
     area = np.empty(len(approach))
     read = _read(footprints, law, approach, tilt, radii)
-    kernel: Any = _state_kernels.widen
+    kernel: Any = _newton_kernels.widen
     kernel(law.force, *read, law.area, outgrown, WIDER, WIDEST, area)
     return area
 

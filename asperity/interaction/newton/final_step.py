@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from asperity.interaction.ewald.tangent import Tangent
 
-from .conjugate_gradients import conjugate_gradients
 from .laws import Evaluated
 from .state import State
-from .step import Step
+from .step import Step, conjugate_gradients
 
 __all__ = ["Solution", "finished", "shared", "tangent_of", "tangent_response"]
 
@@ -32,7 +31,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Solution that `descend` reached.
+    """Solution that `descent` reached.
 
     Attributes
     ----------
@@ -83,7 +82,7 @@ class Solution:
 
     @property
     def values(self) -> Array:
-        """What the next point is predicted from, `predictor.Point.values`, shape (5, n)."""
+        """What the next point is predicted from, `population_state.Point.values`, shape (5, n)."""
         return np.stack((self.wanted, self.laws.force, *self.tilt.T, self.shares))
 
     @functools.cached_property

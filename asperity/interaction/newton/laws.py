@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,10 @@ from asperity.halfspace.footprint import Footprints
 from asperity.microcontact import law_kernels
 from surfaces.numerics.parallel import blocks, run
 
-__all__ = ["BLOCK", "FILLED", "STIFFEST", "Evaluated", "LawNodes", "Laws", "LazyNodes"]
+if TYPE_CHECKING:
+    from asperity.microcontact.law_table import LawTable
+
+__all__ = ["BLOCK", "FILLED", "STIFFEST", "Evaluated", "Laws"]
 
 BLOCK = 128
 """Laws made at least at a time, on demand."""
@@ -32,38 +35,6 @@ FILLED = 0.5
 
 STIFFEST = 1.5
 """Largest stiffness over that of a round punch of the same area; an ellipse of 6:1 has 1.28."""
-
-
-class LawNodes(Protocol):
-    """What the solver reads of a table of contact laws (`asperity.microcontact.law_table`)."""
-
-    @property
-    def reach(self) -> NDArray[np.float64]: ...
-
-    @property
-    def force(self) -> NDArray[np.float64]: ...
-
-    @property
-    def stiffness(self) -> NDArray[np.float64]: ...
-
-    @property
-    def area(self) -> NDArray[np.float64]: ...
-
-    @property
-    def exponent(self) -> float: ...
-
-
-class LazyNodes(Protocol):
-    """A table whose rows are made on demand (`asperity.microcontact.lazy_table`)."""
-
-    ready: NDArray[np.bool_]
-
-    @property
-    def table(self) -> LawNodes: ...
-
-    def __len__(self) -> int: ...
-
-    def ensure(self, rows: NDArray[np.int64]) -> NDArray[np.int64]: ...
 
 
 class Evaluated:
@@ -96,9 +67,7 @@ class Laws:
     Parameters
     ----------
     nodes
-        Tables with `reach` (n,) [m], `force` [N], `stiffness` [N/m] and `area` [m^2] (n, K+1) at
-        the approaches reach (j/K)^2, and the `exponent` p of F = v^p s(v), v = K sqrt(d/reach); or
-        a lazy table, whose rows are made when they are needed.
+        Law table, of which rows are made when they are needed.
     footprints
         Kernel that turns a stiffness into a footprint.
 
@@ -118,7 +87,7 @@ class Laws:
     neighboring intervals.
     """
 
-    def __init__(self, nodes: LawNodes | LazyNodes, footprints: Footprints) -> None:
+    def __init__(self, nodes: LawTable, footprints: Footprints) -> None:
         self.footprints = footprints
         self.store = _Store(nodes, footprints)
         self.index = np.arange(len(self.store.reach))
@@ -153,10 +122,10 @@ class Laws:
         return self.store.ready[self.index]
 
     def __call__(self, approach: NDArray[np.float64]) -> Evaluated:
-        """Laws at the approaches [m], shape (n,); zero force where they are not positive."""
+        """Laws at the approaches [m], shape (n,), of contacts whose laws are made; zero force where
+        approaches are not positive."""
         out, store = Evaluated(len(approach)), self.store
-        if not store.complete:
-            store.need(self.index[approach > 0])
+        assert store.complete or store.ready[self.index[approach > 0]].all(), "laws are missing"
         run(
             lambda a, b: law_kernels.evaluate(
                 (a, b),
@@ -178,30 +147,32 @@ class Laws:
         )
         return out
 
-    def expect(self, wanted: NDArray[np.float64]) -> None:
-        """Make the laws of contacts that want to close, and with them those that come next.
+    def lacking(self, wanted: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Contacts that want to close and whose laws are missing, and with them those that come
+        next; none if no law is missing.
 
         `wanted` is the approach [m] where positive, minus the gap elsewhere, shape (n,).
         """
         if self.store.complete:
-            return
+            return np.empty(0, np.int64)
         missing = np.flatnonzero(~self.ready)
         lacking = int(np.count_nonzero(wanted[missing] > 0))
-        if lacking:
-            block = lacking + max(lacking // 8, FEW)
-            if self.store.ahead is None:
-                block = max(lacking + lacking // 8, BLOCK, int(self.store.ready.sum()) // 40)
-            nearest = missing[np.argsort(-wanted[missing], kind="stable")[:block]]
-            self.store.need(self.index[nearest])
+        if not lacking:
+            return missing[:0]
+        block = lacking + max(lacking // 8, FEW)
+        if self.store.ahead is None:
+            block = max(lacking + lacking // 8, BLOCK, int(self.store.ready.sum()) // 40)
+        return missing[np.argsort(-wanted[missing], kind="stable")[:block]]
 
     def foresee(self, rows: NDArray[np.int64] | None) -> None:
-        """Let the laws of the contacts `rows` be made with the next that lack, and few besides;
+        """Let the laws of the contacts `rows` be made with the next that are made, and few besides;
         None: as many as come next, since nothing is known of what will be needed."""
         self.store.ahead = None if rows is None else self.index[rows]
 
-    def make(self) -> None:
-        """Make the laws of all these contacts."""
-        self.store.need(self.index)
+    def make(self, some: NDArray[np.bool_] | NDArray[np.int64] | None = None) -> None:
+        """Make the laws of `some` of these contacts; of all if None."""
+        if not self.store.complete:
+            self.store.need(self.index if some is None else self.index[some])
 
     def filled(self, law: Evaluated) -> NDArray[np.bool_]:
         """Which contacts cover more than `FILLED` of the area that they have at reach."""
@@ -215,14 +186,8 @@ class _Store:
     a large surface never touch, and memory that is never touched costs nothing.
     """
 
-    def __init__(self, nodes: LawNodes | LazyNodes, footprints: Footprints) -> None:
-        self.footprints = footprints
-        self.lazy: LazyNodes | None = None
-        if hasattr(nodes, "ensure"):
-            self.lazy = cast(LazyNodes, nodes)
-            n = len(self.lazy)
-        else:
-            n = len(nodes.reach)
+    def __init__(self, nodes: LawTable, footprints: Footprints) -> None:
+        self.footprints, self.nodes, n = footprints, nodes, len(nodes)
         self.reach, self.largest = np.zeros((2, n))
         self.usable, self.repaired, self.ready = np.ones(n, bool), *np.zeros((2, n), bool)
         self.exponent = 3.0 + footprints.m
@@ -230,22 +195,22 @@ class _Store:
         self.place, self.made = np.zeros(n, np.int32), 0
         self.complete = False
         self.ahead: NDArray[np.int64] | None = None
-        if self.lazy is None:
-            self._add(np.arange(n), cast(LawNodes, nodes))
+        if nodes.make is None:
+            self._add(np.arange(n))
 
     def need(self, rows: NDArray[np.int64]) -> None:
         """Make the rows that are missing, and with them those needed later (`ahead`)."""
         rows = rows[~self.ready[rows]]
-        if rows.size and self.lazy is not None:
+        if rows.size:
             left = np.flatnonzero(~self.ready)
             if self.ahead is not None:
                 rows = np.append(rows, self.ahead[~self.ready[self.ahead]])
             rows = left if len(left) <= WHOLE else np.unique(rows)
-            self.lazy.ensure(rows)
-            self._add(rows, self.lazy.table)
+            self.nodes.ensure(rows)
+            self._add(rows)
 
-    def _add(self, rows: NDArray[np.int64], nodes: LawNodes) -> None:
-        names = ("reach", "force", "stiffness", "area")
+    def _add(self, rows: NDArray[np.int64]) -> None:
+        nodes, names = self.nodes, ("reach", "force", "stiffness", "area")
         reach, force, stiffness, area = (np.asarray(getattr(nodes, a), float)[rows] for a in names)
         for name, array in zip(names, (reach, force, stiffness, area), strict=True):
             if not np.isfinite(array).all():

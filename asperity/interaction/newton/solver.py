@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Generator
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .conjugate_gradients import conjugate_gradients
 from .final_step import FORCING, Solution, finished, shared, tangent_of
-from .problem import Problem
-from .state import State
-from .step import Step
+from .state import Problem, State
+from .step import Step, conjugate_gradients
 
-__all__ = ["descend"]
+__all__ = ["descent"]
 
 MAX_STEPS = 60
 MAX_LOADED_STEPS = 30
@@ -64,7 +63,7 @@ COARSE = 0.3
 Array = NDArray[np.float64]
 
 
-def descend(
+def descent(
     problem: Problem,
     separation: float,
     start: Array,
@@ -73,8 +72,11 @@ def descend(
     tilt: Array | None = None,
     load: float | None = None,
     compliance: Array | None = None,
-) -> Solution:
+) -> Generator[NDArray[np.int64], None, Solution]:
     """Minimize the energy over non-negative forces.
+
+    Yields the contacts whose laws it lacks, which are to be made before it goes on, and returns the
+    solution.
 
     Parameters
     ----------
@@ -83,7 +85,7 @@ def descend(
     separation
         Separation s [m]; the first guess of it if a load is given.
     start
-        Approaches to start from [m], shape (n,).
+        Approaches to start from [m], shape (n,); where positive the laws are made.
     tolerance
         Bound on `Solution.residual`; half of it bounds the relative error of the load.
     tilt
@@ -117,6 +119,10 @@ def descend(
     last = np.zeros(len(start))
     for step in range(limit + 1):
         state.balance(separation, load is not None)
+        lacking = problem.laws.lacking(state.wanted)
+        if lacking.size:
+            yield lacking
+        state.linearize()
         separation = state.separation
         missing = 0.0 if load is None else load - float(state.laws.force.sum())
         error, wrong = state.relative + state.lag, abs(missing) / (load or 1.0)

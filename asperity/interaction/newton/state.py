@@ -1,17 +1,64 @@
-"""A trial point of the coupled problem, and how far it is from balance."""
+"""The coupled problem of contacts that may close, and a trial point of it with its balance."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _state_kernels
-from .contact_shift import contact_shifts
-from .problem import Problem
+from asperity.interaction.elongation import Elongation
+from asperity.interaction.ewald.operator import Interaction
 
-__all__ = ["State"]
+from . import _newton_kernels
+from .contact_shift import contact_shifts
+from .laws import Laws
+
+__all__ = ["Problem", "State"]
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Contacts that may close, their laws and their interaction.
+
+    Attributes
+    ----------
+    height
+        Summit heights z [m], shape (n,).
+    laws, plan
+        Laws and interaction in the same order.
+    contact_shift
+        Whether contacts shift under the slope of the field (`contact_shifts`).
+    elongation
+        Their elongation in the same order; None: round.
+    """
+
+    height: NDArray[np.float64]
+    laws: Laws
+    plan: Interaction
+    contact_shift: bool = False
+    elongation: Elongation | None = None
+
+    def rounded(self, some: NDArray[np.bool_]) -> Problem:
+        """The problem with round footprints of `some` contacts, shape (n,): long footprints can
+        overlap so far that their approximate sum has no solution."""
+        if self.elongation is None:
+            return self
+        return replace(self, elongation=self.elongation.rounded(some))
+
+    @property
+    def form(self) -> NDArray[np.float64]:
+        """Moments of the footprints over their variance, shape (n, 3); contacts that do not move
+        aside are taken as round."""
+        if self.elongation is None or not self.contact_shift:
+            return self.plan.round
+        return self.elongation.moments
+
+    @property
+    def radii(self) -> NDArray[np.float64]:
+        """Radii of curvature over those of round contacts, shape (n, 3)."""
+        return self.plan.round if self.elongation is None else self.elongation.radii
 
 
 class State:
@@ -33,6 +80,8 @@ class State:
         Separation [m] at which `balance` has judged the contacts; it sets all that follows.
     gap, wanted, error
         z - s, z - s - u, and by how much this exceeds the approach [m], shape (n,).
+    closing, sums
+        Contacts about to close, and the sums of |error| k and of the force over the closed ones.
     active
         Contacts that are closed or about to close, bool, shape (n,).
     stiffness, growth, force, base
@@ -77,7 +126,7 @@ class State:
         if self.next_shift is self.shift:
             return 0.0
         return float(
-            _state_kernels.lag(
+            _newton_kernels.lag(
                 self.laws.force,
                 self.laws.stiffness,
                 self.field.tilt,
@@ -89,7 +138,7 @@ class State:
         )
 
     def balance(self, separation: float, balanced: bool) -> None:
-        """Judge the contacts at a separation [m], and take the tangent data of the active ones.
+        """Judge the contacts at a separation [m]; `linearize` follows.
 
         Parameters
         ----------
@@ -98,17 +147,12 @@ class State:
         balanced
             Whether it is moved first to where the errors of the closed contacts, times stiffness,
             cancel.
-
-        Notes
-        -----
-        A contact about to close has no stiffness yet: it gets that at half the approach it wants,
-        and counts with its force there.
         """
         law, field, n = self.laws, self.field, len(self.approach)
         self.gap, self.wanted, self.error = np.empty((3, n))
         self.active = np.empty(n, bool)
         closing = np.empty(n, np.int64)
-        rise, error, load, count = _state_kernels.imbalance(
+        rise, error, load, count = _newton_kernels.imbalance(
             self.problem.height,
             separation,
             balanced,
@@ -128,10 +172,17 @@ class State:
             closing,
         )
         self.separation = separation + rise
-        self.problem.laws.expect(self.wanted)
+        self.closing, self.sums = closing[:count], (error, load)
+
+    def linearize(self) -> None:
+        """Take the tangent data of the active contacts, whose laws are made by now.
+
+        A contact about to close has no stiffness yet: it gets that at half the approach it wants,
+        and counts with its force there.
+        """
+        law, (error, load) = self.laws, self.sums
         stiffness, growth, force, base = law.stiffness, law.growth, law.force, self.approach
-        fresh = closing[:count]
-        fresh = fresh[self.problem.laws.rows(fresh).usable]
+        fresh = self.closing[self.problem.laws.rows(self.closing).usable]
         if fresh.size:
             self.active[fresh] = True
             half = 0.5 * self.wanted[fresh]
@@ -161,7 +212,7 @@ class State:
     def energy_change(self, other: State) -> tuple[float, float, float]:
         """From this point to another: change of energy [J] at the gaps that are held, the change
         that the errors here predict, and the size of the energies."""
-        change, slope, scale = _state_kernels.energy_change(
+        change, slope, scale = _newton_kernels.energy_change(
             self.gap,
             self.error,
             *(

@@ -26,8 +26,7 @@ from surfaces.numerics.lanes import (
 )
 from surfaces.numerics.vectors import entries, root, some, where, whole
 
-from ._contour_kernels import NODES
-from ._directions import place
+from ._contour_kernels import NODES, place
 from ._ellipse_kernels import STATES
 
 CELLS = 24

@@ -1,8 +1,9 @@
-"""Numba kernels of the displaced contour of an ellipse, for eight profiles at once.
+"""Compiled loops of the displaced contour of an ellipse, for eight profiles at once.
 
 Units inside: one length and one height per profile, modulus 1. The contour has nodes on the four
 mirror images of a quarter of the ellipse. Arrays are groups of eight numbers, one per profile
-(`_lanes`); where each profile reads a table row of its own, a group is a quarter of its contour.
+(`surfaces.numerics.lanes`); where each profile reads a table row of its own, a group is a quarter
+of its contour.
 """
 
 from __future__ import annotations
@@ -24,8 +25,7 @@ from surfaces.numerics.lanes import (
 )
 from surfaces.numerics.vectors import absolute, root, where, whole
 
-from ._directions import place
-from ._polynomial_kernels import TERMS
+from ._fit_kernels import TERMS
 from .ellipse_operator import DEGREE
 
 NODES = DEGREE + 1
@@ -46,10 +46,13 @@ _T = np.arange(NODES) * np.pi / (2 * DEGREE)
 _COS, _SIN = np.cos(_T), np.sin(_T)
 _SHARE = np.ones(NODES)
 _SHARE[[0, DEGREE]] = 0.5
+
 _SHARE /= 4 * DEGREE
 """Share of a node in the mean over the parameter of the ellipse."""
 _EVEN = np.cos(np.outer(2 * np.arange(MODES), _T)) * _SHARE * 2
+
 _EVEN[0] *= 0.5
+
 _BOTH = np.sin(np.outer(2 * np.arange(MODES - 1) + 2, _T)) * _SHARE * 2
 _ALONG = np.cos(np.outer(2 * np.arange(MODES - 1) + 1, _T)) * _SHARE * 2
 _ACROSS = np.sin(np.outer(2 * np.arange(MODES - 1) + 1, _T)) * _SHARE * 2
@@ -233,3 +236,15 @@ def second_order(X, rows, number, own, forms):
                 second += load(forms, r) * load(own, i) * load(own, j)
                 r += 1
     return second
+
+
+@inner(fastmath=QUOTIENTS)
+def place(x, y, rays):
+    """Angle of (x, y) in steps between `rays` equispaced rays, right to 5e-5 of a quarter."""
+    ax, ay = absolute(x), absolute(y)
+    z = ay / most(ax + ay, splat(1e-300)) - 0.5
+    q = z * z
+    turn = 1.27223736 + q * (-1.6356908 + q * (2.97934497 - q * 3.17613357))
+    turn = (0.25 * rays) * (0.5 + z * turn)
+    turn = where(x < 0.0, 0.5 * rays - turn, turn)
+    return where(y < 0.0, rays - turn, turn)

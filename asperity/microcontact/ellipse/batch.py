@@ -22,13 +22,12 @@ from asperity.microcontact.law_table import LawTable
 from asperity.microcontact.ray_moments import edge_weights
 from surfaces.numerics import parallel
 
-from .operator_tables import LANES, LOG_RATIO, ellipse_tables
-from .polynomial_fit import fit_rules
+from .shared_tables import LANES, LOG_RATIO, ellipse_tables, fit_rules
 
 if TYPE_CHECKING:
     from surfaces import Profiles
 
-__all__ = ["tabulate"]
+__all__ = ["NODES", "tabulate"]
 
 Array = NDArray[np.float64]
 
@@ -175,26 +174,12 @@ def _workspace(key: tuple[Any, ...], make: Callable[[], tuple[Any, ...]]) -> tup
 def tabulate(
     profiles: Profiles, material: HalfSpace, *, law: str = "ellipse", nodes: int = NODES
 ) -> LawTable:
-    """Law table of a batch of profiles about their optimal ellipses.
-
-    Parameters
-    ----------
-    profiles
-        Batch of sampled profiles (`surfaces.fit_profiles`).
-    material
-        Half-space, any m.
-    law
-        "ellipse".
-    nodes
-        Intervals of the table.
-    """
+    """Law table of a batch of profiles about their optimal ellipses; see `laws.tabulate`."""
     from surfaces.numerics.lanes import packed
 
     from ._ellipse_kernels import SHAPE_ROW, STATES, march_rows, march_space
-    from ._fit_kernels import FITS
-    from ._frame_kernels import SCALES, fit_rows, frame_space
-    from ._polynomial_kernels import TERMS
-    from .tabulate_kernels import table_space, tabulate_rows
+    from ._fit_kernels import FITS, SCALES, TERMS, fit_rows, frame_space
+    from ._table_kernels import table_space, tabulate_rows
 
     n, rays = profiles.phi.shape
     m = material.m

@@ -12,7 +12,7 @@ from asperity.microcontact.basin_bem.press import press
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
-    from asperity.model.load_shares import LoadShares
+    from asperity.model.law_rows import LoadShares
     from asperity.parameters import Parameters
     from surfaces.peaks.summits import Summits
 

@@ -7,7 +7,8 @@ import pytest
 from strategies import rough
 
 from asperity import HalfSpace, bem_curve, errors
-from asperity.bem import accuracy, interpolation, memory
+from asperity.bem import accuracy
+from asperity.bem import problem as memory
 
 BODY = HalfSpace.from_modulus(1.0)
 
@@ -47,8 +48,8 @@ def test_long_curve_is_interpolated_between_few_solved_loads():
 def test_few_or_repeated_loads_are_all_solved():
     """Ten distinct loads are not interpolated, however often they are asked for."""
     loads = np.geomspace(0.01, 0.1, 10)
-    assert interpolation.loads_to_solve(np.repeat(loads, 3)) is None
-    chosen = interpolation.loads_to_solve(np.linspace(0.0, 1.0, 100))
+    assert accuracy.loads_to_solve(np.repeat(loads, 3)) is None
+    chosen = accuracy.loads_to_solve(np.linspace(0.0, 1.0, 100))
     assert chosen is not None and chosen[0] == 0.0 and 10 <= len(chosen) <= 12
     assert chosen[1] == 0.01 * 100 / 99 and chosen[-1] == 1.0
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from asperity.bem import convolution
-from asperity.bem.scratch import Scratch
+from asperity.bem.transform import Scratch
 
 
 @pytest.mark.parametrize("threads", [1, 2])

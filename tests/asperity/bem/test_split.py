@@ -8,7 +8,7 @@ from strategies import rough
 
 from asperity import HalfSpace
 from asperity.bem import _grid_kernels, split, stencil
-from asperity.bem.contact_list import ContactList
+from asperity.bem.active_set import ContactList
 from asperity.bem.full_grid import FullGridOperator
 from asperity.bem.operator import HalfSpaceOperator
 

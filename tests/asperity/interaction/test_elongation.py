@@ -11,12 +11,12 @@ from strategies import random_population
 import asperity
 from asperity.halfspace.footprint import Footprints
 from asperity.interaction import coupled_solve
+from asperity.interaction.coupled_solve import descend
 from asperity.interaction.elongation import LARGEST_ASPECT, LARGEST_RADIUS, Elongation
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.newton import solver
 from asperity.interaction.newton.laws import Laws
-from asperity.interaction.newton.problem import Problem
-from asperity.interaction.newton.solver import descend
+from asperity.interaction.newton.state import Problem
 from asperity.interaction.population import Population
 
 EXPONENTS = (-0.3, 0.0, 0.5)

@@ -7,9 +7,8 @@ import pytest
 
 import asperity
 import surfaces
-from asperity.microcontact import auto, tabulate
-from asperity.microcontact.ellipse import ellipse_law
-from asperity.microcontact.ritz import ritz_law
+from asperity.microcontact import auto, ritz, tabulate
+from asperity.microcontact.ellipse import batch as ellipse
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
 
@@ -23,7 +22,7 @@ def profiles() -> surfaces.Profiles:
 
 
 def test_summits_that_agree_keep_the_ellipse_law(profiles):
-    table, own = tabulate(profiles, STEEL, law="auto"), ellipse_law.tabulate(profiles, STEEL)
+    table, own = tabulate(profiles, STEEL, law="auto"), ellipse.tabulate(profiles, STEEL)
     same = (table.force == own.force).all(axis=1)
     assert same.mean() > 0.9
     assert table.law == "auto"
@@ -32,8 +31,8 @@ def test_summits_that_agree_keep_the_ellipse_law(profiles):
 def test_a_gross_disagreement_takes_the_law_without_a_polynomial(profiles, monkeypatch):
     monkeypatch.setattr(auto, "GROSS", 1.0)
     table = auto.tabulate(profiles, STEEL)
-    own = ellipse_law.tabulate(profiles, STEEL)
-    other = ritz_law.tabulate(profiles, STEEL, nodes=ellipse_law.NODES)
+    own = ellipse.tabulate(profiles, STEEL)
+    other = ritz.tabulate(profiles, STEEL, nodes=ellipse.NODES)
     taken = np.flatnonzero((table.force != own.force).any(axis=1))
     assert taken.size
     np.testing.assert_array_equal(table.force[taken], other.force[taken])
@@ -59,16 +58,16 @@ def test_a_noisy_ridge_of_a_measured_map_does_not_carry_everything(measured):
 def test_a_summit_that_the_ellipse_law_gives_up_still_carries(profiles, monkeypatch):
     """A noisy ridge whose smallest polynomial curves up: it must not carry nothing."""
     lost = np.flatnonzero(profiles.valid)[:2]
-    tabulated = ellipse_law.tabulate
+    tabulated = ellipse.tabulate
 
     def without(*args, **options):
         table = tabulated(*args, **options)
         table.reach[lost] = 0.0
         return table
 
-    monkeypatch.setattr(ellipse_law, "tabulate", without)
+    monkeypatch.setattr(ellipse, "tabulate", without)
     table = auto.tabulate(profiles, STEEL)
-    other = ritz_law.tabulate(profiles, STEEL, nodes=ellipse_law.NODES)
+    other = ritz.tabulate(profiles, STEEL, nodes=ellipse.NODES)
     assert (table.reach[lost] > 0).all()
     np.testing.assert_array_equal(table.force[lost], other.force[lost])
     assert (table.spread[lost] == 1.0).all()
@@ -78,7 +77,7 @@ def test_a_plateau_that_pulls_at_first_is_a_paraboloid_up_to_where_it_pushes_mos
     profiles, monkeypatch
 ):
     monkeypatch.setattr(auto, "GROSS", 1.0)
-    tabulated, nodes = auto.ritz_batch.tabulate, ellipse_law.NODES
+    tabulated, nodes = auto.ritz.tabulate, ellipse.NODES
 
     def pulled(*args, **options):
         table = tabulated(*args, **options)
@@ -87,10 +86,10 @@ def test_a_plateau_that_pulls_at_first_is_a_paraboloid_up_to_where_it_pushes_mos
         return table
 
     kept, own = (
-        ritz_law.tabulate(profiles, STEEL, nodes=nodes),
-        ellipse_law.tabulate(profiles, STEEL),
+        ritz.tabulate(profiles, STEEL, nodes=nodes),
+        ellipse.tabulate(profiles, STEEL),
     )
-    monkeypatch.setattr(auto.ritz_batch, "tabulate", pulled)
+    monkeypatch.setattr(auto.ritz, "tabulate", pulled)
     table = auto.tabulate(profiles, STEEL)
     taken = np.flatnonzero((table.force != own.force).any(axis=1))
     assert taken.size

@@ -10,8 +10,8 @@ from oracles import dense_matrix, periodic_interaction, self_image
 
 from asperity.halfspace.footprint import FLOOR, Footprints
 from asperity.interaction.ewald.mesh import Mesh
+from asperity.interaction.ewald.near_pairs import NEAREST, RUNG
 from asperity.interaction.ewald.operator import Interaction
-from asperity.interaction.ewald.split_length import NEAREST, RUNG
 from asperity.interaction.ewald.tangent import Tangent
 
 CELL = (1.0, 1.7)

@@ -9,7 +9,7 @@ from asperity.halfspace.footprint import Footprints
 from asperity.interaction.ewald import two_level
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.ewald.tangent import Tangent
-from asperity.interaction.newton.conjugate_gradients import conjugate_gradients
+from asperity.interaction.newton.step import conjugate_gradients
 
 CELL = (1.0, 1.7)
 MANY = 5_000

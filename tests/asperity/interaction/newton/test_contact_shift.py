@@ -8,6 +8,7 @@ from oracles import HertzTable
 from strategies import random_population
 
 from asperity.halfspace.footprint import Footprints
+from asperity.interaction.coupled_solve import descend
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.newton.contact_shift import (
     LARGEST_SHIFT,
@@ -17,9 +18,7 @@ from asperity.interaction.newton.contact_shift import (
     widened,
 )
 from asperity.interaction.newton.laws import Laws
-from asperity.interaction.newton.problem import Problem
-from asperity.interaction.newton.solver import descend
-from asperity.interaction.newton.state import State
+from asperity.interaction.newton.state import Problem, State
 
 CELL = (1.0, 1.4)
 EXPONENTS = (-0.3, 0.0, 0.5)

@@ -32,6 +32,11 @@ def test_hertz_and_filled_basin_are_reproduced(m):
         ).all()
 
 
+def law_table(reach, force, stiffness, area, exponent=3.0):
+    rest = np.zeros(force.shape, np.uint8), np.zeros(force.shape)
+    return LawTable(reach, force, stiffness, area, *rest, exponent)
+
+
 def tip(power, m):
     """Law of f = r^power: force and area as powers of the approach, to a reach of 2."""
     grid = 2.0 * (np.arange(13) / 12)[None] ** 2
@@ -39,8 +44,7 @@ def tip(power, m):
     one = np.full(1, 2.0)
     force, stiffness = 3.0 * grid**rise, 3.0 * rise * grid ** (rise - 1.0)
     area = 500.0 * grid ** (2.0 / power)
-    flat = {"flags": np.zeros(grid.shape, np.uint8), "spread": np.zeros(grid.shape)}
-    return LawTable(one, force, stiffness, area, exponent=3.0 + m, **flat), rise
+    return law_table(one, force, stiffness, area, 3.0 + m), rise
 
 
 @pytest.mark.parametrize("m", EXPONENTS)
@@ -105,21 +109,16 @@ def test_footprint_of_a_filled_basin_is_that_of_its_punch(m):
 def test_a_broken_table_is_mended_into_a_growing_law():
     rng = np.random.default_rng(4)
 
-    class Rough:
-        exponent = 3.0
-        reach = np.ones(20)
-        force = np.cumsum(rng.uniform(-0.2, 1, (20, 13)), axis=1) - 0.1
-        stiffness = rng.uniform(-1, 20, (20, 13))
-        area = rng.uniform(1, 2, (20, 13))
-
-    laws = Laws(Rough, Footprints(1.0))
+    force = np.cumsum(rng.uniform(-0.2, 1, (20, 13)), axis=1) - 0.1
+    stiffness, area = rng.uniform(-1, 20, (20, 13)), rng.uniform(1, 2, (20, 13))
+    laws = Laws(law_table(np.ones(20), force, stiffness, area), Footprints(1.0))
     force = np.array([laws(np.full(20, (j / 12) ** 2)).force for j in range(15)])
     assert (np.diff(force, axis=0) > 0).all()
     for d in np.linspace(0.01, 1.5, 50):
         law = laws(np.full(20, d))
         assert (law.stiffness > 0).all() and (law.force > 0).all()
     assert laws.repaired.all()
-    cap = STIFFEST * 2 * np.sqrt(Rough.area.max(axis=1) / np.pi)
+    cap = STIFFEST * 2 * np.sqrt(area.max(axis=1) / np.pi)
     assert (laws(np.full(20, 2.0)).stiffness <= cap * (1 + 1e-9)).all()
 
 
@@ -131,15 +130,11 @@ def test_a_sound_table_is_left_alone(m):
 @pytest.mark.parametrize("m", EXPONENTS)
 def test_mending_a_hertz_table_loses_little(m):
     """A dent in one nodal stiffness: the force stays within a percent."""
-
-    class Dented:
-        reach, exponent = TABLE.reach, 3.0 + m
-        force, stiffness, area = replace(TABLE, m=m)._grid
-
-    Dented.stiffness = Dented.stiffness.copy()
-    Dented.stiffness[:, 7] = 0.99 * Dented.stiffness[:, 6]
+    table = replace(TABLE, m=m)
+    dented = law_table(table.reach, table.force, table.stiffness, table.area, 3.0 + m)
+    dented.stiffness[:, 7] = 0.99 * dented.stiffness[:, 6]
     f = Footprints(1.0, m)
-    mended, sound = Laws(Dented, f), Laws(replace(TABLE, m=m), f)
+    mended, sound = Laws(dented, f), Laws(table, f)
     assert mended.repaired.all()
     for d in (0.01, 0.1, 0.3):
         np.testing.assert_allclose(
@@ -149,12 +144,7 @@ def test_mending_a_hertz_table_loses_little(m):
 
 @pytest.mark.parametrize("field", ["reach", "force", "stiffness", "area"])
 def test_a_table_with_nan_is_refused(field):
-    class Broken:
-        exponent = 3.0
-        reach = np.ones(2)
-        force = stiffness = area = np.ones((2, 5))
-
-    bad = np.full_like(getattr(Broken, field), np.nan)
-    setattr(Broken, field, bad)
+    table = law_table(np.ones(2), *np.ones((3, 2, 5)))
+    getattr(table, field)[:] = np.nan
     with pytest.raises(InputError, match=field):
-        Laws(Broken, Footprints(1.0))
+        Laws(table, Footprints(1.0))

@@ -8,14 +8,13 @@ from oracles import HertzTable
 from strategies import random_population
 
 from asperity.halfspace.footprint import Footprints
+from asperity.interaction.coupled_solve import descend
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.ewald.tangent import Tangent
 from asperity.interaction.newton import solver
-from asperity.interaction.newton.conjugate_gradients import conjugate_gradients
 from asperity.interaction.newton.laws import Laws
-from asperity.interaction.newton.problem import Problem
-from asperity.interaction.newton.solver import descend
-from asperity.interaction.newton.state import State
+from asperity.interaction.newton.state import Problem, State
+from asperity.interaction.newton.step import conjugate_gradients
 
 CELL = (1.0, 1.4)
 

@@ -6,18 +6,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.interpolate import PchipInterpolator
 
 import asperity
 from asperity.halfspace.flags import Flag
 from asperity.interaction.elongation import Elongation
 from asperity.microcontact.basin_bem import press
+from asperity.microcontact.basin_bem.press import monotone
 from asperity.microcontact.hertz import elliptic_contact
 from asperity.microcontact.laws import tabulate
 from asperity.model.corrections import pressed_basins
 from asperity.model.corrections.joined_pairs import join
 from asperity.model.decomposition import Decomposition
-from asperity.model.law_rows import LawRows
-from asperity.model.load_shares import LoadShares
+from asperity.model.law_rows import LawRows, LoadShares
 from asperity.parameters import DEFAULTS
 from surfaces import HeightMap, resample, segment, self_affine
 from surfaces.peaks._climb import PLATEAU
@@ -195,6 +198,7 @@ LONG_RIDGES = {
     "rolloff": 32.0,
     "cutoff": 8.0,
 } | {"anisotropy": 4.0, "seed": 13}
+
 SMOOTH_HILLS = (  # a coarser grid holds them
     {"shape": (120, 160), "size": (120.0, 192.0), "hurst": 0.9, "cutoff": 24.0, "seed": 8}
 )
@@ -298,3 +302,29 @@ def test_joined_summits_have_the_form_of_their_contact():
     across, along, skew = decomposition.population.elongation.moments[0]
     assert along > 1.5 * highest.moments[0, 1] and across < highest.moments[0, 0]
     assert abs(skew) < 0.02 * along
+
+
+@settings(deadline=None, derandomize=True, max_examples=60)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 8), st.booleans())
+def test_rows_are_those_of_scipy(seed, rows, level):
+    """With values that rise, fall and stand still, and rows of different lengths."""
+    random = np.random.default_rng(seed)
+    places = np.cumsum(random.integers(1, 5, (rows, 12)), axis=1)
+    count = random.integers(3, 13, rows)
+    values = random.normal(size=(rows, 12, 2))
+    if level:
+        values = np.round(values)
+    at = np.arange(50.0)
+    unknown = np.arange(12) >= count[:, None]
+    found = monotone(
+        np.where(unknown, -1, places), count, np.where(unknown[:, :, None], 0, values), at
+    )
+    for i, k in enumerate(count):
+        inside = (at >= places[i, 0]) & (at <= places[i, k - 1])
+        line = PchipInterpolator(places[i, :k], values[i, :k])(at[inside])
+        np.testing.assert_allclose(found[i, inside], line, atol=1e-12)
+
+
+def test_a_straight_line_goes_on():
+    line = monotone(np.array([[0, 2, 5]]), np.array([3]), np.array([[[1.0], [5.0], [11.0]]]), [7.0])
+    assert line[0, 0, 0] == pytest.approx(15.0)

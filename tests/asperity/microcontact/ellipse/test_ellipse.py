@@ -9,7 +9,7 @@ import pytest
 from scipy.special import gamma
 
 from asperity import HalfSpace
-from asperity.microcontact.ellipse.ellipse_law import tabulate
+from asperity.microcontact.ellipse.batch import tabulate
 from asperity.microcontact.ellipse.ellipse_operator import edge_operator, monomials
 from asperity.microcontact.hertz import elliptic_contact
 from surfaces import Profiles

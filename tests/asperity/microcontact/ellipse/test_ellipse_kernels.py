@@ -9,13 +9,8 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.linalg import solve
 
 from asperity.halfspace.influence import near_influence
-from asperity.microcontact.ellipse import (
-    _basin_kernels,
-    _fit_kernels,
-    _polynomial_kernels,
-    _row_kernels,
-)
-from asperity.microcontact.ellipse._directions import place
+from asperity.microcontact.ellipse import _basin_kernels, _fit_kernels, _table_kernels
+from asperity.microcontact.ellipse._contour_kernels import place
 from asperity.microcontact.ellipse._ellipse_kernels import SHAPE, STATES
 from asperity.microcontact.ellipse.batch import (
     _along_rays,
@@ -25,7 +20,7 @@ from asperity.microcontact.ellipse.batch import (
     levels_of,
 )
 from asperity.microcontact.ellipse.ellipse_operator import monomials
-from asperity.microcontact.ellipse.polynomial_fit import fit_rules
+from asperity.microcontact.ellipse.shared_tables import fit_rules
 from asperity.microcontact.ray_moments import edge_weights
 from surfaces.numerics.lanes import LANES, groups, load, splat, store
 
@@ -52,9 +47,7 @@ def test_place_of_a_direction_without_arctangent():
 
 @njit
 def _moved(x0, y0, turn, out):
-    _polynomial_kernels.move(
-        splat(x0), splat(y0), splat(np.sin(turn)), splat(np.tan(0.5 * turn)), out
-    )
+    _fit_kernels.move(splat(x0), splat(y0), splat(np.sin(turn)), splat(np.tan(0.5 * turn)), out)
 
 
 def test_polynomials_moved():
@@ -76,7 +69,7 @@ def test_small_systems():
     right = RNG.normal(size=(LANES, 5))
     expected = np.linalg.solve(matrix, right[..., None])[..., 0]
     vector = right.T.copy().ravel()
-    _polynomial_kernels.solve(np.triu(matrix).reshape(LANES, -1).T.copy().ravel(), vector)
+    _fit_kernels.solve(np.triu(matrix).reshape(LANES, -1).T.copy().ravel(), vector)
     np.testing.assert_allclose(vector.reshape(5, LANES).T, expected)
 
 
@@ -178,7 +171,7 @@ def test_basins_fill_ray_by_ray():
 
 @njit
 def _expanded(state, first, last, levels, powers, stencils, p, columns):
-    _row_kernels.expanded_levels(
+    _table_kernels.expanded_levels(
         state, splat(first), splat(last), levels, powers, stencils, p, columns
     )
 
@@ -259,7 +252,7 @@ def test_ellipses_have_no_lobes():
 
 @njit
 def _carried(filling, last, levels, basin, p, columns):
-    _row_kernels.carried_on(filling, splat(last), levels, splat(basin), p, columns)
+    _table_kernels.carried_on(filling, splat(last), levels, splat(basin), p, columns)
 
 
 def test_planforms_carry_the_contact_on():
@@ -293,14 +286,14 @@ def test_rows_are_hermite_and_convex():
     s = 1 + 0.2 * levels
     columns[0], columns[2] = levels**p * s, levels**2
     columns[1] = 0.5 * levels ** (p - 2) * (p * s + levels * 0.2)
-    out = np.zeros(_row_kernels.MADE * u.size * LANES)
+    out = np.zeros(_table_kernels.MADE * u.size * LANES)
     made = out.reshape(-1, u.size, LANES)[..., 2]
-    _row_kernels.resampled(lanes(columns), levels, levels**p, rules, p, out)
+    _table_kernels.resampled(lanes(columns), levels, levels**p, rules, p, out)
     spline = CubicHermiteSpline(levels, s, np.full(levels.size, 0.2))
     np.testing.assert_allclose(made[0], spline(u) * u**p, rtol=1e-10)
     np.testing.assert_allclose(made[2], u**2, rtol=1e-10)
     columns[0, -3] *= 0.8
-    _row_kernels.resampled(lanes(columns), levels, levels**p, rules, p, out)
+    _table_kernels.resampled(lanes(columns), levels, levels**p, rules, p, out)
     secant = np.diff(made[0], prepend=0.0) / np.diff(u**2, prepend=0.0)
     assert (np.diff(secant) >= -1e-12).all()
     assert (made[1] >= secant - 1e-12).all()

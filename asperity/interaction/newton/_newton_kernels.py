@@ -1,0 +1,289 @@
+"""Compiled passes over the contacts of a trial point, and loops of the conjugate gradients.
+
+The residual d_i + u_i - (z_i - s), the energy of which it is the gradient, both as in the notes of
+`State`, and the shifts of `contact_shifts` (docs/development/interaction.md, "Contact shift").
+Preconditioned conjugate gradients for A x = b, and for A x + c = b with the sum of x held, with the
+inverse D^-1 + D^-1 P E P' D^-1 of `TwoLevelPreconditioner`.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
+
+TINY = 1e-200
+"""Approach [m] below which a contact stays where it is."""
+
+LONGEST = 5.0
+"""Steps over the preconditioned residual that are longer meet next to no resistance: they are 0.4
+to 0.9 where the matrix is positive definite, 1.8 at most on random maps, 3 to 5 where a lattice of
+equal summits is about to fill."""
+
+
+@njit(inline="always")
+def _bounded_shift(stiffness, approach, along_y, along_x, radii, modulus, power, limit):
+    """Shift (y, x) of a closed contact, bounded, and the height that it gains; the
+    formulas are those of `contact_shifts`."""
+    radius = power * stiffness / (2.0 * modulus)
+    square = radius * radius if power == 1.0 else radius ** (2.0 / power)
+    bend = square / (power * approach)
+    y = -bend * (radii[0] * along_y + radii[2] * along_x)
+    x = -bend * (radii[2] * along_y + radii[1] * along_x)
+    free = -0.5 * (along_y * y + along_x * x)
+    bound = 0.5 * limit * limit * power * approach
+    share = bound / (bound + free)
+    return share * y, share * x, share * free
+
+
+@compiled()
+def shift_contacts(
+    force, stiffness, approach, tilt, radii, modulus, power, limit, gain, shift, moment
+):
+    """Height gained, shift and force times shift (n, 2) of each contact."""
+    for i in range(force.size):
+        y, x, rise = 0.0, 0.0, 0.0
+        if force[i] > 0.0 and approach[i] > TINY:
+            y, x, rise = _bounded_shift(
+                stiffness[i], approach[i], tilt[i, 0], tilt[i, 1], radii[i], modulus, power, limit
+            )
+        gain[i] = rise
+        shift[i, 0], shift[i, 1] = y, x
+        moment[i, 0], moment[i, 1] = force[i] * y, force[i] * x
+
+
+@compiled()
+def widen(
+    force,
+    stiffness,
+    approach,
+    tilt,
+    radii,
+    modulus,
+    power,
+    limit,
+    area,
+    outgrown,
+    wider,
+    widest,
+    grown,
+):
+    """Contact areas beside the summits, `grown` where contacts have `outgrown` their paraboloids:
+    see `widened`."""
+    for i in range(force.size):
+        grown[i] = area[i]
+        if not (outgrown[i] and force[i] > 0.0 and approach[i] > TINY):
+            continue
+        y, x, _ = _bounded_shift(
+            stiffness[i], approach[i], tilt[i, 0], tilt[i, 1], radii[i], modulus, power, limit
+        )
+        share = math.pi * power * power * (y * y + x * x) / area[i]
+        grown[i] = area[i] * (1.0 + wider * min(share, widest))
+
+
+@compiled(fastmath=QUOTIENTS)
+def lag(force, stiffness, tilt, shift, next_shift, moved, gain):
+    """Share of the load that the difference between `shift` and `next_shift` can make."""
+    whole = 0.0
+    change = 0.0
+    others = 0.0
+    own = 0.0
+    load = 0.0
+    for i in range(force.size):
+        f = force[i]
+        load += f
+        slope = tilt[i, 0] ** 2 + tilt[i, 1] ** 2
+        whole += f * math.sqrt(slope * (next_shift[i, 0] ** 2 + next_shift[i, 1] ** 2))
+        dy, dx = next_shift[i, 0] - shift[i, 0], next_shift[i, 1] - shift[i, 1]
+        change += f * math.sqrt(slope * (dy * dy + dx * dx))
+        others += stiffness[i] * abs(moved[i])
+        own += 2.0 * stiffness[i] * gain[i]
+    return change / whole * max(others, own) / load if whole > 0.0 else 0.0
+
+
+@compiled()
+def mismatch(rows, own, stiffness, wanted, force, right, exponent, share):
+    """What a forecast of the forces lacks to the laws' `own` at the contacts `rows`, over the
+    stiffness, into `right`; the exponent of the power laws that they follow, and the forecast over
+    `own`. Returns the sum of `own`, and the root of the sum of the squares of the lacks over
+    stiffness times the sum of that."""
+    load = 0.0
+    total = 0.0
+    square = 0.0
+    for k in range(rows.size):
+        i = rows[k]
+        lack = own[i] - force[i]
+        right[k] = lack / stiffness[i]
+        exponent[k] = min(own[i] / (stiffness[i] * wanted[i]), 1.0)
+        share[k] = force[i] / own[i]
+        load += own[i]
+        total += stiffness[i]
+        square += lack * right[k]
+    return load, math.sqrt(total * square)
+
+
+@compiled()
+def balance(stiffness, error):
+    """Mean of the errors, weighted by stiffness."""
+    total = 0.0
+    moment = 0.0
+    for i in range(error.size):
+        total += stiffness[i]
+        moment += stiffness[i] * error[i]
+    return moment / total if total > 0.0 else 0.0
+
+
+@compiled(fastmath=QUOTIENTS)
+def imbalance(
+    height,
+    separation,
+    balanced,
+    gain,
+    moved,
+    longer,
+    value,
+    growth,
+    slope,
+    approach,
+    force,
+    stiffness,
+    gap,
+    wanted,
+    error,
+    active,
+    closing,
+):
+    """Fill z - s, z - s - u, what it exceeds the approach by, and whether that is positive.
+
+    Returns the rise of the plane, zero unless `balanced`, after which the errors times stiffness
+    cancel, their sum without signs, the load, and the number of open contacts that
+    want to close, which are listed in `closing`.
+    """
+    total = 0.0
+    moment = 0.0
+    load = 0.0
+    for i in range(height.size):
+        gap[i] = height[i] - separation + gain[i] - moved[i] - longer[i]
+        wanted[i] = gap[i] - value[i] - growth[i] * slope[i]
+        error[i] = wanted[i] - approach[i]
+        active[i] = approach[i] > 0.0
+        total += stiffness[i]
+        moment += stiffness[i] * error[i]
+        load += force[i]
+    rise = moment / total if balanced and total > 0.0 else 0.0
+    wrong = 0.0
+    fresh = 0
+    for i in range(height.size):
+        gap[i] -= rise
+        wanted[i] -= rise
+        error[i] -= rise
+        wrong += stiffness[i] * abs(error[i])
+        closing[fresh] = i
+        fresh += (wanted[i] > 0.0) & (not active[i])
+    return rise, wrong, load, fresh
+
+
+@compiled()
+def energy_change(gap, error, force, approach, value, work, force1, approach1, value1, work1):
+    """Change of energy from one point to another (1) at one gap, minus the work of the errors along
+    it, and the size of the energies."""
+    change = 0.0
+    slope = 0.0
+    scale = 0.0
+    for i in range(gap.size):
+        before = force[i] * (approach[i] + 0.5 * value[i] - gap[i]) - work[i]
+        after = force1[i] * (approach1[i] + 0.5 * value1[i] - gap[i]) - work1[i]
+        change += after - before
+        scale += abs(before)
+        slope -= error[i] * (force1[i] - force[i])
+    return change, slope, scale
+
+
+@compiled()
+def weigh(stiffness, residual, held):
+    """sum k (r - c)^2, c the mean of r weighted by k if the sum is held, else zero."""
+    square = 0.0
+    first = 0.0
+    total = 0.0
+    for i in range(residual.size):
+        moment = stiffness[i] * residual[i]
+        total += stiffness[i]
+        first += moment
+        square += moment * residual[i]
+    return max(square - first * first / total, 0.0) if held else square
+
+
+@inner()
+def _aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
+    """`aim`, within compiled loops."""
+    count = total.size
+    square = 0.0
+    first = 0.0
+    whole = 0.0
+    for c in range(count):
+        far[1, c] = 0.0
+    for i in range(residual.size):
+        moment = stiffness[i] * residual[i]
+        far[1, cell[i]] += moment
+        square += moment * residual[i]
+    product = square
+    response = 0.0
+    answer = 0.0
+    for c in range(count):
+        first += far[1, c]
+        whole += total[c]
+        here = 0.0
+        even = 1.0
+        for e in range(count):
+            here += inverse[c, e] * far[1, e]
+            even += inverse[c, e] * total[e]
+        product += far[1, c] * here
+        response += far[1, c] + total[c] * here
+        answer += total[c] * even
+        far[0, c] = here
+        far[2, c] = even
+    mean = 0.0
+    if held:
+        shift = response / answer
+        for c in range(count):
+            far[0, c] -= shift * far[2, c]
+        mean = first / whole
+        square = max(square - mean * first, 0.0)
+        product = max(product - shift * response, 0.0)
+    ratio = product / last
+    for i in range(direction.size):
+        direction[i] = stiffness[i] * (residual[i] + far[0, cell[i]]) + ratio * direction[i]
+    return square, mean, product
+
+
+@compiled()
+def aim(last, direction, residual, stiffness, cell, inverse, total, held, far):
+    """New `direction`: the preconditioned residual z_i = k_i (r_i + far_c), c the cell of i, its
+    sum zero if held, plus the old one times the sum of r z over the `last` such sum.
+
+    `inverse` and `total` are E and K of `TwoLevelPreconditioner`, `far` (3, cells) is scratch.
+    Returns what `weigh` does, the mean of r weighted by k if held, and the sum of r z.
+    """
+    return _aim(last, direction, residual, stiffness, cell, inverse, total, held, far)
+
+
+@compiled()
+def advance(
+    product, direction, image, solution, residual, stiffness, cell, inverse, total, held, far
+):
+    """One step of conjugate gradients along `direction` with the matrix's `image` of it, and the
+    next direction. Returns whether one was taken, which is not done along directions of negative or
+    next to no curvature, and what `aim` does."""
+    curvature = 0.0
+    for i in range(direction.size):
+        curvature += direction[i] * image[i]
+    if LONGEST * curvature <= product:
+        return False, (0.0, 0.0, 0.0)
+    length = product / curvature
+    for i in range(solution.size):
+        solution[i] += length * direction[i]
+        residual[i] -= length * image[i]
+    after = _aim(product, direction, residual, stiffness, cell, inverse, total, held, far)
+    return True, after

@@ -1,0 +1,200 @@
+"""The published and the harmonic-resolved law of all peaks at once."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.halfspace.flags import Flag
+from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.transforms import gauss_jacobi
+from surfaces.numerics import parallel
+
+from .law_table import LawTable, joined
+
+if TYPE_CHECKING:
+    from surfaces import Profiles
+
+__all__ = ["expected_error", "tabulate"]
+
+Array = NDArray[np.float64]
+
+_HARMONICS = 5
+"""Harmonics with an operator of their own; the rest is treated as the next one."""
+
+_OVERSHOOT = 1.15
+"""Largest radius of the tables over the radius of the basin's area."""
+
+_SMALLEST, _GRADING = 0.02, 1.3
+"""Smallest radius over the largest, and exponent of the spacing of the radii."""
+
+_LIMIT = 0.5
+"""Largest second-order part over the first-order force; least area over the circle's."""
+
+_BLOCK = 512
+"""Profiles tabulated at a time: their arrays stay in the cache."""
+
+
+def tabulate(
+    profiles: Profiles,
+    material: HalfSpace,
+    *,
+    law: str = "harmonic",
+    nodes: int = 16,
+    radii: int = 14,
+    points: int = 5,
+) -> LawTable:
+    """Law table of the profiles by the first-order (`paper`) or `harmonic` expansion.
+
+    Parameters
+    ----------
+    profiles, material, nodes
+        As of `laws.tabulate`.
+    law
+        "paper" (equations 22-25, 49, 50) or "harmonic" (harmonic by harmonic, with the
+        second-order force and area).
+    radii, points
+        Radii at which the expansion is evaluated, and points of the radial rule.
+
+    Returns
+    -------
+    LawTable
+        The table of a contact ends (its reach) where its contact area equals the area of its
+        basin, ``1/2 sum weight edge^2``; or at 1.15 times the radius of that area, if the
+        contact stays smaller; or before the mean profile turns over (D' <= 0).
+
+    Notes
+    -----
+    All quantities are computed on a grid of radii a, where everything is explicit, and
+    interpolated to the approaches in the normalised forms F/u^(3+m), A/u^2, u = sqrt(d). Beyond
+    the end of a ray f goes on with its last slope and the curvature 2q, so that the mean profile
+    keeps rising; the flag `BEYOND_RADIUS` says where that is used. Where the expansion leaves its
+    range the table is bounded (F2 <= F/2, the area between half and twice that of the circle) and
+    flagged `CONTOUR_DOUBTFUL`. A profile that is marked as unresolved is used as it is given.
+    """
+    from ._ray_kernels import QUANTITIES, expand_profiles
+
+    m = material.m
+    fractions = _OVERSHOOT * np.linspace(_SMALLEST, 1.0, radii) ** _GRADING
+    top = np.sqrt(0.5 * np.sum(profiles.weight * profiles.edge**2, axis=1) / np.pi)
+    t, weights = gauss_jacobi(m, points)
+    usable = np.all(np.isfinite(profiles.q), axis=(1, 2)) & np.all(profiles.edge > 0, axis=1)
+    sampled = (profiles.phi, profiles.weight, profiles.edge, profiles.q)
+    rays = (*map(np.ascontiguousarray, sampled), usable, top)
+    harmonics = m + (1 - m) * np.arange(_HARMONICS + 2.0)
+    inputs = (rays, fractions, t, _radial(t, weights), harmonics, m)
+
+    def block(start: int, stop: int) -> LawTable:
+        rows, own = np.zeros((stop - start, radii, QUANTITIES)), slice(start, stop)
+        expand_profiles(start, stop, *inputs, rows)
+        return _assemble(rows, top[own], fractions, material, law, nodes, usable[own])
+
+    def part(start: int, stop: int) -> list[LawTable]:
+        bounds = [*range(start, max(stop, start + 1), _BLOCK), stop]
+        return [block(a, b) for a, b in itertools.pairwise(bounds)]
+
+    parts = parallel.run(part, parallel.blocks(top.size, 64))
+    return joined([table for tables in parts for table in tables])
+
+
+def _radial(t: Array, weights: Array) -> Array:
+    """Radial weights of the operators n = 0 ... N + 1, of G~ and of a D'."""
+    powers = [*range(1, _HARMONICS + 3), 1, -1]
+    return np.stack([weights * t**power for power in powers])
+
+
+def _assemble(
+    rows: Array,
+    top: Array,
+    fractions: Array,
+    material: HalfSpace,
+    law: str,
+    nodes: int,
+    valid: NDArray[np.bool_],
+) -> LawTable:
+    """Law table from the explicit quantities over the radii ``top * fractions``."""
+    from ._ray_kernels import resample
+
+    m, modulus, p = material.m, material.modulus, 3 + material.m
+    basin = np.pi * top**2
+    rising = np.logical_and.accumulate((rows[..., 0] > 0) & (rows[..., 1] > 0), axis=1)
+    good = np.where(valid, np.count_nonzero(rising, axis=1), 0)
+    good[good < 4] = 0
+    a = np.where(good > 0, top, 1.0)[:, None] * fractions
+    approach = np.where(rising, rows[..., 0], 1.0)
+    slope = np.where(rising, rows[..., 1], 1.0) / a
+    first = 2 * modulus * a ** (1 + m) * (approach / (1 + m) - rows[..., 2])
+    second = modulus * a**m * rows[..., 4] / slope
+    area, odd = _area(rows, a, slope, second, material, law)
+    low, high = (6, 7) if law == "paper" else (8, 9)
+    flags = np.zeros(a.shape, dtype=np.uint8)
+    largest = np.maximum(-rows[..., low], rows[..., high])
+    flags[largest > 0.5 * slope * a] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
+    flags[rows[..., high] >= slope * a] |= np.uint8(Flag.CONTOUR_NEGATIVE)
+    flags[rows[..., 10] > 0] |= np.uint8(Flag.BEYOND_RADIUS)
+    force = first + np.minimum(second, _LIMIT * first) if law == "harmonic" else first
+    odd |= (law == "harmonic") & (second > _LIMIT * first)
+    flags[odd] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
+    spread = expected_error(first, second, modulus * a**m * rows[..., 3] / slope, law)
+    ratios = np.stack([force / approach ** (p / 2), area / approach, spread])
+    reach, *columns = resample(np.sqrt(approach), ratios, flags, good, basin, nodes, p)
+    names = ("force", "stiffness", "area", "flags", "spread")
+    return LawTable(reach, **dict(zip(names, columns, strict=True)), exponent=p, law=law)
+
+
+def _area(
+    rows: Array, a: Array, slope: Array, second: Array, material: HalfSpace, law: str
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Contact area over the radii, bounded and made to rise, and where that changed it."""
+    m = material.m
+    if law == "paper":
+        area = np.pi * (a * a + rows[..., 3] / slope**2)
+    else:
+        change = _derivative(second / a ** (3 + m), a, 3 + m)
+        shift = change / (2 * material.modulus * a**m * slope) - rows[..., 5] / (2 * a * slope**2)
+        area = np.pi * (a * a + 2 * a * shift + rows[..., 4] / slope**2)
+    circle = np.pi * a * a
+    bounded = np.clip(area, (1 - _LIMIT) * circle, circle / (1 - _LIMIT))
+    rising = np.maximum.accumulate(bounded, axis=1)
+    return rising, rising != area
+
+
+def _derivative(ratio: Array, a: Array, p: float) -> Array:
+    """Derivative over a of ``ratio a^p`` on the grid of radii, which is common up to a factor."""
+    change = np.gradient(ratio, a[0] / a[0, -1], axis=1, edge_order=2) / a[:, -1:]
+    return np.asarray(a ** (p - 1) * (p * ratio + a * change))
+
+
+_FIRST, _QUADRATIC, _CUBIC, _OPERATORS = 1.4, 11.0, 1.0, 1.0
+"""Factors of x, x^2, x^(3/2) and of the difference between both second orders."""
+
+
+def expected_error(first: Array, resolved: Array, published: Array, law: str) -> Array:
+    """Relative error of the force to be expected of the law "paper" or "harmonic".
+
+    Parameters
+    ----------
+    first
+        First-order force [N].
+    resolved, published
+        Second-order force F2 [N] with the operator of each harmonic, and with that of n = 2.
+    law
+        "paper" leaves F2 out; "harmonic" leaves out what follows it.
+
+    Notes
+    -----
+    With x = F2/F: 1.4 x + 11 x^2 for "paper", x^(3/2) + 11 x^2 + |difference of the two F2| / F
+    for "harmonic". The forms are those of the next orders; the factors cover 95 % of the
+    boundary-element errors of polygonal, rounded, irregular and elliptic bodies and of summits of
+    rough maps, and are judged on others (`docs/development/laws.md`).
+    """
+    total = first + resolved
+    safe = np.where(total > 0, total, 1.0)
+    x = np.where(total > 0, resolved / safe, 0.0)
+    if law == "paper":
+        return np.asarray(_FIRST * x + _QUADRATIC * x * x)
+    difference = np.where(total > 0, np.abs(resolved - published) / safe, 0.0)
+    return np.asarray(_CUBIC * x**1.5 + _QUADRATIC * x * x + _OPERATORS * difference)

@@ -1,1 +1,0 @@
-"""Laws about a circle: the published first-order solution, and harmonic by harmonic."""

@@ -1,0 +1,310 @@
+"""Tables that all profiles share: of the elliptic contact over its axis ratio, and of their fits.
+
+By Galin's operator (`ellipse_operator`) there is, per monomial of the displacement, the amplitude
+of the edge singularity at nodes on a quarter of the ellipse, and what the edge makes of a change of
+the contour. A table takes a fraction of a second.
+
+A summit of a broad spectrum is not one polynomial: it is fitted on several nested ellipses, and the
+contact law uses the smallest that reaches beyond the contact. The ellipses share their samples, and
+their axis ratio is rounded to one of a few, so that a fit is the product with a matrix made
+beforehand.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surfaces.errors import InputError
+
+from .ellipse_operator import (
+    DEGREE,
+    edge_operator,
+    fourier_moments,
+    monomials,
+    parity_of,
+    product_weights,
+    punch_moments,
+    steeper_operator,
+)
+
+__all__ = [
+    "LANES",
+    "LOG_RATIO",
+    "EllipseTables",
+    "FitRules",
+    "edge_slopes",
+    "ellipse_tables",
+    "fit_rules",
+]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+LANES = 8
+"""Nodes on a quarter of the ellipse in the tables: DEGREE + 1, the last one repeated."""
+
+LOG_RATIO = (math.log(1 / 80), math.log(2.5), 64)
+"""First and last ln(b/a) of the tables and the number of nodes."""
+
+SHRINK = 0.66
+"""Size of each fit relative to the last."""
+
+_RINGS = (0, 1, 2, 4, 6)
+"""Radii of the samples of one fit, as powers of the root of `SHRINK`."""
+
+_SKEW = np.exp(np.linspace(np.log(0.5), np.log(16.0), 36))
+"""Axis ratios of the base ellipse over that of the rays, to one of which a summit is rounded."""
+
+
+@dataclass(frozen=True)
+class EllipseTables:
+    """Tables of the elliptic contact of one grading exponent.
+
+    Parameters
+    ----------
+    m
+        Exponent of the grading.
+    degree
+        Degree of the polynomials.
+    rows
+        One row per ln(b/a): edge amplitudes (monomial, node) flattened, quadrature weights of
+        ``gamma**(m-1)`` at the nodes, stiffness of the unit punch (s = 1, modulus 1), and the
+        upper triangles of the second-order stiffness form of the four parity classes. Every
+        quarter is padded to `LANES` nodes by its last one, without weight.
+    moments
+        Mean of each monomial under the flat-punch pressure of the ellipse.
+    parity
+        Parity class of each monomial: 0 even-even, 1 odd-odd, 2 odd in x, 3 odd in y.
+    order
+        Degree of each monomial.
+    nodes
+        Ellipse parameter t of the nodes on the quarter, 0 to pi/2.
+    """
+
+    m: float
+    degree: int
+    rows: Array
+    moments: Array
+    parity: NDArray[np.int64]
+    order: NDArray[np.int64]
+    nodes: Array
+
+
+def _boundary_modes(degree: int, kind: int, t: Array) -> Array:
+    """Angular modes of a parity class at parameters t: (t, modes)."""
+    if kind == 0:
+        return np.asarray(np.cos(np.outer(t, np.arange(0, degree + 1, 2))))
+    if kind == 1:
+        return np.asarray(np.sin(np.outer(t, np.arange(2, degree + 1, 2))))
+    odd = np.arange(1, degree + 1, 2)
+    return np.asarray((np.cos if kind == 2 else np.sin)(np.outer(t, odd)))
+
+
+def _free_fields(lower: Array, edge: Array, modes: Array) -> Array:
+    """Polynomials P of a parity class, as coefficients (ratio, monomial, mode), whose fields
+    ``P (1 - rho**2)**((m-3)/2)`` displace nothing and whose values on the edge are the modes.
+
+    `lower` is the operator of such fields (ratio, n, n), `edge` the monomials on the edge (n, t),
+    `modes` the wanted values there (t, modes).
+    """
+    null = np.swapaxes(lower, 1, 2)
+    null = null / np.abs(null).max()
+    system = np.concatenate([null, np.broadcast_to(edge.T, (len(null), *edge.T.shape))], axis=1)
+    right = np.concatenate([np.zeros((len(edge), modes.shape[1])), modes])
+    return np.asarray(np.linalg.pinv(system, rcond=1e-12) @ right)
+
+
+def _stiffness_forms(degree: int, m: float, lower: Array, weight: Array, bent: Array) -> Array:
+    """Upper triangles of the second-order stiffness form, per ratio (ellipse_law 2).
+
+    ``lower`` is the operator with exponent (m-3)/2, ``weight`` and ``bent`` the product weights
+    of w and of its second derivative over 2 pi.
+    """
+    i, j = monomials(degree)
+    parity, order = parity_of(degree), i + j
+    t = np.arange(weight.shape[1]) * 2 * np.pi / weight.shape[1]
+    edge = np.cos(t) ** i[:, None] * np.sin(t) ** j[:, None]
+    out = []
+    for kind in range(4):
+        rows = np.flatnonzero(parity == kind)
+        modes = _boundary_modes(degree, kind, t)
+        solution = _free_fields(lower[:, rows[:, None], rows], edge[rows], modes)
+        slope = np.einsum("rt,brk->btk", edge[rows] * order[rows, None], solution)
+        amplitude = -0.5 * (m - 1) * slope
+        form = np.einsum("bt,ti,btj->bij", weight, modes, 0.5 * m * modes + amplitude)
+        form = form + 0.25 * np.einsum("bt,ti,tj->bij", bent, modes, modes)
+        form = 0.5 * (form + np.swapaxes(form, 1, 2))
+        for p in range(modes.shape[1]):
+            for q in range(p, modes.shape[1]):
+                out.append(form[:, p, q] * (1.0 if p == q else 2.0))
+    return np.array(out).T
+
+
+@lru_cache(maxsize=8)
+def edge_slopes(m: float, degree: int) -> Array:
+    """Edge of the fields (1 - rho**2)**((m-3)/2) without displacement, in Fourier modes.
+
+    Parameters
+    ----------
+    m
+        Exponent of the grading.
+    degree
+        Highest mode, even.
+
+    Returns
+    -------
+    NDArray
+        Per ln(b/a) of the tables the matrices from the modes cos k t (first) and sin k t (second)
+        of the polynomial's value at the edge to those of its first and second coefficient in
+        powers of ``1 - rho**2`` there, shape (ratios, 2, 2, degree + 1, degree + 1), the
+        coefficient first; ``-k/2`` and ``k (k - 2)/8`` on the circle.
+    """
+    ratio = np.exp(np.linspace(*LOG_RATIO))
+    lower = steeper_operator(m, ratio, degree)
+    i, j = monomials(degree)
+    order = i + j
+    parity = parity_of(degree)
+    count = 4 * (degree + 1)
+    t = np.arange(count) * 2 * np.pi / count
+    edge = np.cos(t) ** i[:, None] * np.sin(t) ** j[:, None]
+    out = np.zeros((ratio.size, 2, 2, degree + 1, degree + 1))
+    for kind, (form, first) in enumerate(((0, 0), (1, 2), (0, 1), (1, 1))):
+        rows = np.flatnonzero(parity == kind)
+        number = np.arange(first, degree + 1, 2)
+        modes = (np.cos if form == 0 else np.sin)(np.outer(t, number))
+        solution = _free_fields(lower[:, rows[:, None], rows], edge[rows], modes)
+        norm = np.sum(modes * modes, axis=0)
+        for which, factor in enumerate((-order / 2, order * (order - 2) / 8)):
+            inner = np.einsum("rt,brk->btk", edge[rows] * factor[rows, None], solution)
+            out[:, which, form, number[:, None], number] = np.swapaxes(
+                np.einsum("btk,tl->bkl", inner, modes) / norm, 1, 2
+            )
+    return out
+
+
+@lru_cache(maxsize=8)
+def ellipse_tables(m: float, degree: int = DEGREE) -> EllipseTables:
+    """Tables of the elliptic contact for one grading exponent, built once per process.
+
+    Parameters
+    ----------
+    m
+        Exponent of the grading, -1 < m < 1.
+    degree
+        Degree of the profile polynomials, even, at least 2.
+    """
+    quarter = degree + 1
+    nodes = np.linspace(0, np.pi / 2, quarter)
+    around = 4 * (quarter - 1)
+    ratio = np.exp(np.linspace(*LOG_RATIO))
+    edge = edge_operator(m, ratio, degree)
+    lower = steeper_operator(m, ratio, degree)
+    ratio = ratio[:, None]
+    fine = np.arange(8192) * np.pi / 8192
+    squared = np.cos(fine) ** 2 * ratio + np.sin(fine) ** 2 / ratio
+    dense = 8 * (degree + 2)
+    even = fourier_moments(squared ** ((m - 1) / 2), dense // 4 + 1)
+    full = np.zeros((ratio.size, dense // 2 + 1))
+    full[:, ::2] = even
+    weight = product_weights(full, dense, 2 * np.pi)
+    bent = product_weights(-full * np.arange(full.shape[1]) ** 2, dense, 2 * np.pi)
+    forms = _stiffness_forms(degree, m, lower, weight, bent)
+
+    on_quarter = product_weights(full[:, : around // 2 + 1], around, 2 * np.pi)[:, :quarter]
+    on_quarter = on_quarter * np.where((nodes == 0) | (nodes == nodes[-1]), 2.0, 4.0)
+    alpha = fourier_moments(squared ** ((m - 1) / 2), 1)
+    stiffness = 2 / ((1 + m) * alpha)
+    spare = ((0, 0), (0, max(LANES - quarter, 0)))
+    edge = np.pad(edge, ((0, 0), *spare), mode="edge").reshape(ratio.size, -1)
+    rows = np.concatenate([edge, np.pad(on_quarter, spare), stiffness, forms], axis=1)
+    i, j = monomials(degree)
+    return EllipseTables(
+        m=m,
+        degree=degree,
+        rows=np.ascontiguousarray(rows),
+        moments=punch_moments(degree, m),
+        parity=parity_of(degree),
+        order=i + j,
+        nodes=nodes,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class FitRules:
+    """What the fits of all summits share.
+
+    Parameters
+    ----------
+    radii
+        Radii of the samples relative to the largest ellipse.
+    rings
+        The radii of each fit, shape (fits, rings).
+    image
+        The rays at (+,+), (-,+), (-,-), (+,-) of each ray in the first quadrant.
+    skew
+        Axis ratios of the base ellipse over that of the rays.
+    matrices
+        Coefficients from the means of a parity class at the points (ray, ring), shape
+        (skew, class, monomials of the class, points), padded.
+    members, count
+        Number, i and j of the monomials of each class, and how many they are.
+    logs
+        Logarithms of the sizes of the fits.
+    """
+
+    radii: Array
+    rings: Index
+    image: Index
+    skew: Array
+    matrices: Array
+    members: Index
+    count: Index
+    logs: Array
+
+
+@lru_cache(maxsize=4)
+def fit_rules(rays: int) -> FitRules:
+    """Rules for summits on `rays` rays, a multiple of four, the first along the long axis."""
+    from ._fit_kernels import FITS
+
+    if rays % 4:
+        raise InputError(f"the rays must be mirror images in four quadrants, got {rays} rays")
+    rings = 2 * np.arange(FITS)[:, None] + np.array(_RINGS)
+    root = np.sqrt(SHRINK)
+    used, rings = np.unique(rings, return_inverse=True)
+    rings = rings.reshape(FITS, len(_RINGS))
+    base = np.arange(rays // 4 + 1)
+    image = np.stack([base, rays // 2 - base, rays // 2 + base, rays - base], axis=1) % rays
+    share = np.where((base == 0) | (base == rays // 4), 0.5, 1.0)
+    weight = np.repeat(share, len(_RINGS))
+    i, j = monomials(DEGREE)
+    kind = np.choose((i % 2) + 2 * (j % 2), [0, 2, 3, 1])
+    classes = [np.flatnonzero((kind == c) & (i + j >= 2)) for c in range(4)]
+    count = np.array([len(c) for c in classes])
+    members = np.zeros((4, count.max(), 3), dtype=np.int64)
+    matrices = np.zeros((_SKEW.size, 4, count.max(), weight.size))
+    turn = 2 * np.pi * base / rays
+    for n, skew in enumerate(_SKEW):
+        x, y = np.cos(turn), skew * np.sin(turn)
+        unit = np.stack([x, y]) / np.hypot(x, y)
+        x, y = (np.multiply.outer(v, root ** np.array(_RINGS)).ravel() for v in unit)
+        for c, rows in enumerate(classes):
+            values = x[:, None] ** i[rows] * y[:, None] ** j[rows]
+            normal = values.T @ (weight[:, None] * values)
+            matrices[n, c, : rows.size] = np.linalg.solve(normal, values.T * weight)
+            members[c, : rows.size] = np.stack([rows, i[rows], j[rows]], axis=1)
+    return FitRules(
+        radii=root ** used.astype(float),
+        rings=rings,
+        image=image,
+        skew=_SKEW,
+        matrices=matrices,
+        members=members,
+        count=count,
+        logs=np.log(SHRINK) * np.arange(FITS),
+    )

@@ -1,1 +1,0 @@
-"""Law `ritz`: direct maximization of the Barber-Fabrikant functional."""

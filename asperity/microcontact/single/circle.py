@@ -1,0 +1,234 @@
+"""The first-order solution about the circle: as published, and resolved harmonic by harmonic."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.halfspace.flags import Flag
+from asperity.halfspace.material import HalfSpace
+from asperity.microcontact.circle import expected_error
+from surfaces.polar import PolarProfile, PowerSumProfile
+
+from .basis import Basis, PowerBasis, basis_of, samples, synthesis
+from .indentation import Indentation, contour_flags, profile_flags
+from .inverse_approach import InverseApproach
+from .pressure import AxisymmetricPressure, HistoryPressure
+
+__all__ = ["Expansion", "indent"]
+
+Array = NDArray[np.float64]
+
+_ANGLES = 720
+"""Angles at which the flags look at a contour."""
+
+_CLOSED = 2048
+"""Angles at which the area of a contour is taken."""
+
+
+@dataclass(frozen=True, eq=False)
+class Expansion:
+    """Quantities of the expansion at radii a, shape (k,).
+
+    Attributes
+    ----------
+    approach
+        D(a) [m] (equation 22, 49).
+    slope
+        a D'(a) [m].
+    first, second
+        Force [N] of the mean profile (equations 23, 49), and its second-order part F2.
+    second_slope
+        a dF2/da [N].
+    amplitudes
+        Edge amplitudes e_n [m], n = 1, 2, ..., shape (k, harmonics).
+    """
+
+    a: Array
+    material: HalfSpace
+    orders: NDArray[np.int64]
+    approach: Array
+    slope: Array
+    first: Array
+    second: Array
+    second_slope: Array
+    amplitudes: NDArray[np.complex128]
+
+    @classmethod
+    def at(cls, basis: Basis, a: Array, material: HalfSpace, *, published: bool) -> Expansion:
+        """Evaluate at the radii `a`, all positive."""
+        m, modulus = material.m, material.modulus
+        approach, slope, curve = (basis.depth(a, order) for order in (0, 1, 2))
+        scale = modulus * a ** (1 + m)
+        first = 2 * scale * (approach / (1 + m) - basis.gap(a))
+        e, de = (basis.amplitudes(a, order, published=published) for order in (0, 1))
+        square = np.sum(np.abs(e) ** 2, axis=1) / 2
+        change = np.sum((e * de.conj()).real, axis=1)
+        second = scale * square / slope
+        second_slope = scale / slope * ((1 + m) * square + change - square * curve / slope)
+        return cls(a, material, basis.orders, approach, slope, first, second, second_slope, e)
+
+    def boundary(self, edge: Array) -> Array:
+        """First-order contour [m] for the edge amplitude `edge` [m], shape (k, phi.size)."""
+        return np.asarray(self.a[:, None] - (self.a / self.slope)[:, None] * edge)
+
+    def resolved_area(self) -> Array:
+        """Area [m^2] to second order."""
+        return np.asarray(np.pi * (self.a**2 + 2 * self.a * self.mean_shift() + self.variance()))
+
+    def resolved_boundary(self, phi: Array) -> Array:
+        """Contour [m] of the resolved law, shape (k, phi.size): it encloses `resolved_area`.
+
+        Written as ``exp(da/a)``, which is the first-order contour to first order, stays positive
+        and is closer to the true one (the contour of an ellipse bends the same way).
+        """
+        circle = np.pi * self.a**2
+        area = self.resolved_area()
+        area = np.where(area > circle / 4, area, circle)
+        grown = np.exp(np.minimum(2 * samples(self.ratios(), _CLOSED), 20.0)).mean(axis=1)
+        scale = np.sqrt(area / (np.pi * grown))
+        deviation = np.minimum(-self.edge(phi) / self.slope[:, None], 10.0)
+        return np.asarray(scale[:, None] * np.exp(deviation))
+
+    def ratios(self) -> NDArray[np.complex128]:
+        """First-order amplitudes of the contour over a, shape (k, harmonics)."""
+        return np.asarray(-self.amplitudes / self.slope[:, None])
+
+    def edge(self, phi: Array) -> Array:
+        """Edge amplitude e(phi) [m], shape (k, phi.size)."""
+        return synthesis(self.amplitudes, phi)
+
+    def first_stiffness(self) -> Array:
+        """2 E* a^(1+m) / (1+m): slope of the first-order force [N/m]."""
+        m = self.material.m
+        return np.asarray(2 * self.material.modulus * self.a ** (1 + m) / (1 + m))
+
+    def variance(self) -> Array:
+        """Mean square of the first-order deviation of the contour [m^2]."""
+        return np.asarray(
+            np.sum(np.abs(self.amplitudes) ** 2, axis=1) / 2 * (self.a / self.slope) ** 2
+        )
+
+    def mean_shift(self) -> Array:
+        """Second-order change of the mean radius [m]."""
+        m = self.material.m
+        growth = self.second_slope / (2 * self.material.modulus * self.a**m * self.slope)
+        weight = (m + (1 - m) * self.orders) / 4
+        ratio = np.abs(self.amplitudes / self.slope[:, None]) ** 2
+        return np.asarray(growth - self.a * (ratio @ weight))
+
+
+def indent(
+    profile: PowerSumProfile | PolarProfile,
+    material: HalfSpace,
+    approach: Array,
+    *,
+    law: str = "harmonic",
+) -> Indentation:
+    """Solution by the laws "paper" and "harmonic"; see `asperity.indent`."""
+    basis = basis_of(profile, material.m)
+    depth = approach.ravel()
+    a = InverseApproach(basis).radius(depth)
+    known = np.isfinite(a) & (a > 0)
+    harmonic = Expansion.at(basis, a[known], material, published=False)
+    published = Expansion.at(basis, a[known], material, published=True)
+    one = published if law == "paper" else harmonic
+    fields = _Fields(basis, material, law, one, depth, known)
+    force, stiffness = one.first, one.first_stiffness()
+    area = np.pi * (one.a**2 + one.variance())
+    if law == "harmonic":
+        force = force + one.second
+        stiffness = stiffness + one.second_slope / one.slope
+        area = one.resolved_area()
+    spread = expected_error(one.first, harmonic.second, published.second, law)
+
+    def shaped(values: Array) -> Array:
+        return fields.fill(values[:, None])[:, 0].reshape(approach.shape)
+
+    phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
+    flags = contour_flags(a, fields.fill(fields.first_order(phi)))
+    flags |= profile_flags(profile, depth, phi, fields.contour(phi))
+    flags[~np.isfinite(a)] |= np.uint8(Flag.TURNING)
+    return Indentation(
+        law=law,
+        material=material,
+        approach=approach,
+        force=shaped(force),
+        contact_area=shaped(area),
+        radius=shaped(one.a),
+        stiffness=shaped(stiffness),
+        flags=flags.reshape(approach.shape),
+        error_estimate=shaped(spread),
+        contour_function=fields.contour,
+        pressure_function=fields.scaled if fields.similar else fields.history,
+        history_function=fields.history,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Fields:
+    """Contour and pressure of solved contacts; `known` marks the depths that have a solution."""
+
+    basis: Basis
+    material: HalfSpace
+    law: str
+    state: Expansion
+    depth: Array
+    known: NDArray[np.bool_]
+
+    @property
+    def similar(self) -> bool:
+        """Whether the scaled pressure is what the law gives by default."""
+        one_power = isinstance(self.basis, PowerBasis) and self.basis.powers.size == 1
+        return self.law == "paper" or one_power
+
+    def fill(self, values: Array) -> Array:
+        """Rows for all depths: zero without contact, NaN without solution."""
+        rows = np.repeat(np.where(self.depth > 0, np.nan, 0.0)[:, None], values.shape[1], axis=1)
+        rows[self.known] = values
+        return rows
+
+    def contour(self, phi: Array) -> Array:
+        """Boundary [m], shape (depths, phi.size)."""
+        return self.fill(self._boundary(self.state, phi))
+
+    def scaled(self, r: Array, phi: Array) -> Array:
+        """Axisymmetric pressure stretched to the contour [Pa], shape (depths, points)."""
+        one, edge = self.state, self._boundary(self.state, phi)
+        if one.a.size == 0:
+            return self.fill(np.empty((0, phi.size)))
+        inside = edge > 0
+        stretched = np.where(inside, one.a[:, None] * r / np.where(inside, edge, 1.0), np.inf)
+        field = AxisymmetricPressure(self.basis, self.material)
+        values = field(stretched, one.a)
+        if self.law == "harmonic":
+            for i, ratios in enumerate(one.ratios()):
+                values[i] += field.resolved(stretched[i], phi, float(one.a[i]), ratios)
+        return self.fill(values)
+
+    def history(self, r: Array, phi: Array) -> Array:
+        """Pressure by the history integral [Pa], shape (depths, points)."""
+        field = HistoryPressure(
+            self.basis,
+            self.material,
+            lambda radii, angles: self._boundary(self._earlier(radii), angles),
+            (lambda radii: self._earlier(radii).ratios()) if self.law == "harmonic" else None,
+        )
+        rows = [field(float(a), r, phi) for a in self.state.a]
+        return self.fill(np.reshape(rows, (self.state.a.size, phi.size)))
+
+    def first_order(self, phi: Array) -> Array:
+        """First-order contour [m] of the solved contacts: what the flags judge."""
+        if self.law == "paper":
+            return self.state.boundary(self.basis.published(self.state.a, phi))
+        return self.state.boundary(self.state.edge(phi))
+
+    def _earlier(self, radii: Array) -> Expansion:
+        return Expansion.at(self.basis, radii, self.material, published=self.law == "paper")
+
+    def _boundary(self, state: Expansion, phi: Array) -> Array:
+        if self.law == "paper":
+            return state.boundary(self.basis.published(state.a, phi))
+        return state.resolved_boundary(phi)

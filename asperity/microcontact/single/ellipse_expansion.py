@@ -1,0 +1,224 @@
+"""Fourth-order expansion of one contact about an ellipse, for every profile and every grading.
+
+On an ellipse ``rho < 1`` the displacement d - f leaves the edge amplitude P(t) of the pressure
+``(1 - rho^2)^((m-1)/2)``; Q, Q2, Q3 are minus its derivatives with the logarithm of the size
+(of alternating sign: f is multiplied by its degree). P is small on an ellipse near the contact, and
+so is what deviates in Q, Q2 from their means over t: both count as first order.
+`ellipse_series` holds the expansion itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.halfspace.transforms import kappa
+from asperity.microcontact.ellipse.ellipse_operator import monomials
+from asperity.microcontact.ellipse.shared_tables import LOG_RATIO, ellipse_tables
+
+__all__ = ["ANGLES", "DEGREE", "Edge", "Gap", "between", "edge_of", "fit_points", "fitted"]
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+DEGREE = 8
+"""Degree of the polynomial whose edge amplitude on the ellipse is exact."""
+
+ANGLES = 192
+"""Equispaced parameters t on an ellipse."""
+
+_RADII = 14
+"""Radii at which f is fitted."""
+
+_POWERS = np.arange(9)
+"""Powers of rho for what the polynomial leaves."""
+
+_CUT = 1e-7
+"""Relative singular value below which the radial fit takes no notice."""
+
+_REGION = 1.08
+"""Size of the ellipse on which f is fitted over that of the contact."""
+
+
+@dataclass(frozen=True, eq=False)
+class Gap:
+    """f over an ellipse: a polynomial of the scaled coordinates, and powers of rho for the rest.
+
+    Attributes
+    ----------
+    polynomial
+        Coefficients over `monomials(DEGREE)` [m].
+    rest
+        Amplitudes of ``rho^k e^(i n t)`` [m], shape (n, k).
+    misfit, residue
+        Root mean square [m] of what the polynomial leaves, and of what both leave.
+    """
+
+    polynomial: Array
+    rest: Complex
+    misfit: float
+    residue: float
+
+
+@dataclass(frozen=True, eq=False)
+class Edge:
+    """What the displacement d - f leaves at the edge of one ellipse, in units of the modulus.
+
+    Attributes
+    ----------
+    m, axes
+        Exponent of the grading; semi-axes a, b [m].
+    lower
+        Force of the elliptic punch.
+    scale
+        Factor of ``int w P dt`` in the change of the force: ``pi P* s^(1+m)``.
+    amplitude
+        P [m] at equispaced parameters t.
+    slopes
+        Edge amplitudes of f times its degree to the power 1, 2, 3 [m], shape (3, ANGLES).
+    weight
+        Quadrature weights of ``w = gamma^(m-1)``.
+    """
+
+    m: float
+    axes: tuple[float, float]
+    lower: float
+    scale: float
+    amplitude: Array
+    slopes: Array
+    weight: Array
+
+    @property
+    def level(self) -> float:
+        """Mean of Q [m]."""
+        return float(self.weight @ self.slopes[0] / self.weight.sum())
+
+    @property
+    def shift(self) -> Array:
+        """First-order displacement x = P/Q of the contour."""
+        return self.amplitude / self.level
+
+
+@lru_cache(maxsize=4)
+def fit_points(degree: int) -> tuple[Array, Array, Array, Array]:
+    """Scaled places (xi, eta) of the samples, the monomials there, and their pseudo-inverse."""
+    rho = _REGION * np.sqrt((np.arange(_RADII) + 0.5) / _RADII)
+    t = 2 * np.pi * np.arange(ANGLES) / ANGLES
+    xi: Array = (rho[:, None] * np.cos(t)).ravel()
+    eta: Array = (rho[:, None] * np.sin(t)).ravel()
+    i, j = monomials(degree)
+    matrix = xi[:, None] ** i * eta[:, None] ** j
+    return xi, eta, matrix, _inverse(matrix, 1e-12)
+
+
+@lru_cache(maxsize=1)
+def _radial_fit() -> tuple[Array, Array, Array]:
+    """Powers at the sampled radii; pseudo-inverses of all, and of all but the constant."""
+    rho = _REGION * np.sqrt((np.arange(_RADII) + 0.5) / _RADII)
+    powers = rho[:, None] ** _POWERS
+    bare = np.zeros((_POWERS.size, _RADII))
+    bare[1:] = _inverse(powers[:, 1:], _CUT)
+    return powers, _inverse(powers, _CUT), bare
+
+
+def _inverse(matrix: Array, cut: float) -> Array:
+    return np.asarray(np.linalg.pinv(matrix, rcond=cut), dtype=float)
+
+
+def fitted(samples: Array) -> Gap:
+    """Representation of the values of f at `fit_points(DEGREE)`."""
+    _, _, matrix, inverse = fit_points(DEGREE)
+    polynomial = inverse @ samples
+    left = (samples - matrix @ polynomial).reshape(_RADII, ANGLES)
+    powers, whole, bare = _radial_fit()
+    waves = np.fft.rfft(left, axis=1)
+    rest = (bare @ waves).T
+    rest[0] = whole @ waves[:, 0]
+    missed = left - np.fft.irfft(powers @ rest.T, ANGLES, axis=1)
+    rest[1:] *= 2
+    return Gap(polynomial, rest / ANGLES, _rms(left), _rms(missed))
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values * values)))
+
+
+def edge_of(gap: Gap, approach: float, a: float, b: float, m: float) -> Edge:
+    """Edge amplitudes on the ellipse of semi-axes `a`, `b` on which `gap` was fitted."""
+    tables = ellipse_tables(m, DEGREE)
+    row = between(tables.rows, np.log(b / a))
+    quarter = DEGREE + 1
+    count = tables.order.size
+    table = row[: count * quarter].reshape(count, quarter)
+    unit, punch = float(table[0, 0]), float(row[count * quarter + quarter])
+    i, j = monomials(DEGREE)
+    full = table[:, _FOLD] * _SIGN_X ** i[:, None] * _SIGN_Y ** j[:, None]
+    waves = _resampled((gap.polynomial * tables.order ** _ORDERS[:, None]) @ full)
+    factor, punch_mean = _rest_factors(m)
+    rest = (gap.rest * factor[: len(gap.rest)]) @ (_POWERS ** _ORDERS[:, None]).T
+    rest[1:] /= 2
+    waves += rest.T * ANGLES
+    edge = np.fft.irfft(waves, ANGLES, axis=1)
+    mean = gap.polynomial @ tables.moments + gap.rest[0].real @ punch_mean
+    size = np.sqrt(a * b)
+    return Edge(
+        m=m,
+        axes=(a, b),
+        lower=float(punch * size ** (1 + m) * (approach - mean)),
+        scale=float(np.pi * size ** (1 + m) * unit),
+        amplitude=unit * approach - edge[0],
+        slopes=edge[1:],
+        weight=_edge_weight(m, b / a),
+    )
+
+
+def _edge_weight(m: float, ratio: float) -> Array:
+    """Weights at the parameters t, exact for trigonometric polynomials times gamma^(m-1)."""
+    widths = (ratio * _FINE_COSINE + (1 - _FINE_COSINE) / ratio) ** ((m - 1) / 2)
+    moments = np.zeros(ANGLES // 2 + 1)
+    moments[::2] = np.fft.rfft(widths).real[: ANGLES // 4 + 1] / widths.size
+    return np.asarray(2 * np.pi * np.fft.irfft(moments, ANGLES))
+
+
+@lru_cache(maxsize=8)
+def _rest_factors(m: float) -> tuple[Array, Array]:
+    """Edge amplitude of ``rho^k e^(i n t)`` on the circle, shape (n, k), and mean of rho^k under
+    the pressure of the flat punch."""
+    order = np.arange(ANGLES // 2 + 1)[:, None]
+    return kappa(m, _POWERS + order) / np.pi, kappa(m, _POWERS) / (_POWERS + 1 + m) * (1 + m)
+
+
+def between(rows: Array, position: float) -> Array:
+    """Row at a logarithm of the axis ratio, by local cubics."""
+    first, last, count = LOG_RATIO
+    place = min(max((position - first) / (last - first) * (count - 1), 1.0), count - 2.001)
+    i = int(place)
+    u = place - i
+    share = np.array(
+        [
+            -u * (u - 1) * (u - 2) / 6,
+            (u + 1) * (u - 1) * (u - 2) / 2,
+            -(u + 1) * u * (u - 2) / 2,
+            (u + 1) * u * (u - 1) / 6,
+        ]
+    )
+    return np.asarray(share @ rows[i - 1 : i + 3])
+
+
+def _resampled(values: Array) -> Complex:
+    """Transforms, for ANGLES points, of trigonometric polynomials at 4 DEGREE equispaced ones."""
+    waves = np.fft.rfft(values, axis=-1)
+    out = np.zeros((*values.shape[:-1], ANGLES // 2 + 1), dtype=complex)
+    out[..., : DEGREE + 1] = waves[..., : DEGREE + 1] * (ANGLES / values.shape[-1])
+    return out
+
+
+_NODE = np.arange(4 * DEGREE)
+_FOLD = np.abs(np.mod(_NODE + DEGREE, 2 * DEGREE) - DEGREE)
+_SIGN_X = np.where((_NODE > DEGREE) & (_NODE < 3 * DEGREE), -1.0, 1.0)
+_SIGN_Y = np.where(_NODE > 2 * DEGREE, -1.0, 1.0)
+_ORDERS = np.arange(4)
+_FINE_COSINE = np.cos(np.pi * np.arange(2048) / 2048) ** 2

@@ -1,0 +1,179 @@
+"""The best ellipse of one profile at one approach, and the expansion about that of the contour."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surfaces.polar import PolarProfile, PowerSumProfile
+
+from .ellipse_expansion import ANGLES, DEGREE, Edge, Gap, edge_of, fit_points, fitted
+from .ellipse_series import Expansion, expand
+
+__all__ = ["SHARP", "Ellipse", "Search", "Solved"]
+
+Array = NDArray[np.float64]
+
+SHARP = 0.005
+"""Misfit of the polynomial over the approach above which a tip is sharp: its ellipse stays about
+the summit, since powers of the distance from there describe what the polynomial leaves."""
+
+_NEWTON = 30
+"""Newton steps towards the best ellipse."""
+
+_STILL = 1e-8
+"""Newton step at which it has been found."""
+
+_NEAR = 0.05
+"""Newton step below which the steps teach the inverse of what is left out in them."""
+
+_STEP = 1e-3
+"""Logarithmic step of the approach for the stiffness."""
+
+_LARGEST, _SMALLEST, _KEPT = 0.3, 0.1, 4
+"""Largest step over a mode; least square of a contour; ellipses on which f is kept."""
+
+
+class Ellipse(NamedTuple):
+    """Semi-axes [m], turn [rad] and centre [m]."""
+
+    a: float
+    b: float
+    turn: float
+    x: float
+    y: float
+
+    def places(self, xi: Array, eta: Array) -> tuple[Array, Array]:
+        """Places (r, phi) of scaled coordinates."""
+        c, s = np.cos(self.turn), np.sin(self.turn)
+        x = self.x + c * self.a * xi - s * self.b * eta
+        y = self.y + s * self.a * xi + c * self.b * eta
+        return np.hypot(x, y), np.arctan2(y, x)
+
+    def moved(self, step: Array) -> Ellipse:
+        """Ellipse whose boundary is displaced by `step` over the first modes of `_MODES`."""
+        step = np.append(step, [0.0] * (5 - len(step)))
+        shear = 2 * step[2] / (self.a / self.b + self.b / self.a)
+        strain = np.array([[1 + step[0], shear], [shear, 1 + step[1]]])
+        c, s = np.cos(self.turn), np.sin(self.turn)
+        axes, size, _ = np.linalg.svd(np.array([[c, -s], [s, c]]) @ strain * [self.a, self.b])
+        x, y = step[3] * self.a, step[4] * self.b
+        turn = np.arctan2(axes[1, 0], axes[0, 0])
+        return Ellipse(
+            float(size[0]),
+            float(size[1]),
+            float(turn),
+            self.x + c * x - s * y,
+            self.y + s * x + c * y,
+        )
+
+
+_T = 2 * np.pi * np.arange(ANGLES) / ANGLES
+_MODES = np.stack([np.cos(_T) ** 2, np.sin(_T) ** 2, np.sin(2 * _T), np.cos(_T), np.sin(_T)])
+
+
+class Solved(NamedTuple):
+    """The expansion about one ellipse, and what it was made of."""
+
+    ellipse: Ellipse
+    gap: Gap
+    expansion: Expansion
+    widest: float
+
+
+class Search:
+    """The ellipses of one profile: f is fitted again on each.
+
+    Newton steps of the exact force of the elliptic punch find the best one. What they leave out of
+    its second variation is learned from them (Broyden), for this approach and the next.
+    """
+
+    def __init__(
+        self, profile: PowerSumProfile | PolarProfile, m: float, approach: float, radius: float
+    ) -> None:
+        self._profile, self._m = profile, m
+        self.first, free = _first_ellipse(profile, radius, approach)
+        self._modes = _MODES if free else _MODES[:3]
+        self._inverse = np.eye(len(self._modes))
+        self._gaps: dict[Ellipse, Gap] = {}
+
+    def optimum(self, start: Ellipse, approach: float) -> Ellipse | None:
+        """Ellipse of the largest force of the elliptic punch; None if it was not found."""
+        best, step = start, self._newton(start, approach)
+        for _ in range(_NEWTON):
+            if step is None:
+                return None
+            if np.abs(step).max() < _STILL:
+                return best
+            move = np.clip(self._inverse @ step, -_LARGEST, _LARGEST)
+            best = best.moved(move)
+            following = self._newton(best, approach)
+            if following is not None and np.abs(step).max() < _NEAR:
+                along = self._inverse @ (step - following)
+                share = move @ along
+                if share > 0.1 * (move @ move):
+                    self._inverse += np.outer(move - along, move @ self._inverse) / share
+            step = following
+        return best if step is not None and np.abs(step).max() < 1e-2 else None
+
+    def solved(self, best: Ellipse, approach: float) -> Solved:
+        """Expansion about the ellipse of the contour that the one about `best` gives."""
+        first = self._edge(best, approach)
+        radius = np.sqrt(np.maximum(expand(first).squared, _SMALLEST))
+        moved = best.moved(np.clip(self._over_modes(first, radius - 1), -_LARGEST, _LARGEST))
+        edge = self._edge(moved, approach)
+        widest = float(np.abs(first.shift).max())
+        return Solved(moved, self._gap(moved), expand(edge), widest)
+
+    def power(self, best: Ellipse, approach: float) -> float:
+        """d ln F / d ln d, by difference."""
+        forces = []
+        for h in (-_STEP, _STEP):
+            near = self.optimum(best, approach * np.exp(h))
+            forces.append(
+                np.nan if near is None else self.solved(near, approach * np.exp(h)).expansion.force
+            )
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return float(np.log(forces[1] / forces[0]) / (2 * _STEP))
+
+    def _newton(self, ellipse: Ellipse, approach: float) -> Array | None:
+        """Step over the modes; None where the ellipse bears nothing."""
+        edge = self._edge(ellipse, approach)
+        if not (np.isfinite(edge.lower) and edge.level > 0):
+            return None
+        return self._over_modes(edge, edge.shift)
+
+    def _over_modes(self, edge: Edge, values: Array) -> Array:
+        weighted = self._modes * edge.weight
+        return np.asarray(np.linalg.solve(weighted @ self._modes.T, weighted @ values))
+
+    def _edge(self, ellipse: Ellipse, approach: float) -> Edge:
+        return edge_of(self._gap(ellipse), approach, ellipse.a, ellipse.b, self._m)
+
+    def _gap(self, ellipse: Ellipse) -> Gap:
+        """f on the ellipse; the last few are kept."""
+        if ellipse not in self._gaps:
+            xi, eta, _, _ = fit_points(DEGREE)
+            while len(self._gaps) >= _KEPT:
+                self._gaps.pop(next(iter(self._gaps)))
+            self._gaps[ellipse] = fitted(np.asarray(self._profile(*ellipse.places(xi, eta))))
+        return self._gaps[ellipse]
+
+
+def _first_ellipse(
+    profile: PowerSumProfile | PolarProfile, radius: float, approach: float
+) -> tuple[Ellipse, bool]:
+    """Ellipse of the Hertzian aspect about the summit, a circle about a sharp one, and whether
+    its centre is free."""
+    xi, eta, _, _ = fit_points(DEGREE)
+    circle = Ellipse(radius, radius, 0.0, 0.0, 0.0)
+    gap = fitted(np.asarray(profile(*circle.places(xi, eta))))
+    c = gap.polynomial
+    values, axes = np.linalg.eigh([[c[3], 0.5 * c[4]], [0.5 * c[4], c[5]]])
+    if gap.misfit > SHARP * approach or not values[1] > 0:
+        return circle, gap.misfit <= SHARP * approach
+    root = float(np.clip(values[0] / values[1], 1e-3, 1.0)) ** 0.315
+    turn = float(np.arctan2(axes[1, 0], axes[0, 0]))
+    return Ellipse(radius / root, radius * root, turn, 0.0, 0.0), True

@@ -1,0 +1,209 @@
+"""Solution of one contact: force, area, boundary and pressure, and the flags of its validity."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity.errors import InputError
+from asperity.halfspace.flags import INVALID, Flag
+from asperity.halfspace.material import HalfSpace
+from surfaces.polar import PolarProfile, PowerSumProfile
+
+__all__ = ["Indentation", "contour_flags", "profile_flags"]
+
+Array = NDArray[np.float64]
+
+_RAYS = 96
+"""Rays, at most, on which a profile is looked at."""
+
+_RADII = 160
+"""Radii on each."""
+_FARTHEST = 4.0
+"""How far a profile without a last radius is looked at, over the reach of the contact."""
+
+
+@dataclass(frozen=True, eq=False)
+class Indentation:
+    """Solution of one contact at one or several approaches; all arrays have that shape.
+
+    Attributes
+    ----------
+    law
+        Name of the law.
+    material
+        The half-space.
+    approach
+        Approach d [m].
+    force
+        Normal force [N], compression positive; NaN where there is no solution (`flags`).
+    contact_area
+        Area [m^2] inside the contact boundary.
+    radius
+        Effective contact radius a [m].
+    stiffness
+        dF/dd [N/m].
+    flags
+        Bits of `asperity.microcontact.Flag`.
+    error_estimate
+        Relative error of the force expected from the difference of neighbouring laws.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> ball = surfaces.PowerLawProfile(2.0, 0.5)
+    >>> one = asperity.indent(ball, asperity.HalfSpace.from_modulus(1.0), 0.01)
+    >>> f"{one.radius:.3f}, {one.contour(0.0):.3f}"
+    '0.100, 0.100'
+    >>> f"{one.pressure(0.0, 0.0) / one.mean_pressure:.3f}"
+    '1.500'
+    """
+
+    law: str
+    material: HalfSpace
+    approach: Array
+    force: Array
+    contact_area: Array
+    radius: Array
+    stiffness: Array
+    flags: NDArray[np.uint8]
+    error_estimate: Array
+    contour_function: Callable[[Array], Array] = field(repr=False)
+    pressure_function: Callable[[Array, Array], Array] = field(repr=False)
+    history_function: Callable[[Array, Array], Array] | None = field(default=None, repr=False)
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """Where no flag says that the answer is meaningless."""
+        return np.asarray((self.flags & np.uint8(INVALID)) == 0)
+
+    @property
+    def mean_pressure(self) -> Array:
+        """Force over contact area [Pa]; zero without contact."""
+        touching = self.contact_area > 0
+        return np.asarray(
+            np.where(touching, self.force, 0.0) / np.where(touching, self.contact_area, 1.0)
+        )
+
+    def flag_names(self) -> str:
+        """Names of the flags set anywhere, joined by |; empty if there are none."""
+        return Flag(int(np.bitwise_or.reduce(np.ravel(self.flags), initial=0))).name or ""
+
+    def contour(self, phi: ArrayLike) -> Array:
+        """Boundary a(phi) [m] of the contact, shape (*approach.shape, *phi.shape)."""
+        angle = np.asarray(phi, dtype=float)
+        values = self.contour_function(angle.ravel())
+        return values.reshape(self.approach.shape + angle.shape)
+
+    def pressure(self, x: ArrayLike, y: ArrayLike, *, history: bool = False) -> Array:
+        """Pressure [Pa] at the points (x, y) [m], shape (*approach.shape, *points.shape).
+
+        Parameters
+        ----------
+        x, y
+            Coordinates relative to the summit (broadcast).
+        history
+            Integrate over all earlier contacts (equations 28, 51) in place of stretching the
+            axisymmetric field to the contour (29, 52); slower, equal for power laws. The law
+            "harmonic" does so in any case where the shape of the contact changes with load.
+
+        Raises
+        ------
+        InputError
+            If the law has no history integral.
+        """
+        x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+        law = self.history_function if history else self.pressure_function
+        if law is None:
+            raise InputError(f"the law {self.law!r} has no history integral of the pressure")
+        values = law(np.hypot(x, y).ravel(), np.arctan2(y, x).ravel())
+        return values.reshape(self.approach.shape + x.shape)
+
+    def __str__(self) -> str:
+        columns = ("approach", "force", "contact_area", "radius", "stiffness", "error_estimate")
+        body = f"E* = {self.material.modulus:.4g}, m = {self.material.m:g}"
+        lines = [f"contact by the law {self.law!r}, {body}"]
+        lines.append(" ".join(f"{name:>14}" for name in columns) + "  flags")
+        values = [np.atleast_1d(getattr(self, name)) for name in columns]
+        for *row, bits in zip(*values, np.atleast_1d(self.flags), strict=True):
+            names = Flag(int(bits)).name or "-"
+            lines.append(" ".join(f"{value:14.5e}" for value in row) + f"  {names}")
+        return "\n".join(lines)
+
+    __repr__ = __str__
+
+
+def contour_flags(a: Array, contour: Array) -> NDArray[np.uint8]:
+    """Flags of the contour itself: `a` of shape (k,), `contour` of shape (k, angles)."""
+    flags = np.zeros(a.shape, dtype=np.uint8)
+    known = np.isfinite(a) & (a > 0)
+    ratio = np.where(known[:, None], contour, 1.0) / np.where(known, a, 1.0)[:, None]
+    flags[(ratio.min(axis=1) < 0.5) | (ratio.max(axis=1) > 1.5)] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
+    flags[ratio.min(axis=1) <= 0] |= np.uint8(Flag.CONTOUR_NEGATIVE)
+    return flags
+
+
+def profile_flags(
+    profile: PowerSumProfile | PolarProfile, approach: Array, phi: Array, contour: Array
+) -> NDArray[np.uint8]:
+    """Flags of the profile inside the contact, from one polar scan.
+
+    Parameters
+    ----------
+    profile
+        The profile.
+    approach
+        Approaches [m], shape (k,).
+    phi, contour
+        Angles [rad] and the contours a(phi) [m] at them, shape (k, phi.size).
+    """
+    flags = np.zeros(approach.shape, dtype=np.uint8)
+    reach = np.max(np.nan_to_num(contour), axis=1)
+    flags[reach > profile.radius] |= np.uint8(Flag.BEYOND_RADIUS)
+    if isinstance(profile, PolarProfile) and profile.edge is not None:
+        end = np.interp(phi, profile.phi, profile.edge, period=2 * np.pi)
+        flags[np.any(contour > end, axis=1)] |= np.uint8(Flag.BEYOND_RADIUS)
+        saddle = np.min(profile(profile.edge, profile.phi))
+        flags[approach > saddle] |= np.uint8(Flag.SECOND_SUMMIT)
+    if not np.max(reach, initial=0.0) > 0:
+        return flags
+    last = profile.radius if np.isfinite(profile.radius) else _FARTHEST * float(np.max(reach))
+    r = last * (np.arange(1, _RADII + 1) / _RADII) ** 1.5
+    every = max(1, phi.size // _RAYS)
+    with np.errstate(over="ignore"):
+        f = profile(r[:, None], phi[::every])
+    edge = contour[:, ::every]
+    below = _first(f < 0, r)
+    scale = np.maximum.accumulate(np.abs(f), axis=0)
+    falling = _first(np.diff(f, axis=0, prepend=0.0) < -1e-9 * scale, r)
+    flags[np.any(edge > below, axis=1)] |= np.uint8(Flag.NEGATIVE_GAP)
+    flags[np.any(edge > falling, axis=1)] |= np.uint8(Flag.RAY_TURNS)
+    again = (approach > _second_summit(f)) | [_reenters(f, float(d)) for d in approach]
+    flags[(approach > 0) & again] |= np.uint8(Flag.SECOND_SUMMIT)
+    return flags
+
+
+def _reenters(f: Array, approach: float) -> bool:
+    """Whether a ray enters {f < d} again: another part of the body, or a higher one, stands in."""
+    outside = np.maximum.accumulate(f >= approach, axis=0)
+    return bool(np.any(outside & (f < approach)))
+
+
+def _first(where: NDArray[np.bool_], r: Array) -> Array:
+    """Smallest radius of each ray at which `where` holds, infinite if nowhere."""
+    return np.asarray(np.where(where.any(axis=0), r[np.argmax(where, axis=0)], np.inf))
+
+
+def _second_summit(f: Array) -> float:
+    """Lowest gap over a summit other than the origin, on the polar grid `f`; infinite if none."""
+    inner = f[1:-1]
+    lowest = np.ones(inner.shape, dtype=bool)
+    for down in (-1, 0, 1):
+        ring = f[1 + down : f.shape[0] - 1 + down]
+        for turn in (-1, 0, 1):
+            if down or turn:
+                lowest &= inner < np.roll(ring, turn, axis=1)
+    return float(np.min(inner[lowest], initial=np.inf))

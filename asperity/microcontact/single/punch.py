@@ -1,0 +1,130 @@
+"""Rigid flat punches of star-shaped planform (equations 7, 8, 12, 14)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity.errors import InputError
+from asperity.halfspace.material import HalfSpace
+
+from .basis import corner_rule
+
+__all__ = ["FlatPunch", "flat_punch"]
+
+Array = NDArray[np.float64]
+
+_PANEL = 32
+"""Gauss nodes between two corners of a punch."""
+
+_ANGLES = 4096
+"""Angles of a punch without corners."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlatPunch:
+    """Flat punch of the planform r < a(phi), pressed by a unit distance at a time.
+
+    Attributes
+    ----------
+    material
+        The half-space.
+    edge
+        Boundary a(phi) [m] as a function of the angle [rad].
+    contact_area
+        Area A of the planform [m^2].
+    stiffness
+        ``dF/dd = 4 E_m* A / ((1+m) J_m)`` [N/m].
+    moment
+        ``J_m = int a(phi)^(1-m) dphi`` [m^(1-m)].
+
+    Notes
+    -----
+    Fabrikant's field about the chosen origin: exact for ellipses about their center and for every
+    m, an estimate for any other planform (1.5 % low for a square, m = 0), and it depends on the
+    origin. Put the origin at the centroid.
+
+    Examples
+    --------
+    >>> import math
+    >>> import asperity
+    >>> punch = asperity.flat_punch(1e-3, asperity.HalfSpace.from_modulus(1e9))
+    >>> f"{punch.contact_area / (math.pi * 1e-6):.6f}"
+    '1.000000'
+    """
+
+    material: HalfSpace
+    edge: Callable[[Array], Array]
+    contact_area: float
+    stiffness: float
+    moment: float
+
+    def force(self, approach: ArrayLike) -> Array:
+        """Normal force [N] at the approach [m]; none at or below zero."""
+        return np.asarray(self.stiffness * np.maximum(np.asarray(approach, float), 0.0))
+
+    def pressure(self, x: ArrayLike, y: ArrayLike, approach: float = 1.0) -> Array:
+        """Pressure [Pa] at the points (x, y) [m] (broadcast), infinite at the edge."""
+        x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+        m = self.material.m
+        rho = np.hypot(x, y) / self.edge(np.arctan2(y, x))
+        inside = np.where(rho < 1, (1 - rho) * (1 + rho), 1.0)
+        field = 2 * self.material.modulus / self.moment * inside ** ((m - 1) / 2)
+        return np.asarray(approach * np.where(rho < 1, field, np.where(rho == 1, np.inf, 0.0)))
+
+
+def flat_punch(
+    edge: Callable[[Array], ArrayLike] | ArrayLike,
+    material: HalfSpace,
+    *,
+    corners: ArrayLike = (),
+) -> FlatPunch:
+    """Flat punch with the boundary `edge`.
+
+    Parameters
+    ----------
+    edge
+        a(phi) [m]: a vectorised function, a number, or values at equispaced angles.
+    material
+        Half-space, any m.
+    corners
+        Angles [rad] at which a(phi) has a kink; the integrals are then exact between them.
+
+    Raises
+    ------
+    InputError
+        If the planform does not contain the origin.
+
+    Examples
+    --------
+    >>> import math
+    >>> import asperity
+    >>> punch = asperity.flat_punch(1e-3, asperity.HalfSpace.from_modulus(1e9))  # a disc
+    >>> f"{punch.stiffness / (2 * 1e9 * 1e-3):.4f}"
+    '1.0000'
+    """
+    function = _boundary(edge)
+    phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
+    weight = np.full(_ANGLES, 2 * np.pi / _ANGLES)
+    if np.size(corners):
+        phi, weight = (part.ravel() for part in corner_rule(np.ravel(corners), _PANEL))
+    a = function(phi)
+    if not np.all(np.isfinite(a) & (a > 0)):
+        raise InputError("the planform must contain the origin: a(phi) > 0 at every angle")
+    m = material.m
+    moment = float(weight @ a ** (1 - m))
+    area = float(weight @ a**2) / 2
+    stiffness = 4 * material.modulus * area / ((1 + m) * moment)
+    return FlatPunch(material, function, area, stiffness, moment)
+
+
+def _boundary(edge: Callable[[Array], ArrayLike] | ArrayLike) -> Callable[[Array], Array]:
+    if callable(edge):
+        return lambda phi: np.asarray(edge(phi), dtype=float)
+    values = np.atleast_1d(np.asarray(edge, dtype=float))
+    turn = 2 * np.pi * np.arange(values.size + 1) / values.size
+    closed = np.append(values, values[0])
+    return lambda phi: np.interp(np.mod(phi, 2 * np.pi), turn, closed)

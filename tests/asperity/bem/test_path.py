@@ -1,0 +1,57 @@
+"""Curves in chains of loads, side by side."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from strategies import rough
+
+from asperity import HalfSpace, bem_curve
+from asperity.bem import curve, path
+from asperity.threads import set_threads
+
+BODY = HalfSpace.from_modulus(1.0)
+
+
+@pytest.mark.parametrize("n", [1, 7, 8, 24])
+def test_chains_hold_every_load_once(n):
+    """In ascending order; one chain if there are few loads or the grid is small."""
+    shares = np.geomspace(0.02, 1.0, n)
+    found = path.split_loads(shares, 10**6)
+    assert [i for chain in found for i in chain] == list(range(n))
+    assert len(found) == (2 if n >= 8 else 1)
+    assert path.split_loads(shares, 100) == [range(n)]
+    if len(found) == 2:
+        cost = [sum(1 + 5 * shares[i] for i in chain) for chain in found]
+        assert cost[0] == pytest.approx(cost[1] + 2.0, abs=6.0)
+
+
+def test_result_does_not_depend_on_the_number_of_threads(monkeypatch):
+    """One thread follows the chains in turn, two side by side: the same curve up to rounding."""
+    monkeypatch.setattr(curve, "split_loads", lambda shares, points: [range(2), range(2, 4)])
+    hm = rough((48, 60), seed=6)
+    found = []
+    for count in (1, 2):
+        set_threads(count)
+        try:
+            found.append(bem_curve(hm, BODY, pressures=[0.1, 0.01, 0.03, 0.2], tolerance=1e-9))
+        finally:
+            set_threads(None)
+    assert all(one.converged.all() for one in found)
+    one, two = found
+    np.testing.assert_allclose(one.separation, two.separation, rtol=1e-10)
+    np.testing.assert_array_equal(one.area_fraction, two.area_fraction)
+
+
+def test_a_failing_callback_ends_the_curve(monkeypatch):
+    """The exception comes through, and the other chain does not go on."""
+    monkeypatch.setattr(curve, "split_loads", lambda shares, points: [range(2), range(2, 4)])
+    seen = []
+
+    def progress(point):
+        seen.append(point)
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        bem_curve(rough((30, 40)), BODY, pressures=[0.1, 0.2, 0.3, 0.4], progress=progress)
+    assert len(seen) <= 2
