@@ -16,9 +16,9 @@ from .errors import ConvergenceError as ConvergenceError
 from .errors import InputError as InputError
 from .errors import ModelRangeError as ModelRangeError
 from .extensions.conductance import constriction_conductance as constriction_conductance
-from .extensions.friction_curve import FrictionCurve as FrictionCurve
-from .extensions.friction_curve import friction_curve as friction_curve
+from .extensions.partial_slip import FrictionCurve as FrictionCurve
 from .extensions.partial_slip import PartialSlip as PartialSlip
+from .extensions.partial_slip import friction_curve as friction_curve
 from .extensions.partial_slip import partial_slip as partial_slip
 from .extensions.partial_slip import tangential_modulus as tangential_modulus
 from .extensions.viscoelastic import Relaxation as Relaxation

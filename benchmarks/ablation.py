@@ -127,7 +127,6 @@ PRESS = "asperity.microcontact.basin_bem"
 POPULATION = "asperity.interaction.contact_system.ContactSystem"
 CANDIDATES = "asperity.interaction.candidates.CandidateList"
 SPLIT = "asperity.multiscale.wave_split"
-PIXEL = "asperity.multiscale.wave_split"
 LAWS = "asperity.model.corrections"
 
 CORRECTIONS = {
@@ -200,15 +199,19 @@ CORRECTIONS = {
     "split of the waves": Correction(
         "wave_split",
         (
-            SPLIT,
+            *(f"{SPLIT}.{name}" for name in ("Split", "split_scales", "_law", "_breadth", "_lay")),
             "asperity.multiscale.sub_contact_law",
-            "asperity.multiscale.sub_contact_law",
-            "asperity.multiscale.spectrum_shells",
             "asperity.multiscale.spectrum_shells",
         ),
     ),
-    "half the pixel": Correction("finer_grid", (f"{PIXEL}.refined_map",)),
-    "fewer points": Correction("coarser_grid", ("surfaces.preparation.resampling",)),
+    "half the pixel": Correction("finer_grid", (f"{SPLIT}.refined_map",)),
+    "fewer points": Correction(
+        "coarser_grid",
+        tuple(
+            f"surfaces.preparation.resampling.{name}"
+            for name in ("coarse_map", "shortest_wave", "_holds", "_highest", "_divisor")
+        ),
+    ),
 }
 """The corrections by name; one that is only a switch and a module gets its row below."""
 

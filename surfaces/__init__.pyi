@@ -32,7 +32,6 @@ from .preparation.levelling import level as level
 from .preparation.outliers import mark_outliers as mark_outliers
 from .preparation.prepare import prepare as prepare
 from .preparation.resampling import resample as resample
-from .redistribution import redistribute as redistribute
 from .statistics.bearing import BearingCurve as BearingCurve
 from .statistics.bearing import bearing_curve as bearing_curve
 from .statistics.correlation import Autocorrelation as Autocorrelation
@@ -47,6 +46,7 @@ from .statistics.spectrum import power_spectrum as power_spectrum
 from .statistics.spectrum import power_spectrum_2d as power_spectrum_2d
 from .statistics.spectrum_fit import SpectrumFit as SpectrumFit
 from .statistics.spectrum_fit import fit_spectrum as fit_spectrum
+from .synthesis import redistribute as redistribute
 from .synthesis import self_affine as self_affine
 from .textures import ground as ground
 from .textures import plateau_honed as plateau_honed

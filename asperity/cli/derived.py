@@ -68,8 +68,7 @@ def write_slip(curve: ContactCurve, material: Any, args: argparse.Namespace) -> 
         text = "fewer than two load points converged: no partial slip is written"
         sys.stderr.write(f"asperity {args.command}: {text}\n")
         return
-    from asperity.extensions.friction_curve import friction_curve
-    from asperity.extensions.partial_slip import tangential_modulus
+    from asperity.extensions.partial_slip import friction_curve, tangential_modulus
     from asperity.results.storage import write_csv
 
     slip = friction_curve(

@@ -20,6 +20,15 @@ if TYPE_CHECKING:
 __all__ = ["DIRECTIONS", "ellipses", "microcontacts", "outlines"]
 
 
+Array = NDArray[np.float64]
+
+DIRECTIONS = 16
+"""Directions of an outline, equispaced from the x axis towards y."""
+
+_ROUNDS = 6
+"""Iterations that scale an outline, held to its basin, to its area."""
+
+
 def microcontacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.void]:
     """Table of the contacts that carry load.
 
@@ -144,15 +153,6 @@ def _semi_axes(
     """Semi-axes [m] of the ellipse of each contact's area and its summit's direction."""
     scale = np.sqrt(np.maximum(state.area, np.finfo(float).tiny) / np.pi)
     return scale / np.sqrt(decomposition.aspect), scale * np.sqrt(decomposition.aspect)
-
-
-Array = NDArray[np.float64]
-
-DIRECTIONS = 16
-"""Directions of an outline, equispaced from the x axis towards y."""
-
-_ROUNDS = 6
-"""Iterations that scale an outline, held to its basin, to its area."""
 
 
 def outlines(

@@ -34,6 +34,9 @@ _MIDDLE_CELLS = 100
 """Distance in cells up to which a Gauss rule is used, beyond it a Taylor series."""
 
 
+Grid = NDArray[np.floating[Any]]
+
+
 class ElasticHalfSpace(Protocol):
     """What the solver needs to know of the material."""
 
@@ -186,9 +189,6 @@ def _corner(x: NDArray[np.float64], y: NDArray[np.float64], m: float) -> NDArray
     along_x = x ** (-2 * a) * hyp2f1(0.5, a, 1.5, -((y / x) ** 2))
     along_y = y ** (-2 * a) * hyp2f1(0.5, a, 1.5, -((x / y) ** 2))
     return np.asarray(x * y / (1.0 - m) * (along_x + along_y))
-
-
-Grid = NDArray[np.floating[Any]]
 
 
 @compiled(parallel=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from asperity.errors import InputError
 
-__all__ = ["HalfSpace"]
+__all__ = ["HalfSpace", "require_half_space"]
 
 _SOFTEST, _STIFFEST = 1e-40, 1e40
 """Moduli [Pa] whose products with lengths and each other floating-point numbers hold."""
@@ -149,6 +149,6 @@ def require_half_space(material: object) -> None:
     """Refuse what is no half-space, such as a bare modulus."""
     if not isinstance(material, HalfSpace):
         raise InputError(
-            f"the material must be a half-space, got {type(material).__name__}: "
-            "give asperity.HalfSpace(E, nu) or HalfSpace.from_modulus(E*)"
+            f"an asperity.HalfSpace is needed, not {type(material).__name__}: "
+            "asperity.HalfSpace(E, nu) or asperity.HalfSpace.from_modulus(modulus)"
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Literal, TypeGuard
+from typing import Literal, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.errors import InputError
 from surfaces.heightmap import HeightMap, require_map
 
-if TYPE_CHECKING:
-    from .material import HalfSpace
+from .material import HalfSpace, require_half_space
 
 __all__ = [
     "Boundary",
@@ -28,6 +27,13 @@ __all__ = [
 
 
 Boundary = Literal["periodic", "free"]
+
+AREA_OVER_LOAD = 2.0
+"""Contact area fraction over p/(E* h') at light load (about 2 for random roughness: Hyun, Pei,
+Molinari & Robbins 2004; Putignano, Afferrante, Carbone & Demelio 2012)."""
+
+_LARGEST = 1e40
+"""Size of a load point [Pa or m] whose square, as that of its inverse, can be calculated with."""
 
 
 def chosen_boundary(hm: HeightMap, asked: str | None) -> Boundary:
@@ -52,14 +58,6 @@ def _is_boundary(name: str) -> TypeGuard[Boundary]:
     return name in ("periodic", "free")
 
 
-AREA_OVER_LOAD = 2.0
-"""Contact area fraction over p/(E* h') at light load (about 2 for random roughness: Hyun, Pei,
-Molinari & Robbins 2004; Putignano, Afferrante, Carbone & Demelio 2012)."""
-
-_LARGEST = 1e40
-"""Size of a load point [Pa or m] whose square, as that of its inverse, can be calculated with."""
-
-
 def require_scene(hm: object, material: object) -> None:
     """Refuse what is no height map or no half-space, such as a bare array or a bare modulus.
 
@@ -69,11 +67,7 @@ def require_scene(hm: object, material: object) -> None:
         Saying what to give instead.
     """
     require_map(hm)
-    if not (hasattr(material, "modulus") and hasattr(material, "m")):
-        raise InputError(
-            f"an asperity.HalfSpace is needed, not {type(material).__name__}: "
-            "asperity.HalfSpace(E, nu) or asperity.HalfSpace.from_modulus(modulus)"
-        )
+    require_half_space(material)
 
 
 def slope_scale(hm: HeightMap) -> tuple[float, float]:

@@ -34,6 +34,9 @@ _SMALLEST, _GRADING = 0.02, 1.3
 _LIMIT = 0.5
 """Largest second-order part over the first-order force; least area over the circle's."""
 
+_FIRST, _QUADRATIC, _CUBIC, _OPERATORS = 1.4, 11.0, 1.0, 1.0
+"""Factors of x, x^2, x^(3/2) and of the difference between both second orders."""
+
 _BLOCK = 512
 """Profiles tabulated at a time: their arrays stay in the cache."""
 
@@ -166,10 +169,6 @@ def _derivative(ratio: Array, a: Array, p: float) -> Array:
     """Derivative over a of ``ratio a^p`` on the grid of radii, which is common up to a factor."""
     change = np.gradient(ratio, a[0] / a[0, -1], axis=1, edge_order=2) / a[:, -1:]
     return np.asarray(a ** (p - 1) * (p * ratio + a * change))
-
-
-_FIRST, _QUADRATIC, _CUBIC, _OPERATORS = 1.4, 11.0, 1.0, 1.0
-"""Factors of x, x^2, x^(3/2) and of the difference between both second orders."""
 
 
 def expected_error(first: Array, resolved: Array, published: Array, law: str) -> Array:

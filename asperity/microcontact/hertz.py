@@ -121,25 +121,41 @@ def _spread(profiles: Profiles, m: float, u: Array, reach: Array, axes: Array) -
     The punch functional k (d - <f>) is stationary in the ellipse, so that the change is -k times
     the mean of the rest of f under the flat punch.
     """
-    from ._ray_kernels import mean_excess
-
     out = np.zeros((reach.size, u.size))
-    inputs = (
-        np.ascontiguousarray(profiles.q),
-        np.ascontiguousarray(profiles.edge),
-        np.ascontiguousarray(profiles.weight),
-        np.ascontiguousarray(profiles.curvature),
-        axes,
-        reach > 0,
-        np.ascontiguousarray(moment_weights(m, profiles.t.size, 0).T),
-        m,
-        u,
-        out,
+    weights = moment_weights(m, profiles.t.size, 0).T
+
+    def part(begin: int, end: int) -> None:
+        rows = begin + np.flatnonzero(reach[begin:end] > 0)
+        out[rows] = _mean_excess(profiles, rows, axes[rows], weights, m, u)
+
+    parallel.run(part, parallel.blocks(reach.size, 64))
+    return np.asarray((3 + m) / 2 * np.abs(out) / np.where(reach > 0, reach, 1.0)[:, None])
+
+
+def _mean_excess(
+    profiles: Profiles, rows: NDArray[np.int64], axes: Array, weights: Array, m: float, u: Array
+) -> Array:
+    """Mean of f minus the paraboloid under elliptic punches of semi-axes `axes` times u, over u^2.
+
+    `weights` make the moments h of a ray at equispaced fractions of it; the mean is
+    (1 + m) sum w a^4 h / sum w a^2. Beyond its edge a ray keeps its last moment.
+    """
+    q, weight, (k1, k2) = profiles.q[rows], profiles.weight[rows], profiles.curvature[rows].T
+    moment, bend = q @ weights, k1 - k2
+    turned = np.where(bend > 1e-9 * k1, bend, np.inf)[:, None]
+    along = np.clip((k1[:, None] - 2 * q[:, :, 0]) / turned, 0.0, 1.0)
+    along[np.isinf(turned[:, 0])] = 0.5
+    minor, major = axes.T[:, :, None] ** 2
+    square = 1 / (along / major + (1 - along) / minor)
+    last = moment.shape[2] - 1
+    place = np.minimum(
+        np.sqrt(square)[:, :, None] / profiles.edge[rows][:, :, None] * last * u, last
     )
-    parallel.run(lambda a, b: mean_excess(a, b, *inputs), parallel.blocks(reach.size, 64))
-    depth = reach[:, None] * u**2
-    change = np.divide(out, depth, out=np.zeros_like(out), where=depth > 0)
-    return np.asarray((3 + m) / 2 * np.abs(change))
+    low = np.minimum(place.astype(np.int64), last - 1)
+    below, above = (np.take_along_axis(moment, low + k, axis=2) for k in (0, 1))
+    excess = below + (place - low) * (above - below) - moment[:, :, :1]
+    total = np.einsum("np,npj->nj", weight * square**2, excess)
+    return np.asarray((1 + m) * total / np.sum(weight * square, axis=1)[:, None])
 
 
 @lru_cache(maxsize=16)

@@ -59,8 +59,6 @@ class Plan:
         Whether contacts displace each other.
     above
         Height [m] above the mean plane below which nothing is segmented; None segments all.
-    memory
-        Estimated peak memory [bytes].
     reasons
         One line for each choice.
     resampled
@@ -92,7 +90,6 @@ class Plan:
     law: str
     interaction: bool
     above: float | None
-    memory: int
     reasons: tuple[str, ...]
     resampled: HeightMap | None = field(default=None, repr=False)
     sub_contact_law: SubContactLaw | None = field(default=None, repr=False)
@@ -206,7 +203,6 @@ def make_plan(
         law=law,
         interaction=coupled,
         above=above,
-        memory=memory,
         reasons=tuple(reasons),
         resampled=resampled,
         sub_contact_law=None if split is None else split.law,

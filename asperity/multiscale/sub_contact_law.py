@@ -22,6 +22,10 @@ __all__ = ["SubContactLaw", "SurfacePoint", "closed_areas", "surface_point"]
 Array = NDArray[np.float64]
 
 
+STEP = 0.02
+"""Change of the load, relative, over which energies are compared."""
+
+
 @dataclass(frozen=True)
 class SubContactLaw:
     """Random waves too short for contacts of their own, within the contacts of the longer ones.
@@ -107,10 +111,6 @@ class SubContactLaw:
         spread = self.spread + (1.0 - self.spread) * share**2
         scale = np.sqrt(2.0 / np.pi) * np.maximum(np.asarray(pressure, float), 1e-300)
         return np.asarray(np.sqrt(spread * self.variance) / scale)
-
-
-STEP = 0.02
-"""Change of the load, relative, over which energies are compared."""
 
 
 @dataclass(frozen=True)

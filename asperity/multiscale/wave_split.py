@@ -34,6 +34,15 @@ if TYPE_CHECKING:
 __all__ = ["Split", "fineness", "random_waves", "refined_map", "resolution_warning", "split_scales"]
 
 
+Array = NDArray[np.float64]
+
+SURELY = 0.9
+"""Share of the breadth at which waves are taken out, up to which some lines of a map can tell that
+it is not reached."""
+
+NARROW = "scales: all, the spectrum is narrow enough for a contact at each summit"
+
+
 def fineness(hm: HeightMap) -> float:
     """Share of the squared slope that is lost when heights are taken two pixels apart, not one.
 
@@ -101,15 +110,6 @@ def refined_map(hm: HeightMap, waves: PixelWaves = DEFAULTS.pixel_waves) -> Heig
         if ratio**2 * hm.heights.size <= most:
             return resample(hm, np.asarray(hm.spacing) / ratio)
     return "a finer one would hold the waves near its pixels better, but takes long"
-
-
-Array = NDArray[np.float64]
-
-SURELY = 0.9
-"""Share of the breadth at which waves are taken out, up to which some lines of a map can tell that
-it is not reached."""
-
-NARROW = "scales: all, the spectrum is narrow enough for a contact at each summit"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

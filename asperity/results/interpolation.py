@@ -30,6 +30,13 @@ SLACK = 5e-3
 those asked for by the tolerance of the solve, and the latter must be within the curve."""
 
 
+LEAST_SPAN = 0.25
+"""Least distance in the logarithm of pressure of the points whose slope is taken."""
+
+LARGEST_GAP = 2.5
+"""Largest distance in the logarithm of pressure over which the tangents are integrated."""
+
+
 @dataclass(frozen=True)
 class CurvePoint:
     """A contact curve evaluated at one or several places; arrays have the shape of the argument.
@@ -134,13 +141,6 @@ def _within(
             f"{name} {worst:.4g} {unit} lies outside the converged curve, "
             f"{ends[0]:.4g} to {ends[1]:.4g} {unit}; add load points there"
         )
-
-
-LEAST_SPAN = 0.25
-"""Least distance in the logarithm of pressure of the points whose slope is taken."""
-
-LARGEST_GAP = 2.5
-"""Largest distance in the logarithm of pressure over which the tangents are integrated."""
 
 
 def curve_stiffness(

@@ -39,6 +39,9 @@ __all__ = [
 ]
 
 
+SCHEMA = "asperity/1"
+
+
 def structured(columns: Mapping[str, Any]) -> NDArray[np.void]:
     """One structured array from columns of equal length."""
     arrays = {name: np.asarray(column) for name, column in columns.items()}
@@ -52,9 +55,6 @@ def structured(columns: Mapping[str, Any]) -> NDArray[np.void]:
 def columns(table: NDArray[np.void]) -> dict[str, NDArray[Any]]:
     """The named columns of a structured array."""
     return {name: table[name] for name in table.dtype.names or ()}
-
-
-SCHEMA = "asperity/1"
 
 
 @dataclass

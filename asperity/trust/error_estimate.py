@@ -54,6 +54,10 @@ CALIBRATED = "auto", "ellipse"
 """Laws of which the weights tell; by others, the area is up to three times too large."""
 
 
+OUTSIDE_MODEL = "flat_tops", "at_border", "unsure", "unresolved"
+"""Names of the terms; their weights are those of `parameters.ErrorEstimate`."""
+
+
 def terms(
     decomposition: Decomposition, state: PopulationState, nonrandom: float
 ) -> dict[str, float]:
@@ -129,10 +133,6 @@ def estimate(
     inside = sum(w * values[name] for name, w in zip(TERMS, weights, strict=True))
     outside = sum(getattr(fitted, name) * values.get(name, 0.0) for name in OUTSIDE_MODEL)
     return float(inside + outside)
-
-
-OUTSIDE_MODEL = "flat_tops", "at_border", "unsure", "unresolved"
-"""Names of the terms; their weights are those of `parameters.ErrorEstimate`."""
 
 
 def outside_model_terms(decomposition: Decomposition, state: PopulationState) -> dict[str, float]:

@@ -1,22 +1,33 @@
-"""Open an HDF5 file and find its dataset, with errors of one sentence."""
+"""Open an HDF5 file and find its dataset, with errors of one sentence.
+
+HDF5 calls are tried in a child process first, since damaged files can hang or crash the library.
+Damaged global heaps (where HDF5 keeps attributes of variable length) send the library into an
+endless loop or a segmentation fault, which no exception handler can catch. The child does the
+same calls under a time limit; only if it survives does this process do them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import h5py
+from h5py import _objects
 
 from surfaces.errors import AsperityError, FileFormatError
 
-from ._probe import survives
 from ._schema import DAMAGED, brief, read_header
 
 __all__ = ["HEIGHTS", "find", "naming_damage", "opened", "require_sound"]
 
+
 HEIGHTS = "heights"
+
+CPU_SECONDS = 3
+"""Processor time after which an attempt hangs."""
 
 _LISTED = 12
 """Datasets of a file that a message names."""
@@ -48,7 +59,7 @@ def require_sound(path: Path, dataset: str | None) -> None:
         with opened(path) as file, naming_damage(path):
             read_header(find(file, path, dataset))
 
-    if path.is_file() and not survives(attempt):
+    if path.is_file() and not _survives(attempt):
         raise FileFormatError(
             f"{path}: damaged HDF5, its metadata hang or crash the HDF5 library; "
             "copy the file again from its source"
@@ -95,3 +106,26 @@ def _list_arrays(file: h5py.File) -> str:
     if len(found) > _LISTED:
         found[_LISTED:] = ["..."]
     return ", ".join(found) or "no dataset"
+
+
+def _survives(attempt: Callable[[], object]) -> bool:
+    """Whether `attempt` comes to an end, by return or exception, within `CPU_SECONDS`.
+
+    The limit is on processor time: an endless loop spends it, a slow disk does not. Where
+    processes cannot be forked the answer is always True. The child owns the lock of h5py, which
+    is taken before the fork, so that no other thread of the parent can hold it there.
+    """
+    if not hasattr(os, "fork"):
+        return True
+    import resource
+
+    with _objects.phil:
+        child = os.fork()
+        if child == 0:
+            try:
+                resource.setrlimit(resource.RLIMIT_CPU, (CPU_SECONDS, CPU_SECONDS))
+                attempt()
+            finally:
+                os._exit(0)
+    _, status = os.waitpid(child, 0)
+    return os.WIFEXITED(status)

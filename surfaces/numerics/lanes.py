@@ -32,6 +32,11 @@ transpose = transposer(LANES, grouped=True)
 splat = splatter(LANES)
 
 
+_INVERSE_FACTORIALS = np.array([1 / math.factorial(k) for k in range(11)])
+_SINES = np.array([(-1.0) ** k / math.factorial(2 * k + 1) for k in range(7)])
+_COSINES = np.array([(-1.0) ** k / math.factorial(2 * k) for k in range(7)])
+
+
 @inner()
 def spread_rows(source, rows, out, space):
     """Rows of an array of whole groups (`packed`), one in every lane; `space` is eight groups."""
@@ -79,11 +84,6 @@ def packed(values: NDArray[np.float64]) -> NDArray[np.float64]:
     rows = np.ascontiguousarray(values).reshape(len(values), math.prod(values.shape[1:]))
     spare = -rows.shape[1] % LANES
     return np.pad(rows, ((0, 0), (0, spare))) if spare else rows
-
-
-_INVERSE_FACTORIALS = np.array([1 / math.factorial(k) for k in range(11)])
-_SINES = np.array([(-1.0) ** k / math.factorial(2 * k + 1) for k in range(7)])
-_COSINES = np.array([(-1.0) ** k / math.factorial(2 * k) for k in range(7)])
 
 
 @inner(fastmath=QUOTIENTS)

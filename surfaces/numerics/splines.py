@@ -61,6 +61,11 @@ _SIDE = 8
 load_lines, turn = loader(LINES), transposer(_SIDE)
 
 
+LANES = 8
+TAPS = 6
+load, repeat, splat = loader(LANES), repeater(LANES), splatter(LANES)
+
+
 @inner(forceinline=True)
 def _step(line, at, last, before, gain):
     """Filter the row of the buffer at a place, given the places of the last two and the gain."""
@@ -144,12 +149,6 @@ def filter_rows(flat, nx, periodic, line, start, stop):
             for at in range(k, min(k + _SIDE, lanes)):
                 for j in range(tail, width):
                     flat[(top + at) * width + j] = line[j * LINES + at]
-
-
-LANES = 8
-TAPS = 6
-
-load, repeat, splat = loader(LANES), repeater(LANES), splatter(LANES)
 
 
 def _weights() -> NDArray[np.float64]:

@@ -74,6 +74,10 @@ __all__ = [
 ]
 
 
+ALIGNMENT = 64
+"""Bytes of a cache line."""
+
+
 def loader(width: int, grouped: bool = False, element: Any = None) -> Any:
     """load(array, place): vector of `width` elements of a contiguous array from a place on.
 
@@ -266,10 +270,6 @@ def prefetch(typing: Any, array: Any, place: Any) -> Any:
         return context.get_dummy_value()
 
     return types.void(array, types.intp), code
-
-
-ALIGNMENT = 64
-"""Bytes of a cache line."""
 
 
 def on_stack(kind: Any, count: int) -> Any:

@@ -22,6 +22,33 @@ __all__ = ["ray_places", "ray_signs", "rising_nodes"]
 _load, _splat = loader(LANES), splatter(LANES)
 
 
+_BEYOND = 1.1  # rays run on beyond their basin by this factor: see fit_profiles
+_TOGETHER = 64  # rays
+_CHUNK = 8  # groups of samples
+_ALL = 2**LANES - 1
+_LOWEST = np.array([LANES] + [(n & -n).bit_length() - 1 for n in range(1, _ALL + 1)])
+_HIGHEST = np.array([n.bit_length() - 1 for n in range(_ALL + 1)])
+_RAY = np.dtype(
+    [
+        ("peak", np.int64),
+        ("y", np.float64),  # summit [pixels]
+        ("x", np.float64),
+        ("z", np.float64),
+        ("way_y", np.float64),  # step of one pixel
+        ("way_x", np.float64),
+        ("fall", np.float64),  # tilt of the surface [m per step]
+        ("dip", np.float64),  # how far f may fall again
+        ("end", np.float64),  # length, or what limits it [steps]
+        ("top", np.int64),  # number of the highest sample
+        ("high", np.float64),  # it, and the samples before and after it
+        ("before", np.float64),
+        ("after", np.float64),
+        ("latest", np.float64),
+        ("outside", np.int64),  # whether the latest lies in another basin
+    ]
+)
+
+
 @inner(forceinline=True, **BORROWING)
 def _least(a, b):
     return where(a < b, a, b)
@@ -111,34 +138,6 @@ def rising_nodes(zs, at, z, least, high, scale, squares, inverses, first):
         high = max(high, max(z - zs[at + k], least * squares[first + k]))
         zs[at + k] = high * (scale * inverses[first + k])
     return high
-
-
-_BEYOND = 1.1  # rays run on beyond their basin by this factor: see fit_profiles
-_TOGETHER = 64  # rays
-_CHUNK = 8  # groups of samples
-_ALL = 2**LANES - 1
-_LOWEST = np.array([LANES] + [(n & -n).bit_length() - 1 for n in range(1, _ALL + 1)])
-_HIGHEST = np.array([n.bit_length() - 1 for n in range(_ALL + 1)])
-
-_RAY = np.dtype(
-    [
-        ("peak", np.int64),
-        ("y", np.float64),  # summit [pixels]
-        ("x", np.float64),
-        ("z", np.float64),
-        ("way_y", np.float64),  # step of one pixel
-        ("way_x", np.float64),
-        ("fall", np.float64),  # tilt of the surface [m per step]
-        ("dip", np.float64),  # how far f may fall again
-        ("end", np.float64),  # length, or what limits it [steps]
-        ("top", np.int64),  # number of the highest sample
-        ("high", np.float64),  # it, and the samples before and after it
-        ("before", np.float64),
-        ("after", np.float64),
-        ("latest", np.float64),
-        ("outside", np.int64),  # whether the latest lies in another basin
-    ]
-)
 
 
 @inner(**BORROWING)

@@ -16,6 +16,15 @@ from surfaces.heightmap import HeightMap
 __all__ = ["PLATEAU", "RIM", "SUMMIT", "Peaks", "SummitArrays", "flat_share", "flat_tops"]
 
 
+SUMMIT, PLATEAU, RIM = 0, -1, -2
+"""Kinds of summits: a maximum of the surface, none within reach, none at the border of the map."""
+
+Array = NDArray[np.float64]
+
+HIGHEST = 0.02
+"""Share of the points that count as the highest."""
+
+
 @dataclass(frozen=True, eq=False)
 class Peaks:
     """Peaks of a height map in descending height, one row of every array per peak.
@@ -84,12 +93,6 @@ class Peaks:
         )
 
 
-SUMMIT, PLATEAU, RIM = 0, -1, -2
-"""Kinds of summits: a maximum of the surface, none within reach, none at the border of the map."""
-
-Array = NDArray[np.float64]
-
-
 @dataclass(frozen=True, eq=False)
 class SummitArrays:
     """Summits of n peaks, one row of every array per peak.
@@ -140,10 +143,6 @@ class SummitArrays:
 
     def __len__(self) -> int:
         return int(self.x.size)
-
-
-HIGHEST = 0.02
-"""Share of the points that count as the highest."""
 
 
 def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -24,6 +24,12 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 
+_FOLD = 1.7  # half a paraboloid at the border carries 0.77 of the load, on 0.58 of the area (BEM)
+PART = 1024  # peaks whose directions stay in the cache
+_MOST_SAMPLES = 64 * LANES  # of a ray
+_TINY = 1e-300
+
+
 def ray_aspect(curvature: Array) -> Array:
     """Aspect of the ellipses on which the rays are spread: the root of that of the contact.
 
@@ -168,12 +174,6 @@ def _graded(longest: float, shortest: float) -> Array:
 def _square(parameter: Array | float, aspect: float) -> Array:
     """Squared radius of the ellipse of semi-axes 1 and `aspect`."""
     return np.asarray(np.cos(parameter) ** 2 + (aspect * np.sin(parameter)) ** 2)
-
-
-_FOLD = 1.7  # half a paraboloid at the border carries 0.77 of the load, on 0.58 of the area (BEM)
-PART = 1024  # peaks whose directions stay in the cache
-_MOST_SAMPLES = 64 * LANES  # of a ray
-_TINY = 1e-300
 
 
 def _steps() -> Array:

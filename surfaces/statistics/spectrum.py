@@ -145,11 +145,6 @@ class Spectrum:
     nyquist: float
     window: str
 
-    @property
-    def wavelength(self) -> NDArray[np.float64]:
-        """Wavelength of each ring [m]."""
-        return 2.0 * np.pi / self.q
-
 
 def power_spectrum(hm: HeightMap) -> Spectrum:
     """Power spectral density around rings and along the axes, and its moments.

@@ -182,7 +182,7 @@ def test_a_body_that_turns_over_has_no_solution_beyond():
         (lambda b, m: indent(b, m, 1j), InputError, "approach must be a finite"),
         (lambda b, m: indent(b, m, np.ones((2, 2))), InputError, "one-dimensional"),
         (lambda b, m: indent("cone", m, 1.0), InputError, "profile must be one of surfaces"),
-        (lambda b, m: indent(b, 1e9, 1.0), InputError, "material must be a half-space, got float"),
+        (lambda b, m: indent(b, 1e9, 1.0), InputError, "HalfSpace is needed, not float"),
         (lambda b, m: indent(b, m, load=-1.0), InputError, "load must be positive"),
         (lambda b, m: indent(wavy(1), m, 0.1, law="hertz"), ModelRangeError, "has no curvature"),
         (

@@ -37,7 +37,7 @@ def test_a_heap_that_hangs_the_library_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Zeros in the heap of the text attributes send HDF5 into an endless loop."""
-    monkeypatch.setattr("surfaces.files._probe.CPU_SECONDS", 1)
+    monkeypatch.setattr("surfaces.files._container.CPU_SECONDS", 1)
     path = tmp_path / "a.h5"
     surfaces.write(surfaces.HeightMap(np.eye(5, 7), 1e-6), path)
     content = bytearray(path.read_bytes())

@@ -111,3 +111,20 @@ def test_wrong_input_is_refused_in_one_sentence(changes, message):
     options = {"shape": (20, 24), "size": (1.0, 1.2), "hurst": 0.8, "rms_slope": 0.1} | changes
     with pytest.raises(surfaces.InputError, match=message):
         surfaces.self_affine(options.pop("shape"), options.pop("size"), **options)
+
+
+def test_redistribute_gives_the_heights_and_keeps_the_spectrum():
+    hm = surfaces.self_affine(
+        (48, 64), (1.0, 1.3), hurst=0.7, rms_height=1.0, rolloff=0.3, cutoff=0.05, seed=1
+    )
+
+    def quantile(p):
+        return -np.log1p(-p)  # exponential heights
+
+    other = surfaces.redistribute(hm, quantile)
+    n = hm.heights.size
+    assert_allclose(np.sort(other.heights, axis=None), quantile((np.arange(n) + 0.5) / n))
+    old, new = (np.abs(np.fft.rfft2(m.heights - m.heights.mean())) for m in (hm, other))
+    assert np.corrcoef(old.ravel(), new.ravel())[0, 1] > 0.98
+    with pytest.raises(surfaces.InputError, match="periodic map"):
+        surfaces.redistribute(hm.replace(periodic=False), np.sort)

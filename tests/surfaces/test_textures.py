@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import surfaces
-from surfaces import redistribute, textures
+from surfaces import textures
 
 SHAPE, SIZE = (128, 160), (1.0, 1.25)
 
@@ -63,21 +63,6 @@ def test_two_scale_has_power_in_two_bands_only():
     assert power[~(coarse | fine)].sum() < 1e-20
 
 
-def test_redistribute_gives_the_heights_and_keeps_the_spectrum():
-    hm = surfaces.self_affine(
-        SHAPE, SIZE, hurst=0.7, rms_height=1.0, rolloff=0.3, cutoff=0.05, seed=1
-    )
-
-    def quantile(p):
-        return -np.log1p(-p)  # exponential heights
-
-    other = redistribute(hm, quantile)
-    n = hm.heights.size
-    assert_allclose(np.sort(other.heights, axis=None), quantile((np.arange(n) + 0.5) / n))
-    old, new = (np.abs(np.fft.rfft2(m.heights - m.heights.mean())) for m in (hm, other))
-    assert np.corrcoef(old.ravel(), new.ravel())[0, 1] > 0.98
-
-
 @pytest.mark.parametrize(
     ("make", "more"),
     [
@@ -116,6 +101,3 @@ def test_refusals():
             textures.two_scale(
                 SHAPE, SIZE, coarse=0.2, fine=0.1, coarse_height=height, fine_height=1
             )
-    flat = surfaces.HeightMap(np.eye(5), 1.0)
-    with pytest.raises(surfaces.InputError, match="periodic map"):
-        redistribute(flat, np.sort)

@@ -1,1 +1,1 @@
-"""Law `ellipse`: expansion about the optimal ellipse."""
+"""Law `ellipse` of many summits at once: expansion about the optimal ellipse."""

@@ -67,10 +67,6 @@ class EllipseTables:
 
     Parameters
     ----------
-    m
-        Exponent of the grading.
-    degree
-        Degree of the polynomials.
     rows
         One row per ln(b/a): edge amplitudes (monomial, node) flattened, quadrature weights of
         ``gamma**(m-1)`` at the nodes, stiffness of the unit punch (s = 1, modulus 1), and the
@@ -78,21 +74,13 @@ class EllipseTables:
         quarter is padded to `LANES` nodes by its last one, without weight.
     moments
         Mean of each monomial under the flat-punch pressure of the ellipse.
-    parity
-        Parity class of each monomial: 0 even-even, 1 odd-odd, 2 odd in x, 3 odd in y.
     order
         Degree of each monomial.
-    nodes
-        Ellipse parameter t of the nodes on the quarter, 0 to pi/2.
     """
 
-    m: float
-    degree: int
     rows: Array
     moments: Array
-    parity: NDArray[np.int64]
     order: NDArray[np.int64]
-    nodes: Array
 
 
 def _boundary_modes(degree: int, kind: int, t: Array) -> Array:
@@ -223,15 +211,7 @@ def ellipse_tables(m: float, degree: int = DEGREE) -> EllipseTables:
     edge = np.pad(edge, ((0, 0), *spare), mode="edge").reshape(ratio.size, -1)
     rows = np.concatenate([edge, np.pad(on_quarter, spare), stiffness, forms], axis=1)
     i, j = monomials(degree)
-    return EllipseTables(
-        m=m,
-        degree=degree,
-        rows=np.ascontiguousarray(rows),
-        moments=punch_moments(degree, m),
-        parity=parity_of(degree),
-        order=i + j,
-        nodes=nodes,
-    )
+    return EllipseTables(np.ascontiguousarray(rows), punch_moments(degree, m), i + j)
 
 
 @dataclass(frozen=True, eq=False)
@@ -283,7 +263,7 @@ def fit_rules(rays: int) -> FitRules:
     share = np.where((base == 0) | (base == rays // 4), 0.5, 1.0)
     weight = np.repeat(share, len(_RINGS))
     i, j = monomials(DEGREE)
-    kind = np.choose((i % 2) + 2 * (j % 2), [0, 2, 3, 1])
+    kind = parity_of(DEGREE)
     classes = [np.flatnonzero((kind == c) & (i + j >= 2)) for c in range(4)]
     count = np.array([len(c) for c in classes])
     members = np.zeros((4, count.max(), 3), dtype=np.int64)

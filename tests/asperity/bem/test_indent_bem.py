@@ -30,7 +30,7 @@ def test_thin_corners_are_not_cut_off():
         (lambda m: indent_bem("cone", m, 1.0), "profile must be a gap"),
         (
             lambda m: indent_bem(PowerLawProfile(2, 1.0), 1e9, 1.0),
-            "must be a half-space, got float",
+            "HalfSpace is needed, not float",
         ),
         (lambda m: indent_bem(PowerLawProfile(2, 1.0), m, "deep"), "positive number or several"),
         (lambda m: indent_bem(PowerLawProfile(1, -1.0), m, 1.0), "does not rise to the approach"),

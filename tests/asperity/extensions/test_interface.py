@@ -10,7 +10,7 @@ import pytest
 import asperity
 from asperity.errors import InputError
 from asperity.extensions.conductance import constriction_conductance
-from asperity.extensions.friction_curve import friction_curve
+from asperity.extensions.partial_slip import friction_curve
 from surfaces import HeightMap
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
