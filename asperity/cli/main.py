@@ -14,7 +14,7 @@ from typing import Any
 from asperity import __version__
 from asperity.errors import AsperityError, ConvergenceError
 
-from . import bem, compare, curve, demo, indent, plan, report, solve, surface, warmup
+from . import bem, compare, curve, demo, indent, plan, report, solve, stress, surface, warmup
 from .exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED, EXIT_NOT_CONVERGED, EXIT_OK
 from .interrupt import interruptible
 
@@ -28,6 +28,7 @@ COMMANDS: dict[str, tuple[ModuleType, str]] = {
     "indent": (indent, "one microcontact: force, area, contour and pressure against approach"),
     "surface": (surface, "height maps: info, generate, prepare, convert, validate, peaks"),
     "report": (report, "rebuild the report from a results file"),
+    "stress": (stress, "stiff and extreme cases through every engine, each judged"),
     "warmup": (
         warmup,
         "compile what daily use needs for this machine; later runs start at once",

@@ -1,0 +1,54 @@
+"""``asperity stress``: stiff and extreme cases through every engine, each judged."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+EPILOG = """examples:
+  asperity stress --csv FILE
+  asperity stress --theme textures --csv FILE
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of ``asperity stress``."""
+    parser.epilog = EPILOG
+    parser.add_argument("--theme", help="cases of one theme only, such as loads or textures")
+    parser.add_argument("--csv", metavar="FILE", help="write every case as CSV")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the cases; print the table and whatever failed."""
+    from asperity.errors import InputError
+    from asperity.stress.table import FAILURE, cases, summary, write
+    from asperity.stress.table import run as rows_of
+
+    from . import output
+    from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK
+
+    output.require_outputs(args.csv)
+    chosen = cases(args.theme)
+    if not chosen:
+        known = ", ".join(dict.fromkeys(case.theme for case in cases()))
+        raise InputError(f"--theme {args.theme}: there is none of this name; there are {known}")
+    rows = []
+    shown, advance = output.bar(len(chosen), "cases")
+    with shown:
+        for row in rows_of(chosen):
+            rows.append(row)
+            advance(row)
+    if args.csv:
+        write(args.csv, rows)
+    table = summary(rows)
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    for line in table:
+        print("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)))
+    failed = [row for row in rows if row.outcome == FAILURE]
+    for row in failed:
+        sys.stderr.write(
+            f"{row.theme}, {row.case}, {row.engine}, {row.against}: {row.reason} "
+            f"(error {row.error_over_allowance:.3g} of what is allowed)\n"
+        )
+    print(f"{len(rows)} cases, {len(failed)} failures, {sum(r.seconds for r in rows):.0f} s")
+    return EXIT_NOT_CONVERGED if failed else EXIT_OK

@@ -1,0 +1,110 @@
+"""Run stress cases one after the other, and tell how each ended."""
+
+from __future__ import annotations
+
+import csv
+import time
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import astuple, dataclass, fields
+from pathlib import Path
+
+from asperity.compilation import CURVE, compile_ahead
+from asperity.errors import AsperityError
+
+from .case import Case
+from .contacts import contact_cases
+from .refusals import refusal_cases
+from .rough_maps import map_cases
+
+__all__ = ["FAILURE", "Row", "cases", "run", "summary", "write"]
+
+RIGHT, REFUSED, FAILURE = "right", "refused", "FAILURE"
+
+@dataclass(frozen=True)
+class Row:
+    """How one case ended.
+
+    Attributes
+    ----------
+    theme, case, engine, against
+        The case.
+    outcome
+        "right", "refused" or "FAILURE".
+    error_over_allowance
+        What the judge gives; NaN of a refusal.
+    seconds
+        Run time [s].
+    reason
+        Why it was refused, or what is wrong; else "".
+    """
+
+    theme: str
+    case: str
+    engine: str
+    against: str
+    outcome: str
+    error_over_allowance: float
+    seconds: float
+    reason: str
+
+def cases(theme: str | None = None) -> list[Case]:
+    """All stress cases, or those of one theme."""
+    every = (*contact_cases(), *map_cases(), *refusal_cases())
+    return [case for case in every if theme in (None, case.theme)]
+
+def run(chosen: Iterable[Case]) -> Iterator[Row]:
+    """Rows of some cases, in their order; loops are compiled before the first."""
+    compile_ahead(*CURVE, "bem")
+    return map(_row, chosen)
+
+def _row(case: Case) -> Row:
+    begun = time.perf_counter()
+    ratio, reason, outcome = float("nan"), "", FAILURE
+    with warnings.catch_warnings(record=True) as leaked:
+        warnings.simplefilter("always")
+        try:
+            ratio = float(case.judge())
+        except AsperityError as error:
+            outcome, reason = REFUSED, " ".join(str(error).split())
+        except Exception as error:  # whatever else an engine raises is what the table looks for
+            reason = f"{type(error).__name__}: {error}"
+    seconds = time.perf_counter() - begun
+    if ratio == ratio:
+        outcome, reason = RIGHT, ""
+        if case.must_refuse:
+            outcome, reason = FAILURE, "an answer where there is none"
+        elif not ratio <= 1.0:
+            outcome, reason = FAILURE, "wrong without a word"
+    if leaked:
+        outcome, reason = FAILURE, f"{leaked[0].category.__name__}: {leaked[0].message}"
+    if seconds > case.seconds:
+        outcome, reason = FAILURE, f"more than {case.seconds:g} s"
+    told = case.theme, case.name, case.engine, case.against
+    return Row(*told, outcome, ratio, seconds, reason)
+
+def summary(rows: Iterable[Row]) -> list[tuple[str, ...]]:
+    """Heading and rows of the table by theme and engine: counts, worst error, longest time."""
+    groups: dict[tuple[str, str], list[Row]] = {}
+    for row in rows:
+        groups.setdefault((row.theme, row.engine), []).append(row)
+    head = "theme", "engine", "cases", RIGHT, REFUSED, FAILURE, "worst error/allowed", "longest [s]"
+    return [head, *(_counted(*names, found) for names, found in groups.items())]
+
+def _counted(theme: str, engine: str, rows: list[Row]) -> tuple[str, ...]:
+    def count(outcome: str) -> str:
+        return str(sum(row.outcome == outcome for row in rows))
+
+    worst = max((r.error_over_allowance for r in rows if r.outcome == RIGHT), default=float("nan"))
+    longest = max(row.seconds for row in rows)
+    counts = (str(len(rows)), count(RIGHT), count(REFUSED), count(FAILURE))
+    return theme, engine, *counts, f"{worst:.2g}", f"{longest:.1f}"
+
+def write(path: str | Path, rows: Iterable[Row]) -> None:
+    """Write rows as CSV."""
+    with Path(path).open("w", newline="", encoding="utf-8") as file:
+        out = csv.writer(file)
+        out.writerow([field.name for field in fields(Row)])
+        out.writerows(astuple(row) for row in rows)
+
+Told = Callable[[Row], object]
