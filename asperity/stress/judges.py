@@ -28,7 +28,7 @@ from surfaces.heightmap import HeightMap
 
 from .closed_forms import free_displacement, periodic_displacement
 
-__all__ = ["ENGINES", "Question", "Refused", "alike", "bounded", "certified", "close", "taken"]
+__all__ = ["ENGINES", "Doubted", "Question", "Refused", "alike", "bounded", "certified", "close", "refuse", "taken"]
 
 Array = NDArray[np.float64]
 
@@ -47,6 +47,10 @@ EXACT = 1e-8
 
 class Refused(AsperityError):
     """An engine says in one sentence why it has no answer."""
+
+
+class Doubted(AsperityError):
+    """An answer is farther off than it states, and its engine warns of the reason."""
 
 
 def _anchored(hm: HeightMap, material: HalfSpace, **how: Any) -> ContactCurve:
@@ -127,8 +131,12 @@ def _apart(first: ContactCurve, second: ContactCurve, length: float = 1.0) -> tu
     """Differences of the load at equal separation and of the area at equal load [-], of the points
     that both have; lengths of the second curve are `length` times those of the first."""
     both = first.converged & second.converged & (first.mean_pressure > 0.0)
-    rate = (first.stiffness / first.mean_pressure)[both]
-    load = np.abs(second.separation / length - first.separation)[both] * rate
+    fall = np.abs(second.separation / length - first.separation)[both]
+    load = fall * (first.stiffness / first.mean_pressure)[both]
+    # a separation tells no load in full contact, nor where loads differ by less than its rounding
+    told = first.area_fraction[both] < 1.0 - 1e-9
+    told &= fall > 1e-14 * np.abs(first.separation).max()
+    load = np.where(told, load, 0.0)
     area = np.abs(np.log(second.area_fraction[both] / first.area_fraction[both]))
     return load, area
 
@@ -175,9 +183,24 @@ def bounded(engine: str, question: Question) -> float:
     if not exact.converged.all():
         raise Refused(f"no reference: {next(filter(None, exact.reasons))}")
     load, area = _apart(exact, curve)
-    own = exact.error_estimate, exact.extra["area_error_estimate"]
+    own = exact.error_estimate, exact.extra["area_error_estimate"] + _grain(exact)
     limits = [(a + b)[used] for a, b in zip(stated, own, strict=True)]
-    return max(_worst(load, limits[0]), _worst(area, limits[1]))
+    ratio = max(_worst(load, limits[0]), _worst(area, limits[1]))
+    warnings = curve.settings.get("warnings", ())
+    if ratio > 1.0 and warnings:
+        raise Doubted(f"{ratio:.3g} times the error that is stated; {'; '.join(warnings)}")
+    return ratio
+
+
+def _grain(curve: ContactCurve) -> Array:
+    """Relative error of an area that is counted in pixels: (n N / pi)^(1/4) / N of N in n spots."""
+    pixels = np.maximum(curve.extra["contact_area_raw"] / _pixel(curve), 1.0)
+    return np.asarray((np.maximum(curve.contacts, 1) * pixels / np.pi) ** 0.25 / pixels)
+
+
+def _pixel(curve: ContactCurve) -> float:
+    dy, dx = curve.settings["spacing"]
+    return float(dy * dx)
 
 
 def certified(question: Question, tolerance: float = TOLERANCE) -> float:
@@ -212,7 +235,8 @@ def certificate(found: BemSolution, question: Question, load: float) -> float:
     heights = question.hm.heights - question.hm.heights.mean()
     gap = moved - heights
     gap -= gap[pressure > 0.0].mean()
-    scale = max(float(heights.std()), 1e-6 * float(np.abs(moved).max()), 1e-300)
+    flat = 1e-6 * max(float(np.abs(moved).max()), load / material.modulus * found.spacing[0])
+    scale = max(float(heights.std()), flat, 1e-15 * float(np.abs(question.hm.heights).max()))
     work = float((pressure * (gap - gap.min())).sum() / pressure.sum()) / scale
     errors = abs(pressure.mean() / load - 1.0), work, float(-gap.min()) / scale
     return math.inf if np.isnan(errors).any() or pressure.min() < 0.0 else max(errors)

@@ -88,7 +88,7 @@ TEXTURES: dict[str, Callable[[], Array]] = {
     "ties": lambda: np.tile(rough_heights((16, 16), 4.0), (4, 5)),
     "wave of ridges": lambda: np.cos(2 * np.pi * _grid()[1] / WAVE),
     "wave of hills": lambda: (
-        np.cos(2 * np.pi * _grid()[1] / WAVE) + np.cos(2 * np.pi * _grid()[0] / WAVE)
+        np.cos(2 * np.pi * _grid()[1] / 40) + np.cos(2 * np.pi * _grid()[0] / 32)
     ),
     "shortest wave": lambda: np.cos(np.pi * _grid()[1]) * np.cos(np.pi * _grid()[0]),
     "white noise": _noise,

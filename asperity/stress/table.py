@@ -14,12 +14,13 @@ from asperity.errors import AsperityError
 
 from .case import Case
 from .contacts import contact_cases
+from .judges import Doubted
 from .refusals import refusal_cases
 from .rough_maps import map_cases
 
 __all__ = ["FAILURE", "Row", "cases", "run", "summary", "write"]
 
-RIGHT, REFUSED, FAILURE = "right", "refused", "FAILURE"
+RIGHT, REFUSED, WARNED, FAILURE = "right", "refused", "warned", "FAILURE"
 
 @dataclass(frozen=True)
 class Row:
@@ -30,7 +31,8 @@ class Row:
     theme, case, engine, against
         The case.
     outcome
-        "right", "refused" or "FAILURE".
+        "right"; "refused"; "warned": farther off than it states, for a reason that the engine
+        warns of; or "FAILURE".
     error_over_allowance
         What the judge gives; NaN of a refusal.
     seconds
@@ -65,6 +67,8 @@ def _row(case: Case) -> Row:
         warnings.simplefilter("always")
         try:
             ratio = float(case.judge())
+        except Doubted as error:
+            outcome, reason = WARNED, str(error)
         except AsperityError as error:
             outcome, reason = REFUSED, " ".join(str(error).split())
         except Exception as error:  # whatever else an engine raises is what the table looks for
@@ -88,7 +92,7 @@ def summary(rows: Iterable[Row]) -> list[tuple[str, ...]]:
     groups: dict[tuple[str, str], list[Row]] = {}
     for row in rows:
         groups.setdefault((row.theme, row.engine), []).append(row)
-    head = "theme", "engine", "cases", RIGHT, REFUSED, FAILURE, "worst error/allowed", "longest [s]"
+    head = "theme", "engine", "cases", RIGHT, REFUSED, WARNED, FAILURE, "worst error/allowed", "longest [s]"
     return [head, *(_counted(*names, found) for names, found in groups.items())]
 
 def _counted(theme: str, engine: str, rows: list[Row]) -> tuple[str, ...]:
@@ -97,7 +101,7 @@ def _counted(theme: str, engine: str, rows: list[Row]) -> tuple[str, ...]:
 
     worst = max((r.error_over_allowance for r in rows if r.outcome == RIGHT), default=float("nan"))
     longest = max(row.seconds for row in rows)
-    counts = (str(len(rows)), count(RIGHT), count(REFUSED), count(FAILURE))
+    counts = (str(len(rows)), count(RIGHT), count(REFUSED), count(WARNED), count(FAILURE))
     return theme, engine, *counts, f"{worst:.2g}", f"{longest:.1f}"
 
 def write(path: str | Path, rows: Iterable[Row]) -> None:
