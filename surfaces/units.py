@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 from .errors import InputError
 
-__all__ = ["METRES", "metres_per", "unit_warning"]
+__all__ = ["METRES", "digits_warning", "metres_per", "unit_warning"]
 
 _SLOPES = (1e-6, 10.0)  # rms slopes outside which the units may be wrong
+_ROUNDED = 1e-3  # rounding of heights over their rms value from which on it is warned of
 
 METRES = {
     "m": 1.0,
@@ -61,6 +64,18 @@ def metres_per(unit: str) -> float:
     if name not in METRES:
         raise InputError(f"{unit[:30]!r} is not a unit of length; known are {', '.join(METRES)}")
     return METRES[name]
+
+
+def digits_warning(largest: float, rms_height: float) -> list[str]:
+    """Heights [m] with an offset so large that their rounding is part of the roughness."""
+    rounding = math.ulp(largest)
+    if not 0.0 < rms_height < rounding / _ROUNDED:
+        return []
+    return [
+        f"heights of {largest:.3g} m are rounded to {rounding:.2g} m, "
+        f"{100 * rounding / rms_height:.2g} % of the rms height: subtract their mean before they "
+        "are rounded"
+    ]
 
 
 def unit_warning(slope: float) -> list[str]:

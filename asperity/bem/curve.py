@@ -20,6 +20,7 @@ from asperity.halfspace.material import HalfSpace
 from asperity.results.curve import ContactCurve
 from asperity.threads import threads as thread_count
 from surfaces.heightmap import HeightMap
+from surfaces.units import digits_warning
 
 from .accuracy import choose_grid, coarsened
 from .chains import follow_chains, split_loads
@@ -149,7 +150,9 @@ def bem_curve(
         return interpolated(solved_curve, values)
     begun = time.perf_counter()
     boundary = chosen_boundary(hm, boundary)
-    asked: dict[str, Any] = {"input": hm.digest}
+    warnings = digits_warning(hm.roughness.largest, hm.roughness.rms_height)
+    asked: dict[str, Any] = {"input": hm.digest, "warnings": warnings}
+    hm = hm.about_mean
     grid = hm
     if accuracy is not None:
         lightest = _lightest_area(hm, mat, kind, values)

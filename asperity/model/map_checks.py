@@ -7,7 +7,7 @@ import numpy as np
 from asperity.multiscale.pixel_waves import resolution_warning
 from asperity.parameters import DEFAULTS
 from surfaces.heightmap import HeightMap
-from surfaces.units import unit_warning
+from surfaces.units import digits_warning, unit_warning
 
 __all__ = ["lay", "map_warnings"]
 
@@ -40,6 +40,7 @@ def map_warnings(
         Slopes across over those along a lay from which on no errors are estimated.
     """
     return [
+        *digits_warning(hm.roughness.largest, hm.roughness.rms_height),
         *unit_warning(hm.roughness.rms_slope),
         *resolution_warning(hm),
         *_spike_warning(hm),
@@ -79,16 +80,13 @@ def _spike_warning(hm: HeightMap) -> list[str]:
 
 
 def _straight_warning(hm: HeightMap) -> list[str]:
-    heights, rounding = hm.heights, 8.0 * np.finfo(float).eps
-    largest = max(abs(hm.roughness.highest), abs(hm.roughness.lowest))
+    heights, rounding = hm.heights, 8.0 * np.finfo(float).eps * hm.roughness.largest
     step = -(-len(heights) // LINES)
     above, line, below = (heights[at : len(heights) - 2 + at : step] for at in range(3))
     top = line >= np.quantile(line, 1.0 - HIGHEST)
     across = (above - 2.0 * line + below)[top]
     along = (line[:, 2:] - 2.0 * line[:, 1:-1] + line[:, :-2])[top[:, 1:-1]]
-    share = max(
-        float(np.mean(np.abs(bend) <= rounding * largest)) for bend in (along, across) if bend.size
-    )
+    share = max(float(np.mean(np.abs(bend) <= rounding)) for bend in (along, across) if bend.size)
     if share < STRAIGHT:
         return []
     return [

@@ -176,6 +176,8 @@ def make_plan(
     require_scene(hm, material)
     _require_usable(hm)
     kind, values = checked_loads(hm, material, pressures, separations)
+    warnings = tuple(map_warnings(hm, parameters.error_estimate.longest_lay))
+    hm = hm.about_mean
     edge = chosen_boundary(hm, boundary)
     reasons = [f"boundary: {edge} ({'as the map says' if boundary is None else 'as asked'})"]
     body = f"graded, m = {material.m:g}" if material.m != 0.0 else "homogeneous"
@@ -198,7 +200,6 @@ def make_plan(
         above, why = _lowest_height(hm, material, kind, values, parameters.segmentation)
     reasons.append(why)
     reasons += whys
-    warnings = tuple(map_warnings(hm, parameters.error_estimate.longest_lay))
     reasons += [f"warning: {why}" for why in warnings]
     memory = MODEL_BYTES_PER_POINT * points
     reasons.append(f"memory: about {memory / 2**20:.0f} MiB")

@@ -144,6 +144,18 @@ class HeightMap:
         return line_power(self.heights, self.periodic)
 
     @functools.cached_property
+    def about_mean(self) -> HeightMap:
+        """The map with its heights about their mean; itself where that is below the rms height.
+
+        Sums over heights lose the digits that an offset takes; the difference of two heights does
+        not.
+        """
+        mean = self.roughness.mean
+        if abs(mean) <= self.roughness.rms_height:
+            return self
+        return self.replace(heights=self.heights - mean)
+
+    @functools.cached_property
     def repeats(self) -> bool:
         """Whether neighbors have the same height, as far as some lines tell."""
         from .line_samples import has_repeated_heights

@@ -57,6 +57,11 @@ class Roughness:
     rows: NDArray[np.int64] = field(repr=False, compare=False)
 
     @property
+    def largest(self) -> float:
+        """Largest absolute height [m]."""
+        return max(abs(self.highest), abs(self.lowest))
+
+    @property
     def rms_slope(self) -> float:
         """Root-mean-square gradient [-]."""
         return math.hypot(*self.slope)
