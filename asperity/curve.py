@@ -194,8 +194,7 @@ def solve_contacts(
             if progress is not None:
                 progress(row.point.state)
             if checkpoint is not None:
-                done = list(rows.values())
-                checkpoint(_curve(hm, decomposition, done, time.perf_counter() - start))
+                checkpoint(_curve(hm, decomposition, [*rows.values()], time.perf_counter() - start))
         if len(rows) == len(values):
             break
         decomposition, rows = decomposition.of_whole_map(), {}
@@ -287,10 +286,9 @@ def _curve(
     def column(items: Sequence[object], name: str) -> NDArray[Any]:
         return np.array([getattr(item, name) for item in items])
 
-    pressure = column(states, "mean_pressure")
+    pressure, tangent = column(states, "mean_pressure"), column(surfaces, "stiffness")
     converged = np.array([row.point.converged for row in rows])
     area, separation = column(surfaces, "contact_area"), column(surfaces, "separation")
-    tangent = column(surfaces, "stiffness")
     weights = plan.parameters.error_estimate
     known = 0.0 if plan.law in CALIBRATED and plan.lay < weights.longest_lay else np.nan
     load_error, area_error = (

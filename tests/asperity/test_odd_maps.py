@@ -78,6 +78,23 @@ def test_a_load_on_a_grooved_step_needs_an_area_and_is_that_asked_for(m, recwarn
     assert not recwarn.list
 
 
+@pytest.mark.parametrize(
+    ("shape", "spacing", "height", "m", "law"),
+    [
+        ((26, 3), (9.139e-9, 1.826e-8), 6.139e-9, -0.9, "paper"),
+        ((42, 110), (8.636e-10, 3.501e-10), 5.63e-9, -0.5, "hertz"),
+    ],
+)
+def test_checkerboards_leak_no_warning(shape, spacing, height, m, law, recwarn):
+    """Sharp summits beside each other: numbers that are not finite end in a reason."""
+    y, x = np.indices(shape)
+    hm = surfaces.HeightMap(height * ((x + y) % 2), spacing, periodic=law == "hertz")
+    curve = asperity.contact_curve(hm, asperity.HalfSpace.from_modulus(1e10, m), law=law)
+    assert all(reason or good for reason, good in zip(curve.reasons, curve.converged, strict=True))
+    assert (curve.contact_area[curve.converged] > 0.0).all()
+    assert not recwarn.list
+
+
 @pytest.mark.parametrize("m", [-0.998, -0.99995, -0.9999999])
 def test_gradings_nearest_to_minus_one_are_refused(m):
     body = asperity.HalfSpace.from_modulus(1e10 * 1e-6**-m, m)
