@@ -64,6 +64,18 @@ def test_curve_commands_resume(command, folder, capsys):
     assert "kind of load points changed" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("command", ["curve", "bem"])
+def test_a_resumed_curve_is_that_of_a_run_without_interruption(command, folder):
+    call = [command, "rough.h5", *STEEL, "--pressure"]
+    assert main([*call, "5e7,1e8,4e8,1e9"]) == 0
+    whole = ContactCurve.from_hdf5("results.h5")
+    assert main([*call, "5e7,1e8"]) == 0
+    assert main([*call, "5e7,1e8,4e8,1e9", "--resume"]) == 0
+    again = ContactCurve.from_hdf5("results.h5")
+    for name in ("mean_pressure", "separation", "contact_area"):
+        np.testing.assert_allclose(getattr(again, name), getattr(whole, name), rtol=1e-7)
+
+
 def test_another_version_starts_anew(folder, monkeypatch, capsys):
     """What it would add may be another model, or lack what the file holds."""
     arguments = ["curve", "rough.h5", *STEEL, "--pressure", "1e8", "--resume"]
