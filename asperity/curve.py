@@ -166,12 +166,12 @@ def solve_loads(
     elif not isinstance(plan, Plan):
         raise InputError(f"plan is a {type(plan).__name__}; make one with asperity.make_plan")
     kind, values = checked_loads(hm, material, pressures, separations)
-    plan.require_scene_of(hm, material)
+    plan.require_scene_of(hm.about_mean, material)
     start = time.perf_counter() - plan.seconds
     comparing = (
         not plan.interaction and interaction_needed(hm, material, kind, values, plan.parameters)[0]
     )
-    decomposition = Decomposition.of(hm, material, plan)
+    decomposition = Decomposition.of(hm.about_mean, material, plan)
     rows: dict[int, _Row] = {}
     while True:
         for i, row in _sweep(decomposition, kind, values, comparing):
@@ -179,13 +179,12 @@ def solve_loads(
             if progress is not None:
                 progress(row.point.state)
             if checkpoint is not None:
-                done = list(rows.values())
-                checkpoint(_curve(decomposition, done, time.perf_counter() - start))
+                checkpoint(_curve(hm, decomposition, [*rows.values()], time.perf_counter() - start))
         if len(rows) == len(values):
             break
         decomposition, rows = decomposition.of_whole_map(), {}
     ordered = [rows[i] for i in sorted(rows)]
-    curve = _curve(decomposition, ordered, time.perf_counter() - start)
+    curve = _curve(hm, decomposition, ordered, time.perf_counter() - start)
     return curve, decomposition, tuple(row.point for row in ordered)
 
 
@@ -261,19 +260,20 @@ def _difference(alone: LoadPoint, interacting: PopulationState) -> float:
     return pressure / interacting.mean_pressure - 1.0
 
 
-def _curve(decomposition: Decomposition, rows: Sequence[_Row], seconds: float) -> ContactCurve:
-    """The curve of some load points, `seconds` after the run began."""
-    hm, plan = decomposition.hm, decomposition.plan
+def _curve(
+    hm: HeightMap, decomposition: Decomposition, rows: Sequence[_Row], seconds: float
+) -> ContactCurve:
+    """The curve of some load points of a map, `seconds` after the run began."""
+    plan = decomposition.plan
     states = [row.point.state for row in rows]
     surfaces = [row.point.surface for row in rows]
 
     def column(items: Sequence[object], name: str) -> NDArray[Any]:
         return np.array([getattr(item, name) for item in items])
 
-    pressure = column(states, "mean_pressure")
+    pressure, tangent = column(states, "mean_pressure"), column(surfaces, "stiffness")
     converged = np.array([row.point.converged for row in rows])
     area, separation = column(surfaces, "contact_area"), column(surfaces, "separation")
-    tangent = column(surfaces, "stiffness")
     weights = plan.parameters.error_estimate
     known = 0.0 if plan.law in CALIBRATED and plan.lay < weights.longest_lay else np.nan
     load_error, area_error = (

@@ -174,6 +174,18 @@ class HeightMap:
         return y, x
 
     @functools.cached_property
+    def about_mean(self) -> HeightMap:
+        """The map with its heights about their mean; itself where that is below the rms height.
+
+        Sums over heights lose the digits that an offset takes; the difference of two heights does
+        not.
+        """
+        mean = self.roughness.mean
+        if abs(mean) <= self.roughness.rms_height:
+            return self
+        return self.replace(heights=self.heights - mean)
+
+    @functools.cached_property
     def repeats(self) -> bool:
         """Whether neighbors have the same height, as far as some lines tell."""
         step = max(1, len(self.heights) // _LINES)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from surfaces.numerics import parallel
 from surfaces.numerics.compiled import SUMS, compiled, inner
 
-__all__ = ["Roughness", "roughness", "unit_warning"]
+__all__ = ["Roughness", "digits_warning", "roughness", "unit_warning"]
 
 
 Array = NDArray[np.float64]
@@ -22,6 +22,9 @@ BANDS = 32
 
 _SLOPES = (1e-6, 10.0)
 """Rms slopes outside which the units may be wrong."""
+
+_ROUNDED = 1e-3
+"""Rounding of heights over their rms value from which on it is warned of."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,11 @@ class Roughness:
     missing: int
     tops: Array = field(repr=False, compare=False)
     rows: Index = field(repr=False, compare=False)
+
+    @property
+    def largest(self) -> float:
+        """Largest absolute height [m]."""
+        return max(abs(self.highest), abs(self.lowest))
 
     @property
     def rms_slope(self) -> float:
@@ -124,6 +132,18 @@ def roughness(heights: Array, spacing: tuple[float, float], periodic: bool) -> R
         tops=tops,
         rows=rows,
     )
+
+
+def digits_warning(largest: float, rms_height: float) -> list[str]:
+    """Heights [m] with an offset so large that their rounding is part of the roughness."""
+    rounding = math.ulp(largest)
+    if not 0.0 < rms_height < rounding / _ROUNDED:
+        return []
+    return [
+        f"heights of {largest:.3g} m are rounded to {rounding:.2g} m, "
+        f"{100 * rounding / rms_height:.2g} % of the rms height: subtract their mean before they "
+        "are rounded"
+    ]
 
 
 def unit_warning(slope: float) -> list[str]:

@@ -182,6 +182,21 @@ class _State:
         self.energy = energy - self._reference * shift
         return float(max(work, level) - lowest)
 
+    def _free(self) -> None:
+        """Take out the points without pressure that the step would pull.
+
+        The step is the residual less its mean over the active points. Only without such points
+        does it keep the load, and lower the energy if it is short enough.
+        """
+        while True:
+            mean = float(self.residual[self.active].mean())
+            pulled = self.active & (self.pressure <= 0.0) & (self.residual > mean)
+            if not pulled.any():
+                return
+            self.active &= ~pulled
+            self.residual[pulled] = 0.0
+            self.count = int(np.count_nonzero(self.active))
+
     def descend(self, plain: bool) -> int:
         """Loose conjugate gradients on the active points; returns the steps taken.
 
@@ -189,6 +204,8 @@ class _State:
         direction that must lower the energy if any does.
         """
         norm = start = 0.0
+        if plain:
+            self._free()
         for step in range(1 if plain else MAX_INNER_STEPS):
             z = self.residual if plain else self.operator.precondition(self.residual)
             norm = _list_kernels.turn(

@@ -20,6 +20,7 @@ from asperity.halfspace.scene import checked_loads, chosen_boundary, expected_ar
 from asperity.results.curve import ContactCurve
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import threads as thread_count
+from surfaces.roughness import digits_warning
 
 from .accuracy import (
     LOOSEST,
@@ -160,7 +161,9 @@ def bem_curve(
         return interpolated(solved_curve, values)
     begun = time.perf_counter()
     boundary = chosen_boundary(hm, boundary)
-    asked: dict[str, Any] = {"input": hm.digest}
+    warnings = digits_warning(hm.roughness.largest, hm.roughness.rms_height)
+    asked: dict[str, Any] = {"input": hm.digest, "warnings": warnings}
+    hm = hm.about_mean
     grid = hm
     if accuracy is not None:
         asked |= {"accuracy": require_accuracy(accuracy)}

@@ -45,6 +45,9 @@ _SHARPEST = 1e-11
 _LARGEST_RATIO = 4.0
 """Ratio of two loads above which the next starts from coarser grids."""
 
+_FEW_POINTS = 50_000
+"""Points under pressure up to which the state of no load supports the secant."""
+
 _LARGEST_STEP = 3.0
 """Step over the distance of the last two loads above which there is no extrapolation."""
 
@@ -107,8 +110,9 @@ class LoadPath:
     The displacement is linear in the pressure, so that the gap of an extrapolated pressure is
     known exactly without a transform; negative pressures are repaired by the first correction.
     The older state is kept in single precision.
-    The state of no load, p = u = 0, is the first support of the secant. A step to more than four
-    times the load starts from the coarser grids instead.
+    The state of no load, p = u = 0, is the first support of the secant while the contact has few
+    points; a secant so long costs more on many than a start from the coarser grids. So does a step
+    to more than four times the load.
     """
 
     def __init__(self, problem: ContactProblem, accuracy: float = math.inf) -> None:
@@ -117,6 +121,7 @@ class LoadPath:
         self._old: tuple[NDArray[np.float32], NDArray[np.float32]] | None = None
         self._means = (0.0, 0.0)
         self._level = 0.0
+        self._points = 0
         self._stiffness: float | None = None
 
     def solve(self, *, pressure: float | None = None, separation: float | None = None) -> Outcome:
@@ -129,12 +134,12 @@ class LoadPath:
             return level.solve(search or load, problem.tolerance)
         last = self._means[1]
         mean = load if offset is None else self._forecast(offset)
-        if 0.0 < mean <= _LARGEST_RATIO * last:
+        if 0.0 < mean <= _LARGEST_RATIO * last and self._two_known():
             self._predict(level, mean)
             search = None if offset is None else LoadSearch(offset, mean, self._stiffness)
             outcome = level.solve(search or load, problem.tolerance, predicted=True)
         else:
-            self._old = None
+            self._old = self._copied() if 0.0 < mean <= _LARGEST_RATIO * last else None
             spent, search = problem.start(load, offset)
             outcome = level.solve(search or load, problem.tolerance)
             outcome.iterations += spent
@@ -155,6 +160,15 @@ class LoadPath:
         further = self.problem.level.solve(load, max(tolerance, _SHARPEST))
         further.iterations += outcome.iterations
         return further
+
+    def _two_known(self) -> bool:
+        """Whether there are two states to extrapolate from."""
+        return self._means[0] > 0.0 or self._points <= _FEW_POINTS
+
+    def _copied(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """The last state in single precision."""
+        exact = self.problem.level.exact
+        return exact.pressure.astype(np.float32), exact.displacement.astype(np.float32)
 
     def _forecast(self, offset: float) -> float:
         """Load at a level, if it goes on growing exponentially with it; zero if not known."""
@@ -188,3 +202,4 @@ class LoadPath:
             self._stiffness = search.stiffness
         self._means = (self._means[1] if self._old is not None else 0.0, mean)
         self._level = outcome.reading.level
+        self._points = outcome.reading.points

@@ -137,6 +137,7 @@ class BemSolution:
             f"cost             {self.fft_pairs} transform pairs, {self.iterations} iterations, "
             f"{sum(self.seconds.values()):.3g} s",
         ]
+        lines += [f"warning          {why}" for why in self.settings.get("warnings", ())]
         if self.reason:
             lines.append(f"not converged    {self.reason}")
         return "\n".join(lines)

@@ -9,7 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
 from asperity.halfspace.influence import ElasticHalfSpace
+from asperity.halfspace.scene import require_scene
 from surfaces.heightmap import HeightMap
+from surfaces.roughness import digits_warning
 
 from ._grid_kernels import finish
 from .problem import ContactProblem
@@ -78,6 +80,9 @@ def bem_solve(
     (True, '1.000e+09')
     """
     begun = time.perf_counter()
+    require_scene(hm, mat)
+    warnings = digits_warning(hm.roughness.largest, hm.roughness.rms_height)
+    hm = hm.about_mean
     problem = ContactProblem(hm, mat, tolerance=tolerance, boundary=boundary)
     load, offset = problem.prescribed(pressure, separation)
     prepared = time.perf_counter()
@@ -112,7 +117,7 @@ def bem_solve(
         },
         boundary=problem.boundary,
         spacing=hm.spacing,
-        settings=problem.settings(),
+        settings={**problem.settings(), "warnings": warnings},
     )
 
 

@@ -46,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
     solve = partial(contact_curve, hm, material, plan=plan)
     request = output.request_of(hm, material, args, options.model(args))
     curve = output.solve_and_keep(
-        solve, hm, material, loads, args.results, "asperity", request, args.resume
+        solve, hm, material, loads, args.results, "asperity", request, args.resume, chained=True
     )
     if any(tables) and output.last_converged(curve, args):
         _write_last_point(hm, material, plan, curve, args)

@@ -95,9 +95,13 @@ def solve_and_keep(
     model: str,
     request: dict[str, Any],
     resume: bool,
+    chained: bool = False,
 ) -> ContactCurve:
     """Run a solver that takes load points, `progress` and `checkpoint`, such as `contact_curve` of
-    a map and a material; each finished point is kept in the file."""
+    a map and a material; each finished point is kept in the file.
+
+    With `chained`, missing points are solved with all others (`run_resumably`).
+    """
     from asperity.halfspace.scene import checked_loads
     from asperity.results.resume import run_resumably
 
@@ -112,6 +116,7 @@ def solve_and_keep(
             model=model,
             request=request,
             resume=resume,
+            chained=chained,
         )
 
 

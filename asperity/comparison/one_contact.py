@@ -195,7 +195,8 @@ def draw_case(case: Case, *, title: str = "") -> Figure:
             edge = row.solution.contour(phi)
             plan.plot(edge * np.cos(phi), edge * np.sin(phi), lw=1.2, label=row.law)
     plan.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title=title or "contact boundary")
-    plan.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=4)
+    drawn = plan.get_legend_handles_labels()  # none where no law has a solution
+    plan.legend(*drawn, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=4)
     _draw_rays(case, rays)
     return figure
 

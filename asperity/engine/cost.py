@@ -16,7 +16,7 @@ ANCHORS = 4
 MODEL_SECONDS = 0.1, 1.0e-6
 """Seconds of a curve of the model: in any case, and per point of the grid that is solved."""
 
-BEM_SECONDS = 3.4e-7, 1.5e-7
+BEM_SECONDS = 1.1e-7, 1.0e-7
 """Seconds of boundary elements per point of a map of 512 x 512: of a curve, times the root of the
 number of its loads; and of one load without a neighbor to start from."""
 
@@ -29,7 +29,7 @@ def forecast(hm: HeightMap, plan: Plan, loads: int) -> tuple[float, float]:
 
     Notes
     -----
-    Measured on two cores (`benchmarks/engine.py`); only the ratio decides.
+    Measured on two cores (docs/development/verification.md); only the ratio decides.
     """
     points = hm.heights.size
     unit = points * max(1.0, points / 512**2) ** GROWTH

@@ -173,8 +173,12 @@ def solve(
         "resolution_uncertainty": [left.load, left.area],
         "resolution": left.told_by,
     }
-    warnings = [*curve.settings.get("warnings", map_warnings(hm)), *left.warnings]
-    settings = {**curve.settings, "warnings": warnings, "verification": told}
+    warnings = [*map_warnings(hm), *curve.settings["warnings"], *left.warnings]
+    settings = {
+        **curve.settings,
+        "warnings": list(dict.fromkeys(warnings)),
+        "verification": told,
+    }
     return replace(curve, seconds=spent, settings=settings)
 
 

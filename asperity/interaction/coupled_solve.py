@@ -52,6 +52,7 @@ LEVEL = 1e-9
 """Rise of the flat under more load that rounding explains, over its fall since the first touch."""
 
 
+@np.errstate(all="ignore")  # a step that is not finite is refused with its reason
 def solve_at(
     last: Continuation, separation: float, tolerance: float, pressure: float | None = None
 ) -> PopulationState:

@@ -28,6 +28,10 @@ MAX_SEARCH = 40
 SEARCH_TOLERANCE = 5e-3
 """Tolerance of a solve on the way to a mean pressure."""
 
+NEAR = 1e-3
+"""Relative error of the load at which the search ends; where separations do not tell loads so near
+each other apart, half the tolerance."""
+
 EXACT = 1e-6
 """Relative error of the load of independent contacts, for which a step costs no field."""
 
@@ -177,7 +181,7 @@ def _searched(
     low, high, step = -math.inf, top, 0.1 * float(np.ptp(system.height)) or 0.1 * abs(top)
     if state is None or not state.mean_pressure > 0:
         state = solve_at(last, _independent_separation(system, pressure), tolerance)
-    bound = 0.5 * tolerance if system.interaction else EXACT
+    bound = NEAR if system.interaction else EXACT
     best, least = state, math.inf
     for _ in range(MAX_SEARCH):
         if not state.converged:

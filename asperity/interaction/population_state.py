@@ -174,8 +174,11 @@ class Continuation:
         if not known:
             return None
         if len(known) == 1:
+            stiffness = self.normal_stiffness
+            if not stiffness > 0:  # of a failed solve
+                return None
             rise = math.log(pressure / known[0].pressure) * known[0].pressure
-            return known[0].separation - rise / self.normal_stiffness
+            return known[0].separation - rise / stiffness
         place = [math.log(point.pressure) for point in known]
         share = weights(math.log(pressure), place)
         return float(np.dot(share, [point.separation for point in known]))

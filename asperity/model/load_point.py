@@ -120,6 +120,8 @@ def point_at_separation(
 def _refusal(decomposition: Decomposition, state: PopulationState, surface: SurfacePoint) -> str:
     """Why a point that was solved lies beyond what separate contacts describe; empty if not."""
     plan = decomposition.plan
+    if state.mean_pressure > 0.0 and not surface.contact_area > 0.0:
+        return "the contacts carry a load on no area: their laws do not hold there"
     if not plan.interaction:
         return ""
     if surface.separation < 0.0 and plan.boundary == "periodic":

@@ -7,7 +7,7 @@ import numpy as np
 from asperity.multiscale.wave_split import resolution_warning
 from asperity.parameters import DEFAULTS
 from surfaces.heightmap import HeightMap
-from surfaces.roughness import unit_warning
+from surfaces.roughness import digits_warning, unit_warning
 
 __all__ = ["lay", "map_warnings", "seam_warning", "straight_warning"]
 
@@ -48,6 +48,7 @@ def map_warnings(
         Slopes across over those along a lay from which on no errors are estimated.
     """
     return [
+        *digits_warning(hm.roughness.largest, hm.roughness.rms_height),
         *unit_warning(hm.roughness.rms_slope),
         *resolution_warning(hm),
         *_spike_warning(hm),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.compilation import compile_ahead
-from asperity.errors import InputError, SurfaceError
+from asperity.errors import InputError, ModelRangeError, SurfaceError
 from asperity.halfspace.scene import (
     Boundary,
     checked_loads,
@@ -40,6 +40,10 @@ SCALES = ("auto", "all")
 
 MODEL_BYTES_PER_POINT = 64
 """Peak memory of the microcontact model per grid point: heights, order, labels, ancestors."""
+
+SHALLOWEST = 3e-3
+"""1 + m of the half-space below which the footprint of a force, which keeps 2 % of the compliance
+of its contact outside, is a thousand times as wide as the contact: 1.02^(1/(1 + m))."""
 
 SAMPLE = 2**16
 """Heights that suffice for a quantile."""
@@ -167,8 +171,10 @@ def make_plan(
     if scales not in SCALES:
         raise InputError(f"scales is {scales!r}; choose one of {', '.join(SCALES)}")
     require_scene(hm, material)
-    _require_usable(hm)
+    _require_usable(hm, material)
     kind, values = checked_loads(hm, material, pressures, separations)
+    warnings = tuple(map_warnings(hm, parameters.error_estimate.longest_lay))
+    hm = hm.about_mean
     edge = chosen_boundary(hm, boundary)
     reasons = [f"boundary: {edge} ({'as the map says' if boundary is None else 'as asked'})"]
     body = f"graded, m = {material.m:g}" if material.m != 0.0 else "homogeneous"
@@ -191,7 +197,6 @@ def make_plan(
         above, why = _lowest_height(hm, material, kind, values, parameters.segmentation)
     reasons.append(why)
     reasons += whys
-    warnings = tuple(map_warnings(hm, parameters.error_estimate.longest_lay))
     reasons += [f"warning: {why}" for why in warnings]
     memory = MODEL_BYTES_PER_POINT * points
     reasons.append(f"memory: about {memory / 2**20:.0f} MiB")
@@ -214,7 +219,12 @@ def make_plan(
     )
 
 
-def _require_usable(hm: HeightMap) -> None:
+def _require_usable(hm: HeightMap, material: HalfSpace) -> None:
+    if 1.0 + material.m < SHALLOWEST:
+        raise ModelRangeError(
+            f"m = {material.m:g} is so near -1 that a contact displaces all others like itself, "
+            "which separate contacts do not describe; use boundary elements"
+        )
     found = hm.roughness
     if found.missing:
         raise SurfaceError(

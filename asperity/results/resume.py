@@ -35,6 +35,7 @@ def run_resumably(
     model: str,
     request: Mapping[str, Any],
     resume: bool,
+    chained: bool = False,
 ) -> ContactCurve:
     """Solve load points, keeping every finished one in the results file.
 
@@ -54,6 +55,9 @@ def run_resumably(
         JSON-able facts that two runs must share for one to continue the other.
     resume
         Whether to continue from the file, if it exists.
+    chained
+        Whether the solution of a point depends on those solved before it: if one is missing, all
+        are solved again, so that the curve is that of a run without interruption.
 
     Returns
     -------
@@ -75,6 +79,8 @@ def run_resumably(
     if done is not None:
         held = np.isclose(values[:, None], done.extra["asked"], rtol=1e-12, atol=0.0)
     new, place = ~held.any(axis=1), held.argmax(axis=1)
+    if chained and new.any():
+        done, new = None, np.ones_like(new)
     keeper = _Keeper(path, request, column, values[new], done)
     if done is None or new.any():
         done = keeper.with_done(solve(values[new], keeper), values[new])

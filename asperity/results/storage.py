@@ -4,7 +4,9 @@ Layout: one group per curve under ``/curves``, with one dataset per quantity ove
 ``extra/`` for further arrays, and attributes ``model``, ``version``, ``settings`` and ``seconds``
 (JSON).  ``/tables`` holds compound datasets (microcontacts, error against run time), ``/maps``
 two-dimensional fields, and the root attribute ``about`` a JSON mapping about the input.  A file is
-written beside its final place and renamed, so that a reader never sees half of it.
+written beside its final place and renamed, so that a reader never sees half of it.  HDF5 checks a
+sum of every part as it is read: datasets have one by a filter, attributes by the version of their
+headers.  Text has a fixed length; of any length it would lie in a heap without such a sum.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from asperity import __version__
 from asperity.errors import FileFormatError
@@ -114,18 +116,15 @@ def write_results(path: str | os.PathLike[str], results: ResultFile) -> None:
     """
     import h5py
 
-    with replacing(path) as partial, h5py.File(partial, "w") as file:
-        file.attrs["schema"] = SCHEMA
-        file.attrs["version"] = __version__
-        file.attrs["about"] = _json(results.about)
+    with replacing(path) as partial, h5py.File(partial, "w", libver=("v110", "v110")) as file:
+        _write_text(file, {"schema": SCHEMA, "version": __version__, "about": _json(results.about)})
         for name, curve in results.curves.items():
             _write_curve(file.create_group(f"curves/{name}"), curve)
         for name, table in results.tables.items():
-            file.create_dataset(f"tables/{name}", data=_storable(table))
+            _write_array(file, f"tables/{name}", table)
         for name, array in results.maps.items():
-            file.create_dataset(
-                f"maps/{name}", data=array, compression="gzip", compression_opts=3, shuffle=True
-            )
+            packed = {"compression": "gzip", "compression_opts": 3, "shuffle": True}
+            _write_array(file, f"maps/{name}", array, **packed)
 
 
 def read_results(path: str | os.PathLike[str]) -> ResultFile:
@@ -142,7 +141,8 @@ def read_results(path: str | os.PathLike[str]) -> ResultFile:
         raise FileFormatError(f"{path}: no such results file; make one with asperity compare")
     try:
         with h5py.File(path, "r") as file:
-            schema = file.attrs.get("schema")
+            text = _read_text(file)
+            schema = text.get("schema")
             if schema != SCHEMA:
                 held = "a height map" if "heights" in file else f"of schema {schema!r}"
                 raise FileFormatError(
@@ -152,11 +152,11 @@ def read_results(path: str | os.PathLike[str]) -> ResultFile:
             return ResultFile(
                 curves={
                     name: _read_curve(group, f"{path}: curve {name!r}")
-                    for name, group in file.get("curves", {}).items()
+                    for name, group in _members(file, "curves")
                 },
-                tables={k: _plain(d[()]) for k, d in file.get("tables", {}).items()},
-                maps={k: d[()] for k, d in file.get("maps", {}).items()},
-                about=dict(json.loads(file.attrs.get("about", "{}"))),
+                tables={k: _plain(d[()]) for k, d in _members(file, "tables")},
+                maps={k: d[()] for k, d in _members(file, "maps")},
+                about=dict(json.loads(text.get("about", "{}"))),
             )
     except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
         if isinstance(error, FileFormatError):
@@ -185,27 +185,46 @@ def _flat(columns: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def _write_curve(group: h5py.Group, curve: CurveRecord) -> None:
-    import h5py
-
-    for name, value in curve.attributes.items():
-        group.attrs[name] = value if isinstance(value, str) else _json(value)
+    text = curve.attributes.items()
+    _write_text(group, {k: value if isinstance(value, str) else _json(value) for k, value in text})
     for name, column in curve.columns.items():
-        group.create_dataset(name, data=column)
-    group.create_dataset("reasons", data=list(curve.reasons), dtype=h5py.string_dtype())
+        _write_array(group, name, column)
+    _write_array(group, "reasons", np.array(curve.reasons, np.str_))
     for name, array in curve.extra.items():
-        group.create_dataset(f"extra/{name}", data=_storable(np.asarray(array)))
+        _write_array(group, f"extra/{name}", array)
+
+
+def _write_text(group: h5py.Group, attributes: Mapping[str, str]) -> None:
+    for name, text in attributes.items():
+        group.attrs[name] = np.bytes_(text.encode())
+
+
+def _write_array(group: h5py.Group, name: str, array: ArrayLike, **packed: Any) -> None:
+    group.create_dataset(name, data=_storable(np.asarray(array)), fletcher32=True, **packed)
+
+
+def _read_text(group: h5py.Group) -> dict[str, str]:
+    """Attributes by name; files of earlier versions hold text of any length."""
+    held = group.attrs.items()
+    return {k: v.decode() if isinstance(v, bytes) else str(v) for k, v in held}
+
+
+def _members(group: h5py.Group, name: str = ".") -> Iterator[tuple[str, Any]]:
+    """What a group within a group holds, if there is one; `items` gives None for damaged parts."""
+    inner = group[name] if name in group else {}
+    return ((part, inner[part]) for part in inner)
 
 
 def _read_curve(group: h5py.Group, source: str) -> CurveRecord:
-    text = {name: str(value) for name, value in group.attrs.items()}
+    text = _read_text(group)
     return CurveRecord(
         columns={
             name: _plain(held[()])
-            for name, held in group.items()
+            for name, held in _members(group)
             if name not in ("extra", "reasons")
         },
-        extra={name: _plain(held[()]) for name, held in group.get("extra", {}).items()},
-        reasons=tuple(group["reasons"].asstr()[()].tolist()),
+        extra={name: _plain(held[()]) for name, held in _members(group, "extra")},
+        reasons=tuple(group["reasons"].asstr("utf-8")[()].tolist()),
         attributes={
             name: json.loads(value) if name in ("settings", "seconds") else value
             for name, value in text.items()

@@ -100,7 +100,8 @@ def terms(
     ratio = np.log(steep / np.clip(shallow, 1e-3 * steep, None))
     crowding, long = state.contact_area / decomposition.hm.area, np.sum(share * ratio)
     few = np.sqrt(np.sum(share**2))
-    coarse = np.sqrt(pixel / np.sum(share * state.area[closed]))
+    pixels = np.sum(share * state.area[closed]) / pixel
+    coarse = 1.0 / np.sqrt(max(pixels, np.finfo(float).tiny))
     taken = 0.0 if law is None else law.ratio / (1.0 + law.ratio)
     found = (
         coarse,

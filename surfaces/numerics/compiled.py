@@ -29,6 +29,8 @@ import numba
 import numpy as np
 from numba import njit
 
+from surfaces.errors import InputError
+
 __all__ = [
     "BORROWING",
     "QUOTIENTS",
@@ -56,6 +58,9 @@ _SHARED: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
 _IMPORTS = re.compile(r"^from (\.*)([\w.]*) import (?:\(([^)]*)\)|(.*))", re.MULTILINE)
 _config: Any = numba.config
 _loops: list[Any] = []
+
+if _config.DISABLE_JIT:
+    raise InputError("NUMBA_DISABLE_JIT is set and the loops run compiled only; unset it")
 
 
 def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:

@@ -20,6 +20,8 @@ FLATTEST = 1e-3  # least ratio of the principal curvatures
 _LOCAL = 1e-4  # largest misfit of the local quartic, relative to the range of its points
 _LEVEL = 1e-6  # ratio of the principal curvatures below which rounding may decide the smaller sign
 
+_LONGEST = 0.45  # step [pixels]; several of half a pixel would end between two pixels
+
 _AHEAD = 8  # summits
 _LINE = 64  # bytes of a cache line
 
@@ -152,7 +154,7 @@ def climb(heights, flat, width, labels, periodic, row, col, n, tilt, c):
 
     The surface is tilted: it falls by `tilt` (2,) [m per pixel] along y and x.
 
-    Newton steps with the absolute values of the principal curvatures, of at most half a pixel,
+    Newton steps with the absolute values of the principal curvatures, of at most `_LONGEST`,
     on the local quartic `c` where it represents the map and else on the spline. Returns y, x
     [pixels], the expansion there and what was found: `SUMMIT`, `PLATEAU` (none within reach),
     `RIM` (the same at the border of a map) or 1 + m, if it leads into the basin of another peak m.
@@ -171,7 +173,7 @@ def climb(heights, flat, width, labels, periodic, row, col, n, tilt, c):
             if not periodic and not (0.0 <= y <= ny - 1.0 and 0.0 <= x <= nx - 1.0):
                 break
             return y, x, e, SUMMIT
-        scale = 0.5 / length if length > 0.5 else 1.0
+        scale = _LONGEST / length if length > _LONGEST else 1.0
         y += scale * step_y
         x += scale * step_x
         away = max(abs(y - row), abs(x - col))

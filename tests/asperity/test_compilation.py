@@ -157,3 +157,17 @@ def printed(code, folder):
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment
     )
     return done.stdout.strip()
+
+
+def test_without_compilation_one_sentence_tells_why_nothing_runs():
+    code = "import asperity; asperity.contact_curve"
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.stderr.endswith(
+        "NUMBA_DISABLE_JIT is set and the loops run compiled only; unset it\n"
+    )

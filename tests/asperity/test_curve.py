@@ -131,6 +131,22 @@ def test_adding_a_constant_and_shifting_change_nothing(rough):
     assert overlap(np.roll(first, (37, -51), axis=(0, 1)), second) > 0.98
 
 
+def test_an_offset_takes_no_digits(rough):
+    """3 um of roughness on 1 km, which leaves all but a part in 3e7 of it, and on 1e6 km."""
+    pressures = default_pressures(rough, STEEL)[::3]
+    for offset, left in ((1e3, True), (1e9, False)):
+        far = rough.replace(heights=rough.heights + offset)
+        near = rough.replace(heights=far.heights - offset)  # exact
+        moved, known = (
+            asperity.contact_curve(hm, STEEL, pressures=pressures) for hm in (far, near)
+        )
+        for name in ("separation", "contact_area", "stiffness"):
+            np.testing.assert_allclose(getattr(moved, name), getattr(known, name), rtol=1e-6)
+        assert moved.settings["input"] == far.digest
+        told = [text for text in moved.settings["warnings"] if "are rounded" in text]
+        assert len(told) == (0 if left else 1)
+
+
 def test_exchanging_the_axes_exchanges_places_and_turns_angles(rough):
     loads = default_pressures(rough, STEEL, count=3)
     run = solve_contacts(rough, STEEL, pressures=loads)

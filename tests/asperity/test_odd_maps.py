@@ -7,7 +7,8 @@ import pytest
 
 import asperity
 import surfaces
-from asperity.halfspace.scene import pressure_scale
+from asperity.errors import ModelRangeError
+from asperity.halfspace.scene import default_pressures, pressure_scale
 from asperity.microcontact.laws import tabulate
 
 
@@ -48,6 +49,58 @@ def test_gradings_at_the_edge_of_their_range(m):
     body = asperity.HalfSpace.from_modulus(1e10 * 1e-6**-m, m)
     curve = asperity.contact_curve(hm, body)
     assert curve.converged.all() and (np.diff(curve.area_fraction) > 0).all()
+
+
+def _grooved(periodic=True):
+    """A step, and a groove of five pixels in it."""
+    x = np.arange(64)
+    line = np.where((x >= 8) & (x < 40), 1e-6, 0.0) - 1e-6 * ((x >= 20) & (x < 25))
+    return surfaces.HeightMap(np.tile(line, (48, 1)), (1e-6, 1e-6), periodic=periodic)
+
+
+@pytest.mark.parametrize("m", [-0.9, -0.95, -0.99])
+def test_a_load_on_a_grooved_step_needs_an_area_and_is_that_asked_for(m, recwarn):
+    noise = np.random.default_rng(0).normal(size=(48, 64))
+    rough = surfaces.self_affine((48, 64), (48e-6, 64e-6), hurst=0.8, rms_slope=0.1, seed=1)
+    step = _grooved()
+    maps = (step, step.replace(heights=step.heights + 1e-8 * noise), rough)
+    body = asperity.HalfSpace.from_modulus(1e10 * 1e-6**-m, m)
+    for hm in maps:
+        for scales, boundary in (("auto", "periodic"), ("all", "periodic"), ("all", "free")):
+            pressures = 5.0 * default_pressures(hm, body)
+            curve = asperity.contact_curve(
+                hm, body, pressures=pressures, scales=scales, boundary=boundary
+            )
+            good = curve.converged
+            assert all(curve.reasons[i] for i in np.flatnonzero(~good))
+            assert (curve.contact_area[good] > 0.0).all()
+            np.testing.assert_allclose(curve.mean_pressure[good], pressures[good], rtol=0.025)
+    assert not recwarn.list
+
+
+@pytest.mark.parametrize(
+    ("shape", "spacing", "height", "m", "law"),
+    [
+        ((26, 3), (9.139e-9, 1.826e-8), 6.139e-9, -0.9, "paper"),
+        ((42, 110), (8.636e-10, 3.501e-10), 5.63e-9, -0.5, "hertz"),
+    ],
+)
+def test_checkerboards_leak_no_warning(shape, spacing, height, m, law, recwarn):
+    """Sharp summits beside each other: numbers that are not finite end in a reason."""
+    y, x = np.indices(shape)
+    hm = surfaces.HeightMap(height * ((x + y) % 2), spacing, periodic=law == "hertz")
+    curve = asperity.contact_curve(hm, asperity.HalfSpace.from_modulus(1e10, m), law=law)
+    assert all(reason or good for reason, good in zip(curve.reasons, curve.converged, strict=True))
+    assert (curve.contact_area[curve.converged] > 0.0).all()
+    assert not recwarn.list
+
+
+@pytest.mark.parametrize("m", [-0.998, -0.99995, -0.9999999])
+def test_gradings_nearest_to_minus_one_are_refused(m):
+    body = asperity.HalfSpace.from_modulus(1e10 * 1e-6**-m, m)
+    with pytest.raises(ModelRangeError, match="use boundary elements"):
+        asperity.contact_curve(_grooved(), body)
+    assert asperity.bem_curve(_grooved(), body, pressures=[1e6], tolerance=1e-3).converged.all()
 
 
 def test_joined_contacts_without_an_area_keep_the_form_of_their_summit():

@@ -105,3 +105,66 @@ def test_few_contacts_of_fine_waves():
     curve, load, area = asked_apart(hm, loads)
     assert curve.settings["shortest_wave"] is not None
     assert load.max() < 0.005 and area.max() < 0.01
+
+
+def textures(seed: int) -> dict[str, surfaces.HeightMap]:
+    """Random waves, with few contacts, to the pixel, with a lay, a lay with form and taper, hills,
+    worn plateaus."""
+    shape = (192, 160)
+    size = tuple(float(n) for n in shape)
+
+    def waves(**recipe):
+        given = {"hurst": 0.8, "rms_slope": 0.1, "seed": seed, "rolloff": 40.0}
+        return surfaces.self_affine(shape, size, **given | recipe)
+
+    lay = waves(cutoff=6.0, anisotropy=6.0, angle=0.3 * seed)
+    y, x = (np.linspace(-1, 1, n) for n in shape)
+    bent = lay.heights - lay.rms_height * (y[:, None] ** 2 + 0.5 * x**2)
+    hills = waves(cutoff=10.0, rolloff=None)
+    return {
+        "smooth": waves(cutoff=8.0),
+        "few": waves(cutoff=8.0, rolloff=None),
+        "pixel": waves(),
+        "lay": lay,
+        "taper": surfaces.prepare(surfaces.HeightMap(bent, (1.0, 1.0)), periodic="taper"),
+        "hills": hills.replace(heights=lay.rms_height * np.exp(hills.heights / hills.rms_height)),
+        "worn": surfaces.plateau_honed(shape, size, rms_slope=0.1, cutoff=6.0, seed=seed),
+    }
+
+
+def differences(curve, other):
+    """In load at equal separation and in area at equal load, of the points that both solved: the
+    largest, and the largest over the stated error."""
+    good = curve.converged & other.converged
+    ratio = np.log(other.mean_pressure / curve.mean_pressure)
+    fall = (curve.separation - other.separation) * curve.stiffness / curve.mean_pressure
+    area = np.log(other.contact_area / curve.contact_area) - ratio
+    found = np.abs(np.stack((ratio - fall, area)))[:, good]
+    stated = np.stack((curve.error_estimate, curve.extra["area_error_estimate"]))[:, good]
+    return found.max(), (found / stated).max()
+
+
+@pytest.mark.parametrize("seed", [3, 5])
+def test_equivalent_runs_agree(seed):
+    """Mirrored, transposed, moved, with noise of 1e-12, from heavy to light, each load alone."""
+    mirrored, others = [], []
+    for hm in textures(seed).values():
+        loads = np.array([1e-3, 5e-3, 2e-2, 6e-2, 0.12]) * pressure_scale(hm, BODY)
+        curve = asperity.contact_curve(hm, BODY, pressures=loads)
+        z, noise = hm.heights, np.random.default_rng(0).normal(size=hm.shape)
+        same = [z[::-1], z[:, ::-1], z[::-1, ::-1], z.T, z + 1e-12 * hm.rms_height * noise]
+        for heights in same:
+            other = asperity.contact_curve(hm.replace(heights=heights), BODY, pressures=loads)
+            mirrored.append(differences(curve, other))
+        moved = hm.replace(heights=np.roll(z, (17, 31), (0, 1)))
+        others.append(differences(curve, asperity.contact_curve(moved, BODY, pressures=loads)))
+        turned = asperity.contact_curve(hm, BODY, pressures=loads[::-1]).select(np.arange(5)[::-1])
+        assert differences(curve, turned)[0] == 0.0
+        for i, load in enumerate(loads):
+            alone = asperity.contact_curve(hm, BODY, pressures=load)
+            if alone.converged.all() and curve.converged[i]:
+                others.append(differences(curve.select([i]), alone))
+    found, over = np.transpose(mirrored)
+    assert over.max() < 0.1 and np.mean(found < 1e-3) > 0.85
+    found, over = np.transpose(others)
+    assert over.max() < 0.4 and np.mean(found < 1e-3) > 0.5

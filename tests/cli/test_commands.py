@@ -39,7 +39,7 @@ def test_help_has_an_example(command, capsys):
     assert f"asperity {command}" in capsys.readouterr().out.split("example")[1]
 
 
-@pytest.mark.parametrize("command", ["curve", "bem"])
+@pytest.mark.parametrize("command", ["curve", "bem", "solve"])
 def test_curve_commands_write_what_they_print(command, folder, capsys):
     arguments = [command, "rough.h5", *STEEL, "--pressure", "3e7:3e8:3", "--csv", "c.csv"]
     assert main(arguments) == 0
@@ -49,7 +49,7 @@ def test_curve_commands_write_what_they_print(command, folder, capsys):
     assert len((folder / "c.csv").read_text().splitlines()) == 4
 
 
-@pytest.mark.parametrize("command", ["curve", "bem"])
+@pytest.mark.parametrize("command", ["curve", "bem", "solve"])
 def test_curve_commands_resume(command, folder, capsys):
     assert main([command, "rough.h5", *STEEL, "--pressure", "1e8,3e8"]) == 0
     assert main([command, "rough.h5", *STEEL, "--pressure", "3e8,5e7,1e8", "--resume"]) == 0
@@ -62,6 +62,18 @@ def test_curve_commands_resume(command, folder, capsys):
     by_separation = [command, "rough.h5", *STEEL, "--separation", "1e-5", "--resume"]
     assert main(by_separation) == 2
     assert "kind of load points changed" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["curve", "bem"])
+def test_a_resumed_curve_is_that_of_a_run_without_interruption(command, folder):
+    call = [command, "rough.h5", *STEEL, "--pressure"]
+    assert main([*call, "5e7,1e8,4e8,1e9"]) == 0
+    whole = ContactCurve.from_hdf5("results.h5")
+    assert main([*call, "5e7,1e8"]) == 0
+    assert main([*call, "5e7,1e8,4e8,1e9", "--resume"]) == 0
+    again = ContactCurve.from_hdf5("results.h5")
+    for name in ("mean_pressure", "separation", "contact_area"):
+        np.testing.assert_allclose(getattr(again, name), getattr(whole, name), rtol=1e-7)
 
 
 def test_another_version_starts_anew(folder, monkeypatch, capsys):
@@ -120,7 +132,7 @@ def test_sizes_of_the_spots_are_those_of_the_table(folder):
     assert sizes["area_share"].sum() == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("command", ["curve", "bem"])
+@pytest.mark.parametrize("command", ["curve", "bem", "solve"])
 def test_conductance_and_partial_slip_from_the_curve(command, folder, capsys):
     options = ["--pressure", "1e8:1e7:4", "--csv", "c.csv", "--resistivity", "1e-7", "3e-7"]
     options += ["--friction", "0.3", "--slip", "slip.csv"]
@@ -144,7 +156,7 @@ def test_no_slip_from_a_curve_that_hardly_converged(folder, capsys):
     assert "3 points, 1 converged" in shown.out and "nan nan" in shown.out
 
 
-@pytest.mark.parametrize("command", ["curve", "bem"])
+@pytest.mark.parametrize("command", ["curve", "bem", "solve"])
 @pytest.mark.parametrize(
     ("options", "match"),
     [

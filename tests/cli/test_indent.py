@@ -41,6 +41,13 @@ def test_shape_against_boundary_elements_with_picture(tmp_path, capsys):
     assert picture.stat().st_size > 10_000
 
 
+def test_picture_of_no_solution(tmp_path, recwarn):
+    """The law of Hertz has none of a pyramid: no legend."""
+    call = ["indent", "--shape", "polygon:4", "--law", "hertz"]
+    assert main([*call, "--picture", str(tmp_path / "none.png")]) == 1
+    assert not recwarn.list
+
+
 def test_load_control_compares_at_the_same_load(capsys):
     """The published law needs 1.7 % more approach for the load of the boundary elements."""
     call = ["indent", "--shape", "polygon:4", "--m", "0.3", "--load", "0.6", "--bem"]

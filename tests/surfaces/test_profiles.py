@@ -118,6 +118,26 @@ def test_turning_the_map_turns_the_profiles():
     assert_allclose(np.sin(2 * (other.angle - base.angle - np.pi / 2)), 0.0, atol=1e-6)
 
 
+@pytest.mark.parametrize("seed", [5, 6, 7])
+def test_summits_of_a_mirrored_map_are_mirrored(seed):
+    """Climbs along ridges between the pixels of a refined map pass from basin to basin."""
+    hm = surfaces.self_affine(
+        (192, 160), (192.0, 160.0), hurst=0.8, rms_slope=0.1, rolloff=40.0, cutoff=6.0, seed=seed,
+        anisotropy=6.0, angle=0.3 * seed,
+    )  # fmt: skip
+    hm = surfaces.resample(hm, (0.5, 0.5))
+    found = []
+    for flip in (1, -1):
+        heights = np.ascontiguousarray(hm.heights[::flip])
+        turned = hm.replace(heights=heights)
+        summits = locate_summits(turned, surfaces.segment(turned))
+        row = summits.peaks.row if flip == 1 else hm.shape[0] - 1 - summits.peaks.row
+        order = np.lexsort((summits.peaks.col, row))
+        found.append((np.minimum(summits.kinds, 1)[order], summits.height[order]))
+    np.testing.assert_array_equal(found[0][0], found[1][0])
+    assert_allclose(found[0][1], found[1][1], rtol=1e-9, atol=1e-9 * hm.rms_height)
+
+
 def test_ridge_cut_into_pieces_by_the_grid_is_one_peak():
     """Its pixels have several maxima, the surface through them has one; the rays pass them all."""
     k1, k2, angle = 1.2, 0.004, 0.4

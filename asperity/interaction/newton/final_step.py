@@ -130,6 +130,7 @@ def finished(state: State, found: Solution, load: float) -> Solution:
     )
 
 
+@np.errstate(all="ignore")  # of a point that is refused
 def tangent_response(state: State, compliance: Array) -> tuple[float, Array]:
     """Minus the slope of the load over the separation [N/m], and the approach that each contact
     gains per fall of the plane [-], shape (n,), from a guess of it."""

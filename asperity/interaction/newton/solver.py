@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,9 @@ ROUGH = 0.03
 MANY = 400
 """Closed contacts from which on the errors of both signs average out: under a load, the residual of
 fewer is held to a smaller bound, by the root of their number."""
+
+MISSED = 1e-3
+"""Relative error of the load after the last step, beyond which it went astray."""
 
 COARSE = 0.3
 """Relative accuracy of the linear solve of such a step; half of it after the laws are renewed."""
@@ -190,7 +194,11 @@ def descent(
     )
     if load is None or reason:
         return solution
-    return finished(state, solution, load)
+    final = finished(state, solution, load)
+    missed = abs(final.load / load - 1.0)
+    if not missed <= MISSED:
+        return replace(solution, reason=f"the last step missed the load by {100 * missed:.2g} %")
+    return final
 
 
 def _relaxed(

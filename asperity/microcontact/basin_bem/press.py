@@ -178,7 +178,8 @@ def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: Ha
     wanted[:, 1:][np.diff(wanted, axis=1) == 0] = 0
     u = np.arange(table.nodes + 1) / table.nodes
     found = press(summits, rows, table.reach[slots, None] * u[wanted] ** 2, material)
-    found[~np.isfinite(found).all(axis=2)] = 0.0  # as near m = -1
+    # near m = -1 they come out as no numbers, or as forces on no area
+    found[~(np.isfinite(found).all(axis=2) & (found[:, :, 1] > 0.0))] = 0.0
     lost = np.flatnonzero(found[:, 0, 0] == 0.0)  # too few elements: the expansion tells
     node = slots[lost], first[lost]
     found[lost, 0, 0], found[lost, 0, 1] = table.force[node], table.area[node]

@@ -44,8 +44,12 @@ _STEPS = 200
 _REACH = 7.0
 """Radius of the tables of a profile over that of the first-order contact."""
 
-_WIDEST = 4.0
-"""Logarithm of the root of the largest aspect of an ellipse."""
+_WIDEST = 2.0
+"""Logarithm of the root of the largest aspect of an ellipse: longer ones lie between two rays."""
+
+_FARTHEST = 1.0
+"""Logarithm of the root of the largest ratio of the distances from the origin to both sides of an
+ellipse: the functional grows without bound as the origin leaves it."""
 
 _SPREAD, _OFFSET = 1.5, 0.25
 """Factors of the expected error: of what the free rays add to the ellipse, and of the square of
@@ -61,10 +65,13 @@ _SMALLEST = 8.0
 
 @dataclass(frozen=True, eq=False)
 class _Functional:
-    """The functional of one profile on equispaced rays, divided by the modulus."""
+    """The functional of one profile on equispaced rays.
+
+    Lengths are those of the first-order contact, heights those of the approach, the modulus is 1: a
+    search takes the same way in every unit.
+    """
 
     m: float
-    depth: float
     phi: Array
     gap: CubicSpline
     limit: float
@@ -74,53 +81,54 @@ class _Functional:
         cls, profile: PowerSumProfile | PolarProfile, m: float, depth: float, radius: float
     ) -> _Functional:
         phi = 2 * np.pi * np.arange(_RAYS) / _RAYS
-        limit = min(_REACH * radius, profile.radius)
-        dense = min(_DENSE * radius, limit)
+        limit = min(_REACH, profile.radius / radius)
+        dense = min(_DENSE, limit)
         a = np.linspace(0, dense, _RADII + 1)
         if dense < limit:
             a = np.append(a, np.geomspace(dense, limit, _RADII // 3)[1:])
         t, weights = gauss_jacobi(m, 32)
-        f = profile(a[1:, None, None] * t[:, None], phi)
+        f = profile(radius * a[1:, None, None] * t[:, None], phi) / depth
         gap = np.einsum("t,atp->ap", weights * t, f) * a[1:, None] ** 2
-        return cls(m, depth, phi, CubicSpline(a, np.vstack([np.zeros(_RAYS), gap])), limit)
+        return cls(m, phi, CubicSpline(a, np.vstack([np.zeros(_RAYS), gap])), limit)
 
     def __call__(self, a: Array) -> tuple[float, Array]:
         """Value and gradient at the rays `a`, shape (rays,)."""
         m, weight = self.m, 2 * np.pi / _RAYS
         rows = np.arange(a.size)
         gap, slope = self.gap(a)[rows, rows], self.gap(a, 1)[rows, rows]
-        work = weight * (self.depth * a**2 / (1 + m) - gap)
+        work = weight * (a**2 / (1 + m) - gap)
         around = weight * np.sum(a ** (1 - m))
         value = 2 * np.sum(work) / around
-        rate = weight * (2 * self.depth * a / (1 + m) - slope)
+        rate = weight * (2 * a / (1 + m) - slope)
         return float(value), (2 * rate - value * weight * (1 - m) * a ** (-m)) / around
 
     def ellipse(self, p: Array) -> Array:
-        """Rays of an ellipse: log size, log root of the aspect by its two parts, and shift."""
+        """Rays of an ellipse: log size, log root of the aspect by its two parts, any shift."""
+        p = np.append(p, np.zeros(5 - p.size))
         swell = p[1] * np.cos(2 * self.phi) + p[2] * np.sin(2 * self.phi)
         aspect = min(float(np.hypot(p[1], p[2])), _WIDEST)
         swell = swell / max(float(np.hypot(p[1], p[2])), 1e-300)
         shape = np.cosh(2 * aspect) - np.sinh(2 * aspect) * swell
         shift = p[3] * np.cos(self.phi) + p[4] * np.sin(self.phi)
+        shift *= min(1.0, _FARTHEST / max(float(np.hypot(p[3], p[4])), 1e-300))
         size = np.exp(np.clip(p[0] + shift, np.log(self.limit) - _SMALLEST, np.log(self.limit)))
         return np.asarray(np.minimum(size / np.sqrt(shape), self.limit))
 
-    def best_ellipse(self, radius: float) -> tuple[float, Array]:
+    def best_ellipse(self) -> tuple[float, Array]:
         """Largest value over {size, aspect, turn, shift} and those parameters."""
-        return self._best(np.array([np.log(radius), 0.0, 0.0, 0.0, 0.0]), 1e-5, 1e-10)
+        _, centred = self._best(np.zeros(3), 0.1, 1e-3, 1e-6)
+        return self._best(np.append(centred, [0.0, 0.0]), 1e-2, 1e-5, 1e-10)
 
     def refined_ellipse(self, found: Array) -> tuple[float, Array]:
         """Largest value to all digits, and its parameters, from parameters found before."""
-        return self._best(found, 1e-8, 1e-14, found + 1e-4 * np.eye(6, 5))
+        return self._best(found, 1e-4, 1e-8, 1e-14)
 
-    def _best(
-        self, start: Array, width: float, rise: float, simplex: Array | None = None
-    ) -> tuple[float, Array]:
+    def _best(self, start: Array, step: float, width: float, rise: float) -> tuple[float, Array]:
         options = {
             "xatol": width,
             "fatol": rise * self(self.ellipse(start))[0],
             "maxiter": 2000,
-            "initial_simplex": simplex,
+            "initial_simplex": start + step * np.eye(start.size + 1, start.size),
         }
         found = minimize(
             lambda p: -self(self.ellipse(p))[0], start, method="Nelder-Mead", options=options
@@ -134,10 +142,10 @@ class _Functional:
         value = self(a)[0]
         for _ in range(_STEPS):
             tail = value * (1 - m) * a ** (-m)
-            rate = 2 * self.depth / (1 + m) * a - self.gap(a, 1)[rows, rows]
-            slope = 2 * self.depth / (1 + m) - self.gap(a, 2)[rows, rows]
+            rate = 2 / (1 + m) * a - self.gap(a, 1)[rows, rows]
+            slope = 2 / (1 + m) - self.gap(a, 2)[rows, rows]
             slope = 2 * slope + m * tail / a
-            rising = slope > -0.1 * self.depth
+            rising = slope > -0.1
             step = np.where(rising, 0.1 * a, -(2 * rate - tail) / np.where(rising, -1.0, slope))
             step = np.clip(step, -0.2 * a, 0.2 * a)
             before, a = a, np.clip(a + step, 1e-9 * self.limit, self.limit)
@@ -164,7 +172,7 @@ def indent(
     stopped = np.zeros(depth.size, dtype=bool)
     for i in np.flatnonzero(np.isfinite(start) & (start > 0)):
         functional = _Functional.of(profile, m, float(depth[i]), float(start[i]))
-        lower[i], found = functional.best_ellipse(float(start[i]))
+        lower[i], found = functional.best_ellipse()
         free[i], rays[i], settled = functional.best_rays(functional.ellipse(found))
         force[i] = free[i]
         narrow = np.hypot(found[1], found[2]) > _NARROW
@@ -172,6 +180,9 @@ def indent(
             force[i], found = functional.refined_ellipse(found)
             rays[i] = functional.ellipse(found)
         stopped[i] = np.max(rays[i]) >= functional.limit
+    unit = np.where(np.isfinite(start) & (start > 0), start, 1.0)
+    rays *= unit[:, None]
+    force, lower, free = (part * depth * unit ** (1 + m) for part in (force, lower, free))
     phi = 2 * np.pi * np.arange(_RAYS) / _RAYS
     area = np.pi * np.mean(rays**2, axis=1)
     around = 2 * np.pi * np.mean(np.abs(rays) ** (1 - m), axis=1)

@@ -61,3 +61,17 @@ def test_separation_on_a_spiky_map():
     back = bem_solve(hm, BODY, separation=loaded.separation)
     assert loaded.converged and back.converged
     assert back.mean_pressure == pytest.approx(1e-3, rel=1e-3)
+
+
+@pytest.mark.parametrize("height", [30.0, 300.0])
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-5])
+def test_a_point_far_above_noise_carries_the_load_alone_first(height, tolerance):
+    """The coarse grids do not know how high it is, and start beside it."""
+    heights = np.random.default_rng(0).normal(size=(128, 128))
+    heights[40, 64] += height
+    hm = HeightMap(heights, (50.0, 50.0), periodic=True)
+    body = HalfSpace.from_modulus(1.0)
+    alone = height / hm.area  # presses the point in by less than it stands out
+    curve = bem_curve(hm, body, pressures=[alone, 1e-3], tolerance=tolerance)
+    assert curve.converged.all()
+    assert curve.extra["contact_area_raw"][0] == hm.spacing[0] * hm.spacing[1]

@@ -171,6 +171,23 @@ def test_contact_across_the_seam():
     )
 
 
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_an_offset_takes_no_digits(boundary):
+    """1 nm of roughness on 1000 km: what its rounding leaves of it is solved and warned of."""
+    base = rough((60, 84), size=(1e-7, 1.4e-7), slope=0.1)
+    far = base.replace(heights=base.heights + 1e6)
+    near = base.replace(heights=far.heights - 1e6)  # exact
+    solved, known = (bem_solve(hm, BODY, pressure=2e-3, boundary=boundary) for hm in (far, near))
+    assert solved.converged and solved.area_fraction < 0.1
+    np.testing.assert_allclose(solved.area_fraction, known.area_fraction, rtol=1e-9)
+    np.testing.assert_allclose(solved.separation, known.separation, rtol=1e-6)
+    if boundary == "periodic":
+        assert certificate_by_hand(solved, near) < 2e-6
+    (warning,) = solved.settings["warnings"]
+    assert "rounded to 1.2e-10 m" in warning and warning in str(solved)
+    assert not known.settings["warnings"]
+
+
 def test_scaling_of_lengths_and_modulus():
     """Heights and spacing times s, modulus times c: pressure times c s^-m, in any units."""
     hm = rough((40, 52), slope=0.3, seed=8)

@@ -118,13 +118,13 @@ def test_answer_is_kept_in_a_file(tmp_path):
 
 
 def test_boundary_elements_alone_where_they_are_cheaper():
-    """Small maps, and few loads; a large map rough to the pixel is left to the model."""
+    """Small maps, and few loads; many loads of a large map are left to the model."""
     hm = waves()
     plan = make_plan(hm, BODY)
     alone, anchored = forecast(hm, plan, 10)
     assert alone < anchored and solve(hm, BODY).verification["engine"] == "bem"
     large = waves(1024, cutoff=None, rolloff=256.0)
-    alone, anchored = forecast(large, make_plan(large, BODY), 20)
+    alone, anchored = forecast(large, make_plan(large, BODY), 60)
     assert alone > anchored
 
 

@@ -197,6 +197,41 @@ def test_unreadable_results_are_one_sentence(tmp_path):
         read_results(tmp_path / "half.h5")
 
 
+def _facts(path):
+    """All that a file says about its curve, as text."""
+    curve = ContactCurve.from_hdf5(path)
+    arrays = {**{name: getattr(curve, name) for name in POINT_FIELDS}, **curve.extra}
+    text = curve.reasons, curve.model, curve.settings, curve.seconds, curve.version
+    return repr(({name: array.tolist() for name, array in arrays.items()}, text))
+
+
+def test_a_flipped_bit_changes_no_curve_in_silence(tmp_path):
+    power_law_curve(broken=3).to_hdf5(tmp_path / "r.h5")
+    whole, facts = (tmp_path / "r.h5").read_bytes(), _facts(tmp_path / "r.h5")
+    rng, refused = np.random.default_rng(1), 0
+    for place, bit in rng.integers((len(whole), 8), size=(400, 2)).tolist():
+        changed = bytearray(whole)
+        changed[place] ^= 1 << bit
+        (tmp_path / "changed.h5").write_bytes(changed)
+        try:
+            assert _facts(tmp_path / "changed.h5") == facts
+        except FileFormatError:
+            refused += 1
+    assert refused > 200
+
+
+def test_text_of_any_length_in_files_of_earlier_versions_is_read(tmp_path):
+    power_law_curve(broken=3).to_hdf5(tmp_path / "r.h5")
+    facts = _facts(tmp_path / "r.h5")
+    with h5py.File(tmp_path / "r.h5", "r+") as file:
+        for group in (file, file["curves/asperity"]):
+            for name, text in dict(group.attrs).items():
+                group.attrs[name] = text.decode()
+        reasons = file["curves/asperity/reasons"].asstr()[()]
+        _replaced(file["curves/asperity"], "reasons", reasons.astype(object))
+    assert _facts(tmp_path / "r.h5") == facts
+
+
 @pytest.mark.parametrize(
     ("change", "match"),
     [

@@ -100,6 +100,16 @@ def test_load_points_that_lie_closer_than_a_solve_misses_are_all_solved(tmp_path
     np.testing.assert_array_equal(whole.extra["asked"], dense)
 
 
+def test_points_that_start_from_each_other_are_solved_together(tmp_path):
+    for loads, solved in ((LOADS[1:3], [1.0, 2.0]), (LOADS[:3], [1.0, 2.0, 3.0]), (LOADS[:3], [])):
+        again = Solver()
+        run_resumably(
+            again, loads, "mean_pressure", tmp_path / "r.h5", model="bem", request=REQUEST,
+            resume=True, chained=True,
+        )  # fmt: skip
+        assert again.solved == solved
+
+
 def test_another_input_is_not_continued(tmp_path):
     path = tmp_path / "r.h5"
     run_all(Solver(), path, resume=False)

@@ -142,6 +142,17 @@ def test_ritz_stays_with_the_ellipse_where_rays_do_not_settle(ratio):
     assert expected > 0.01
 
 
+@pytest.mark.parametrize(("ratio", "m"), [(30.0, 0.0), (50.0, 0.0), (100.0, 0.0), (20.0, -0.3)])
+def test_ritz_knows_no_unit_of_length(ratio, m):
+    """Narrow contacts: the search for the ellipse took another way in every unit, to others."""
+    found = []
+    for unit in (1.0, 1e-6, 7.3e-5):
+        profile = PolynomialProfile({(2, 0): 0.5 / unit, (0, 2): 0.5 * ratio / unit})
+        one = asperity.indent(profile, HalfSpace.from_modulus(1.0, m), 0.01 * unit, law="ritz")
+        found.append((one.force / unit ** (2 + m), one.contact_area / unit**2))
+    np.testing.assert_allclose(found, [found[0]] * 3, rtol=1e-6)
+
+
 def test_ritz_keeps_its_rays_in_corners():
     """A sharp three-sided pyramid is no ellipse, though its rays do not settle (BEM: 4 % lower)."""
     body, material = polygon(3), HalfSpace.from_modulus(1.0)

@@ -1,0 +1,61 @@
+"""``asperity solve``: accuracy in, verified curve out, kept and continued."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import surfaces
+from asperity import ContactCurve
+from asperity.cli.main import main
+
+ASKED = ["solve", "rough.h5", "--E", "210e9", "--pressure", "1e8:1e9:8"]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """A folder with one periodic map."""
+    monkeypatch.chdir(tmp_path)
+    hm = surfaces.self_affine(
+        (96, 96), (9.6e-4, 9.6e-4), hurst=0.8, rms_slope=0.1, rolloff=2e-4, cutoff=6e-5, seed=1
+    )
+    surfaces.write(hm, tmp_path / "rough.h5")
+    return tmp_path
+
+
+def test_accuracy_in_per_cent_or_as_a_number(capsys):
+    for text in ("3%", "0.03"):
+        assert main([*ASKED, "--accuracy", text]) == 0
+        curve = ContactCurve.from_hdf5("results.h5", "bem")
+        assert curve.verification["accuracy"] == [0.03, 0.06] and curve.verification["met"]
+        assert "accuracy        0.03 in load, 0.06 in area: met" in capsys.readouterr().out
+    assert main([*ASKED, "--accuracy", "good"]) == 2
+    assert "--accuracy good: write a relative error" in capsys.readouterr().err
+    assert main([*ASKED, "--accuracy", "90%"]) == 2
+    assert "accuracy is 0.9" in capsys.readouterr().err
+
+
+def test_anchored_run_keeps_its_anchors_and_goes_on(monkeypatch):
+    anchored = [*ASKED, "--engine", "anchored", "--accuracy", "10%"]
+    assert main(anchored) == 0
+    first = ContactCurve.from_hdf5("results.h5", "anchored")
+    anchors = ContactCurve.from_hdf5("results.h5", "bem")
+    at = first.verification["anchors"]
+    np.testing.assert_array_equal(np.sort(anchors.separation), np.sort(first.separation[at]))
+    solved = []
+    from asperity.bem import curve as bem
+
+    original = bem.LoadPath.solve
+    monkeypatch.setattr(
+        bem.LoadPath, "solve", lambda self, **load: (solved.append(load), original(self, **load))[1]
+    )
+    assert main([*anchored, "--resume"]) == 0
+    again = ContactCurve.from_hdf5("results.h5", "anchored")
+    np.testing.assert_array_equal(again.separation, first.separation)
+    np.testing.assert_array_equal(again.error_estimate, first.error_estimate)
+    assert len(solved) <= 1  # the lightest once more, for what the pixels leave open
+
+
+def test_separations_and_a_free_map(capsys):
+    assert main([*ASKED[:4], "--separation", "1.5e-5:8e-6:3", "--boundary", "free"]) == 0
+    assert "free" in capsys.readouterr().out
