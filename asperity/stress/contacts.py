@@ -128,9 +128,7 @@ def _by_law(
     one = indent(body, material, depth, law=law)
     taken(int(one.flags))
     stated = float(one.error_estimate)
-    return close(
-        (one.force, one.contact_area), exact(), (LAW_FORCE + stated, LAW_AREA + stated)
-    )
+    return close((one.force, one.contact_area), exact(), (LAW_FORCE + stated, LAW_AREA + stated))
 
 
 def _by_elements(

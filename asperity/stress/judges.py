@@ -28,7 +28,18 @@ from surfaces.heightmap import HeightMap
 
 from .closed_forms import free_displacement, periodic_displacement
 
-__all__ = ["ENGINES", "Doubted", "Question", "Refused", "alike", "bounded", "certified", "close", "refuse", "taken"]
+__all__ = [
+    "ENGINES",
+    "Doubted",
+    "Question",
+    "Refused",
+    "alike",
+    "bounded",
+    "certified",
+    "close",
+    "refuse",
+    "taken",
+]
 
 Array = NDArray[np.float64]
 
@@ -164,8 +175,9 @@ def alike(
     )
 
 
-def bounded(engine: str, question: Question) -> float:
-    """Errors that an answer states, against boundary elements at a tolerance of 1e-8."""
+def bounded(engine: str, question: Question, finer: HeightMap | None = None) -> float:
+    """Errors that an answer states, against boundary elements at a tolerance of 1e-8 on the grid of
+    the map, or on a finer one."""
     curve = question.answer(engine)
     if _unexplained(curve):
         return math.inf
@@ -174,7 +186,7 @@ def bounded(engine: str, question: Question) -> float:
     if np.isnan(stated[0][used]).any():
         refuse("; ".join(curve.settings.get("warnings", ())))
     exact = bem_curve(
-        question.hm,
+        finer or question.hm,
         question.material,
         pressures=question.pressures,
         tolerance=EXACT,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,7 +69,7 @@ def _pitted() -> Array:
     return heights
 
 
-TEXTURES: dict[str, Callable[[], Array]] = {
+TEXTURES: dict[str, Callable[[], Any]] = {
     "sharp tips": lambda: -_around(WAVE),
     "cusps": lambda: -np.sqrt(_around(WAVE)),
     "flat tops": lambda: -np.maximum(_around(WAVE), 0.5),

@@ -22,7 +22,7 @@ from .maps import rough
 
 __all__ = ["refusal_cases"]
 
-NOT_MATERIALS = {
+NOT_MATERIALS: dict[str, tuple[Any, ...]] = {
     "E = 0": (0.0, 0.3),
     "E = -1": (-1.0, 0.3),
     "E infinite": (math.inf, 0.3),
@@ -73,7 +73,8 @@ def refusal_cases() -> Iterator[Case]:
     yield _case("boundary elements", "no gap left", partial(bem_solve, hm, material, separation=0))
     for name, depth in NOT_DEPTHS.items():
         yield _case("law auto", f"approach: {name}", partial(indent, ball, material, depth))
-        yield _case("boundary elements", f"approach: {name}", partial(indent_bem, ball, material, depth))
+        press = partial(indent_bem, ball, material, depth)
+        yield _case("boundary elements", f"approach: {name}", press)
     for k in (0.0, -1.0, math.nan):
         yield _case("law auto", f"tip of power {k}", partial(PowerLawProfile, k, 1.0))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import time
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
@@ -13,6 +13,7 @@ from asperity.compilation import CURVE, compile_ahead
 from asperity.errors import AsperityError
 
 from .case import Case
+from .conditioning import conditioning_cases
 from .contacts import contact_cases
 from .judges import Doubted
 from .refusals import refusal_cases
@@ -20,7 +21,8 @@ from .rough_maps import map_cases
 
 __all__ = ["FAILURE", "Row", "cases", "run", "summary", "write"]
 
-RIGHT, REFUSED, WARNED, FAILURE = "right", "refused", "warned", "FAILURE"
+OUTCOMES = RIGHT, REFUSED, WARNED, FAILURE = "right", "refused", "warned", "FAILURE"
+
 
 @dataclass(frozen=True)
 class Row:
@@ -50,15 +52,18 @@ class Row:
     seconds: float
     reason: str
 
+
 def cases(theme: str | None = None) -> list[Case]:
     """All stress cases, or those of one theme."""
-    every = (*contact_cases(), *map_cases(), *refusal_cases())
+    every = (*contact_cases(), *map_cases(), *conditioning_cases(), *refusal_cases())
     return [case for case in every if theme in (None, case.theme)]
+
 
 def run(chosen: Iterable[Case]) -> Iterator[Row]:
     """Rows of some cases, in their order; loops are compiled before the first."""
     compile_ahead(*CURVE, "bem")
     return map(_row, chosen)
+
 
 def _row(case: Case) -> Row:
     begun = time.perf_counter()
@@ -74,7 +79,9 @@ def _row(case: Case) -> Row:
         except Exception as error:  # whatever else an engine raises is what the table looks for
             reason = f"{type(error).__name__}: {error}"
     seconds = time.perf_counter() - begun
-    if ratio == ratio:
+    if reason == "" and ratio != ratio:
+        reason = "no number"
+    elif reason == "":
         outcome, reason = RIGHT, ""
         if case.must_refuse:
             outcome, reason = FAILURE, "an answer where there is none"
@@ -87,22 +94,31 @@ def _row(case: Case) -> Row:
     told = case.theme, case.name, case.engine, case.against
     return Row(*told, outcome, ratio, seconds, reason)
 
+
 def summary(rows: Iterable[Row]) -> list[tuple[str, ...]]:
     """Heading and rows of the table by theme and engine: counts, worst error, longest time."""
-    groups: dict[tuple[str, str], list[Row]] = {}
+    groups: dict[str, dict[str, list[Row]]] = {}
     for row in rows:
-        groups.setdefault((row.theme, row.engine), []).append(row)
-    head = "theme", "engine", "cases", RIGHT, REFUSED, WARNED, FAILURE, "worst error/allowed", "longest [s]"
-    return [head, *(_counted(*names, found) for names, found in groups.items())]
+        engine = "laws" if row.engine.startswith("law ") else row.engine
+        groups.setdefault(row.theme, {}).setdefault(engine, []).append(row)
+    head = "theme", "engine", "cases", *OUTCOMES, "worst error/allowed", "longest [s]"
+    return [
+        head,
+        *(
+            _counted(theme, engine, found)
+            for theme, engines in groups.items()
+            for engine, found in engines.items()
+        ),
+    ]
+
 
 def _counted(theme: str, engine: str, rows: list[Row]) -> tuple[str, ...]:
-    def count(outcome: str) -> str:
-        return str(sum(row.outcome == outcome for row in rows))
-
-    worst = max((r.error_over_allowance for r in rows if r.outcome == RIGHT), default=float("nan"))
+    counts = (str(sum(row.outcome == outcome for row in rows)) for outcome in OUTCOMES)
+    ratios = [row.error_over_allowance for row in rows if row.outcome == RIGHT]
+    worst = f"{max(ratios):.2g}" if ratios else ""
     longest = max(row.seconds for row in rows)
-    counts = (str(len(rows)), count(RIGHT), count(REFUSED), count(WARNED), count(FAILURE))
-    return theme, engine, *counts, f"{worst:.2g}", f"{longest:.1f}"
+    return theme, engine, str(len(rows)), *counts, worst, f"{longest:.1f}"
+
 
 def write(path: str | Path, rows: Iterable[Row]) -> None:
     """Write rows as CSV."""
@@ -110,5 +126,3 @@ def write(path: str | Path, rows: Iterable[Row]) -> None:
         out = csv.writer(file)
         out.writerow([field.name for field in fields(Row)])
         out.writerows(astuple(row) for row in rows)
-
-Told = Callable[[Row], object]
