@@ -102,7 +102,12 @@ class Level:
         return self.exact.pressure[:, : self.heights.shape[1]]
 
     def solve(
-        self, load: float | LoadSearch, tolerance: float, *, predicted: bool = False
+        self,
+        load: float | LoadSearch,
+        tolerance: float,
+        *,
+        predicted: bool = False,
+        prolonged: bool = False,
     ) -> Outcome:
         """Correct the pressure until its certificate is within the tolerance.
 
@@ -116,6 +121,9 @@ class Level:
         predicted
             The operator's buffers hold a pressure, possibly negative in places, and its
             displacement: the first correction needs no transform.
+        prolonged
+            The pressure comes from a coarser grid: it is corrected in any case, as points about the
+            contact that carry next to nothing make its area too large.
         """
         search, fixed = (load, None) if isinstance(load, LoadSearch) else (None, load)
         iterations = 0
@@ -134,7 +142,7 @@ class Level:
                 offset=search.offset if search else None,
             )
             worst = reading.certificate.worst
-            if worst <= tolerance and not known:
+            if worst <= tolerance and not (known or (prolonged and outer == 0)):
                 return Outcome(reading, iterations, tolerance, True, "")
             idle = 0 if worst < 0.7 * best else idle + 1
             self._careful = self._careful or idle >= 2

@@ -141,7 +141,7 @@ class LoadPath:
         else:
             self._old = self._copied() if 0.0 < mean <= _LARGEST_RATIO * last else None
             spent, search = problem.start(load, offset)
-            outcome = level.solve(search or load, problem.tolerance)
+            outcome = level.solve(search or load, problem.tolerance, prolonged=True)
             outcome.iterations += spent
         outcome = self._sharpened(outcome, search or load)
         self._remember(outcome, search)

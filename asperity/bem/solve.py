@@ -86,13 +86,12 @@ def bem_solve(
     problem = ContactProblem(hm, mat, tolerance=tolerance, boundary=boundary)
     load, offset = problem.prescribed(pressure, separation)
     prepared = time.perf_counter()
-    if problem.touches(load, offset) and guess is not None:
-        start = _given(guess, hm.shape)
-    else:
-        start = None
+    touches = problem.touches(load, offset)
+    start = _given(guess, hm.shape) if touches and guess is not None else None
     coarse, search = problem.start(load, offset, start)
     middle = time.perf_counter()
-    outcome = problem.level.solve(search or load, problem.tolerance)
+    prolonged = touches and start is None
+    outcome = problem.level.solve(search or load, problem.tolerance, prolonged=prolonged)
     exact, reading = problem.level.exact, outcome.reading
     level = reading.level if offset is None else offset
     finish(exact.pressure, exact.displacement, hm.heights, 1.0 / problem.compliance, level)
