@@ -22,6 +22,10 @@ _RAYS = 256
 _MAX_RADIUS_RATIO = 1e9
 """Ratio of radii beyond which a ray is taken never to reach the approach."""
 
+_DEEPEST = 10.0
+"""Depth below the summit, over the approach, at which a body is cut off: four times what the grid
+around the contact of a paraboloid shows."""
+
 
 def places(
     hm: HeightMap, summit: tuple[float, float]
@@ -82,13 +86,18 @@ def section_box(profile: Profile, approach: float) -> tuple[float, float, float,
 
 
 def map_of(
-    profile: Profile, box: tuple[float, ...], grid: int
+    profile: Profile, box: tuple[float, ...], grid: int, approach: float
 ) -> tuple[HeightMap, tuple[float, float]]:
-    """Height map of the profile in a box, and where its summit lies on it."""
+    """Height map of the profile in a box, and where its summit lies on it.
+
+    What lies deeper than ten approaches [m] is cut off there: it never touches, and the rms height,
+    which the certificate is relative to, would be that of the depth.
+    """
     x0, x1, y0, y1 = box
     spacing = ((y1 - y0) / grid, (x1 - x0) / grid)
     x = x0 + (np.arange(grid) + 0.5) * spacing[1]
     y = y0 + (np.arange(grid) + 0.5) * spacing[0]
     px, py = np.meshgrid(x, y)
-    heights = -np.asarray(profile(np.hypot(px, py), np.arctan2(py, px)))
+    gap = np.asarray(profile(np.hypot(px, py), np.arctan2(py, px)))
+    heights = -np.minimum(gap, _DEEPEST * approach)
     return HeightMap(heights, spacing, name="profile"), (-x0, -y0)

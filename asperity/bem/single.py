@@ -238,9 +238,9 @@ def _one(
 ) -> tuple[BemSolution, tuple[float, float], bool, float]:
     """Solve on a coarse grid around {f < d}, then on a fine one around the contact found."""
     if name == "approach":
-        coarse, place = _coarse_solution(profile, mat, value)
+        depth, (coarse, place) = value, _coarse_solution(profile, mat, value)
     else:
-        coarse, place = _coarse_solution_at_load(profile, mat, value)
+        depth, coarse, place = _coarse_solution_at_load(profile, mat, value)
     rows, cols = (np.flatnonzero(coarse.contact.any(axis=axis)) for axis in (1, 0))
     edges: list[float] = []
     for found, d, start in zip((cols, rows), coarse.spacing[::-1], place, strict=True):
@@ -248,7 +248,7 @@ def _one(
         half, middle = 0.5 * _MARGIN * (high - low), 0.5 * (high + low)
         edges += [middle - half - start, middle + half - start]
     for _ in range(_PLACEMENTS):
-        hm, summit = map_of(profile, tuple(edges), grid)
+        hm, summit = map_of(profile, tuple(edges), grid, depth)
         mean = float(hm.heights.mean())
         prescribed = {"pressure": value / hm.area}
         if name == "approach":
@@ -274,15 +274,15 @@ def _coarse_solution(
     profile: Profile, mat: ElasticHalfSpace, approach: float
 ) -> tuple[BemSolution, tuple[float, float]]:
     """Coarse solution in the box of {f < d}."""
-    hm, summit = map_of(profile, section_box(profile, approach), _COARSE_POINTS)
+    hm, summit = map_of(profile, section_box(profile, approach), _COARSE_POINTS, approach)
     level = -approach - float(hm.heights.mean())
     return bem_solve(hm, mat, separation=level, tolerance=1e-2, boundary="free"), summit
 
 
 def _coarse_solution_at_load(
     profile: Profile, mat: ElasticHalfSpace, load: float
-) -> tuple[BemSolution, tuple[float, float]]:
-    """Coarse solution that carries the load to 2 %, by secants in logarithms."""
+) -> tuple[float, BemSolution, tuple[float, float]]:
+    """Approach [m] and coarse solution that carry the load to 2 %, by secants in logarithms."""
     radius = getattr(profile, "radius", np.inf)
     phi = np.linspace(0.0, 2.0 * np.pi, _RAYS, endpoint=False)
     start = radius / 8 if np.isfinite(radius) else 1.0
@@ -292,7 +292,7 @@ def _coarse_solution_at_load(
         coarse, summit = _coarse_solution(profile, mat, depth)
         force = coarse.load
         if abs(force / load - 1) < 0.02:
-            return coarse, summit
+            return depth, coarse, summit
         point = (np.log(depth), np.log(force))
         if last is not None and abs(point[0] - last[0]) > 1e-6:
             power = float(np.clip((point[1] - last[1]) / (point[0] - last[0]), 0.5, 6.0))
