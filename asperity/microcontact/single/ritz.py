@@ -9,6 +9,7 @@ rays of a narrow contact do not settle, an ellipse nearly as good stands.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,6 +63,10 @@ from which on it stands for rays that do not settle; below, the contact is no na
 _SMALLEST = 8.0
 """Logarithm of the limit over the smallest ellipse."""
 
+_DEEPEST = 1e3
+"""Gap over the approach at which a profile is cut off: no contact reaches so far, and a spline
+through larger ones swings in front of them."""
+
 
 @dataclass(frozen=True, eq=False)
 class _Functional:
@@ -74,6 +79,7 @@ class _Functional:
     m: float
     phi: Array
     gap: CubicSpline
+    exact: Callable[[Array], Array]
     limit: float
 
     @classmethod
@@ -87,9 +93,21 @@ class _Functional:
         if dense < limit:
             a = np.append(a, np.geomspace(dense, limit, _RADII // 3)[1:])
         t, weights = gauss_jacobi(m, 32)
-        f = profile(radius * a[1:, None, None] * t[:, None], phi) / depth
-        gap = np.einsum("t,atp->ap", weights * t, f) * a[1:, None] ** 2
-        return cls(m, phi, CubicSpline(a, np.vstack([np.zeros(_RAYS), gap])), limit)
+
+        def exact(a: Array) -> Array:
+            with np.errstate(over="ignore"):
+                f = profile(radius * a[..., None, :] * t[:, None], phi) / depth
+            f = np.minimum(f, _DEEPEST)
+            return np.asarray(np.einsum("t,...tp->...p", weights * t, f) * a**2)
+
+        gap = exact(np.broadcast_to(a[1:, None], (a.size - 1, _RAYS)))
+        return cls(m, phi, CubicSpline(a, np.vstack([np.zeros(_RAYS), gap])), exact, limit)
+
+    def missed(self, a: Array) -> float:
+        """Relative error of the value at the rays `a`, shape (rays,), by the table of the gap."""
+        table, exact = self.gap(a)[np.arange(a.size), np.arange(a.size)], self.exact(a)
+        work = np.sum(a**2 / (1 + self.m) - exact)
+        return float(abs(np.sum(table - exact)) / max(abs(work), 1e-300))
 
     def __call__(self, a: Array) -> tuple[float, Array]:
         """Value and gradient at the rays `a`, shape (rays,)."""
@@ -169,6 +187,7 @@ def indent(
     rays = np.full((depth.size, _RAYS), np.nan)
     rays[depth <= 0] = 0.0
     force, lower, free = np.where(depth > 0, np.nan, np.zeros((3, depth.size)))
+    missed = np.zeros(depth.size)
     stopped = np.zeros(depth.size, dtype=bool)
     for i in np.flatnonzero(np.isfinite(start) & (start > 0)):
         functional = _Functional.of(profile, m, float(depth[i]), float(start[i]))
@@ -179,6 +198,7 @@ def indent(
         if not settled and narrow and _NEAR * free[i] < lower[i] < free[i]:
             force[i], found = functional.refined_ellipse(found)
             rays[i] = functional.ellipse(found)
+        missed[i] = functional.missed(rays[i])
         stopped[i] = np.max(rays[i]) >= functional.limit
     unit = np.where(np.isfinite(start) & (start > 0), start, 1.0)
     rays *= unit[:, None]
@@ -201,6 +221,8 @@ def indent(
         / np.sqrt(np.where(touching, area, 1.0) / np.pi)
     )
 
+    error = _SPREAD * np.abs(spread) + _OFFSET * offset**2 + missed
+
     def contour(angle: Array) -> Array:
         return np.stack([np.interp(angle, phi, row, period=2 * np.pi) for row in rays])
 
@@ -216,7 +238,7 @@ def indent(
         radius=np.sqrt(area / np.pi).reshape(approach.shape),
         stiffness=stiffness.reshape(approach.shape),
         flags=flags.reshape(approach.shape),
-        error_estimate=(_SPREAD * np.abs(spread) + _OFFSET * offset**2).reshape(approach.shape),
+        error_estimate=error.reshape(approach.shape),
         contour_function=contour,
         pressure_function=pressure,
     )

@@ -24,6 +24,8 @@ from asperity.stress.maps import rough
 from asperity.stress.table import FAILURE, REFUSED, RIGHT, cases, run, summary
 
 THEMES = [
+    "powers of a tip",
+    "aspect ratios",
     "moduli",
     "lengths",
     "slopes",
