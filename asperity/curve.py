@@ -166,12 +166,12 @@ def solve_loads(
     elif not isinstance(plan, Plan):
         raise InputError(f"plan is a {type(plan).__name__}; make one with asperity.make_plan")
     kind, values = checked_loads(hm, material, pressures, separations)
-    plan.require_scene_of(hm.about_mean, material)
+    plan.require_scene_of(hm.without_rounding, material)
     start = time.perf_counter() - plan.seconds
     comparing = (
         not plan.interaction and interaction_needed(hm, material, kind, values, plan.parameters)[0]
     )
-    decomposition = Decomposition.of(hm.about_mean, material, plan)
+    decomposition = Decomposition.of(hm.without_rounding, material, plan)
     rows: dict[int, _Row] = {}
     while True:
         for i, row in _sweep(decomposition, kind, values, comparing):

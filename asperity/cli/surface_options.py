@@ -116,7 +116,9 @@ def add_preparation(parser: argparse.ArgumentParser, *, fill: str = "harmonic") 
         metavar=("SHORT", "LONG"),
         help="wavelengths to keep [m]; 0 and inf leave a side open",
     )
-    parser.add_argument("--periodic", choices=["mirror", "taper", "wrap"], help="make it periodic")
+    parser.add_argument(
+        "--periodic", choices=["mirror", "taper", "smooth", "wrap"], help="make it periodic"
+    )
     parser.add_argument(
         "--resample", type=float, nargs="+", metavar="D", help="pixel size to move to: DY DX [m]"
     )

@@ -15,6 +15,9 @@ SPIKE = 3.0
 """Height of a point above all its neighbors, in rms heights, from which on it is called a spike:
 noise reaches 2.5, a map to the pixel 1."""
 
+STEEP = 0.5
+"""Rms slope from which on small-slope elasticity is warned of."""
+
 CLIFF = 3.0
 """Rms step across the seam of a periodic map over the largest between two lines inside from which
 on it is told: random waves have 1."""
@@ -50,6 +53,7 @@ def map_warnings(
     return [
         *digits_warning(hm.roughness.largest, hm.roughness.rms_height),
         *unit_warning(hm.roughness.rms_slope),
+        *_steep_warning(hm.roughness.rms_slope),
         *resolution_warning(hm),
         *_spike_warning(hm),
         *seam_warning(hm),
@@ -67,6 +71,15 @@ def lay(hm: HeightMap) -> float:
     middle = 0.5 * float(np.mean(y * y) + np.mean(x * x))
     apart = float(np.hypot(0.5 * (np.mean(y * y) - np.mean(x * x)), np.mean(y * x)))
     return float(np.sqrt((middle + apart) / (middle - apart))) if middle > apart else np.inf
+
+
+def _steep_warning(slope: float) -> list[str]:
+    if slope < STEEP:
+        return []
+    return [
+        f"the rms slope is {slope:.2g}: linear elasticity is of small slopes, and the answer is "
+        "that of its equations, not of a body so steep"
+    ]
 
 
 def seam_warning(hm: HeightMap) -> list[str]:

@@ -174,7 +174,7 @@ def make_plan(
     _require_usable(hm, material)
     kind, values = checked_loads(hm, material, pressures, separations)
     warnings = tuple(map_warnings(hm, parameters.error_estimate.longest_lay))
-    hm = hm.about_mean
+    hm = hm.without_rounding
     edge = chosen_boundary(hm, boundary)
     reasons = [f"boundary: {edge} ({'as the map says' if boundary is None else 'as asked'})"]
     body = f"graded, m = {material.m:g}" if material.m != 0.0 else "homogeneous"

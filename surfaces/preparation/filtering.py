@@ -11,7 +11,7 @@ from surfaces.heightmap import HeightMap, require_full, require_map
 
 __all__ = ["bandpass", "crop", "make_periodic"]
 
-PERIODIC = ("mirror", "taper", "wrap")
+PERIODIC = ("mirror", "taper", "smooth", "wrap")
 
 
 def bandpass(
@@ -119,8 +119,10 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
         The map, levelled and without missing points.
     how
         ``mirror``: the map and its mirror images, twice as long on each side; no height is
-        changed. ``taper``: heights fade to their mean within `width` of the border. ``wrap``: the
-        map as it is, with a cliff where its sides do not meet.
+        changed. ``taper``: heights fade to their mean within `width` of the border. ``smooth``: a
+        smooth surface that carries the steps across the seam is taken off (Moisan 2011): no strip
+        is lost, and slopes inside hardly change. ``wrap``: the map as it is, with a cliff where its
+        sides do not meet.
     width
         Width of the faded strip [m] of ``taper``; a tenth of the shorter side by default.
 
@@ -163,6 +165,9 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
         heights = mean + (heights - mean) * window
         changed = float(np.mean(window < 1.0))
         step["width"] = strip
+    elif how == "smooth":
+        heights = heights - _seam_carrier(heights)
+        changed = 1.0
     seam = _rms(np.concatenate([heights[0] - heights[-1], heights[:, 0] - heights[:, -1]]))
     inner = _rms(np.concatenate([np.diff(heights, axis=0).ravel(), np.diff(heights).ravel()]))
     step |= {
@@ -172,6 +177,30 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
         "area_changed": changed,
     }
     return hm.replace(heights=heights, periodic=True, step=step)
+
+
+def _seam_carrier(heights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The smoothest surface whose steps across the seam are those of the map.
+
+    Notes
+    -----
+    Its discrete Laplacian is that of the steps alone, of a period, and its mean is zero (Moisan
+    2011, Periodic plus smooth image decomposition, eqs. 10 and 11).
+    """
+    steps = np.zeros_like(heights)
+    for axis in (0, 1):
+        lines = np.moveaxis(steps, axis, 0)
+        jump = np.moveaxis(heights, axis, 0)
+        jump = jump[-1] - jump[0]
+        lines[0] += jump
+        lines[-1] -= jump
+    ny, nx = heights.shape
+    turns = np.cos(2 * np.pi * fft.fftfreq(ny))[:, None] + np.cos(2 * np.pi * fft.rfftfreq(nx))
+    laplacian = 2.0 * turns - 4.0
+    laplacian[0, 0] = 1.0
+    spectrum = fft.rfft2(steps) / laplacian
+    spectrum[0, 0] = 0.0
+    return np.asarray(fft.irfft2(spectrum, s=heights.shape))
 
 
 def _frequencies(hm: HeightMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -170,3 +170,39 @@ def test_contacts_that_overlap_end_to_end_are_refused():
     assert curve.converged.tolist() == [True, False]
     assert "end to end" in curve.reasons[1]
     assert not any(_curve(_rough((128, 160), 8.0, seed=5), 0.0, np.array([2e-3, 0.1])).reasons)
+
+
+@pytest.mark.parametrize("cut", [0.7, 1.5])
+@pytest.mark.parametrize("noise", [1e-14, 1e-12, 1e-10])
+def test_rounding_noise_on_clipped_heights_changes_nothing(cut, noise):
+    """It makes a summit of every point of a plateau."""
+    hm = surfaces.self_affine(
+        (96, 128), (96.0, 128.0), hurst=0.8, rms_slope=0.1, cutoff=8.0, rolloff=32.0, seed=4
+    )
+    heights = np.minimum(hm.heights, cut * hm.heights.std())
+    rough = noise * heights.std() * np.random.default_rng(0).normal(size=heights.shape)
+    body = asperity.HalfSpace.from_modulus(1.0)
+    loads = np.geomspace(1e-4, 1e-2, 4)
+    exact, noisy = (
+        asperity.contact_curve(hm.replace(heights=h), body, pressures=loads)
+        for h in (heights, heights + rough)
+    )
+    np.testing.assert_allclose(noisy.separation, exact.separation, rtol=1e-4)
+    np.testing.assert_allclose(noisy.contact_area, exact.contact_area, rtol=1e-3)
+    for curve in (exact, noisy):
+        assert any("in line" in text for text in curve.settings["warnings"])
+
+
+def test_slopes_of_order_one_are_warned_of():
+    hm = surfaces.self_affine((32, 48), (32.0, 48.0), hurst=0.8, rms_slope=1.0, cutoff=8.0)
+    curve = asperity.contact_curve(hm, asperity.HalfSpace.from_modulus(1.0))
+    assert any("small slopes" in text for text in curve.settings["warnings"])
+
+
+def test_a_cliff_at_the_seam_is_warned_of():
+    whole = surfaces.self_affine((96, 96), (96.0, 96.0), hurst=0.8, rms_slope=0.1, cutoff=8.0)
+    part = surfaces.HeightMap(whole.heights[:64, :64], (1.0, 1.0), periodic=True)
+    body = asperity.HalfSpace.from_modulus(1.0)
+    for hm, told in ((whole, 0), (part, 1), (surfaces.make_periodic(part, "smooth"), 0)):
+        warnings = asperity.contact_curve(hm, body).settings["warnings"]
+        assert sum("sides of the map" in text for text in warnings) == told

@@ -213,6 +213,8 @@ def test_mirror_has_no_cliff_and_taper_fades() -> None:
     assert 0.0 < step["area_changed"] < 0.5
     inside = (slice(12, -12), slice(8, -8))
     np.testing.assert_allclose(tapered.heights[inside], hm.heights[inside], atol=1e-22)
+    step = surfaces.make_periodic(hm, "smooth").history[-1]
+    assert step["seam_step"] < 2 * step["inner_step"]
     wrapped = surfaces.make_periodic(hm, "wrap").history[-1]
     assert wrapped["seam_step"] > 1.2 * wrapped["inner_step"]
 
@@ -285,3 +287,20 @@ def test_arguments_that_name_no_length_or_pixel(change, match: str) -> None:
     y, x = np.mgrid[:40, :57] * 1e-6
     with pytest.raises(SurfaceError, match=match):
         change(surfaces.HeightMap(np.hypot(x, y), (1e-6, 2e-6)))
+
+
+def test_smooth_seams():
+    """A periodic map stays as it is, a plane goes, and inside only the smoothest part is lost."""
+    hm = surfaces.self_affine((48, 64), (48.0, 64.0), hurst=0.8, rms_slope=0.1, cutoff=8.0, seed=1)
+    wave = np.cos(2 * np.pi * np.arange(48) / 48)[:, None] * np.ones(64)
+    same = surfaces.make_periodic(hm.replace(heights=0 * wave + 3.0, periodic=False), "smooth")
+    np.testing.assert_allclose(same.heights, 3.0, rtol=1e-12)
+    part = surfaces.crop(hm, (0, 40), (0, 50))
+    ready = surfaces.make_periodic(part, "smooth")
+    assert ready.periodic and abs(ready.heights.mean() - part.heights.mean()) < 1e-9
+    laplacian = [
+        np.roll(h, 1, 0) + np.roll(h, -1, 0) + np.roll(h, 1, 1) + np.roll(h, -1, 1) - 4 * h
+        for h in (part.heights, ready.heights)
+    ]
+    inside = (slice(1, -1), slice(1, -1))  # where the carrier is harmonic
+    np.testing.assert_allclose(laplacian[1][inside], laplacian[0][inside], atol=1e-9)
