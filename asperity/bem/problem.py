@@ -44,6 +44,10 @@ is at least the same part of how far it is pressed in."""
 _POWER = 1.5
 """Exponent of load over approach that a given start assumes until two loads are known."""
 
+_PLAIN = 1e-9, 1e9
+"""Rms heights [m] that the solver takes as they are: loops in single precision hold their squares,
+and those of pressures far below them."""
+
 _BYTES_PER_POINT = {"periodic": 60, "free": 70}
 """Estimate of `estimated_bytes`, by boundary."""
 
@@ -60,10 +64,12 @@ class ContactProblem:
 
     Attributes
     ----------
+    unit
+        Unit of heights and displacements inside [m]: 1, or a power of two near the rms height.
     level
-        The finest grid; its pressure is the state.
+        The finest grid, in that unit; its pressure is the state.
     compliance
-        Unit of pressure inside [m/Pa]: p~ = compliance p.
+        Unit of pressure inside [1/Pa]: p~ = compliance p, a displacement in units.
     """
 
     def __init__(
@@ -89,13 +95,14 @@ class ContactProblem:
         self.hm, self.mat, self.tolerance = hm, mat, float(tolerance)
         self._threads = thread_count() if threads is None else threads
         exact = HalfSpaceOperator(hm.shape, hm.spacing, mat, self.boundary, threads=self._threads)
-        self.compliance = exact.compliance
-        self.level = Level(hm.heights, exact)
+        self.unit = _unit(hm.roughness.rms_height)
+        self.compliance = exact.compliance / self.unit
+        self.level = Level(hm.heights if self.unit == 1.0 else hm.heights / self.unit, exact)
 
     def prescribed(
         self, pressure: float | None = None, separation: float | None = None
     ) -> tuple[float, float | None]:
-        """Mean of p~ [m], and the level of u - h in the contact [m] if that is prescribed."""
+        """Mean of p~, and the level of u - h in the contact if that is prescribed, in units."""
         if (pressure is None) == (separation is None):
             raise InputError("give exactly one of pressure and separation")
         given: Any = separation if pressure is None else pressure
@@ -115,7 +122,7 @@ class ContactProblem:
                 f"separation is {value:.4g} m; in a periodic cell it is the mean gap, which "
                 "is positive below full contact; prescribe a pressure instead"
             )
-        return 0.0, -value - self.level.mean_height
+        return 0.0, -value / self.unit - self.level.mean_height
 
     def touches(self, load: float, offset: float | None) -> bool:
         """Whether there is any contact at the prescribed load or level."""
@@ -159,7 +166,7 @@ class ContactProblem:
         shapes = level_shapes(self.hm.shape)[:-1]
         fine = self.level.exact
         maps = CoarseMaps(
-            self.hm.heights,
+            self.level.heights,
             self.boundary,
             shapes,
             threads=self._threads,
@@ -176,7 +183,7 @@ class ContactProblem:
             )
             heights = maps.level(index, (ny, nx))
             level = Level(heights, exact)
-            ratio = exact.compliance / self.compliance
+            ratio = exact.compliance / fine.compliance
             if search and -search.offset >= level.highest:
                 continue
             if search:
@@ -212,7 +219,7 @@ class ContactProblem:
 
     def separation(self, outcome: Outcome) -> float:
         """Separation reached [m]."""
-        return float(-outcome.reading.level - self.level.mean_height)
+        return float(-outcome.reading.level - self.level.mean_height) * self.unit
 
     def mean_pressure(self, outcome: Outcome) -> float:
         """Mean pressure reached [Pa]."""
@@ -221,7 +228,7 @@ class ContactProblem:
     def elastic_energy(self, outcome: Outcome) -> float:
         """Elastic energy ``1/2 int p u dA`` [J]."""
         cell = self.hm.spacing[0] * self.hm.spacing[1]
-        return 0.5 * outcome.reading.moment / self.compliance * cell
+        return 0.5 * outcome.reading.moment * self.unit / self.compliance * cell
 
     def load_error(self, outcome: Outcome) -> float:
         """Bound on the relative error of the load at equal separation [-], from the certificate.
@@ -259,6 +266,14 @@ class ContactProblem:
             "spacing": self.hm.spacing,
             "threads": thread_count(),
         }
+
+
+def _unit(rms_height: float) -> float:
+    """Unit of heights [m] in which none is very small or large."""
+    low, high = _PLAIN
+    if rms_height == 0.0 or low <= rms_height <= high:
+        return 1.0
+    return math.ldexp(1.0, math.frexp(rms_height)[1])
 
 
 def _number(value: Any) -> float:

@@ -94,11 +94,14 @@ def bem_solve(
     outcome = problem.level.solve(search or load, problem.tolerance, prolonged=prolonged)
     exact, reading = problem.level.exact, outcome.reading
     level = reading.level if offset is None else offset
-    finish(exact.pressure, exact.displacement, hm.heights, 1.0 / problem.compliance, level)
+    gap = exact.displacement
+    finish(exact.pressure, gap, problem.level.heights, 1.0 / problem.compliance, level)
+    if problem.unit != 1.0:
+        gap *= problem.unit
     mean = problem.mean_pressure(outcome)
     return BemSolution(
         pressure=exact.pressure[:, : hm.shape[1]],
-        gap=exact.displacement[:, : hm.shape[1]],
+        gap=gap[:, : hm.shape[1]],
         separation=problem.separation(outcome),
         mean_pressure=mean,
         load=mean * hm.area,

@@ -277,3 +277,19 @@ def test_missing_points_are_refused():
     heights[3, 4] = np.nan
     with pytest.raises(errors.SurfaceError, match=r"1 missing points.*fill"):
         bem_solve(HeightMap(heights, 0.1), BODY, pressure=1.0)
+
+
+@pytest.mark.parametrize("size", [1e-30, 1e-12, 1e12])
+@pytest.mark.parametrize("kind", ["pressure", "separation"])
+def test_heights_of_any_size(size, kind):
+    """Loops in single precision stagnated on heights of 1e-18 m and less."""
+    hm = rough((40, 48), size=(0.8, 1.0), slope=0.1, seed=4)
+    small = hm.replace(heights=hm.heights * size)
+    asked = {"pressure": 1e-3, "separation": 1.5 * hm.rms_height}[kind]
+    one = bem_solve(hm, HalfSpace.from_modulus(1.0), **{kind: asked})
+    other = bem_solve(small, HalfSpace.from_modulus(1.0), **{kind: asked * size})
+    assert one.converged and other.converged
+    assert other.separation == pytest.approx(size * one.separation, rel=1e-5)
+    assert other.mean_pressure == pytest.approx(size * one.mean_pressure, rel=1e-4)
+    assert other.elastic_energy == pytest.approx(size**2 * one.elastic_energy, rel=1e-4)
+    assert other.gap == pytest.approx(size * one.gap, abs=1e-5 * small.rms_height)
