@@ -57,8 +57,7 @@ def _around(radius: float) -> Array:
     return np.hypot((y + 0.5) % radius - radius / 2, (x + 0.5) % radius - radius / 2) * 2 / radius
 
 
-def _spiked(height: float) -> Array:
-    heights = rough_heights()
+def _spiked(height: float, heights: Array) -> Array:
     heights[20, 30] = heights.mean() + height * heights.std()
     return heights
 
@@ -75,8 +74,9 @@ TEXTURES: dict[str, Callable[[], Any]] = {
     "flat tops": lambda: -np.maximum(_around(WAVE), 0.5),
     "beads": lambda: np.sqrt(np.maximum(1.0 - _around(WAVE) ** 2, 0.0)),
     "dimples": lambda: -np.sqrt(np.maximum(1.0 - _around(WAVE) ** 2, 0.0)),
-    "spike of 30 rms": lambda: _spiked(30.0),
-    "spike of 400 rms": lambda: _spiked(400.0),
+    "spike of 30 rms": lambda: _spiked(30.0, rough_heights()),
+    "spike of 400 rms": lambda: _spiked(400.0, rough_heights()),
+    "spike of 300 rms on noise": lambda: _spiked(300.0, _noise()),
     "pit of 2000 rms": _pitted,
     "step": lambda: rough_heights() + 50.0 * (_grid()[1] < 40.0),
     "one step, else flat": lambda: 1.0 * (_grid()[1] < 40.0),
