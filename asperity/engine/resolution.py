@@ -19,7 +19,7 @@ from surfaces.patches import label_patches
 from surfaces.preparation.filtering import make_periodic
 from surfaces.preparation.resampling import resample
 
-__all__ = ["LightestLoad", "Resolution", "resolution", "small_share"]
+__all__ = ["UNTOLD", "LightestLoad", "Resolution", "resolution", "small_share"]
 
 FEW_PIXELS = 10
 """Pixels of a contact below which its area and its load depend on the grid."""
@@ -70,6 +70,10 @@ class Resolution:
     area: float
     told_by: str
     warnings: tuple[str, ...] = ()
+
+
+UNTOLD = Resolution(float("nan"), float("nan"), "nothing was solved by boundary elements")
+"""Of a curve that nothing verifies."""
 
 
 class LightestLoad:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.bem.curve import SolvedLoad, bem_curve
-from asperity.bem.problem import AREA_OVER_LOAD_ERROR
+from asperity.bem.problem import AREA_OVER_LOAD_ERROR, fits
 from asperity.compilation import CURVE, compile_ahead
 from asperity.contacts.run import solve_contacts
 from asperity.errors import InputError, ModelRangeError
@@ -21,7 +21,7 @@ from asperity.model.plan import make_plan
 from surfaces.errors import as_number
 
 from .cost import forecast
-from .resolution import LightestLoad, resolution
+from .resolution import UNTOLD, LightestLoad, Resolution, resolution
 from .verified import LEAST_LOADS, Accuracy, verified
 
 if TYPE_CHECKING:
@@ -40,9 +40,6 @@ ENGINES = ("auto", "bem", "anchored")
 ACCURACIES = 0.004, 0.1
 """Least and largest accuracy in load that can be asked for."""
 
-KINDS = "pressure", "separation"
-"""Kinds of load points."""
-
 JUDGE_SHARE = 0.15
 """Error of boundary elements at anchors over the accuracy asked for."""
 
@@ -55,6 +52,7 @@ def solve(
     separations: ArrayLike | None = None,
     accuracy: float = 0.05,
     area_accuracy: float | None = None,
+    verify: str | bool = "auto",
     engine: str = "auto",
     boundary: str | None = None,
     progress: Callable[[SolvedLoad], object] | None = None,
@@ -78,6 +76,9 @@ def solve(
         Relative error allowed in the load at equal separation [-], 0.004 to 0.1.
     area_accuracy
         Relative error allowed in the contact area at equal load [-]; twice `accuracy` if None.
+    verify
+        "auto" anchors the model as far as the accuracy asks for. False leaves boundary elements
+        out: the model answers with its a-priori estimate, which is no bound.
     engine
         "auto" chooses; "bem" or "anchored" settles it.
     boundary
@@ -101,12 +102,13 @@ def solve(
     SurfaceError
         If the map has missing points or is constant.
     InputError
-        If an argument is not usable, or boundary elements do not fit into memory.
+        If an argument is not usable.
 
     Notes
     -----
     The bound is an empirical one where the model answers (docs/development/verification.md), and
-    follows from the certificate where boundary elements do (`bem_curve`).
+    follows from the certificate where boundary elements do (`bem_curve`). Where these do not fit
+    into memory, the model answers as without verification, and says so.
 
     Examples
     --------
@@ -124,62 +126,143 @@ def solve(
     asked = _accuracy(accuracy, area_accuracy)
     if engine not in ENGINES:
         raise InputError(f"engine is {engine!r}; give one of {', '.join(ENGINES)}")
+    if verify not in ("auto", True, False):
+        raise InputError(f"verify is {verify!r}; give 'auto' or False")
     kind, values = checked_loads(hm, material, pressures, separations)
-    edge = chosen_boundary(hm, boundary)
-    plan, chosen, reason = _choice(hm, material, kind, values, edge, engine)
-    lightest = LightestLoad(progress)
+    scene = _Scene(hm, material, kind, chosen_boundary(hm, boundary), judge, LightestLoad(progress))
+    clock = _Clock(begun)
+    choice = scene.choice(values, engine, bool(verify))
+    clock.stage("choice")
+    if choice.plan is not None:
+        try:
+            model = scene.model(choice.plan, values)
+        except ModelRangeError as error:
+            choice = _Choice("bem", f"the microcontact model has no answer: {error}", None)
+        clock.stage("model")
+    if choice.engine == "bem":
+        curve = scene.exact(values, min(asked.area, AREA_OVER_LOAD_ERROR * asked.load))
+    elif choice.engine == "model":
+        curve = replace(model, extra={**model.extra, "anchor": np.zeros(len(values), bool)})
+    else:
+        part = JUDGE_SHARE * asked.area
+        curve = verified(hm, model, kind, values, lambda at: scene.exact(at, part), asked)
+    anchors = np.flatnonzero(curve.extra.get("anchor", np.ones(len(values))))
+    if choice.engine == "anchored" and len(anchors) == len(values):
+        why = f"{choice.reason}; but the model did not hold between anchors"
+        choice = choice._replace(engine="bem", reason=why)
+    clock.stage("boundary elements")
+    left = UNTOLD if choice.engine == "model" else scene.resolution(curve, values)
+    clock.stage("resolution")
+    told = {
+        "engine": choice.engine,
+        "reason": choice.reason,
+        "accuracy": [asked.load, asked.area],
+        "met": bool(np.all(asked.met(curve) & curve.converged)),
+        "anchors": anchors.tolist(),
+        "reference": f"grid of the map, {hm.shape[0]} x {hm.shape[1]}, {scene.boundary}",
+        "resolution_uncertainty": [left.load, left.area],
+        "resolution": left.told_by,
+    }
+    warnings = dict.fromkeys([*map_warnings(hm), *curve.settings["warnings"], *left.warnings])
+    settings = {**curve.settings, "warnings": [*warnings], "verification": told}
+    return replace(curve, seconds=clock.seconds, settings=settings)
 
-    def exact(points: Array, error: float) -> ContactCurve:
+
+class _Choice(NamedTuple):
+    """Engine ("bem", "anchored" or "model"), why, and the plan of the model if it is to run."""
+
+    engine: str
+    reason: str
+    plan: Plan | None
+
+
+class _Clock:
+    """Seconds of each stage."""
+
+    def __init__(self, begun: float) -> None:
+        self.last, self.seconds = begun, dict[str, float]()
+
+    def stage(self, name: str) -> None:
+        """What went by since the last stage."""
+        now = time.perf_counter()
+        self.seconds[name] = now - self.last
+        self.last = now
+
+
+@dataclass(frozen=True)
+class _Scene:
+    """Map, material, kind of load points and boundary, and what solves them."""
+
+    hm: HeightMap
+    material: HalfSpace
+    kind: str
+    boundary: Boundary
+    judge: Callable[..., ContactCurve]
+    lightest: LightestLoad
+
+    def loads(self, values: Array) -> tuple[Array | None, Array | None]:
+        """Load points as pressures or as separations."""
+        return (values, None) if self.kind == "pressure" else (None, values)
+
+    def choice(self, values: Array, engine: str, verify: bool) -> _Choice:
+        """The engine, from the forecast of run times."""
+        if engine == "bem":
+            return _Choice("bem", "as asked", None)
+        if engine == "auto" and verify and len(values) < LEAST_LOADS:
+            return _Choice("bem", f"fewer than {LEAST_LOADS} load points", None)
+        pressures, separations = self.loads(values)
+        try:
+            plan = make_plan(
+                self.hm,
+                self.material,
+                pressures=pressures,
+                separations=separations,
+                boundary=self.boundary,
+            )
+        except ModelRangeError as error:
+            return _Choice("bem", f"the microcontact model has no answer: {error}", None)
+        if not verify:
+            return _Choice("model", "not to be verified", plan)
+        if not fits(self.hm.shape, self.boundary, 1):
+            return _Choice("model", "boundary elements do not fit into memory", plan)
+        if engine == "anchored":
+            return _Choice("anchored", "as asked", plan)
+        alone, anchored = forecast(self.hm, plan, len(values))
+        reason = f"forecast {alone:.2g} s of boundary elements, {anchored:.2g} s anchored"
+        if alone <= anchored:
+            return _Choice("bem", reason, None)
+        return _Choice("anchored", reason, plan)
+
+    def model(self, plan: Plan, values: Array) -> ContactCurve:
+        """The curve of the microcontact model."""
+        pressures, separations = self.loads(values)
+        run = solve_contacts(
+            self.hm, self.material, plan, pressures=pressures, separations=separations
+        )
+        return run.curve
+
+    def exact(self, values: Array, error: float) -> ContactCurve:
         """Boundary elements on the grid of the map, within an error of the area."""
-        pressures, separations = (points if kind == one else None for one in KINDS)
-        return judge(
-            hm,
-            material,
+        pressures, separations = self.loads(values)
+        return self.judge(
+            self.hm,
+            self.material,
             pressures=pressures,
             separations=separations,
             accuracy=error,
             coarsen=False,
-            boundary=edge,
-            progress=lightest,
+            boundary=self.boundary,
+            progress=self.lightest,
         )
 
-    spent = {"choice": time.perf_counter() - begun}
-    if plan is not None:
-        pressures, separations = (values if kind == one else None for one in KINDS)
-        run = solve_contacts(hm, material, plan, pressures=pressures, separations=separations)
-        spent["model"] = time.perf_counter() - begun - sum(spent.values())
-        error = JUDGE_SHARE * asked.area
-        curve = verified(hm, run.curve, kind, values, lambda at: exact(at, error), asked)
-    else:
-        curve = exact(values, min(asked.area, AREA_OVER_LOAD_ERROR * asked.load))
-    anchors = np.flatnonzero(curve.extra.get("anchor", np.ones(len(values))))
-    if plan is not None and len(anchors) == len(values):
-        chosen, reason = "bem", f"{reason}; but it did not hold between anchors"
-    spent["boundary elements"] = time.perf_counter() - begun - sum(spent.values())
-    if lightest.point is None and (curve.mean_pressure > 0.0).any():  # all were solved before
-        exact(
-            values[[np.argmin(np.where(curve.mean_pressure > 0.0, curve.mean_pressure, np.inf))]],
-            asked.area,
-        )
-    left = resolution(hm, material, edge, lightest, float(curve.mean_pressure.max()))
-    spent["resolution"] = time.perf_counter() - begun - sum(spent.values())
-    told = {
-        "engine": chosen,
-        "reason": reason,
-        "accuracy": [asked.load, asked.area],
-        "met": bool(np.all(asked.met(curve) & curve.converged)),
-        "anchors": anchors.tolist(),
-        "reference": f"grid of the map, {hm.shape[0]} x {hm.shape[1]}, {edge}",
-        "resolution_uncertainty": [left.load, left.area],
-        "resolution": left.told_by,
-    }
-    warnings = [*map_warnings(hm), *curve.settings["warnings"], *left.warnings]
-    settings = {
-        **curve.settings,
-        "warnings": list(dict.fromkeys(warnings)),
-        "verification": told,
-    }
-    return replace(curve, seconds=spent, settings=settings)
+    def resolution(self, curve: ContactCurve, values: Array) -> Resolution:
+        """What the pixels leave open of a curve."""
+        pressure = curve.mean_pressure
+        if self.lightest.point is None and (pressure > 0.0).any():  # all were solved before
+            first = int(np.argmin(np.where(pressure > 0.0, pressure, np.inf)))
+            self.exact(values[[first]], 2.0 * ACCURACIES[1])
+        heaviest = float(pressure.max())
+        return resolution(self.hm, self.material, self.boundary, self.lightest, heaviest)
 
 
 def _accuracy(load: float, area: float | None) -> Accuracy:
@@ -190,25 +273,3 @@ def _accuracy(load: float, area: float | None) -> Accuracy:
     if area is not None and not low <= as_number("area_accuracy", area) <= 2 * high:
         raise InputError(f"area_accuracy is {area!r}; give one from {low} to {2 * high}")
     return Accuracy(load, 2.0 * load if area is None else area)
-
-
-def _choice(
-    hm: HeightMap, material: HalfSpace, kind: str, values: Array, edge: Boundary, engine: str
-) -> tuple[Plan | None, str, str]:
-    """Plan of the model, None for boundary elements alone; name of the engine; and the reason."""
-    if engine == "bem":
-        return None, "bem", "as asked"
-    if engine == "auto" and len(values) < LEAST_LOADS:
-        return None, "bem", f"fewer than {LEAST_LOADS} load points"
-    pressures, separations = (values if kind == one else None for one in KINDS)
-    try:
-        plan = make_plan(hm, material, pressures=pressures, separations=separations, boundary=edge)
-    except ModelRangeError as error:
-        return None, "bem", f"the microcontact model has no answer: {error}"
-    if engine == "anchored":
-        return plan, "anchored", "as asked"
-    alone, anchored = forecast(hm, plan, len(values))
-    times = f"{alone:.2g} s forecast of boundary elements alone, {anchored:.2g} s of the model"
-    if alone <= anchored:
-        return None, "bem", f"{times} with anchors"
-    return plan, "anchored", f"{times} with anchors"

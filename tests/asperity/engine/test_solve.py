@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surfaces
-from asperity import ContactCurve, HalfSpace, InputError, bem_curve, solve
+from asperity import ContactCurve, HalfSpace, InputError, bem_curve, contact_curve, solve
 from asperity.engine.cost import forecast
 from asperity.halfspace.scene import default_pressures
 from asperity.model.plan import make_plan
@@ -137,6 +137,24 @@ def test_a_model_without_an_answer_leaves_all_to_boundary_elements():
     assert curve.verification["engine"] == "bem" and inside(curve, exact(hm, BODY, loads))
 
 
+def test_without_verification_the_model_answers_alone():
+    hm = waves()
+    loads = default_pressures(hm, BODY, 3)
+    curve = solve(hm, BODY, pressures=loads, verify=False)
+    alone = contact_curve(hm, BODY, pressures=loads)
+    np.testing.assert_array_equal(curve.separation, alone.separation)
+    np.testing.assert_array_equal(curve.error_estimate, alone.error_estimate)
+    assert curve.verification["engine"] == "model" and curve.verification["anchors"] == []
+    assert np.isnan(curve.verification["resolution_uncertainty"]).all() and "model" in str(curve)
+
+
+def test_the_model_answers_where_boundary_elements_do_not_fit(monkeypatch):
+    hm = waves()
+    monkeypatch.setattr("asperity.engine.solve.fits", lambda *_: False)
+    curve = solve(hm, BODY, pressures=default_pressures(hm, BODY, 6))
+    assert curve.verification["engine"] == "model" and "memory" in curve.verification["reason"]
+
+
 @pytest.mark.parametrize(
     ("wrong", "text"),
     [
@@ -144,6 +162,7 @@ def test_a_model_without_an_answer_leaves_all_to_boundary_elements():
         ({"accuracy": "high"}, "accuracy"),
         ({"area_accuracy": 2.0}, "area_accuracy is 2.0"),
         ({"engine": "fem"}, "engine is 'fem'"),
+        ({"verify": "often"}, "verify is 'often'"),
     ],
 )
 def test_bad_input_is_told_in_one_sentence(wrong, text):
