@@ -38,6 +38,9 @@ __all__ = ["SCALES", "Plan", "interaction_needed", "make_plan"]
 SCALES = ("auto", "all")
 """What may become of the finest waves of a map."""
 
+FLAT = 1e-9
+"""Rms height of a finer grid over that of the map below which the grid holds nothing of it."""
+
 MODEL_BYTES_PER_POINT = 64
 """Peak memory of the microcontact model per grid point: heights, order, labels, ancestors."""
 
@@ -324,6 +327,11 @@ def _grid(hm: HeightMap, scales: str, parameters: Parameters) -> tuple[HeightMap
     if scales == "auto" and corrections.finer_grid and flat_share(hm) < clipped:
         finer = refined_map(hm, parameters.pixel_waves)
     if isinstance(finer, HeightMap):
+        if finer.roughness.rms_height < FLAT * hm.roughness.rms_height:
+            raise ModelRangeError(
+                "all heights are waves of two pixels, which tell no summits between them; use "
+                "boundary elements"
+            )
         return finer, (
             f"grid: {finer.shape[0]} x {finer.shape[1]} points show the summits of {shape}, whose "
             "waves reach the pixel"

@@ -88,7 +88,7 @@ def test_a_load_on_a_grooved_step_needs_an_area_and_is_that_asked_for(m, recwarn
 def test_checkerboards_leak_no_warning(shape, spacing, height, m, law, recwarn):
     """Sharp summits beside each other: numbers that are not finite end in a reason."""
     y, x = np.indices(shape)
-    hm = surfaces.HeightMap(height * ((x + y) % 2), spacing, periodic=law == "hertz")
+    hm = surfaces.HeightMap(height * ((x + y) % 2), spacing)
     curve = asperity.contact_curve(hm, asperity.HalfSpace.from_modulus(1e10, m), law=law)
     assert all(reason or good for reason, good in zip(curve.reasons, curve.converged, strict=True))
     assert (curve.contact_area[curve.converged] > 0.0).all()
@@ -206,3 +206,15 @@ def test_a_cliff_at_the_seam_is_warned_of():
     for hm, told in ((whole, 0), (part, 1), (surfaces.make_periodic(part, "smooth"), 0)):
         warnings = asperity.contact_curve(hm, body).settings["warnings"]
         assert sum("sides of the map" in text for text in warnings) == told
+
+
+def test_waves_of_two_pixels_are_left_to_boundary_elements():
+    """A finer grid has nothing of them; the map was called constant."""
+    y, x = np.indices((48, 64))
+    hm = surfaces.HeightMap(0.1 * ((x + y) % 2), (1.0, 1.0), periodic=True)
+    body = asperity.HalfSpace.from_modulus(1.0)
+    loads = np.geomspace(1e-4, 1e-2, 5)
+    with pytest.raises(asperity.ModelRangeError, match="waves of two pixels"):
+        asperity.contact_curve(hm, body, pressures=loads)
+    curve = asperity.solve(hm, body, pressures=loads, engine="anchored")
+    assert curve.converged.all() and curve.verification["engine"] == "bem"
