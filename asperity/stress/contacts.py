@@ -89,7 +89,9 @@ def _materials() -> Iterator[Case]:
     for nu in POISSON_RATIOS:
         exact = partial(power_law_contact, 2.0, 0.5, 1e-2, 1.0 / (1.0 - nu**2))
         for engine in ("auto", BEM):
-            yield _round("Poisson ratios", f"nu = {nu}", engine, ball, exact, HalfSpace(1.0, nu))
+            for m in (-1e-9, 0.0, 1e-9):
+                name, material = f"nu = {nu}, m = {m:g}", HalfSpace(1.0, nu, m)
+                yield _round("Poisson ratios", name, engine, ball, exact, material)
 
 
 def _depths() -> Iterator[Case]:
