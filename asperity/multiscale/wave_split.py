@@ -55,7 +55,10 @@ def fineness(hm: HeightMap) -> float:
     """
     found = hm.roughness
     bend = np.asarray(found.curvature) * hm.spacing
-    return float(bend @ bend) / (4.0 * found.rms_slope**2)
+    if found.rms_slope == 0.0:
+        return 0.0
+    share = bend / (2.0 * found.rms_slope)
+    return float(share @ share)
 
 
 def random_waves(hm: HeightMap, waves: PixelWaves = DEFAULTS.pixel_waves) -> bool:

@@ -200,3 +200,7 @@ def test_without_a_rolloff_enough_waves_are_kept(hurst):
     side = np.sqrt(hm.area)
     assert side / split_scales(hm, STEEL).law.shortest == pytest.approx(50, rel=0.02)
     assert "too few waves" in split_scales(broad(hurst=hurst, rolloff=None, cutoff=5e-6), STEEL)
+
+
+def test_a_flat_map_loses_no_slope():
+    assert fineness(HeightMap(np.full((8, 9), 3.0), (1.0, 1.0))) == 0.0
