@@ -149,7 +149,8 @@ def resolution(
     area = float(np.max(np.abs(np.log(own.contact_area / fine.contact_area))))
     load, area = max(SAFETY * load, FLOOR[0]), max(SAFETY * area, FLOOR[1])
     large = load > LARGE[0] or area > LARGE[1]
-    warning = CURE.format(f"{load:.0%} of the load and {area:.0%} of the contact area")
+    shares = (f"{x:.0%}" if x < 1 else "all" for x in (load, area))
+    warning = CURE.format("{} of the load and {} of the contact area".format(*shares))
     where = "of the map" if part is hm else f"of {TILE} x {TILE} points about its highest"
     told = f"{held}; {len(loads)} loads solved on a grid twice as fine {where}"
     return Resolution(load, area, told, (warning,) if large else ())

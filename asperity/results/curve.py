@@ -314,7 +314,8 @@ def _told(verification: Mapping[str, Any]) -> list[str]:
     """Lines about engine, accuracy and resolution."""
     load, area = (f"{share:.2g}" for share in verification["accuracy"])
     met = "met" if verification["met"] else "NOT MET"
-    left = " in load, ".join(f"{100 * x:.2g} %" for x in verification["resolution_uncertainty"])
+    open_ = verification["resolution_uncertainty"]
+    left = " in load, ".join(f"{100 * x:.2g} %" if not x > 1 else "all" for x in open_)
     return [
         f"engine          {verification['engine']} ({verification['reason']})",
         f"accuracy        {load} in load, {area} in area: {met} on the "
