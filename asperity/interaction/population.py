@@ -22,6 +22,9 @@ SPREADING = 0.7
 """Power of the load with which the number of contacts grows (0.6 to 0.9 below 10 % of contact): of
 the highest summits, so many, about nine in ten touch then."""
 
+MAX_DOUBLINGS = 100
+"""Doublings of the depth at which independent contacts are sought to carry a load."""
+
 MAX_SEARCH = 40
 """Separations tried to reach a mean pressure."""
 
@@ -178,7 +181,7 @@ def _searched(
     """Safeguarded Newton iteration for the logarithm of the mean pressure."""
     system = last.system
     top = system.highest
-    low, high, step = -math.inf, top, 0.1 * float(np.ptp(system.height)) or 0.1 * abs(top)
+    low, high, step = -math.inf, top, 0.1 * _relief(system)
     if state is None or not state.mean_pressure > 0:
         state = solve_at(last, _independent_separation(system, pressure), tolerance)
     bound = NEAR if system.interaction else EXACT
@@ -211,6 +214,12 @@ def _searched(
     )
 
 
+def _relief(system: ContactSystem) -> float:
+    """A length of the order of the heights of the summits [m], positive."""
+    spread, level = float(np.ptp(system.height)), abs(system.highest)
+    return spread or level or 1e-6 * math.sqrt(system.nominal_area)
+
+
 def _independent_separation(system: ContactSystem, pressure: float) -> float:
     """Separation at which independent contacts would carry the pressure, within a few %."""
     summits, height = system.by_height, system.height
@@ -224,9 +233,11 @@ def _independent_separation(system: ContactSystem, pressure: float) -> float:
 
     # by numbers of summits: one that stands out must not lead far down among the others
     high, end = system.highest, BLOCK
-    width = 0.01 * float(np.ptp(height)) or 0.01 * abs(high)
+    width = 0.01 * _relief(system)
     low = float(height[summits[min(end, len(summits) - 1)]])
-    while carried(low) < pressure:
+    for _ in range(MAX_DOUBLINGS):
+        if not carried(low) < pressure:
+            break
         high, end, width = low, 2 * end, 2 * width
         low = float(height[summits[end]]) if end < len(summits) else low - width
     for _ in range(8):

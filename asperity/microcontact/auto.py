@@ -18,7 +18,7 @@ from asperity.halfspace.flags import Flag
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.ellipse import batch as ellipse_batch
 
-from . import ritz
+from . import circle, ritz
 from .law_table import LawTable
 
 if TYPE_CHECKING:
@@ -35,6 +35,10 @@ doubtful."""
 SHARES = np.array([0.003, 0.01, 0.03, 0.1])
 """Shares of the reach at which the laws of a doubtful summit are compared."""
 
+LEVEL = 2e-3, 0.3
+"""f/r^2 at the first node of a ray over that at its end between which a tip is level: of r^4 it is
+0.004, of r^3 0.06, of a plateau 0, and of a summit in noise about 1."""
+
 GROSS = 1.3
 """Ratio of two laws' forces beyond which the law that needs no polynomial is believed."""
 
@@ -48,7 +52,9 @@ def tabulate(
     continuation of the ellipse law can be off by factors. For such summits, about one in ten, the
     force of `ritz` is computed at a few approaches; where both disagree grossly, the summit is
     tabulated by `ritz` and the disagreement is its spread. So are summits whose smallest
-    polynomial is no summit: the ellipse law has nothing to say of them.
+    polynomial is no summit, of which the ellipse law has nothing to say: plateaus. A level tip such
+    as that of r^4, which rises along every ray at once, is one by rounding alone; the harmonic law
+    is exact there, and `ritz` at a third of the force.
     """
     table = replace(ellipse_batch.tabulate(profiles, material, nodes=nodes), law=law)
     left = table.flags[:, 1 : int(EARLY * nodes) + 1] & Flag.BEYOND_RADIUS
@@ -56,12 +62,16 @@ def tabulate(
     doubtful = np.flatnonzero(left.any(axis=1) & (table.reach > 0))
     if doubtful.size:
         ratio[doubtful] = _worst_ratio(table, doubtful, profiles.rows(doubtful), material)
-    wrong = np.flatnonzero(ratio > GROSS)
-    if not wrong.size:
-        return table
-    second = ritz.tabulate(profiles.rows(wrong), material, nodes=nodes)
-    _without_pull(second)
-    _replace(table, wrong, second, ratio[wrong])
+    tip, end = profiles.q[:, :, 1], profiles.q[:, :, -1]
+    level = np.isinf(ratio) & ((tip > LEVEL[0] * end) & (tip < LEVEL[1] * end)).all(axis=1)
+    for rows, second in (
+        (np.flatnonzero(level), circle.tabulate),
+        (np.flatnonzero(~level & (ratio > GROSS)), ritz.tabulate),
+    ):
+        if rows.size:
+            other = second(profiles.rows(rows), material, nodes=nodes)
+            _without_pull(other)
+            _replace(table, rows, other, ratio[rows])
     return table
 
 

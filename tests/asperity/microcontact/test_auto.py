@@ -101,3 +101,25 @@ def test_a_plateau_that_pulls_at_first_is_a_paraboloid_up_to_where_it_pushes_mos
     force, stiffness, area = table.evaluate(taken, depth)
     np.testing.assert_allclose(stiffness * depth, 1.5 * force, rtol=1e-9)
     np.testing.assert_allclose(area, 0.25 * kept.area[taken, 6], rtol=1e-9)
+
+
+def test_a_level_tip_without_a_polynomial_has_the_harmonic_law(monkeypatch):
+    """The curvature of r^4 is rounding, of either sign; ritz is at a third of its force."""
+    y, x = np.meshgrid(np.arange(97) - 48.0, np.arange(129) - 64.0, indexing="ij")
+    hm = surfaces.HeightMap(-1e-9 * (x**2 + y**2) ** 2, (1.0, 1.0))
+    tip = surfaces.fit_profiles(hm, surfaces.segment(hm))
+    tabulated = ellipse.tabulate
+
+    def without(*args, **options):
+        table = tabulated(*args, **options)
+        for name in ("reach", "force", "stiffness", "area"):
+            getattr(table, name)[:] = 0.0
+        return table
+
+    monkeypatch.setattr(ellipse, "tabulate", without)
+    tip.valid[:] = True
+    table = auto.tabulate(tip, STEEL)
+    depth = table.reach[0] * np.array([0.01, 0.05, 0.2])
+    force = table.evaluate(np.zeros(3, np.int64), depth)[0]
+    exact = asperity.indent(surfaces.PowerLawProfile(4, 1e-9), STEEL, depth).force
+    np.testing.assert_allclose(force, exact, rtol=0.02)
