@@ -59,30 +59,6 @@ class Accuracy:
         return np.asarray((curve.error_estimate <= self.load) & (area <= self.area))
 
 
-@dataclass(frozen=True, eq=False)
-class _Columns:
-    """What the model and boundary elements are compared in, over load points.
-
-    Attributes
-    ----------
-    pressure, separation, area
-        Mean pressure [Pa], separation [m] and contact area [m^2].
-    contacts
-        Number of separate spots.
-    """
-
-    pressure: Array
-    separation: Array
-    area: Array
-    contacts: Array
-
-    @classmethod
-    def of(cls, curve: ContactCurve, points: Indices) -> _Columns:
-        count = np.maximum(curve.contacts, 1).astype(float)
-        columns = curve.mean_pressure, curve.separation, curve.contact_area, count
-        return cls(*(values[points] for values in columns))
-
-
 def verified(
     hm: HeightMap, model: ContactCurve, kind: str, values: Array, judge: Judge, accuracy: Accuracy
 ) -> ContactCurve:
@@ -140,8 +116,12 @@ def verified(
         floors = prior * (PRIOR_SHARE if broken <= 1.0 else broken)
         load, load_bound = between(position, anchors, known[0], floors[0])
         area, area_bound = between(position, anchors, known[1], floors[1])
-        own = _of_judge(solved, points[anchors])
-        rest = np.array([np.interp(position, position[anchors], found) for found in own])
+        rest = np.array(
+            [
+                np.interp(position, position[anchors], _judged(solved, points[anchors], name))
+                for name in ("error_estimate", "area_error_estimate")
+            ]
+        )
         bounds = np.array([load_bound, area_bound + grain]) + rest
         over = np.maximum(bounds[0] / accuracy.load, bounds[1] / accuracy.area)
         over[anchors], bounds[1, anchors] = 0.0, rest[1, anchors]
@@ -183,13 +163,11 @@ def _prior(model: ContactCurve) -> Array:
     )
 
 
-def _of_judge(solved: dict[int, ContactCurve], points: Indices) -> Array:
-    """Bounds of boundary elements for load and area, shape (2, k)."""
+def _judged(solved: dict[int, ContactCurve], points: Indices, name: str) -> Array:
+    """A column of what boundary elements found at some points, shape (k,)."""
+    curves = [solved[i] for i in points.tolist()]
     return np.array(
-        [
-            [float(solved[i].error_estimate[0]) for i in points.tolist()],
-            [float(solved[i].extra["area_error_estimate"][0]) for i in points.tolist()],
-        ]
+        [float((one.extra if name in one.extra else vars(one))[name][0]) for one in curves]
     )
 
 
@@ -198,30 +176,30 @@ def _misfit(
 ) -> Array:
     """Logarithms of model over boundary elements: of the load at equal separation, of the area and
     the number of spots at equal load, shape (3, k)."""
-    ours = _Columns.of(model, points)
-    told = [_Columns.of(solved[i], np.zeros(1, np.int64)) for i in points.tolist()]
-    judged = _Columns(
-        *(
-            np.concatenate([getattr(one, name) for one in told])
-            for name in ("pressure", "separation", "area", "contacts")
-        )
+
+    def ratio(name: str) -> Array:
+        return np.asarray(np.log(getattr(model, name)[points] / _judged(solved, points, name)))
+
+    spots = np.log(np.maximum(model.contacts[points], 1)) - np.log(
+        np.maximum(_judged(solved, points, "contacts"), 1.0)
     )
     if kind == "pressure":
-        rate = model.stiffness[points] / ours.pressure
-        load = rate * (ours.separation - judged.separation)
-        shift = np.zeros(len(points))
-    else:
-        load = np.log(ours.pressure / judged.pressure)
-        shift = load
-    area = np.log(ours.area / judged.area) - _growth(model, model.contact_area, points) * shift
-    return np.array([load, area, np.log(ours.contacts / judged.contacts)])
+        apart = model.separation[points] - _judged(solved, points, "separation")
+        return np.array([_rate(model, points) * apart, ratio("contact_area"), spots])
+    load = ratio("mean_pressure")
+    return np.array([load, ratio("contact_area") - _growth(model, points) * load, spots])
 
 
-def _growth(model: ContactCurve, column: Array, points: Indices) -> Array:
-    """Slope of the logarithm of a column over that of the load, about the points, shape (k,)."""
-    usable = np.flatnonzero((model.mean_pressure > 0) & (column > 0) & model.converged)
+def _rate(model: ContactCurve, points: Indices) -> Array:
+    """k = -d ln F/ds [1/m] of the model, shape (k,)."""
+    return np.asarray(model.stiffness[points] / model.mean_pressure[points])
+
+
+def _growth(model: ContactCurve, points: Indices) -> Array:
+    """Slope of the logarithm of the area over that of the load at some points, shape (k,)."""
+    usable = np.flatnonzero((model.mean_pressure > 0) & (model.contact_area > 0) & model.converged)
     usable = usable[np.argsort(model.mean_pressure[usable], kind="stable")]
-    x, y = np.log(model.mean_pressure[usable]), np.log(column[usable])
+    x, y = np.log(model.mean_pressure[usable]), np.log(model.contact_area[usable])
     rising = np.diff(x, prepend=-np.inf) > 1e-9
     x, y = x[rising], y[rising]
     if len(x) < 2:
@@ -247,13 +225,11 @@ def _curve(
     columns["error_estimate"] = np.zeros(len(model))
     told = np.zeros(len(model))
     if kind == "pressure":
-        rate = model.stiffness[points] / model.mean_pressure[points]
-        columns["separation"][points] -= load / rate
+        columns["separation"][points] -= load / _rate(model, points)
         columns["contact_area"][points] *= np.exp(-area)
     else:
         columns["mean_pressure"][points] *= np.exp(-load)
-        growth = _growth(model, model.contact_area, points)
-        columns["contact_area"][points] *= np.exp(-area - growth * load)
+        columns["contact_area"][points] *= np.exp(-area - _growth(model, points) * load)
     columns["contacts"][points] *= np.exp(-spots)
     columns["error_estimate"][points], told[points] = bounds
     converged = model.converged.copy()
