@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from pathlib import Path
 from typing import Any
@@ -60,6 +61,13 @@ def add_material_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--m", type=float, default=0.0, help="exponent of E(z) = E z^m (default 0)")
     group.add_argument(
         "--modulus", type=float, metavar="PA", help="composite modulus E* [Pa] in place of E, nu"
+    )
+    group.add_argument(
+        "--hardness",
+        type=float,
+        default=math.inf,
+        metavar="PA",
+        help="largest contact pressure that the body bears [Pa] (default: no limit)",
     )
 
 
@@ -139,8 +147,9 @@ def material(args: argparse.Namespace) -> HalfSpace:
         text = f"a modulus of {given:g} Pa is that of no solid: moduli are in Pa"
         sys.stderr.write(f"asperity {args.command}: {text}\n")
     if args.modulus is not None:
-        return HalfSpace.from_modulus(args.modulus, m=args.m)
-    return HalfSpace(args.E, 0.3 if args.nu is None else args.nu, m=args.m)
+        return HalfSpace.from_modulus(args.modulus, m=args.m, hardness=args.hardness)
+    nu = 0.3 if args.nu is None else args.nu
+    return HalfSpace(args.E, nu, m=args.m, hardness=args.hardness)
 
 
 def model(args: argparse.Namespace) -> dict[str, Any]:

@@ -15,7 +15,7 @@ _SOFTEST, _STIFFEST = 1e-40, 1e40
 
 @dataclass(frozen=True)
 class HalfSpace:
-    """Elastic half-space with Young's modulus E(z) = E z^m and constant Poisson ratio.
+    """Half-space with Young's modulus E(z) = E z^m, constant Poisson ratio and, maybe, a hardness.
 
     Parameters
     ----------
@@ -26,6 +26,8 @@ class HalfSpace:
         Poisson ratio, -1 < nu <= 1/2.
     m
         Exponent of the grading, -1 < m < 1; 0 is the homogeneous body.
+    hardness
+        Largest pressure [Pa] that a contact bears, positive; by default none limits it.
 
     Raises
     ------
@@ -37,7 +39,9 @@ class HalfSpace:
     The contact partner is rigid; `HalfSpace.pair` combines two deformable bodies. `modulus` is
     E* = E / (1 - nu^2) for m = 0 and the effective graded modulus E_m* [Pa m^-m] otherwise: the
     flat round punch of radius a has the stiffness 2 E_m* a^(1+m) / (1+m) (Popov, Li and Willert
-    2023, equations 9, 11, 13).
+    2023, equations 9, 11, 13). With a hardness H the contact pressure of first loading is bounded,
+    0 <= p <= H: where it reaches H the surface yields and stays in contact (elastic, perfectly
+    plastic cap; Almqvist, Sahlin, Larsson and Glavatskih 2007).
 
     Examples
     --------
@@ -48,6 +52,7 @@ class HalfSpace:
     E: float | None
     nu: float | None
     m: float = 0.0
+    hardness: float = math.inf
     modulus: float = field(init=False)
 
     def __post_init__(self) -> None:
@@ -57,26 +62,29 @@ class HalfSpace:
         _require_modulus(young, "E")
         if not -1 < nu <= 0.5:
             raise InputError(f"nu must lie in -1 < nu <= 0.5, got {nu:g}")
-        self._fill(young, nu, m, young / (1 - nu * nu) * _grading_factor(m, nu))
+        modulus = young / (1 - nu * nu) * _grading_factor(m, nu)
+        self._fill(young, nu, m, modulus, _hardness(self.hardness))
 
     @classmethod
-    def from_modulus(cls, modulus: float, m: float = 0.0) -> HalfSpace:
-        """Half-space given by its effective modulus E* (or E_m*, [Pa m^-m]) alone.
+    def from_modulus(cls, modulus: float, m: float = 0.0, hardness: float = math.inf) -> HalfSpace:
+        """Half-space given by its effective modulus E* (or E_m*, [Pa m^-m]) and hardness alone.
 
         Raises
         ------
         InputError
-            If the modulus is not positive, or m outside (-1, 1).
+            If the modulus or the hardness is not positive, or m outside (-1, 1).
         """
         value = _number(modulus, "modulus")
         _require_modulus(value, "modulus")
         body = object.__new__(cls)
-        body._fill(None, None, _exponent(m), value)
+        body._fill(None, None, _exponent(m), value, _hardness(hardness))
         return body
 
     @classmethod
     def pair(cls, first: HalfSpace, second: HalfSpace) -> HalfSpace:
         """Composite of two deformable bodies, 1/E* = 1/E1* + 1/E2*; the gradings must agree.
+
+        The softer of two hardnesses bounds the pressure of both.
 
         Raises
         ------
@@ -92,10 +100,22 @@ class HalfSpace:
                 "modulus; both need the same m"
             )
         product = first.modulus / (first.modulus + second.modulus) * second.modulus
-        return cls.from_modulus(product, first.m)
+        return cls.from_modulus(product, first.m, min(first.hardness, second.hardness))
 
-    def _fill(self, young: float | None, nu: float | None, m: float, modulus: float) -> None:
-        for name, value in (("E", young), ("nu", nu), ("m", m), ("modulus", modulus)):
+    @property
+    def elastic(self) -> HalfSpace:
+        """The same body without a hardness."""
+        if self.hardness == math.inf:
+            return self
+        body = object.__new__(type(self))
+        body._fill(self.E, self.nu, self.m, self.modulus, math.inf)
+        return body
+
+    def _fill(
+        self, young: float | None, nu: float | None, m: float, modulus: float, hardness: float
+    ) -> None:
+        values = {"E": young, "nu": nu, "m": m, "modulus": modulus, "hardness": hardness}
+        for name, value in values.items():
             object.__setattr__(self, name, value)
 
 
@@ -136,6 +156,14 @@ def _require_modulus(value: float, name: str) -> None:
         raise InputError(
             f"{name} is {value:g} Pa, beyond {_SOFTEST:g} to {_STIFFEST:g} Pa; check its unit"
         )
+
+
+def _hardness(value: float) -> float:
+    if value == math.inf:
+        return math.inf
+    hardness = _number(value, "hardness")
+    _require_modulus(hardness, "hardness")
+    return hardness
 
 
 def _exponent(value: float) -> float:

@@ -39,6 +39,25 @@ def test_pair_adds_compliances_and_keeps_the_grading():
     assert both.m == 0.2 and both.E is None
 
 
+def test_the_softer_body_bounds_the_pressure_of_a_pair():
+    hard, soft = HalfSpace(2e11, 0.3), HalfSpace(1e11, 0.3, hardness=1e9)
+    assert HalfSpace.pair(hard, soft).hardness == 1e9
+    assert HalfSpace.pair(hard, hard).hardness == np.inf
+
+
+def test_the_elastic_body_of_a_hard_one_differs_by_its_hardness_alone():
+    body = HalfSpace(2e11, 0.3, 0.2, hardness=1e9)
+    assert body.elastic == HalfSpace(2e11, 0.3, 0.2)
+    bare = HalfSpace.from_modulus(3.0, 0.1, hardness=2.0)
+    assert bare.hardness == 2.0 and bare.elastic == HalfSpace.from_modulus(3.0, 0.1)
+
+
+@pytest.mark.parametrize("hardness", [0.0, -1.0, float("nan"), -float("inf"), "soft", 1e80])
+def test_a_hardness_that_is_none_is_refused(hardness):
+    with pytest.raises(InputError, match="hardness"):
+        HalfSpace(1.0, 0.3, hardness=hardness)
+
+
 def test_pair_with_a_bare_modulus_is_refused():
     with pytest.raises(InputError, match="not float"):
         HalfSpace.pair(HalfSpace.from_modulus(1e9), 1e9)
