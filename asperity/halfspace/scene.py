@@ -95,7 +95,7 @@ def default_pressures(hm: HeightMap, material: HalfSpace, count: int = 10) -> ND
     InputError
         If the map has no slope.
     """
-    scale = pressure_scale(hm, material)
+    scale = min(pressure_scale(hm, material), AREA_OVER_LOAD * material.hardness)
     if scale == 0.0:
         raise InputError("the rms slope of the map gives no scale of pressure; name the loads")
     low, high = np.array([1e-3, 1e-1]) / AREA_OVER_LOAD * scale
@@ -105,7 +105,10 @@ def default_pressures(hm: HeightMap, material: HalfSpace, count: int = 10) -> ND
 def expected_area_fraction(hm: HeightMap, material: HalfSpace, pressure: float) -> float:
     """Rough forecast of the real contact area fraction at a mean pressure, at most 1."""
     scale = pressure_scale(hm, material)
-    return math.erf(0.5 * math.sqrt(math.pi) * AREA_OVER_LOAD * pressure / scale) if scale else 1.0
+    if not scale:
+        return 1.0
+    elastic = math.erf(0.5 * math.sqrt(math.pi) * AREA_OVER_LOAD * pressure / scale)
+    return min(max(elastic, pressure / material.hardness), 1.0)
 
 
 def checked_loads(
