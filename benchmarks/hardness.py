@@ -102,9 +102,10 @@ def pairs(sizes, seeds):
                 base, quickest, _ = at_area(hm, np.inf, area)
                 for share in SHARES:
                     found, seconds, load = at_area(hm, share, area)
+                    ratio = found.fft_pairs / base.fft_pairs
                     print(
-                        f"{n:4} {seed:4} {found.area_fraction:5.3f} {share:5.2f}  {found.fft_pairs:5} "
-                        f"{base.fft_pairs:7} {found.fft_pairs / base.fft_pairs:5.2f}  {seconds:7.3f} "
+                        f"{n:4} {seed:4} {found.area_fraction:5.3f} {share:5.2f}  "
+                        f"{found.fft_pairs:5} {base.fft_pairs:7} {ratio:5.2f}  {seconds:7.3f} "
                         f"{quickest:7.3f} {found.area_fraction * share / load:6.3f} "
                         f"{found.plastic_share:8.3f} {found.certificate.worst:8.1e}"
                         f"{'' if found.converged else '  NOT CONVERGED'}",
@@ -132,7 +133,9 @@ def against_tamaas(python, sizes, most):
                     pressure=load * SLOPE,
                     most=most,
                 )
-                subprocess.run([python, "-c", TAMAAS, task, result], check=True, capture_output=True)
+                subprocess.run(
+                    [python, "-c", TAMAAS, task, result], check=True, capture_output=True
+                )
                 peer = np.load(result)
                 theirs = certificate(peer["pressure"], heights, hardness)
                 print(

@@ -30,9 +30,10 @@ def measure(
 
     The gap is start_gap + change. Held are p = 0 with a gap above the level, and p = cap below it.
 
-    Returns the level (mean gap where 0 < p < cap, or zero if it is held there), the largest error of the gap (duality gap over
-    the load, penetration or lift, as in `certificate`), the number of active points, the energy of
-    the move, sum moved (start_gap + change / 2), and the sum of the move.
+    Returns the level (mean gap where 0 < p < cap, or zero if it is `held` there), the largest error
+    of the gap (duality gap over the load, penetration or lift, as in `certificate`), the number of
+    active points, the energy of the move, sum moved (start_gap + change / 2), and the sum of the
+    move.
     """
     n = p.size
     count = 0
@@ -127,7 +128,8 @@ def advance(
     """Step to the minimum along the direction; returns the number of pressures out of bounds.
 
     Updates p, change and residual, and keeps the last residual in `before`. The load stays, and
-    the level is zero with an infinite `count`. Returns -1 and changes nothing if the direction has no positive curvature.
+    the level is zero with an infinite `count`. Returns -1 and changes nothing if the direction has
+    no positive curvature.
     """
     n = p.size
     slope = curvature = response_sum = direction_sum = 0.0
@@ -175,12 +177,39 @@ def restoring(p: Double, total: float, cap: float) -> Any:
             elif p[i] > 0.0:
                 free += p[i]
         bound = cap * held if held > 0 else 0.0
-        if bound > total:
+        if bound > total * (1.0 + 1e-12):  # and not by rounding
             every = total / (bound + free * factor)
             return every, every * factor
         if held <= before or free == 0.0 or np.isnan(total):
             return 1.0, factor
-        factor, before = (total - bound) / free, held
+        factor, before = max(total - bound, 0.0) / free, held
+
+
+@compiled(fastmath=SUMS)
+def leveling(p: Double, moving: Flags, total: float, cap: float) -> float:
+    """What to add to the moving pressures so that all, cut at 0 and cap, have a sum."""
+    shift, low, high = 0.0, 0.0, 0.0
+    for i in range(p.size):
+        if moving[i]:
+            low, high = min(low, -p[i]), max(high, cap - p[i])
+    for step in range(120):
+        found = 0.0
+        inside = 0
+        for i in range(p.size):
+            value = p[i] + (shift if moving[i] else 0.0)
+            if moving[i] and value > 0.0 and value < cap:
+                inside += 1
+            found += min(max(value, 0.0), cap)
+        if abs(found - total) <= 1e-14 * total:
+            break
+        if found < total:
+            low = shift
+        else:
+            high = shift
+        shift -= (found - total) / max(inside, 1)
+        if inside == 0 or step % 3 == 2 or not (low < shift and shift < high):
+            shift = 0.5 * (low + high)
+    return shift
 
 
 @compiled(parallel=True, fastmath=SUMS)

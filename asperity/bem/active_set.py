@@ -170,7 +170,7 @@ class _State:
         self.moved, self.change, self.residual, self.before, self.direction = (
             np.zeros(n, np.float32) for _ in range(5)
         )
-        self.active = np.empty(n, np.bool_)
+        self.active, self.moving = np.ones(n, np.bool_), np.ones(n, np.bool_)
         self.count = 0
         self.energy = 0.0
         self._reference: float | None = None
@@ -178,7 +178,7 @@ class _State:
     def renew(self) -> float:
         """Make the pressure feasible and measure it; returns its error [m]."""
         if np.isfinite(self.cap) and not self.held:
-            self._support()
+            self._restore()
         if _list_kernels.cut(self.pressure, self.base, self.moved, self.total, self.cap) > 0.0:
             self.change = self.operator.apply(self.moved)
         else:
@@ -198,15 +198,20 @@ class _State:
         self.energy = energy - self._reference * shift
         return float(error)
 
-    def _support(self) -> None:
-        """Bring in the points of lowest gap, if those under pressure cannot bear the load."""
+    def _restore(self) -> None:
+        """Restore the load where some pressure is cut at the cap: by a shift of all that moved.
+
+        Points of lowest gap are brought in if those under pressure cannot bear the load.
+        """
         loaded = self.pressure > 0.0
-        needed = SPARE * self.total / self.cap
-        if np.count_nonzero(loaded) * self.cap > self.total:
-            return
-        gap = np.where(loaded, np.inf, self.start_gap + self.change)
-        lowest = np.argsort(gap)[: math.ceil(needed) - np.count_nonzero(loaded)]
-        self.pressure[lowest] = np.maximum(self.pressure[lowest], 0.5 * self.cap)
+        missing = SPARE * self.total / self.cap - np.count_nonzero(loaded)
+        if np.count_nonzero(loaded) * self.cap <= self.total:
+            gap = np.where(loaded, np.inf, self.start_gap + self.change)
+            lowest = np.argsort(gap)[: math.ceil(missing)]
+            self.pressure[lowest] = np.maximum(self.pressure[lowest], 0.5 * self.cap)
+        elif _list_kernels.restoring(self.pressure, self.total, self.cap)[0] < 1.0:
+            shift = _list_kernels.leveling(self.pressure, self.moving, self.total, self.cap)
+            self.pressure[self.moving] += shift
 
     def _free(self) -> None:
         """Take out the points that the step would move out of bounds.
@@ -234,6 +239,7 @@ class _State:
         norm = start = 0.0
         if plain:
             self._free()
+        self.moving[:] = self.active
         if self.count == 0:
             return 0
         count = math.inf if self.held else float(self.count)

@@ -120,7 +120,8 @@ class Level:
         ----------
         load
             Prescribed mean of p~ [m], positive; or a search for the load of a given level, which
-            is advanced by each correction.
+            is advanced by each correction. Under a cap the level itself is given to the list, as
+            the load jumps wherever a point reaches the cap, and the search only stands by.
         tolerance
             Bound on each entry of the certificate.
         predicted
@@ -185,7 +186,8 @@ class Level:
     ) -> int:
         """One solve on the list of candidates; returns the iterations spent."""
         width = _FIRST_BAND * min(1.0, error) if first else min(_WIDEST_BAND, _BAND * error)
-        threshold = max(reading.level, -math.inf if offset is None else offset) + width * reading.scale
+        level = reading.level if offset is None else max(reading.level, offset)
+        threshold = level + width * reading.scale
         total = None if mean is None else mean * self.heights.size
         least = math.ceil(SPARE * (total or 0.0) / self.cap)
         start, columns, values, gap = self._candidates(displacement, reading, threshold)

@@ -68,7 +68,7 @@ def test_passes_match_numpy():
     residual, before = np.zeros((2, n), np.float32)
     moved = rng.standard_normal(n).astype(np.float32)
     level, error, count, energy, shift = _list_kernels.measure(
-        p, moved, start_gap, change, active, residual, np.inf
+        p, moved, start_gap, change, active, residual, np.inf, False
     )
     assert energy == pytest.approx((moved * (start_gap + 0.5 * change)).sum(), rel=1e-5)
     assert shift == pytest.approx(moved.sum(dtype=float), rel=1e-5)
@@ -122,3 +122,44 @@ def test_a_direction_without_curvature_is_refused():
     arrays = [zeros.copy() for _ in range(5)]
     assert _list_kernels.advance(active, n, p, gap, *arrays, np.inf) == -1
     assert (p == 1).all() and (gap == 1).all()
+
+
+def test_restored_loads_stay_between_the_bounds():
+    """Points at the cap stay there; the others are scaled; or those that moved are shifted."""
+    cap, moved = 1.0, np.empty(4, np.float32)
+    p = np.array([1.0, -0.2, 0.4, 0.4])
+    _list_kernels.cut(p, np.zeros(4), moved, 2.0, cap)
+    np.testing.assert_allclose(p, [1.0, 0.0, 0.5, 0.5])
+    p = np.array([1.0, -0.2, 0.9, 0.4])
+    _list_kernels.cut(p, np.zeros(4), moved, 2.6, cap)
+    np.testing.assert_allclose(p, [1.0, 0.0, 1.0, 0.6])
+    p = np.array([1.0, 40.0, 38.8, -70.0])
+    moving = np.array([False, True, True, True])
+    p[moving] += _list_kernels.leveling(p, moving, 2.3, cap)
+    _list_kernels.cut(p, np.zeros(4), moved, 2.3, cap)
+    np.testing.assert_allclose(p, [1.0, 1.0, 0.3, 0.0], atol=1e-12)
+
+
+def test_a_level_can_be_held_in_place_of_the_load():
+    """Under a cap: the gap is zero inside the bounds, positive without pressure, negative at it."""
+    rng = np.random.default_rng(2)
+    x = rng.random((60, 2))
+    distance = np.hypot(*(x[:, None] - x[None, :]).transpose(2, 0, 1))
+    matrix = 1.0 / (distance + 0.05)
+    heights, pressure, cap = rng.random(60), np.full(60, 0.001), 0.012
+    gap = matrix @ pressure - heights
+    solve_on_list(
+        DenseOperator(matrix),
+        pressure,
+        gap,
+        scale=heights.std(),
+        tolerance=1e-6,
+        longest=500,
+        total=None,
+        cap=cap,
+    )
+    final = matrix @ pressure - heights
+    held, empty = pressure == cap, pressure == 0.0
+    assert held.any() and empty.any() and (~held & ~empty).any()
+    assert np.abs(final[~held & ~empty]).max() < 1e-4
+    assert final[empty].min() > -1e-4 and final[held].max() < 1e-4
