@@ -204,6 +204,8 @@ def interpolated(curve: ContactCurve, pressures: NDArray[np.float64]) -> Contact
     def worse(values: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.maximum(values[below], values[above])
 
+    hardness = curve.settings.get("hardness", math.inf)
+    area_fraction = np.maximum(between(curve.area_fraction), pressures / hardness)
     extra = {"interpolated": (~solved).astype(float)}
     for name, values in curve.extra.items():
         if name in _WORST_OF_NEIGHBORS:
@@ -217,8 +219,8 @@ def interpolated(curve: ContactCurve, pressures: NDArray[np.float64]) -> Contact
         separation=between(curve.separation),
         mean_pressure=np.where(solved, curve.mean_pressure[above], pressures),
         load=between(curve.load),
-        area_fraction=between(curve.area_fraction),
-        contact_area=between(curve.contact_area),
+        area_fraction=area_fraction,
+        contact_area=area_fraction * (curve.contact_area.max() / curve.area_fraction.max()),
         contacts=np.rint(between(curve.contacts.astype(np.float64))).astype(np.int64),
         stiffness=between(curve.stiffness),
         converged=curve.converged[below] & curve.converged[above],

@@ -48,4 +48,7 @@ def _write_fields(hm, material, settings, curve, path) -> None:  # type: ignore[
     from asperity.results.paraview import write_vti
 
     last = bem_solve(hm, material, pressure=float(curve.mean_pressure[-1]), **settings)
-    write_vti(path, {"pressure": last.pressure, "gap": last.gap}, hm.spacing)
+    fields = {"pressure": last.pressure, "gap": last.gap}
+    if last.saturated.any():
+        fields["plastic_depth"] = last.plastic_depth
+    write_vti(path, fields, hm.spacing)
