@@ -125,12 +125,14 @@ def certify(
     count, gap_sum, lowest, total, work, moment, largest, held, highest, held_sum, excess = (
         contact_sums(pressure, displacement, heights, cap, block_low)
     )
-    lowest = min(lowest, highest) if lowest == np.inf else lowest
+    most, lowest = lowest, highest if lowest == np.inf else lowest
     level = gap_sum / count if count else lowest
     if held:
         work += cap * held_gap(pressure, displacement, heights, cap, lowest)
         if count == 0:  # any level between the two bounds
-            level = 0.5 * (lowest + highest) if offset is None else np.clip(offset, highest, lowest)
+            level = 0.5 * (lowest + highest)
+            if offset is not None:
+                level = max(min(offset, most), highest)
     resolved = max(1e-6 * largest, 1e-6 * total / heights.size, 1e-8 * abs(level))
     scale = max(rms_height, resolved, float(np.finfo(float).tiny))
     if count + held == 0:
@@ -148,7 +150,7 @@ def certify(
     certificate = Certificate(
         load=max(load, excess / total),
         complementarity=max(work / total - lowest, 0.0) / scale,
-        penetration=max(level - lowest, 0.0) / scale,
+        penetration=max(level - most, 0.0) / scale,
         lift=max(highest - level, 0.0) / scale,
     )
     plastic_work = cap * (held * level - held_sum) if held else 0.0

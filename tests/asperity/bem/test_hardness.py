@@ -205,6 +205,10 @@ def test_up_to_the_hardness_itself(x, boundary):
         assert found.converged
     assert found.saturated.all() and found.area_fraction == pytest.approx(1.0)
     assert found.plastic_share == pytest.approx(1.0)
+    deep = bem_solve(HM, mat, separation=-60 * HM.rms_height, boundary=boundary)
+    assert deep.converged and deep.saturated.all()
+    assert deep.separation == pytest.approx(-60 * HM.rms_height)
+    assert deep.gap.max() <= 1e-60 * HM.rms_height
     with pytest.raises(errors.InputError, match="above the hardness"):
         bem_solve(HM, mat, pressure=1.001 * mat.hardness, boundary=boundary)
     with pytest.raises(errors.InputError, match="above the hardness"):
