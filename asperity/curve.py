@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -12,7 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.compilation import CURVE, compile_ahead
 from asperity.halfspace.scene import checked_loads
 from asperity.model.decomposition import Decomposition
-from asperity.model.load_point import LoadPoint, load_point, point_at_separation, spot_count
+from asperity.model.load_point import (
+    LoadPoint,
+    load_point,
+    plastic_share,
+    point_at_separation,
+    spot_count,
+)
 from asperity.model.plan import Plan, interaction_needed, make_plan
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import curve_stiffness
@@ -287,6 +294,9 @@ def _curve(
             f"at {tiny} of {len(rows)} load points contacts are as small as a pixel of the map, "
             "which does not tell their loads: take smaller pixels or more load"
         )
+    body, yielded = decomposition.material, {}
+    if body.hardness < math.inf:
+        yielded["plastic_share"] = plastic_share(pressure * hm.area, area, body.hardness)
     differences = {}
     if rows[0].interaction_difference is not None:
         differences["interaction_difference"] = column(rows, "interaction_difference")
@@ -314,8 +324,9 @@ def _curve(
             "above": plan.above,
             "shortest_wave": plan.sub_contact_law and plan.sub_contact_law.shortest,
             "grid": list(decomposition.peaks.labels.shape),
-            "modulus": decomposition.material.modulus,
-            "m": decomposition.material.m,
+            "modulus": body.modulus,
+            "m": body.m,
+            "hardness": body.hardness,
             "input": hm.digest,
             "peaks": len(decomposition.peaks),
             "warnings": warnings,
@@ -325,6 +336,7 @@ def _curve(
             "filled_share": column(states, "filled_share"),
             "tangent_stiffness": tangent,
             "area_error_estimate": area_error,
+            **yielded,
             **differences,
             **{name: np.array([row.terms[name] for row in rows]) for name in rows[0].terms},
         },

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
@@ -42,6 +43,15 @@ class LawTable:
     centre
         Centre (x, y) [m] of the contact relative to the summit at the nodes, shape
         (n, K + 1, 2); None if the law keeps every contact about its summit.
+    bearing
+        Area [m^2] of the unloaded summit above the flat at the nodes, shape (n, K + 1); None where
+        no hardness asks for it.
+    elastic_force
+        Force [N] of the contacts of the same areas without a hardness, shape (n, K + 1); None
+        without one.
+    hardness
+        Pressure [Pa] that the contacts bear at most; where it bounds their laws these need not be
+        convex.
     make
         Table of the contacts whose rows are given, in that order, of a lazy table (`lazy`).
 
@@ -68,6 +78,9 @@ class LawTable:
     exponent: float = 3.0
     law: str = ""
     centre: Array | None = None
+    bearing: Array | None = None
+    elastic_force: Array | None = None
+    hardness: float = math.inf
     make: Callable[[Rows], LawTable] | None = None
     ready: NDArray[np.bool_] = field(init=False)
 
@@ -115,7 +128,7 @@ class LawTable:
                     empty = np.zeros((len(self), *values.shape[1:]), values.dtype)
                     setattr(self, column.name, empty)
                 getattr(self, column.name)[missing] = values
-        self.exponent, self.law = block.exponent, block.law
+        self.exponent, self.law, self.hardness = block.exponent, block.law, block.hardness
         self.ready[missing] = True
 
     def approach(self) -> Array:
@@ -175,6 +188,18 @@ class LawTable:
         share = (u - low)[:, None]
         x, y = ((1 - share) * self.centre[index, low] + share * self.centre[index, low + 1]).T
         return x, y
+
+    def elastic_share(self, index: NDArray[np.int64], approach: Array) -> Array:
+        """Force of the contacts `index` over that of elastic ones of their areas, shape (n,)."""
+        if self.elastic_force is None:
+            return np.ones(approach.size)
+        reach = np.where(self.reach[index] > 0, self.reach[index], np.inf)
+        u = np.sqrt(np.clip(approach / reach, 0.0, 1.0)) * self.nodes
+        low = np.clip(u.astype(np.int64), 1, self.nodes - 1)
+        share = [
+            self.force[index, node] / self.elastic_force[index, node] for node in (low, low + 1)
+        ]
+        return np.clip(share[0] + (u - low) * (share[1] - share[0]), 0.0, 1.0)
 
     def flags_at(self, index: ArrayLike, approach: ArrayLike) -> NDArray[np.uint8]:
         """Flags of the node at or above `approach`; the last node's beyond the reach."""

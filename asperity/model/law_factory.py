@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import ModelRangeError
-from asperity.microcontact.laws import tabulate
+from asperity.microcontact.capped_table import capped_table
+from asperity.microcontact.laws import elastic_table
 from surfaces.numerics import parallel
 
 from .corrections import pressed_basins, sharp_tips
@@ -79,7 +80,7 @@ class LawFactory:
         begun = time.perf_counter()
         sampled = self.summits.rows(rows)
         between = time.perf_counter()
-        table = tabulate(sampled, self.material, law=self.law)
+        table = elastic_table(sampled, self.material, law=self.law)
         self._require_top(rows, table)
         if self.shares is not None:
             laws = LawRows(
@@ -88,6 +89,7 @@ class LawFactory:
             for name, correct in CORRECTIONS.items():
                 if getattr(self.parameters.corrections, name):
                     correct(laws)
+        table = capped_table(table, self.material)
         self.seconds["profiles"] += between - begun
         self.seconds["laws"] += time.perf_counter() - between
         hm = self.hm

@@ -27,7 +27,7 @@ from surfaces.numerics.memory import available_bytes
 from surfaces.peaks.peaks import flat_share
 from surfaces.preparation.resampling import coarse_map
 
-from .map_checks import lay, map_warnings
+from .map_checks import hardness_needed, lay, map_warnings
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -182,6 +182,9 @@ def make_plan(
     reasons = [f"boundary: {edge} ({'as the map says' if boundary is None else 'as asked'})"]
     body = f"graded, m = {material.m:g}" if material.m != 0.0 else "homogeneous"
     reasons.append(f"material: {body}")
+    hard, doubts = hardness_needed(hm, material)
+    reasons.append(hard)
+    warnings = (*warnings, *doubts)
     if not isinstance(interaction, bool | np.bool_):
         raise InputError(f"interaction is {interaction!r}; it must be True or False")
     coupled, why = False, "interaction: off, as asked (the classical independent sum)"
