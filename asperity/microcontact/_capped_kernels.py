@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from surfaces.numerics.compiled import compiled
+
+from ._ray_kernels import lagrange
 
 __all__ = ["depths_of", "resample"]
 
-LEAST_RISE = 1e-6
-"""Rise of an approach over the last, relative, where a capped law would stand still."""
+LEAST_RISE = 0.05
+"""Least growth of a capped approach over that of the elastic one: a paraboloid has 1/2 to 1."""
 
 _TINY = 1e-300
 
@@ -36,31 +40,40 @@ def depths_of(bearing, depth, area):
 
 
 @compiled()
-def resample(approach, columns, reach, values, stiffness):
-    """Columns of law tables from their values at the approaches of each row, which rise.
+def resample(elastic, approach, columns, reach, values, stiffness):
+    """Columns of law tables from their values at the approaches of each row.
 
     Fills `values` (c, n, nodes + 1) from `columns` (c, n, levels), of which the first is the force,
     `reach` (n,) with the last approaches and `stiffness` (n, nodes + 1) with the slope of the
-    force. Between the levels a column over the approach is linear in the root of the approach, and
-    the stiffness follows from the forces of four levels.
+    force. Over the approach the force is a cubic in the root of the approach through the four
+    nearest levels, the other columns are linear between two. An approach is made to grow by
+    `LEAST_RISE` of the `elastic` one at least.
     """
     levels, nodes = approach.shape[1], values.shape[2] - 1
+    weight, slope, root = np.empty(4), np.empty(4), np.empty(levels)
     for i in range(approach.shape[0]):
-        x, force = approach[i], columns[0, i]
-        for k in range(1, levels):
-            x[k] = max(x[k], x[k - 1] * (1.0 + LEAST_RISE))
+        x = approach[i]
+        lower, under = 0.0, 0.0
+        for k in range(levels):
+            x[k] = max(x[k], under + LEAST_RISE * (elastic[i, k] - lower))
+            lower, under, root[k] = elastic[i, k], x[k], math.sqrt(x[k])
         reach[i] = x[levels - 1]
-        j = 0
+        base, j = 0, 0
         for node in range(1, nodes + 1):
-            at = reach[i] * (node / nodes) ** 2
-            while j < levels - 2 and x[j + 1] < at:
+            u = root[levels - 1] * node / nodes
+            while base + 4 < levels and root[base + 2] < u:
+                base += 1
+            lagrange(root, base, u, weight, slope)
+            level, rise = 0.0, 0.0
+            for k in range(base, base + 4):
+                ratio = columns[0, i, k] / x[k]
+                level += weight[k - base] * ratio
+                rise += slope[k - base] * ratio
+            values[0, i, node] = u * u * level
+            stiffness[i, node] = level + 0.5 * u * rise
+            while j < levels - 2 and root[j + 1] < u:
                 j += 1
-            start = math.sqrt(x[j])
-            share = max((math.sqrt(at) - start) / (math.sqrt(x[j + 1]) - start), 0.0)
-            for c in range(columns.shape[0]):
+            share = min(max((u - root[j]) / (root[j + 1] - root[j]), 0.0), 1.0)
+            for c in range(1, columns.shape[0]):
                 low, high = columns[c, i, j] / x[j], columns[c, i, j + 1] / x[j + 1]
-                values[c, i, node] = at * (low + share * (high - low))
-            first, last = max(j - 1, 0), min(j + 2, levels - 1)
-            before = (force[j + 1] - force[first]) / (x[j + 1] - x[first])
-            after = (force[last] - force[j]) / (x[last] - x[j])
-            stiffness[i, node] = before + share * (after - before)
+                values[c, i, node] = u * u * (low + share * (high - low))

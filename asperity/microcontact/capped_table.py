@@ -64,7 +64,7 @@ def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
             columns.append(found.approach * (old[:, node] * (1 - share) + old[:, node + 1] * share))
     values = np.zeros((len(columns), len(rows), nodes + 1))
     reach, slope = np.zeros(len(rows)), np.zeros((len(rows), nodes + 1))
-    resample(found.approach, np.stack(columns), reach, values, slope)
+    resample(elastic, found.approach, np.stack(columns), reach, values, slope)
     places = reach[:, None] * (np.arange(1, nodes + 1) / nodes) ** 2
     result = replace(
         table,
