@@ -15,6 +15,9 @@ __all__ = ["depths_of", "resample"]
 LEAST_RISE = 0.05
 """Least growth of a capped approach over that of the elastic one: a paraboloid has 1/2 to 1."""
 
+ROUNDING = 1e-9
+"""Relative error of areas: a summit that has filled its basin has none deeper down."""
+
 _TINY = 1e-300
 
 
@@ -29,7 +32,7 @@ def depths_of(bearing, depth, area):
     for i in range(area.shape[0]):
         j = 0
         for k in range(area.shape[1]):
-            wanted = area[i, k]
+            wanted = area[i, k] * (1.0 - ROUNDING)
             while j < last - 1 and bearing[i, j + 1] < wanted:
                 j += 1
             low, high = bearing[i, j], max(bearing[i, j + 1], _TINY)
@@ -46,8 +49,8 @@ def resample(elastic, approach, columns, reach, values, stiffness):
     Fills `values` (c, n, nodes + 1) from `columns` (c, n, levels), of which the first is the force,
     `reach` (n,) with the last approaches and `stiffness` (n, nodes + 1) with the slope of the
     force. Over the approach the force is a cubic in the root of the approach through the four
-    nearest levels, the other columns are linear between two. An approach is made to grow by
-    `LEAST_RISE` of the `elastic` one at least.
+    nearest levels, or linear in it where that does not lie between two, as are the other columns.
+    An approach is made to grow by `LEAST_RISE` of the `elastic` one at least.
     """
     levels, nodes = approach.shape[1], values.shape[2] - 1
     weight, slope, root = np.empty(4), np.empty(4), np.empty(levels)
@@ -63,17 +66,22 @@ def resample(elastic, approach, columns, reach, values, stiffness):
             u = root[levels - 1] * node / nodes
             while base + 4 < levels and root[base + 2] < u:
                 base += 1
+            while j < levels - 2 and root[j + 1] < u:
+                j += 1
             lagrange(root, base, u, weight, slope)
             level, rise = 0.0, 0.0
             for k in range(base, base + 4):
                 ratio = columns[0, i, k] / x[k]
                 level += weight[k - base] * ratio
                 rise += slope[k - base] * ratio
-            values[0, i, node] = u * u * level
-            stiffness[i, node] = level + 0.5 * u * rise
-            while j < levels - 2 and root[j + 1] < u:
-                j += 1
-            share = min(max((u - root[j]) / (root[j + 1] - root[j]), 0.0), 1.0)
+            force, grown = u * u * level, level + 0.5 * u * rise
+            low, high = columns[0, i, j], columns[0, i, j + 1]
+            if not (low <= force <= high and grown > 0.0) and root[j] <= u:
+                grown = (high - low) / (x[j + 1] - x[j])
+                force = low + grown * (u * u - x[j])
+            values[0, i, node], stiffness[i, node] = force, grown
+            share = min(max((u * u - x[j]) / (x[j + 1] - x[j]), 0.0), 1.0)
+            small = min(u * u / x[0], 1.0)  # before the first level columns grow with the approach
             for c in range(1, columns.shape[0]):
-                low, high = columns[c, i, j] / x[j], columns[c, i, j + 1] / x[j + 1]
-                values[c, i, node] = u * u * (low + share * (high - low))
+                low, high = columns[c, i, j], columns[c, i, j + 1]
+                values[c, i, node] = small * (low + share * (high - low))

@@ -24,6 +24,9 @@ Array = NDArray[np.float64]
 FINER = 2
 """Elastic approaches, over the nodes of a table, of which the capped contacts are found first."""
 
+LEAST_YIELD = 1e-4
+"""Loss of force, relative, from which on a law is changed: sharp tips always yield a little."""
+
 
 def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
     """The laws of contacts whose pressure the hardness of a half-space bounds, from elastic ones.
@@ -49,6 +52,18 @@ def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
     if material.hardness == math.inf:
         return table
     assert table.bearing is not None
+    centre = None if table.centre is None else table.centre.copy()
+    result = replace(
+        table,
+        reach=table.reach.copy(),
+        force=table.force.copy(),
+        stiffness=table.stiffness.copy(),
+        area=table.area.copy(),
+        centre=centre,
+        bearing=None,
+        elastic_force=table.force.copy(),
+        hardness=material.hardness,
+    )
     rows, nodes = np.flatnonzero((table.reach > 0) & (table.force[:, -1] > 0)), table.nodes
     u = np.arange(1, FINER * nodes + 1) / (FINER * nodes)
     elastic = table.reach[rows, None] * np.square(u)
@@ -56,29 +71,24 @@ def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
     level = area.copy()
     depths_of(table.bearing[rows], table.approach()[rows], level)
     found = capped(elastic, force, area, stiffness, material, level=level)
-    columns = [np.maximum.accumulate(found.force, axis=1), area, force]
-    if table.centre is not None:
+    late = np.flatnonzero((found.force < (1.0 - LEAST_YIELD) * force).any(axis=1))
+    if not late.size:
+        return result
+    rows, approach = rows[late], found.approach[late]
+    columns = [np.maximum.accumulate(found.force[late], axis=1), area[late], force[late]]
+    if centre is not None:
         node = np.arange(FINER * nodes) // FINER
         share = u * nodes - node
-        for old in np.moveaxis(table.centre[rows], 2, 0):
-            columns.append(found.approach * (old[:, node] * (1 - share) + old[:, node + 1] * share))
+        for old in np.moveaxis(centre[rows], 2, 0):
+            columns.append(approach * (old[:, node] * (1 - share) + old[:, node + 1] * share))
     values = np.zeros((len(columns), len(rows), nodes + 1))
     reach, slope = np.zeros(len(rows)), np.zeros((len(rows), nodes + 1))
-    resample(elastic, found.approach, np.stack(columns), reach, values, slope)
-    places = reach[:, None] * (np.arange(1, nodes + 1) / nodes) ** 2
-    result = replace(
-        table,
-        reach=np.zeros(len(table)),
-        bearing=None,
-        hardness=material.hardness,
-        elastic_force=np.zeros(table.force.shape),
-        **{name: np.zeros(table.force.shape) for name in ("force", "stiffness", "area")},
-        centre=None if table.centre is None else np.zeros(table.centre.shape),
-    )
-    assert result.elastic_force is not None
-    result.reach[rows], result.stiffness[rows] = reach, slope
-    result.force[rows], result.elastic_force[rows] = values[0], values[2]
+    resample(elastic[late], approach, np.stack(columns), reach, values, slope)
+    result.reach[rows], result.force[rows], result.stiffness[rows] = reach, values[0], slope
     result.area[rows] = np.maximum(values[1], values[0] / material.hardness)
-    if result.centre is not None:
-        result.centre[rows, 1:] = np.moveaxis(values[3:, :, 1:] / places, 0, 2)
+    assert result.elastic_force is not None
+    result.elastic_force[rows] = values[2]
+    if centre is not None:
+        places = reach[:, None] * (np.arange(1, nodes + 1) / nodes) ** 2
+        centre[rows, 1:] = np.moveaxis(values[3:, :, 1:] / places, 0, 2)
     return result
