@@ -20,43 +20,69 @@ Grid = NDArray[np.floating[Any]]
 
 
 @compiled(parallel=True, fastmath=_FAST)
-def contact_sums(pressure: Grid, displacement: Grid, heights: Grid, block_low: Grid) -> Any:
-    """Count, sum of gap, lowest gap, load, load times gap, load times u, largest |u|; gap = u - h.
+def contact_sums(
+    pressure: Grid, displacement: Grid, heights: Grid, cap: float, block_low: Grid
+) -> Any:
+    """Where 0 < p < cap: count and sum of gap; where p < cap: lowest gap and load times gap; load,
+    load times u, largest |u|; where p >= cap: count, highest gap, sum of gap and load above the
+    cap; gap = u - h.
 
     `block_low` (ny, blocks) receives the lowest gap of each run of 64 points, -inf where one
     carries a pressure (a predicted one may be negative).
     """
     ny, nx = heights.shape
-    count = 0
-    gap_sum = total = work = moment = largest = 0.0
-    lowest = np.inf
+    count = held = 0
+    gap_sum = total = work = moment = largest = held_sum = excess = 0.0
+    lowest, highest = np.inf, -np.inf
     for y in prange(ny):
         for b in range(block_low.shape[1]):
-            low, peak, load = np.inf, 0.0, 0.0
-            local = marked = 0
-            sum_gap = sum_work = sum_moment = 0.0
+            low, open_low, high, peak = np.inf, np.inf, -np.inf, 0.0
+            load = above = 0.0
+            local = local_held = marked = 0
+            sum_gap = sum_work = sum_moment = sum_held = 0.0
             for x in range(b * BLOCK, min(nx, (b + 1) * BLOCK)):
                 u = displacement[y, x]
                 gap = u - heights[y, x]
                 p = pressure[y, x]
+                below = p < cap
                 low = min(low, gap)
+                open_low = min(open_low, gap if below else np.inf)
+                high = max(high, -np.inf if below else gap)
                 peak = max(peak, abs(u))
                 load += p
-                sum_work += p * gap
+                above += max(p - cap, 0.0)
+                sum_work += p * gap if below else 0.0
+                sum_held += 0.0 if below else gap
                 sum_moment += p * u
-                touching = p > 0.0
+                touching = (p > 0.0) & below
                 local += touching
+                local_held += not below
                 marked += p != 0.0
                 sum_gap += gap if touching else 0.0
             count += local
+            held += local_held
+            held_sum += sum_held
+            excess += above
             gap_sum += sum_gap
             total += load
             work += sum_work
             moment += sum_moment
-            lowest = min(lowest, low)
+            lowest = min(lowest, open_low)
+            highest = max(highest, high)
             largest = max(largest, peak)
             block_low[y, b] = low if marked == 0 else -np.inf
-    return count, gap_sum, lowest, total, work, moment, largest
+    return count, gap_sum, lowest, total, work, moment, largest, held, highest, held_sum, excess
+
+
+@compiled()
+def held_gap(pressure: Grid, displacement: Grid, heights: Grid, cap: float, lowest: float) -> float:
+    """Sum of the gaps where p >= cap, none counted below the lowest."""
+    total = 0.0
+    for y in range(heights.shape[0]):
+        for x in range(heights.shape[1]):
+            if pressure[y, x] >= cap:
+                total += max(displacement[y, x] - heights[y, x], lowest)
+    return total
 
 
 @compiled(parallel=True)
@@ -120,12 +146,24 @@ def moments(heights: Grid) -> Any:
 
 
 @compiled(parallel=True)
-def finish(pressure: Grid, displacement: Grid, heights: Grid, unit: float, level: float) -> None:
-    """Turn p~ into pressure and u into the gap above a level, in place."""
+def finish(
+    pressure: Grid,
+    displacement: Grid,
+    heights: Grid,
+    unit: float,
+    level: float,
+    cap: float,
+    hardness: float,
+) -> None:
+    """Turn p~ into pressure and u into the gap above a level, in place.
+
+    Both bounds of the pressure are met to the last digit.
+    """
     ny, nx = heights.shape
     for y in prange(ny):
         for x in range(nx):
-            pressure[y, x] *= unit
+            p = pressure[y, x]
+            pressure[y, x] = hardness if p >= cap else min(p * unit, hardness)
             displacement[y, x] -= heights[y, x] + level
 
 

@@ -23,41 +23,50 @@ def measure(
     change: Single,
     active: Flags,
     residual: Single,
+    cap: float,
 ) -> Any:
-    """Active points {p > 0} U {gap < level} and their residual gap - level.
+    """Active points, which are not held at a bound, and their residual gap - level.
 
-    The gap is start_gap + change.
+    The gap is start_gap + change. Held are p = 0 with a gap above the level, and p = cap below it.
 
-    Returns the level (mean gap of the contact), the lowest gap, the load-weighted mean gap, the
-    number of active points, the energy of the move, sum moved (start_gap + change / 2), and the
-    sum of the move.
+    Returns the level (mean gap where 0 < p < cap), the largest error of the gap (duality gap over
+    the load, penetration or lift, as in `certificate`), the number of active points, the energy of
+    the move, sum moved (start_gap + change / 2), and the sum of the move.
     """
     n = p.size
     count = 0
     gap_sum = total = work = energy = shift = 0.0
-    lowest = np.inf
+    lowest, highest = np.inf, -np.inf
     for i in prange(n):
         g = start_gap[i] + change[i]
-        lowest = min(lowest, g)
         energy += moved[i] * (start_gap[i] + 0.5 * change[i])
         shift += moved[i]
-        if p[i] > 0.0:
-            count += 1
-            gap_sum += g
-            total += p[i]
+        total += p[i]
+        if p[i] >= cap:
+            highest = max(highest, g)
+        else:
+            lowest = min(lowest, g)
             work += p[i] * g
-    level = gap_sum / count
+            if p[i] > 0.0:
+                count += 1
+                gap_sum += g
+    if lowest == np.inf:
+        lowest = highest
+    level = gap_sum / count if count > 0 else 0.5 * (highest + lowest)
     inside = 0
     for i in prange(n):
         above = start_gap[i] + change[i] - level
-        if p[i] > 0.0 or above < 0.0:
+        if p[i] >= cap:
+            work += p[i] * max(above + level, lowest)
+        if (p[i] > 0.0 or above < 0.0) and (p[i] < cap or above > 0.0):
             active[i] = True
             residual[i] = np.float32(above)
             inside += 1
         else:
             active[i] = False
             residual[i] = np.float32(0.0)
-    return level, lowest, work / total, inside, energy, shift
+    error = max(max(work / total, level) - lowest, highest - level)
+    return level, error, inside, energy, shift
 
 
 @compiled(parallel=True, fastmath=SUMS)
@@ -108,8 +117,9 @@ def advance(
     before: Single,
     direction: Single,
     response: Single,
+    cap: float,
 ) -> int:
-    """Step to the minimum along the direction; returns the number of negative pressures.
+    """Step to the minimum along the direction; returns the number of pressures out of bounds.
 
     Updates p, change and residual, and keeps the last residual in `before`. Returns -1 and
     changes nothing if the direction has no positive curvature.
@@ -127,36 +137,59 @@ def advance(
         return -1
     length = slope / curvature
     short = np.float32(length)
-    negative = 0
+    beyond = 0
     gap_sum = 0.0
     for i in prange(n):
         change[i] -= short * response[i]
         if active[i]:
             p[i] -= length * direction[i]
             gap_sum += start_gap[i] + change[i]
-            if p[i] < 0.0:
-                negative += 1
+            if p[i] < 0.0 or p[i] > cap:
+                beyond += 1
     level = gap_sum / count
     for i in prange(n):
         before[i] = residual[i]
         if active[i]:
             residual[i] = np.float32(start_gap[i] + change[i] - level)
-    return negative
+    return beyond
+
+
+@compiled(fastmath=SUMS)
+def restoring(p: Double, total: float, cap: float) -> Any:
+    """Factors of pressures at the cap and below it that bring them, cut at 0 and cap, to a sum.
+
+    Only those below the cap are scaled, if they alone can make up for the rest.
+    """
+    factor, before = 1.0, -1
+    while True:
+        held = 0
+        free = 0.0
+        for i in range(p.size):
+            if p[i] >= cap or p[i] * factor >= cap:
+                held += 1
+            elif p[i] > 0.0:
+                free += p[i]
+        bound = cap * held if held > 0 else 0.0
+        if bound > total:
+            every = total / (bound + free * factor)
+            return every, every * factor
+        if held <= before or free == 0.0:
+            return 1.0, factor
+        factor, before = (total - bound) / free, held
 
 
 @compiled(parallel=True, fastmath=SUMS)
-def cut(p: Double, base: Double, moved: Single, total: float) -> float:
-    """Cut negative pressures, scale to the load, and form p - base; returns the largest |p - base|.
+def cut(p: Double, base: Double, moved: Single, total: float, cap: float) -> float:
+    """Cut pressures at 0 and cap, restore their sum, and form p - base; returns the largest of it.
 
-    The load is `total`, the sum of the pressures.
+    The sum to restore is `total`.
     """
-    positive = 0.0
-    for i in prange(p.size):
-        positive += max(p[i], 0.0)
-    factor = total / positive
+    held, factor = restoring(p, total, cap)
     largest = 0.0
     for i in prange(p.size):
         value = max(p[i], 0.0) * factor
+        if p[i] >= cap or value >= cap * held:
+            value = cap * held
         p[i] = value
         step = value - base[i]
         moved[i] = np.float32(step)

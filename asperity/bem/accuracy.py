@@ -55,6 +55,7 @@ _WORST_OF_NEIGHBORS = (
     "load_error",
     "complementarity",
     "penetration",
+    "lift",
     "area_error_estimate",
 )
 """Columns of which an interpolated point has the larger value of its neighbors."""

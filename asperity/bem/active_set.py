@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -15,8 +16,11 @@ __all__ = ["ContactList", "ListOperator", "solve_on_list"]
 RESIDUAL_DROP = 0.3
 """Fall of the preconditioned residual at which an inner solve ends."""
 
-NEGATIVE_SHARE = 0.02
-"""Share of the active points under negative pressure at which an inner solve ends."""
+BEYOND_SHARE = 0.02
+"""Share of the active points with a pressure out of bounds at which an inner solve ends."""
+
+SPARE = 1.05
+"""Load that the points under pressure can bear under a cap, over the prescribed one."""
 
 MAX_INNER_STEPS = 12
 """Conjugate-gradient steps of one inner solve."""
@@ -79,6 +83,7 @@ def solve_on_list(
     tolerance: float,
     longest: int,
     total: float,
+    cap: float,
 ) -> int:
     """Change the pressure until it closes the gap on its contact; returns the iterations spent.
 
@@ -87,28 +92,31 @@ def solve_on_list(
     operator
         Bound to the list.
     pressure
-        Start p~ [m], shape (n,), and the result; negative values are repaired.
+        Start p~ [m], shape (n,), and the result; values below 0 or above the cap are repaired.
     gap
         u - h at the start [m], from the exact operator, shape (n,).
     scale
         Length that the tolerance is relative to [m].
     tolerance
-        Error to reach: the larger of complementarity and penetration.
+        Error to reach: the largest of complementarity, penetration and lift.
     longest
         Most iterations.
     total
         Prescribed sum of p~ [m], positive.
+    cap
+        Largest p~ [m]; n times as much bears the load.
 
     Notes
     -----
-    Active points are those under pressure or penetrating, A = {p > 0} U {g < 0}. On A the
-    linear problem is solved loosely by preconditioned conjugate gradients (p may go negative),
-    until the preconditioned residual fell by 0.3, 2 % of A turned negative, or 12 steps are done;
-    then negative pressures are cut, the load is restored, and A is formed anew. A step that raises
+    Active points are those that no bound holds, all but {p = 0, g >= 0} and {p = cap, g <= 0}. On
+    them the linear problem is solved loosely by preconditioned conjugate gradients (p may leave its
+    bounds), until the preconditioned residual fell by 0.3, 2 % of them are out of bounds, or 12
+    steps are done; then pressures are cut, the load is restored, and the set is formed anew. Where
+    the cap holds a pressure, its displacement is part of the gap. A step that raises
     the energy is shortened until it does not, so that the iteration cannot cycle. Only changes of
     the pressure and of the gap are held in single precision.
     """
-    state = _State(operator, pressure, gap, total)
+    state = _State(operator, pressure, gap, total, cap)
     accepted, wanted = np.empty_like(pressure), np.empty_like(pressure)
     lowest_energy, share = np.inf, 1.0
     margin = _ENERGY_NOISE * min(tolerance, _LOOSEST_NOISE) * scale * total
@@ -151,9 +159,10 @@ class _State:
         pressure: NDArray[np.float64],
         gap: NDArray[np.float64],
         total: float,
+        cap: float,
     ) -> None:
         n = pressure.size
-        self.operator, self.pressure, self.total = operator, pressure, total
+        self.operator, self.pressure, self.total, self.cap = operator, pressure, total, cap
         self.base, self.start_gap = pressure.copy(), gap
         self.moved, self.change, self.residual, self.before, self.direction = (
             np.zeros(n, np.float32) for _ in range(5)
@@ -165,36 +174,51 @@ class _State:
 
     def renew(self) -> float:
         """Make the pressure feasible and measure it; returns its error [m]."""
-        if _list_kernels.cut(self.pressure, self.base, self.moved, self.total) > 0.0:
+        if np.isfinite(self.cap):
+            self._support()
+        if _list_kernels.cut(self.pressure, self.base, self.moved, self.total, self.cap) > 0.0:
             self.change = self.operator.apply(self.moved)
         else:
             self.change[:] = 0.0
-        level, lowest, work, self.count, energy, shift = _list_kernels.measure(
+        level, error, self.count, energy, shift = _list_kernels.measure(
             self.pressure,
             self.moved,
             self.start_gap,
             self.change,
             self.active,
             self.residual,
+            self.cap,
         )
         if self._reference is None:
             self._reference = level
         self.energy = energy - self._reference * shift
-        return float(max(work, level) - lowest)
+        return float(error)
+
+    def _support(self) -> None:
+        """Bring in the points of lowest gap, if those under pressure cannot bear the load."""
+        loaded = self.pressure > 0.0
+        needed = SPARE * self.total / self.cap
+        if np.count_nonzero(loaded) * self.cap > self.total:
+            return
+        gap = np.where(loaded, np.inf, self.start_gap + self.change)
+        lowest = np.argsort(gap)[: math.ceil(needed) - np.count_nonzero(loaded)]
+        self.pressure[lowest] = np.maximum(self.pressure[lowest], 0.5 * self.cap)
 
     def _free(self) -> None:
-        """Take out the points without pressure that the step would pull.
+        """Take out the points that the step would move out of bounds.
 
         The step is the residual less its mean over the active points. Only without such points
         does it keep the load, and lower the energy if it is short enough.
         """
-        while True:
+        while self.count:
             mean = float(self.residual[self.active].mean())
-            pulled = self.active & (self.pressure <= 0.0) & (self.residual > mean)
-            if not pulled.any():
+            out = (self.pressure <= 0.0) & (self.residual > mean)
+            out |= (self.pressure >= self.cap) & (self.residual < mean)
+            out &= self.active
+            if not out.any():
                 return
-            self.active &= ~pulled
-            self.residual[pulled] = 0.0
+            self.active &= ~out
+            self.residual[out] = 0.0
             self.count = int(np.count_nonzero(self.active))
 
     def descend(self, plain: bool) -> int:
@@ -206,6 +230,8 @@ class _State:
         norm = start = 0.0
         if plain:
             self._free()
+        if self.count == 0:
+            return 0
         for step in range(1 if plain else MAX_INNER_STEPS):
             z = self.residual if plain else self.operator.precondition(self.residual)
             norm = _list_kernels.turn(
@@ -215,7 +241,7 @@ class _State:
                 start = norm
             elif norm < RESIDUAL_DROP**2 * start:
                 return step
-            negative = _list_kernels.advance(
+            beyond = _list_kernels.advance(
                 self.active,
                 self.count,
                 self.pressure,
@@ -225,9 +251,10 @@ class _State:
                 self.before,
                 self.direction,
                 self.operator.apply(self.direction),
+                self.cap,
             )
-            if negative < 0:
+            if beyond < 0:
                 return step
-            if negative > NEGATIVE_SHARE * self.count:
+            if beyond > BEYOND_SHARE * self.count:
                 return step + 1
         return step + 1

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ._grid_kernels import BLOCK, contact_sums
+from ._grid_kernels import BLOCK, contact_sums, held_gap
 
 __all__ = ["Certificate", "Reading", "certify"]
 
@@ -24,21 +24,25 @@ class Certificate:
     ----------
     load
         |mean pressure / prescribed - 1|, or with prescribed separation the error of the
-        separation over the rms height [-].
+        separation over the rms height; or, if larger, the share of load above the hardness [-].
     complementarity
-        ``sum p (g - min g) / (sum p rms h)``: pressure times gap, which must vanish [-].
+        ``(sum_{p<H} p (g - l) + sum_{p=H} H max(g - l, 0)) / (sum p rms h)`` with the smallest gap
+        l where p < H: pressure times gap, which must vanish [-].
     penetration
-        (mean gap over the contact - smallest gap) / rms h [-].
+        (mean gap of the contact below the hardness - smallest gap there) / rms h [-].
+    lift
+        (largest gap at the hardness - mean gap of the contact below it) / rms h, or zero [-].
     """
 
     load: float
     complementarity: float
     penetration: float
+    lift: float = 0.0
 
     @property
     def worst(self) -> float:
-        """Largest of the three; NaN counts as infinite."""
-        values = (self.load, self.complementarity, self.penetration)
+        """Largest of the four; NaN counts as infinite."""
+        values = (self.load, self.complementarity, self.penetration, self.lift)
         return float("inf") if any(v != v for v in values) else max(values)
 
 
@@ -50,26 +54,30 @@ class Reading:
     ----------
     certificate
         The relative errors.
-    points
-        Number of points under pressure.
+    points, held
+        Number of points under pressure, and of those at the cap.
     level
-        Mean of u - h over the contact [m]; its smallest value if there is no contact.
+        Mean of u - h over the contact below the cap [m]; its smallest value if there is no contact.
     scale
         Length that the errors are relative to [m].
     total
         Sum of the pressure.
     moment
         Sum of pressure times displacement [m^2].
+    plastic_work
+        Sum of pressure times plastic depth [m^2].
     block_low
         Lowest gap of each run of 64 points, -inf where there is pressure [m].
     """
 
     certificate: Certificate
     points: int
+    held: int
     level: float
     scale: float
     total: float
     moment: float
+    plastic_work: float
     block_low: NDArray[np.float64]
 
 
@@ -79,6 +87,7 @@ def certify(
     heights: NDArray[np.float64],
     rms_height: float,
     *,
+    cap: float,
     mean_pressure: float | None = None,
     offset: float | None = None,
 ) -> Reading:
@@ -94,6 +103,8 @@ def certify(
         Heights out of the solid [m], shape (ny, nx).
     rms_height
         Root-mean-square height [m].
+    cap
+        Largest pressure p~ allowed [m].
     mean_pressure
         Prescribed mean of `pressure` [m]; or
     offset
@@ -101,29 +112,46 @@ def certify(
 
     Notes
     -----
+    With G the operator, J(p) = <p, Gp>/2 - <p, h> is smallest for the exact pressure of this load.
+    The complementarity bounds how far it is above that, over sum p times the length of scale: it is
+    the duality gap of the bounds 0 <= p <= cap with the smallest gap below the cap as multiplier.
+
     The length of scale is the rms height; for a map flat to within rounding, what float64 resolves
     of the gap: a millionth of the largest displacement or of the mean pressure, a length too (a
     flat map in a periodic cell is not displaced), and 1e-8 of the level of the contact.
     """
     ny, nx = heights.shape
     block_low = np.empty((ny, -(-nx // BLOCK)))
-    count, gap_sum, lowest, total, work, moment, largest = contact_sums(
-        pressure, displacement, heights, block_low
+    count, gap_sum, lowest, total, work, moment, largest, held, highest, held_sum, excess = (
+        contact_sums(pressure, displacement, heights, cap, block_low)
     )
+    lowest = min(lowest, highest) if lowest == np.inf else lowest
     level = gap_sum / count if count else lowest
+    if held:
+        work += cap * held_gap(pressure, displacement, heights, cap, lowest)
+        if count == 0:  # any level between the two bounds
+            level = 0.5 * (lowest + highest) if offset is None else np.clip(offset, highest, lowest)
     resolved = max(1e-6 * largest, 1e-6 * total / heights.size, 1e-8 * abs(level))
     scale = max(rms_height, resolved, float(np.finfo(float).tiny))
-    if count == 0:
+    if count + held == 0:
         missing = 0.0 if not mean_pressure else 1.0
         penetration = 0.0 if offset is None else max(0.0, offset - lowest) / scale
         level = lowest if offset is None else offset
-        return Reading(Certificate(missing, 0.0, penetration), 0, level, scale, 0.0, 0.0, block_low)
+        certificate = Certificate(missing, 0.0, penetration)
+        return Reading(certificate, 0, 0, level, scale, 0.0, 0.0, 0.0, block_low)
     if offset is not None:
         load = abs(level - offset) / scale
     elif mean_pressure:
         load = abs(total / heights.size / mean_pressure - 1.0)
     else:
         load = float("inf")
-    complementarity = max(work / total - lowest, 0.0) / scale
-    certificate = Certificate(load, complementarity, (level - lowest) / scale)
-    return Reading(certificate, count, level, scale, total, moment, block_low)
+    certificate = Certificate(
+        load=max(load, excess / total),
+        complementarity=max(work / total - lowest, 0.0) / scale,
+        penetration=max(level - lowest, 0.0) / scale,
+        lift=max(highest - level, 0.0) / scale,
+    )
+    plastic_work = cap * (held * level - held_sum) if held else 0.0
+    return Reading(
+        certificate, count + held, held, level, scale, total, moment, plastic_work, block_low
+    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from asperity.threads import idle_threads, use_numba
 
 from . import _grid_kernels
-from .active_set import ContactList, solve_on_list
+from .active_set import SPARE, ContactList, solve_on_list
 from .certificate import Reading, certify
 from .full_grid import FullGridOperator
 from .load_search import LoadSearch
@@ -81,6 +81,8 @@ class Level:
         Heights [m], shape (ny, nx), read-only.
     exact
         Operator on the whole grid; its `pressure` is the state.
+    cap
+        Largest pressure p~ [m].
 
     Attributes
     ----------
@@ -88,9 +90,12 @@ class Level:
         Mean, largest and root-mean-square height about the mean [m].
     """
 
-    def __init__(self, heights: NDArray[np.float64], exact: HalfSpaceOperator) -> None:
+    def __init__(
+        self, heights: NDArray[np.float64], exact: HalfSpaceOperator, cap: float = math.inf
+    ) -> None:
         self.heights = heights
         self.exact = exact
+        self.cap = cap
         self.mean_height, self.highest, self.rms_height = _grid_kernels.moments(heights)
         self._careful = False
         self._split: SplitOperator | None = None
@@ -138,6 +143,7 @@ class Level:
                 displacement,
                 self.heights,
                 self.rms_height,
+                cap=self.cap,
                 mean_pressure=fixed,
                 offset=search.offset if search else None,
             )
@@ -149,7 +155,7 @@ class Level:
             best = min(best, worst)
             if idle >= _MAX_IDLE:
                 break
-            error = max(reading.certificate.complementarity, reading.certificate.penetration)
+            error = replace(reading.certificate, load=0.0).worst
             mean = fixed or 0.0
             if search:
                 mean = search.update(reading.level, error * reading.scale)
@@ -173,9 +179,14 @@ class Level:
         """One solve on the list of candidates; returns the iterations spent."""
         width = _FIRST_BAND * min(1.0, error) if first else min(_WIDEST_BAND, _BAND * error)
         threshold = reading.level + width * reading.scale
-        start, columns, values, gap = _grid_kernels.select(
-            self.exact.pressure, displacement, self.heights, reading.block_low, threshold
-        )
+        total = mean * self.heights.size
+        least = math.ceil(SPARE * total / self.cap)
+        start, columns, values, gap = self._candidates(displacement, reading, threshold)
+        if columns.size < min(least, self.heights.size):
+            gaps = (displacement[:, : self.heights.shape[1]] - self.heights).ravel()
+            rank = min(least, gaps.size) - 1
+            threshold = max(threshold, float(np.partition(gaps, rank)[rank]))
+            start, columns, values, gap = self._candidates(displacement, reading, threshold)
         points = ContactList(start, columns)
         operator = self._operator(len(points))
         operator.bind(points)
@@ -186,10 +197,21 @@ class Level:
             scale=reading.scale,
             tolerance=_next_error(error, 0.5 * tolerance, operator.aim),
             longest=_MAX_INNER,
-            total=mean * self.heights.size,
+            total=total,
+            cap=self.cap,
         )
         _grid_kernels.put(self.exact.pressure, start, columns, values)
         return spent
+
+    def _candidates(
+        self, displacement: NDArray[np.float64], reading: Reading, threshold: float
+    ) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]:
+        """Points under pressure or with a gap up to the threshold, see `_grid_kernels.select`."""
+        found: tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]
+        found = _grid_kernels.select(
+            self.exact.pressure, displacement, self.heights, reading.block_low, threshold
+        )
+        return found
 
     def _operator(self, points: int) -> SplitOperator | FullGridOperator:
         """The cheaper operator for so many points; the sharper one after idle corrections."""

@@ -129,8 +129,8 @@ def bem_curve(
         `error_estimate` the bound on the error of the load on the grid that was solved
         (`ContactProblem.load_error`), `extra["area_error_estimate"]` that of the area
         (`area_error`). `extra` holds the certificate by entry, raw area, elastic energy,
-        iterations, transform pairs and seconds; a point that missed the tolerance is marked and
-        explained.
+        iterations, transform pairs and seconds, with a hardness `plastic_share`; a point that
+        missed the tolerance is marked and explained.
 
     Examples
     --------
@@ -182,7 +182,7 @@ def bem_curve(
         return ContactProblem(grid, mat, tolerance=tolerance, boundary=boundary, threads=threads)
 
     problem = planned()
-    problem.prescribed(**{kind: float(values.min())})  # the one that can be refused: at once
+    problem.prescribed(**{kind: float(values.max() if kind == "pressure" else values.min())})
     prepared = time.perf_counter()
     solved: dict[int, SolvedLoad] = {}
     turn = threading.Lock()
@@ -212,13 +212,13 @@ def bem_curve(
 def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> SolvedLoad:
     """Solve at one load and read the point off the state, with its contact map if that is kept."""
     problem = path.problem
-    hm, exact = problem.hm, problem.level.exact
+    hm, exact, cap = problem.hm, problem.level.exact, problem.level.cap
     begun, pairs = time.perf_counter(), exact.pairs
     outcome = path.solve(**{kind: value})
     certificate = outcome.reading.certificate
-    periodic = problem.boundary == "periodic"
     contact = problem.level.pressure > 0.0 if keep_map else _NO_MAP
-    raw, area, patches = read_contact(exact.pressure, hm.spacing, hm.shape[1], periodic=periodic)
+    seam = problem.boundary == "periodic"
+    raw, area, patches = read_contact(exact.pressure, hm.spacing, hm.shape[1], cap, periodic=seam)
     mean = problem.mean_pressure(outcome)
     columns = {
         "separation": problem.separation(outcome),
@@ -240,6 +240,9 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
         "fft_pairs": exact.pairs - pairs,
         "seconds": time.perf_counter() - begun,
     }
+    if math.isfinite(cap):
+        held = outcome.reading.held * (hm.area / hm.heights.size)
+        columns |= {"lift": certificate.lift, "plastic_share": min(held / max(area, 1e-300), 1.0)}
     return SolvedLoad(columns, contact, outcome.reason)
 
 

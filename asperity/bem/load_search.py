@@ -21,6 +21,8 @@ class LoadSearch:
         First mean pressure p~ to try [m], positive.
     stiffness
         Slope of mean pressure over level, if known.
+    largest
+        Largest mean pressure p~ [m].
 
     Notes
     -----
@@ -30,9 +32,17 @@ class LoadSearch:
     distance from the aim changes nothing: the contact is solved further at the same load first.
     """
 
-    def __init__(self, offset: float, mean: float, stiffness: float | None = None) -> None:
+    def __init__(
+        self,
+        offset: float,
+        mean: float,
+        stiffness: float | None = None,
+        *,
+        largest: float = math.inf,
+    ) -> None:
         self.offset = offset
         self.mean = mean
+        self.largest = largest
         self.stiffness = stiffness
         self._below, self._above = 0.0, math.inf
         self._last: tuple[float, float] | None = None
@@ -74,14 +84,16 @@ class LoadSearch:
         """The proposal, or the middle of the bounds if it leaves them."""
         if self._above - self._below <= 1e-12 * self._above:
             self._below, self._above = 0.0, math.inf
+        proposal = min(proposal, self.largest)
         if self._below < proposal < self._above:
             return proposal
-        upper = self._above if math.isfinite(self._above) else 4.0 * self.mean
+        upper = self._above if math.isfinite(self._above) else min(4.0 * self.mean, self.largest)
         return 0.5 * (self._below + upper)
 
     def rescale(self, ratio: float) -> None:
         """Carry the search to a grid with another unit of pressure; its bounds are forgotten."""
         self.mean *= ratio
+        self.largest *= ratio
         if self.stiffness is not None:
             self.stiffness *= ratio
         self._below, self._above, self._last = 0.0, math.inf, None

@@ -136,7 +136,9 @@ class LoadPath:
         mean = load if offset is None else self._forecast(offset)
         if 0.0 < mean <= _LARGEST_RATIO * last and self._two_known():
             self._predict(level, mean)
-            search = None if offset is None else LoadSearch(offset, mean, self._stiffness)
+            search = None
+            if offset is not None:
+                search = LoadSearch(offset, mean, self._stiffness, largest=level.cap)
             outcome = level.solve(search or load, problem.tolerance, predicted=True)
         else:
             self._old = self._copied() if 0.0 < mean <= _LARGEST_RATIO * last else None

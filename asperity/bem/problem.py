@@ -97,7 +97,8 @@ class ContactProblem:
         exact = HalfSpaceOperator(hm.shape, hm.spacing, mat, self.boundary, threads=self._threads)
         self.unit = _unit(hm.roughness.rms_height)
         self.compliance = exact.compliance / self.unit
-        self.level = Level(hm.heights if self.unit == 1.0 else hm.heights / self.unit, exact)
+        heights = hm.heights if self.unit == 1.0 else hm.heights / self.unit
+        self.level = Level(heights, exact, mat.hardness * self.compliance)
 
     def prescribed(
         self, pressure: float | None = None, separation: float | None = None
@@ -114,10 +115,15 @@ class ContactProblem:
                 raise InputError(
                     f"pressure is {pressure!r} Pa; give a finite mean pressure, not negative"
                 )
+            if value > self.mat.hardness:
+                raise InputError(
+                    f"pressure is {value:.6g} Pa, above the hardness of {self.mat.hardness:.6g} Pa "
+                    "that bounds it everywhere; give at most the hardness"
+                )
             return value * self.compliance, None
         if not math.isfinite(value):
             raise InputError(f"separation is {separation!r} m; give a finite distance")
-        if self.boundary == "periodic" and value <= 0.0:
+        if self.boundary == "periodic" and value <= 0.0 and math.isinf(self.level.cap):
             raise InputError(
                 f"separation is {value:.4g} m; in a periodic cell it is the mean gap, which "
                 "is positive below full contact; prescribe a pressure instead"
@@ -143,13 +149,14 @@ class ContactProblem:
         pressure, search = self.level.pressure, None
         if offset is not None:
             length = max(self.level.rms_height, _FIRST_LOAD * (offset + self.level.highest))
-            search = LoadSearch(offset, _FIRST_LOAD * length)
+            cap = self.level.cap
+            search = LoadSearch(offset, min(_FIRST_LOAD * length, 0.1 * cap), largest=cap)
         if not self.touches(load, offset):
             pressure[:] = 0.0
             return 0, search
         if given is None:
             return self._nested(load, search), search
-        np.maximum(given, 0.0, out=pressure)
+        np.clip(given, 0.0, self.mat.hardness, out=pressure)
         mean = float(pressure.mean())
         if search and mean > 0.0:
             search.mean = mean * self.compliance
@@ -182,8 +189,8 @@ class ContactProblem:
                 (ny, nx), spacing, self.mat, self.boundary, threads=self._threads, scratch=scratch
             )
             heights = maps.level(index, (ny, nx))
-            level = Level(heights, exact)
             ratio = exact.compliance / fine.compliance
+            level = Level(heights, exact, ratio * self.level.cap)
             if search and -search.offset >= level.highest:
                 continue
             if search:
@@ -211,7 +218,7 @@ class ContactProblem:
                 self.boundary,
                 mean,
             )
-        elif search:
+        elif search and math.isinf(level.cap):
             highest = np.unravel_index(level.heights.argmax(), level.heights.shape)
             level.pressure[highest] = mean * level.heights.size
         else:
@@ -236,12 +243,13 @@ class ContactProblem:
         Notes
         -----
         A certificate e is relative to the rms height h, so that the level of the contact may be off
-        by e h, and the load by the factor e h k with k = -d ln F/ds. The elastic energy
-        U = int_s F ds' gives k <= F/U wherever k falls with the load, as it does of rough surfaces
-        and of every body that is blunt at its tip.
+        by e h, and the load by the factor e h k with k = -d ln F/ds. The work done
+        U = int_s F ds', elastic and plastic, gives k <= F/U wherever k falls with the load, as it
+        does of rough surfaces and of every body that is blunt at its tip.
         """
         worst = max(outcome.tolerance, outcome.reading.certificate.worst)
-        energy = 0.5 * outcome.reading.moment / self.hm.heights.size
+        work = 0.5 * outcome.reading.moment + outcome.reading.plastic_work
+        energy = work / self.hm.heights.size
         mean = outcome.reading.total / self.hm.heights.size
         if mean == 0.0:
             return 0.0
@@ -256,7 +264,7 @@ class ContactProblem:
 
     def settings(self) -> dict[str, Any]:
         """Everything needed to repeat a run."""
-        return {
+        found = {
             "model": "bem",
             "boundary": self.boundary,
             "tolerance": self.tolerance,
@@ -266,6 +274,9 @@ class ContactProblem:
             "spacing": self.hm.spacing,
             "threads": thread_count(),
         }
+        if math.isfinite(self.mat.hardness):
+            found["hardness"] = float(self.mat.hardness)
+        return found
 
 
 def _unit(rms_height: float) -> float:

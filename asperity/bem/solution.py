@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.halfspace.scene import Boundary
+from surfaces.heightmap import HeightMap
 from surfaces.patches import label_patches
 
 from ._contact_kernels import contact_counts
@@ -29,13 +30,18 @@ class BemSolution:
 
     Attributes
     ----------
+    surface
+        The undeformed map.
     pressure
         Contact pressure [Pa], shape (ny, nx), compression positive.
     gap
         Gap between the surfaces [m], shape (ny, nx); zero in the contact.
+    plastic_depth
+        How far the surface has yielded [m], shape (ny, nx): positive where the pressure is the
+        hardness, else zero.
     separation
-        Periodic: mean gap [m]. Free: distance of the rigid flat from the mean plane of the
-        undeformed map [m].
+        Distance of the rigid flat from the mean plane of the undeformed map [m]; in a periodic cell
+        the mean gap less the mean plastic depth.
     mean_pressure, load
         Load over nominal area [Pa] and normal load [N].
     elastic_energy
@@ -62,8 +68,10 @@ class BemSolution:
     (True, True)
     """
 
+    surface: HeightMap
     pressure: NDArray[np.float64]
     gap: NDArray[np.float64]
+    plastic_depth: NDArray[np.float64]
     separation: float
     mean_pressure: float
     load: float
@@ -84,10 +92,36 @@ class BemSolution:
         """Pixels under pressure, shape (ny, nx)."""
         return self.pressure > 0.0
 
+    @property
+    def hardness(self) -> float:
+        """Largest pressure that the surface bears [Pa]; infinite if none limits it."""
+        return float(self.settings.get("hardness", math.inf))
+
+    @property
+    def saturated(self) -> NDArray[np.bool_]:
+        """Pixels whose pressure is the hardness, shape (ny, nx)."""
+        return self.pressure >= self.hardness
+
+    @property
+    def plastic_share(self) -> float:
+        """Area under a pressure of the hardness over the contact area [-]."""
+        held = np.count_nonzero(self.saturated) * self.spacing[0] * self.spacing[1]
+        return min(held / self.contact_area, 1.0) if held else 0.0
+
+    def unloaded(self) -> HeightMap:
+        """The surface after the load is taken off: the map less the plastic depth.
+
+        The shape that yielded stays, all else springs back; pressed again by the same load, it
+        carries the same pressure elastically.
+        """
+        heights = self.surface.heights - self.plastic_depth
+        step = {"step": "unload", "mean_pressure": self.mean_pressure, "hardness": self.hardness}
+        return self.surface.replace(heights=heights, step=step)
+
     @cached_property
     def _reading(self) -> tuple[float, float, int]:
         periodic, nx = self.boundary == "periodic", self.pressure.shape[1]
-        return read_contact(self.pressure, self.spacing, nx, periodic=periodic)
+        return read_contact(self.pressure, self.spacing, nx, self.hardness, periodic=periodic)
 
     @property
     def contact_area_raw(self) -> float:
@@ -131,9 +165,9 @@ class BemSolution:
             f"mean pressure    {self.mean_pressure:.6g} Pa      load {self.load:.6g} N",
             f"separation       {self.separation:.6g} m      mean gap {self.mean_gap:.6g} m",
             f"contact          {100 * self.area_fraction:.4g} % (corrected) in "
-            f"{self.contacts} patches",
+            f"{self.contacts} patches" + self._plastic(),
             f"certificate      load {c.load:.1e}, complementarity {c.complementarity:.1e}, "
-            f"penetration {c.penetration:.1e}",
+            f"penetration {c.penetration:.1e}" + (f", lift {c.lift:.1e}" if c.lift else ""),
             f"cost             {self.fft_pairs} transform pairs, {self.iterations} iterations, "
             f"{sum(self.seconds.values()):.3g} s",
         ]
@@ -144,21 +178,34 @@ class BemSolution:
 
     __repr__ = __str__
 
+    def _plastic(self) -> str:
+        """What has yielded, for the summary."""
+        if math.isinf(self.hardness):
+            return ""
+        return f", {100 * self.plastic_share:.4g} % of it at the hardness"
+
 
 def read_contact(
-    pressure: NDArray[np.float64], spacing: tuple[float, float], nx: int, *, periodic: bool
+    pressure: NDArray[np.float64],
+    spacing: tuple[float, float],
+    nx: int,
+    hardness: float,
+    *,
+    periodic: bool,
 ) -> tuple[float, float, int]:
     """Contact area [m^2] in pixels, the same corrected for the pixels at its edge, and the number
-    of patches, of a pressure with nx columns or more.
+    of patches, of a pressure with nx columns or more. Hardness has the unit of the pressure.
 
     Notes
     -----
     ``A = A_px - (pi - 1 + ln 2)/24 P d`` (Yastrebov, Anciaux, Molinari 2017), where P d is the
-    number of edges times the pixel area, so that it holds for pixels that are not square.
+    number of edges times the pixel area, so that it holds for pixels that are not square. The area
+    is never less than the load over the hardness.
     """
     pixels, edges, patches = contact_counts(pressure, nx, periodic)
     pixel = spacing[0] * spacing[1]
-    return pixels * pixel, max(pixels - AREA_FACTOR * edges, 0.0) * pixel, patches
+    least = float(pressure.sum()) / hardness if math.isfinite(hardness) else 0.0
+    return pixels * pixel, max(pixels - AREA_FACTOR * edges, least) * pixel, patches
 
 
 def contours(contact: NDArray[np.bool_], spacing: tuple[float, float]) -> list[NDArray[np.float64]]:

@@ -38,12 +38,12 @@ def bem_solve(
         Height map without missing points; it is the elastic body (or the composite roughness of
         two bodies).
     mat
-        Elastic half-space, homogeneous or graded (`modulus`, `m`).
+        Half-space, homogeneous or graded (`modulus`, `m`); its `hardness` bounds the pressure.
     pressure
-        Prescribed mean pressure [Pa], non-negative; or
+        Prescribed mean pressure [Pa], non-negative and at most the hardness; or
     separation
-        prescribed separation [m]: periodic, the mean gap, positive; free, the distance of the
-        flat from the mean plane of the undeformed map.
+        prescribed separation [m]: the distance of the flat from the mean plane of the undeformed
+        map. In a periodic cell without a hardness that is the mean gap, and positive.
     tolerance
         Bound on each entry of the certificate [-], 1e-12 to 1e-1.
     boundary
@@ -67,8 +67,9 @@ def bem_solve(
     Notes
     -----
     Solves ``p >= 0, g >= 0, p g = 0`` with ``g = u - h - min(u - h)``, ``u = K p``
-    (docs/development/half_space.md). The certificate is recomputed from the returned pressure with
-    the exact operator in float64.
+    (docs/development/half_space.md); with a hardness H, ``p <= H`` too, and where ``p = H`` the gap
+    may be negative: the surface has yielded by that depth. The certificate is recomputed from the
+    returned pressure with the exact operator in float64.
 
     Examples
     --------
@@ -82,7 +83,7 @@ def bem_solve(
     begun = time.perf_counter()
     require_scene(hm, mat)
     warnings = digits_warning(hm.roughness.largest, hm.roughness.rms_height)
-    hm = hm.about_mean
+    surface, hm = hm, hm.about_mean
     problem = ContactProblem(hm, mat, tolerance=tolerance, boundary=boundary)
     load, offset = problem.prescribed(pressure, separation)
     prepared = time.perf_counter()
@@ -94,14 +95,29 @@ def bem_solve(
     outcome = problem.level.solve(search or load, problem.tolerance, prolonged=prolonged)
     exact, reading = problem.level.exact, outcome.reading
     level = reading.level if offset is None else offset
-    gap = exact.displacement
-    finish(exact.pressure, gap, problem.level.heights, 1.0 / problem.compliance, level)
+    gap = exact.displacement[:, : hm.shape[1]]
+    finish(
+        exact.pressure,
+        gap,
+        problem.level.heights,
+        1.0 / problem.compliance,
+        level,
+        problem.level.cap,
+        mat.hardness,
+    )
     if problem.unit != 1.0:
         gap *= problem.unit
+    depth = np.broadcast_to(0.0, hm.shape)
+    if reading.held:
+        held = exact.pressure[:, : hm.shape[1]] >= mat.hardness
+        depth = np.where(held, np.maximum(-gap, 0.0), 0.0)
+        gap += depth
     mean = problem.mean_pressure(outcome)
     return BemSolution(
+        surface=surface,
         pressure=exact.pressure[:, : hm.shape[1]],
-        gap=gap[:, : hm.shape[1]],
+        gap=gap,
+        plastic_depth=depth,
         separation=problem.separation(outcome),
         mean_pressure=mean,
         load=mean * hm.area,

@@ -48,6 +48,10 @@ class ElasticHalfSpace(Protocol):
     def m(self) -> float:
         """Exponent of the grading E(z) = E z**m."""
 
+    @property
+    def hardness(self) -> float:
+        """Largest pressure that the surface bears [Pa]; infinite if none limits it."""
+
 
 def compliance(spacing: tuple[float, float], material: ElasticHalfSpace) -> float:
     """Symbol at the wave number of one inverse pixel [m/Pa]: the unit of pressure inside.

@@ -14,7 +14,7 @@ def read(contact, spacing, periodic):
     """`read_contact` of a map, with more columns than it has."""
     pressure = np.ones((contact.shape[0], contact.shape[1] + 2))
     pressure[:, :-2] = contact
-    return solution.read_contact(pressure, spacing, contact.shape[1], periodic=periodic)
+    return solution.read_contact(pressure, spacing, contact.shape[1], np.inf, periodic=periodic)
 
 
 @pytest.mark.parametrize("periodic", [False, True])

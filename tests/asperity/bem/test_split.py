@@ -119,7 +119,8 @@ def test_stencil_sum_is_the_direct_sum():
         np.testing.assert_allclose(operator.precondition(values), expected, atol=2e-5)
 
 
-def test_sums_and_selected_points():
+@pytest.mark.parametrize("cap", [np.inf, 0.6])
+def test_sums_and_selected_points(cap):
     """Sums and candidate list are those of numpy; values are put back in place."""
     rng = np.random.default_rng(6)
     displacement, heights = rng.random((2, 9, 14))
@@ -127,18 +128,27 @@ def test_sums_and_selected_points():
     heights.setflags(write=False)
     gap = displacement - heights
     low = np.empty((9, 1))
-    sums = _grid_kernels.contact_sums(pressure, displacement, heights, low)
-    touching = pressure > 0
+    sums = _grid_kernels.contact_sums(pressure, displacement, heights, cap, low)
+    touching, held = pressure > 0, pressure >= cap
+    inside = touching & ~held
     expected = (
-        touching.sum(),
-        gap[touching].sum(),
-        gap.min(),
+        inside.sum(),
+        gap[inside].sum(),
+        gap[~held].min(),
         pressure.sum(),
-        (pressure * gap).sum(),
+        (pressure * gap)[~held].sum(),
         (pressure * displacement).sum(),
         displacement.max(),
+        held.sum(),
+        gap[held].max(initial=-np.inf),
+        gap[held].sum(),
+        np.maximum(pressure - cap, 0.0).sum(),
     )
     assert sums == pytest.approx(expected, rel=1e-13)
+    bounded = np.maximum(gap[held], 0.1).sum()
+    assert _grid_kernels.held_gap(pressure, displacement, heights, cap, 0.1) == pytest.approx(
+        bounded
+    )
     np.testing.assert_array_equal(
         low[:, 0], np.where(touching.any(axis=1), -np.inf, gap.min(axis=1))
     )
