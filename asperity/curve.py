@@ -296,6 +296,7 @@ def _curve(
         )
     body, yielded = decomposition.material, {}
     if body.hardness < math.inf:
+        yielded["unloading_stiffness"] = column(surfaces, "unloading")
         yielded["plastic_share"] = plastic_share(pressure * hm.area, area, body.hardness)
     differences = {}
     if rows[0].interaction_difference is not None:

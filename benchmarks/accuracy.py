@@ -5,6 +5,7 @@
     python benchmarks/accuracy.py --drawn --seeds 101 102 --out drawn.csv
     python benchmarks/accuracy.py --to-the-pixel --scales all --seeds 51 52
     python benchmarks/accuracy.py --maps folder --out maps.csv
+    python benchmarks/accuracy.py --hardness 0.02 0.1 0.5 --points 256 --seeds 41 42 --out hard.csv
     python benchmarks/accuracy.py --seeds 21 22 --csv docs/development/data/families_512.csv
 
 Families: isotropic with the cut-off at 4, 8, 16, 32 pixels and Hurst exponents 0.5, 0.8, 0.9,
@@ -13,7 +14,8 @@ maps: spectra to the pixel, noise, spikes, lay on a form, steps, few summits (sm
 tapered borders. Ten mean pressures from about 0.1 % to 15 % of contact. Those with --drawn are
 drawn at random (drawn.py): eight mean pressures to about 30 % of contact, reference to 1e-4. Those
 with --to-the-pixel are isotropic, graded m = +-0.3, and of lay 2:1 and 4:1: six mean pressures to
-about 25 %, reference to 1e-4.
+about 25 %, reference to 1e-4. With --hardness each map is pressed with these hardnesses over E*
+times its rms slope, to the same contact areas.
 
 The reference is solved on the map refined twice by its own Fourier series: the surface that the
 model sees, too. Columns: family, seed, area_fraction (reference, corrected), load_error at equal
@@ -39,7 +41,7 @@ from numpy.typing import NDArray
 import asperity
 import surfaces
 from asperity.contacts.run import solve_contacts
-from asperity.halfspace.scene import pressure_scale
+from asperity.halfspace.scene import AREA_OVER_LOAD, area_over_pressure, pressure_scale
 from asperity.model.plan import SCALES, make_plan
 from asperity.results.storage import write_csv
 
@@ -141,11 +143,11 @@ def curves(
     fine = surfaces.resample(hm, np.asarray(hm.spacing) / 2)
     out = []
     for grid in (fine, hm):
-        path = kept and kept / f"{grid.digest}_{body.m:g}.h5"
+        path = kept and kept / f"{grid.digest}_{body.m:g}_{body.hardness:.6g}.h5"
         if path and path.exists():
             out.append(asperity.ContactCurve.from_hdf5(path))
             continue
-        pressures = loads * pressure_scale(hm, body)
+        pressures = AREA_OVER_LOAD * loads / area_over_pressure(hm, body)
         solved = {"pressures": pressures, "tolerance": tolerance, "boundary": boundary}
         out.append(asperity.bem_curve(grid, body, **solved))
         if path:
@@ -268,14 +270,25 @@ def main() -> None:
     source.add_argument("--to-the-pixel", action="store_true", help="maps rough to the pixel")
     source.add_argument("--maps", type=Path, help="folder of measured maps, in place of families")
     parser.add_argument("--scales", choices=SCALES, default="auto", help="as of asperity curve")
+    parser.add_argument(
+        "--hardness", type=float, nargs="+", default=[np.inf], help="over E* times rms slope"
+    )
     parser.add_argument("--references", type=Path, help="folder that keeps the reference curves")
     parser.add_argument("--out", type=Path, help="one row per load point")
     parser.add_argument("--csv", type=Path, help="the table of the pages")
     args = parser.parse_args()
     collected: dict[str, list] = {}
     for name, seed, hm, m, boundary in scenes(args):
-        body = asperity.HalfSpace.from_modulus(1.0, m=m)
-        table = rows_of(name, seed, hm, body, boundary, args)
+        table: dict[str, list] = {}
+        for hardness in args.hardness:
+            body = asperity.HalfSpace.from_modulus(1.0, m=m)
+            if hardness < np.inf:
+                hard = hardness * pressure_scale(hm, body)
+                body = asperity.HalfSpace.from_modulus(1.0, m=m, hardness=hard)
+            found = rows_of(name, seed, hm, body, boundary, args)
+            found["hardness"] = [hardness] * len(found["seed"])
+            for column, values in found.items():
+                table.setdefault(column, []).extend(values)
         for column, values in table.items():
             collected.setdefault(column, []).extend(values)
         light = np.array(table["area_fraction"]) < LIGHT

@@ -132,7 +132,9 @@ def against_tamaas(python, sizes, most):
                     pressure=load * SLOPE,
                     most=most,
                 )
-                subprocess.run([python, "-c", TAMAAS, task, result], check=True, capture_output=True)
+                subprocess.run(
+                    [python, "-c", TAMAAS, task, result], check=True, capture_output=True
+                )
                 peer = np.load(result)
                 theirs = certificate(peer["pressure"], heights, hardness)
                 print(

@@ -18,15 +18,13 @@ LEAST_RISE = 0.05
 ROUNDING = 1e-9
 """Relative error of areas: a summit that has filled its basin has none deeper down."""
 
-_TINY = 1e-300
-
 
 @compiled()
 def depths_of(bearing, depth, area):
     """Replace the areas of each row, rising, by the depths at which the unloaded summit has them.
 
     `bearing` holds the areas of the unloaded summits above the flats at `depth`, both rising along
-    a row; depth over area is linear in the area between them.
+    a row; the root of the depth is linear in that of the area between them.
     """
     last = depth.shape[1] - 1
     for i in range(area.shape[0]):
@@ -35,11 +33,10 @@ def depths_of(bearing, depth, area):
             wanted = area[i, k] * (1.0 - ROUNDING)
             while j < last - 1 and bearing[i, j + 1] < wanted:
                 j += 1
-            low, high = bearing[i, j], max(bearing[i, j + 1], _TINY)
-            above = depth[i, j + 1] / high
-            below = depth[i, j] / low if low > 0.0 else above
-            share = (wanted - low) / (high - low) if high > low else 1.0
-            area[i, k] = wanted * (below + min(max(share, 0.0), 1.0) * (above - below))
+            low, high = math.sqrt(bearing[i, j]), math.sqrt(bearing[i, j + 1])
+            share = (math.sqrt(wanted) - low) / (high - low) if high > low else 1.0
+            start, end = math.sqrt(depth[i, j]), math.sqrt(depth[i, j + 1])
+            area[i, k] = (start + min(share, 1.0) * (end - start)) ** 2
 
 
 @compiled()

@@ -145,11 +145,14 @@ class SurfacePoint:
         Contact area [m^2].
     stiffness
         Minus the slope of mean pressure over separation [Pa/m].
+    unloading
+        The same as the load begins to fall; with a hardness contacts then keep their areas.
     """
 
     separation: float
     contact_area: float
     stiffness: float
+    unloading: float
 
 
 def surface_point(
@@ -177,17 +180,22 @@ def surface_point(
     The lift d(sum Phi)/dF is taken along the answer of all contacts to a small fall of the flat
     (the tangent of the coupled problem), by central differences.
     """
+    stiffness = unloading = state.normal_stiffness
+    hard = population.material.hardness < np.inf
+    if hard and stiffness > 0.0:
+        unloading = max(state.unloading_stiffness, stiffness)
     if law is None:
-        return SurfacePoint(state.separation, state.contact_area, state.normal_stiffness)
+        return SurfacePoint(state.separation, state.contact_area, stiffness, unloading)
     closed = np.flatnonzero(state.force > 0)
     if not closed.size:
         top = population.highest
-        return SurfacePoint(max(state.separation, highest + state.separation - top), 0.0, 0.0)
+        separation = max(state.separation, highest + state.separation - top)
+        return SurfacePoint(separation, 0.0, 0.0, 0.0)
     nominal, contacts = population.nominal_area, population.laws.rows(closed)
     share = 0.5 * (state.contact_area + area) / nominal
-    stiffness, gained = state.normal_stiffness, state.response[closed]
+    gained = state.response[closed]
     if not stiffness > 0.0:  # a failed solve, marked as such
-        return SurfacePoint(state.separation, area, stiffness)
+        return SurfacePoint(state.separation, area, stiffness, stiffness)
     fall = STEP * state.mean_pressure / stiffness
 
     def twin(step: float) -> tuple[float, float, float]:
@@ -208,14 +216,17 @@ def surface_point(
 
     elastic = middle[2] / middle[1]
     lift = elastic * raised(low, high)
-    change = elastic * (raised(middle, high) - raised(low, middle))
+    bend = raised(middle, high) - raised(low, middle)
+    change = elastic * bend
     if elastic < 1.0:
         part = state.contact_area / nominal
         lift += (1.0 - elastic) * law.bearing_lift(part)
         wider = part * (1.0 + 0.5 * (high[2] - low[2]) / middle[2])
         change += (1.0 - elastic) * (law.bearing_lift(wider) - law.bearing_lift(part))
     compliance = 1.0 / stiffness - change / (0.5 * (high[2] - low[2])) * nominal
-    return SurfacePoint(min(state.separation + lift, highest), area, 1.0 / compliance)
+    softer = 1.0 / unloading - bend / (0.5 * (high[1] - low[1])) * nominal
+    separation = min(state.separation + lift, highest)
+    return SurfacePoint(separation, area, 1.0 / compliance, 1.0 / (softer if hard else compliance))
 
 
 def closed_areas(population: Population, law: SubContactLaw, state: PopulationState) -> Array:
