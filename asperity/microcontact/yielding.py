@@ -95,6 +95,10 @@ def capped(
     load and approach go on from first yield, where the largest elastic pressure of the body is H,
     in value and in slope.
 
+    The outline of a contact that is not round goes over from that of the elastic contact to the
+    level line, as the same body makes its edge sink; the displacement then belongs to a punch
+    between the elastic one and the disc.
+
     Examples
     --------
     >>> import asperity
@@ -206,6 +210,7 @@ class _PowerBody:
         value = self.edge * (1 - first) - rim.displacement(first)
         change = -self.edge * first - rim.displacement_change(first)
         cubic, quadratic = change - 2 * value, 3 * value - change
+        deficit = np.maximum(deficit, _THINNEST)
         share = deficit / first
         added = share**2 * (quadratic + cubic * share)
         return np.asarray(rim.displacement(deficit) + added)
@@ -233,30 +238,35 @@ class _Rim:
         half, cosine = (1 + m) / 2, np.cos(m * np.pi / 2)
         middle = gamma((3 - m) / 2)
         spread = gamma((1 - m) / 2) * gamma(1 + m / 2) / np.sqrt(np.pi)
-        self._flat = 2 * half * cosine * gamma(-m) / (middle * gamma((1 - m) / 2))
-        self._steep = 2 * half * cosine * spread * gamma(m) / (gamma(half) * gamma(1 + half))
-        self._full = cosine / (np.pi * half) * gamma(1 - m) / middle**2
-        self._linear = self._full * (half**2 / m - 1)
-        moment = middle * gamma(m + 1) / gamma(half)
-        self._power = cosine / (np.pi * half) * 2 ** (1 - m)
-        self._power *= gamma(m - 1) / gamma(half) ** 2 * moment
+        self._rise = 2 * half * cosine * spread * gamma(m) / (gamma(half) * gamma(1 + half))
+        flat = 2 * half * cosine * gamma(-m) / (middle * gamma((1 - m) / 2))
+        self._slope = flat + self._rise
+        disc = cosine / (np.pi * half)
+        self._full = disc * gamma(1 - m) / middle**2
+        self._bend = disc * 2 ** (1 - m) * gamma(m - 1) / gamma(half) ** 2
+        self._bend *= middle * gamma(1 + m) / gamma(half)
+        self._linear = self._full * (half**2 / m - 1) + self._bend
 
     def slope(self, x: Array) -> Array:
         """E a^m f'(a) / H of the profile."""
-        return np.asarray(self._flat + self._steep * x**-self._m)
+        return np.asarray(self._slope + self._rise * self._power(x))
 
     def slope_change(self, x: Array) -> Array:
         """x times the derivative of `slope`."""
-        return np.asarray(-self._m * self._steep * x**-self._m)
+        return np.asarray(-self._m * self._rise * (1 + self._power(x)))
 
     def displacement(self, x: Array) -> Array:
         """Displacement of the edge over H A / (dF/dd)."""
-        return np.asarray(self._full + self._linear * x + self._power * x ** (1 - self._m))
+        return np.asarray(self._full + x * (self._linear + self._bend * self._power(x)))
 
     def displacement_change(self, x: Array) -> Array:
         """x times the derivative of `displacement`."""
-        m = self._m
-        return np.asarray(self._linear * x + (1 - m) * self._power * x ** (1 - m))
+        power, m = self._power(x), self._m
+        return np.asarray(x * (self._linear + self._bend * (power - m * (1 + power))))
+
+    def _power(self, x: Array) -> Array:
+        """x^-m - 1."""
+        return np.asarray(np.expm1(-self._m * np.log(x)))
 
 
 @lru_cache(maxsize=64)
