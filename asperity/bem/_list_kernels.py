@@ -24,12 +24,13 @@ def measure(
     active: Flags,
     residual: Single,
     cap: float,
+    held: bool,
 ) -> Any:
     """Active points, which are not held at a bound, and their residual gap - level.
 
     The gap is start_gap + change. Held are p = 0 with a gap above the level, and p = cap below it.
 
-    Returns the level (mean gap where 0 < p < cap), the largest error of the gap (duality gap over
+    Returns the level (mean gap where 0 < p < cap, or zero if it is held there), the largest error of the gap (duality gap over
     the load, penetration or lift, as in `certificate`), the number of active points, the energy of
     the move, sum moved (start_gap + change / 2), and the sum of the move.
     """
@@ -53,6 +54,10 @@ def measure(
     if lowest == np.inf:
         lowest = highest
     level = gap_sum / count if count > 0 else 0.5 * (highest + lowest)
+    off = 0.0
+    if held:
+        off = abs(level) if count > 0 else 0.0
+        level, lowest = 0.0, min(lowest, 0.0)
     inside = 0
     for i in prange(n):
         above = start_gap[i] + change[i] - level
@@ -65,14 +70,14 @@ def measure(
         else:
             active[i] = False
             residual[i] = np.float32(0.0)
-    error = max(max(work / total, level) - lowest, highest - level)
+    error = max(max(work / max(total, 1e-300), level) - lowest, highest - level, off)
     return level, error, inside, energy, shift
 
 
 @compiled(parallel=True, fastmath=SUMS)
 def turn(
     active: Flags,
-    count: int,
+    count: float,
     z: Single,
     residual: Single,
     before: Single,
@@ -81,7 +86,7 @@ def turn(
 ) -> float:
     """New direction z + beta * direction without mean (Polak-Ribiere); returns z . residual.
 
-    `old_norm` zero restarts with the direction z.
+    `old_norm` zero restarts with the direction z; with an infinite `count` the mean stays.
     """
     n = z.size
     zr = zb = z_sum = r_sum = b_sum = 0.0
@@ -109,7 +114,7 @@ def turn(
 @compiled(parallel=True, fastmath=SUMS)
 def advance(
     active: Flags,
-    count: int,
+    count: float,
     p: Double,
     start_gap: Double,
     change: Single,
@@ -121,8 +126,8 @@ def advance(
 ) -> int:
     """Step to the minimum along the direction; returns the number of pressures out of bounds.
 
-    Updates p, change and residual, and keeps the last residual in `before`. Returns -1 and
-    changes nothing if the direction has no positive curvature.
+    Updates p, change and residual, and keeps the last residual in `before`. The load stays, and
+    the level is zero with an infinite `count`. Returns -1 and changes nothing if the direction has no positive curvature.
     """
     n = p.size
     slope = curvature = response_sum = direction_sum = 0.0
@@ -158,7 +163,7 @@ def advance(
 def restoring(p: Double, total: float, cap: float) -> Any:
     """Factors of pressures at the cap and below it that bring them, cut at 0 and cap, to a sum.
 
-    Only those below the cap are scaled, if they alone can make up for the rest.
+    Only those below the cap are scaled, if they alone can make up for the rest. NaN changes none.
     """
     factor, before = 1.0, -1
     while True:
@@ -173,7 +178,7 @@ def restoring(p: Double, total: float, cap: float) -> Any:
         if bound > total:
             every = total / (bound + free * factor)
             return every, every * factor
-        if held <= before or free == 0.0:
+        if held <= before or free == 0.0 or np.isnan(total):
             return 1.0, factor
         factor, before = (total - bound) / free, held
 
@@ -182,7 +187,7 @@ def restoring(p: Double, total: float, cap: float) -> Any:
 def cut(p: Double, base: Double, moved: Single, total: float, cap: float) -> float:
     """Cut pressures at 0 and cap, restore their sum, and form p - base; returns the largest of it.
 
-    The sum to restore is `total`.
+    The sum to restore is `total`; none if NaN.
     """
     held, factor = restoring(p, total, cap)
     largest = 0.0

@@ -82,7 +82,7 @@ def solve_on_list(
     scale: float,
     tolerance: float,
     longest: int,
-    total: float,
+    total: float | None,
     cap: float,
 ) -> int:
     """Change the pressure until it closes the gap on its contact; returns the iterations spent.
@@ -102,7 +102,7 @@ def solve_on_list(
     longest
         Most iterations.
     total
-        Prescribed sum of p~ [m], positive.
+        Prescribed sum of p~ [m], positive; None: the gap of the contact shall be zero.
     cap
         Largest p~ [m]; n times as much bears the load.
 
@@ -119,7 +119,8 @@ def solve_on_list(
     state = _State(operator, pressure, gap, total, cap)
     accepted, wanted = np.empty_like(pressure), np.empty_like(pressure)
     lowest_energy, share = np.inf, 1.0
-    margin = _ENERGY_NOISE * min(tolerance, _LOOSEST_NOISE) * scale * total
+    carried = pressure.sum() if total is None else total
+    margin = _ENERGY_NOISE * min(tolerance, _LOOSEST_NOISE) * scale * carried
     plain = False
     iterations = 0
     while True:
@@ -158,11 +159,13 @@ class _State:
         operator: ListOperator,
         pressure: NDArray[np.float64],
         gap: NDArray[np.float64],
-        total: float,
+        total: float | None,
         cap: float,
     ) -> None:
         n = pressure.size
-        self.operator, self.pressure, self.total, self.cap = operator, pressure, total, cap
+        self.operator, self.pressure, self.cap = operator, pressure, cap
+        self.held = total is None
+        self.total = math.nan if total is None else total
         self.base, self.start_gap = pressure.copy(), gap
         self.moved, self.change, self.residual, self.before, self.direction = (
             np.zeros(n, np.float32) for _ in range(5)
@@ -174,7 +177,7 @@ class _State:
 
     def renew(self) -> float:
         """Make the pressure feasible and measure it; returns its error [m]."""
-        if np.isfinite(self.cap):
+        if np.isfinite(self.cap) and not self.held:
             self._support()
         if _list_kernels.cut(self.pressure, self.base, self.moved, self.total, self.cap) > 0.0:
             self.change = self.operator.apply(self.moved)
@@ -188,6 +191,7 @@ class _State:
             self.active,
             self.residual,
             self.cap,
+            self.held,
         )
         if self._reference is None:
             self._reference = level
@@ -211,7 +215,7 @@ class _State:
         does it keep the load, and lower the energy if it is short enough.
         """
         while self.count:
-            mean = float(self.residual[self.active].mean())
+            mean = 0.0 if self.held else float(self.residual[self.active].mean())
             out = (self.pressure <= 0.0) & (self.residual > mean)
             out |= (self.pressure >= self.cap) & (self.residual < mean)
             out &= self.active
@@ -232,10 +236,11 @@ class _State:
             self._free()
         if self.count == 0:
             return 0
+        count = math.inf if self.held else float(self.count)
         for step in range(1 if plain else MAX_INNER_STEPS):
             z = self.residual if plain else self.operator.precondition(self.residual)
             norm = _list_kernels.turn(
-                self.active, self.count, z, self.residual, self.before, self.direction, norm
+                self.active, count, z, self.residual, self.before, self.direction, norm
             )
             if step == 0:
                 start = norm
@@ -243,7 +248,7 @@ class _State:
                 return step
             beyond = _list_kernels.advance(
                 self.active,
-                self.count,
+                count,
                 self.pressure,
                 self.start_gap,
                 self.change,

@@ -148,6 +148,8 @@ class Level:
                 offset=search.offset if search else None,
             )
             worst = reading.certificate.worst
+            if search and math.isfinite(self.cap) and reading.total > 0.0:
+                search.mean = reading.total / self.heights.size
             if worst <= tolerance and not (known or (prolonged and outer == 0)):
                 return Outcome(reading, iterations, tolerance, True, "")
             idle = 0 if worst < 0.7 * best else idle + 1
@@ -156,11 +158,15 @@ class Level:
             if idle >= _MAX_IDLE:
                 break
             error = replace(reading.certificate, load=0.0).worst
-            mean = fixed or 0.0
+            mean = fixed
             if search:
-                mean = search.update(reading.level, error * reading.scale)
+                if math.isinf(self.cap) or self._careful:
+                    mean = search.update(reading.level, error * reading.scale)
                 error = max(error, reading.certificate.load)
-            iterations += self._correct(mean, displacement, reading, error, outer == 0, tolerance)
+            offset = search.offset if search and mean is None else None
+            iterations += self._correct(
+                mean, offset, displacement, reading, error, outer == 0, tolerance
+            )
         reason = (
             f"the error stopped falling at {best:.1e}, above the tolerance {tolerance:.1e}, "
             f"after {outer} corrections"
@@ -169,7 +175,8 @@ class Level:
 
     def _correct(
         self,
-        mean: float,
+        mean: float | None,
+        offset: float | None,
         displacement: NDArray[np.float64],
         reading: Reading,
         error: float,
@@ -178,9 +185,9 @@ class Level:
     ) -> int:
         """One solve on the list of candidates; returns the iterations spent."""
         width = _FIRST_BAND * min(1.0, error) if first else min(_WIDEST_BAND, _BAND * error)
-        threshold = reading.level + width * reading.scale
-        total = mean * self.heights.size
-        least = math.ceil(SPARE * total / self.cap)
+        threshold = max(reading.level, -math.inf if offset is None else offset) + width * reading.scale
+        total = None if mean is None else mean * self.heights.size
+        least = math.ceil(SPARE * (total or 0.0) / self.cap)
         start, columns, values, gap = self._candidates(displacement, reading, threshold)
         if columns.size < min(least, self.heights.size):
             gaps = (displacement[:, : self.heights.shape[1]] - self.heights).ravel()
@@ -190,6 +197,8 @@ class Level:
         points = ContactList(start, columns)
         operator = self._operator(len(points))
         operator.bind(points)
+        if offset is not None:
+            gap -= offset
         spent = solve_on_list(
             operator,
             values,
