@@ -159,10 +159,12 @@ def solve_loads(
     separations: ArrayLike | None = None,
     progress: Callable[[PopulationState], object] | None = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
+    decomposition: Decomposition | None = None,
 ) -> tuple[ContactCurve, Decomposition, tuple[LoadPoint, ...]]:
     """The curve of a plan with the decomposed surface and the load points behind it.
 
-    Arguments are those of `contact_curve`; without a plan one is made with its defaults.
+    Arguments are those of `contact_curve`; without a plan one is made with its defaults. A
+    decomposition of the plan that was made before is used as it is.
 
     The points are solved from light to heavy, so that each starts from the last. Where a contact
     comes near the height below which nothing was segmented, all are solved again on the whole map.
@@ -173,12 +175,14 @@ def solve_loads(
     elif not isinstance(plan, Plan):
         raise InputError(f"plan is a {type(plan).__name__}; make one with asperity.make_plan")
     kind, values = checked_loads(hm, material, pressures, separations)
-    plan.require_scene_of(hm.without_rounding, material)
+    if decomposition is None:
+        plan.require_scene_of(hm.without_rounding, material)
     start = time.perf_counter() - plan.seconds
     comparing = (
         not plan.interaction and interaction_needed(hm, material, kind, values, plan.parameters)[0]
     )
-    decomposition = Decomposition.of(hm.without_rounding, material, plan)
+    if decomposition is None:
+        decomposition = Decomposition.of(hm.without_rounding, material, plan)
     rows: dict[int, _Row] = {}
     while True:
         for i, row in _sweep(decomposition, kind, values, comparing):

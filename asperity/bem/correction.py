@@ -185,7 +185,9 @@ class Level:
     ) -> int:
         """One solve on the list of candidates; returns the iterations spent."""
         width = _FIRST_BAND * min(1.0, error) if first else min(_WIDEST_BAND, _BAND * error)
-        threshold = max(reading.level, -math.inf if offset is None else offset) + width * reading.scale
+        threshold = (
+            max(reading.level, -math.inf if offset is None else offset) + width * reading.scale
+        )
         total = None if mean is None else mean * self.heights.size
         least = math.ceil(SPARE * (total or 0.0) / self.cap)
         start, columns, values, gap = self._candidates(displacement, reading, threshold)

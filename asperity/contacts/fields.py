@@ -231,7 +231,7 @@ class _Grid:
             left = total - self.hardness * np.add.reduceat(held.astype(float), self.first)
             factor = np.divide(left, free, out=np.ones(free.shape), where=free > 0.0)
             pressure = np.where(held, self.hardness, pressure * self._at_pixels(factor))
-        return pressure
+        return np.asarray(pressure)
 
     def _at_pixels(self, values: NDArray[Any]) -> NDArray[Any]:
         """Values of the contacts, at the pixels of their basins."""

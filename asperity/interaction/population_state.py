@@ -195,12 +195,13 @@ class Continuation:
         assert self.solution is not None
         return self.solution.tangent[0] / self.system.nominal_area
 
-    def unloading_stiffness(self, area: Array) -> float:
-        """Stiffness [Pa/m] at the last point with contacts that keep their areas [m^2]: those of
-        its candidates, round punches that the half-space couples."""
+    def unloading_stiffness(self, rows: Rows) -> float:
+        """Stiffness [Pa/m] at the last point, of which `rows` are the summits, with contacts that
+        keep their areas: those of elastic contacts of these areas, which the half-space couples."""
         assert self.solution is not None
         closed, system = self.solution.laws.force > 0.0, self.system
-        stiffness = np.where(closed, system.footprints.punch(np.sqrt(area / np.pi)), 1.0)
+        stiffness = np.ones(closed.size)
+        stiffness[closed] = system.table.elastic_at(rows[closed], self.solution.approach[closed])[1]
         load = stiffness[closed]
         if self.candidates is not None and closed.any():
             problem = self.candidates.problem
@@ -318,7 +319,7 @@ class PopulationState:
     def unloading_stiffness(self) -> float:
         """Minus the slope of mean pressure over separation [Pa/m] as the load begins to fall, where
         contacts that have yielded keep their areas."""
-        return self.continuation.unloading_stiffness(self.listed[3])
+        return self.continuation.unloading_stiffness(self.rows)
 
     @property
     def response(self) -> Array:

@@ -61,7 +61,7 @@ def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
         area=table.area.copy(),
         centre=centre,
         bearing=None,
-        elastic_force=table.force.copy(),
+        elastic=np.stack((np.ones(table.force.shape), table.stiffness), axis=2),
         hardness=material.hardness,
     )
     rows, nodes = np.flatnonzero((table.reach > 0) & (table.force[:, -1] > 0)), table.nodes
@@ -75,7 +75,8 @@ def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
     if not late.size:
         return result
     rows, approach = rows[late], found.approach[late]
-    columns = [np.maximum.accumulate(found.force[late], axis=1), area[late], force[late]]
+    columns = [np.maximum.accumulate(found.force[late], axis=1), area[late], stiffness[late]]
+    columns.append(columns[0] / force[late] * approach)
     if centre is not None:
         node = np.arange(FINER * nodes) // FINER
         share = u * nodes - node
@@ -86,9 +87,10 @@ def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
     resample(elastic[late], approach, np.stack(columns), reach, values, slope)
     result.reach[rows], result.force[rows], result.stiffness[rows] = reach, values[0], slope
     result.area[rows] = np.maximum(values[1], values[0] / material.hardness)
-    assert result.elastic_force is not None
-    result.elastic_force[rows] = values[2]
+    places = reach[:, None] * (np.arange(1, nodes + 1) / nodes) ** 2
+    assert result.elastic is not None
+    result.elastic[rows, 1:, 0] = values[3, :, 1:] / places
+    result.elastic[rows, :, 1] = values[2]
     if centre is not None:
-        places = reach[:, None] * (np.arange(1, nodes + 1) / nodes) ** 2
-        centre[rows, 1:] = np.moveaxis(values[3:, :, 1:] / places, 0, 2)
+        centre[rows, 1:] = np.moveaxis(values[4:, :, 1:] / places, 0, 2)
     return result

@@ -181,9 +181,8 @@ def make_plan(
     edge = chosen_boundary(hm, boundary)
     reasons = [f"boundary: {edge} ({'as the map says' if boundary is None else 'as asked'})"]
     body = f"graded, m = {material.m:g}" if material.m != 0.0 else "homogeneous"
-    reasons.append(f"material: {body}")
     hard, doubts = hardness_needed(hm, material)
-    reasons.append(hard)
+    reasons += [f"material: {body}", hard]
     warnings = (*warnings, *doubts)
     if not isinstance(interaction, bool | np.bool_):
         raise InputError(f"interaction is {interaction!r}; it must be True or False")

@@ -205,7 +205,9 @@ def surface_point(
         here = contacts(approach)
         kept = here.force > 0
         force, width = here.force[kept], here.area[kept]
-        elastic = force / population.table.elastic_share(closed[kept], approach[kept])
+        elastic = force
+        if hard:
+            elastic = force / population.table.elastic_at(closed[kept], approach[kept])[0]
         stored = law.stored(elastic / width, share)
         return float(np.sum(width * stored)), float(elastic.sum()), float(force.sum())
 

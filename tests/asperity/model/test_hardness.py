@@ -104,3 +104,31 @@ def test_the_plan_tells_what_the_hardness_means():
     assert any(reason.startswith("hardness: 2e+09 Pa") for reason in hard.reasons)
     rubber = asperity.make_plan(hm, body(np.inf, 2e6))
     assert not any("metals" in warning for warning in rubber.warnings)
+
+
+def test_a_sweep_gives_the_curves_of_each_hardness():
+    hm, loads = broad(), np.array([1e6, 4e6])
+    hardnesses = [5e8, np.inf, 2e8]
+    swept = asperity.hardness_sweep(hm, body(np.inf, 2e9), hardnesses, pressures=loads)
+    for found, hardness in zip(swept, hardnesses, strict=True):
+        alone = asperity.contact_curve(hm, body(hardness, 2e9), pressures=loads)
+        np.testing.assert_allclose(found.separation, alone.separation, rtol=2e-3)
+        np.testing.assert_allclose(found.area_fraction, alone.area_fraction, rtol=2e-3)
+    with pytest.raises(asperity.InputError, match="at least one hardness"):
+        asperity.hardness_sweep(hm, body(np.inf), [])
+
+
+def test_spots_that_have_yielded_conduct_by_their_areas():
+    hm = smooth()
+    elastic, soft = (curve(hm, body(h)) for h in (np.inf, 2e8))
+    rho = (1e-7, 1e-7)
+    by_area = asperity.constriction_conductance(soft, resistivity=rho)
+    at_first = asperity.constriction_conductance(elastic, resistivity=rho)
+    assert (by_area > 0.5 * at_first).all() and (by_area < at_first).all()
+    # one spot of the whole area would conduct least, spots far apart most
+    spots = soft.contacts * np.sqrt(soft.contact_area / soft.contacts / np.pi)
+    assert (by_area * hm.area < 4 * spots / sum(rho) * 1.3).all()
+    assert (soft.extra["unloading_stiffness"] > 2 * soft.extra["tangent_stiffness"]).all()
+    solved = asperity.bem_curve(hm, body(2e8), pressures=soft.mean_pressure[:1], tolerance=1e-2)
+    with pytest.raises(asperity.InputError, match=r"asperity\.contact_curve"):
+        asperity.constriction_conductance(solved, resistivity=rho)
