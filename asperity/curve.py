@@ -331,7 +331,7 @@ def _curve(
             "grid": list(decomposition.peaks.labels.shape),
             "modulus": body.modulus,
             "m": body.m,
-            "hardness": body.hardness,
+            **({"hardness": body.hardness} if yielded else {}),
             "input": hm.digest,
             "peaks": len(decomposition.peaks),
             "warnings": warnings,

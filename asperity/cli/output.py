@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import sys
 import tempfile
@@ -131,6 +132,7 @@ def request_of(
         "input": hm.digest,
         "modulus": material.modulus,
         "m": material.m,
+        **({"hardness": material.hardness} if material.hardness < math.inf else {}),
         **settings,
     }
 
@@ -141,7 +143,12 @@ def finish(curve: ContactCurve, material: HalfSpace, args: argparse.Namespace) -
 
     more = derived.conductance(curve, args)
     if args.csv:
-        told = "area_error_estimate", "interaction_difference"
+        told = (
+            "area_error_estimate",
+            "interaction_difference",
+            "plastic_share",
+            "unloading_stiffness",
+        )
         extra = {name: curve.extra[name] for name in told if name in curve.extra}
         write_csv(args.csv, {name: getattr(curve, name) for name in POINT_FIELDS} | extra | more)
     try:
