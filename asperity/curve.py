@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -29,6 +28,7 @@ from asperity.trust.error_estimate import (
     nonrandomness,
     outside_model_terms,
     terms,
+    yielded_factor,
 )
 from surfaces.heightmap import HeightMap
 
@@ -299,9 +299,10 @@ def _curve(
             "which does not tell their loads: take smaller pixels or more load"
         )
     body, yielded = decomposition.material, {}
-    if body.hardness < math.inf:
+    if body.hardness < np.inf:
         yielded["unloading_stiffness"] = column(surfaces, "unloading")
         yielded["plastic_share"] = plastic_share(pressure * hm.area, area, body.hardness)
+        area_error = area_error * yielded_factor(yielded["plastic_share"], weights)
     differences = {}
     if rows[0].interaction_difference is not None:
         differences["interaction_difference"] = column(rows, "interaction_difference")

@@ -51,6 +51,8 @@ TOLERANCE_DRAWN = 1e-4
 LOADS_DRAWN = np.geomspace(2.5e-4, 0.16, 8)
 LIGHT = 0.08
 """Area fraction up to which the errors of families are stated apart."""
+METAL = 0.0045, 0.11
+"""Area fractions between which errors with a hardness are stated."""
 LOADS_PIXEL = np.array([2e-3, 8e-3, 1.6e-2, 3.5e-2, 7e-2, 0.13])
 
 RECIPES = {
@@ -258,6 +260,23 @@ def maps_table(rows: dict[str, list], scales: str) -> dict[str, list]:
     return table
 
 
+def hardness_table(rows: dict[str, list]) -> dict[str, list]:
+    """Worst errors of load and area [%] by family and hardness, within `METAL` of contact."""
+    families, hardness = np.array(rows["family"]), np.array(rows["hardness"])
+    area = np.array(rows["area_fraction"])
+    inside = (area > METAL[0]) & (area < METAL[1])
+    table: dict[str, list] = {"family": list(dict.fromkeys(rows["family"]))}
+    for value in dict.fromkeys(rows["hardness"]):
+        table[f"H/(E* h') = {value:g}"] = [
+            " / ".join(
+                f"{100 * np.abs(np.array(rows[name])[chosen]).max():.1f}"
+                for name in ("load_error", "area_error")
+            )
+            for chosen in (inside & (families == f) & (hardness == value) for f in table["family"])
+        ]
+    return table
+
+
 def main() -> None:
     """Run the families and print one line per surface."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -312,6 +331,8 @@ def main() -> None:
     if args.csv and collected:
         map_by_map = args.to_the_pixel or args.maps
         rows = maps_table(collected, args.scales) if map_by_map else families_table(collected)
+        if len(args.hardness) > 1:
+            rows = hardness_table(collected)
         write_csv(args.csv, rows)
 
 

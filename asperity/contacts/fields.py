@@ -33,6 +33,9 @@ Index = NDArray[np.int64]
 CORRECTIONS = 3
 """Corrections of the pressure by the gap it leaves; more change little."""
 
+YIELDED = 0.999
+"""Pressure over the hardness from which on a pixel has yielded: its gap is no error."""
+
 RELAXATION = 0.7
 """Relaxation of a correction; without it the pressure oscillates (Hertz: 2 to 4 % of the peak)."""
 
@@ -66,7 +69,8 @@ def pressed_pixels(decomposition: Decomposition, point: LoadPoint) -> tuple[Inde
     The iteration starts from the pressure of the elliptic contact of each force and area. With the
     displacement u = K p of all contacts and the gap g = u - h, the pressure inside the contacts is
     corrected to p - 0.7 K^-1 g, where K^-1 ~ q^(1-m) acts on the gap inside the contacts; outside,
-    the field is -g times the K^-1 of the wave number sqrt(m4/m2) of the map. Each contact occupies
+    and with g added where the hardness is reached, the field is -g times the K^-1 of the wave
+    number sqrt(m4/m2) of the map. Each contact occupies
     the pixels of its basin with the largest values of this field, as many as fill its area (at
     least one); its pressure is their excess over the next pixel, scaled to its force, and cut at
     the hardness, if there is one.
@@ -192,9 +196,9 @@ class _Grid:
         weight = weight + 1e-12 * weight.max()
         mean = np.add.reduceat(weight * gaps, self.first) / np.add.reduceat(weight, self.first)
         gap.flat[self.pixel] = gaps - self._at_pixels(mean)
-        touching = pressure > 0.0
+        touching = (pressure > 0.0) & (pressure < YIELDED * self.hardness)
         pressed = pressure - RELAXATION * self.pressed_flat(np.where(touching, gap, 0.0))
-        return np.where(touching, pressed, -stiffness * gap)
+        return np.where(touching, pressed, pressure - stiffness * gap)
 
     def occupied(
         self, field: Array, area: Array, force: Array, deviation: float = 0.0
