@@ -30,12 +30,12 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-from common import rough
-from drawn import FAMILIES, drawn
+from common import Scene, rough, scenes
 from numpy.typing import NDArray
 
 import asperity
@@ -194,36 +194,17 @@ def rows_of(
     return table | {name: np.asarray(v).tolist() for name, v in same.extra.items()}
 
 
-def scenes(
-    args: argparse.Namespace,
-) -> Iterator[tuple[str, int, surfaces.HeightMap, float, str | None]]:
-    """Name, seed, map, exponent of the grading and boundary of everything asked for."""
+def families(seed: int, args: argparse.Namespace) -> dict[str, Callable[[], Scene]]:
+    """The families of one seed, or the maps that resemble measured ones."""
+    if args.measured_like:
+        maps = measured_like(args.points, seed)
+        return {name: partial(tuple, (hm, 0.0, None)) for name, hm in maps.items()}
 
-    def wanted(name: str) -> bool:
-        return not args.families or any(part in name for part in args.families)
+    def scene(recipe: dict[str, float]) -> Scene:
+        return surface(args.points, seed, recipe), recipe.get("m", 0.0), None
 
-    if args.maps:
-        for path in sorted(args.maps.glob("*.h5")):
-            if wanted(path.stem):
-                yield path.stem, 0, _prepared(path), 0.0, None
-        return
-    for seed in args.seeds:
-        if args.drawn:
-            for name in filter(wanted, FAMILIES):
-                yield name, seed, *drawn(name, seed)
-        elif args.measured_like:
-            for name, hm in measured_like(args.points, seed).items():
-                if wanted(name):
-                    yield name, seed, hm, 0.0, None
-        else:
-            for name, recipe in (TO_THE_PIXEL if args.to_the_pixel else RECIPES).items():
-                if wanted(name):
-                    hm = surface(args.points, seed, recipe)
-                    yield name, seed, hm, recipe.get("m", 0.0), None
-
-
-def _prepared(path: Path) -> surfaces.HeightMap:
-    return surfaces.prepare(surfaces.read(path), fill="harmonic", periodic="taper")
+    recipes = TO_THE_PIXEL if args.to_the_pixel else RECIPES
+    return {name: partial(scene, recipe) for name, recipe in recipes.items()}
 
 
 def families_table(rows: dict[str, list]) -> dict[str, list]:
@@ -297,7 +278,7 @@ def main() -> None:
     parser.add_argument("--csv", type=Path, help="the table of the pages")
     args = parser.parse_args()
     collected: dict[str, list] = {}
-    for name, seed, hm, m, boundary in scenes(args):
+    for name, seed, hm, m, boundary in scenes(args, partial(families, args=args)):
         table: dict[str, list] = {}
         for hardness in args.hardness:
             body = asperity.HalfSpace.from_modulus(1.0, m=m)

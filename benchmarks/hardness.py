@@ -103,8 +103,10 @@ def pairs(sizes, seeds):
                 for share in SHARES:
                     found, seconds, load = at_area(hm, share, area)
                     print(
-                        f"{n:4} {seed:4} {found.area_fraction:5.3f} {share:5.2f}  {found.fft_pairs:5} "
-                        f"{base.fft_pairs:7} {found.fft_pairs / base.fft_pairs:5.2f}  {seconds:7.3f} "
+                        f"{n:4} {seed:4} {found.area_fraction:5.3f} {share:5.2f}  "
+                        f"{found.fft_pairs:5} "
+                        f"{base.fft_pairs:7} {found.fft_pairs / base.fft_pairs:5.2f}  "
+                        f"{seconds:7.3f} "
                         f"{quickest:7.3f} {found.area_fraction * share / load:6.3f} "
                         f"{found.plastic_share:8.3f} {found.certificate.worst:8.1e}"
                         f"{'' if found.converged else '  NOT CONVERGED'}",

@@ -30,9 +30,10 @@ def measure(
 
     The gap is start_gap + change. Held are p = 0 with a gap above the level, and p = cap below it.
 
-    Returns the level (mean gap where 0 < p < cap, or zero if it is held there), the largest error of the gap (duality gap over
-    the load, penetration or lift, as in `certificate`), the number of active points, the energy of
-    the move, sum moved (start_gap + change / 2), and the sum of the move.
+    Returns the level (mean gap where 0 < p < cap, or zero if it is held there), the largest error
+    of the gap (duality gap over the load, penetration or lift, as in `certificate`), the number of
+    active points, the energy of the move, sum moved (start_gap + change / 2), and the sum of the
+    move.
     """
     n = p.size
     count = 0
@@ -127,7 +128,8 @@ def advance(
     """Step to the minimum along the direction; returns the number of pressures out of bounds.
 
     Updates p, change and residual, and keeps the last residual in `before`. The load stays, and
-    the level is zero with an infinite `count`. Returns -1 and changes nothing if the direction has no positive curvature.
+    the level is zero with an infinite `count`. Returns -1 and changes nothing if the direction has
+    no positive curvature.
     """
     n = p.size
     slope = curvature = response_sum = direction_sum = 0.0

@@ -125,8 +125,8 @@ class Comparison:
         if self.elastic is not None and self.elastic.converged[self.map_point]:
             share = 100 * self.elastic.area_fraction[self.map_point]
             text += (
-                f"Without the hardness of {self.about['hardness']:.3g} Pa it would be {share:.3g} % "
-                "(microcontact model). "
+                f"Without the hardness of {self.about['hardness']:.3g} Pa it would be {share:.3g} "
+                "% (microcontact model). "
             )
         judged = int(np.count_nonzero(np.isfinite(self.table["area_error"])))
         if not judged:

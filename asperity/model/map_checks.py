@@ -11,7 +11,7 @@ from asperity.halfspace.scene import AREA_OVER_LOAD, pressure_scale, slope_scale
 from asperity.multiscale.wave_split import resolution_warning
 from asperity.parameters import DEFAULTS
 from surfaces.heightmap import HeightMap
-from surfaces.roughness import digits_warning, unit_warning
+from surfaces.roughness import unit_warning
 
 __all__ = ["hardness_needed", "lay", "map_warnings", "seam_warning", "straight_warning"]
 
@@ -51,7 +51,8 @@ HIGHEST, LINES = 0.02, 16
 def map_warnings(
     hm: HeightMap, longest_lay: float = DEFAULTS.error_estimate.longest_lay
 ) -> list[str]:
-    """One sentence for each reason why any model of a map may be wrong.
+    """One sentence for each reason why any model of a map may be wrong, but lost digits, which
+    every solver tells.
 
     Parameters
     ----------
@@ -61,7 +62,6 @@ def map_warnings(
         Slopes across over those along a lay from which on no errors are estimated.
     """
     return [
-        *digits_warning(hm.roughness.largest, hm.roughness.rms_height),
         *unit_warning(hm.roughness.rms_slope),
         *_steep_warning(hm.roughness.rms_slope),
         *resolution_warning(hm),

@@ -26,6 +26,7 @@ from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import available_bytes
 from surfaces.peaks.peaks import flat_share
 from surfaces.preparation.resampling import coarse_map
+from surfaces.roughness import digits_warning
 
 from .map_checks import hardness_needed, lay, map_warnings
 
@@ -176,7 +177,8 @@ def make_plan(
     require_scene(hm, material)
     _require_usable(hm, material)
     kind, values = checked_loads(hm, material, pressures, separations)
-    warnings = tuple(map_warnings(hm, parameters.error_estimate.longest_lay))
+    digits = digits_warning(hm.roughness.largest, hm.roughness.rms_height)
+    warnings = (*digits, *map_warnings(hm, parameters.error_estimate.longest_lay))
     hm = hm.without_rounding
     edge = chosen_boundary(hm, boundary)
     reasons = [f"boundary: {edge} ({'as the map says' if boundary is None else 'as asked'})"]
