@@ -16,6 +16,7 @@ from .errors import ConvergenceError as ConvergenceError
 from .errors import InputError as InputError
 from .errors import ModelRangeError as ModelRangeError
 from .extensions.conductance import constriction_conductance as constriction_conductance
+from .extensions.hardness_sweep import hardness_sweep as hardness_sweep
 from .extensions.partial_slip import FrictionCurve as FrictionCurve
 from .extensions.partial_slip import PartialSlip as PartialSlip
 from .extensions.partial_slip import friction_curve as friction_curve

@@ -12,7 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.compilation import CURVE, compile_ahead
 from asperity.halfspace.scene import checked_loads
 from asperity.model.decomposition import Decomposition
-from asperity.model.load_point import LoadPoint, load_point, point_at_separation, spot_count
+from asperity.model.load_point import (
+    LoadPoint,
+    load_point,
+    plastic_share,
+    point_at_separation,
+    spot_count,
+)
 from asperity.model.plan import Plan, interaction_needed, make_plan
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import curve_stiffness
@@ -22,6 +28,7 @@ from asperity.trust.error_estimate import (
     nonrandomness,
     outside_model_terms,
     terms,
+    yielded_factor,
 )
 from surfaces.heightmap import HeightMap
 
@@ -152,10 +159,12 @@ def solve_loads(
     separations: ArrayLike | None = None,
     progress: Callable[[PopulationState], object] | None = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
+    decomposition: Decomposition | None = None,
 ) -> tuple[ContactCurve, Decomposition, tuple[LoadPoint, ...]]:
     """The curve of a plan with the decomposed surface and the load points behind it.
 
-    Arguments are those of `contact_curve`; without a plan one is made with its defaults.
+    Arguments are those of `contact_curve`; without a plan one is made with its defaults. A
+    decomposition of the plan that was made before is used as it is.
 
     The points are solved from light to heavy, so that each starts from the last. Where a contact
     comes near the height below which nothing was segmented, all are solved again on the whole map.
@@ -166,12 +175,14 @@ def solve_loads(
     elif not isinstance(plan, Plan):
         raise InputError(f"plan is a {type(plan).__name__}; make one with asperity.make_plan")
     kind, values = checked_loads(hm, material, pressures, separations)
-    plan.require_scene_of(hm.without_rounding, material)
+    if decomposition is None:
+        plan.require_scene_of(hm.without_rounding, material)
     start = time.perf_counter() - plan.seconds
     comparing = (
         not plan.interaction and interaction_needed(hm, material, kind, values, plan.parameters)[0]
     )
-    decomposition = Decomposition.of(hm.without_rounding, material, plan)
+    if decomposition is None:
+        decomposition = Decomposition.of(hm.without_rounding, material, plan)
     rows: dict[int, _Row] = {}
     while True:
         for i, row in _sweep(decomposition, kind, values, comparing):
@@ -287,6 +298,11 @@ def _curve(
             f"at {tiny} of {len(rows)} load points contacts are as small as a pixel of the map, "
             "which does not tell their loads: take smaller pixels or more load"
         )
+    body, yielded = decomposition.material, {}
+    if body.hardness < np.inf:
+        yielded["unloading_stiffness"] = column(surfaces, "unloading")
+        yielded["plastic_share"] = plastic_share(pressure * hm.area, area, body.hardness)
+        area_error = area_error * yielded_factor(yielded["plastic_share"], weights)
     differences = {}
     if rows[0].interaction_difference is not None:
         differences["interaction_difference"] = column(rows, "interaction_difference")
@@ -314,8 +330,9 @@ def _curve(
             "above": plan.above,
             "shortest_wave": plan.sub_contact_law and plan.sub_contact_law.shortest,
             "grid": list(decomposition.peaks.labels.shape),
-            "modulus": decomposition.material.modulus,
-            "m": decomposition.material.m,
+            "modulus": body.modulus,
+            "m": body.m,
+            **({"hardness": body.hardness} if yielded else {}),
             "input": hm.digest,
             "peaks": len(decomposition.peaks),
             "warnings": warnings,
@@ -325,6 +342,7 @@ def _curve(
             "filled_share": column(states, "filled_share"),
             "tangent_stiffness": tangent,
             "area_error_estimate": area_error,
+            **yielded,
             **differences,
             **{name: np.array([row.terms[name] for row in rows]) for name in rows[0].terms},
         },

@@ -111,7 +111,7 @@ def _laws() -> None:
         owner=np.arange(count),
     )
     for law in ("ellipse", "ritz"):
-        table = tabulate(profiles, BODY, law=law)
+        table = tabulate(profiles, HalfSpace.from_modulus(1.0, hardness=0.1), law=law)
         table.evaluate(np.arange(count), table.reach)
 
 

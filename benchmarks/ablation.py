@@ -33,6 +33,7 @@ from unittest.mock import patch
 
 import numpy as np
 from accuracy import RECIPES, TO_THE_PIXEL, measured_like, surface
+from common import measured
 from drawn import FAMILIES, drawn
 from numba import njit
 from numpy.typing import NDArray
@@ -339,8 +340,7 @@ def scenes(maps: Path | None) -> Iterator[Scene]:
             hm, m, boundary = drawn(name, seed)
             yield Scene(group_of(name), f"drawn {name}", seed, hm, m, boundary)
     for path in sorted(maps.glob("*.h5")) if maps else ():
-        hm = surfaces.prepare(surfaces.read(path), fill="harmonic", periodic="taper")
-        yield Scene("measured", path.stem, 0, hm)
+        yield Scene("measured", path.stem, 0, measured(path))
 
 
 def reference(scene: Scene, kept: Path | None) -> asperity.ContactCurve:

@@ -5,6 +5,7 @@
     python benchmarks/accuracy.py --drawn --seeds 101 102 --out drawn.csv
     python benchmarks/accuracy.py --to-the-pixel --scales all --seeds 51 52
     python benchmarks/accuracy.py --maps folder --out maps.csv
+    python benchmarks/accuracy.py --hardness 0.02 0.1 0.5 --points 256 --seeds 41 42 --out hard.csv
     python benchmarks/accuracy.py --seeds 21 22 --csv docs/development/data/families_512.csv
 
 Families: isotropic with the cut-off at 4, 8, 16, 32 pixels and Hurst exponents 0.5, 0.8, 0.9,
@@ -13,7 +14,8 @@ maps: spectra to the pixel, noise, spikes, lay on a form, steps, few summits (sm
 tapered borders. Ten mean pressures from about 0.1 % to 15 % of contact. Those with --drawn are
 drawn at random (drawn.py): eight mean pressures to about 30 % of contact, reference to 1e-4. Those
 with --to-the-pixel are isotropic, graded m = +-0.3, and of lay 2:1 and 4:1: six mean pressures to
-about 25 %, reference to 1e-4.
+about 25 %, reference to 1e-4. With --hardness each map is pressed with these hardnesses over E*
+times its rms slope, to the same contact areas.
 
 The reference is solved on the map refined twice by its own Fourier series: the surface that the
 model sees, too. Columns: family, seed, area_fraction (reference, corrected), load_error at equal
@@ -28,18 +30,18 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-from common import rough
-from drawn import FAMILIES, drawn
+from common import Scene, rough, scenes
 from numpy.typing import NDArray
 
 import asperity
 import surfaces
 from asperity.contacts.run import solve_contacts
-from asperity.halfspace.scene import pressure_scale
+from asperity.halfspace.scene import AREA_OVER_LOAD, area_over_pressure, pressure_scale
 from asperity.model.plan import SCALES, make_plan
 from asperity.results.storage import write_csv
 
@@ -49,6 +51,8 @@ TOLERANCE_DRAWN = 1e-4
 LOADS_DRAWN = np.geomspace(2.5e-4, 0.16, 8)
 LIGHT = 0.08
 """Area fraction up to which the errors of families are stated apart."""
+METAL = 0.0045, 0.11
+"""Area fractions between which errors with a hardness are stated."""
 LOADS_PIXEL = np.array([2e-3, 8e-3, 1.6e-2, 3.5e-2, 7e-2, 0.13])
 
 RECIPES = {
@@ -141,11 +145,11 @@ def curves(
     fine = surfaces.resample(hm, np.asarray(hm.spacing) / 2)
     out = []
     for grid in (fine, hm):
-        path = kept and kept / f"{grid.digest}_{body.m:g}.h5"
+        path = kept and kept / f"{grid.digest}_{body.m:g}_{body.hardness:.6g}.h5"
         if path and path.exists():
             out.append(asperity.ContactCurve.from_hdf5(path))
             continue
-        pressures = loads * pressure_scale(hm, body)
+        pressures = AREA_OVER_LOAD * loads / area_over_pressure(hm, body)
         solved = {"pressures": pressures, "tolerance": tolerance, "boundary": boundary}
         out.append(asperity.bem_curve(grid, body, **solved))
         if path:
@@ -190,36 +194,17 @@ def rows_of(
     return table | {name: np.asarray(v).tolist() for name, v in same.extra.items()}
 
 
-def scenes(
-    args: argparse.Namespace,
-) -> Iterator[tuple[str, int, surfaces.HeightMap, float, str | None]]:
-    """Name, seed, map, exponent of the grading and boundary of everything asked for."""
+def families(seed: int, args: argparse.Namespace) -> dict[str, Callable[[], Scene]]:
+    """The families of one seed, or the maps that resemble measured ones."""
+    if args.measured_like:
+        maps = measured_like(args.points, seed)
+        return {name: partial(tuple, (hm, 0.0, None)) for name, hm in maps.items()}
 
-    def wanted(name: str) -> bool:
-        return not args.families or any(part in name for part in args.families)
+    def scene(recipe: dict[str, float]) -> Scene:
+        return surface(args.points, seed, recipe), recipe.get("m", 0.0), None
 
-    if args.maps:
-        for path in sorted(args.maps.glob("*.h5")):
-            if wanted(path.stem):
-                yield path.stem, 0, _prepared(path), 0.0, None
-        return
-    for seed in args.seeds:
-        if args.drawn:
-            for name in filter(wanted, FAMILIES):
-                yield name, seed, *drawn(name, seed)
-        elif args.measured_like:
-            for name, hm in measured_like(args.points, seed).items():
-                if wanted(name):
-                    yield name, seed, hm, 0.0, None
-        else:
-            for name, recipe in (TO_THE_PIXEL if args.to_the_pixel else RECIPES).items():
-                if wanted(name):
-                    hm = surface(args.points, seed, recipe)
-                    yield name, seed, hm, recipe.get("m", 0.0), None
-
-
-def _prepared(path: Path) -> surfaces.HeightMap:
-    return surfaces.prepare(surfaces.read(path), fill="harmonic", periodic="taper")
+    recipes = TO_THE_PIXEL if args.to_the_pixel else RECIPES
+    return {name: partial(scene, recipe) for name, recipe in recipes.items()}
 
 
 def families_table(rows: dict[str, list]) -> dict[str, list]:
@@ -256,6 +241,23 @@ def maps_table(rows: dict[str, list], scales: str) -> dict[str, list]:
     return table
 
 
+def hardness_table(rows: dict[str, list]) -> dict[str, list]:
+    """Worst errors of load and area [%] by family and hardness, within `METAL` of contact."""
+    families, hardness = np.array(rows["family"]), np.array(rows["hardness"])
+    area = np.array(rows["area_fraction"])
+    inside = (area > METAL[0]) & (area < METAL[1])
+    table: dict[str, list] = {"family": list(dict.fromkeys(rows["family"]))}
+    for value in dict.fromkeys(rows["hardness"]):
+        table[f"H/(E* h') = {value:g}"] = [
+            " / ".join(
+                f"{100 * np.abs(np.array(rows[name])[chosen]).max():.1f}"
+                for name in ("load_error", "area_error")
+            )
+            for chosen in (inside & (families == f) & (hardness == value) for f in table["family"])
+        ]
+    return table
+
+
 def main() -> None:
     """Run the families and print one line per surface."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -268,14 +270,25 @@ def main() -> None:
     source.add_argument("--to-the-pixel", action="store_true", help="maps rough to the pixel")
     source.add_argument("--maps", type=Path, help="folder of measured maps, in place of families")
     parser.add_argument("--scales", choices=SCALES, default="auto", help="as of asperity curve")
+    parser.add_argument(
+        "--hardness", type=float, nargs="+", default=[np.inf], help="over E* times rms slope"
+    )
     parser.add_argument("--references", type=Path, help="folder that keeps the reference curves")
     parser.add_argument("--out", type=Path, help="one row per load point")
     parser.add_argument("--csv", type=Path, help="the table of the pages")
     args = parser.parse_args()
     collected: dict[str, list] = {}
-    for name, seed, hm, m, boundary in scenes(args):
-        body = asperity.HalfSpace.from_modulus(1.0, m=m)
-        table = rows_of(name, seed, hm, body, boundary, args)
+    for name, seed, hm, m, boundary in scenes(args, partial(families, args=args)):
+        table: dict[str, list] = {}
+        for hardness in args.hardness:
+            body = asperity.HalfSpace.from_modulus(1.0, m=m)
+            if hardness < np.inf:
+                hard = hardness * pressure_scale(hm, body)
+                body = asperity.HalfSpace.from_modulus(1.0, m=m, hardness=hard)
+            found = rows_of(name, seed, hm, body, boundary, args)
+            found["hardness"] = [hardness] * len(found["seed"])
+            for column, values in found.items():
+                table.setdefault(column, []).extend(values)
         for column, values in table.items():
             collected.setdefault(column, []).extend(values)
         light = np.array(table["area_fraction"]) < LIGHT
@@ -299,6 +312,8 @@ def main() -> None:
     if args.csv and collected:
         map_by_map = args.to_the_pixel or args.maps
         rows = maps_table(collected, args.scales) if map_by_map else families_table(collected)
+        if len(args.hardness) > 1:
+            rows = hardness_table(collected)
         write_csv(args.csv, rows)
 
 

@@ -1,14 +1,17 @@
-"""What the benchmarks share: a rough map, a clock, the name of the machine, the options."""
+"""What the benchmarks share: maps, a clock, the name of the machine, the options."""
 
 from __future__ import annotations
 
 import argparse
 import platform
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numba
+from drawn import FAMILIES, drawn
 
 import surfaces
 
@@ -21,6 +24,36 @@ def rough(
     size = (float(shape[0]), float(shape[1]))
     recipe = {"hurst": 0.8, "rms_slope": 0.1, "rolloff": min(shape) / 8} | more
     return surfaces.self_affine(shape, size, cutoff=cutoff, seed=seed, **recipe)
+
+
+Scene = tuple[surfaces.HeightMap, float, str | None]
+"""A map, the exponent of the grading, and the boundary."""
+
+
+def measured(path: Path) -> surfaces.HeightMap:
+    """A measured map, filled and tapered."""
+    return surfaces.prepare(surfaces.read(path), fill="harmonic", periodic="taper")
+
+
+def scenes(
+    args: argparse.Namespace, families: Callable[[int], dict[str, Callable[[], Scene]]]
+) -> Iterator[tuple[str, int, surfaces.HeightMap, float, str | None]]:
+    """Name, seed, map, exponent of the grading and boundary of everything asked for: the measured
+    `maps`, or of all `seeds` the `drawn` ones or those of `families`, a function of the seed."""
+
+    def wanted(name: str) -> bool:
+        return not args.families or any(part in name for part in args.families)
+
+    if args.maps:
+        for path in sorted(args.maps.glob("*.h5")):
+            if wanted(path.stem):
+                yield path.stem, 0, measured(path), 0.0, None
+        return
+    for seed in args.seeds:
+        random = {name: partial(drawn, name, seed) for name in FAMILIES}
+        for name, make in (random if args.drawn else families(seed)).items():
+            if wanted(name):
+                yield name, seed, *make()
 
 
 def least(call: Callable[[], object], repeats: int = 7) -> float:

@@ -16,11 +16,12 @@ from __future__ import annotations
 import argparse
 import csv
 import time
-from collections.abc import Iterator
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-from drawn import FAMILIES, drawn
+from common import Scene, scenes
 from textures import TEXTURES
 
 import asperity
@@ -31,35 +32,14 @@ TRUTH = 0.003
 """Accuracy in area of the reference: its load is known to a third of that."""
 
 
-def scenes(
-    args: argparse.Namespace,
-) -> Iterator[tuple[str, int, surfaces.HeightMap, float, str | None]]:
-    """Name, seed, map, exponent of the grading and boundary of everything asked for."""
+def textures(seed: int, sizes: list[int]) -> dict[str, Callable[[], Scene]]:
+    """The textures of one seed, of all sizes."""
 
-    def wanted(name: str) -> bool:
-        return not args.families or any(part in name for part in args.families)
+    def scene(name: str, points: int) -> Scene:
+        heights = TEXTURES[name](points, seed)
+        return surfaces.HeightMap(heights, (1.0, 1.0), periodic=True), 0.0, None
 
-    if args.maps:
-        for path in sorted(args.maps.glob("*.h5")):
-            if wanted(path.stem):
-                hm = surfaces.prepare(surfaces.read(path), fill="harmonic", periodic="taper")
-                yield path.stem, 0, hm, 0.0, None
-        return
-    for seed in args.seeds:
-        if args.drawn:
-            for name in filter(wanted, FAMILIES):
-                yield name, seed, *drawn(name, seed)
-            continue
-        for name in filter(wanted, TEXTURES):
-            for points in args.points:
-                heights = TEXTURES[name](points, seed)
-                yield (
-                    f"{name} {points}",
-                    seed,
-                    surfaces.HeightMap(heights, (1.0, 1.0), periodic=True),
-                    0.0,
-                    None,
-                )
+    return {f"{name} {n}": partial(scene, name, n) for name in TEXTURES for n in sizes}
 
 
 def rows_of(name, seed, hm, m, boundary, args) -> list[dict]:
@@ -189,7 +169,8 @@ def main() -> None:
     if args.table:
         write(args.out, [line for path in args.table for line in table(read(path), path.stem)])
         return
-    rows = [row for scene in scenes(args) for row in rows_of(*scene, args)]
+    maps = scenes(args, lambda seed: textures(seed, args.points))
+    rows = [row for scene in maps for row in rows_of(*scene, args)]
     summary(rows)
     for line in table(rows, "all"):
         print(line)

@@ -108,7 +108,7 @@ def test_commands_on_the_pages_are_understood():
     found = [words for page in PAGES for words in _commands(page.read_text())]
     assert len(found) >= 12
     for words in found:
-        assert build_parser().parse_args(words).command == words[0]
+        assert build_parser(words[0]).parse_args(words).command == words[0]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -118,7 +118,7 @@ def test_examples_of_the_help_are_understood(command, capsys):
     found = _commands(re.split(r"^examples?:", capsys.readouterr().out, flags=re.M)[1])
     assert found
     for words in found:
-        assert build_parser().parse_args(words).command == command
+        assert build_parser(command).parse_args(words).command == command
 
 
 def _commands(text: str) -> list[list[str]]:

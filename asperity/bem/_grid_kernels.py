@@ -145,6 +145,40 @@ def moments(heights: Grid) -> Any:
     return mean, highest, np.sqrt(square / heights.size)
 
 
+@compiled()
+def undecided(
+    pressure: Grid,
+    displacement: Grid,
+    heights: Grid,
+    block_low: Grid,
+    level: float,
+    own: float,
+    step: float,
+    opening: NDArray[np.int64],
+    closing: NDArray[np.int64],
+) -> None:
+    """Count points about to open or close, by steps of the length that decides it.
+
+    That is, of a point under pressure, the displacement by this pressure alone, `own` for each
+    unit of it; of another, the gap above the level. `block_low` comes from `contact_sums`.
+    """
+    ny, nx = heights.shape
+    last = opening.size - 1
+    limit = opening.size * step
+    for y in range(ny):
+        for b in range(block_low.shape[1]):
+            if block_low[y, b] < level + limit:
+                for x in range(b * BLOCK, min(nx, (b + 1) * BLOCK)):
+                    if pressure[y, x] > 0.0:
+                        length = pressure[y, x] * own
+                        if length < limit:
+                            opening[min(int(length / step), last)] += 1
+                    else:
+                        length = displacement[y, x] - heights[y, x] - level
+                        if length < limit:
+                            closing[min(int(max(length, 0.0) / step), last)] += 1
+
+
 @compiled(parallel=True)
 def finish(
     pressure: Grid,

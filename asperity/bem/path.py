@@ -39,6 +39,9 @@ _AIM = 0.9
 _LEAST_SHARE = 0.3
 """Share of the accuracy left to the certificate where a pixel alone would take more of it."""
 
+_MOST_TIMES = 3
+"""How often a load is solved further."""
+
 _SHARPEST = 1e-11
 """Smallest tolerance that an accuracy leads to."""
 
@@ -150,18 +153,20 @@ class LoadPath:
         return outcome
 
     def _sharpened(self, outcome: Outcome, load: LoadSearch | float) -> Outcome:
-        """Solve further until the area is known to the accuracy."""
-        error = self.problem.area_error(outcome)
-        if error <= self._accuracy:
-            return outcome
-        grain = 1.0 / outcome.reading.points
-        allowed = max(self._accuracy - grain, _LEAST_SHARE * self._accuracy)
-        tolerance = _AIM * outcome.tolerance * allowed / (error - grain)
-        if tolerance >= outcome.tolerance or not outcome.converged:
-            return outcome
-        further = self.problem.level.solve(load, max(tolerance, _SHARPEST))
-        further.iterations += outcome.iterations
-        return further
+        """Solve further until the area is known to the accuracy: mostly once, again where points
+        open or close together."""
+        for _ in range(_MOST_TIMES if self._accuracy < math.inf else 0):
+            error = self.problem.area_error(outcome)
+            if error <= self._accuracy:
+                break
+            grain = 1.0 / outcome.reading.points
+            allowed = max(self._accuracy - grain, _LEAST_SHARE * self._accuracy)
+            tolerance = max(_AIM * outcome.tolerance * allowed / (error - grain), _SHARPEST)
+            if tolerance >= outcome.tolerance or not outcome.converged:
+                break
+            spent, outcome = outcome.iterations, self.problem.level.solve(load, tolerance)
+            outcome.iterations += spent
+        return outcome
 
     def _two_known(self) -> bool:
         """Whether there are two states to extrapolate from."""

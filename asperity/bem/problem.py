@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import InputError, SurfaceError
-from asperity.halfspace.influence import ElasticHalfSpace
+from asperity.halfspace.influence import ElasticHalfSpace, influence
 from asperity.halfspace.scene import Boundary, chosen_boundary, require_scene
 from asperity.threads import require_own_threads
 from asperity.threads import threads as thread_count
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import available_bytes
 
+from ._grid_kernels import undecided
 from .correction import Level, Outcome
 from .grids import CoarseMaps, level_shapes, prolong
 from .load_search import LoadSearch
@@ -33,6 +34,14 @@ __all__ = [
 AREA_OVER_LOAD_ERROR = 3.0
 """Bound on the error of the contact area at equal load over that of the load at equal separation
 (docs/development/verification.md)."""
+
+_DECIDED = 3.0
+"""Length that decides whether a point is closed, over the error of the level, from which on it is
+known: the certificate weights points by their pressure, and leaves light ones a larger error."""
+
+_TOGETHER = 8
+"""Parts of the error of the level within which points open or close together: points of equal
+places on a lattice do."""
 
 _COARSE_TOLERANCE = 1e-2
 """Bound on the certificate on the coarser grids."""
@@ -70,6 +79,8 @@ class ContactProblem:
         The finest grid, in that unit; its pressure is the state.
     compliance
         Unit of pressure inside [1/Pa]: p~ = compliance p, a displacement in units.
+    own
+        Displacement of a point by its own p~ of 1.
     """
 
     def __init__(
@@ -97,6 +108,7 @@ class ContactProblem:
         exact = HalfSpaceOperator(hm.shape, hm.spacing, mat, self.boundary, threads=self._threads)
         self.unit = _unit(hm.roughness.rms_height)
         self.compliance = exact.compliance / self.unit
+        self.own = float(influence((1, 1), hm.spacing, exact.m)[0, 0])
         heights = hm.heights if self.unit == 1.0 else hm.heights / self.unit
         self.level = Level(heights, exact, mat.hardness * self.compliance)
 
@@ -247,20 +259,35 @@ class ContactProblem:
         U = int_s F ds', elastic and plastic, gives k <= F/U wherever k falls with the load, as it
         does of rough surfaces and of every body that is blunt at its tip.
         """
-        worst = max(outcome.tolerance, outcome.reading.certificate.worst)
         work = 0.5 * outcome.reading.moment + outcome.reading.plastic_work
         energy = work / self.hm.heights.size
         mean = outcome.reading.total / self.hm.heights.size
         if mean == 0.0:
             return 0.0
-        return worst * outcome.reading.scale * mean / energy if energy > 0.0 else math.inf
+        return _level_error(outcome) * mean / energy if energy > 0.0 else math.inf
 
     def area_error(self, outcome: Outcome) -> float:
         """Bound on the relative error of the contact area at equal load [-]: three times that of
-        the load, and one pixel."""
-        if outcome.reading.points == 0:
+        the load, or what points do that open or close together, and one pixel.
+
+        Notes
+        -----
+        On a lattice of equal hills, and on single waves, whole rings of points around all contacts
+        are as far from contact, so that the area changes by steps of many pixels. The largest step
+        near the solution counts in full. On random maps points open and close one by one.
+        """
+        points = outcome.reading.points
+        if points == 0:
             return 0.0
-        return AREA_OVER_LOAD_ERROR * self.load_error(outcome) + 1.0 / outcome.reading.points
+        exact = self.level.exact
+        counts = np.zeros((2, round(_DECIDED * _TOGETHER)), np.int64)
+        step = _level_error(outcome) / _TOGETHER
+        fields = exact.pressure, exact.displacement, self.level.heights
+        known = outcome.reading.block_low, outcome.reading.level
+        undecided(*fields, *known, self.own, step, *counts)
+        opening, closing = (int(most) for most in counts.max(axis=1))
+        leap = max(opening / max(points - opening, 1), closing / points)
+        return max(AREA_OVER_LOAD_ERROR * self.load_error(outcome), leap) + 1.0 / points
 
     def settings(self) -> dict[str, Any]:
         """Everything needed to repeat a run."""
@@ -277,6 +304,12 @@ class ContactProblem:
         if math.isfinite(self.mat.hardness):
             found["hardness"] = float(self.mat.hardness)
         return found
+
+
+def _level_error(outcome: Outcome) -> float:
+    """Bound on the error of the level of the contact, in units."""
+    worst = max(outcome.tolerance, outcome.reading.certificate.worst)
+    return worst * outcome.reading.scale
 
 
 def _unit(rms_height: float) -> float:

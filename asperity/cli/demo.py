@@ -19,6 +19,9 @@ POINTS, SIZE = 256, 1e-3
 STEEL, POISSON = 210e9, 0.3
 """Young's modulus [Pa] and Poisson's ratio of the body."""
 
+HARDNESS = 2e9
+"""Hardness [Pa] of a mild steel."""
+
 NAME = "demo"
 
 
@@ -57,7 +60,8 @@ def run(args: argparse.Namespace) -> int:
     surfaces.write(hm, surface)
     shown, advance = output.bar(None, "demo")
     with shown:
-        comparison = compare(hm, HalfSpace(STEEL, POISSON), progress=advance)
+        steel = HalfSpace(STEEL, POISSON, hardness=HARDNESS)
+        comparison = compare(hm, steel, progress=advance)
     comparison.to_hdf5(results)
     comparison.to_html(report)
     print(comparison)

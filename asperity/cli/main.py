@@ -8,33 +8,32 @@ import os
 import re
 import sys
 from collections.abc import Sequence
-from types import ModuleType
 from typing import Any
+
+import lazy_loader
 
 from asperity import __version__
 from asperity.errors import AsperityError, ConvergenceError
 
-from . import bem, compare, curve, demo, indent, plan, report, solve, stress, surface, warmup
 from .exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED, EXIT_NOT_CONVERGED, EXIT_OK
 from .interrupt import interruptible
 
-COMMANDS: dict[str, tuple[ModuleType, str]] = {
-    "demo": (demo, "make a surface, run both models, write report.html and print the verdict"),
-    "solve": (solve, "the contact curve as accurate as asked for, by the cheaper engine"),
-    "curve": (curve, "load-separation and contact area from the sum of microcontacts"),
-    "bem": (bem, "the same curves from the full boundary-element solution"),
-    "compare": (compare, "both models, their differences and run times; results and report"),
-    "plan": (plan, "what a run would do, need and leave out, and why; nothing is run"),
-    "indent": (indent, "one microcontact: force, area, contour and pressure against approach"),
-    "surface": (surface, "height maps: info, generate, prepare, convert, validate, peaks"),
-    "report": (report, "rebuild the report from a results file"),
-    "stress": (stress, "stiff and extreme cases through every engine, each judged"),
-    "warmup": (
-        warmup,
-        "compile what daily use needs for this machine; later runs start at once",
-    ),
+COMMANDS = {
+    "demo": "make a surface, run both models, write report.html and print the verdict",
+    "solve": "the contact curve as accurate as asked for, by the cheaper engine",
+    "curve": "load-separation and contact area from the sum of microcontacts",
+    "bem": "the same curves from the full boundary-element solution",
+    "compare": "both models, their differences and run times; results and report",
+    "plan": "what a run would do, need and leave out, and why; nothing is run",
+    "indent": "one microcontact: force, area, contour and pressure against approach",
+    "surface": "height maps: info, generate, prepare, convert, validate, peaks",
+    "report": "rebuild the report from a results file",
+    "stress": "stiff and extreme cases through every engine, each judged",
+    "warmup": "compile what daily use needs for this machine; later runs start at once",
 }
-"""Module of each sub-command, with `add_arguments` and `run`, and what it does."""
+"""What each sub-command does; the module of its name has `add_arguments` and `run`."""
+
+_module = lazy_loader.attach(__package__, COMMANDS)[0]  # imports it when it is used
 
 
 class _OneSentenceParser(argparse.ArgumentParser):
@@ -57,22 +56,23 @@ class _OneSentenceParser(argparse.ArgumentParser):
         raise SystemExit(EXIT_BAD_INPUT)
 
 
-def build_parser() -> argparse.ArgumentParser:
-    """Parser of the whole command line."""
+def build_parser(command: str) -> argparse.ArgumentParser:
+    """Parser of the whole command line; of the sub-commands only `command` knows its options."""
     parser = _OneSentenceParser(
         prog="asperity",
         description="How much of a rough surface really touches, and how far to trust the answer.",
     )
     parser.add_argument("--version", action="version", version=f"asperity {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for name, (module, summary) in COMMANDS.items():
+    for name, summary in COMMANDS.items():
         sub = commands.add_parser(
             name,
             help=summary,
             description=summary[0].upper() + summary[1:] + ".",
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        module.add_arguments(sub)
+        if name == command:
+            _module(name).add_arguments(sub)
     return parser
 
 
@@ -83,9 +83,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     named = next((word for word in arguments if not word.startswith("-")), "")
     args = argparse.Namespace(command=named)
     try:
-        args = build_parser().parse_args(arguments)
+        args = build_parser(named).parse_args(arguments)
         with interruptible():
-            code = int(COMMANDS[args.command][0].run(args))
+            code = int(_module(args.command).run(args))
         sys.stdout.flush()
         return code
     except (AsperityError, MemoryError) as error:

@@ -143,7 +143,12 @@ def finish(curve: ContactCurve, material: HalfSpace, args: argparse.Namespace) -
 
     more = derived.conductance(curve, args)
     if args.csv:
-        told = "area_error_estimate", "interaction_difference", "plastic_share"
+        told = (
+            "area_error_estimate",
+            "interaction_difference",
+            "plastic_share",
+            "unloading_stiffness",
+        )
         extra = {name: curve.extra[name] for name in told if name in curve.extra}
         write_csv(args.csv, {name: getattr(curve, name) for name in POINT_FIELDS} | extra | more)
     try:

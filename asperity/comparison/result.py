@@ -70,6 +70,9 @@ class Comparison:
         What the model run needed and left out.
     about
         Facts about the input.
+    elastic
+        Curve of the microcontact model at these loads without the hardness; None where the body has
+        none.
 
     Examples
     --------
@@ -91,6 +94,7 @@ class Comparison:
     microcontacts: NDArray[np.void]
     plan: tuple[str, ...]
     about: dict[str, Any]
+    elastic: ContactCurve | None = None
 
     @property
     def converged(self) -> bool:
@@ -118,6 +122,12 @@ class Comparison:
             f"{100 * row['area_bem']:.3g} % of the nominal area touches at a separation of "
             f"{row['separation_bem']:.3g} m (boundary elements). "
         )
+        if self.elastic is not None and self.elastic.converged[self.map_point]:
+            share = 100 * self.elastic.area_fraction[self.map_point]
+            text += (
+                f"Without the hardness of {self.about['hardness']:.3g} Pa it would be {share:.3g} "
+                "% (microcontact model). "
+            )
         judged = int(np.count_nonzero(np.isfinite(self.table["area_error"])))
         if not judged:
             return text + "No load point of the microcontact model can be judged."
@@ -152,8 +162,11 @@ class Comparison:
             "overlap": self.overlap,
             "map_point": self.map_point,
         }
+        curves = {"asperity": self.model, "bem": self.reference}
+        if self.elastic is not None:
+            curves["elastic"] = self.elastic
         return ResultFile(
-            curves={"asperity": self.model.to_record(), "bem": self.reference.to_record()},
+            curves={name: curve.to_record() for name, curve in curves.items()},
             tables={
                 "comparison": self.table,
                 "pareto": self.pareto,
@@ -164,7 +177,7 @@ class Comparison:
         )
 
     def to_hdf5(self, path: str | os.PathLike[str]) -> None:
-        """Write both curves, the tables and the maps to a results file."""
+        """Write the curves, the tables and the maps to a results file."""
         write_results(path, self.to_results())
 
     @classmethod
@@ -199,6 +212,9 @@ class Comparison:
                 maps={name: held.maps[name].astype(bool) for name in ("bem", "asperity")},
                 microcontacts=held.tables["microcontacts"],
                 about=about,
+                elastic=ContactCurve.from_record(held.curves["elastic"])
+                if "elastic" in held.curves
+                else None,
             )
             whole = all(one.shape == tuple(about["shape"]) for one in found.maps.values())
         except (KeyError, TypeError, ValueError):
@@ -215,6 +231,7 @@ class Comparison:
             path,
             model=self.model,
             reference=self.reference,
+            elastic=self.elastic,
             table=self.table,
             pareto=self.pareto,
             maps=self.maps,

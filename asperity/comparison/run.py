@@ -14,6 +14,7 @@ from asperity.bem.solve import bem_solve
 from asperity.compilation import CURVE, compile_ahead
 from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import microcontacts
+from asperity.curve import solve_loads
 from asperity.halfspace.scene import checked_loads, default_pressures, slope_scale
 from asperity.model.plan import Plan, make_plan
 from asperity.results.curve import ContactCurve
@@ -121,6 +122,13 @@ def compare(
     for grid in coarse_grids(hm.shape):
         say(f"boundary elements {grid[0]} x {grid[1]}, tolerance {LOOSE_TOLERANCE:.0e}")
         rows.append(coarse_run(hm, material, grid, plan.boundary, judge))
+    elastic = None
+    if material.hardness < np.inf:
+        say("microcontact model without hardness")
+        made = run.decomposition.of_hardness(material.elastic)
+        elastic = solve_loads(
+            hm, material.elastic, made.plan, pressures=judge.mean_pressure, decomposition=made
+        )[0]
     say("contact maps")
     point = _map_point(judge, run.curve)
     solution = bem_solve(
@@ -148,6 +156,7 @@ def compare(
         microcontacts=contacts,
         plan=plan.reasons,
         about=_about(hm, material),
+        elastic=elastic,
     )
 
 
@@ -204,4 +213,5 @@ def _about(hm: HeightMap, material: HalfSpace) -> dict[str, Any]:
         "input": hm.digest,
         "modulus": material.modulus,
         "m": material.m,
+        **({"hardness": material.hardness} if material.hardness < np.inf else {}),
     }

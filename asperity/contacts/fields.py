@@ -33,6 +33,9 @@ Index = NDArray[np.int64]
 CORRECTIONS = 3
 """Corrections of the pressure by the gap it leaves; more change little."""
 
+YIELDED = 0.999
+"""Pressure over the hardness from which on a pixel has yielded: its gap is no error."""
+
 RELAXATION = 0.7
 """Relaxation of a correction; without it the pressure oscillates (Hertz: 2 to 4 % of the peak)."""
 
@@ -66,9 +69,11 @@ def pressed_pixels(decomposition: Decomposition, point: LoadPoint) -> tuple[Inde
     The iteration starts from the pressure of the elliptic contact of each force and area. With the
     displacement u = K p of all contacts and the gap g = u - h, the pressure inside the contacts is
     corrected to p - 0.7 K^-1 g, where K^-1 ~ q^(1-m) acts on the gap inside the contacts; outside,
-    the field is -g times the K^-1 of the wave number sqrt(m4/m2) of the map. Each contact occupies
+    and with g added where the hardness is reached, the field is -g times the K^-1 of the wave
+    number sqrt(m4/m2) of the map. Each contact occupies
     the pixels of its basin with the largest values of this field, as many as fill its area (at
-    least one); its pressure is their excess over the next pixel, scaled to its force.
+    least one); its pressure is their excess over the next pixel, scaled to its force, and cut at
+    the hardness, if there is one.
 
     Where the finest waves act as a law of the contacts (`asperity.multiscale`), the pressure K^-1 h
     that flattens them is added, times sqrt(g0) as in that law, to first order (Persson 2001), and
@@ -117,6 +122,8 @@ class _Grid:
         Shape of the transforms, and their wave numbers [1/m].
     symbol, m
         A wave of pressure p displaces by symbol q^(m-1) p.
+    hardness
+        Largest pressure [Pa].
     closed
         The contacts with load, shape (c,).
     pixel, contact
@@ -130,6 +137,7 @@ class _Grid:
     number: Array
     symbol: float
     m: float
+    hardness: float
     closed: Index
     pixel: Index
     contact: Index
@@ -149,6 +157,7 @@ class _Grid:
         qy, qx = fft.fftfreq(ny, hm.spacing[0]), fft.rfftfreq(nx, hm.spacing[1])
         number = 2.0 * np.pi * np.hypot(qy[:, None], qx)
         symbol = Footprints(body.modulus, body.m).symbol
+        material = symbol, body.m, body.hardness
         owner = np.append(decomposition.summits.owner, len(state.force))[labels.ravel()]
         pixel = np.flatnonzero(np.append(state.force > 0, False)[owner])
         lost = np.setdiff1d(np.flatnonzero(state.force > 0), owner[pixel])
@@ -157,7 +166,7 @@ class _Grid:
         order = np.argsort(contact, kind="stable")
         pixel, contact = pixel[order], contact[order]
         closed, first = np.unique(contact, return_index=True)
-        return cls(hm, (ny, nx), number, symbol, body.m, closed, pixel, contact, first)
+        return cls(hm, (ny, nx), number, *material, closed, pixel, contact, first)
 
     @property
     def gap_stiffness(self) -> float:
@@ -187,9 +196,9 @@ class _Grid:
         weight = weight + 1e-12 * weight.max()
         mean = np.add.reduceat(weight * gaps, self.first) / np.add.reduceat(weight, self.first)
         gap.flat[self.pixel] = gaps - self._at_pixels(mean)
-        touching = pressure > 0.0
+        touching = (pressure > 0.0) & (pressure < YIELDED * self.hardness)
         pressed = pressure - RELAXATION * self.pressed_flat(np.where(touching, gap, 0.0))
-        return np.where(touching, pressed, -stiffness * gap)
+        return np.where(touching, pressed, pressure - stiffness * gap)
 
     def occupied(
         self, field: Array, area: Array, force: Array, deviation: float = 0.0
@@ -203,7 +212,9 @@ class _Grid:
         order = np.lexsort((-height, self.contact))
         height = height[order]
         end = np.append(self.first[1:], len(order))
-        stop = np.minimum(self.first + _whole(area[self.closed] / size), end)
+        least = np.ceil(force[self.closed] / (self.hardness * size) - 1e-9).astype(np.int64)
+        whole = np.maximum(_whole(area[self.closed] / size), least)
+        stop = np.minimum(self.first + whole, end)
         level = height[np.minimum(stop, end - 1)]
         level = np.where(stop == end, np.minimum(level, 0.0), level)
         over = np.maximum(height - self._at_pixels(level), 0.0)
@@ -211,9 +222,20 @@ class _Grid:
         over += 1e-9 * over.max() + np.finfo(float).tiny  # equal heights press alike
         taken = np.arange(len(order)) < self._at_pixels(stop)
         over[~taken] = 0.0
-        scale = force[self.closed] / (np.add.reduceat(over, self.first) * size)
-        over *= self._at_pixels(scale)
-        return self.pixel[order][taken], self.contact[taken], over[taken]
+        pressure = self._scaled(over, force[self.closed] / size)
+        return self.pixel[order][taken], self.contact[taken], pressure[taken]
+
+    def _scaled(self, over: Array, total: Array) -> Array:
+        """Pressures [Pa] of the pixels, `over` times a factor for each contact but at most the
+        hardness, that add up to `total` in each."""
+        pressure = over * self._at_pixels(total / np.add.reduceat(over, self.first))
+        while (pressure > self.hardness).any():  # what is too much is left to the others
+            held = pressure >= self.hardness
+            free = np.add.reduceat(np.where(held, 0.0, pressure), self.first)
+            left = total - self.hardness * np.add.reduceat(held.astype(float), self.first)
+            factor = np.divide(left, free, out=np.ones(free.shape), where=free > 0.0)
+            pressure = np.where(held, self.hardness, pressure * self._at_pixels(factor))
+        return np.asarray(pressure)
 
     def _at_pixels(self, values: NDArray[Any]) -> NDArray[Any]:
         """Values of the contacts, at the pixels of their basins."""

@@ -44,14 +44,15 @@ def microcontacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.
     Structured array with x, y, height [m], approach [m], force [N], area [m^2], radius [m] (of the
     circle of equal area), semi_major, semi_minor [m], angle [rad] (of the long axis, from x
     towards y), mean_pressure [Pa], peak_pressure [Pa] (of the elliptic contact, (3 + m)/2 times
-    the mean), peak (row in the segmentation), centre_x, centre_y [m] (of the contact, as its law
+    the mean, the hardness at most), peak (row in the segmentation), centre_x, centre_y [m] (of the
+    contact, as its law
     gives it), flags (bits of `asperity.microcontact.Flag`), estimate (relative error of the force
     that the law expects of itself), filled (share of the directions in which the contact fills its
     basin), radii [m] (about the summit along 16 equispaced directions from x towards y, see
     `outlines`), closed_area [m^2] (what touches within the contact; less than its area
     where the finest waves act as a law of the contacts of the others, `asperity.multiscale`).
     """
-    state = point.state
+    state, body = point.state, decomposition.material
     active = np.flatnonzero(state.force > 0)
     profiles = decomposition.summits
     major, minor = _semi_axes(decomposition, state)
@@ -59,9 +60,7 @@ def microcontacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.
     table, depth = decomposition.population.table, np.maximum(approach, 0.0)
     offset_x, offset_y = table.centre_at(active, depth)
     sampled = profiles.rows(active)
-    radii, filled = outlines(
-        sampled, depth, area, decomposition.aspect[active], decomposition.material.m
-    )
+    radii, filled = outlines(sampled, depth, area, decomposition.aspect[active], body.m)
     return structured(
         {
             "x": _within(decomposition, profiles.x[active], 1),
@@ -75,7 +74,9 @@ def microcontacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.
             "semi_minor": minor[active],
             "angle": profiles.angle[active],
             "mean_pressure": state.force[active] / area,
-            "peak_pressure": 0.5 * (3.0 + decomposition.material.m) * state.force[active] / area,
+            "peak_pressure": np.minimum(
+                0.5 * (3.0 + body.m) * state.force[active] / area, body.hardness
+            ),
             "peak": active,
             "centre_x": _within(decomposition, profiles.x[active] + offset_x, 1),
             "centre_y": _within(decomposition, profiles.y[active] + offset_y, 0),

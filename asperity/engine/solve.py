@@ -133,11 +133,13 @@ def solve(
     clock = _Clock(begun)
     choice = scene.choice(values, engine, bool(verify))
     clock.stage("choice")
-    if choice.plan is not None:
+    if choice.plan is not None and choice.engine != "bem":
         try:
             model = scene.model(choice.plan, values)
         except ModelRangeError as error:
-            choice = _Choice("bem", f"the microcontact model has no answer: {error}", None)
+            choice = choice._replace(
+                engine="bem", reason=f"the microcontact model has no answer: {error}"
+            )
         clock.stage("model")
     if choice.engine == "bem":
         curve = scene.exact(values, min(asked.area, AREA_OVER_LOAD_ERROR * asked.load))
@@ -163,13 +165,14 @@ def solve(
         "resolution_uncertainty": [left.load, left.area],
         "resolution": left.told_by,
     }
-    warnings = dict.fromkeys([*map_warnings(hm), *curve.settings["warnings"], *left.warnings])
+    known = map_warnings(hm) if choice.plan is None else choice.plan.warnings
+    warnings = dict.fromkeys([*known, *curve.settings["warnings"], *left.warnings])
     settings = {**curve.settings, "warnings": [*warnings], "verification": told}
     return replace(curve, seconds=clock.seconds, settings=settings)
 
 
 class _Choice(NamedTuple):
-    """Engine ("bem", "anchored" or "model"), why, and the plan of the model if it is to run."""
+    """Engine ("bem", "anchored" or "model"), why, and the plan of the model if one was made."""
 
     engine: str
     reason: str
@@ -230,7 +233,7 @@ class _Scene:
         alone, anchored = forecast(self.hm, plan, len(values))
         reason = f"forecast {alone:.2g} s of boundary elements, {anchored:.2g} s anchored"
         if alone <= anchored:
-            return _Choice("bem", reason, None)
+            return _Choice("bem", reason, plan)
         return _Choice("anchored", reason, plan)
 
     def model(self, plan: Plan, values: Array) -> ContactCurve:

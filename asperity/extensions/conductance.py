@@ -34,13 +34,16 @@ def constriction_conductance(
     Raises
     ------
     InputError
-        If the curve was made for a graded half-space or a number is not positive.
+        If the curve was made for a graded half-space, or with a hardness by boundary elements, or
+        a number is not positive.
 
     Notes
     -----
     The incremental contact problem and the constriction of a current through the same spots are
     the same potential problem (Barber 2003): ``C = 2 k / (E* (rho_1 + rho_2))`` with the
-    normal stiffness k. One circular spot gives Holm's ``4 a / (rho_1 + rho_2)``.
+    normal stiffness k of spots that keep their size. One circular spot gives Holm's
+    ``4 a / (rho_1 + rho_2)``. Contacts that have yielded keep it as the load begins to fall: of a
+    curve with a hardness k is its column `unloading_stiffness`.
 
     Examples
     --------
@@ -59,7 +62,15 @@ def constriction_conductance(
         modulus = curve.settings.get("modulus")
     if not (isinstance(modulus, Real) and 0 < modulus < np.inf):
         raise InputError(f"the composite modulus is {modulus} Pa; it must be positive and finite")
-    stiffness = np.where(curve.converged, curve.stiffness, np.nan)
+    stiffness = curve.stiffness
+    if curve.settings.get("hardness", np.inf) < np.inf:
+        if "unloading_stiffness" not in curve.extra:
+            raise InputError(
+                "the curve does not tell how spots that have yielded answer a falling load; make "
+                "it with asperity.contact_curve"
+            )
+        stiffness = curve.extra["unloading_stiffness"]
+    stiffness = np.where(curve.converged, stiffness, np.nan)
     return np.asarray(2.0 * stiffness / (modulus * total_resistivity(resistivity)))
 
 

@@ -15,6 +15,7 @@ from .material import HalfSpace, require_half_space
 
 __all__ = [
     "Boundary",
+    "area_over_pressure",
     "checked_loads",
     "chosen_boundary",
     "default_pressures",
@@ -88,27 +89,37 @@ def pressure_scale(hm: HeightMap, material: HalfSpace) -> float:
 
 
 def default_pressures(hm: HeightMap, material: HalfSpace, count: int = 10) -> NDArray[np.float64]:
-    """Mean pressures [Pa], geometric, for about 0.1 % to 10 % of contact.
+    """Mean pressures [Pa], geometric, for about 0.1 % to 10 % of contact, below the hardness.
 
     Raises
     ------
     InputError
         If the map has no slope.
     """
-    scale = min(pressure_scale(hm, material), AREA_OVER_LOAD * material.hardness)
-    if scale == 0.0:
+    if pressure_scale(hm, material) == 0.0:
         raise InputError("the rms slope of the map gives no scale of pressure; name the loads")
-    low, high = np.array([1e-3, 1e-1]) / AREA_OVER_LOAD * scale
+    low, high = np.array([1e-3, 1e-1]) / area_over_pressure(hm, material)
     return np.geomspace(low, high, count)
+
+
+def area_over_pressure(hm: HeightMap, material: HalfSpace) -> float:
+    """Forecast of the contact area fraction over the mean pressure [1/Pa] at light load.
+
+    Notes
+    -----
+    The contact area of elastic random roughness, 2 p/(E* h'), and that at the hardness, p/H, of
+    which the cubes add up (within 8 % of boundary elements for H/(E* h') of 0.05 to 1).
+    """
+    elastic = AREA_OVER_LOAD / pressure_scale(hm, material)
+    return float(np.cbrt(elastic**3 + material.hardness**-3))
 
 
 def expected_area_fraction(hm: HeightMap, material: HalfSpace, pressure: float) -> float:
     """Rough forecast of the real contact area fraction at a mean pressure, at most 1."""
-    scale = pressure_scale(hm, material)
-    if not scale:
+    if pressure_scale(hm, material) == 0.0:
         return 1.0
-    elastic = math.erf(0.5 * math.sqrt(math.pi) * AREA_OVER_LOAD * pressure / scale)
-    return min(max(elastic, pressure / material.hardness), 1.0)
+    light = area_over_pressure(hm, material) * pressure
+    return max(math.erf(0.5 * math.sqrt(math.pi) * light), min(pressure / material.hardness, 1.0))
 
 
 def checked_loads(
@@ -140,6 +151,11 @@ def checked_loads(
         values = np.empty(0)
     if not values.size or not np.isfinite(values).all():
         raise InputError(f"the {kind} load points must be finite numbers, at least one")
+    if kind == "pressure" and values.max() > material.hardness:
+        raise InputError(
+            f"mean pressure {values.max():.4g} Pa is above the hardness of {material.hardness:.4g} "
+            "Pa, which no surface carries; take a smaller load or a larger hardness"
+        )
     if kind == "pressure" and (values < 0).any():
         raise InputError(
             f"mean pressure {values.min():.4g} Pa is negative; compression is positive"

@@ -10,6 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.interaction.ewald.tangent import Tangent
+from asperity.interaction.newton.step import conjugate_gradients
+
 if TYPE_CHECKING:
     from asperity.interaction.ewald.operator import Interaction
     from asperity.interaction.newton.final_step import Solution
@@ -18,6 +21,9 @@ if TYPE_CHECKING:
     from .contact_system import ContactSystem
 
 __all__ = ["MEMORY", "Continuation", "Point", "PopulationState", "predict", "weights"]
+
+UNLOADING = 0.03
+"""Relative accuracy of the response of contacts that keep their areas."""
 
 MEMORY = 3
 """Points kept to extrapolate from."""
@@ -189,6 +195,21 @@ class Continuation:
         assert self.solution is not None
         return self.solution.tangent[0] / self.system.nominal_area
 
+    def unloading_stiffness(self, rows: Rows) -> float:
+        """Stiffness [Pa/m] at the last point, of which `rows` are the summits, with contacts that
+        keep their areas: those of elastic contacts of these areas, which the half-space couples."""
+        assert self.solution is not None
+        closed, system = self.solution.laws.force > 0.0, self.system
+        stiffness = np.ones(closed.size)
+        stiffness[closed] = system.table.elastic_at(rows[closed], self.solution.approach[closed])[1]
+        load = stiffness[closed]
+        if self.candidates is not None and closed.any():
+            problem = self.candidates.problem
+            tangent = Tangent(problem.plan, closed, stiffness, None, problem.form)
+            ones = np.ones(len(tangent.index))
+            load = conjugate_gradients(tangent, ones, tolerance=UNLOADING).solution
+        return float(load.sum()) / system.nominal_area
+
     @property
     def response(self) -> Array:
         """Approach that each contact gains per fall of the flat [-], shape (n,)."""
@@ -293,6 +314,12 @@ class PopulationState:
     def normal_stiffness(self) -> float:
         """Minus the slope of mean pressure over separation [Pa/m], by the tangent matrix."""
         return self.continuation.normal_stiffness
+
+    @property
+    def unloading_stiffness(self) -> float:
+        """Minus the slope of mean pressure over separation [Pa/m] as the load begins to fall, where
+        contacts that have yielded keep their areas."""
+        return self.continuation.unloading_stiffness(self.rows)
 
     @property
     def response(self) -> Array:

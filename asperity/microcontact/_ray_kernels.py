@@ -264,7 +264,7 @@ def resample(u, ratios, flags, good, basin, intervals, p):
                 base += 1
             while near < last and u[i, near] < x:
                 near += 1
-            _lagrange(u[i], base, x, w, dw)
+            lagrange(u[i], base, x, w, dw)
             s, ds, b = 0.0, 0.0, 0.0
             for k in range(4):
                 s += w[k] * ratios[0, i, base + k]
@@ -284,7 +284,7 @@ def resample(u, ratios, flags, good, basin, intervals, p):
 
 
 @inner()
-def _lagrange(u, base, x, w, dw):
+def lagrange(u, base, x, w, dw):
     """Weights of the value and of the slope at x of the cubic through four nodes."""
     for k in range(4):
         below, product, slope = 1.0, 1.0, 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
@@ -42,6 +43,15 @@ class LawTable:
     centre
         Centre (x, y) [m] of the contact relative to the summit at the nodes, shape
         (n, K + 1, 2); None if the law keeps every contact about its summit.
+    bearing
+        Area [m^2] of the unloaded summit above the flat at the nodes, shape (n, K + 1); None where
+        no hardness asks for it.
+    elastic
+        The force over that of the contact of the same area without a hardness, and the stiffness of
+        that one [N/m], shape (n, K + 1, 2); None without one.
+    hardness
+        Pressure [Pa] that the contacts bear at most; where it bounds their laws these need not be
+        convex.
     make
         Table of the contacts whose rows are given, in that order, of a lazy table (`lazy`).
 
@@ -68,6 +78,9 @@ class LawTable:
     exponent: float = 3.0
     law: str = ""
     centre: Array | None = None
+    bearing: Array | None = None
+    elastic: Array | None = None
+    hardness: float = math.inf
     make: Callable[[Rows], LawTable] | None = None
     ready: NDArray[np.bool_] = field(init=False)
 
@@ -115,8 +128,18 @@ class LawTable:
                     empty = np.zeros((len(self), *values.shape[1:]), values.dtype)
                     setattr(self, column.name, empty)
                 getattr(self, column.name)[missing] = values
-        self.exponent, self.law = block.exponent, block.law
+        self.exponent, self.law, self.hardness = block.exponent, block.law, block.hardness
         self.ready[missing] = True
+
+    def rows(self, index: Rows) -> LawTable:
+        """The laws of the contacts `index`, which are made if they are missing."""
+        self.ensure(index)
+        columns: dict[str, Any] = {"make": None}
+        for column in fields(LawTable):
+            values = getattr(self, column.name)
+            if isinstance(values, np.ndarray) and column.init:
+                columns[column.name] = values[index]
+        return replace(self, **columns)
 
     def approach(self) -> Array:
         """Approaches [m] of the nodes, shape (n, K + 1)."""
@@ -169,12 +192,23 @@ class LawTable:
         """Centres x, y [m] of the contacts `index` relative to their summits, shape (n,)."""
         if self.centre is None:
             return np.zeros(approach.size), np.zeros(approach.size)
+        x, y = self._between(self.centre, index, approach)
+        return x, y
+
+    def elastic_at(self, index: NDArray[np.int64], approach: Array) -> tuple[Array, Array]:
+        """Of elastic contacts with the areas of the contacts `index`, of a table with a hardness:
+        what their force is the share of, and their stiffness [N/m], shape (n,) each."""
+        assert self.elastic is not None
+        share, stiffness = self._between(self.elastic, index, approach)
+        return share, stiffness
+
+    def _between(self, pairs: Array, index: NDArray[np.int64], approach: Array) -> Array:
+        """Pairs at the nodes (n, K + 1, 2), linear between them, shape (2, n)."""
         reach = np.where(self.reach[index] > 0, self.reach[index], np.inf)
         u = np.sqrt(np.clip(approach / reach, 0.0, 1.0)) * self.nodes
         low = np.minimum(u.astype(np.int64), self.nodes - 1)
         share = (u - low)[:, None]
-        x, y = ((1 - share) * self.centre[index, low] + share * self.centre[index, low + 1]).T
-        return x, y
+        return np.asarray(((1 - share) * pairs[index, low] + share * pairs[index, low + 1]).T)
 
     def flags_at(self, index: ArrayLike, approach: ArrayLike) -> NDArray[np.uint8]:
         """Flags of the node at or above `approach`; the last node's beyond the reach."""

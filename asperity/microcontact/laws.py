@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace
 
+from .capped_table import capped_table
+
 if TYPE_CHECKING:
     from surfaces import Profiles
 
     from .law_table import LawTable
 
-__all__ = ["LAWS", "law_module", "require_law", "tabulate"]
+__all__ = ["LAWS", "elastic_table", "law_module", "require_law", "tabulate"]
 
 LAWS = ("auto", "hertz", "paper", "harmonic", "ellipse", "ritz")
 """Names of the laws, the default first."""
@@ -51,6 +54,17 @@ def law_module(law: str) -> ModuleType:
     return auto
 
 
+def elastic_table(
+    profiles: Profiles, material: HalfSpace, *, law: str = "harmonic", **settings: Any
+) -> LawTable:
+    """As `tabulate`, without a bound on the pressure; with the bearing areas, where the half-space
+    has a hardness, from which the capped laws are made (`capped_table`)."""
+    table: LawTable = law_module(law).tabulate(profiles, material, law=law, **settings)
+    if material.hardness < math.inf:
+        table.bearing = profiles.bearing_areas(table.approach())
+    return table
+
+
 def tabulate(
     profiles: Profiles, material: HalfSpace, *, law: str = "harmonic", **settings: Any
 ) -> LawTable:
@@ -67,5 +81,4 @@ def tabulate(
     settings
         Passed to the law: ``nodes``, the number of intervals of the table.
     """
-    table: LawTable = law_module(law).tabulate(profiles, material, law=law, **settings)
-    return table
+    return capped_table(elastic_table(profiles, material, law=law, **settings), material)

@@ -97,6 +97,23 @@ class Decomposition:
         """The decomposition with all summits of the map, however low."""
         return Decomposition.of(self.hm, self.material, replace(self.plan, above=None))
 
+    def of_hardness(self, material: HalfSpace) -> Decomposition:
+        """The decomposition with another hardness of the half-space; summits and elastic laws are
+        those of this one."""
+        seconds = dict.fromkeys(self.seconds, 0.0)
+        factory = self.law_factory.of_hardness(material, seconds)
+        law = self.plan.sub_contact_law
+        if law is not None:
+            law = replace(law, hardness=material.hardness)
+        return replace(
+            self,
+            material=material,
+            plan=replace(self.plan, sub_contact_law=law),
+            law_factory=factory,
+            table=LawTable.lazy(len(self.summits), factory.table),
+            seconds=seconds,
+        )
+
     @functools.cached_property
     def population(self) -> Population:
         """The contacts with their laws, and with interaction if the plan has it."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import time
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import ModelRangeError
-from asperity.microcontact.laws import tabulate
+from asperity.microcontact.capped_table import capped_table
+from asperity.microcontact.law_table import LawTable
+from asperity.microcontact.laws import elastic_table
 from surfaces.numerics import parallel
 
 from .corrections import pressed_basins, sharp_tips
@@ -17,7 +20,6 @@ from .law_rows import LawRows
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
-    from asperity.microcontact.law_table import LawTable
     from asperity.parameters import Parameters
     from surfaces.heightmap import HeightMap
     from surfaces.peaks.summits import Summits
@@ -73,13 +75,28 @@ class LawFactory:
         self.material, self.law, self.parameters = material, law, parameters
         self.seconds = seconds
         self.without: set[int] = set()
+        self._elastic = LawTable.lazy(len(summits), self._without_hardness)
+
+    def of_hardness(self, material: HalfSpace, seconds: dict[str, float]) -> LawFactory:
+        """A factory for another hardness, which takes the elastic laws from here."""
+        other = copy.copy(self)
+        other.material, other.seconds = material, seconds
+        return other
 
     def table(self, rows: Rows) -> LawTable:
         """Laws of the summits `rows`, in that order."""
+        elastic = self._elastic.rows(rows)
+        begun = time.perf_counter()
+        table = capped_table(elastic, self.material)
+        self.seconds["laws"] += time.perf_counter() - begun
+        return table
+
+    def _without_hardness(self, rows: Rows) -> LawTable:
+        """Laws without a hardness of the summits `rows`, in that order."""
         begun = time.perf_counter()
         sampled = self.summits.rows(rows)
         between = time.perf_counter()
-        table = tabulate(sampled, self.material, law=self.law)
+        table = elastic_table(sampled, self.material, law=self.law)
         self._require_top(rows, table)
         if self.shares is not None:
             laws = LawRows(

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
+from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.scene import AREA_OVER_LOAD, pressure_scale, slope_scale
 from asperity.multiscale.wave_split import resolution_warning
 from asperity.parameters import DEFAULTS
 from surfaces.heightmap import HeightMap
-from surfaces.roughness import digits_warning, unit_warning
+from surfaces.roughness import unit_warning
 
-__all__ = ["lay", "map_warnings", "seam_warning", "straight_warning"]
+__all__ = ["hardness_needed", "lay", "map_warnings", "seam_warning", "straight_warning"]
 
 SPIKE = 3.0
 """Height of a point above all its neighbors, in rms heights, from which on it is called a spike:
@@ -34,6 +38,12 @@ STRAIGHT_TO = 1e-6
 """Second difference of heights over the rms height up to which points are in line: noise of
 rounding is below it, waves of 4 000 points and shorter are above."""
 
+METALS = 1e10, 1e12
+"""Moduli E* [Pa] between which a body may be a metal."""
+
+HARDEST = 0.035
+"""Hardness over E* that hardly a metal exceeds: 8 GPa of hardened steel."""
+
 HIGHEST, LINES = 0.02, 16
 """Share of the points that count as the highest, and rows and columns on which they are sought."""
 
@@ -41,7 +51,8 @@ HIGHEST, LINES = 0.02, 16
 def map_warnings(
     hm: HeightMap, longest_lay: float = DEFAULTS.error_estimate.longest_lay
 ) -> list[str]:
-    """One sentence for each reason why any model of a map may be wrong.
+    """One sentence for each reason why any model of a map may be wrong, but lost digits, which
+    every solver tells.
 
     Parameters
     ----------
@@ -51,7 +62,6 @@ def map_warnings(
         Slopes across over those along a lay from which on no errors are estimated.
     """
     return [
-        *digits_warning(hm.roughness.largest, hm.roughness.rms_height),
         *unit_warning(hm.roughness.rms_slope),
         *_steep_warning(hm.roughness.rms_slope),
         *resolution_warning(hm),
@@ -60,6 +70,31 @@ def map_warnings(
         *straight_warning(hm),
         *_lay_warning(lay(hm), longest_lay),
     ]
+
+
+def hardness_needed(hm: HeightMap, material: HalfSpace) -> tuple[str, list[str]]:
+    """What a hardness, given or not, means for the contacts of a map, in one line; and a warning
+    where metals would not carry what elastic contacts do."""
+    slope, _ = slope_scale(hm)
+    if slope == 0.0:
+        return "hardness: of no concern, the map has no slope", []
+    mean = pressure_scale(hm, material) / AREA_OVER_LOAD
+    if material.hardness < math.inf:
+        over = mean / material.hardness
+        return (
+            f"hardness: {material.hardness:.3g} Pa, elastic contacts would carry {over:.2g} of it",
+            [],
+        )
+    share = slope / AREA_OVER_LOAD
+    told = f"elastic contacts carry about {mean:.2g} Pa, {100 * share:.2g} % of the modulus"
+    metal = material.m == 0.0 and METALS[0] < material.modulus < METALS[1]
+    if not (metal and share > HARDEST):
+        return f"hardness: none, {told}", []
+    told += (
+        ": metals yield at 0.3 to 3 % of it, and then touch on more area; give the hardness of the "
+        "softer body (hardness=, --hardness) if it is one"
+    )
+    return f"hardness: none, {told}", [told]
 
 
 def lay(hm: HeightMap) -> float:

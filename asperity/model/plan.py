@@ -26,8 +26,9 @@ from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import available_bytes
 from surfaces.peaks.peaks import flat_share
 from surfaces.preparation.resampling import coarse_map
+from surfaces.roughness import digits_warning
 
-from .map_checks import lay, map_warnings
+from .map_checks import hardness_needed, lay, map_warnings
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -176,12 +177,15 @@ def make_plan(
     require_scene(hm, material)
     _require_usable(hm, material)
     kind, values = checked_loads(hm, material, pressures, separations)
-    warnings = tuple(map_warnings(hm, parameters.error_estimate.longest_lay))
+    digits = digits_warning(hm.roughness.largest, hm.roughness.rms_height)
+    warnings = (*digits, *map_warnings(hm, parameters.error_estimate.longest_lay))
     hm = hm.without_rounding
     edge = chosen_boundary(hm, boundary)
     reasons = [f"boundary: {edge} ({'as the map says' if boundary is None else 'as asked'})"]
     body = f"graded, m = {material.m:g}" if material.m != 0.0 else "homogeneous"
-    reasons.append(f"material: {body}")
+    hard, doubts = hardness_needed(hm, material)
+    reasons += [f"material: {body}", hard]
+    warnings = (*warnings, *doubts)
     if not isinstance(interaction, bool | np.bool_):
         raise InputError(f"interaction is {interaction!r}; it must be True or False")
     coupled, why = False, "interaction: off, as asked (the classical independent sum)"

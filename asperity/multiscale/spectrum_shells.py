@@ -20,6 +20,9 @@ __all__ = ["Shells"]
 Array = NDArray[np.float64]
 Waves = NDArray[np.complex128] | Array
 
+NEARLY = 1.7
+"""Points over pixels along a side from which on a grid gets twice the pixels."""
+
 FEWEST = 96
 """Least points of the shorter side of the grid of the longer waves."""
 
@@ -68,15 +71,18 @@ class Shells:
         return cls(hm, waves, numbers, width, _sums(hm, waves, numbers, width, m))
 
     def map(self, last: int, points: float) -> HeightMap | None:
-        """The map of the waves up to the shell `last`, on a grid of `points` per shortest wave.
+        """The map of the waves up to the shell `last`, on a grid of `points` per shortest wave; of
+        twice the pixels where these are hardly more, since the contacts of a map that is moved by
+        pixels are then the same.
 
         None where that would have fewer than `FEWEST` points.
         """
         hm = self.hm
         shortest = 2.0 * np.pi / (self.width * last)
+        least = [int(np.ceil(points * length / shortest)) for length in hm.size]
         ny, nx = (
-            fft.next_fast_len(int(np.ceil(points * length / shortest)), real=True)
-            for length in hm.size
+            2 * n if NEARLY * n < wanted <= 2 * n else fft.next_fast_len(wanted, real=True)
+            for n, wanted in zip(hm.shape, least, strict=True)
         )
         if min(ny, nx) < FEWEST:
             return None

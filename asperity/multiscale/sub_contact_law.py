@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtri
 
 from asperity.parameters import DEFAULTS
 from asperity.parameters.constants import SubContact
@@ -44,6 +45,10 @@ class SubContactLaw:
         Their mean wave number [1/m], that of their pressure over that of their energy.
     m
         Exponent of the grading of the body.
+    rms
+        Rms height [m] of the longer waves, and of all.
+    hardness
+        Pressure [Pa] that the contacts bear at most.
     fitted
         Constants of the law.
 
@@ -68,6 +73,12 @@ class SubContactLaw:
     `fitted.lift_power`. All were found without microcontacts, from the pressures of solutions of
     the longer waves, for Hurst exponents 0.5 to 0.9 and one to four octaves
     (docs/development/sub_contact_roughness.md).
+
+    With a hardness H contacts keep p/H of their area at least, and c with 1 - c^3 = (1 - e^3)
+    (1 - (p/H)^3) in all, e being the share above. Of the lift there remains that of elastic
+    contacts of the same areas times the load over theirs; in place of the rest stands the lift of
+    the bearing curve of a random surface, z times the difference of both rms heights where a normal
+    variable exceeds z with the probability P.
     """
 
     shortest: float
@@ -76,6 +87,8 @@ class SubContactLaw:
     energy: float
     number: float
     m: float = 0.0
+    rms: tuple[float, float] = (1.0, 1.0)
+    hardness: float = np.inf
     fitted: SubContact = DEFAULTS.sub_contact
 
     @property
@@ -93,7 +106,9 @@ class SubContactLaw:
         """
         unseen = self.fitted.seen**2 * np.pi / (self.number**2 * np.asarray(area, float))
         opening = self._opening(pressure, share) ** 2 / (1.0 + unseen)
-        return np.asarray(1.0 / np.sqrt(1.0 + opening))
+        closed = 1.0 / np.sqrt(1.0 + opening)
+        yielded = np.minimum(np.asarray(pressure) / self.hardness, 1.0)
+        return np.asarray(np.cbrt(1.0 - (1.0 - closed**3) * (1.0 - yielded**3)))
 
     def stored(self, pressure: ArrayLike, share: float) -> Array:
         """Complementary energy per area [J/m^2] of contacts of mean pressure p [Pa]."""
@@ -105,6 +120,11 @@ class SubContactLaw:
         fitted = self.fitted
         height = fitted.lift * (1.0 - fitted.graded_lift * self.m)
         return float(1.0 + height * (1.0 - share) ** fitted.lift_power)
+
+    def bearing_lift(self, share: float) -> float:
+        """Height [m] by which the fine waves raise the bearing curve where it is the share P."""
+        longer, whole = self.rms
+        return float(ndtri(1.0 - share) * (whole - longer))
 
     def _opening(self, pressure: ArrayLike, share: float) -> Array:
         """sqrt(b)."""
@@ -125,11 +145,14 @@ class SurfacePoint:
         Contact area [m^2].
     stiffness
         Minus the slope of mean pressure over separation [Pa/m].
+    unloading
+        The same as the load begins to fall; with a hardness contacts then keep their areas.
     """
 
     separation: float
     contact_area: float
     stiffness: float
+    unloading: float
 
 
 def surface_point(
@@ -157,32 +180,55 @@ def surface_point(
     The lift d(sum Phi)/dF is taken along the answer of all contacts to a small fall of the flat
     (the tangent of the coupled problem), by central differences.
     """
+    stiffness = unloading = state.normal_stiffness
+    hard = population.material.hardness < np.inf
+    if hard and stiffness > 0.0:
+        unloading = max(state.unloading_stiffness, stiffness)
     if law is None:
-        return SurfacePoint(state.separation, state.contact_area, state.normal_stiffness)
+        return SurfacePoint(state.separation, state.contact_area, stiffness, unloading)
     closed = np.flatnonzero(state.force > 0)
     if not closed.size:
         top = population.highest
-        return SurfacePoint(max(state.separation, highest + state.separation - top), 0.0, 0.0)
+        separation = max(state.separation, highest + state.separation - top)
+        return SurfacePoint(separation, 0.0, 0.0, 0.0)
     nominal, contacts = population.nominal_area, population.laws.rows(closed)
     share = 0.5 * (state.contact_area + area) / nominal
-    stiffness, gained = state.normal_stiffness, state.response[closed]
+    gained = state.response[closed]
     if not stiffness > 0.0:  # a failed solve, marked as such
-        return SurfacePoint(state.separation, area, stiffness)
+        return SurfacePoint(state.separation, area, stiffness, stiffness)
     fall = STEP * state.mean_pressure / stiffness
 
-    def energy(step: float) -> tuple[float, float]:
-        here = contacts(np.maximum(state.approach[closed] + step * gained, 0.0))
+    def twin(step: float) -> tuple[float, float, float]:
+        """Energy stored by the fine waves in elastic contacts of the same areas, their load, and
+        that of the contacts."""
+        approach = np.maximum(state.approach[closed] + step * gained, 0.0)
+        here = contacts(approach)
         kept = here.force > 0
         force, width = here.force[kept], here.area[kept]
-        stored = law.stored(force / width, share)
-        return float(np.sum(width * stored)), float(force.sum())
+        elastic = force
+        if hard:
+            elastic = force / population.table.elastic_at(closed[kept], approach[kept])[0]
+        stored = law.stored(elastic / width, share)
+        return float(np.sum(width * stored)), float(elastic.sum()), float(force.sum())
 
-    (low, less), (middle, load), (high, more) = (energy(step) for step in (-fall, 0.0, fall))
-    factor = law.lift(share)
-    lift = factor * (high - low) / (more - less)
-    change = factor * ((high - middle) / (more - load) - (middle - low) / (load - less))
-    compliance = 1.0 / stiffness - change / (0.5 * (more - less)) * nominal
-    return SurfacePoint(min(state.separation + lift, highest), area, 1.0 / compliance)
+    low, middle, high = (twin(step) for step in (-fall, 0.0, fall))
+
+    def raised(before: tuple[float, ...], after: tuple[float, ...]) -> float:
+        return law.lift(share) * (after[0] - before[0]) / (after[1] - before[1])
+
+    elastic = middle[2] / middle[1]
+    lift = elastic * raised(low, high)
+    bend = raised(middle, high) - raised(low, middle)
+    change = elastic * bend
+    if elastic < 1.0:
+        part = state.contact_area / nominal
+        lift += (1.0 - elastic) * law.bearing_lift(part)
+        wider = part * (1.0 + 0.5 * (high[2] - low[2]) / middle[2])
+        change += (1.0 - elastic) * (law.bearing_lift(wider) - law.bearing_lift(part))
+    compliance = 1.0 / stiffness - change / (0.5 * (high[2] - low[2])) * nominal
+    softer = 1.0 / unloading - bend / (0.5 * (high[1] - low[1])) * nominal
+    separation = min(state.separation + lift, highest)
+    return SurfacePoint(separation, area, 1.0 / compliance, 1.0 / (softer if hard else compliance))
 
 
 def closed_areas(population: Population, law: SubContactLaw, state: PopulationState) -> Array:

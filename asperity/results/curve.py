@@ -288,11 +288,13 @@ class ContactCurve:
         stated = self.extra.get("area_error_estimate")
         area = "" if stated is None else f" in load, {span(stated, '')} in area"
         alone = self.extra.get("interaction_difference")
+        yielded = [self.extra[name] for name in ("plastic_share",) if name in self.extra]
         lines = [
             f"contact curve   {self.model}, {len(self)} points, {good} converged",
             f"separation      {span(self.separation, ' m')}",
             f"mean pressure   {span(self.mean_pressure, ' Pa')}   load {span(self.load, ' N')}",
             f"area fraction   {span(self.area_fraction, '')}   contacts {span(self.contacts, '')}",
+            *(f"plastic share   {span(share, '')} of the contact area" for share in yielded),
             f"error estimate  {span(self.error_estimate, '')}{area}",
             f"residual        {span(self.residual, '')}",
             f"seconds         {sum(self.seconds.values()):.3g} ("

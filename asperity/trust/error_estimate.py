@@ -15,6 +15,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity.halfspace.flags import Flag
 from asperity.microcontact.basin_bem.press import SPREAD
@@ -34,8 +35,11 @@ __all__ = [
     "nonrandomness",
     "outside_model_terms",
     "terms",
+    "yielded_factor",
 ]
 
+
+Array = NDArray[np.float64]
 
 TERMS = (
     "coarse_contacts",
@@ -134,6 +138,12 @@ def estimate(
     inside = sum(w * values[name] for name, w in zip(TERMS, weights, strict=True))
     outside = sum(getattr(fitted, name) * values.get(name, 0.0) for name in OUTSIDE_MODEL)
     return float(inside + outside)
+
+
+def yielded_factor(plastic_share: Array, fitted: ErrorEstimate = DEFAULTS.error_estimate) -> Array:
+    """Factor of the area's estimate where this share of the contact area is at the hardness."""
+    slope, least = fitted.yielded
+    return np.asarray(np.clip(slope * (1.0 - plastic_share), least, 1.0))
 
 
 def outside_model_terms(decomposition: Decomposition, state: PopulationState) -> dict[str, float]:

@@ -193,7 +193,7 @@ def _products(flat, width, corners, weights, t, point, share):
     return along * _taps(0, repeat(t, point))
 
 
-@inner(**BORROWING)
+@inner(forceinline=True, **BORROWING)
 def spline_values(flat, width, corners, first, weights, t, out, into):
     """Spline at the eight points from `first` on, into `out` from `into` on.
 

@@ -70,7 +70,7 @@ def _along(start, way, r, n, inverse, margin):
     return value, _inside(pixel, pixel + 0.5, n, inverse)
 
 
-@inner(**BORROWING)
+@inner(forceinline=True, **BORROWING)
 def ray_places(
     y, x, way_y, way_x, scale, most, radii, first, cell, corners, rest, weights, pixels, at, into
 ):
@@ -101,7 +101,7 @@ def ray_places(
         store(weights, TAPS * at + tap * LANES, share)
 
 
-@inner(**BORROWING)
+@inner(forceinline=True, **BORROWING)
 def ray_signs(zs, at, z, high, dip, pixels, labels, owner, peak, radii, first, end):
     """What holds at the eight samples of a ray from `at` on: five bytes of a number.
 
@@ -126,7 +126,7 @@ def ray_signs(zs, at, z, high, dip, pixels, labels, owner, peak, radii, first, e
     return signs
 
 
-@inner(**BORROWING)
+@inner(forceinline=True, **BORROWING)
 def rising_nodes(zs, at, z, least, high, scale, squares, inverses, first):
     """Turn the eight heights from `at` on into f/r^2 at the nodes of a ray, from `first` on.
 
@@ -199,7 +199,7 @@ def _march(
             break
 
 
-@inner(**BORROWING)
+@inner(forceinline=True, **BORROWING)
 def _advance(ray, signs, radii, first, at, zs):
     """Take a ray on by the samples from number `first` on; returns whether it goes on.
 
@@ -229,7 +229,7 @@ def _advance(ray, signs, radii, first, at, zs):
     return not ended and stop == LANES
 
 
-@inner(**BORROWING)
+@inner(forceinline=True, **BORROWING)
 def _crest(ray, radii):
     """Where f is highest: at the vertex of the parabola through the highest of its samples."""
     edge = radii[ray.top]

@@ -12,6 +12,7 @@ from surfaces.numerics.splines import LANES, PAD
 from surfaces.polar import PolarProfile
 
 from . import _rays
+from ._bearing import bearing_areas
 from .peaks import RIM, SUMMIT, SummitArrays
 
 __all__ = ["PART", "Fans", "Profiles", "ray_aspect"]
@@ -122,6 +123,22 @@ class Profiles:
     def f(self) -> Array:
         """Gap f [m] at the nodes, shape (n, rays, nodes); it does not fall along a ray."""
         return self.q * (self.t * self.edge[:, :, None]) ** 2
+
+    def bearing_areas(self, depths: Array) -> Array:
+        """Area [m^2] of each basin above the level `depths` [m] under its summit.
+
+        Parameters
+        ----------
+        depths
+            Depths, shape (n, levels), that do not fall along a row.
+
+        Notes
+        -----
+        Along a ray the root of f is linear between the nodes; no area lies beyond its end.
+        """
+        area = np.zeros(depths.shape)
+        bearing_areas(self.q, self.t, self.edge, self.weight, depths, area)
+        return area
 
     def profile(self, i: int) -> PolarProfile:
         """Profile of one peak on `_ANGLES` equispaced directions, up to its longest ray.

@@ -17,6 +17,13 @@ def test_import_is_light(package):
     assert done.stdout.strip() == "[]"
 
 
+def test_only_the_command_used_is_imported():
+    code = "import sys, asperity.cli.main as cli; cli.build_parser('warmup'); "
+    code += "print([name for name in cli.COMMANDS if f'asperity.cli.{name}' in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "['warmup']"
+
+
 @pytest.mark.parametrize("package", ["asperity", "surfaces"])
 def test_every_public_name_resolves(package):
     module = __import__(package)

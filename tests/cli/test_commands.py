@@ -50,6 +50,15 @@ def test_curve_commands_write_what_they_print(command, folder, capsys):
 
 
 @pytest.mark.parametrize("command", ["curve", "bem", "solve"])
+def test_lost_digits_are_told_once(command, folder, capsys):
+    hm = surfaces.read("rough.h5")
+    surfaces.write(hm.replace(heights=hm.heights + 1e9), "far.h5")
+    main([command, "far.h5", *STEEL, "--pressure", "1e8"])
+    out, err = capsys.readouterr()
+    assert (out + err).count("are rounded to") == 1
+
+
+@pytest.mark.parametrize("command", ["curve", "bem", "solve"])
 def test_curve_commands_resume(command, folder, capsys):
     assert main([command, "rough.h5", *STEEL, "--pressure", "1e8,3e8"]) == 0
     assert main([command, "rough.h5", *STEEL, "--pressure", "3e8,5e7,1e8", "--resume"]) == 0

@@ -39,6 +39,7 @@ def write_report(
     plan: Sequence[str],
     about: Mapping[str, Any],
     verdict: str,
+    elastic: ContactCurve | None = None,
 ) -> None:
     """Write the report as one HTML file that needs nothing else.
 
@@ -46,7 +47,7 @@ def write_report(
     ----------
     path
         File to write; replaced at once when it is complete.
-    model, reference, table, pareto, maps, map_point, overlap, plan, about
+    model, reference, table, pareto, maps, map_point, overlap, plan, about, elastic
         As in `Comparison`.
     verdict
         Sentences that come first.
@@ -81,8 +82,8 @@ def write_report(
             version=__version__,
             converged=bool(model.converged.all() and reference.converged.all()),
             stated_area_error=model.extra.get("area_error_estimate", unknown),
-            separation_figure=figures.separation_figure(model, reference),
-            area_figure=figures.area_figure(model, reference),
+            separation_figure=figures.separation_figure(model, reference, elastic),
+            area_figure=figures.area_figure(model, reference, elastic),
             map_figure=figures.map_figure(maps["bem"], maps["asperity"], about["spacing"]),
             pareto_figure=figures.pareto_figure(pareto),
         )

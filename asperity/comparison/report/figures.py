@@ -18,6 +18,7 @@ from asperity.results.curve import ContactCurve
 __all__ = ["area_figure", "map_figure", "pareto_figure", "separation_figure"]
 
 BEM_COLOR, MODEL_COLOR, BOTH_COLOR = "#1b4f72", "#c0562b", "#3c3c3c"
+ELASTIC_COLOR = "#8a8a8a"
 LABELS = {
     "separation": "separation [m]",
     "mean_pressure": "mean pressure [Pa]",
@@ -38,20 +39,22 @@ MAP_POINTS = 1000
 """Contact maps are thinned to at most about this many points along an axis."""
 
 
-def separation_figure(model: ContactCurve, reference: ContactCurve) -> str:
-    """Mean pressure over separation, both models."""
+def separation_figure(
+    model: ContactCurve, reference: ContactCurve, elastic: ContactCurve | None
+) -> str:
+    """Mean pressure over separation, both models, and without hardness."""
 
     def draw(figure: Figure) -> None:
-        _curves(figure, model, reference, "separation", "mean_pressure", "y")
+        _curves(figure, (reference, model, elastic), "separation", "mean_pressure", "y")
 
     return _svg(draw, CURVE_SIZE)
 
 
-def area_figure(model: ContactCurve, reference: ContactCurve) -> str:
-    """Real contact area fraction over mean pressure, both models."""
+def area_figure(model: ContactCurve, reference: ContactCurve, elastic: ContactCurve | None) -> str:
+    """Real contact area fraction over mean pressure, both models, and without hardness."""
 
     def draw(figure: Figure) -> None:
-        _curves(figure, model, reference, "mean_pressure", "area_fraction", "x", "y")
+        _curves(figure, (reference, model, elastic), "mean_pressure", "area_fraction", "x", "y")
 
     return _svg(draw, CURVE_SIZE)
 
@@ -124,14 +127,18 @@ def _scatter(axes: Any, pareto: NDArray[np.void], name: str) -> None:
 
 
 def _curves(
-    figure: Figure, model: ContactCurve, reference: ContactCurve, x: str, y: str, *logarithmic: str
+    figure: Figure, curves: tuple[ContactCurve | None, ...], x: str, y: str, *logarithmic: str
 ) -> None:
+    """Curves of boundary elements, of microcontacts and of these without hardness, if any."""
     axes = figure.add_subplot()
-    for curve, color, marker, label in (
-        (reference, BEM_COLOR, "o", "boundary elements"),
-        (model, MODEL_COLOR, "D", "microcontacts"),
-    ):
-        _points(axes, curve, getattr(curve, x), getattr(curve, y), color, marker, label)
+    looks = (
+        (BEM_COLOR, "o", "boundary elements"),
+        (MODEL_COLOR, "D", "microcontacts"),
+        (ELASTIC_COLOR, ".", "microcontacts without hardness"),
+    )
+    for curve, look in zip(curves, looks, strict=True):
+        if curve is not None:
+            _points(axes, curve, getattr(curve, x), getattr(curve, y), *look)
     axes.set(xlabel=LABELS[x], ylabel=LABELS[y], **_logarithmic(axes, *logarithmic))
     axes.legend()
 

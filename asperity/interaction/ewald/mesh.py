@@ -25,6 +25,10 @@ SHORT = 100
 """Nodes along each side up to which transforms are products of matrices: they take half the time of
 the library's, and a tenth on 16 nodes. The products of longer ones would use several threads."""
 
+LEAST = 32
+"""Nodes along each side of a periodic cell at least: with few contacts errors of the mesh, which
+hang on their places between its nodes, do not average out."""
+
 HIGHEST = 13.0
 """Wave number times eta beyond which the smooth part is nothing (1e-18)."""
 
@@ -71,7 +75,7 @@ class Mesh:
         precision: type,
     ) -> None:
         if periodic:
-            self.shape = _lengths(*(max(8, math.ceil(nodes * s)) for s in size))
+            self.shape = _lengths(*(max(LEAST, math.ceil(nodes * s)) for s in size))
             step = (size[0] / self.shape[0], size[1] / self.shape[1])
             transfer = _periodic_transfer(footprints, size, self.shape)
         else:

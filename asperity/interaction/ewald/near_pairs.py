@@ -16,13 +16,17 @@ from surfaces.numerics.parallel import each, threads
 from . import _list_kernels
 from ._list_kernels import LANES
 
-__all__ = ["NEAREST", "RUNG", "chunks", "long_enough", "near_pairs", "run", "split_length", "total"]
+__all__ = ["PAIRS", "RUNG", "chunks", "long_enough", "near_pairs", "run", "split_length", "total"]
 
 NEIGHBOURS = 15
 """Neighbours within the cut-off, on average."""
 
 FEW, NEAREST = 3_500, 11
 """Points whose mesh is short, and their neighbours: pairs and mesh then take the same time."""
+
+PAIRS = 5_000
+"""Near pairs, twice over, that cost little, of however few points: what footprints are beyond them
+does not average out over few contacts."""
 
 WIDEST = 3.0
 """Least split length over the root of the widest variance: moments must stay an expansion."""
@@ -70,7 +74,7 @@ def split_length(
         Neighbours within the cut-off, on average; as many as are fastest if None.
     """
     if neighbours is None:
-        neighbours = NEAREST if count <= FEW else NEIGHBOURS
+        neighbours = max(NEAREST if count <= FEW else NEIGHBOURS, PAIRS / count)
     # within this distance of a point there are `neighbours` of a plane or, if more, of a line
     reach = max(
         math.sqrt(neighbours / math.pi * size[0] * size[1] / count),

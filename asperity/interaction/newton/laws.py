@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,6 +36,9 @@ FILLED = 0.5
 
 STIFFEST = 1.5
 """Largest stiffness over that of a round punch of the same area; an ellipse of 6:1 has 1.28."""
+
+SOFTEST = 1e-3
+"""Least stiffness over the largest of a contact whose pressure a hardness bounds."""
 
 
 class Evaluated:
@@ -84,7 +88,8 @@ class Laws:
     grows with its approach, and its stiffness with it, up to that of a flat punch of the contact. A
     table that breaks this gets the largest convex force below its own, no steeper than `STIFFEST`
     times a round punch of its largest area; nodal stiffnesses are kept between those of the
-    neighboring intervals.
+    neighboring intervals. With a hardness the stiffness may fall, and only the force has to grow;
+    what it exceeds the table by, beyond the reach, is carried at the hardness on more area.
     """
 
     def __init__(self, nodes: LawTable, footprints: Footprints) -> None:
@@ -145,6 +150,9 @@ class Laws:
             ),
             blocks(len(approach), CONTACTS_PER_THREAD),
         )
+        hardness = store.nodes.hardness
+        if hardness < math.inf:
+            np.maximum(out.area, out.force / hardness, out=out.area)
         return out
 
     def lacking(self, wanted: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -224,7 +232,9 @@ class _Store:
         self.usable[rows] = good
         rows, reach, area = rows[good], reach[good], area[good]
         cap = STIFFEST * self.footprints.punch(np.sqrt(area.max(axis=1) / np.pi))
-        force, stiffness, self.repaired[rows] = _sound(reach, force[good], stiffness[good], cap)
+        known = reach, force[good], stiffness[good], cap
+        sound = _sound(*known) if nodes.hardness == math.inf else _growing(*known)
+        force, stiffness, self.repaired[rows] = sound
         self.reach[rows], self.largest[rows] = reach, area[:, -1]
         first, self.made = self.made, self.made + len(rows)
         self.place[rows] = np.arange(first, self.made)
@@ -272,3 +282,18 @@ def _sound(
     above[:, -1] = np.maximum(cap[broken], secant[:, -1])
     stiffness[broken] = np.clip(stiffness[broken], below, above)
     return force, stiffness, np.asarray(broken)
+
+
+def _growing(
+    reach: NDArray[np.float64],
+    force: NDArray[np.float64],
+    stiffness: NDArray[np.float64],
+    cap: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+    """Forces that grow, with stiffnesses between a part of the largest and `cap`, and which rows
+    had to be changed."""
+    least = SOFTEST * stiffness.max(axis=1, keepdims=True)
+    bounded = np.clip(stiffness, np.minimum(least, cap[:, None]), cap[:, None])
+    grown = np.maximum.accumulate(force, axis=1)
+    broken = (grown != force).any(axis=1) | (bounded != stiffness)[:, 1:].any(axis=1)
+    return grown, bounded, np.asarray(broken)

@@ -248,14 +248,15 @@ def press_levels(
     slot, first, last, peak, surface, summits, depths, unit, m, kernels, points, tolerance, out,
     space,
 ):  # fmt: skip
-    """Force, area, centre y, x and moments yy, xx, yx of the pressure of a peak [SI].
+    """Force, area, centre y, x and moments yy, xx, yx of the pressure of a peak, and the area of
+    it above the flat [SI].
 
     At the levels from `first` to before `last` of the row `slot` of `depths`. `surface` holds
     heights, labels, owners of labels, periodicity, spline, its width and the spacing; `summits` the
     pixels, places [pixels], heights [m], axes [rad], curvatures [1/m] and floors [m] of all (finite
     ones are of joined summits, which get twice the elements); `depths` the approaches [m],
     (n, levels), rising, zero after the last; `unit` the compliance of an element of unit area;
-    `out` is (n, levels, 7): zero where too few elements overlap, its force negative where the basin
+    `out` is (n, levels, 8): zero where too few elements overlap, its force negative where the basin
     reaches too far, which ends it; `space` is scratch (`elements`).
     """
     heights, labels, owner, periodic, flat, width, spacing = surface
@@ -330,6 +331,7 @@ def press_levels(
         out[slot, level, 1] = element * _area(
             number, nv, nu, math.sqrt(hv / hu), math.sqrt(hu / hv), closed, work[0], m, edge
         )
+        out[slot, level, 7] = total * element
         y /= force
         x /= force
         out[slot, level, 2], out[slot, level, 3] = y, x

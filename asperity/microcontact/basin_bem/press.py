@@ -56,8 +56,8 @@ FEWEST = 3
 
 
 def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> Array:
-    """Force [N], area [m^2], centre y, x [m] from the summit and moments yy, xx, yx [m^2] of the
-    pressure about it, of basins pressed alone.
+    """Force [N], area [m^2], centre y, x [m] from the summit, moments yy, xx, yx [m^2] of the
+    pressure about it and area above the flat [m^2], of basins pressed alone.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
 
     Returns
     -------
-    Array of shape (n, levels, 7); zero where too few elements overlap, and from the level on at
+    Array of shape (n, levels, 8); zero where too few elements overlap, and from the level on at
     which a basin reaches too far.
 
     Notes
@@ -93,7 +93,7 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
         peaks.row, peaks.col, summits.places, summits.height, summits.angle, summits.curvature,
         summits.floor,
     )  # fmt: skip
-    out = np.zeros((*depths.shape, 7))
+    out = np.zeros((*depths.shape, 8))
     unit = compliance((1.0, 1.0), material)
     rules = unit, material.m, _kernels(material.m), POINTS, TOLERANCE
     spare: list[Any] = []
@@ -185,6 +185,8 @@ def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: Ha
     found[lost, 0, 0], found[lost, 0, 1] = table.force[node], table.area[node]
     if table.centre is not None:
         found[lost, 0, 2:4] = table.centre[node][:, ::-1]
+    if table.bearing is not None:
+        found[lost, 0, 7] = table.bearing[node]
     offsets = np.where(found[:, :, 0] > 0.0, wanted - first[:, None], -1)
     order = np.argsort(offsets < 0, axis=1, kind="stable")
     offsets = np.take_along_axis(offsets, order, axis=1)
@@ -207,11 +209,11 @@ def _join(
 ) -> None:
     """Put what was found at the nodes `begin` + `offsets` in some rows, from the node `begin` on.
 
-    Of `values` (n, levels, 7) the first `count` are known.
+    Of `values` (n, levels, 8) the first `count` are known.
     """
     u = np.arange(table.nodes + 1) / table.nodes
-    wanted = values[:, :, [1, 3, 2]]
-    wanted[:, :, 0] /= u[begin[:, None] + np.maximum(offsets, 0)] ** 2
+    wanted = values[:, :, [1, 7, 3, 2]]
+    wanted[:, :, :2] /= u[begin[:, None] + np.maximum(offsets, 0), None] ** 2
     smooth = monotone(offsets, count, wanted, np.arange(table.nodes + 1))
     every, end = np.arange(len(slots)), count - 1
     last = offsets[every, end]
@@ -220,8 +222,10 @@ def _join(
     row, node = slots[k], begin[k] + inside
     table.area[row, node] = u[node] ** 2 * smooth[k, inside, 0]
     table.spread[row, node] = SPREAD
+    if table.bearing is not None:
+        table.bearing[row, node] = u[node] ** 2 * smooth[k, inside, 1]
     if table.centre is not None:
-        table.centre[row, node] = smooth[k, inside, 1:]
+        table.centre[row, node] = smooth[k, inside, 2:]
     before = np.minimum(begin - 1, BEFORE)
     kinds, kind = np.unique(np.column_stack((before, offsets)), axis=0, return_inverse=True)
     for group, (earlier, *after) in enumerate(kinds.tolist()):
@@ -263,11 +267,14 @@ def _natural(places: tuple[int, ...]) -> tuple[Array, Array]:
 def _scale(table: LawTable, slots: Rows, end: Rows, values: Array) -> None:
     """Scale some rows to the force and the area at a node of each, from there on."""
     later = np.arange(table.nodes + 1) >= end[:, None]
-    for array, wanted, old in (
+    scaled = [
         (table.stiffness, values[:, 0], table.force),
         (table.force, values[:, 0], table.force),
         (table.area, values[:, 1], table.area),
-    ):
+    ]
+    if table.bearing is not None:
+        scaled.append((table.bearing, values[:, 7], table.bearing))
+    for array, wanted, old in scaled:
         array[slots] *= np.where(later, (wanted / old[slots, end])[:, None], 1.0)
 
 

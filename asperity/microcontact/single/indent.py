@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,12 +15,14 @@ from asperity.microcontact.laws import require_law
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from . import auto, circle, ellipse, hertz, ritz
+from .capped import CappedLaw
 from .indentation import Indentation
 
 __all__ = ["indent"]
 
 Array = NDArray[np.float64]
 Solver = Callable[..., Indentation]
+Measure = Callable[[Array], tuple[Array, Array]]
 
 SOLVERS: dict[str, Solver] = {
     "auto": auto.indent,
@@ -32,6 +36,12 @@ SOLVERS: dict[str, Solver] = {
 
 _STEPS = 60
 """Newton steps towards a load."""
+
+_FULL = 0.975
+"""Mean pressure over the hardness of a fully plastic contact: 0.95 of its area is saturated."""
+
+_TINY = 1e-6
+"""Approach of a contact just touched, over that of another."""
 
 
 def indent(
@@ -49,7 +59,7 @@ def indent(
     profile
         The gap f(r, phi) at first touch, about the summit.
     material
-        Half-space, homogeneous or graded.
+        Half-space, homogeneous or graded. Its hardness bounds the pressure.
     approach
         Approach d [m], a number or an array; nothing touches at d <= 0.
     load
@@ -79,12 +89,24 @@ def indent(
     if (approach is None) == (load is None):
         raise InputError("give either approach or load")
     solve = _solver(law)
-    if load is None:
-        return solve(profile, material, _finite(approach, "approach"), law=law)
-    force = _finite(load, "load")
-    if np.any(force <= 0):
+    goal = _finite(approach if load is None else load, "approach" if load is None else "load")
+    if load is not None and np.any(goal <= 0):
         raise InputError("load must be positive; give approach for a body that does not touch")
-    return _by_load(solve, profile, material, force, law)
+    elastic = partial(solve, profile, material.elastic, law=law)
+    driven = f"the law {law!r} reaches no {'approach' if load is None else 'load'}"
+    if np.isinf(material.hardness):
+        return elastic(goal if load is None else _depth(_forces(elastic), profile, goal, driven))
+    if load is not None:
+        _require_carried(profile, material, goal)
+    capped = CappedLaw(elastic, profile, material)
+    name = "approach" if load is None else "force"
+    one = capped.contact(_depth(_values(capped, name), profile, goal, driven))
+    return replace(
+        one,
+        approach=goal if load is None else one.approach,
+        first_yield_function=partial(_limit, capped, "yielding", 1.0, profile),
+        fully_plastic_function=partial(_limit, capped, "filling", _FULL, profile),
+    )
 
 
 def _solver(law: str) -> Solver:
@@ -94,31 +116,85 @@ def _solver(law: str) -> Solver:
     return SOLVERS[law]
 
 
-def _by_load(
-    solve: Solver,
-    profile: PowerSumProfile | PolarProfile,
-    material: HalfSpace,
-    force: Array,
-    law: str,
-) -> Indentation:
-    """Newton steps in log F over log d, halved towards the last depth that has a solution."""
+def _forces(elastic: Callable[[Array], Indentation]) -> Measure:
+    """Force of elastic contacts, and its change with the logarithm of their approach."""
+
+    def measure(depth: Array) -> tuple[Array, Array]:
+        state = elastic(depth)
+        return state.force, depth * state.stiffness
+
+    return measure
+
+
+def _values(capped: CappedLaw, name: str) -> Measure:
+    """A quantity of capped contacts, and its change with the logarithm of the elastic approach."""
+
+    def measure(depth: Array) -> tuple[Array, Array]:
+        values, changes = capped.at(depth.ravel())
+        return values[name].reshape(depth.shape), changes[name].reshape(depth.shape)
+
+    return measure
+
+
+def _depth(
+    measure: Measure, profile: PowerSumProfile | PolarProfile, goal: Array, refusal: str
+) -> Array:
+    """Elastic approach at which a quantity has the values `goal`; zero where they are not positive.
+
+    Newton steps in its logarithm over log d, halved towards the last depth that has a solution.
+    """
     radius = profile.radius if np.isfinite(profile.radius) else 1.0
     turn = 2 * np.pi * np.arange(16) / 16
-    depth = np.full(force.shape, np.mean(profile(radius / 4, turn)))
-    known = np.zeros(force.shape)
+    touching = goal > 0
+    depth = np.where(touching, np.mean(profile(radius / 4, turn)), 0.0)
+    known = np.zeros(goal.shape)
     for _ in range(_STEPS):
-        state = solve(profile, material, depth, law=law)
-        lost = ~np.isfinite(state.force)
+        value, change = measure(depth)
+        lost = ~np.isfinite(value * change)
         known = np.where(lost, known, depth)
-        with np.errstate(invalid="ignore"):
-            step = np.log(force / state.force) * state.force / (depth * state.stiffness)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            step = np.log(goal / value) * value / change
+        step = np.where(touching, step, 0.0)
         newton = depth * np.exp(np.clip(np.where(lost, 0.0, step), -3.0, 3.0))
         if not np.any(lost) and np.all(np.abs(step) < 1e-13):
-            return state
+            return depth
         depth = np.where(lost, np.where(known > 0, (depth + known) / 2, depth / 8), newton)
         if not np.any(lost) and np.all(np.abs(step) < 1e-11):
-            return solve(profile, material, depth, law=law)
-    raise ModelRangeError(f"the law {law!r} reaches no load of {float(np.max(force)):.4g} N")
+            return depth
+    raise ModelRangeError(f"{refusal} of {float(np.max(goal)):.4g}")
+
+
+def _limit(
+    capped: CappedLaw, name: str, goal: float, profile: PowerSumProfile | PolarProfile
+) -> tuple[float, float]:
+    """Approach and force at which a quantity reaches `goal`: zero from the start, or infinite."""
+    radius = profile.radius if np.isfinite(profile.radius) else 1.0
+    middle = np.mean(profile(radius / 4, 0.0))
+    values, changes = capped.at(np.array([_TINY, 1.0]) * middle)
+    if not values[name][0] < goal:
+        return 0.0, 0.0
+    if not np.all(changes[name] > 1e-9 * values[name]):
+        return np.inf, np.inf
+    try:
+        depth = _depth(_values(capped, name), profile, np.array([goal]), name)
+    except ModelRangeError:
+        return np.inf, np.inf
+    found, _ = capped.at(depth)
+    return float(found["approach"][0]), float(found["force"][0])
+
+
+def _require_carried(
+    profile: PowerSumProfile | PolarProfile, material: HalfSpace, force: Array
+) -> None:
+    """Refuse a load that the area on which the profile is known cannot carry."""
+    edge = getattr(profile, "edge", None)
+    area = np.pi * (profile.radius**2 if edge is None else np.mean(edge**2))
+    most = area * material.hardness
+    if np.any(force > most):
+        raise ModelRangeError(
+            f"a load of {float(np.max(force)):.4g} N is more than the area of the profile carries "
+            f"at the hardness, {most:.4g} N"
+        )
 
 
 def _finite(values: ArrayLike | None, name: str) -> Array:

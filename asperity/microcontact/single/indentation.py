@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -50,6 +51,8 @@ class Indentation:
         Bits of `asperity.microcontact.Flag`.
     error_estimate
         Relative error of the force expected from the difference of neighbouring laws.
+    saturated
+        Estimate of the share of the area at the hardness; zero without one.
 
     Examples
     --------
@@ -74,6 +77,11 @@ class Indentation:
     contour_function: Callable[[Array], Array] = field(repr=False)
     pressure_function: Callable[[Array, Array], Array] = field(repr=False)
     history_function: Callable[[Array, Array], Array] | None = field(default=None, repr=False)
+    saturated: Array | float = 0.0
+    first_yield_function: Callable[[], tuple[float, float]] | None = field(default=None, repr=False)
+    fully_plastic_function: Callable[[], tuple[float, float]] | None = field(
+        default=None, repr=False
+    )
 
     @property
     def valid(self) -> NDArray[np.bool_]:
@@ -87,6 +95,24 @@ class Indentation:
         return np.asarray(
             np.where(touching, self.force, 0.0) / np.where(touching, self.contact_area, 1.0)
         )
+
+    @cached_property
+    def first_yield(self) -> tuple[float, float]:
+        """Approach [m] and force [N] at which the pressure first reaches the hardness.
+
+        Both are zero if a sharp tip yields when it touches, infinite if nothing yields.
+        """
+        told = self.first_yield_function
+        return (np.inf, np.inf) if told is None else told()
+
+    @cached_property
+    def fully_plastic(self) -> tuple[float, float]:
+        """Approach [m] and force [N] at which the mean pressure reaches 0.975 of the hardness.
+
+        There about 0.95 of the area are at the hardness. Zero and infinite as in `first_yield`.
+        """
+        told = self.fully_plastic_function
+        return (np.inf, np.inf) if told is None else told()
 
     def flag_names(self) -> str:
         """Names of the flags set anywhere, joined by |; empty if there are none."""
@@ -123,8 +149,11 @@ class Indentation:
         return values.reshape(self.approach.shape + x.shape)
 
     def __str__(self) -> str:
-        columns = ("approach", "force", "contact_area", "radius", "stiffness", "error_estimate")
+        columns = ["approach", "force", "contact_area", "radius", "stiffness", "error_estimate"]
         body = f"E* = {self.material.modulus:.4g}, m = {self.material.m:g}"
+        if np.isfinite(self.material.hardness):
+            columns.append("saturated")
+            body += f", hardness {self.material.hardness:.4g}"
         lines = [f"contact by the law {self.law!r}, {body}"]
         lines.append(" ".join(f"{name:>14}" for name in columns) + "  flags")
         values = [np.atleast_1d(getattr(self, name)) for name in columns]

@@ -47,7 +47,7 @@ def join(
     pressed = found[:, 0] > 0.0
     if not pressed.all():
         one = summits.joined(pairs[pressed[slot]], low[pressed[slot]])
-    return one, *_forms(one, roots[pressed], found[pressed, 4:].T)
+    return one, *_forms(one, roots[pressed], found[pressed, 4:7].T)
 
 
 def _joining(

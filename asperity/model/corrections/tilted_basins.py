@@ -70,7 +70,8 @@ def correct(
 def area_under(table: LawTable, force: Array) -> Array:
     """Area [m^2] of each contact of a table under a force [N], shape (n,).
 
-    Power laws between the nodes; beyond the force of the last node its area.
+    Power laws between the nodes; beyond the force of the last node its area, or what that force
+    takes at the hardness.
     """
     upper = np.clip(np.argmax(table.force >= force[:, None], axis=1), 1, table.nodes)
     upper[force > table.force[:, -1]] = table.nodes
@@ -80,7 +81,8 @@ def area_under(table: LawTable, force: Array) -> Array:
         power = np.log(high[1] / low[1]) / np.log(high[0] / low[0])
         power = np.where(upper > 1, power, 2.0 / table.exponent)
         area = high[1] * np.minimum(force / high[0], 1.0) ** power
-    return np.where(table.reach > 0, np.nan_to_num(area), 0.0)
+    area = np.maximum(np.nan_to_num(area), force / table.hardness)
+    return np.where(table.reach > 0, area, 0.0)
 
 
 def _areas(summits: Summits, rows: Rows, force: Array, material: HalfSpace) -> Array:

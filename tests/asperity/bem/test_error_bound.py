@@ -50,6 +50,26 @@ def test_true_error_is_within_the_bound(make, body, boundary):
         assert (curve.error_estimate <= 3.0 * tolerance * rate).all()
 
 
+@pytest.mark.parametrize("waves", ["wave", "lattice", "spheres"])
+def test_points_that_open_or_close_together_count(waves):
+    """Around equal contacts, in steps of up to twice the area."""
+    y, x = np.meshgrid(*(2 * np.pi * (np.arange(96) + 0.5) / 96,) * 2, indexing="ij")
+    square = ((x % (np.pi / 2) - np.pi / 4) ** 2 + (y % (np.pi / 2) - np.pi / 4) ** 2) / 2
+    heights = {
+        "wave": np.cos(x),
+        "lattice": np.cos(3 * x) * np.cos(3 * y),
+        "spheres": np.sqrt(np.maximum(1 - square, 0)),
+    }
+    hm = HeightMap(heights[waves], (1.0, 1.0), periodic=True)
+    loads = default_pressures(hm, BODY, 24)
+    exact = bem_curve(hm, BODY, pressures=loads, tolerance=1e-8)
+    for accuracy in (0.05, 0.1, 0.2):
+        curve = bem_curve(hm, BODY, pressures=loads, accuracy=accuracy, coarsen=False)
+        _, area = errors(curve, exact)
+        assert (area <= curve.extra["area_error_estimate"]).all()
+        assert np.mean(curve.extra["area_error_estimate"] <= accuracy) > 0.8
+
+
 def test_decay_of_the_load_from_the_elastic_energy():
     """F/U is k = -d ln F/ds for the exponential law, 5/3 of it for a single Hertz contact."""
     hm = waves(1)

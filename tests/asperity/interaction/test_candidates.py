@@ -13,16 +13,20 @@ from asperity.contacts.run import solve_contacts
 from asperity.halfspace.scene import pressure_scale
 from asperity.interaction import candidates as module
 from asperity.interaction.candidates import SKIN
+from asperity.interaction.ewald import near_pairs
 
 BODY = asperity.HalfSpace.from_modulus(1.0)
 
 
 @pytest.fixture(scope="module")
 def light():
-    """Population of a rough map, its list at a light load, and the places of its contacts."""
+    """Population of a rough map, its list at a light load, and the places of its contacts; near
+    pairs no more than of many contacts."""
     size = (96.0, 96.0)
     hm = surfaces.self_affine((96, 96), size, hurst=0.8, rms_slope=0.1, cutoff=3.0, seed=2)
-    run = solve_contacts(hm, BODY, pressures=3e-3 * pressure_scale(hm, BODY))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(near_pairs, "PAIRS", 0)
+        run = solve_contacts(hm, BODY, pressures=3e-3 * pressure_scale(hm, BODY))
     population = run.decomposition.population
     last = run.points[0].state.continuation
     return population, last.candidates, last.points[-1].values

@@ -10,7 +10,7 @@ from oracles import dense_matrix, periodic_interaction, self_image
 
 from asperity.halfspace.footprint import FLOOR, Footprints
 from asperity.interaction.ewald.mesh import Mesh
-from asperity.interaction.ewald.near_pairs import NEAREST, RUNG
+from asperity.interaction.ewald.near_pairs import PAIRS, RUNG
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.ewald.tangent import Tangent
 
@@ -76,7 +76,7 @@ def test_plans_of_one_cell_share_their_mesh(unit):
         plans.append(Interaction(y, x, (unit, unit), "periodic", Footprints(1.0)))
     reach = np.array([plan.eta * plan.cut for plan in plans]) / unit
     assert len({id(plan.mesh) for plan in plans}) == len(set(reach)) < 3
-    wanted = np.sqrt(NEAREST / (np.pi * np.array([180, 200, 220])))
+    wanted = np.sqrt(PAIRS / np.pi) / np.array([180, 200, 220])
     assert (np.abs(np.log(reach / wanted)) <= 0.5 * np.log(RUNG) + 1e-12).all()
 
 

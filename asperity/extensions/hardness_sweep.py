@@ -1,0 +1,79 @@
+"""One surface at several hardnesses."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike
+
+from asperity.curve import solve_loads
+from asperity.errors import InputError
+from asperity.halfspace.material import HalfSpace
+from asperity.model.decomposition import Decomposition
+from asperity.model.plan import make_plan
+from asperity.results.curve import ContactCurve
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from surfaces.heightmap import HeightMap
+
+__all__ = ["hardness_sweep"]
+
+
+def hardness_sweep(
+    hm: HeightMap,
+    material: HalfSpace,
+    hardnesses: Sequence[float],
+    *,
+    pressures: ArrayLike | None = None,
+    separations: ArrayLike | None = None,
+    **choices: Any,
+) -> tuple[ContactCurve, ...]:
+    """Contact curves of one surface at several hardnesses.
+
+    Parameters
+    ----------
+    hm, material, pressures, separations
+        As in `contact_curve`; by default the loads are 0.1 % to 10 % of contact at each hardness.
+    hardnesses
+        Hardnesses [Pa], each positive, in any order; infinity is the elastic body.
+    choices
+        Further choices of `make_plan`: `law`, `interaction`, `boundary`, `scales`.
+
+    Returns
+    -------
+    tuple of ContactCurve
+        One for each hardness, in the order given. Those of `contact_curve`, but the map is
+        segmented, and its elastic laws are made, once.
+
+    Raises
+    ------
+    SurfaceError
+        If the map has missing points or is constant.
+    InputError
+        If an argument is not usable, or a load is above a hardness.
+
+    Examples
+    --------
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
+    >>> steel = asperity.HalfSpace(210e9, 0.3)
+    >>> soft, hard = asperity.hardness_sweep(hm, steel, [1e9, 8e9], pressures=[5e7])
+    >>> bool(soft.area_fraction[0] > hard.area_fraction[0])
+    True
+    """
+    bodies = [
+        HalfSpace.from_modulus(material.modulus, material.m, hardness) for hardness in hardnesses
+    ]
+    if not bodies:
+        raise InputError("give at least one hardness")
+    loads: dict[str, Any] = {"pressures": pressures, "separations": separations}
+    softest = min(bodies, key=lambda body: body.hardness)
+    plan = make_plan(hm, softest, **loads, **choices)
+    base = Decomposition.of(hm.without_rounding, softest, plan)
+    curves = []
+    for body in bodies:
+        made = base.of_hardness(body)
+        curves.append(solve_loads(hm, body, made.plan, **loads, decomposition=made)[0])
+    return tuple(curves)

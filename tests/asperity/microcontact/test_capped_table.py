@@ -1,0 +1,81 @@
+"""Law tables under a hardness: the elastic laws without one, bearing areas with a small one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from strategies import rough
+
+import asperity
+import surfaces
+from asperity.microcontact import tabulate
+from asperity.microcontact.laws import LAWS
+
+
+@pytest.fixture(scope="module")
+def profiles():
+    hm = rough((96, 80), cutoff=0.25)
+    fit = surfaces.fit_profiles(hm, surfaces.segment(hm))
+    return fit.rows(np.flatnonzero(fit.valid)[:60])
+
+
+def body(hardness, m=0.0):
+    return asperity.HalfSpace.from_modulus(1.0, m, hardness=hardness)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_hardness_that_no_contact_reaches_changes_nothing(profiles, law):
+    elastic, hard = (tabulate(profiles, body(h), law=law) for h in (np.inf, 1e9))
+    same = (hard.force == elastic.force).all(axis=1)  # a cone yields at its tip, however little
+    assert same.mean() > 0.95
+    for name in ("reach", "stiffness", "area", "flags"):
+        np.testing.assert_array_equal(getattr(hard, name)[same], getattr(elastic, name)[same])
+    np.testing.assert_allclose(hard.force, elastic.force, rtol=1e-3)
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.3])
+@pytest.mark.parametrize("hardness", [1e-3, 3e-2, 0.2])
+def test_no_pressure_exceeds_the_hardness(profiles, hardness, m):
+    table = tabulate(profiles, body(hardness, m), law="auto")
+    assert (table.force <= hardness * table.area * (1 + 1e-12)).all()
+    assert (table.force[:, 1:] > 0).sum() > 0.9 * table.force[:, 1:].size
+    elastic = tabulate(profiles, body(np.inf, m), law="auto")
+    at = np.linspace(0.1, 0.9, 9) * np.minimum(table.reach, elastic.reach)[:, None]
+    force, free = (t.evaluate(np.arange(len(t))[:, None], at)[0] for t in (table, elastic))
+    assert (force <= free * (1 + 0.02) + 1e-12).all()
+
+
+def test_soft_summits_are_pressed_as_their_bearing_areas_tell(profiles):
+    hardness = 1e-6
+    table = tabulate(profiles, body(hardness), law="auto")
+    usable = np.flatnonzero(table.reach > 0)
+    at = np.linspace(0.1, 0.9, 9) * table.reach[usable, None]
+    force, _, area = table.evaluate(usable[:, None], at)
+    exact = profiles.rows(usable).bearing_areas(at)
+    worst = np.abs(force / (hardness * exact) - 1).max(axis=1)
+    assert np.median(worst) < 0.03 and worst.mean() < 0.05
+    np.testing.assert_allclose(area, force / hardness, rtol=0.1)
+    assert np.median(area * hardness / force) < 1.01
+
+
+def test_units_do_not_matter(profiles):
+    one = tabulate(profiles, body(0.03), law="auto")
+    stiff = tabulate(
+        profiles, asperity.HalfSpace.from_modulus(2e11, hardness=0.03 * 2e11), law="auto"
+    )
+    np.testing.assert_allclose(stiff.reach, one.reach, rtol=1e-9)
+    np.testing.assert_allclose(stiff.force, 2e11 * one.force, rtol=1e-7)
+
+
+def test_forces_grow_and_slopes_are_those_of_the_forces(profiles):
+    table = tabulate(profiles, body(0.05), law="auto")
+    elastic = tabulate(profiles, body(np.inf), law="auto")
+    usable = np.flatnonzero((table.reach > 0) & (np.diff(elastic.force, axis=1) > 0).all(axis=1))
+    assert usable.size > 50
+    assert (np.diff(table.force[usable], axis=1) >= 0).all()
+    at = np.linspace(0.02, 0.2, 15) * table.reach[usable, None]
+    step = 1e-5 * at
+    more, less = (table.evaluate(usable[:, None], at + s)[0] for s in (step, -step))
+    force, stiffness, _ = table.evaluate(usable[:, None], at)
+    slope = (more - less) / (2 * step)
+    np.testing.assert_allclose(np.maximum(slope, 0.05 * force / at), stiffness, rtol=1e-3)

@@ -1,0 +1,134 @@
+"""Rough surfaces under a hardness: both limits, bounds, order, units, and boundary elements."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from strategies import broad
+
+import asperity
+import surfaces
+from asperity.halfspace.scene import area_over_pressure, default_pressures
+
+LOADS = np.array([5e-3, 2e-2, 8e-2])
+"""Area fractions, about."""
+
+
+def smooth(seed=3, **more):
+    size = (160e-6, 192e-6)
+    return surfaces.self_affine(
+        (160, 192), size, hurst=0.8, rms_slope=0.1, rolloff=45e-6, cutoff=8e-6, seed=seed, **more
+    )
+
+
+def body(hardness, modulus=2e11, m=0.0):
+    return asperity.HalfSpace.from_modulus(modulus, m, hardness=hardness)
+
+
+def curve(hm, material, **options):
+    pressures = LOADS / area_over_pressure(hm, material)
+    return asperity.contact_curve(hm, material, pressures=pressures, **options)
+
+
+def bearing(hm, level):
+    """Share of the surface above a level over its mean plane."""
+    fine = surfaces.resample(hm, np.asarray(hm.spacing) / 4).heights
+    return np.mean(fine - fine.mean() > level)
+
+
+@pytest.mark.parametrize("hm", [smooth(), broad()], ids=["smooth", "fine waves"])
+def test_a_hardness_that_is_not_reached_changes_nothing(hm):
+    elastic = curve(hm, body(np.inf))
+    hard = asperity.contact_curve(hm, body(1e18), pressures=elastic.mean_pressure)
+    np.testing.assert_allclose(hard.separation, elastic.separation, rtol=5e-3)
+    np.testing.assert_allclose(hard.area_fraction, elastic.area_fraction, rtol=1e-2)
+    assert not hard.extra["plastic_share"].any() or hard.extra["plastic_share"].max() < 1e-9
+
+
+@pytest.mark.parametrize("hm", [smooth(), broad()], ids=["smooth", "fine waves"])
+def test_a_soft_body_is_pressed_as_its_bearing_curve_tells(hm):
+    material = body(1e-4 * 0.1 * 2e11)
+    found = curve(hm, material)
+    np.testing.assert_allclose(found.area_fraction, LOADS, rtol=0.02)
+    share = [bearing(hm, separation) for separation in found.separation]
+    np.testing.assert_allclose(share, LOADS, rtol=0.1)
+    assert (found.extra["plastic_share"] > 0.9).all()
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0, 0.3])
+def test_the_area_carries_the_load_and_grows_as_the_body_gets_softer(m):
+    hm = smooth()
+    scale = 1.0 / area_over_pressure(hm, body(np.inf, 2e11, m))
+    pressures = LOADS * scale * 0.05
+    hardnesses = scale * np.array([0.05, 0.2, 0.6, 2.0, np.inf])
+    curves = [asperity.contact_curve(hm, body(h, 2e11, m), pressures=pressures) for h in hardnesses]
+    for found, hardness in zip(curves, hardnesses, strict=True):
+        assert found.converged.all()
+        assert (found.area_fraction >= pressures / hardness * (1 - 1e-9)).all()
+    areas = np.array([found.area_fraction for found in curves])
+    heights = np.array([found.separation for found in curves])
+    assert (np.diff(areas, axis=0) <= 0.01 * areas[1:]).all()
+    assert (np.diff(heights, axis=0) >= -1e-3 * hm.rms_height).all()
+    assert (areas[0] > 2 * areas[-1]).all()
+
+
+def test_units_and_modulus_scale():
+    hm = smooth()
+    first = curve(hm, body(5e9))
+    larger = hm.replace(heights=hm.heights * 1e3, spacing=tuple(1e3 * s for s in hm.spacing))
+    second = curve(larger, body(5.0, 2e2))
+    np.testing.assert_allclose(second.area_fraction, first.area_fraction, rtol=1e-3)
+    np.testing.assert_allclose(second.separation, 1e3 * first.separation, rtol=1e-3)
+
+
+def test_default_loads_reach_a_tenth_of_contact_at_any_hardness():
+    hm = smooth()
+    for hardness in (1e8, 2e9, 2e10, np.inf):
+        loads = default_pressures(hm, body(hardness))
+        assert loads[-1] < hardness
+        area = asperity.contact_curve(hm, body(hardness), pressures=loads[[0, -1]]).area_fraction
+        np.testing.assert_allclose(area, [1e-3, 1e-1], rtol=0.7)
+
+
+def test_more_than_the_hardness_is_refused():
+    with pytest.raises(asperity.InputError, match=r"above the hardness.*smaller load"):
+        asperity.contact_curve(smooth(), body(1e9), pressures=[1e8, 1.5e9])
+
+
+def test_the_plan_tells_what_the_hardness_means():
+    hm = smooth()
+    plan = asperity.make_plan(hm, body(np.inf))
+    assert any("metals yield" in warning for warning in plan.warnings)
+    hard = asperity.make_plan(hm, body(2e9))
+    assert not any("metals" in warning for warning in hard.warnings)
+    assert any(reason.startswith("hardness: 2e+09 Pa") for reason in hard.reasons)
+    rubber = asperity.make_plan(hm, body(np.inf, 2e6))
+    assert not any("metals" in warning for warning in rubber.warnings)
+
+
+def test_a_sweep_gives_the_curves_of_each_hardness():
+    hm, loads = broad(), np.array([1e6, 4e6])
+    hardnesses = [5e8, np.inf, 2e8]
+    swept = asperity.hardness_sweep(hm, body(np.inf, 2e9), hardnesses, pressures=loads)
+    for found, hardness in zip(swept, hardnesses, strict=True):
+        alone = asperity.contact_curve(hm, body(hardness, 2e9), pressures=loads)
+        np.testing.assert_allclose(found.separation, alone.separation, rtol=2e-3)
+        np.testing.assert_allclose(found.area_fraction, alone.area_fraction, rtol=2e-3)
+    with pytest.raises(asperity.InputError, match="at least one hardness"):
+        asperity.hardness_sweep(hm, body(np.inf), [])
+
+
+def test_spots_that_have_yielded_conduct_by_their_areas():
+    hm = smooth()
+    elastic, soft = (curve(hm, body(h)) for h in (np.inf, 2e8))
+    rho = (1e-7, 1e-7)
+    by_area = asperity.constriction_conductance(soft, resistivity=rho)
+    at_first = asperity.constriction_conductance(elastic, resistivity=rho)
+    assert (by_area > 0.5 * at_first).all() and (by_area < at_first).all()
+    # one spot of the whole area would conduct least, spots far apart most
+    spots = soft.contacts * np.sqrt(soft.contact_area / soft.contacts / np.pi)
+    assert (by_area * hm.area < 4 * spots / sum(rho) * 1.3).all()
+    assert (soft.extra["unloading_stiffness"] > 2 * soft.extra["tangent_stiffness"]).all()
+    solved = asperity.bem_curve(hm, body(2e8), pressures=soft.mean_pressure[:1], tolerance=1e-2)
+    with pytest.raises(asperity.InputError, match=r"asperity\.contact_curve"):
+        asperity.constriction_conductance(solved, resistivity=rho)
