@@ -25,6 +25,7 @@ examples:
   asperity indent --shape rounded:3:0.3 --k 2 --modulus 1e9 --approach 1e-7 --scale 1e5
   asperity indent --shape polygon:4 --m 0.3 --load 1 --bem  # compared at equal load
   asperity indent profile.h5 --E 210e9 --nu 0.3 --approach 1e-8:1e-7:5
+  asperity indent --shape paraboloid --modulus 1e9 --hardness 1e8  # where it yields
 """
 
 
@@ -101,7 +102,7 @@ def _profile(args: argparse.Namespace) -> tuple[PowerSumProfile | PolarProfile, 
 def _material(args: argparse.Namespace) -> HalfSpace:
     """Half-space from the options; a test body may do without one, then E* = 1."""
     if args.shape is not None and args.E is args.modulus is args.nu is None:
-        return HalfSpace.from_modulus(1.0, args.m)
+        return HalfSpace.from_modulus(1.0, args.m, args.hardness)
     return options.material(args)
 
 

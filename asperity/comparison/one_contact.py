@@ -104,7 +104,22 @@ class Case:
             cells += 4 * [" " * 12] + _cells([self.reference_seconds], 1e3, ".2f")
             state = "" if self.reference.converged else "not converged"
             lines.append("  ".join([f"{'bem':>12}", *cells, state]).rstrip())
+        if np.isfinite(self.material.hardness):
+            lines += self._yielding()
         return "\n".join(lines)
+
+    def _yielding(self) -> list[str]:
+        """Lines on the yielding of the contact, by the law with the smallest expected error."""
+        solved = [row.solution for row in self.rows if row.solution is not None]
+        if not solved:
+            return []
+        best = min(solved, key=lambda one: float(one.error_estimate))
+        lines = [f"{100 * float(best.saturated):.3g} % of the area at the hardness ({best.law})"]
+        for name, words in (("first_yield", "first yield"), ("fully_plastic", "fully plastic")):
+            depth, force = getattr(best, name)
+            where = f"at d = {depth:.5g} m, F = {force:.5g} N" if np.isfinite(depth) else "nowhere"
+            lines.append(f"{words} {where if depth else 'from the first touch'}")
+        return lines
 
 
 def _cells(values: Sequence[float], factor: float, form: str) -> list[str]:

@@ -35,8 +35,11 @@ _EXPONENTS, _DEPTHS = 120, 400
 _THINNEST = 1e-16
 """Least deficit of the load of a contact that is not fully plastic."""
 
-_STEPS = 60
-"""Iterations for the deficit, at most."""
+_STEPS, _CLOSE = 60, 1e-8
+"""Newton steps for the logarithm of a deficit, at most, and the step that is the last of one."""
+
+_LIGHT = 1e-6
+"""Mean pressure over the hardness below which a tip that yields changes nothing."""
 
 
 class Capped(NamedTuple):
@@ -112,22 +115,27 @@ def capped(
     shape = parts[0].shape
     d, f, a, k, line = (np.array(part, dtype=float).ravel() for part in parts)
     saturated, peak = np.zeros((2, d.size))
-    known = (d > 0) & (f > 0) & (a > 0) & (k > 0)
-    if not np.isfinite(material.hardness):
-        known[:] = False
+    known = (d > 0) & (f > 0) & (a > 0) & (k > 0) & np.isfinite(material.hardness)
+    if np.isfinite(material.hardness):
+        f[np.isnan(d + f + a + k)] = np.nan
     full = material.hardness * a[known]
     growth = d[known] * k[known] / f[known] - 1
     body = _PowerBody.of(material.m, growth)
     mean = f[known] / full
     peak[known] = mean * body.peak
     late = peak > 1
+    late[known] &= mean > _LIGHT
     body, mean, full = body.rows(late[known]), mean[late[known]], full[late[known]]
     deficit = body.deficit(mean)
-    f[late] = full * (1 - deficit)
-    edge = full * body.edge * mean / k[late]
+    f[late] = np.minimum(f[late], full * (1 - deficit))
+    edge = d[late] - full * body.edge * mean / k[late]
+    sunk = full * body.displacement(deficit) / k[late]
     if level is not None:
-        edge = d[late] - line[late]
-    d[late] -= edge * (1 - body.displacement(deficit) / (body.edge * mean))
+        soft, growth = body.softness(deficit), (1 + material.m) / 2
+        edge += (line[late] - edge) * soft
+        disc = material.modulus / growth * (a[late] / np.pi) ** growth
+        sunk *= (k[late] / disc) ** (soft / 2)
+    d[late] = edge + sunk
     saturated[late] = body.saturated(deficit)
     return Capped(*(part.reshape(shape) for part in (d, f, saturated, peak)))
 
@@ -159,10 +167,9 @@ class _PowerBody:
         they are taken for that one: their area hardly changes with their load.
         """
         exponents, ratios = _peaks(m)
-        steepest = exponents[np.argmin(ratios)]
+        steepest = exponents[np.argmin(ratios * _centre(m, exponents))]
         k = np.clip((1 + m) / np.maximum(growth, 1e-12), _SHARPEST, steepest)
-        centre = (1 + m) / 2 * (k + 1 + m) / np.maximum(k - 1 + m, 1e-300)
-        peak = np.maximum(centre, np.interp(k, exponents, ratios))
+        peak = _centre(m, k) * np.interp(k, exponents, ratios)
         depth = kappa(m, k)
         return cls(
             _Rim(m),
@@ -181,28 +188,33 @@ class _PowerBody:
         return 1 - 1 / self.peak
 
     def deficit(self, mean: Array) -> Array:
-        """Deficit 1 - F/(H A) of bodies that have yielded, by the mean elastic pressure over H."""
+        """Deficit 1 - F/(H A) of bodies that have yielded, by the mean elastic pressure over H.
+
+        At least that of the elastic contact of the same area.
+        """
         rim, first, goal = self.rim, self.first, self.slope * mean
         value = rim.slope(first) - self.slope * (1 - first)
         change = rim.slope_change(first) + self.slope * first
         quadratic, linear = change - value, 2 * value - change
         low, high = np.full(mean.shape, np.log(_THINNEST)), np.log(first)
         at = high.copy()
+        left = np.arange(mean.size)
         for _ in range(_STEPS):
-            x = np.exp(at)
-            share = x / first
-            error = rim.slope(x) - share * (linear + quadratic * share) - goal
-            rate = rim.slope_change(x) - share * (linear + 2 * quadratic * share)
-            low, high = np.where(error > 0, at, low), np.where(error > 0, high, at)
-            step = np.divide(error, -rate, out=np.full_like(at, np.inf), where=rate < 0)
-            newton = at + step
-            inside = (newton > low) & (newton < high)
-            following = np.where(inside, newton, (low + high) / 2)
-            done = np.all(np.abs(following - at) <= 1e-13 * (1 + np.abs(at)))
-            at = following
-            if done:
+            y, lin, quad = at[left], linear[left], quadratic[left]
+            x = np.exp(y)
+            share = x / first[left]
+            error = rim.slope(x) - share * (lin + quad * share) - goal[left]
+            rate = rim.slope_change(x) - share * (lin + 2 * quad * share)
+            low[left] = np.where(error > 0, y, low[left])
+            high[left] = np.where(error > 0, high[left], y)
+            newton = y + np.divide(error, -rate, out=np.full_like(y, np.inf), where=rate < 0)
+            inside = (newton > low[left]) & (newton < high[left])
+            at[left] = np.where(inside, newton, (low[left] + high[left]) / 2)
+            left = left[np.abs(at[left] - y) > _CLOSE]
+            if left.size == 0:
                 break
-        return np.where(goal < rim.slope(np.full_like(at, _THINNEST)), np.exp(at), 0.0)
+        found = np.where(goal < rim.slope(np.full_like(at, _THINNEST)), np.exp(at), 0.0)
+        return np.maximum(found, 1 - mean)
 
     def displacement(self, deficit: Array) -> Array:
         """Displacement of the edge over H A / (dF/dd) of bodies that have yielded."""
@@ -269,10 +281,18 @@ class _Rim:
         return np.asarray(np.expm1(-self._m * np.log(x)))
 
 
+def _centre(m: float, k: Array) -> Array:
+    """Elastic pressure of r^k at its centre over the mean one, for k > 1 - m."""
+    return np.asarray((1 + m) / 2 * (k + 1 + m) / np.maximum(k - 1 + m, 1e-300))
+
+
 @lru_cache(maxsize=64)
 def _peaks(m: float) -> tuple[Array, Array]:
-    """Exponents k > 1 - m, and the largest elastic pressure of r^k over the mean one."""
-    k = 1 - m + np.geomspace(0.02, 40.0, _EXPONENTS)
+    """Exponents k > 1 - m, and the largest elastic pressure of r^k over that at the centre.
+
+    Beyond k = 2, one of the exponents, they differ.
+    """
+    k = np.sort(np.append(1 - m + np.geomspace(0.02, 40.0, _EXPONENTS), 2.0))
     z = np.linspace(0.0, 1.0, _DEPTHS + 1)
     shape = z ** ((1 + m) / 2) * hyp2f1(1 - k[:, None] / 2, 1.0, (3 + m) / 2, z)
-    return k, np.max(shape, axis=1) * (k + 1 + m) / 2
+    return k, np.max(shape, axis=1) / shape[:, -1]

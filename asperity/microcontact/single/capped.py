@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from asperity.halfspace.flags import Flag
 from asperity.halfspace.material import HalfSpace
@@ -21,11 +21,12 @@ __all__ = ["CappedLaw", "LevelLines"]
 Array = NDArray[np.float64]
 Field = Callable[[Array, Array], Array]
 
-_STEP = 1e-4
+_STEP = 1e-3
 """Relative step of the elastic approach for derivatives."""
 
-_RAYS, _RADII = 96, 64
-"""Rays, and radii on each, at which the pressure of a contact is looked at."""
+_RAYS, _RADII = 97, 64
+"""Rays, an odd number since sections with corners are symmetric, and radii on each, at which the
+pressure of a contact is looked at."""
 
 _SMALLEST, _LARGEST, _LINES = 1e-6, 1e2, 640
 """Level lines: their radii over that of a contact, and their number."""
@@ -76,7 +77,10 @@ class CappedLaw:
         if self._lines is None and np.any(area > 0):
             self._lines = LevelLines(self._profile, float(np.sqrt(np.nanmax(area) / np.pi)))
         level = None if self._lines is None else self._lines.gap(area)
-        found = capped(one.approach, one.force, area, one.stiffness, self._material, level=level)
+        growth = np.gradient(one.force.reshape(steps.shape), _STEP, axis=0)[1]
+        rise = np.tile(np.divide(growth, depth, out=np.zeros_like(depth), where=depth > 0), 3)
+        stiffness = np.where(np.isnan(one.stiffness), rise, one.stiffness)
+        found = capped(one.approach, one.force, area, stiffness, self._material, level=level)
         parts = found._asdict()
         full = self._material.hardness * np.where(area > 0, area, 1.0)
         parts["filling"] = found.force / full
@@ -129,10 +133,6 @@ class LevelLines:
         The profile.
     radius
         Radius [m] of a contact; level lines of 1e-6 to 100 times this radius are known.
-
-    Notes
-    -----
-    On each ray the gap counts as a power of the radius between two nodes.
     """
 
     def __init__(self, profile: PowerSumProfile | PolarProfile, radius: float) -> None:
@@ -143,8 +143,8 @@ class LevelLines:
         gap = np.log(np.maximum.accumulate(np.maximum(gap, 1e-300), axis=0))
         gap += 1e-12 * np.arange(_LINES)[:, None]
         z = np.linspace(gap[0].max(), gap[-1].min(), _LINES)
-        lines = np.exp([np.interp(z, ray, np.log(r)) for ray in gap.T])
-        self._spline = PchipInterpolator(np.log(np.pi * np.mean(lines**2, axis=0)), z)
+        lines = np.exp([PchipInterpolator(ray, np.log(r))(z) for ray in gap.T])
+        self._spline = CubicSpline(np.log(np.pi * np.mean(lines**2, axis=0)), z)
 
     def gap(self, area: Array) -> Array:
         """Gaps [m] of the lines that enclose the areas [m^2]; NaN where there is no area."""

@@ -37,6 +37,12 @@ SOLVERS: dict[str, Solver] = {
 _STEPS = 60
 """Newton steps towards a load."""
 
+_SETTLED, _NOISE = 12, 1e-6
+"""Steps after which a step that only follows the noise of a law is the last; its length."""
+
+_FLAT = 1e-6
+"""Exponent of a quantity that does not grow with the load."""
+
 _FULL = 0.975
 """Mean pressure over the hardness of a fully plastic contact: 0.95 of its area is saturated."""
 
@@ -93,19 +99,25 @@ def indent(
     if load is not None and np.any(goal <= 0):
         raise InputError("load must be positive; give approach for a body that does not touch")
     elastic = partial(solve, profile, material.elastic, law=law)
-    driven = f"the law {law!r} reaches no {'approach' if load is None else 'load'}"
-    if np.isinf(material.hardness):
-        return elastic(goal if load is None else _depth(_forces(elastic), profile, goal, driven))
-    if load is not None:
-        _require_carried(profile, material, goal)
+    bounded = np.isfinite(material.hardness)
+    if load is None and not bounded:
+        return elastic(goal)
+    refusal = f"the law {law!r} reaches no {'approach' if load is None else 'load'}"
+    first = np.full(goal.shape, _typical(profile))
+    if not bounded:
+        return elastic(_depth(_forces(elastic), first, goal, refusal))
     capped = CappedLaw(elastic, profile, material)
-    name = "approach" if load is None else "force"
-    one = capped.contact(_depth(_values(capped, name), profile, goal, driven))
+    if load is None:
+        one = capped.contact(_depth(_values(capped, "approach"), goal, goal, refusal))
+        force = one.force + one.stiffness * (goal - one.approach)
+        one = replace(one, approach=goal, force=force)
+    else:
+        _require_carried(profile, material, goal)
+        one = capped.contact(_depth(_values(capped, "force"), first, goal, refusal))
     return replace(
         one,
-        approach=goal if load is None else one.approach,
-        first_yield_function=partial(_limit, capped, "yielding", 1.0, profile),
-        fully_plastic_function=partial(_limit, capped, "filling", _FULL, profile),
+        first_yield_function=partial(_limit, capped, "yielding", 1.0, first),
+        fully_plastic_function=partial(_limit, capped, "filling", _FULL, first),
     )
 
 
@@ -136,47 +148,46 @@ def _values(capped: CappedLaw, name: str) -> Measure:
     return measure
 
 
-def _depth(
-    measure: Measure, profile: PowerSumProfile | PolarProfile, goal: Array, refusal: str
-) -> Array:
-    """Elastic approach at which a quantity has the values `goal`; zero where they are not positive.
+def _typical(profile: PowerSumProfile | PolarProfile) -> float:
+    """Gap [m] at a quarter of the radius of a profile."""
+    radius = profile.radius if np.isfinite(profile.radius) else 1.0
+    turn = 2 * np.pi * np.arange(16) / 16
+    return float(np.mean(profile(radius / 4, turn)))
+
+
+def _depth(measure: Measure, start: Array, goal: Array, refusal: str) -> Array:
+    """Elastic approach at which a quantity has the values `goal`; its start where they are none.
 
     Newton steps in its logarithm over log d, halved towards the last depth that has a solution.
     """
-    radius = profile.radius if np.isfinite(profile.radius) else 1.0
-    turn = 2 * np.pi * np.arange(16) / 16
     touching = goal > 0
-    depth = np.where(touching, np.mean(profile(radius / 4, turn)), 0.0)
-    known = np.zeros(goal.shape)
-    for _ in range(_STEPS):
+    depth, known = start, np.zeros(goal.shape)
+    for count in range(_STEPS):
         value, change = measure(depth)
-        lost = ~np.isfinite(value * change)
+        lost = touching & ~np.isfinite(value * change)
         known = np.where(lost, known, depth)
         with np.errstate(invalid="ignore", divide="ignore"):
-            step = np.log(goal / value) * value / change
-        step = np.where(touching, step, 0.0)
+            step = np.where(touching, np.log(goal / value) * value / change, 0.0)
         newton = depth * np.exp(np.clip(np.where(lost, 0.0, step), -3.0, 3.0))
-        if not np.any(lost) and np.all(np.abs(step) < 1e-13):
+        left = np.inf if np.any(lost) else np.max(np.abs(step), initial=0.0)
+        if left < 1e-13:
             return depth
         depth = np.where(lost, np.where(known > 0, (depth + known) / 2, depth / 8), newton)
-        if not np.any(lost) and np.all(np.abs(step) < 1e-11):
+        if left < (1e-11 if count < _SETTLED else _NOISE):
             return depth
     raise ModelRangeError(f"{refusal} of {float(np.max(goal)):.4g}")
 
 
-def _limit(
-    capped: CappedLaw, name: str, goal: float, profile: PowerSumProfile | PolarProfile
-) -> tuple[float, float]:
+def _limit(capped: CappedLaw, name: str, goal: float, start: Array) -> tuple[float, float]:
     """Approach and force at which a quantity reaches `goal`: zero from the start, or infinite."""
-    radius = profile.radius if np.isfinite(profile.radius) else 1.0
-    middle = np.mean(profile(radius / 4, 0.0))
-    values, changes = capped.at(np.array([_TINY, 1.0]) * middle)
+    middle = np.ravel(start)[:1]
+    values, changes = capped.at(np.append(_TINY * middle, middle))
     if not values[name][0] < goal:
         return 0.0, 0.0
-    if not np.all(changes[name] > 1e-9 * values[name]):
+    if not changes[name][0] > _FLAT * values[name][0]:
         return np.inf, np.inf
     try:
-        depth = _depth(_values(capped, name), profile, np.array([goal]), name)
+        depth = _depth(_values(capped, name), middle, np.array([goal]), name)
     except ModelRangeError:
         return np.inf, np.inf
     found, _ = capped.at(depth)

@@ -1,0 +1,102 @@
+"""`asperity.indent` under a hardness, by every law."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asperity
+from asperity import HalfSpace
+from asperity.errors import ModelRangeError
+from asperity.microcontact.laws import LAWS
+from surfaces import PolarProfile, PolynomialProfile, PowerLawProfile
+from surfaces.shapes import polygon
+
+BALL = PowerLawProfile(2.0, 0.5)
+RIDGE = PolynomialProfile({(2, 0): 0.5, (0, 2): 1.5})
+MIXED = PolynomialProfile({(2, 0): 0.5, (0, 2): 0.8, (4, 0): 0.2, (2, 2): 0.4, (0, 4): 0.2})
+HARD = HalfSpace.from_modulus(1.0, hardness=0.2)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_every_law(law):
+    """The round paraboloid, by approach and by load."""
+    one = asperity.indent(BALL, HARD, np.array([-1.0, 0.0, 0.09, 0.2, 1.0]), law=law)
+    exact = asperity.indent(BALL, HARD, one.approach, law="hertz")
+    np.testing.assert_allclose(one.force, exact.force, rtol=1e-6)
+    np.testing.assert_allclose(one.stiffness, exact.stiffness, rtol=1e-5)
+    np.testing.assert_array_equal(one.saturated[:3], 0)
+    assert np.all(np.diff(one.force[1:]) > 0) and np.all(np.diff(one.saturated[2:]) > 0)
+    back = asperity.indent(BALL, HARD, load=one.force[2:], law=law)
+    np.testing.assert_allclose(back.approach, one.approach[2:], rtol=1e-9)
+    start = np.pi * 0.2 / 2
+    np.testing.assert_allclose(
+        one.first_yield, [start**2, 2 / 3 * np.pi * 0.2 * start**2], rtol=1e-6
+    )
+
+
+@pytest.mark.parametrize("law", ["auto", "harmonic", "hertz"])
+def test_hard_enough_is_elastic_to_the_last_digit(law):
+    depth = np.array([0.0, 0.1, 0.4])
+    body = HalfSpace.from_modulus(1.0, hardness=1e3)
+    bounded, free = (asperity.indent(MIXED, mat, depth, law=law) for mat in (body, body.elastic))
+    for name in ("approach", "force", "contact_area", "stiffness", "flags"):
+        np.testing.assert_array_equal(getattr(bounded, name), getattr(free, name))
+    np.testing.assert_array_equal(bounded.pressure(0.1, 0.0), free.pressure(0.1, 0.0))
+    assert free.first_yield == free.fully_plastic == (np.inf, np.inf)
+
+
+@pytest.mark.parametrize("profile", [BALL, RIDGE, MIXED, polygon(4)], ids=str)
+def test_curve(profile):
+    """The stiffness is the slope of the curve; never above H A or the elastic force."""
+    depth = np.array([0.05, 0.2, 0.6])
+    step = 1e-3
+    rows = [
+        asperity.indent(profile, HARD, depth * np.exp(step * i), law="harmonic") for i in (-1, 0, 1)
+    ]
+    slope = (rows[2].force - rows[0].force) / (2 * step * depth)
+    np.testing.assert_allclose(rows[1].stiffness, slope, rtol=2e-6)
+    elastic = asperity.indent(profile, HARD.elastic, depth, law="harmonic")
+    assert np.all(rows[1].force <= elastic.force * (1 + 1e-12))
+    assert np.all(rows[1].contact_area >= elastic.contact_area * (1 - 1e-12))
+    assert np.all(rows[1].force <= 0.2 * rows[1].contact_area)
+
+
+@pytest.mark.parametrize("profile", [BALL, RIDGE, MIXED, polygon(4)], ids=str)
+def test_pressure_is_bounded_and_carries_the_force(profile):
+    one = asperity.indent(profile, HARD, 0.4, law="harmonic")
+    x = np.linspace(-1.5, 1.5, 301)
+    p = one.pressure(x, x[:, None])
+    assert p.max() <= 0.2
+    assert np.sum(p) * (x[1] - x[0]) ** 2 == pytest.approx(float(one.force), rel=0.01)
+
+
+def test_fully_plastic():
+    one = asperity.indent(BALL, HARD, 0.5, law="hertz")
+    depth, force = one.fully_plastic
+    there = asperity.indent(BALL, HARD, depth, law="hertz")
+    assert there.force == pytest.approx(force)
+    assert there.mean_pressure == pytest.approx(0.975 * 0.2)
+    assert there.saturated == pytest.approx(0.95, abs=0.005)
+    assert "saturated" in str(there) and "hardness 0.2" in str(there)
+
+
+def test_cones_yield_from_the_first_touch():
+    """Their mean pressure is the same at every load."""
+    cone = PowerLawProfile(1.0, 1.0)
+    harder, softer = (
+        asperity.indent(cone, HalfSpace.from_modulus(1.0, hardness=h), 0.3) for h in (0.5, 0.1)
+    )
+    assert harder.first_yield == softer.first_yield == softer.fully_plastic == (0.0, 0.0)
+    assert harder.fully_plastic == (np.inf, np.inf)
+
+
+def test_a_load_above_what_the_profile_carries_is_refused():
+    r, phi = np.linspace(0, 1, 33), 2 * np.pi * np.arange(16) / 16
+    profile = PolarProfile(r, phi, np.outer(r**2 / 2, np.ones(16)))
+    carried = asperity.indent(profile, HARD, load=0.5, law="harmonic")
+    assert carried.contact_area == pytest.approx(0.5 / 0.2, rel=0.01)
+    with pytest.raises(
+        ModelRangeError, match=r"more than the area of the profile carries .*0.6283"
+    ):
+        asperity.indent(profile, HARD, load=0.63)
