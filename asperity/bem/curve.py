@@ -31,7 +31,8 @@ from .accuracy import (
     require_accuracy,
 )
 from .path import LoadPath, follow_chains, split_loads
-from .problem import ContactProblem, fits
+from .memory import fits
+from .problem import ContactProblem
 from .solution import read_contact
 
 __all__ = ["SolvedLoad", "bem_curve"]

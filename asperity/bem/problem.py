@@ -14,21 +14,18 @@ from asperity.halfspace.scene import Boundary, chosen_boundary, require_scene
 from asperity.threads import require_own_threads
 from asperity.threads import threads as thread_count
 from surfaces.heightmap import HeightMap
-from surfaces.numerics.memory import available_bytes
 
 from ._grid_kernels import undecided
 from .correction import Level, Outcome
 from .grids import CoarseMaps, level_shapes, prolong
 from .load_search import LoadSearch
+from .memory import require_memory
 from .operator import HalfSpaceOperator
 from .transform import Scratch
 
 __all__ = [
     "AREA_OVER_LOAD_ERROR",
     "ContactProblem",
-    "estimated_bytes",
-    "fits",
-    "require_memory",
 ]
 
 AREA_OVER_LOAD_ERROR = 3.0
@@ -56,9 +53,6 @@ _POWER = 1.5
 _PLAIN = 1e-9, 1e9
 """Rms heights [m] that the solver takes as they are: loops in single precision hold their squares,
 and those of pressures far below them."""
-
-_BYTES_PER_POINT = {"periodic": 60, "free": 70}
-"""Estimate of `estimated_bytes`, by boundary."""
 
 
 class ContactProblem:
@@ -326,33 +320,3 @@ def _number(value: Any) -> float:
         return float(value)
     except (TypeError, ValueError):
         return math.nan
-
-
-def estimated_bytes(shape: tuple[int, int], boundary: Boundary) -> int:
-    """Peak above the loaded map [bytes], at moderate contact.
-
-    Measured with `benchmarks/bem.py`: 20 to 47 bytes per point (periodic) and 38 to 50 (free) at up
-    to 20 % of contact, 57 along a curve; a full contact takes about twice as much.
-    """
-    return _BYTES_PER_POINT[boundary] * shape[0] * shape[1]
-
-
-def fits(shape: tuple[int, int], boundary: Boundary, copies: int) -> bool:
-    """Whether several solutions at the same time fit in the memory that is available."""
-    return copies * estimated_bytes(shape, boundary) <= available_bytes()
-
-
-def require_memory(shape: tuple[int, int], boundary: Boundary) -> None:
-    """Refuse a grid that will not fit.
-
-    Raises
-    ------
-    InputError
-        If the estimate exceeds the memory that is available.
-    """
-    need, free = estimated_bytes(shape, boundary), available_bytes()
-    if need > free:
-        raise InputError(
-            f"a {boundary} grid of {shape[0]} x {shape[1]} needs about {need / 2**30:.1f} GiB and "
-            f"{free / 2**30:.1f} GiB are available; use a coarser map or bem_curve(accuracy=...)"
-        )

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.bem.curve import SolvedLoad, bem_curve
-from asperity.bem.problem import fits
+from asperity.bem.memory import fits
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import Boundary
 from asperity.model.map_checks import seam_warning, straight_warning

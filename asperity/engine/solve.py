@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.bem.curve import SolvedLoad, bem_curve
-from asperity.bem.problem import AREA_OVER_LOAD_ERROR, fits
+from asperity.bem.memory import fits
+from asperity.bem.problem import AREA_OVER_LOAD_ERROR
 from asperity.compilation import CURVE, compile_ahead
 from asperity.contacts.run import solve_contacts
 from asperity.errors import InputError, ModelRangeError

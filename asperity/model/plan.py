@@ -181,11 +181,11 @@ def make_plan(
     warnings = (*digits, *map_warnings(hm, parameters.error_estimate.longest_lay))
     hm = hm.without_rounding
     edge = chosen_boundary(hm, boundary)
-    reasons = [f"boundary: {edge} ({'as the map says' if boundary is None else 'as asked'})"]
+    source = "as the map says" if boundary is None else "as asked"
     body = f"graded, m = {material.m:g}" if material.m != 0.0 else "homogeneous"
     hard, doubts = hardness_needed(hm, material)
+    reasons, warnings = [f"boundary: {edge} ({source})"], (*warnings, *doubts)
     reasons += [f"material: {body}", hard]
-    warnings = (*warnings, *doubts)
     if not isinstance(interaction, bool | np.bool_):
         raise InputError(f"interaction is {interaction!r}; it must be True or False")
     coupled, why = False, "interaction: off, as asked (the classical independent sum)"
@@ -206,9 +206,9 @@ def make_plan(
     reasons += whys
     reasons += [f"warning: {why}" for why in warnings]
     memory = MODEL_BYTES_PER_POINT * points
-    reasons.append(f"memory: about {memory / 2**20:.0f} MiB")
     _require_memory(memory)
-    reasons.append("fields: pressure and contours are made on request only")
+    about = f"memory: about {memory / 2**20:.0f} MiB"
+    reasons += [about, "fields: pressure and contours are made on request only"]
     seconds = time.perf_counter() - start
     return Plan(
         boundary=edge,
@@ -344,9 +344,7 @@ def _grid(hm: HeightMap, scales: str, parameters: Parameters) -> tuple[HeightMap
 
 
 def _require_memory(needed: int) -> None:
-    available = available_bytes()
-    if needed > 0.9 * available:
-        raise InputError(
-            f"the run needs about {needed / 2**30:.1f} GiB and {available / 2**30:.1f} GiB are "
-            "free; crop or resample the map"
-        )
+    need, free = (size / 2**30 for size in (needed, available_bytes()))
+    if need > 0.9 * free:
+        text = f"the run needs about {need:.1f} GiB and {free:.1f} GiB are free"
+        raise InputError(f"{text}; crop or resample the map")

@@ -8,7 +8,7 @@ from strategies import rough
 
 from asperity import HalfSpace, bem_curve, errors
 from asperity.bem import accuracy
-from asperity.bem import problem as memory
+from asperity.bem import memory
 
 BODY = HalfSpace.from_modulus(1.0)
 
