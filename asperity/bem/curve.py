@@ -30,8 +30,8 @@ from .accuracy import (
     loads_to_solve,
     require_accuracy,
 )
-from .path import LoadPath, follow_chains, split_loads
 from .memory import fits
+from .path import LoadPath, follow_chains, split_loads
 from .problem import ContactProblem
 from .solution import read_contact
 

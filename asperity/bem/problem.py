@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.influence import ElasticHalfSpace, influence
-from asperity.halfspace.scene import Boundary, chosen_boundary, require_scene
+from asperity.halfspace.scene import chosen_boundary, require_scene
 from asperity.threads import require_own_threads
 from asperity.threads import threads as thread_count
 from surfaces.heightmap import HeightMap

@@ -7,8 +7,7 @@ import pytest
 from strategies import rough
 
 from asperity import HalfSpace, bem_curve, errors
-from asperity.bem import accuracy
-from asperity.bem import memory
+from asperity.bem import accuracy, memory
 
 BODY = HalfSpace.from_modulus(1.0)
 
