@@ -190,6 +190,8 @@ def rows_of(
         "converged": (same.converged & model.converged).tolist(),
         "certificate": reference.residual.tolist(),
         "seconds": [seconds] * n,
+        "plastic_share_found": reference.extra.get("plastic_share", np.zeros(n)).tolist(),
+        "filling": (reference.mean_pressure / reference.area_fraction / body.hardness).tolist(),
     }
     return table | {name: np.asarray(v).tolist() for name, v in same.extra.items()}
 
@@ -258,6 +260,30 @@ def hardness_table(rows: dict[str, list]) -> dict[str, list]:
     return table
 
 
+def plasticity_table(rows: dict[str, list]) -> dict[str, list]:
+    """What boundary elements find at each plasticity index, within `METAL` of contact."""
+    hardness, area = np.array(rows["hardness"]), np.array(rows["area_fraction"])
+    chosen = (area > METAL[0]) & (area < METAL[1])
+    chosen &= np.array(["isotropic" in name for name in rows["family"]])
+    table: dict[str, list] = {"E* h'/H": [], "plastic share of the area": [], "A H/P": []}
+    for value in sorted(set(rows["hardness"])):
+        share, over = (
+            np.quantile(np.array(values)[chosen & (hardness == value)], [0.1, 0.9])
+            for values in (rows["plastic_share_found"], 1.0 / np.array(rows["filling"]))
+        )
+        for name, text in zip(
+            table,
+            (
+                f"{1 / value:g}",
+                f"{share[0]:.2f} to {share[1]:.2f}",
+                f"{over[0]:.2f} to {over[1]:.2f}",
+            ),
+            strict=True,
+        ):
+            table[name].append(text)
+    return table
+
+
 def main() -> None:
     """Run the families and print one line per surface."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -276,6 +302,7 @@ def main() -> None:
     parser.add_argument("--references", type=Path, help="folder that keeps the reference curves")
     parser.add_argument("--out", type=Path, help="one row per load point")
     parser.add_argument("--csv", type=Path, help="the table of the pages")
+    parser.add_argument("--plasticity", type=Path, help="what boundary elements find, by hardness")
     args = parser.parse_args()
     collected: dict[str, list] = {}
     for name, seed, hm, m, boundary in scenes(args, partial(families, args=args)):
@@ -314,6 +341,8 @@ def main() -> None:
         rows = maps_table(collected, args.scales) if map_by_map else families_table(collected)
         if len(args.hardness) > 1:
             rows = hardness_table(collected)
+        if args.plasticity:
+            write_csv(args.plasticity, plasticity_table(collected))
         write_csv(args.csv, rows)
 
 
