@@ -136,12 +136,15 @@ def _basins() -> None:
 
 
 def _bem() -> None:
-    """Boundary elements at two loads."""
+    """Boundary elements at two loads and at a separation, with pixels at the hardness."""
     from asperity.bem.curve import bem_curve
     from asperity.halfspace.scene import default_pressures
 
     hm = small_map()
-    bem_curve(hm, BODY, pressures=default_pressures(hm, BODY, count=2), tolerance=1e-2)
+    low, high = default_pressures(hm, BODY, count=2)
+    body = HalfSpace.from_modulus(1.0, hardness=5.0 * high)
+    solved = bem_curve(hm, body, pressures=[low, high], tolerance=1e-2)
+    bem_curve(hm, body, separations=solved.separation[1:], tolerance=1e-2)
 
 
 PARTS = {

@@ -71,6 +71,7 @@ class HertzTable:
     m: float = 0.0
     nodes: int = 12
     centre = make = None
+    hardness = np.inf
 
     def __len__(self):
         return len(self.reach)

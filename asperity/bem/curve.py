@@ -326,8 +326,7 @@ def _lightest_area(hm: HeightMap, mat: HalfSpace, kind: str, values: NDArray[np.
     if kind == "pressure":
         loads = values[values > 0.0]
         return expected_area_fraction(hm, mat, float(loads.min())) if loads.size else 1.0
-    above = np.count_nonzero(hm.heights - hm.heights.mean() > values.max())
-    return 0.3 * above / hm.heights.size
+    return 0.3 * float(np.mean(hm.heights - hm.heights.mean() > values.max()))
 
 
 def _checked(

@@ -46,8 +46,9 @@ def resample(elastic, approach, columns, reach, values, stiffness):
     Fills `values` (c, n, nodes + 1) from `columns` (c, n, levels), of which the first is the force,
     `reach` (n,) with the last approaches and `stiffness` (n, nodes + 1) with the slope of the
     force. Over the approach the force is a cubic in the root of the approach through the four
-    nearest levels, or linear in it where that does not lie between two, as are the other columns.
-    An approach is made to grow by `LEAST_RISE` of the `elastic` one at least.
+    nearest levels, or linear in it where that does not lie between two or these are more than a
+    node apart, as are the other columns. An approach is made to grow by `LEAST_RISE` of the
+    `elastic` one at least.
     """
     levels, nodes = approach.shape[1], values.shape[2] - 1
     weight, slope, root = np.empty(4), np.empty(4), np.empty(levels)
@@ -73,7 +74,8 @@ def resample(elastic, approach, columns, reach, values, stiffness):
                 rise += slope[k - base] * ratio
             force, grown = u * u * level, level + 0.5 * u * rise
             low, high = columns[0, i, j], columns[0, i, j + 1]
-            if not (low <= force <= high and grown > 0.0) and root[j] <= u:
+            wide = (root[j + 1] - root[j]) * nodes > root[levels - 1]
+            if (wide or not (low <= force <= high and grown > 0.0)) and root[j] <= u:
                 grown = (high - low) / (x[j + 1] - x[j])
                 force = low + grown * (u * u - x[j])
             values[0, i, node], stiffness[i, node] = force, grown

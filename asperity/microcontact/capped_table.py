@@ -24,6 +24,10 @@ Array = NDArray[np.float64]
 FINER = 2
 """Elastic approaches, over the nodes of a table, of which the capped contacts are found first."""
 
+BEYOND = 0.1
+"""Further approach, over the reach, that tells how a filled basin bears more: at the hardness it
+bears none."""
+
 LEAST_YIELD = 1e-4
 """Loss of force, relative, from which on a law is changed: sharp tips always yield a little."""
 
@@ -85,6 +89,10 @@ def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
     values = np.zeros((len(columns), len(rows), nodes + 1))
     reach, slope = np.zeros(len(rows)), np.zeros((len(rows), nodes + 1))
     resample(elastic[late], approach, np.stack(columns), reach, values, slope)
+    over = BEYOND * table.reach[rows]
+    known = (*table.evaluate(rows, table.reach[rows] + over), table.reach[rows] + over)
+    filled = capped(known[3], known[0], known[2], known[1], material, level=level[late, -1])
+    slope[:, -1] = np.minimum(slope[:, -1], (filled.force - found.force[late, -1]) / over)
     result.reach[rows], result.force[rows], result.stiffness[rows] = reach, values[0], slope
     result.area[rows] = np.maximum(values[1], values[0] / material.hardness)
     places = reach[:, None] * (np.arange(1, nodes + 1) / nodes) ** 2

@@ -16,6 +16,7 @@ BALL = PowerLawProfile(2.0, 0.5)
 RIDGE = PolynomialProfile({(2, 0): 0.5, (0, 2): 1.5})
 MIXED = PolynomialProfile({(2, 0): 0.5, (0, 2): 0.8, (4, 0): 0.2, (2, 2): 0.4, (0, 4): 0.2})
 HARD = HalfSpace.from_modulus(1.0, hardness=0.2)
+SHAPES = ["round", "curvatures 3:1", "steepening", "pyramid"]
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -46,7 +47,7 @@ def test_hard_enough_is_elastic_to_the_last_digit(law):
     assert free.first_yield == free.fully_plastic == (np.inf, np.inf)
 
 
-@pytest.mark.parametrize("profile", [BALL, RIDGE, MIXED, polygon(4)], ids=str)
+@pytest.mark.parametrize("profile", [BALL, RIDGE, MIXED, polygon(4)], ids=SHAPES)
 def test_curve(profile):
     """The stiffness is the slope of the curve; never above H A or the elastic force."""
     depth = np.array([0.05, 0.2, 0.6])
@@ -62,7 +63,7 @@ def test_curve(profile):
     assert np.all(rows[1].force <= 0.2 * rows[1].contact_area)
 
 
-@pytest.mark.parametrize("profile", [BALL, RIDGE, MIXED, polygon(4)], ids=str)
+@pytest.mark.parametrize("profile", [BALL, RIDGE, MIXED, polygon(4)], ids=SHAPES)
 def test_pressure_is_bounded_and_carries_the_force(profile):
     one = asperity.indent(profile, HARD, 0.4, law="harmonic")
     x = np.linspace(-1.5, 1.5, 301)
@@ -100,3 +101,22 @@ def test_a_load_above_what_the_profile_carries_is_refused():
         ModelRangeError, match=r"more than the area of the profile carries .*0.6283"
     ):
         asperity.indent(profile, HARD, load=0.63)
+
+
+@pytest.mark.parametrize(
+    "profile",
+    [BALL, PolynomialProfile({(2, 0): 0.5, (0, 2): 5.0}), MIXED, PowerLawProfile(4.0, 1.0)],
+    ids=["round", "curvatures 10:1", "steepening", "r^4"],
+)
+@pytest.mark.parametrize("share", [0.5, 0.8, 1.1])
+def test_boundary_elements_agree(profile, share):
+    """Hardnesses below, near and above the mean elastic pressure."""
+    depth = 0.4
+    elastic = asperity.indent(profile, HARD.elastic, depth, law="auto")
+    body = HalfSpace.from_modulus(1.0, hardness=share * float(elastic.mean_pressure))
+    one = asperity.indent(profile, body, depth, law="auto")
+    exact = asperity.indent_bem(profile, body, depth)
+    assert exact.converged
+    assert one.force == pytest.approx(float(exact.force), rel=0.02)
+    there = asperity.indent(profile, body, load=float(exact.force), law="auto")
+    assert there.contact_area == pytest.approx(float(exact.contact_area), rel=0.02)
