@@ -6,7 +6,7 @@ import surfaces
 hm = surfaces.self_affine(
     (256, 256), (1e-3, 1e-3), hurst=0.8, rms_slope=0.1, rolloff=1.25e-4, cutoff=3.2e-5, seed=1
 )
-steel = asperity.HalfSpace(210e9, 0.3)
+steel = asperity.HalfSpace(210e9, 0.3, hardness=2e9)
 curve = asperity.solve(hm, steel, pressures=[1e7, 3e7, 1e8, 3e8], accuracy=0.05)
 print(curve)
 point = curve.at(pressure=5e7)

@@ -26,7 +26,7 @@ def run(name: str, folder: Path) -> str:
 def test_ten_lines(tmp_path):
     share = re.search(r"([\d.]+) % touches", run("01_ten_lines.py", tmp_path))
     assert share is not None
-    assert float(share[1]) == pytest.approx(0.49, abs=0.03)
+    assert float(share[1]) == pytest.approx(2.5, abs=0.05)
 
 
 def test_compare_with_bem(tmp_path):
@@ -78,6 +78,15 @@ def test_beyond_the_curve(tmp_path):
     # slope of boundary elements (map refined twice, 1e-7) between 0.97 and 1.03 of the load
     assert float(conductance[1]) == pytest.approx(1.584e10, rel=0.03)
     assert (tmp_path / "contact.vti").is_file()
+
+
+def test_hardness(tmp_path):
+    text = run("08_hardness.py", tmp_path)
+    touches = [float(share) for share in re.findall(r"(\S+) % touches", text)]
+    assert len(touches) == 4 and touches == sorted(touches, reverse=True)
+    first, again = (float(a) for a in re.findall(r"(?:elements|elastically): (\S+) %", text))
+    assert first == pytest.approx(touches[0], rel=0.03)
+    assert again == pytest.approx(first, rel=0.06)
 
 
 def test_figures_of_the_paper(tmp_path):

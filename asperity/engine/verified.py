@@ -34,6 +34,10 @@ PRIOR_SHARE = np.array([[0.5], [1.0 / 3.0]])
 """Share of the a-priori estimates of load and area that is left between anchors at all of which
 they held."""
 
+YIELDED_SHARE = np.array([[1.0], [0.0]])
+"""What is added to it where the contacts bear the hardness: there the load follows the heights of
+single summits, and the misfit does not vary slowly."""
+
 UNKNOWN = 0.05, 0.15
 """Estimates of load and area where the model states none."""
 
@@ -104,6 +108,7 @@ def verified(
     count = len(points)
     position = np.log(model.mean_pressure[points])
     prior = _prior(model)[:, points]
+    share = PRIOR_SHARE + YIELDED_SHARE * _plastic(model)[points]
     first = FIRST_ANCHORS[not random_waves(hm)]
     grain = _grain(hm, model)[points]
     anchors = np.unique(np.linspace(0, count - 1, first).astype(np.int64))
@@ -113,7 +118,7 @@ def verified(
         solved |= _solved(judge, values, np.array(new))
         known = _misfit(model, kind, points[anchors], solved)
         broken = float(np.max(np.abs(known[:2]) / prior[:, anchors]))
-        floors = prior * (PRIOR_SHARE if broken <= 1.0 else broken)
+        floors = prior * np.maximum(share, broken if broken > 1.0 else 0.0)
         load, load_bound = between(position, anchors, known[0], floors[0])
         area, area_bound = between(position, anchors, known[1], floors[1])
         rest = np.array(
@@ -161,6 +166,11 @@ def _prior(model: ContactCurve) -> Array:
             for error, unknown in zip(stated, UNKNOWN, strict=True)
         ]
     )
+
+
+def _plastic(model: ContactCurve) -> Array:
+    """Share of the contact area at the hardness, shape (n,)."""
+    return np.asarray(model.extra.get("plastic_share", np.zeros(len(model))))
 
 
 def _judged(solved: dict[int, ContactCurve], points: Indices, name: str) -> Array:
