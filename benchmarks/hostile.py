@@ -4,8 +4,9 @@
 
 A map is one of a dozen ugly kinds (spikes, steps, checkerboards, one line, ties, tilt, tiny or huge
 units, an offset, numbers of a few bits) on a grid of 1 to 48 points a side, with loads over many
-decades, a grading and a boundary. An answer is right if it is an error of this package, or a curve
-whose points are finite and converged, or not converged with a reason.
+decades, a grading, a boundary and, for half of them, a hardness. An answer is right if it is an
+error of this package, or a curve whose points are finite and converged, within the hardness, or not
+converged with a reason.
 """
 
 from __future__ import annotations
@@ -69,6 +70,11 @@ def draw(seed: int) -> tuple[surfaces.HeightMap, asperity.HalfSpace, dict]:
     how: dict = {}
     if rng.random() < 0.7:
         how["pressures"] = body.modulus * 10.0 ** rng.uniform(-20, 1, rng.integers(1, 7))
+    if rng.random() < 0.5:
+        hardness = body.modulus * 10.0 ** rng.uniform(-12, 3)
+        body = asperity.HalfSpace.from_modulus(body.modulus, m, hardness)
+        if "pressures" in how:
+            how["pressures"] = np.minimum(how["pressures"], hardness)
     return hm, body, how
 
 
@@ -78,6 +84,9 @@ def told(curve: asperity.ContactCurve) -> str:
     columns = curve.separation, curve.mean_pressure, curve.contact_area
     if not all(np.isfinite(column[good]).all() for column in columns):
         return "a converged point is not finite"
+    hardness = curve.settings.get("hardness", np.inf)
+    if (curve.mean_pressure[good] > hardness * curve.area_fraction[good] * 1.001).any():
+        return "a pressure exceeds the hardness"
     if any(not why for why in np.array(curve.reasons)[~good]):
         return "a point that did not converge has no reason"
     return ""

@@ -244,6 +244,7 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
     if math.isfinite(cap):
         held = outcome.reading.held * (hm.area / hm.heights.size)
         columns |= {"lift": certificate.lift, "plastic_share": min(held / max(area, 1e-300), 1.0)}
+        columns["plastic_work"] = problem.plastic_work(outcome)
     return SolvedLoad(columns, contact, outcome.reason)
 
 
@@ -335,9 +336,8 @@ def _checked(
     """The curve with the error estimate from one solve on a grid twice as fine."""
     middle = int(np.argsort(curve.mean_pressure)[len(curve) // 2])
     rows, columns = (min(2 * n, full) for n, full in zip(problem.hm.shape, hm.shape, strict=True))
-    finer = hm
-    if (rows, columns) != hm.shape:
-        finer = coarsened(hm, (rows, columns), problem.boundary)
+    whole = (rows, columns) == hm.shape
+    finer = hm if whole else coarsened(hm, (rows, columns), problem.boundary)
     finest = bem_curve(
         finer,
         mat,

@@ -243,6 +243,11 @@ class ContactProblem:
         cell = self.hm.spacing[0] * self.hm.spacing[1]
         return 0.5 * outcome.reading.moment * self.unit / self.compliance * cell
 
+    def plastic_work(self, outcome: Outcome) -> float:
+        """Work ``int p (plastic depth) dA`` done where the hardness is reached [J]."""
+        cell = self.hm.spacing[0] * self.hm.spacing[1]
+        return outcome.reading.plastic_work * self.unit / self.compliance * cell
+
     def load_error(self, outcome: Outcome) -> float:
         """Bound on the relative error of the load at equal separation [-], from the certificate.
 

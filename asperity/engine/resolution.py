@@ -144,7 +144,8 @@ def resolution(
         )
         for grid in (part, finer)
     )
-    rate = own.load / own.extra["elastic_energy"]
+    work = own.extra["elastic_energy"] + own.extra.get("plastic_work", 0.0)
+    rate = own.load / np.maximum(work, np.finfo(float).tiny)
     load = float(np.max(np.abs(rate * (own.separation - fine.separation))))
     area = float(np.max(np.abs(np.log(own.contact_area / fine.contact_area))))
     load, area = max(SAFETY * load, FLOOR[0]), max(SAFETY * area, FLOOR[1])

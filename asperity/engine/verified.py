@@ -38,6 +38,9 @@ YIELDED_SHARE = np.array([[1.0], [0.0]])
 """What is added to it where the contacts bear the hardness: there the load follows the heights of
 single summits, and the misfit does not vary slowly."""
 
+YIELDED = "plastic_share", "unloading_stiffness"
+"""Columns of the model that a curve with a hardness keeps."""
+
 UNKNOWN = 0.05, 0.15
 """Estimates of load and area where the model states none."""
 
@@ -255,8 +258,15 @@ def _curve(
     contact_area = columns.pop("contact_area")
     settings: dict[str, Any] = {
         name: model.settings[name]
-        for name in ("law", "boundary", "modulus", "m", "input", "warnings")
+        for name in ("law", "boundary", "modulus", "m", "hardness", "input", "warnings")
+        if name in model.settings
     }
+    yielded = {}
+    if "hardness" in settings:
+        contact_area = np.maximum(contact_area, pressure * hm.area / settings["hardness"])
+        yielded = {name: model.extra[name].copy() for name in YIELDED}
+        for i, one in solved.items():
+            yielded["plastic_share"][i] = one.extra["plastic_share"][0]
     return ContactCurve(
         separation=separation,
         mean_pressure=pressure,
@@ -273,6 +283,7 @@ def _curve(
         extra={
             "area_error_estimate": told,
             "anchor": is_anchor,
+            **yielded,
             "prior_error_estimate": model.error_estimate,
             "prior_area_error_estimate": model.extra["area_error_estimate"],
         },

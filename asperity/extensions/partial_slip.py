@@ -24,6 +24,8 @@ __all__ = ["FrictionCurve", "PartialSlip", "friction_curve", "partial_slip", "ta
 
 Array = NDArray[np.float64]
 
+ELASTIC_ALONE = "partial slip is of elastic contacts alone; leave the hardness out"
+
 
 def tangential_modulus(first: HalfSpace, second: HalfSpace | None = None) -> float:
     """G* [Pa] with ``1/G* = (2-nu_1)/(4 G_1) + (2-nu_2)/(4 G_2)``; a missing body is rigid.
@@ -156,6 +158,8 @@ def partial_slip(
     """
     if material.m != 0:
         raise InputError("partial slip needs a homogeneous half-space, m = 0")
+    if material.hardness < np.inf:
+        raise InputError(ELASTIC_ALONE)
     if not (friction > 0 and modulus_ratio > 0 and approach > 0):
         raise InputError("friction, modulus_ratio and approach must be positive")
     if (displacement is None) == (tangential_force is None):
@@ -292,6 +296,8 @@ def friction_curve(
         raise InputError(f"points is {points}; give a whole number, at least 2")
     if curve.settings.get("m", 0.0) != 0.0:
         raise InputError("partial slip needs homogeneous half-spaces, m = 0")
+    if "hardness" in curve.settings:
+        raise InputError(ELASTIC_ALONE)
     whole = curve.at(pressure=mean_pressure)
     lightest = float(curve.mean_pressure[curve.converged & (curve.mean_pressure > 0)].min())
     if not lightest < (1 - SLACK) * mean_pressure:

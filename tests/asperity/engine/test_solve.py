@@ -168,3 +168,21 @@ def test_the_model_answers_where_boundary_elements_do_not_fit(monkeypatch):
 def test_bad_input_is_told_in_one_sentence(wrong, text):
     with pytest.raises(InputError, match=text):
         solve(waves(), BODY, **wrong)
+
+
+@pytest.mark.parametrize("engine", ["bem", "anchored"])
+def test_a_hardness_by_either_engine(engine):
+    hm = surfaces.self_affine(
+        (96, 120), (96.0, 120.0), hurst=0.8, rms_slope=0.1, rolloff=30.0, cutoff=8.0, seed=4
+    )
+    body = HalfSpace.from_modulus(1.0, hardness=0.004)
+    loads = 0.004 * np.geomspace(0.005, 0.1, 8)
+    found = solve(hm, body, pressures=loads, engine=engine)
+    exact = bem_curve(hm, body, pressures=loads, tolerance=1e-6)
+    assert found.converged.all() and found.settings["hardness"] == 0.004
+    assert (found.contact_area * 0.004 >= found.load * (1 - 1e-9)).all()
+    area = np.abs(found.contact_area / exact.contact_area - 1)
+    assert (area <= found.extra["area_error_estimate"] + 1e-3).all()
+    load = np.abs(np.interp(-found.separation, -exact.separation, np.log(loads)) - np.log(loads))
+    assert (load <= found.error_estimate + 0.01).all()
+    assert (found.extra["plastic_share"] > 0.8).all()

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import asperity
+import surfaces
 from asperity.errors import InputError
 from asperity.extensions.conductance import constriction_conductance
 from asperity.extensions.partial_slip import friction_curve
@@ -113,3 +114,22 @@ def test_what_is_no_number_is_refused(sphere, wrong):
         friction_curve(curve, float(curve.mean_pressure[-1]), **case)
     with pytest.raises(InputError, match="number"):
         constriction_conductance(curve, resistivity=("1e-7", 1e-7))
+
+
+def test_a_hardness_is_refused_where_superposition_ends():
+    hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
+    hard = asperity.HalfSpace(210e9, 0.3, hardness=2e9)
+    curve = asperity.contact_curve(hm, hard, pressures=[1e7, 1e8])
+    for slip in (
+        lambda: asperity.friction_curve(curve, 1e8, friction=0.3, modulus_ratio=1.2),
+        lambda: asperity.partial_slip(
+            surfaces.PowerLawProfile(2.0, 50.0),
+            hard,
+            1e-6,
+            friction=0.3,
+            modulus_ratio=1.2,
+            tangential_force=1.0,
+        ),
+    ):
+        with pytest.raises(asperity.InputError, match="leave the hardness out"):
+            slip()
