@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from asperity import __version__
 from asperity.errors import InputError
-from asperity.results.curve import POINT_FIELDS, ContactCurve
+from asperity.results.curve import ContactCurve
 from surfaces.files.atomic import replacing, require_replaceable
 
 from . import derived
@@ -112,7 +112,7 @@ def solve_and_keep(
         return run_resumably(
             lambda points, keep: solve(**{f"{kind}s": points}, progress=advance, checkpoint=keep),
             values,
-            "mean_pressure" if kind == "pressure" else "separation",
+            kind,
             path,
             model=model,
             request=request,
@@ -143,14 +143,7 @@ def finish(curve: ContactCurve, material: HalfSpace, args: argparse.Namespace) -
 
     more = derived.conductance(curve, args)
     if args.csv:
-        told = (
-            "area_error_estimate",
-            "interaction_difference",
-            "plastic_share",
-            "unloading_stiffness",
-        )
-        extra = {name: curve.extra[name] for name in told if name in curve.extra}
-        write_csv(args.csv, {name: getattr(curve, name) for name in POINT_FIELDS} | extra | more)
+        write_csv(args.csv, curve.columns() | more)
     try:
         if args.slip:
             derived.write_slip(curve, material, args)
