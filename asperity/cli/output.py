@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from asperity import __version__
 from asperity.errors import InputError
+from asperity.progress import bar
 from asperity.results.curve import ContactCurve
 from surfaces.files.atomic import replacing, require_replaceable
 
@@ -66,14 +67,6 @@ def add_fields_option(parser: argparse.ArgumentParser, what: str) -> None:
     parser.add_argument("--fields", metavar="VTI", help=f"ParaView file of {what}, last point")
 
 
-def bar(total: int | None, label: str) -> tuple[Any, Callable[[Any], None]]:
-    """A progress bar (nothing when not a terminal) and the function that advances it by one."""
-    from tqdm import tqdm
-
-    shown = tqdm(total=total, desc=label, disable=None, leave=False)
-    return shown, lambda _: shown.update(1)
-
-
 def tell(text: str, *, error: bool = False) -> None:
     """Write lines above the progress bar, or to standard error."""
     from tqdm import tqdm
@@ -107,8 +100,7 @@ def solve_and_keep(
     from asperity.results.resume import run_resumably
 
     kind, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))
-    shown, advance = bar(len(values), "load points")
-    with shown:
+    with bar(len(values), "load points") as advance:
         return run_resumably(
             lambda points, keep: solve(**{f"{kind}s": points}, progress=advance, checkpoint=keep),
             values,

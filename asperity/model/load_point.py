@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = [
     "LoadPoint",
     "joined_spots",
+    "load_difference",
     "load_point",
     "plastic_share",
     "point_at_separation",
@@ -122,6 +123,16 @@ def point_at_separation(
         before = coarse, error
         coarse += step
     return point
+
+
+def load_difference(alone: LoadPoint, interacting: PopulationState) -> float:
+    """Load of independent contacts over that of interacting ones, less one; NaN if not known."""
+    if not (alone.converged and interacting.converged):
+        return np.nan
+    pressure = alone.state.mean_pressure
+    if interacting.mean_pressure == 0.0:
+        return np.inf if pressure else 0.0
+    return pressure / interacting.mean_pressure - 1.0
 
 
 def plastic_share(load: Array, area: Array, hardness: float) -> Array:
