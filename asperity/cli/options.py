@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -31,9 +30,6 @@ __all__ = [
     "model",
     "numbers",
 ]
-
-SOFTEST = 1e3
-"""Modulus [Pa] below which a unit is probably wrong; a soft gel has more."""
 
 
 def add_surface_options(parser: argparse.ArgumentParser, *, several: bool = False) -> None:
@@ -119,8 +115,6 @@ def add_load_options(parser: argparse.ArgumentParser) -> None:
 
 def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     """Read the map and prepare it as the options ask; refuse what no model can use."""
-    from asperity.model.map_checks import map_warnings
-
     hm = read_map(Path(file), args)
     if hm.missing and args.fill == "none":
         raise SurfaceError(
@@ -130,9 +124,6 @@ def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     hm = prepared(hm, args)
     if np.ptp(hm.heights) == 0.0:
         raise SurfaceError(f"{Path(file).name} is constant: a flat map has no peaks to touch")
-    if args.command not in ("plan", "curve", "solve"):  # which have them among their lines
-        for warning in map_warnings(hm):
-            sys.stderr.write(f"asperity {args.command}: {Path(file).name}: {warning}\n")
     return hm if hm.name else hm.replace(name=Path(file).stem)
 
 
@@ -142,10 +133,6 @@ def material(args: argparse.Namespace) -> HalfSpace:
         raise InputError("give either --E (with --nu) or --modulus, not both")
     if args.modulus is None and args.E is None:
         raise InputError("no material: give --E (Young's modulus in Pa) or --modulus (E* in Pa)")
-    given = args.E if args.modulus is None else args.modulus
-    if args.m == 0.0 and 0 < given < SOFTEST:
-        text = f"a modulus of {given:g} Pa is that of no solid: moduli are in Pa"
-        sys.stderr.write(f"asperity {args.command}: {text}\n")
     if args.modulus is not None:
         return HalfSpace.from_modulus(args.modulus, m=args.m, hardness=args.hardness)
     nu = 0.3 if args.nu is None else args.nu
