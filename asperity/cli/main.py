@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import io
 import os
 import re
@@ -28,6 +29,7 @@ COMMANDS = {
     "indent": "one microcontact: force, area, contour and pressure against approach",
     "surface": "height maps: info, generate, prepare, convert, validate, peaks",
     "report": "rebuild the report from a results file",
+    "completion": "a script that lets the shell complete commands, options and files",
     "stress": "stiff and extreme cases through every engine, each judged",
     "warmup": "compile what daily use needs for this machine; later runs start at once",
 }
@@ -56,8 +58,8 @@ class _OneSentenceParser(argparse.ArgumentParser):
         raise SystemExit(EXIT_BAD_INPUT)
 
 
-def build_parser(command: str) -> argparse.ArgumentParser:
-    """Parser of the whole command line; of the sub-commands only `command` knows its options."""
+def build_parser(*known: str) -> argparse.ArgumentParser:
+    """Parser of the whole command line; of the sub-commands only those `known` have options."""
     parser = _OneSentenceParser(
         prog="asperity",
         description="How much of a rough surface really touches, and how far to trust the answer.",
@@ -71,7 +73,7 @@ def build_parser(command: str) -> argparse.ArgumentParser:
             description=summary[0].upper() + summary[1:] + ".",
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        if name == command:
+        if name in known:
             _module(name).add_arguments(sub)
     return parser
 
@@ -85,7 +87,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         args = build_parser(named).parse_args(arguments)
         with interruptible():
-            code = int(_module(args.command).run(args))
+            code = _run(args)
         sys.stdout.flush()
         return code
     except (AsperityError, MemoryError) as error:
@@ -102,6 +104,19 @@ def main(argv: Sequence[str] | None = None) -> int:
         where = f"{error.filename}: " if error.filename else ""
         _tell(args, f"{where}{error.strerror or error}")
         return EXIT_BAD_INPUT
+
+
+def _run(args: argparse.Namespace) -> int:
+    """Run the command; with ``--json`` what it prints goes to standard error, but for the JSON."""
+    if not getattr(args, "json", False):
+        return int(_module(args.command).run(args))
+    with contextlib.redirect_stdout(sys.stderr):
+        code = int(_module(args.command).run(args))
+    about = {"command": args.command, "version": __version__, "exit_code": code}
+    from .document import document
+
+    print(document(about | {"results": args.document}))
+    return code
 
 
 def _tell(args: argparse.Namespace, text: str) -> None:
