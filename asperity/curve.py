@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.compilation import CURVE, compile_ahead
-from asperity.halfspace.scene import checked_loads
+from asperity.halfspace.scene import checked_loads, map_facts, pressure_scale
 from asperity.model.decomposition import Decomposition
 from asperity.model.load_point import (
     LoadPoint,
@@ -190,12 +190,15 @@ def solve_loads(
             if progress is not None:
                 progress(row.point.state)
             if checkpoint is not None:
-                checkpoint(_curve(hm, decomposition, [*rows.values()], time.perf_counter() - start))
+                done = {f"asked_{kind}": values[[*rows]]}
+                seconds = time.perf_counter() - start
+                checkpoint(_curve(hm, decomposition, [*rows.values()], done, seconds))
         if len(rows) == len(values):
             break
         decomposition, rows = decomposition.of_whole_map(), {}
     ordered = [rows[i] for i in sorted(rows)]
-    curve = _curve(hm, decomposition, ordered, time.perf_counter() - start)
+    asked = {f"asked_{kind}": values}
+    curve = _curve(hm, decomposition, ordered, asked, time.perf_counter() - start)
     return curve, decomposition, tuple(row.point for row in ordered)
 
 
@@ -272,9 +275,13 @@ def _difference(alone: LoadPoint, interacting: PopulationState) -> float:
 
 
 def _curve(
-    hm: HeightMap, decomposition: Decomposition, rows: Sequence[_Row], seconds: float
+    hm: HeightMap,
+    decomposition: Decomposition,
+    rows: Sequence[_Row],
+    asked: dict[str, NDArray[np.float64]],
+    seconds: float,
 ) -> ContactCurve:
-    """The curve of some load points of a map, `seconds` after the run began."""
+    """The curve of some load points of a map, asked for so, `seconds` after the run began."""
     plan = decomposition.plan
     states = [row.point.state for row in rows]
     surfaces = [row.point.surface for row in rows]
@@ -334,10 +341,13 @@ def _curve(
             "m": body.m,
             **({"hardness": body.hardness} if yielded else {}),
             "input": hm.digest,
+            "map": map_facts(hm),
+            "pressure_scale": pressure_scale(hm, body),
             "peaks": len(decomposition.peaks),
             "warnings": warnings,
         },
         extra={
+            **asked,
             "microcontacts": column(states, "active"),
             "filled_share": column(states, "filled_share"),
             "tangent_stiffness": tangent,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asperity import __version__
-from asperity.results.curve import POINT_FIELDS, ContactCurve
+from asperity.results.curve import ContactCurve
 
 from . import batch, derived, targets
 from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK
@@ -30,6 +30,17 @@ __all__ = [
     "request_of",
     "solve_and_keep",
 ]
+
+AT_HEAVIEST = (
+    "mean_pressure",
+    "separation",
+    "area_fraction",
+    "mean_contact_pressure",
+    "contacts",
+    "stiffness",
+    "error_estimate",
+)
+"""Columns of a curve that a table with a row per file tells, of the heaviest point converged."""
 
 
 def add_output_options(parser: argparse.ArgumentParser, *, report: bool = False) -> None:
@@ -95,7 +106,7 @@ def solve_and_keep(
         return run_resumably(
             lambda points, keep: solve(**{f"{kind}s": points}, progress=advance, checkpoint=keep),
             values,
-            "mean_pressure" if kind == "pressure" else "separation",
+            kind,
             path,
             model=model,
             request=request,
@@ -127,15 +138,9 @@ def finish(
     from asperity.results.storage import write_csv
 
     more = derived.conductance(curve, args)
+    columns = curve.columns() | more
     if args.csv:
-        told = (
-            "area_error_estimate",
-            "interaction_difference",
-            "plastic_share",
-            "unloading_stiffness",
-        )
-        extra = {name: curve.extra[name] for name in told if name in curve.extra}
-        write_csv(args.csv, {name: getattr(curve, name) for name in POINT_FIELDS} | extra | more)
+        write_csv(args.csv, columns)
     try:
         if args.slip:
             derived.write_slip(curve, material, args)
@@ -144,23 +149,19 @@ def finish(
             f"{name}     {' '.join(f'{v:.4g}' for v in values)}" for name, values in more.items()
         ]
         tell("\n".join([str(curve), *lines, f"results         {args.output}"]))
-    heaviest = int(np.argmax(np.where(curve.converged, curve.mean_pressure, -np.inf)))
-    told_at = ("mean_pressure", "separation", "area_fraction", "contacts", "stiffness")
-    good = bool(curve.converged.any())
-    columns = {name: getattr(curve, name) for name in POINT_FIELDS} | dict(curve.extra) | more
+    heaviest = np.argmax(np.where(curve.converged, curve.mean_pressure, -np.inf))
     return {
         **facts_of(hm),
-        "model": curve.model,
         "points": len(curve),
         "converged": bool(curve.converged.all()),
-        **{name: columns[name][heaviest] if good else math.nan for name in told_at},
-        "error_estimate": curve.error_estimate[heaviest] if good else math.nan,
+        **{name: columns[name][heaviest] for name in AT_HEAVIEST},
         "seconds": sum(curve.seconds.values()),
+        "model": curve.model,
         "output": args.output,
         "reason": next(filter(None, curve.reasons), ""),
-        "curve": columns | {"reason": curve.reasons},
+        "curve": columns,
         "settings": curve.settings,
-        "stages": curve.seconds,
+        "seconds_by_stage": curve.seconds,
     }
 
 

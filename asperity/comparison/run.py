@@ -15,7 +15,7 @@ from asperity.compilation import CURVE, compile_ahead
 from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import microcontacts
 from asperity.curve import solve_loads
-from asperity.halfspace.scene import checked_loads, default_pressures, slope_scale
+from asperity.halfspace.scene import checked_loads, default_pressures, map_facts
 from asperity.model.plan import Plan, make_plan
 from asperity.results.curve import ContactCurve
 from asperity.results.storage import structured
@@ -203,12 +203,7 @@ def _table(
 
 def _about(hm: HeightMap, material: HalfSpace) -> dict[str, Any]:
     return {
-        "name": hm.name,
-        "shape": list(hm.shape),
-        "spacing": list(hm.spacing),
-        "periodic": hm.periodic,
-        "rms_height": hm.rms_height,
-        "rms_slope": slope_scale(hm)[0],
+        **map_facts(hm),
         "history": [dict(step) for step in hm.history],
         "input": hm.digest,
         "modulus": material.modulus,

@@ -130,6 +130,7 @@ def resolution(
     if not fits(finer.shape, boundary, 1):
         why = f"{held}, and a finer grid does not fit into memory"
         return Resolution(np.nan, np.nan, why, (CURE.format("an unknown part"),))
+    heaviest = max(heaviest, point.mean_pressure)
     loads = np.geomspace(
         point.mean_pressure, heaviest, LOADS if heaviest > point.mean_pressure else 1
     )

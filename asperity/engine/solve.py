@@ -265,7 +265,7 @@ class _Scene:
         if self.lightest.point is None and (pressure > 0.0).any():  # all were solved before
             first = int(np.argmin(np.where(pressure > 0.0, pressure, np.inf)))
             self.exact(values[[first]], 2.0 * ACCURACIES[1])
-        heaviest = float(pressure.max())
+        heaviest = float(pressure[curve.converged].max(initial=0.0))
         return resolution(self.hm, self.material, self.boundary, self.lightest, heaviest)
 
 
