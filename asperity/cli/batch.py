@@ -38,13 +38,11 @@ def add_files(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_table(parser: Any, default: str | None = None) -> None:
-    """Options of what is told of all inputs; `default` is the table that several inputs leave."""
-    several = f"; default {default} for several files" if default else ""
-    targets.add_target(
-        parser, "--table", suffix=targets.ONE, help=f"CSV table with a row per file{several}"
-    )
-    parser.set_defaults(default_table=default)
+def add_table(parser: Any, several: str | None = None) -> None:
+    """Options of what is told of all inputs; `several` is the table that several inputs leave."""
+    known = f"; {several} for several files" if several else ""
+    what = f"CSV table with a row per file{known}"
+    targets.add_target(parser, "--table", suffix=targets.ONE, several=several, help=what)
     add_json(parser)
 
 
@@ -72,8 +70,7 @@ def each(args: argparse.Namespace, work: Work) -> int:
     """
     files = expand(args.files)
     several = len(files) > 1
-    if several and args.table is None:
-        args.table = args.default_table
+    targets.fill_in(args, several)
     runs = [targets.of_input(args, file, several) for file in files]
     targets.require(args, runs)
     rows, code = [], EXIT_OK
@@ -133,7 +130,8 @@ def _text(rows: Sequence[Mapping[str, Any]]) -> str:
     lines = [names, *([_cell(row.get(name, "")) for name in names] for row in rows)]
     words = [any(isinstance(row.get(name), str) for row in rows) for name in names]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    room, kept = shutil.get_terminal_size((sys.maxsize, 0)).columns, []
+    kept: list[int] = []
+    room = shutil.get_terminal_size((sys.maxsize, 0)).columns
     for place in sorted(range(len(names)), key=lambda place: names[place] != "reason"):
         room -= widths[place] + 2
         if room >= -2 or not kept:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
 
 EPILOG = """example:
-  asperity bem scan.h5 --E 210e9 --nu 0.3 --pressure 1e6:5e8:10 --tolerance 1e-6
+  asperity bem scan.h5 --E 210GPa --nu 0.3 --pressure 1MPa:500MPa:10 --tolerance 1e-6
 """
 
 

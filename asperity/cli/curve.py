@@ -14,9 +14,10 @@ if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
 
 EPILOG = """examples:
-  asperity curve scan.h5 --E 210e9 --nu 0.3 --pressure 1e6:5e8:30
-  asperity curve scan.h5 --E 210e9 --contacts contacts.csv --spots spots.csv --fields last.vti
-  asperity curve scan.h5 --E 210e9 --resistivity 1e-7 1e-7 --friction 0.3 --slip slip.csv
+  asperity curve scan.h5 --E 210GPa --nu 0.3 --pressure 1MPa:500MPa:30 --plot curve.png
+  asperity curve 'scans/*.h5' --E 210GPa --load 10N --fill harmonic -o curves/ --table load.csv
+  asperity curve scan.h5 --E 210GPa --contacts contacts.csv --spots spots.csv --fields last.vti
+  asperity curve scan.h5 --E 210GPa --resistivity 1e-7 1e-7 --friction 0.3 --slip slip.csv
 """
 
 

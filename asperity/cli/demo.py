@@ -32,7 +32,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="folder for surface.h5, results.h5 and report.html (default: this one)",
     )
-    parser.add_argument("--seed", type=int, default=1, help="seed of the surface (default 1)")
+    parser.add_argument(
+        "--seed", type=int, default=1, metavar="X", help="seed of the surface (default 1)"
+    )
     targets.add_force(parser)
 
 

@@ -47,31 +47,35 @@ def add_output_options(parser: argparse.ArgumentParser, *, report: bool = False)
     """Options that say where results go."""
     group = parser.add_argument_group(
         "output",
-        "A folder (DIR/) takes NAME.h5 and so on; of several inputs each puts its name in front: "
-        "scan-results.h5.",
+        "With a folder, DIR/, each file is called as its input: DIR/scan.h5.\n"
+        "With several inputs a file name gets theirs in front: scan-curve.csv.",
     )
     targets.add_target(
         group,
         "-o",
         "--output",
         suffix=".h5",
-        default="results.h5",
-        help="results file (default results.h5)",
+        alone="results.h5",
+        several="results/",
+        help="results file (default results.h5, of several inputs in results/)",
     )
     if report:
         targets.add_target(
             group,
             "--report",
             suffix=".html",
-            default="report.html",
-            help="report file (default report.html)",
+            alone="report.html",
+            several="results/",
+            help="report file (default report.html, of several inputs in results/)",
         )
+    else:
+        targets.add_target(group, "--plot", suffix=".png", help="picture of the curve")
     group.add_argument(
         "--resume", action="store_true", help="continue from the points in the results file"
     )
     targets.add_force(group)
     targets.add_target(group, "--csv", suffix=".csv", help="also write the curve as CSV")
-    batch.add_table(group, default="table.csv")
+    batch.add_table(group, several="table.csv")
 
 
 def add_fields_option(parser: argparse.ArgumentParser, what: str) -> None:
@@ -141,6 +145,8 @@ def finish(
     columns = curve.columns() | more
     if args.csv:
         write_csv(args.csv, columns)
+    if args.plot:
+        _draw(curve, args.plot)
     try:
         if args.slip:
             derived.write_slip(curve, material, args)
@@ -148,7 +154,7 @@ def finish(
         lines = [
             f"{name}     {' '.join(f'{v:.4g}' for v in values)}" for name, values in more.items()
         ]
-        tell("\n".join([str(curve), *lines, f"results         {args.output}"]))
+        tell("\n".join([args.file, str(curve), *lines, f"results         {args.output}"]))
     heaviest = np.argmax(np.where(curve.converged, curve.mean_pressure, -np.inf))
     return {
         **facts_of(hm),
@@ -163,6 +169,17 @@ def finish(
         "settings": curve.settings,
         "seconds_by_stage": curve.seconds,
     }
+
+
+def _draw(curve: ContactCurve, target: str) -> None:
+    """Picture of contact area and of separation against pressure."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(10, 4), layout="constrained")
+    area, separation = figure.subplots(1, 2)
+    curve.plot(ax=area)
+    curve.plot("separation", "mean_pressure", ax=separation)
+    targets.save_figure(figure, target)
 
 
 def facts_of(hm: HeightMap) -> dict[str, Any]:

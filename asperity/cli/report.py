@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "-o",
         "--output",
         suffix=targets.ONE,
-        default="report.html",
+        alone="report.html",
         help="report file (default report.html)",
     )
     targets.add_force(parser)
@@ -31,6 +31,7 @@ def run(args: argparse.Namespace) -> int:
     """Read the results, write the report, print the verdict."""
     from asperity.comparison.result import Comparison
 
+    targets.fill_in(args)
     targets.require(args, inputs=[args.results])
     comparison = Comparison.from_hdf5(args.results)
     comparison.to_html(args.output)

@@ -18,8 +18,9 @@ if TYPE_CHECKING:
     from surfaces.heightmap import HeightMap
 
 EPILOG = """examples:
-  asperity solve scan.h5 --E 210e9 --nu 0.3 --accuracy 5%
-  asperity solve scan.h5 --E 210e9 --pressure 1e6:5e8:30 --accuracy 2% --csv curve.csv
+  asperity solve scan.h5 --E 210GPa --nu 0.3 --accuracy 5%
+  asperity solve scan.h5 --E 210GPa --pressure 1MPa:500MPa:30 --accuracy 2% --csv curve.csv
+  asperity solve 'scans/*.h5' --E 210GPa --hardness 2GPa --fill harmonic -o solved/ --json
 """
 
 

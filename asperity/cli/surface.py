@@ -36,8 +36,8 @@ def run(args: argparse.Namespace) -> int:
     if args.sections:
         from surfaces.page import write_page
 
-        write_page(args.sections, Path(args.page))
-        tell(f"page {args.page}")
+        write_page(args.sections, Path(args.report))
+        tell(f"report {args.report}")
     return code
 
 
@@ -74,7 +74,7 @@ def _info(args: argparse.Namespace) -> Mapping[str, Any]:
         *(f"history     {_told(step)}" for step in hm.history),
     ]
     tell("\n".join([args.file, *(f"  {line}" for line in lines)]))
-    if args.page:
+    if args.report:
         from surfaces.page import section
 
         args.sections.append(section(hm))

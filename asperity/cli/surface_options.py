@@ -8,7 +8,7 @@ from typing import Any
 from . import batch, quantities, targets
 
 _EPILOG = """examples:
-  asperity surface info scan.h5 'raw/*.h5' --page maps.html --table maps.csv
+  asperity surface info scan.h5 'raw/*.h5' --report maps.html --table maps.csv
   asperity surface generate --shape 512 512 --size 1mm --hurst 0.8 --rms-slope 0.1 -o map.h5
   asperity surface prepare scan.h5 --level plane --outliers 6 --fill harmonic -o ready.h5
   asperity surface convert heights.csv --unit um --spacing 1um -o heights.h5
@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     info = _command(commands, "info", "what a map is and how rough it is, as it stands")
     _files(info)
     targets.add_target(
-        info, "--page", suffix=targets.ONE, help="write one HTML page with numbers and pictures"
+        info, "--report", suffix=targets.ONE, help="HTML page of all maps, numbers and pictures"
     )
     _told(info)
 

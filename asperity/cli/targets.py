@@ -6,6 +6,7 @@ import argparse
 import os
 import tempfile
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = [
     "add_force",
     "add_target",
+    "fill_in",
     "make_folder",
     "of_input",
     "require",
@@ -32,11 +34,42 @@ PICTURES = ("plot", "fans")
 """Options of pictures, whose format follows from the suffix."""
 
 
-def add_target(parser: Any, *names: str, suffix: str, **settings: Any) -> None:
-    """Option for a file that is written; its suffix in a folder, `ONE` if one serves all inputs."""
+@dataclass(frozen=True)
+class Target:
+    """A file that an option names.
+
+    Attributes
+    ----------
+    suffix
+        Ending of its name in a folder, `ONE` if one file serves all inputs.
+    alone, several
+        What is written for one input, and for several, where the option is not given.
+    """
+
+    suffix: str
+    alone: str | None = None
+    several: str | None = None
+
+
+def add_target(
+    parser: Any,
+    *names: str,
+    suffix: str,
+    alone: str | None = None,
+    several: str | None = None,
+    **settings: Any,
+) -> None:
+    """Option for a file that is written, see `Target`."""
     action = parser.add_argument(*names, **{"metavar": "FILE"} | settings)
     known = parser.get_default("targets") or {}
-    parser.set_defaults(targets={**known, action.dest: suffix})
+    parser.set_defaults(targets={**known, action.dest: Target(suffix, alone, several)})
+
+
+def fill_in(args: argparse.Namespace, several: bool = False) -> None:
+    """Set the files whose options are not given."""
+    for option, target in args.targets.items():
+        if getattr(args, option) is None:
+            setattr(args, option, target.several if several else target.alone)
 
 
 def add_force(parser: Any) -> None:
@@ -51,15 +84,15 @@ def of_input(args: argparse.Namespace, file: Path, several: bool) -> argparse.Na
     puts its name in front of a file name.
     """
     named: dict[str, Any] = {"file": str(file)}
-    for option, suffix in args.targets.items():
-        target = getattr(args, option)
-        if not target or suffix == ONE:
+    for option, target in args.targets.items():
+        name = getattr(args, option)
+        if not name or target.suffix == ONE:
             continue
-        if target.endswith("/") or os.path.isdir(target):
-            target = os.path.join(target, f"{file.stem}{suffix}")
+        if name.endswith("/") or os.path.isdir(name):
+            name = os.path.join(name, f"{file.stem}{target.suffix}")
         elif several:
-            target = str(Path(target).with_name(f"{file.stem}-{Path(target).name}"))
-        named[option] = target
+            name = str(Path(name).with_name(f"{file.stem}-{Path(name).name}"))
+        named[option] = name
     return argparse.Namespace(**vars(args) | named)
 
 
@@ -86,8 +119,8 @@ def require(
     """
     inputs = [*inputs, *(run.file for run in runs)]
     taken = {Path(os.path.realpath(file)): f"would replace the input {file}" for file in inputs}
-    for option, suffix in args.targets.items():
-        shared = suffix == ONE or not runs
+    for option, target in args.targets.items():
+        shared = target.suffix == ONE or not runs
         if not shared and getattr(args, option):
             _require_distinct(inputs)
             if getattr(args, option).endswith("/"):
@@ -99,18 +132,23 @@ def require(
             if place in taken:
                 raise InputError(f"{file} {taken[place]}; give every output a name of its own")
             taken[place] = "is named for two outputs"
-            resumes = option == "output" and hasattr(args, "resume")
-            require_place(file, args.force or (resumes and args.resume), resumes=resumes)
+            resumes, mended = getattr(args, "resume", None), "--force replaces it"
+            if resumes is not None and option == "output":
+                mended += ", --resume goes on with it"
+            elif resumes:
+                mended += ", and with --resume the results are kept"
+            require_place(file, args.force or (resumes and option == "output"), mended)
             if option in PICTURES:
                 _require_picture(file)
 
 
-def require_place(file: str | Path, replace: bool, *, resumes: bool = False) -> None:
+def require_place(
+    file: str | Path, replace: bool | None, mended: str = "--force replaces it"
+) -> None:
     """Refuse a file that cannot be written, or is there already and must not be replaced."""
     place = require_replaceable(file)
     if not replace and place.exists():
-        more = ", --resume goes on with it" if resumes else ""
-        raise InputError(f"{file} is there already; --force replaces it{more}")
+        raise InputError(f"{file} is there already; {mended}")
     if not place.parent.is_dir():
         raise InputError(f"{file}: cannot be written, its folder does not exist")
     try:
