@@ -36,7 +36,9 @@ examples:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity indent``."""
     parser.epilog = EPILOG
-    parser.add_argument("file", nargs="?", help="profile file, or a map whose highest peak is used")
+    parser.add_argument(
+        "file", nargs="?", metavar="FILE", help="profile file, or a map whose highest peak is used"
+    )
     parser.add_argument("--shape", help="a test body in place of a file, see below")
     number = quantities.of("plain number")
     parser.add_argument("--k", type=number, help="exponent of r of a test body (default 1)")

@@ -38,12 +38,23 @@ COMMANDS = {
 _module = lazy_loader.attach(__package__, COMMANDS)[0]  # imports it when it is used
 
 
+class _ShortUsage(argparse.RawDescriptionHelpFormatter):
+    """Help whose first line names what is needed; the options follow, each with its words."""
+
+    def add_usage(self, usage, actions, groups, prefix=None):  # type: ignore[no-untyped-def]
+        """Show one word in place of the options that may be left out; none in a prefix."""
+        needed = [action for action in actions if action.required or not action.option_strings]
+        left_out = [argparse.Action(["options"], "options", nargs=0)] if prefix is None else []
+        super().add_usage(usage, [*left_out, *needed], (), prefix)
+
+
 class _OneSentenceParser(argparse.ArgumentParser):
     """Parser whose errors are one sentence on standard error, without the usage block."""
 
     def __init__(self, *args: Any, **options: Any) -> None:
         # an abbreviation of one option could mean another one day: --out is no --outliers
-        super().__init__(*args, **{"allow_abbrev": False} | options)
+        known = {"allow_abbrev": False, "formatter_class": _ShortUsage}
+        super().__init__(*args, **known | options)
         self._negative_number_matcher = re.compile(r"-[.\d]")  # by itself it takes no -1e6
 
     def parse_known_args(self, args=None, namespace=None):  # type: ignore[no-untyped-def]
@@ -68,10 +79,7 @@ def build_parser(*known: str) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, summary in COMMANDS.items():
         sub = commands.add_parser(
-            name,
-            help=summary,
-            description=summary[0].upper() + summary[1:] + ".",
-            formatter_class=argparse.RawDescriptionHelpFormatter,
+            name, help=summary, description=summary[0].upper() + summary[1:] + "."
         )
         if name in known:
             _module(name).add_arguments(sub)

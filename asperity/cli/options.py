@@ -99,6 +99,7 @@ def add_tolerance_option(parser: argparse.ArgumentParser) -> None:
         "--tolerance",
         type=quantities.of("share"),
         default=1e-6,
+        metavar="SHARE",
         help="bound of the certificate (default 1e-6)",
     )
 

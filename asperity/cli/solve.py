@@ -35,11 +35,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--accuracy",
         type=quantities.of("share"),
         default=0.05,
+        metavar="SHARE",
         help="relative error allowed in the load, as 0.05 or 5%% (default 5%%)",
     )
     group.add_argument(
         "--area-accuracy",
         type=quantities.of("share"),
+        metavar="SHARE",
         help="relative error allowed in the contact area (default twice that)",
     )
     group.add_argument(

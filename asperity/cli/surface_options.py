@@ -161,7 +161,6 @@ def _command(
         help=summary,
         description=summary[0].upper() + summary[1:] + ".",
         epilog=f"example:\n{example}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
 
 
@@ -182,8 +181,7 @@ def _outputs(parser: argparse.ArgumentParser) -> None:
         "--output",
         suffix=".h5",
         required=True,
-        help="file to write; a folder (DIR/) takes NAME.h5; of several inputs each puts its name "
-        "in front of a file name",
+        help="file to write, or a folder, DIR/, in which each file is called as its input",
     )
     _told(parser)
     parser.add_argument("--float32", action="store_true", help="half the size, 7 digits")
