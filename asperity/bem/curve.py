@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicSpline
 
 from asperity.compilation import compile_ahead
 from asperity.errors import InputError
@@ -23,7 +22,9 @@ from asperity.halfspace.scene import (
     map_facts,
     pressure_scale,
 )
+from asperity.progress import Progress, reported
 from asperity.results.curve import ContactCurve
+from asperity.results.interpolation import spline_stiffness
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import threads as thread_count
 from surfaces.roughness import digits_warning
@@ -96,7 +97,7 @@ def bem_curve(
     accuracy: float | None = None,
     coarsen: bool = True,
     check: bool = False,
-    progress: Callable[[SolvedLoad], object] | None = None,
+    progress: Progress = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
 ) -> ContactCurve:
     """Load, separation and contact area of a rough map at several load points.
@@ -124,7 +125,8 @@ def bem_curve(
         one); where the difference in separation over rms height or in area is larger than the bound
         of the certificate, it is the `error_estimate`.
     progress
-        Called with every finished load point, with its contact map; one call at a time.
+        True for a progress bar, or a function called with every finished load point
+        (`SolvedLoad`), with its contact map; one call at a time.
     checkpoint
         Called with the curve of the points finished so far, after each.
 
@@ -211,15 +213,16 @@ def bem_curve(
         for index in order[chain.start : chain.stop].tolist():
             if stop.is_set():
                 return
-            point = _solve_point(path, kind, float(values[index]), progress is not None)
+            point = _solve_point(path, kind, float(values[index]), callable(progress))
             with turn:
                 solved[index] = replace(point, contact=_NO_MAP)
-                if progress is not None:
-                    progress(point)
+                if tell is not None:
+                    tell(point)
                 if checkpoint is not None:
                     checkpoint(curve_of([*solved]))
 
-    follow_chains(chains, follow, together=together)
+    with reported(progress, len(values), "load points") as tell:
+        follow_chains(chains, follow, together=together)
     curve = curve_of([*range(len(values))])
     return _checked(curve, hm, material, problem) if check and grid is not hm else curve
 
@@ -260,46 +263,6 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
         columns |= {"lift": certificate.lift, "plastic_share": min(held / max(area, 1e-300), 1.0)}
         columns["plastic_work"] = problem.plastic_work(outcome)
     return SolvedLoad(columns, contact, outcome.reason)
-
-
-def spline_stiffness(
-    separation: NDArray[np.float64],
-    mean_pressure: NDArray[np.float64],
-    converged: NDArray[np.bool_],
-) -> NDArray[np.float64]:
-    """Minus the slope of mean pressure over separation [Pa/m], shape (n,).
-
-    Loads closer than 1e-5 share one value; zero without load; NaN where a point did not converge,
-    or is the only one.
-
-    Notes
-    -----
-    The rate r = -ds/d(ln p) is a power of p about the middle of each interval of loads, where its
-    mean over the interval, with the growth g of ln r over ln p and the length h, is
-    r sinh(gh/2)/(gh/2). Its logarithm is a spline through the middles: exact, however far apart
-    the loads, for the exponential law of light contact and for any power law, such as a sphere's.
-    """
-    stiffness = np.where(mean_pressure == 0.0, 0.0, np.nan)
-    order = np.flatnonzero(converged & (mean_pressure > 0.0))
-    order = order[np.argsort(mean_pressure[order], kind="stable")]
-    level = np.log(mean_pressure[order])
-    first = np.diff(level, prepend=-np.inf) > 1e-5
-    knots, ends = order[first], level[first]
-    fall, length = -np.diff(separation[knots]), np.diff(ends)
-    falls = fall > 0.0
-    if not falls.any():
-        return stiffness
-    middle, length = 0.5 * (ends[1:] + ends[:-1])[falls], length[falls]
-    mean = np.log(fall[falls] / length)
-    rate, at_knots = mean, np.full(ends.shape, mean[0])
-    if len(mean) > 1:
-        for _ in range(10):
-            half = 0.5 * length * np.gradient(rate, middle) + 1e-9
-            rate = mean - np.log(np.sinh(half) / half)
-        at_knots = CubicSpline(middle, rate, bc_type="natural")(ends)
-    slope = mean_pressure[knots] * np.exp(-at_knots)
-    stiffness[order] = slope[np.cumsum(first) - 1]
-    return stiffness
 
 
 def _curve(

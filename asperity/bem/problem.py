@@ -125,8 +125,9 @@ class ContactProblem:
                 )
             if value > self.material.hardness:
                 raise InputError(
-                    f"pressure is {value:.6g} Pa, above the hardness of {self.material.hardness:.6g} Pa "
-                    "that bounds it everywhere; give at most the hardness"
+                    f"pressure is {value:.6g} Pa, above the hardness of "
+                    f"{self.material.hardness:.6g} Pa that bounds it everywhere; give at most the "
+                    "hardness"
                 )
             return value * self.compliance, None
         if not math.isfinite(value):

@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 
 from asperity.errors import AsperityError, ConvergenceError
+from asperity.progress import bar
 
 from . import targets
 from .exit_codes import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
-from .messages import bar, tell, told, warn
+from .messages import tell, told, warn
 
 __all__ = ["Work", "add_files", "add_json", "add_table", "each", "expand"]
 
@@ -74,9 +75,7 @@ def each(args: argparse.Namespace, work: Work) -> int:
     runs = [targets.of_input(args, file, several) for file in files]
     targets.require(args, runs)
     rows, code = [], EXIT_OK
-    shown, advance = bar(len(files), "files")
-    shown.disable |= not several
-    with shown:
+    with bar(len(files), "files", hidden=None if several else True) as advance:
         for run in runs:
             row, result = _one(run, work)
             rows.append(row)

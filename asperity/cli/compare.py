@@ -8,8 +8,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from asperity.progress import bar
+
 from . import batch, options, output
-from .messages import bar, tell
+from .messages import tell
 
 if TYPE_CHECKING:
     from asperity.comparison.result import Comparison
@@ -55,13 +57,7 @@ def _compare(
 
     solve = partial(bem_curve, hm, material, **settings)
     kept = (hm, material, loads, args.output, "bem", request, args.resume)
-    shown, advance = bar(None, Path(args.file).name)
-    with shown:
-
-        def stage(label: str) -> None:
-            shown.set_postfix_str(label)
-            advance(label)
-
+    with bar(None, Path(args.file).name) as advance:
         comparison = compare(
             hm,
             material,
@@ -69,7 +65,7 @@ def _compare(
             **options.model(args),
             tolerance=args.tolerance,
             reference=partial(output.solve_and_keep, solve, *kept),
-            progress=stage,
+            progress=advance,
         )
     content = comparison.to_results()
     content.about["request"] = request

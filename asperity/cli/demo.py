@@ -5,8 +5,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from asperity.progress import bar
+
 from . import output, targets
-from .messages import bar, tell
+from .messages import tell
 
 EPILOG = """example:
   asperity demo -o demo
@@ -61,8 +63,7 @@ def run(args: argparse.Namespace) -> int:
         seed=args.seed,
     ).replace(name="demo")
     surfaces.write(hm, surface)
-    shown, advance = bar(None, "demo")
-    with shown:
+    with bar(None, "demo") as advance:
         steel = HalfSpace(STEEL, POISSON, hardness=HARDNESS)
         comparison = compare(hm, steel, progress=advance)
     comparison.to_hdf5(results)

@@ -4,19 +4,9 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
-__all__ = ["bar", "tell", "told", "warn"]
-
-
-def bar(total: int | None, label: str) -> tuple[Any, Callable[[Any], None]]:
-    """A progress bar (nothing when not a terminal) and the function that advances it by one."""
-    from tqdm import tqdm
-
-    shown = tqdm(total=total, desc=label, disable=None, leave=False)
-    return shown, lambda _: shown.update(1)
+__all__ = ["tell", "told", "warn"]
 
 
 def tell(text: str) -> None:

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asperity import __version__
+from asperity.progress import bar
 from asperity.results.curve import ContactCurve
 
 from . import batch, derived, targets
 from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK
-from .messages import bar, tell, warn
+from .messages import tell, warn
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -105,8 +106,7 @@ def solve_and_keep(
     from asperity.results.resume import run_resumably
 
     kind, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))
-    shown, advance = bar(len(values), "load points")
-    with shown:
+    with bar(len(values), "load points") as advance:
         return run_resumably(
             lambda points, keep: solve(**{f"{kind}s": points}, progress=advance, checkpoint=keep),
             values,

@@ -24,11 +24,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the cases; print the table and whatever failed."""
     from asperity.errors import InputError
+    from asperity.progress import bar
     from asperity.stress.table import FAILURE, cases, summary, write
     from asperity.stress.table import run as rows_of
 
     from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK
-    from .messages import bar
 
     targets.require(args)
     chosen = cases(args.theme)
@@ -36,8 +36,7 @@ def run(args: argparse.Namespace) -> int:
         known = ", ".join(dict.fromkeys(case.theme for case in cases()))
         raise InputError(f"--theme {args.theme}: there is none of this name; there are {known}")
     rows = []
-    shown, advance = bar(len(chosen), "cases")
-    with shown:
+    with bar(len(chosen), "cases") as advance:
         for row in rows_of(chosen):
             rows.append(row)
             advance(row)

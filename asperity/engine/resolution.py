@@ -92,8 +92,8 @@ class LightestLoad:
 
 
 def small_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
-    """Share of the contact area in contacts of fewer than ten pixels."""
-    labels, _ = label_patches(contact, periodic=periodic)
+    """Share of the contact area in patches of fewer than ten pixels that meet at their edges."""
+    labels, _ = label_patches(contact, periodic=periodic, corners=False)
     pixels = np.bincount(labels[contact])
     return float(pixels[pixels < FEW_PIXELS].sum() / max(pixels.sum(), 1))
 

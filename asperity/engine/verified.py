@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.bem.curve import spline_stiffness
 from asperity.multiscale.wave_split import random_waves
 from asperity.results.curve import ContactCurve
+from asperity.results.interpolation import spline_stiffness
 from surfaces.heightmap import HeightMap
 
 from .misfit import between, halved

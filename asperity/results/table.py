@@ -54,18 +54,18 @@ HOW_SOLVED = (
 while its answers are NaN."""
 
 AXES = {
-    "separation": ("separation", "µm", 1e-6),
-    "mean_pressure": ("mean pressure", "MPa", 1e6),
-    "load": ("load", "N", 1.0),
-    "area_fraction": ("real contact area fraction", "%", 1e-2),
-    "contact_area": ("real contact area", "µm²", 1e-12),
-    "mean_contact_pressure": ("mean contact pressure", "MPa", 1e6),
-    "contacts": ("contact spots", "", 1.0),
-    "stiffness": ("stiffness", "MPa/µm", 1e12),
-    "error_estimate": ("error estimate of the load", "%", 1e-2),
-    "area_error_estimate": ("error estimate of the area", "%", 1e-2),
+    "separation": ("separation [µm]", 1e-6),
+    "mean_pressure": ("mean pressure [MPa]", 1e6),
+    "load": ("load [N]", 1.0),
+    "area_fraction": ("real contact area [%]", 1e-2),
+    "contact_area": ("real contact area [µm²]", 1e-12),
+    "mean_contact_pressure": ("mean contact pressure [MPa]", 1e6),
+    "contacts": ("contact spots", 1.0),
+    "stiffness": ("stiffness [MPa/µm]", 1e12),
+    "error_estimate": ("error estimate of the load [%]", 1e-2),
+    "area_error_estimate": ("error estimate of the area [%]", 1e-2),
 }
-"""Name on an axis, unit there, and that unit in SI units, by column."""
+"""Text of an axis, and its unit in SI units, by column."""
 
 LOADS, AREAS = ("mean_pressure", "load"), ("area_fraction", "contact_area")
 
@@ -288,8 +288,8 @@ class CurveTable:
 
             ax = pyplot.subplots(layout="constrained")[1]
         order = np.argsort(self._rising(), kind="stable")
-        across, up = (held[name].astype(float)[order] / _unit(name) for name in (x, y))
-        look = {"marker": "o", "markersize": 4, "label": self.model} | style
+        across, up = (held[name].astype(float)[order] / _axis(name)[1] for name in (x, y))
+        look: dict[str, Any] = {"marker": "o", "markersize": 4, "label": self.model} | style
         (line,) = ax.plot(across, up, **look)
         shade: dict[str, Any] = {"color": line.get_color(), "alpha": 0.2, "linewidth": 0}
         if band and BANDS.get((y, x)) in held:
@@ -298,7 +298,7 @@ class CurveTable:
         elif band and BANDS.get((x, y)) in held:
             off = held[BANDS[x, y]][order]
             ax.fill_betweenx(up, across * np.maximum(1 - off, 0), across * (1 + off), **shade)
-        ax.set(xlabel=_label(x), ylabel=_label(y))
+        ax.set(xlabel=_axis(x)[0], ylabel=_axis(y)[0])
         if _spans_decades(across):
             ax.set_xscale("log")
         if _spans_decades(up):
@@ -317,10 +317,10 @@ class CurveTable:
 
         names = [name for name in AXES if name in (held := self.columns())]
         shown = np.unique(np.linspace(0, len(self) - 1, min(len(self), ROWS)).astype(int))
-        head = "".join(f"<th>{html.escape(_label(name))}</th>" for name in names)
+        head = "".join(f"<th>{AXES[name][0]}</th>" for name in names)
         rows = ""
         for i in shown:
-            cells = "".join(f"<td>{held[name][i] / AXES[name][2]:.4g}</td>" for name in names)
+            cells = "".join(f"<td>{held[name][i] / AXES[name][1]:.4g}</td>" for name in names)
             rows += f"<tr>{cells}<td>{html.escape(self.reasons[i])}</td></tr>"
         left = f", {len(shown)} shown" if len(shown) < len(self) else ""
         good = np.count_nonzero(self.converged)
@@ -341,15 +341,9 @@ class CurveTable:
         )
 
 
-def _label(name: str) -> str:
-    """What an axis of a column is called."""
-    text, unit, _ = AXES.get(name, (name.replace("_", " "), "", 1.0))
-    return f"{text} [{unit}]" if unit else text
-
-
-def _unit(name: str) -> float:
-    """The unit of a column on an axis, in SI units."""
-    return AXES[name][2] if name in AXES else 1.0
+def _axis(name: str) -> tuple[str, float]:
+    """Text and unit of the axis of a column."""
+    return AXES.get(name, (name.replace("_", " "), 1.0))
 
 
 def _spans_decades(values: NDArray[np.float64]) -> bool:

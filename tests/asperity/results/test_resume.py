@@ -31,7 +31,7 @@ def curve_of(pressure: np.ndarray) -> ContactCurve:
         error_estimate=zeros,
         model="bem",
         seconds={"loads": 1.0},
-        extra={"asked_pressure": pressure, "pairs": pressure},
+        extra={"asked_pressure": pressure, "iterations": pressure},
         reasons=tuple("stopped" if p == 5.0 else "" for p in pressure),
     )
 
@@ -72,7 +72,7 @@ def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path):
     good = whole.converged
     assert np.isnan(whole.mean_pressure[~good]).all() and whole.asked["asked_pressure"][3] == 5.0
     np.testing.assert_allclose(whole.mean_pressure[good], LOADS[good], rtol=2 * MISS)
-    np.testing.assert_array_equal(whole.extra["pairs"], LOADS)
+    np.testing.assert_array_equal(whole.extra["iterations"], LOADS)
     kept = ContactCurve.from_hdf5(path)
     np.testing.assert_array_equal(kept.mean_pressure, whole.mean_pressure)
 
