@@ -53,7 +53,7 @@ class _OneSentenceParser(argparse.ArgumentParser):
 
     def __init__(self, *args: Any, **options: Any) -> None:
         # an abbreviation of one option could mean another one day: --out is no --outliers
-        known = {"allow_abbrev": False, "formatter_class": _ShortUsage}
+        known: dict[str, Any] = {"allow_abbrev": False, "formatter_class": _ShortUsage}
         super().__init__(*args, **known | options)
         self._negative_number_matcher = re.compile(r"-[.\d]")  # by itself it takes no -1e6
 
