@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from asperity.progress import bar
 
-from . import batch, options, output
+from . import batch, options, output, targets
 from .messages import tell
 
 if TYPE_CHECKING:
@@ -37,6 +37,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compare on each file; a bad file is named and the others go on."""
+    if args.report is None and args.output is not None:
+        args.report = targets.beside(args.output, ".html")
     return batch.each(args, partial(_compare, options.material(args), options.loads(args)))
 
 

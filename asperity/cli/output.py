@@ -67,7 +67,7 @@ def add_output_options(parser: argparse.ArgumentParser, *, report: bool = False)
             suffix=".html",
             alone="report.html",
             several="results/",
-            help="report file (default report.html, of several inputs in results/)",
+            help="report file (default report.html, or beside the results file that -o names)",
         )
     else:
         targets.add_target(group, "--plot", suffix=".png", help="picture of the curve")
