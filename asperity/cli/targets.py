@@ -67,10 +67,12 @@ def add_target(
 
 
 def fill_in(args: argparse.Namespace, several: bool = False) -> None:
-    """Set the files whose options are not given."""
+    """Set what is not given; with several inputs a name without a suffix is that of a folder."""
     for option, target in args.targets.items():
-        if getattr(args, option) is None:
-            setattr(args, option, target.several if several else target.alone)
+        name = getattr(args, option) or (target.several if several else target.alone)
+        if name and several and target.suffix != ONE and not Path(name).suffix:
+            name = os.path.join(name, "")
+        setattr(args, option, name)
 
 
 def add_force(parser: Any) -> None:

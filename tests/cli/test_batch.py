@@ -187,7 +187,8 @@ def test_units_change_no_number(folder):
 
 
 def test_a_picture_of_each_curve(folder):
-    call = ["curve", "map1.h5", "map3.h5", *STEEL, *LIGHT, "--plot", "pictures/"]
+    """Of several files a name without a suffix is a folder."""
+    call = ["curve", "map1.h5", "map3.h5", *STEEL, *LIGHT, "--plot", "pictures"]
     assert main(call) == 0
     for name in ("map1", "map3"):
         assert (folder / "pictures" / f"{name}.png").read_bytes().startswith(b"\x89PNG")
