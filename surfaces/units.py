@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from pathlib import Path
 
 from .errors import FileFormatError, InputError
@@ -39,6 +41,9 @@ _ALIASES = {
     "in": "inch",
 }
 
+_QUANTITY = re.compile(r"(\d*\.?\d+(?:[eE][+-]?\d+)?|)\s*(.*)", re.DOTALL)
+"""A number, if there is one, and a name."""
+
 
 def chosen_unit(path: Path, stated: str | None, given: str | None) -> str:
     """The unit of the heights of a file: as it states, or as the caller says where it does not.
@@ -61,18 +66,20 @@ def metres_per(unit: str) -> float:
     Parameters
     ----------
     unit
-        Name of a length unit, such as m, mm, um, nm; case matters (mm is not Mm).
+        Name of a length unit, such as m, mm, um, nm; case matters (mm is not Mm). A number may
+        stand before it: 2.5nm.
 
     Raises
     ------
     InputError
         If the name is not a known unit of length.
     """
-    name = unit.strip()
+    number, name = _QUANTITY.findall(unit.strip())[0]
     name = _ALIASES.get(name, name)
     if name not in METRES and len(name) > 2:
         plain = name.lower().removesuffix("s")
         name = _ALIASES.get(plain, plain)
-    if name not in METRES:
+    factor = float(number or 1.0)
+    if name not in METRES or not 0.0 < factor < math.inf:
         raise InputError(f"{unit[:30]!r} is not a unit of length; known are {', '.join(METRES)}")
-    return METRES[name]
+    return factor * METRES[name]
