@@ -80,7 +80,7 @@ def spline(hm: HeightMap, cutoff: float, frequencies: tuple[Array, Array]) -> Ar
     )
     mean = float(hm.heights.mean())
     z = (hm.heights - mean).ravel()
-    w, status = cg(operator, z, x0=guess @ z, rtol=1e-11, maxiter=3000, M=guess)
+    w, status = cg(operator, z, x0=guess @ z, rtol=1e-9, maxiter=3000, M=guess)
     if status != 0:
         raise SurfaceError(
             f"the spline filter of {cutoff:g} m did not converge; take a shorter cut-off or "

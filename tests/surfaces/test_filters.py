@@ -75,7 +75,7 @@ def test_linearity_and_constants(filter: str, periodic: bool) -> None:
 
     total = smooth(2.0 * one - 3.0 * other + 5.0)
     expected = 2.0 * smooth(one) - 3.0 * smooth(other) + 5.0
-    np.testing.assert_allclose(total, expected, atol=1e-9)
+    np.testing.assert_allclose(total, expected, atol=1e-7)
     assert np.std(total) < 0.3 * np.std(2.0 * one - 3.0 * other)
 
 
@@ -83,9 +83,9 @@ def test_the_spline_keeps_planes_and_the_gaussian_constants() -> None:
     hm = map_of(np.zeros(SHAPE), False)
     plane = hm.replace(heights=0.2 * hm.y[:, None] - 0.1 * hm.x + 3e-5)
     kept = surfaces.bandpass(plane, 5e-5, filter="spline")
-    np.testing.assert_allclose(kept.heights, plane.heights, atol=1e-9 * np.ptp(plane.heights))
+    np.testing.assert_allclose(kept.heights, plane.heights, atol=1e-8 * np.ptp(plane.heights))
     flat = surfaces.bandpass(plane, None, 5e-5, filter="spline")
-    np.testing.assert_allclose(flat.heights, plane.heights.mean(), atol=1e-13)
+    np.testing.assert_allclose(flat.heights, plane.heights.mean(), atol=1e-12)
 
 
 def test_the_spline_solves_its_equation() -> None:
@@ -104,7 +104,7 @@ def test_the_spline_solves_its_equation() -> None:
     matrix = eye_array(z.size) + sum(part.T @ part for part in parts)
     expected = spsolve(matrix.tocsc(), z.ravel()).reshape(z.shape)
     found = surfaces.bandpass(map_of(z, False), cutoff, filter="spline")
-    np.testing.assert_allclose(found.heights, expected, atol=1e-10)
+    np.testing.assert_allclose(found.heights, expected, atol=1e-8)
 
 
 @BOTH
@@ -113,6 +113,6 @@ def test_a_band_is_both_filters_in_turn(filter: str) -> None:
     band = surfaces.prepare(hm, level=None, bandpass=(1e-5, 5e-5), filter=filter)
     short = surfaces.bandpass(hm, 1e-5, filter=filter)
     turn = surfaces.bandpass(short, None, 5e-5, filter=filter)
-    np.testing.assert_allclose(band.heights, turn.heights, atol=1e-9)
+    np.testing.assert_allclose(band.heights, turn.heights, atol=1e-8)
     step = band.history[-1]
     assert (step["filter"], step["shortest"], step["longest"]) == (filter, 1e-5, 5e-5)
