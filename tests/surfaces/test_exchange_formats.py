@@ -32,7 +32,9 @@ def without_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def as_sdf(path: Path, **options: object) -> None:
-    double = sdfio.Metadata(data_type=sdfio.DataType.BINARY64)
+    double = sdfio.Metadata(
+        data_type=sdfio.DataType.BINARY64, revision=sdfio.Revision.ISO_1_0, manufacturer_id="x"
+    )
     sdfio.write(path, HEIGHTS, x_scale=3e-6, y_scale=2e-6, metadata=double, **options)
 
 
@@ -41,7 +43,8 @@ def as_text_sdf(path: Path) -> None:
 
 
 def as_x3p(path: Path) -> None:
-    x3pio.write(path, HEIGHTS, x_scale=3e-6, y_scale=2e-6)
+    revision = x3pio.Revision.ISO5436_2000
+    x3pio.write(path, HEIGHTS, x_scale=3e-6, y_scale=2e-6, revision=revision)
 
 
 def as_tiff(path: Path) -> None:
