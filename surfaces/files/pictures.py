@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import cv2
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from surfaces.errors import FileFormatError
 from surfaces.heightmap import HeightMap
@@ -33,9 +34,7 @@ def read_picture(
     spacing
         Pixel size (dy, dx) [m].
     """
-    grey = None
-    if cv2.haveImageReader(str(path)) and cv2.imcount(str(path)) == 1:
-        grey = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    grey = _only_page(str(path))
     if grey is None or grey.ndim != 2:
         hint = "; as a picture, it is damaged, in color or of several pages"
         return read_instrument(path, dataset, unit, spacing, hint)
@@ -46,3 +45,14 @@ def read_picture(
             '(unit="2.5nm")'
         )
     return as_map(grey, path, unit, spacing, {})
+
+
+def _only_page(path: str) -> NDArray[Any] | None:
+    """The picture of a file; None if it holds several, or is damaged."""
+    told = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    try:
+        if cv2.haveImageReader(path) and cv2.imcount(path) == 1:
+            return cv2.imread(path, cv2.IMREAD_UNCHANGED)
+        return None
+    finally:
+        cv2.utils.logging.setLogLevel(told)

@@ -15,7 +15,7 @@ PARAMETERS = {
     "Sal": ("m", "autocorrelation length"),
     "Str": ("-", "texture aspect ratio"),
     "Std": ("deg", "texture direction, across the lay"),
-    "lay": ("deg", "direction of slowest fall of the correlation, along the lay"),
+    "lay": ("deg", "direction of the lay, by the correlation"),
     "Sdq": ("-", "rms slope, finite differences"),
     "Sdr": ("-", "additional area"),
     "curvature": ("1/m", "rms mean curvature, finite differences"),

@@ -116,3 +116,13 @@ def test_a_band_is_both_filters_in_turn(filter: str) -> None:
     np.testing.assert_allclose(band.heights, turn.heights, atol=1e-8)
     step = band.history[-1]
     assert (step["filter"], step["shortest"], step["longest"]) == (filter, 1e-5, 5e-5)
+
+
+def test_a_map_of_one_profile_is_filtered_as_that_profile() -> None:
+    """ISO 16610-22: (1 + alpha^4 Q) w = z with free ends, alpha = 1 / (2 sin(pi d / cutoff))."""
+    z, cutoff = np.random.default_rng(5).normal(size=40), 4e-5
+    alpha = 1 / (2 * np.sin(np.pi * SPACING[1] / cutoff))
+    second = np.diff(np.eye(40), 2, axis=0)
+    profile = np.linalg.solve(np.eye(40) + alpha**4 * second.T @ second, z)
+    found = surfaces.bandpass(map_of(np.tile(z, (9, 1)), False), cutoff, filter="spline")
+    np.testing.assert_allclose(found.heights, np.tile(profile, (9, 1)), atol=1e-8)
