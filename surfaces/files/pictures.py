@@ -49,10 +49,11 @@ def read_picture(
 
 def _only_page(path: str) -> NDArray[Any] | None:
     """The picture of a file; None if it holds several, or is damaged."""
-    told = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    log: Any = getattr(cv2.utils, "logging", cv2)  # since OpenCV 5
+    told = log.setLogLevel(0)
     try:
         if cv2.haveImageReader(path) and cv2.imcount(path) == 1:
             return cv2.imread(path, cv2.IMREAD_UNCHANGED)
         return None
     finally:
-        cv2.utils.logging.setLogLevel(told)
+        log.setLogLevel(told)
