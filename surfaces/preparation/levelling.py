@@ -66,7 +66,7 @@ def level(hm: HeightMap, form: str = "plane") -> HeightMap:
 
     References
     ----------
-    ISO 25178-2:2021, 3.1 (F-operation: total least squares of a nominal form).
+    ISO 25178-2:2021, 3.1 (F-operation).
 
     Examples
     --------
