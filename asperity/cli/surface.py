@@ -81,11 +81,7 @@ def _info(args: argparse.Namespace) -> Mapping[str, Any]:
     spectral = {} if found.moments is None else {"rms_slope": found.moments.rms_slope}
     return {
         **_map_row(hm),
-        **found.heights,
-        **found.hybrid,
-        "Sal": found.texture.shortest,
-        "Str": found.texture.aspect,
-        **found.functional,
+        **found.parameters,
         **spectral,
         "warnings": found.warnings,
         "history": hm.history,
