@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.curve import solve_loads
 from asperity.errors import ConvergenceError, InputError, cautious, warn_once
+from asperity.progress import Progress
 from asperity.results.curve import ContactCurve
 
 from .fields import contact_map, pressure_map
@@ -100,6 +101,7 @@ def solve_contacts(
     *,
     pressures: ArrayLike | None = None,
     separations: ArrayLike | None = None,
+    progress: Progress = None,
 ) -> ContactRun:
     """Run `contact_curve` by a plan and keep the load points (for maps and tables).
 
@@ -114,6 +116,10 @@ def solve_contacts(
     >>> f"{run.microcontacts()['force'].sum() / run.curve.load[0]:.6f}"
     '1.000000'
     """
-    run = ContactRun(*solve_loads(hm, material, plan, pressures=pressures, separations=separations))
+    run = ContactRun(
+        *solve_loads(
+            hm, material, plan, pressures=pressures, separations=separations, progress=progress
+        )
+    )
     warn_once(run.curve.settings["warnings"])
     return run
