@@ -84,16 +84,18 @@ def found(comparison: Comparison, hm: HeightMap) -> dict[str, Any]:
     from asperity.results.storage import columns
 
     row, ours = comparison.table[comparison.map_point], comparison.pareto[0]
-    told = ("mean_pressure", "area_bem", "area_model", "separation_bem", "separation_model")
+    told = ("mean_pressure", "area_bem", "area_model")
     curves = (comparison.model, comparison.reference)
     return {
-        **output.facts_of(hm),
-        "points": len(comparison.table),
-        "converged": comparison.converged,
         **{name: row[name] for name in told},
         "rms_load_error": ours["load_error"],
         "rms_area_error": ours["area_error"],
+        "separation_bem": row["separation_bem"],
+        "separation_model": row["separation_model"],
         "overlap": comparison.overlap,
+        "converged": comparison.converged,
+        "points": len(comparison.table),
+        **output.facts_of(hm),
         "seconds_model": ours["seconds"],
         "seconds_bem": sum(comparison.reference.seconds.values()),
         "reason": next((why for curve in curves for why in curve.reasons if why), ""),

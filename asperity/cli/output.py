@@ -35,12 +35,12 @@ __all__ = [
 
 AT_HEAVIEST = (
     "mean_pressure",
-    "separation",
     "area_fraction",
+    "separation",
     "mean_contact_pressure",
     "contacts",
-    "stiffness",
     "error_estimate",
+    "stiffness",
 )
 """Columns of a curve that a table with a row per file tells, of the heaviest point converged."""
 
@@ -159,10 +159,10 @@ def finish(
         tell("\n".join([args.file, str(silent), *lines, f"results         {args.output}"]))
     heaviest = np.argmax(np.where(curve.converged, curve.mean_pressure, -np.inf))
     return {
-        **facts_of(hm),
-        "points": len(curve),
-        "converged": bool(curve.converged.all()),
         **{name: columns[name][heaviest] for name in AT_HEAVIEST},
+        "converged": bool(curve.converged.all()),
+        "points": len(curve),
+        **facts_of(hm),
         "seconds": sum(curve.seconds.values()),
         "model": curve.model,
         "output": args.output,
