@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity import __version__
 from asperity.errors import FileFormatError, InputError
 
+from .interface_law import InterfaceLaw
 from .interpolation import READ_FIELDS, CurvePoint, read_off
 from .storage import CurveRecord, ResultFile, read_results, write_results
 
@@ -238,6 +239,10 @@ class ContactCurve:
             names = ", ".join(held) or "no curve"
             raise FileFormatError(f"{path} has no curve {model!r}; it holds {names}")
         return cls.from_record(held[model])
+
+    def to_interface_law(self, **choices: Any) -> InterfaceLaw:
+        """Pressure against overclosure for finite elements; choices as in `InterfaceLaw.of`."""
+        return InterfaceLaw.of(self.to_record(), **choices)
 
     def to_record(self) -> CurveRecord:
         """The curve as plain columns and attributes, for a results file."""
