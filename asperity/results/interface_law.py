@@ -31,7 +31,8 @@ _ROWS = 200
 best: straight lines between n rows are off by ``2.25 / n**2`` of it."""
 
 _CALCULIX_ROWS = 40
-"""Rows that CalculiX takes: its surface-to-surface contact stops with a fault at 60 (2.20)."""
+"""Rows that CalculiX takes: its surface-to-surface contact stops with a fault at 60 (2.20).
+It bears nothing with fewer: use node-to-surface contact."""
 
 _COLUMNS = ("overclosure", "pressure", "lower", "upper", "stiffness", "conductance")
 
