@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import FileFormatError, InputError
 
+from .interface_law import InterfaceLaw
 from .interpolation import READ_FIELDS, CurvePoint, curve_stiffness, read_off
 from .storage import CurveRecord, ResultFile, write_results
 from .storage import read_results as read_records
@@ -196,6 +197,13 @@ class ContactCurve(CurveTable):
             names = ", ".join(held) or "no curve"
             raise FileFormatError(f"{path} has no curve {model!r}; it holds {names}")
         return cls.from_record(held[model])
+
+    def to_interface_law(self, **choices: Any) -> InterfaceLaw:
+        """Pressure against overclosure for finite elements; choices as in `InterfaceLaw.of`.
+
+        Beside the law itself ``conductance=`` takes what `constriction_conductance` gives.
+        """
+        return InterfaceLaw.of(self.to_record(), **choices)
 
     def to_record(self) -> CurveRecord:
         """The curve as plain columns and attributes, for a results file."""
