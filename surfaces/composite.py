@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .errors import SurfaceError
-from .heightmap import SLIMMEST, HeightMap, require_full
+from .errors import SLIMMEST, SurfaceError
+from .heightmap import HeightMap, require_full
 from .preparation.filtering import crop
 from .preparation.resampling import resample
 

@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--resistivity",
         type=quantities.of("plain number"),
         nargs=2,
-        metavar="R",
+        metavar=("RHO1", "RHO2"),
         help="thermal resistivities of both bodies [m K/W]: adds the gap conductance",
     )
     targets.add_target(

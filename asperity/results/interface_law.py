@@ -122,9 +122,9 @@ class InterfaceLaw:
                 )
         low, high = usable.min(), usable.max()
         pressure = np.linspace(low ** (1 / 3), high ** (1 / 3), _ROWS - 1) ** 3
-        point = read_off(columns, good, pressure=pressure)
+        point = read_off(columns, good, {"pressure": pressure})
         more = {
-            name: read_off({**columns, "stiffness": values}, good, pressure=pressure).stiffness
+            name: read_off({**columns, "stiffness": values}, good, {"pressure": pressure}).stiffness
             for name, values in told.items()
         }
         first = -np.diff(point.separation[:2])[0] / np.diff(pressure[:2])[0]
