@@ -20,6 +20,7 @@ from surfaces.statistics.bearing import BearingCurve
 from surfaces.statistics.correlation import THRESHOLD, Autocorrelation
 from surfaces.statistics.spectrum import Spectrum
 from surfaces.statistics.spectrum_fit import SpectrumFit
+from surfaces.units import suited
 
 from .heightmap import HeightMap, require_map
 
@@ -53,7 +54,7 @@ def plot_map(hm: HeightMap, peaks: Peaks | None = None) -> Figure:
     require_map(hm)
     stride = max(1, -(-max(hm.shape) // _PIXELS))
     heights = hm.heights[::stride, ::stride]
-    scale, unit = _prefix(float(np.nanmax(np.abs(heights - np.nanmean(heights)))))
+    scale, unit = suited(float(np.nanmax(np.abs(heights - np.nanmean(heights)))), "m")
     shown = (heights - np.nanmean(heights)) / scale
     low, high = np.nanquantile(shown, (0.002, 0.998))
     extent = (0.0, hm.size[1], 0.0, hm.size[0])
@@ -138,7 +139,7 @@ def plot_profiles(profiles: Profiles, chosen: Iterable[int]) -> Figure:
     for place, index in enumerate(indices):
         axes = figure.add_subplot(rows, columns, place + 1)
         lengths = profiles.t * profiles.edge[index][:, None]
-        scale, unit = _prefix(float(gap[index].max()))
+        scale, unit = suited(float(gap[index].max()), "m")
         turn = (profiles.phi[index] - profiles.angle[index]) % (2.0 * np.pi)
         for ray, angle in enumerate(turn):
             color = _ray_color(float(angle))
@@ -171,7 +172,7 @@ def plot_bearing(curve: BearingCurve) -> Figure:
     """
     figure = Figure(figsize=(6.4, 3.4), layout="constrained")
     axes = figure.add_subplot()
-    scale, unit = _prefix(float(np.abs(curve.height).max()))
+    scale, unit = suited(float(np.abs(curve.height).max()), "m")
     axes.plot(100.0 * curve.ratio, curve.height / scale, color=_INK, lw=1.6)
     core = curve.core()
     for ratio in (core["Smr1"], core["Smr2"]):
@@ -242,11 +243,3 @@ def _ray_color(angle: float) -> NDArray[np.float64]:
 
 def _height(width: float, hm: HeightMap) -> float:
     return float(np.clip(width * hm.size[0] / hm.size[1], 1.2, 9.0))
-
-
-def _prefix(largest: float) -> tuple[float, str]:
-    """Metres in the unit that suits a length, and its name."""
-    for factor, unit in ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")):
-        if largest >= factor:
-            return factor, unit
-    return 1e-12, "pm"

@@ -26,6 +26,8 @@ from asperity import __version__
 from asperity.errors import FileFormatError
 from surfaces.files.atomic import replacing
 
+from .provenance import provenance
+
 if TYPE_CHECKING:
     import h5py
 
@@ -97,7 +99,8 @@ class ResultFile:
     maps
         Two-dimensional arrays by name.
     about
-        JSON-able facts: input map, material, preparation.
+        JSON-able facts: input map, material, preparation; how the file was made (`provenance`) is
+        added where it lacks.
     """
 
     curves: dict[str, CurveRecord] = field(default_factory=dict)
@@ -117,7 +120,8 @@ def write_results(path: str | os.PathLike[str], results: ResultFile) -> None:
     import h5py
 
     with replacing(path) as partial, h5py.File(partial, "w", libver=("v110", "v110")) as file:
-        _write_text(file, {"schema": SCHEMA, "version": __version__, "about": _json(results.about)})
+        about = {"made": provenance()} | results.about
+        _write_text(file, {"schema": SCHEMA, "version": __version__, "about": _json(about)})
         for name, curve in results.curves.items():
             _write_curve(file.create_group(f"curves/{name}"), curve)
         for name, table in results.tables.items():
