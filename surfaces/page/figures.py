@@ -20,6 +20,7 @@ from bokeh.models import (
     InlineStyleSheet,
     LinearColorMapper,
     LogTicker,
+    NoOverlap,
     PrintfTickFormatter,
 )
 from bokeh.models.annotations import ColorBar
@@ -52,6 +53,16 @@ LEVELS = 4096
 
 SHOWN = 512
 """Points along the longer side up to which a map is shown as it is."""
+
+WIDTH, BESIDE, BELOW, BARE = 480, 85, 112, 55
+"""Width of a map, what its axis and tools take of it, and its axis and bar below it, or its axis
+alone [CSS pixels]; a page scales them."""
+
+LEGEND, KEY = 60, 5
+"""Letters that fit beside each other in a legend, also on a phone, and those that a key takes."""
+
+INK = "#7d8791"
+"""Color of text that no style sheet reaches, legible on white and on black."""
 
 CLEAR = "rgba(0, 0, 0, 0)"
 
@@ -157,16 +168,17 @@ def line_figure(lines: Sequence[Line], x: str, y: str, *, linear: str = "") -> A
         hovered.append(HoverTool(renderers=[drawn], tooltips=names, formatters=how))
     plot.add_tools(*hovered)
     for axis, kind in ((plot.xaxis, kinds["x"]), (plot.yaxis, kinds["y"])):
-        axis.formatter = PrintfTickFormatter(format="%g")
+        axis.formatter = PrintfTickFormatter(format="%.4g")
         if kind == "log":
             axis.ticker = LogTicker(mantissas=[1, 2, 5], desired_num_ticks=5)
     if plot.legend:
         plot.add_layout(plot.legend[0], "above")
         plot.legend.update(
             orientation="horizontal",
-            ncols="auto",
+            ncols=max(1, LEGEND // (max(len(line.name) for line in lines) + KEY)),
             click_policy="hide",
             border_line_color=None,
+            label_text_color=INK,
             background_fill_color=None,
             padding=0,
             margin=0,
@@ -238,8 +250,8 @@ def map_figure(
         across, up = along.x_range, along.y_range
     tall = float(np.clip(height / width, 0.35, 1.6))
     plot: Any = new_plot(
-        width=480,
-        height=int(480 * tall) + 60,
+        width=WIDTH,
+        height=int((WIDTH - BESIDE) * tall) + (BELOW if any(one.told for one in layers) else BARE),
         sizing_mode="scale_width",
         match_aspect=True,
         x_range=across,
@@ -283,6 +295,8 @@ def map_figure(
                 formatter=PrintfTickFormatter(format="%.3g"),
                 background_fill_color=None,
                 title_text_font_style="normal",
+                title_text_color=INK,
+                major_label_text_color=INK,
             )
             plot.add_layout(bar, "below")
             hovered = [drawn]
@@ -347,6 +361,7 @@ def _finished(plot: Any) -> Any:
     plot.toolbar.stylesheets = [InlineStyleSheet(css=NO_PRINT)]
     plot.axis.axis_label_text_font_style = "normal"
     plot.axis.minor_tick_line_color = None
+    plot.axis.major_label_policy = NoOverlap(min_distance=8)
     plot.min_border_right = 12
     return plot
 

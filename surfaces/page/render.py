@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import gzip
 import json
 import os
 from collections.abc import Sequence
@@ -45,7 +43,7 @@ def write_html(
 
     Notes
     -----
-    The numbers of the figures are compressed, so that maps fit; the browser unpacks them.
+    Bokeh compresses the arrays of the figures, so that maps fit.
     """
     environment = jinja2.Environment(
         loader=jinja2.ChoiceLoader(
@@ -58,15 +56,16 @@ def write_html(
     )
     text = environment.get_template(template).render(
         library=Resources(mode="inline", components=["bokeh"]).render_js(),
-        numbers=_packed(figures),
+        numbers=_numbers(figures),
         **content,
     )
     with replacing(path) as part:
         part.write_text(text, encoding="utf-8", errors="replace")
 
 
-def _packed(figures: Sequence[Figure]) -> str:
-    """The document of all figures and the places on the page that they go to."""
+def _numbers(figures: Sequence[Figure]) -> str:
+    """The document of all figures and the places on the page that they go to, as JSON that no text
+    of a file can end."""
     document = Document()
     with document.models.freeze():
         for figure in figures:
@@ -76,4 +75,4 @@ def _packed(figures: Sequence[Figure]) -> str:
         "documents": {"page": document.to_json(deferred=False)},
         "places": [{"docid": "page", "roots": roots, "root_ids": list(roots)}],
     }
-    return base64.b64encode(gzip.compress(json.dumps(page).encode(), 6)).decode("ascii")
+    return json.dumps(page).replace("<", "\\u003c")

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from bokeh.palettes import Cividis256, PuOr11, interp_palette
+from bokeh.palettes import Cividis256
 
 from surfaces.heightmap import HeightMap
 from surfaces.statistics.bearing import BearingCurve
@@ -20,7 +20,8 @@ from surfaces.units import suited, told
 from .figures import Figure, Layer, Line, line_figure, map_figure, reduction
 
 __all__ = [
-    "INK",
+    "BLUE",
+    "ORANGE",
     "SIGNED",
     "bearing_figure",
     "correlation_figure",
@@ -32,11 +33,11 @@ __all__ = [
     "surface_figure",
 ]
 
-INK, ACCENT = "#2f7fc1", "#d9622b"
+BLUE, ORANGE = "#2f7fc1", "#d9622b"
 """Colors that stand out on white and on black, and apart for a reader who confuses hues."""
 
-SIGNED = interp_palette(PuOr11, 255)
-"""Palette of fields with a sign."""
+SIGNED = [f"{BLUE if i < 0 else ORANGE}{round(255 * abs(i) / 127):02x}" for i in range(-127, 128)]
+"""Palette of fields with a sign: the more transparent, the nearer to nothing."""
 
 FLOOR = 1e-14
 """Density over its largest below which a spectrum holds rounding alone."""
@@ -121,14 +122,14 @@ def surface_figure(
 
 
 def spectrum_lines(
-    spectrum: Spectrum, fit: SpectrumFit | None, *, label: str = "map", color: str = INK
+    spectrum: Spectrum, fit: SpectrumFit | None, *, label: str = "map", color: str = BLUE
 ) -> list[Line]:
     """Density of the rings over the wave number, and the fitted model."""
     seen = spectrum.density > spectrum.density.max() * FLOOR
     lines = [_density(label, spectrum.q[seen], spectrum.density[seen], color=color, dash="")]
     if fit is not None:
         name = f"{label}: fit, H = {fit.hurst:.2f}"
-        lines.append(_density(name, fit.q, fit.density, color=ACCENT, marker=""))
+        lines.append(_density(name, fit.q, fit.density, color=ORANGE, marker=""))
     return lines
 
 
@@ -151,11 +152,11 @@ def bearing_figure(curve: BearingCurve) -> Figure:
     thin = max(1, len(curve.height) // 500)
     x, y = "material ratio [%]", f"height [{unit}]"
     columns = {x: 100.0 * curve.ratio[::thin], y: curve.height[::thin] / factor}
-    lines = [Line("bearing curve", columns, INK, marker="")]
+    lines = [Line("bearing curve", columns, BLUE, marker="")]
     for name in ("Smr1", "Smr2"):
         ratio = curve.core()[name]
         core = {x: [100.0 * ratio], y: [curve.height_at(ratio) / factor]}
-        lines.append(Line(name, core, ACCENT, dash=""))
+        lines.append(Line(name, core, ORANGE, dash=""))
     return Figure(line_figure(lines, x, y, linear="xy"), "Bearing curve")
 
 

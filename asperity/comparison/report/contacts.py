@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from bokeh.palettes import Plasma256
@@ -31,6 +32,9 @@ __all__ = ["contact_figures", "height_figure", "size_figure"]
 BOTH, MARK = "#7d8790", "#ff2d6f"
 """Colors of contact in both models, and of contact on the heights."""
 
+TOP = 0.99
+"""Share of the pixels in contact whose pressures the colors tell apart."""
+
 DRAWN = 400
 """Points of a line of contact sizes."""
 
@@ -54,26 +58,41 @@ def contact_figures(comparison: ComparisonRecord) -> list[Figure]:
     pressures = [maps[name] for name in ("pressure_bem", "pressure_asperity") if name in maps]
     if len(pressures) < 2:
         return [contacts_figure(comparison, size, note)]
-    top = float(np.quantile(pressures[0][pressures[0] > 0], 0.999)) if pressures[0].any() else 1.0
+    top = _upper(pressures[0])
     factor, unit = suited(top, "Pa")
     shown = [reduced(one / np.float32(factor)) for one in pressures]
-    high = max(float(one.max()) for one in shown)
-    figures = []
-    for values, name in zip(shown, ("boundary elements", "microcontacts"), strict=True):
-        seen = np.where(values > 0, values, np.nan)
-        layer = Layer("pressure", unit, seen, Plasma256, 0.0, high)
-        figures.append((layer, f"Pressure, {name}", note))
     apart = np.where(shown[0] + shown[1] > 0, shown[1] - shown[0], np.nan)
-    layer = Layer("difference", unit, apart, SIGNED, -high, high)
-    figures.append((layer, "Pressure, microcontacts less boundary elements", note))
-    first = map_figure([figures[0][0]], size)
-    plots = [first, *(map_figure([one[0]], size, along=first) for one in figures[1:])]
-    found = [Figure(plot, *one[1:]) for plot, one in zip(plots, figures, strict=True)]
-    return [*found, contacts_figure(comparison, size, note, along=first)]
+    fields = [
+        ("Pressure, boundary elements", np.where(shown[0] > 0, shown[0], np.nan)),
+        ("Pressure, microcontacts", np.where(shown[1] > 0, shown[1], np.nan)),
+        ("Pressure, microcontacts less boundary elements", apart),
+    ]
+    found: list[Figure] = []
+    for title, field in fields:
+        signed = field is apart
+        high = _upper(np.abs(field)) if signed else top / factor
+        layer = Layer(
+            "difference" if signed else "pressure",
+            unit,
+            field,
+            SIGNED if signed else Plasma256,
+            -high if signed else 0.0,
+            high,
+        )
+        plot = map_figure([layer], size, along=found[0].plot if found else None)
+        ends = f"Colors end at {high:.3g} {unit}."
+        found.append(Figure(plot, title, " ".join(filter(None, (ends, note)))))
+    return [*found, contacts_figure(comparison, size, note, along=found[0].plot)]
+
+
+def _upper(values: NDArray[Any]) -> float:
+    """Value below which the colors tell those of `TOP` of the pixels in contact apart."""
+    seen = values[values > 0]
+    return float(np.quantile(seen, TOP)) if seen.size else 1.0
 
 
 def contacts_figure(
-    comparison: ComparisonRecord, size: tuple[float, float], note: str, along: object = None
+    comparison: ComparisonRecord, size: tuple[float, float], note: str, along: Any = None
 ) -> Figure:
     """Contact in either model and in both."""
     bem, model = (touched(comparison.maps[name]) for name in ("bem", "asperity"))

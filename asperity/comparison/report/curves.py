@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from asperity.results.curve import ContactCurve
 from surfaces.page.figures import Figure, Line, line_figure
+from surfaces.page.roughness import BLUE, ORANGE
 from surfaces.units import suited
 
 from .sample import Sample
@@ -25,9 +26,8 @@ __all__ = [
     "typical",
 ]
 
-MODEL, BEM, OTHER = "#d9622b", "#2f7fc1", "#8a939c"
-"""Colors of the microcontact model, of boundary elements and of what is neither; they stand out on
-white and on black."""
+MODEL, BEM, OTHER = ORANGE, BLUE, "#8a939c"
+"""Colors of the microcontact model, of boundary elements and of what is neither."""
 
 AREA = "real contact area [%]"
 
