@@ -18,8 +18,7 @@ from asperity.curve import solve_loads
 from asperity.halfspace.scene import checked_loads, default_pressures, slope_scale
 from asperity.model.plan import Plan, make_plan
 from asperity.results.curve import ContactCurve
-from asperity.results.provenance import provenance
-from asperity.results.storage import structured
+from asperity.results.storage import provenance, structured
 from asperity.warmup import small_map
 from surfaces.heightmap import HeightMap
 

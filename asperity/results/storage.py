@@ -14,8 +14,12 @@ from __future__ import annotations
 import csv
 import json
 import os
+import platform
+import shlex
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,8 +30,6 @@ from asperity import __version__
 from asperity.errors import FileFormatError
 from surfaces.files.atomic import replacing
 
-from .provenance import provenance
-
 if TYPE_CHECKING:
     import h5py
 
@@ -36,6 +38,7 @@ __all__ = [
     "CurveRecord",
     "ResultFile",
     "columns",
+    "provenance",
     "read_results",
     "structured",
     "write_csv",
@@ -44,6 +47,8 @@ __all__ = [
 
 
 SCHEMA = "asperity/1"
+
+LIBRARIES = ("numpy", "scipy", "numba")
 
 
 def structured(columns: Mapping[str, Any]) -> NDArray[np.void]:
@@ -107,6 +112,26 @@ class ResultFile:
     tables: dict[str, NDArray[Any]] = field(default_factory=dict)
     maps: dict[str, NDArray[Any]] = field(default_factory=dict)
     about: dict[str, Any] = field(default_factory=dict)
+
+
+def provenance() -> dict[str, str]:
+    """Date (UTC), command line or name of the script, and versions, as text."""
+    from importlib.metadata import version
+
+    versions = {name: version(name) for name in LIBRARIES}
+    versions = {"asperity": __version__, "Python": platform.python_version()} | versions
+    return {
+        "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "command": _command(),
+        "versions": ", ".join(f"{name} {version}" for name, version in versions.items()),
+    }
+
+
+def _command() -> str:
+    """The command as it was typed; of another program its name alone."""
+    program = Path(sys.argv[0] if sys.argv else "")
+    ours = program.name == "asperity" or program.parts[-2:] == ("asperity", "__main__.py")
+    return shlex.join(["asperity", *sys.argv[1:]]) if ours else program.name or "python"
 
 
 def write_results(path: str | os.PathLike[str], results: ResultFile) -> None:

@@ -17,7 +17,9 @@ from surfaces.statistics.spectrum import Spectrum
 from surfaces.statistics.spectrum_fit import SpectrumFit
 from surfaces.units import suited, told
 
-from .figures import Figure, Layer, Line, line_figure, map_figure, reduction
+from .fields import Layer, map_figure, reduction
+from .figures import Figure
+from .lines import Line, line_figure
 
 __all__ = [
     "BLUE",

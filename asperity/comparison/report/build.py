@@ -10,7 +10,8 @@ from typing import Any
 from asperity import __version__
 from asperity.comparison.record import ComparisonRecord
 from surfaces.errors import SurfaceError
-from surfaces.page.figures import Figure, Line
+from surfaces.page.figures import Figure
+from surfaces.page.lines import Line
 from surfaces.page.render import write_html
 from surfaces.page.roughness import parameters, spectrum_figure, spectrum_lines
 from surfaces.page.words import in_words, preparation_warnings

@@ -10,16 +10,9 @@ from bokeh.palettes import Plasma256
 from numpy.typing import NDArray
 
 from asperity.comparison.record import ComparisonRecord
-from surfaces.page.figures import (
-    Figure,
-    Layer,
-    Line,
-    line_figure,
-    map_figure,
-    reduced,
-    reduction,
-    touched,
-)
+from surfaces.page.fields import Layer, map_figure, reduced, reduction, touched
+from surfaces.page.figures import Figure
+from surfaces.page.lines import Line, line_figure
 from surfaces.page.roughness import SIGNED, surface_figure
 from surfaces.patches import label_patches
 from surfaces.units import suited

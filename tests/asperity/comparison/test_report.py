@@ -195,6 +195,15 @@ def test_points_that_did_not_converge_are_left_out_with_their_reason(comparison,
     assert len(found.figures()["Load against separation"]["microcontacts"]["contacts"]) == 2
 
 
+def test_errors_that_are_not_stated_are_dashes(comparison, tmp_path):
+    extra = {k: v for k, v in comparison.model.extra.items() if k != "area_error_estimate"}
+    model = dataclasses.replace(comparison.model, extra=extra)
+    dataclasses.replace(comparison, model=model).to_html(tmp_path / "r.html")
+    found = Page(tmp_path / "r.html")
+    assert "Area at equal load: boundary" not in found.shown
+    assert "stated area, low" not in found.figures()["Real contact area against load"]
+
+
 def test_nothing_converged_is_a_page_as_well(comparison, tmp_path):
     none = np.zeros(3, bool)
     curve = dataclasses.replace(comparison.model, converged=none, reasons=("no",) * 3)
