@@ -29,7 +29,9 @@ def in_words(history: Iterable[Step]) -> list[str]:
         try:
             found.append(_SENTENCES[str(step.get("step"))](step))
         except (KeyError, TypeError, ValueError, IndexError):
-            details = ", ".join(f"{k} {_short(v)}" for k, v in step.items() if k != "step")
+            details = ", ".join(
+                f"{k} {_short(v)}" for k, v in step.items() if k != "step" and v is not None
+            )
             found.append(f"{step.get('step', 'step')}: {details}" if details else str(step["step"]))
     return found
 
