@@ -22,11 +22,11 @@ from surfaces.statistics.spectrum import Spectrum
 from surfaces.statistics.spectrum_fit import SpectrumFit
 from surfaces.units import suited
 
+from .drawing import figure_height, thinning
 from .heightmap import HeightMap, require_map
 
 __all__ = ["plot_autocorrelation", "plot_bearing", "plot_map", "plot_profiles", "plot_spectrum"]
 
-_PIXELS = 1200  # largest side of a picture
 _NAMED = 400  # peaks that are marked
 _INK = "#1f2a33"
 _ACCENT = "#d1495b"
@@ -52,25 +52,12 @@ def plot_map(hm: HeightMap, peaks: Peaks | None = None) -> Figure:
     2
     """
     require_map(hm)
-    stride = max(1, -(-max(hm.shape) // _PIXELS))
-    heights = hm.heights[::stride, ::stride]
-    scale, unit = suited(float(np.nanmax(np.abs(heights - np.nanmean(heights)))), "m")
-    shown = (heights - np.nanmean(heights)) / scale
-    low, high = np.nanquantile(shown, (0.002, 0.998))
-    extent = (0.0, hm.size[1], 0.0, hm.size[0])
     width = 6.4
-    figure = Figure(figsize=(width, _height(width - 1.9, hm) + 0.8), layout="constrained")
-    axes = figure.add_subplot()
-    image = axes.imshow(
-        shown, origin="lower", extent=extent, cmap="cividis", vmin=low, vmax=high, aspect="equal"
-    )
-    bar = axes.inset_axes((1.03, 0.0, 0.035, 1.0))
-    figure.colorbar(image, cax=bar, label=f"height [{unit}]", extend="both")
+    height = figure_height(width - 1.9, hm.size) + 0.8
+    figure = Figure(figsize=(width, height), layout="constrained")
+    axes = hm.plot(figure.add_subplot())
     if peaks is not None:
-        _mark(axes, peaks, stride, extent)
-    for axis, label in ((axes.xaxis, "x"), (axes.yaxis, "y")):
-        axis.set_major_formatter(EngFormatter(unit="m"))
-        axis.set_label_text(label)
+        _mark(axes, peaks, thinning(hm.shape), (0.0, hm.size[1], 0.0, hm.size[0]))
     return figure
 
 
@@ -196,7 +183,7 @@ def plot_autocorrelation(correlation: Autocorrelation) -> Figure:
     True
     """
     lag_y, lag_x = correlation.lag_y, correlation.lag_x
-    stride = max(1, len(lag_y) // _PIXELS, len(lag_x) // _PIXELS)
+    stride = thinning(correlation.value.shape)
     value = correlation.value[::stride, ::stride]
     figure = Figure(figsize=(6.4, 4.6), layout="constrained")
     axes = figure.add_subplot()
@@ -239,7 +226,3 @@ def _ray_color(angle: float) -> NDArray[np.float64]:
     share = np.sin(angle) ** 2
     dark, light = np.array([0.12, 0.16, 0.20]), np.array([0.82, 0.29, 0.36])
     return np.asarray(dark + share * (light - dark))
-
-
-def _height(width: float, hm: HeightMap) -> float:
-    return float(np.clip(width * hm.size[0] / hm.size[1], 1.2, 9.0))

@@ -73,13 +73,7 @@ def _compare_one(file, args, material, loads, targets) -> bool:  # type: ignore[
 
     solve = partial(bem_curve, hm, material, **settings)
     kept = (hm, material, loads, results, "bem", request, args.resume)
-    shown, advance = output.bar(None, Path(file).name)
-    with shown:
-
-        def stage(label: str) -> None:
-            shown.set_postfix_str(label)
-            advance(label)
-
+    with output.bar(None, Path(file).name) as advance:
         comparison = compare(
             hm,
             material,
@@ -87,7 +81,7 @@ def _compare_one(file, args, material, loads, targets) -> bool:  # type: ignore[
             **options.model(args),
             tolerance=args.tolerance,
             reference=partial(output.solve_and_keep, solve, *kept),
-            progress=stage,
+            progress=advance,
         )
     content = comparison.to_results()
     content.about["request"] = request

@@ -58,8 +58,7 @@ def run(args: argparse.Namespace) -> int:
         seed=args.seed,
     ).replace(name=NAME)
     surfaces.write(hm, surface)
-    shown, advance = output.bar(None, "demo")
-    with shown:
+    with output.bar(None, "demo") as advance:
         steel = HalfSpace(STEEL, POISSON, hardness=HARDNESS)
         comparison = compare(hm, steel, progress=advance)
     comparison.to_hdf5(results)

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from asperity import __version__
 from asperity.errors import InputError
-from asperity.results.curve import POINT_FIELDS, ContactCurve
+from asperity.progress import bar
+from asperity.results.curve import ContactCurve
 from surfaces.files.atomic import replacing, require_replaceable
 
 from . import derived
@@ -66,14 +67,6 @@ def add_fields_option(parser: argparse.ArgumentParser, what: str) -> None:
     parser.add_argument("--fields", metavar="VTI", help=f"ParaView file of {what}, last point")
 
 
-def bar(total: int | None, label: str) -> tuple[Any, Callable[[Any], None]]:
-    """A progress bar (nothing when not a terminal) and the function that advances it by one."""
-    from tqdm import tqdm
-
-    shown = tqdm(total=total, desc=label, disable=None, leave=False)
-    return shown, lambda _: shown.update(1)
-
-
 def tell(text: str, *, error: bool = False) -> None:
     """Write lines above the progress bar, or to standard error."""
     from tqdm import tqdm
@@ -107,12 +100,11 @@ def solve_and_keep(
     from asperity.results.resume import run_resumably
 
     kind, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))
-    shown, advance = bar(len(values), "load points")
-    with shown:
+    with bar(len(values), "load points") as advance:
         return run_resumably(
             lambda points, keep: solve(**{f"{kind}s": points}, progress=advance, checkpoint=keep),
             values,
-            "mean_pressure" if kind == "pressure" else "separation",
+            kind,
             path,
             model=model,
             request=request,
@@ -143,14 +135,7 @@ def finish(curve: ContactCurve, material: HalfSpace, args: argparse.Namespace) -
 
     more = derived.conductance(curve, args)
     if args.csv:
-        told = (
-            "area_error_estimate",
-            "interaction_difference",
-            "plastic_share",
-            "unloading_stiffness",
-        )
-        extra = {name: curve.extra[name] for name in told if name in curve.extra}
-        write_csv(args.csv, {name: getattr(curve, name) for name in POINT_FIELDS} | extra | more)
+        write_csv(args.csv, curve.columns() | more)
     try:
         if args.slip:
             derived.write_slip(curve, material, args)

@@ -33,8 +33,7 @@ def run(args: argparse.Namespace) -> int:
         known = ", ".join(dict.fromkeys(case.theme for case in cases()))
         raise InputError(f"--theme {args.theme}: there is none of this name; there are {known}")
     rows = []
-    shown, advance = output.bar(len(chosen), "cases")
-    with shown:
+    with output.bar(len(chosen), "cases") as advance:
         for row in rows_of(chosen):
             rows.append(row)
             advance(row)

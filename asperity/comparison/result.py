@@ -23,7 +23,8 @@ class Comparison(ComparisonRecord):
     table
         One row per load point: mean_pressure [Pa], area fractions and separations [m] of both
         models, load_error (load at equal separation, relative), area_error (area at equal load,
-        relative), separation_error (at equal load, in rms heights), contacts of both.
+        relative), separation_error (at equal load, in rms heights), contacts of both, and mean
+        contact pressures [Pa] of both. NaN where the model in question did not converge.
     pareto
         One row per run: model, ny, nx, tolerance, seconds, and its rms errors over the load points.
     overlap

@@ -86,7 +86,7 @@ def test_reading_off_at_no_number_is_refused(question):
 
 @pytest.mark.parametrize("question", [{}, {"pressure": 1e5, "separation": 1e-6}])
 def test_one_question_at_a_time(question):
-    with pytest.raises(InputError, match="either pressure or separation"):
+    with pytest.raises(InputError, match="one of pressure, load, separation"):
         power_law_curve().at(**question)
 
 
