@@ -20,9 +20,8 @@ from surfaces.statistics.bearing import BearingCurve
 from surfaces.statistics.correlation import THRESHOLD, Autocorrelation
 from surfaces.statistics.spectrum import Spectrum
 from surfaces.statistics.spectrum_fit import SpectrumFit
-from surfaces.units import suited
 
-from .drawing import figure_height, thinning
+from .drawing import figure_height, suited, thinning
 from .heightmap import HeightMap, require_map
 
 __all__ = ["plot_autocorrelation", "plot_bearing", "plot_map", "plot_profiles", "plot_spectrum"]

@@ -1,13 +1,14 @@
-"""Units of length and their conversion to metres; quantities as a reader likes them."""
+"""Units of length and their conversion to metres."""
 
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 from .errors import FileFormatError, InputError
 
-__all__ = ["METRES", "chosen_unit", "metres_per", "suited", "told"]
+__all__ = ["METRES", "chosen_unit", "metres_per"]
 
 METRES = {
     "m": 1.0,
@@ -40,6 +41,9 @@ _ALIASES = {
     "in": "inch",
 }
 
+_QUANTITY = re.compile(r"(\d*\.?\d+(?:[eE][+-]?\d+)?|)\s*(.*)", re.DOTALL)
+"""A number, if there is one, and a name."""
+
 
 def chosen_unit(path: Path, stated: str | None, given: str | None) -> str:
     """The unit of the heights of a file: as it states, or as the caller says where it does not.
@@ -62,61 +66,20 @@ def metres_per(unit: str) -> float:
     Parameters
     ----------
     unit
-        Name of a length unit, such as m, mm, um, nm; case matters (mm is not Mm).
+        Name of a length unit, such as m, mm, um, nm; case matters (mm is not Mm). A number may
+        stand before it: 2.5nm.
 
     Raises
     ------
     InputError
         If the name is not a known unit of length.
     """
-    name = unit.strip()
+    number, name = _QUANTITY.findall(unit.strip())[0]
     name = _ALIASES.get(name, name)
     if name not in METRES and len(name) > 2:
         plain = name.lower().removesuffix("s")
         name = _ALIASES.get(plain, plain)
-    if name not in METRES:
+    factor = float(number or 1.0)
+    if name not in METRES or not 0.0 < factor < math.inf:
         raise InputError(f"{unit[:30]!r} is not a unit of length; known are {', '.join(METRES)}")
-    return METRES[name]
-
-
-_PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
-
-
-def suited(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
-    """SI units in the unit with the prefix that suits a quantity, and its name.
-
-    Parameters
-    ----------
-    largest
-        Largest magnitude of the quantity, in the SI unit to its power.
-    unit
-        Symbol of the SI unit.
-    power
-        2 for an area, 3 for a volume.
-
-    Examples
-    --------
-    >>> from surfaces.units import suited
-    >>> suited(3.2e-6, "m"), suited(5e7, "Pa"), suited(4e-11, "m", 2)
-    ((1e-06, 'µm'), (1000000.0, 'MPa'), (1e-12, 'µm²'))
-    """
-    usable = math.isfinite(largest) and largest != 0.0
-    exponent = 3 * math.floor(math.log10(abs(largest)) / (3 * power) + 1e-9) if usable else 0
-    exponent = min(max(exponent, min(_PREFIXES)), 0 if unit == "m" else max(_PREFIXES))
-    return 10.0 ** (exponent * power), _PREFIXES[exponent] + unit + {2: "²", 3: "³"}.get(power, "")
-
-
-def told(value: float, unit: str, power: int = 1, digits: int = 3) -> str:
-    """A quantity with the prefix that suits it; a dash where it is no number.
-
-    Examples
-    --------
-    >>> from surfaces.units import told
-    >>> told(5.04e7, "Pa"), told(2.2e-6, "m"), told(float("nan"), "Pa")
-    ('50.4 MPa', '2.2 µm', '–')
-    """
-    if not math.isfinite(value):
-        return "–"
-    rounded = float(f"{value:.{digits}g}")
-    factor, name = suited(rounded, unit, power)
-    return f"{rounded / factor:.{digits}g} {name}"
+    return factor * METRES[name]

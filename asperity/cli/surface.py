@@ -155,6 +155,7 @@ def prepared(hm: surfaces.HeightMap, args: argparse.Namespace) -> surfaces.Heigh
         fill=None if args.fill == "none" else args.fill,
         outliers=args.outliers,
         bandpass=band,
+        filter=args.filter,
         fill_limit=args.fill_limit,
     )
     if pixel := _pair(args.resample, "--resample"):

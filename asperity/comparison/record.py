@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from asperity.errors import FileFormatError, InputError
 from asperity.results.curve import ContactCurve
 from asperity.results.storage import ResultFile, read_results, write_results
+from surfaces.drawing import told
 from surfaces.heightmap import HeightMap
-from surfaces.units import told
 
 __all__ = ["PARETO_TYPE", "ComparisonRecord"]
 

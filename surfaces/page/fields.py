@@ -19,7 +19,7 @@ from bokeh.models import (
 from bokeh.models.annotations import ColorBar
 from numpy.typing import NDArray
 
-from surfaces.units import suited
+from surfaces.drawing import suited
 
 from .figures import INK, bare_plot
 

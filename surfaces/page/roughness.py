@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from bokeh.palettes import Cividis256
 
+from surfaces.drawing import suited, told
 from surfaces.heightmap import HeightMap
 from surfaces.statistics.bearing import BearingCurve
 from surfaces.statistics.correlation import Autocorrelation
 from surfaces.statistics.describe import Statistics
 from surfaces.statistics.spectrum import Spectrum
 from surfaces.statistics.spectrum_fit import SpectrumFit
-from surfaces.units import suited, told
 
 from .fields import Layer, map_figure, reduction
 from .figures import Figure
@@ -44,28 +44,6 @@ SIGNED = [f"{BLUE if i < 0 else ORANGE}{round(255 * abs(i) / 127):02x}" for i in
 FLOOR = 1e-14
 """Density over its largest below which a spectrum holds rounding alone."""
 
-_MEANING = {
-    "Sq": ("rms height", "m"),
-    "Sa": ("mean absolute height", "m"),
-    "Ssk": ("skewness", ""),
-    "Sku": ("kurtosis", ""),
-    "Sp": ("highest peak", "m"),
-    "Sv": ("deepest dale", "m"),
-    "Sz": ("peak to dale", "m"),
-    "Sdq": ("rms slope, finite differences", ""),
-    "Sdr": ("additional area", ""),
-    "curvature": ("rms, finite differences", "1/m"),
-    "Sk": ("core height", "m"),
-    "Spk": ("reduced peak height", "m"),
-    "Svk": ("reduced dale height", "m"),
-    "Smr1": ("ratio of the peaks", ""),
-    "Smr2": ("ratio above the dales", ""),
-    "Vmp": ("peak material volume over area", "m"),
-    "Vmc": ("core material volume over area", "m"),
-    "Vvc": ("core void volume over area", "m"),
-    "Vvv": ("dale void volume over area", "m"),
-}
-
 
 def map_facts(hm: HeightMap) -> dict[str, str]:
     """Points, pixel, size and period, in words."""
@@ -80,15 +58,16 @@ def map_facts(hm: HeightMap) -> dict[str, str]:
 
 
 def parameters(found: Statistics) -> dict[str, str]:
-    """Roughness parameters by name, with their units."""
+    """Roughness parameters by name, with their units; those that are not known are left out."""
     rows = {}
-    for name, value in (found.heights | found.hybrid | found.functional).items():
-        meaning, unit = _MEANING.get(name, ("", ""))
-        text = told(value, unit, digits=4) if unit == "m" else f"{value:.4g} {unit}"
-        rows[f"{name}, {meaning}" if meaning else name] = text
-    rows["Sal, autocorrelation length"] = told(found.texture.shortest, "m", digits=4)
-    rows["Str, texture aspect ratio"] = f"{found.texture.aspect:.3g}"
-    rows["lay, from +x towards +y"] = f"{math.degrees(found.texture.direction):.0f}°"
+    for row in found.rows():
+        if row["value"] is None:
+            continue
+        value, (unit, _, power) = float(row["value"]), str(row["unit"]).partition("^")
+        text = f"{value:.4g} {row['unit'] if row['unit'] != '-' else ''}".rstrip()
+        if unit == "m":
+            text = told(value, unit, int(power or 1), digits=4)
+        rows[f"{row['parameter']}, {row['meaning']}"] = text
     if found.moments is not None:
         rows["rms slope, spectral"] = f"{found.moments.rms_slope:.4g}"
         rows["rms curvature, spectral"] = f"{found.moments.rms_curvature:.4g} 1/m"

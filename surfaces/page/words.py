@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from surfaces.units import told
+from surfaces.drawing import told
 
 __all__ = ["in_words", "preparation_warnings"]
 

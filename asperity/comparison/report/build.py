@@ -64,7 +64,7 @@ def write_report(path: str | os.PathLike[str], samples: Sequence[Sample]) -> Non
     InputError
         If the file cannot be written.
     """
-    samples = named_apart(list(samples))
+    samples = named_apart(samples)
     several = len(samples) > 1
     colors = sample_colors(len(samples))
     parts = [

@@ -10,12 +10,12 @@ from bokeh.palettes import Plasma256
 from numpy.typing import NDArray
 
 from asperity.comparison.record import ComparisonRecord
+from surfaces.drawing import suited
 from surfaces.page.fields import Layer, map_figure, reduced, reduction, touched
 from surfaces.page.figures import Figure
 from surfaces.page.lines import Line, line_figure
 from surfaces.page.roughness import SIGNED, surface_figure
 from surfaces.patches import label_patches
-from surfaces.units import suited
 
 from .curves import BEM, MODEL
 from .tables import load_of_maps

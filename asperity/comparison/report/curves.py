@@ -10,10 +10,10 @@ from bokeh.palettes import Colorblind
 from numpy.typing import NDArray
 
 from asperity.results.curve import ContactCurve
+from surfaces.drawing import suited
 from surfaces.page.figures import Figure
 from surfaces.page.lines import Line, line_figure
 from surfaces.page.roughness import BLUE, ORANGE
-from surfaces.units import suited
 
 from .sample import Sample
 

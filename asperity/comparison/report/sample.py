@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from asperity.comparison.record import ComparisonRecord
 from asperity.errors import InputError
 from asperity.results.curve import ContactCurve
 from asperity.results.storage import read_results
-from surfaces.units import told
+from surfaces.drawing import told
 
 __all__ = ["Sample", "named_apart", "read_sample"]
 
@@ -41,21 +42,24 @@ class Sample:
         Facts about map, material and run; what a file lacks is missing.
     comparison
         The comparison, where there is one.
+    file
+        Name of its file without suffix.
     """
 
     name: str
     curves: Mapping[str, ContactCurve]
     about: Mapping[str, Any]
     comparison: ComparisonRecord | None = None
+    file: str = ""
 
     @classmethod
-    def of_comparison(cls, comparison: ComparisonRecord, name: str = "") -> Sample:
+    def of_comparison(cls, comparison: ComparisonRecord, file: str = "") -> Sample:
         """The sample of a comparison."""
         curves = {"asperity": comparison.model, "bem": comparison.reference}
         if comparison.elastic is not None:
             curves["elastic"] = comparison.elastic
-        name = str(comparison.about.get("name") or name or "sample")
-        return cls(name, _named(curves), comparison.about, comparison)
+        name = str(comparison.about.get("name") or file or "sample")
+        return cls(name, _named(curves), comparison.about, comparison, file)
 
     @property
     def curve(self) -> ContactCurve:
@@ -88,17 +92,23 @@ def read_sample(path: str | os.PathLike[str]) -> Sample:
     curves = dict(sorted(curves.items(), key=lambda one: one[0] == "bem"))
     first = next(iter(curves.values()))
     facts = {**first.settings, **first.settings.get("map", {}), **held.about.get("request", {})}
-    return Sample(str(facts.get("name") or stem), _named(curves), {**facts, **held.about})
+    name = str(facts.get("name") or stem)
+    return Sample(name, _named(curves), {**facts, **held.about}, file=stem)
 
 
-def named_apart(samples: list[Sample]) -> list[Sample]:
-    """The samples, numbered where several have one name."""
+def named_apart(samples: Sequence[Sample]) -> list[Sample]:
+    """The samples with names that differ: with that of its file, or a number, where needed."""
+
+    def apart(i: int, names: Sequence[str]) -> bool:
+        return names.count(names[i]) == 1
+
     names = [one.name for one in samples]
+    files = [f"{one.name}, {one.file}" for one in samples]
     return [
-        Sample(f"{one.name} ({i})", one.curves, one.about, one.comparison)
-        if names.count(one.name) > 1
-        else one
-        for i, one in enumerate(samples, start=1)
+        one
+        if apart(i, names)
+        else dataclasses.replace(one, name=files[i] if apart(i, files) else f"{files[i]} ({i + 1})")
+        for i, one in enumerate(samples)
     ]
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from asperity.comparison.record import ComparisonRecord
 from asperity.errors import AsperityError
 from asperity.results.curve import ContactCurve
-from surfaces.units import suited, told
+from surfaces.drawing import suited, told
 
 from .curves import stated_area_error, typical
 from .sample import Sample
