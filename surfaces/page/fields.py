@@ -23,7 +23,7 @@ from surfaces.drawing import suited
 
 from .figures import INK, bare_plot
 
-__all__ = ["Layer", "map_figure", "reduced", "reduction", "touched"]
+__all__ = ["SHOWN", "Layer", "map_figure", "reduced", "reduction", "touched"]
 
 LEVELS = 4096
 """Values between the lowest and the highest of a map, to which those shown are rounded."""
@@ -151,12 +151,12 @@ def map_figure(
     return plot
 
 
-def reduced(values: NDArray[Any]) -> NDArray[Any]:
-    """A map with at most `SHOWN` points along a side, means of what they cover, rounded to a
+def reduced(values: NDArray[Any], most: int = SHOWN) -> NDArray[Any]:
+    """A map with at most `most` points along a side, means of what they cover, rounded to a
     four-thousandth of its range; whole numbers as they are."""
     if values.dtype.kind in "biu":
         return values
-    shown = _averaged(values)
+    shown = _averaged(values, most)
     finite = shown[np.isfinite(shown)]
     span = float(np.ptp(finite)) if finite.size else 0.0
     if span == 0.0:
@@ -165,27 +165,27 @@ def reduced(values: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(np.round(shown / unit) * unit)
 
 
-def touched(mask: NDArray[np.bool_]) -> NDArray[np.uint8]:
-    """A mask with at most `SHOWN` points along a side, 1 wherever any point that it covers is."""
-    return (_averaged(mask) > 0.0).astype(np.uint8)
+def touched(mask: NDArray[np.bool_], most: int = SHOWN) -> NDArray[np.uint8]:
+    """A mask with at most `most` points along a side, 1 wherever any point that it covers is."""
+    return (_averaged(mask, most) > 0.0).astype(np.uint8)
 
 
-def reduction(shape: tuple[int, int]) -> str:
+def reduction(shape: tuple[int, int], most: int = SHOWN) -> str:
     """How a map is reduced for display, in words; nothing of a small one."""
-    if max(shape) <= SHOWN:
+    if max(shape) <= most:
         return ""
-    ny, nx = _shown_shape(shape)
+    ny, nx = _shown_shape(shape, most)
     return f"Shown are {ny} × {nx} means of the {shape[0]} × {shape[1]} points."
 
 
-def _averaged(values: NDArray[Any]) -> NDArray[np.float32]:
+def _averaged(values: NDArray[Any], most: int) -> NDArray[np.float32]:
     shown = np.asarray(values, np.float32)
-    if max(shown.shape) <= SHOWN:
+    if max(shown.shape) <= most:
         return shown
-    ny, nx = _shown_shape(shown.shape)
+    ny, nx = _shown_shape(shown.shape, most)
     return np.asarray(cv2.resize(shown, (nx, ny), interpolation=cv2.INTER_AREA), np.float32)
 
 
-def _shown_shape(shape: Sequence[int]) -> tuple[int, int]:
-    ny, nx = (max(1, round(n * SHOWN / max(shape))) for n in shape)
+def _shown_shape(shape: Sequence[int], most: int) -> tuple[int, int]:
+    ny, nx = (max(1, round(n * most / max(shape))) for n in shape)
     return ny, nx

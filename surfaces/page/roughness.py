@@ -17,7 +17,7 @@ from surfaces.statistics.describe import Statistics
 from surfaces.statistics.spectrum import Spectrum
 from surfaces.statistics.spectrum_fit import SpectrumFit
 
-from .fields import Layer, map_figure, reduction
+from .fields import SHOWN, Layer, map_figure, reduced, reduction
 from .figures import Figure
 from .lines import Line, line_figure
 
@@ -81,14 +81,14 @@ def parameters(found: Statistics) -> dict[str, str]:
     return rows
 
 
-def height_layer(hm: HeightMap) -> Layer:
+def height_layer(hm: HeightMap, most: int = SHOWN) -> Layer:
     """Heights about their mean; the colors leave out the outermost 0.2 % on either side."""
     shown = hm.heights - np.nanmean(hm.heights)
     factor, unit = suited(float(np.nanmax(np.abs(shown))), "m")
     shown = shown / factor
     sample = shown[:: max(1, hm.shape[0] // 500), :: max(1, hm.shape[1] // 500)]
     low, high = np.nanquantile(sample, (0.002, 0.998))
-    return Layer("height", unit, shown, Cividis256, float(low), float(high))
+    return Layer("height", unit, reduced(shown, most), Cividis256, float(low), float(high))
 
 
 def surface_figure(
@@ -96,10 +96,11 @@ def surface_figure(
     *over: Layer,
     title: str = "Height map",
     keys: Sequence[tuple[str, str]] = (),
+    most: int = SHOWN,
 ) -> Figure:
-    """The map, and what lies over it."""
-    plot = map_figure([height_layer(hm), *over], hm.size)
-    return Figure(plot, title, reduction(hm.shape), keys)
+    """The map, with at most `most` points along a side, and what lies over it."""
+    plot = map_figure([height_layer(hm, most), *over], hm.size)
+    return Figure(plot, title, reduction(hm.shape, most), keys)
 
 
 def spectrum_lines(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -10,6 +11,7 @@ from typing import Any
 from asperity import __version__
 from asperity.comparison.record import ComparisonRecord
 from surfaces.errors import SurfaceError
+from surfaces.page.fields import SHOWN
 from surfaces.page.figures import Figure
 from surfaces.page.lines import Line
 from surfaces.page.render import write_html
@@ -68,7 +70,7 @@ def write_report(path: str | os.PathLike[str], samples: Sequence[Sample]) -> Non
     several = len(samples) > 1
     colors = sample_colors(len(samples))
     parts = [
-        _part(one, color if several else BEM, alone=not several)
+        _part(one, color if several else BEM, len(samples))
         for one, color in zip(samples, colors, strict=True)
     ]
     curves = curve_figures(samples)
@@ -96,8 +98,9 @@ def write_report(path: str | os.PathLike[str], samples: Sequence[Sample]) -> Non
     )
 
 
-def _part(sample: Sample, color: str, *, alone: bool) -> Part:
-    """What one sample has to tell; maps of pressure only of one that is alone, for their size."""
+def _part(sample: Sample, color: str, count: int) -> Part:
+    """What one of `count` samples tells; for their size, maps are the smaller the more there are,
+    and pressures are of a sample that is alone."""
     history = sample.about.get("history", [])
     warnings = [
         *preparation_warnings(history),
@@ -118,13 +121,14 @@ def _part(sample: Sample, color: str, *, alone: bool) -> Part:
         history=in_words(history),
     )
     if sample.comparison is not None:
-        _add_comparison(part, sample.comparison, color, alone)
+        _add_comparison(part, sample.comparison, color, count)
     return part
 
 
-def _add_comparison(part: Part, comparison: ComparisonRecord, color: str, alone: bool) -> None:
+def _add_comparison(part: Part, comparison: ComparisonRecord, color: str, count: int) -> None:
+    alone = count == 1
     part.plan = comparison.plan
-    part.surface = height_figure(comparison)
+    part.surface = height_figure(comparison, int(SHOWN / math.sqrt(count)))
     part.judged = tables.judged(comparison)
     part.errors = tables.error_table(comparison)
     part.runs = tables.pareto_table(comparison.pareto)

@@ -32,15 +32,19 @@ DRAWN = 400
 """Points of a line of contact sizes."""
 
 
-def height_figure(comparison: ComparisonRecord) -> Figure | None:
-    """The map with the contacts of boundary elements."""
+def height_figure(comparison: ComparisonRecord, most: int) -> Figure | None:
+    """The map with the contacts of boundary elements, at most `most` points along a side."""
     if comparison.surface is None:
         return None
-    mask = touched(comparison.maps["bem"])
+    mask = touched(comparison.maps["bem"], most)
     over = Layer("contact", "", mask, [MARK], 0.5, 1.5, told=False)
     title = f"Height map, contacts at {load_of_maps(comparison)}"
     return surface_figure(
-        comparison.surface, over, title=title, keys=[(MARK, "in contact (boundary elements)")]
+        comparison.surface,
+        over,
+        title=title,
+        keys=[(MARK, "in contact (boundary elements)")],
+        most=most,
     )
 
 
