@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -20,7 +21,10 @@ HEIGHT = 360
 DECADE = 10.0
 """Ratio of the largest to the smallest value from which on an axis is logarithmic."""
 
-LEGEND, KEY = 60, 5
+SIDES = "right", "left", "below", "above"
+"""Where a line tells of its points, in turn: beside those of lines that run along it."""
+
+LEGEND, KEY = 50, 5
 """Letters that fit beside each other in a legend, also on a phone, and those that a key takes."""
 
 
@@ -80,7 +84,7 @@ def line_figure(lines: Sequence[Line], x: str, y: str, *, linear: str = "") -> A
         y_axis_type=kinds["y"],
     )
     hovered: list[Any] = []
-    for line in lines:
+    for line, side in zip(lines, itertools.cycle(SIDES), strict=False):
         source = _source(line, x, y, kinds)
         if line.band is not None:
             plot.varea(x, *line.band, source=source, color=line.color, alpha=0.18)
@@ -95,7 +99,9 @@ def line_figure(lines: Sequence[Line], x: str, y: str, *, linear: str = "") -> A
             )
         names = [("", line.name), *((name, f"@{{{name}}}{{%.4g}}") for name in line.columns)]
         how: dict[str, Any] = {f"@{{{name}}}": "printf" for name in line.columns}
-        hovered.append(HoverTool(renderers=[drawn], tooltips=names, formatters=how))
+        hovered.append(
+            HoverTool(renderers=[drawn], tooltips=names, formatters=how, attachment=side)
+        )
     plot.add_tools(*hovered)
     for axis, kind in ((plot.xaxis, kinds["x"]), (plot.yaxis, kinds["y"])):
         axis.formatter = PrintfTickFormatter(format="%.4g")

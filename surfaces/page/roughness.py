@@ -64,7 +64,7 @@ def parameters(found: Statistics) -> dict[str, str]:
         if row["value"] is None:
             continue
         value, (unit, _, power) = float(row["value"]), str(row["unit"]).partition("^")
-        text = f"{value:.4g} {row['unit'] if row['unit'] != '-' else ''}".rstrip()
+        text = f"{value:.4g} {str(row['unit']).strip('-').replace('^2', '²')}".rstrip()
         if unit == "m":
             text = told(value, unit, int(power or 1), digits=4)
         rows[f"{row['parameter']}, {row['meaning']}"] = text
