@@ -133,7 +133,8 @@ def curve_verdict(name: str, curve: ContactCurve) -> str:
     )
     worst = np.nanmax(np.append(curve.error_estimate[order], -np.inf))
     if np.isfinite(worst):
-        text += f"The stated error of the load is at most {100 * worst:.2g} %. "
+        grid = " on this grid" if curve.model == "bem" else ""
+        text += f"The stated error of the load{grid} is at most {100 * worst:.2g} %. "
     verified = curve.verification
     if verified is not None:
         load, area = (f"{100 * share:.3g} %" for share in verified["accuracy"])

@@ -88,7 +88,7 @@ def at_common_loads(samples: Sequence[Sample]) -> list[dict[str, str]]:
     low, high = max(a for a, _ in ends), min(b for _, b in ends)
     if not low < high:
         return [{} for _ in samples]
-    found = [{"of": next(iter(one.curves))} for one in samples]
+    found = [{"curve": next(iter(one.curves))} for one in samples]
     for pressure in np.geomspace(low, high, COMPARED):
         for rows, one in zip(found, samples, strict=True):
             try:
