@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
-from asperity.errors import InputError
-
-from . import output
-from .surface import expand
+from . import output, targets
+from .batch import expand
+from .messages import tell
 
 EPILOG = """examples:
   asperity report results.h5 -o report.html
@@ -23,12 +21,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "results",
         metavar="RESULTS",
         nargs="+",
-        help="results files of compare, solve, curve or bem; several are laid side by side",
+        help="results files of compare, solve, curve or bem, and globs; several are laid side by "
+        "side",
     )
-    parser.add_argument(
-        "-o", "--output", default="report.html", help="report file (default report.html)"
+    targets.add_target(
+        parser,
+        "-o",
+        "--output",
+        suffix=targets.ONE,
+        alone="report.html",
+        help="report file (default report.html)",
     )
-    parser.add_argument("--force", action="store_true", help="replace a report that is there")
+    targets.add_force(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -37,12 +41,11 @@ def run(args: argparse.Namespace) -> int:
     from asperity.comparison.report.sample import read_sample
 
     files = expand(args.results)
-    output.require_outputs(args.output, inputs=files)
-    if Path(args.output).exists() and not args.force:
-        raise InputError(f"{args.output} is there already; --force replaces it")
+    targets.fill_in(args)
+    targets.require(args, inputs=[str(file) for file in files])
     samples = [read_sample(file) for file in files]
     write_report(args.output, samples)
     for sample in samples:
-        print(f"{sample.name}: {sample.verdict()}")
-    print(f"report {args.output}")
-    return output.exit_code(curve for one in samples for curve in one.curves.values())
+        tell(f"{sample.name}: {sample.verdict()}")
+    tell(f"report {args.output}")
+    return output.exit_code([curve for one in samples for curve in one.curves.values()])

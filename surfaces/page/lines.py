@@ -21,7 +21,7 @@ HEIGHT = 360
 DECADE = 10.0
 """Ratio of the largest to the smallest value from which on an axis is logarithmic."""
 
-SIDES = "right", "left", "below", "above"
+SIDES: Any = ("right", "left", "below", "above")
 """Where a line tells of its points, in turn: beside those of lines that run along it."""
 
 LEGEND, KEY = 50, 5

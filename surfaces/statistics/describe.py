@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.checks import tilt_warning
 from surfaces.errors import SurfaceError, as_path
 from surfaces.heightmap import HeightMap, require_map
-from surfaces.preparation.levelling import level
 from surfaces.roughness import unit_warning
 
 from .bearing import bearing_curve
@@ -187,7 +187,7 @@ def describe(hm: HeightMap, *, wolf: float = 5.0) -> Statistics:
     spatial = {"Sal": found.shortest, "Str": found.aspect, "Std": math.nan}
     spatial["lay"] = math.degrees(found.direction)
     moments, fit, hills = None, None, dict.fromkeys(FEATURES, math.nan)
-    warnings = [*_tilt_warning(hm, sq), *unit_warning(slope)]
+    warnings = [*tilt_warning(hm, _TILTED), *unit_warning(slope)]
     if hm.missing:
         share = 100 * hm.missing / hm.heights.size
         warnings.append(
@@ -287,15 +287,6 @@ def _developed(hm: HeightMap) -> float:
         corners = [np.sqrt(step_y[:, one] + step_x[other]) for one in ends for other in ends]
         area.add(np.mean(corners, axis=0))
     return area.value - 1.0
-
-
-def _tilt_warning(hm: HeightMap, sq: float) -> list[str]:
-    if hm.periodic:
-        return []
-    share = 1.0 - (level(hm, "plane").rms_height / sq) ** 2
-    if share < _TILTED:
-        return []
-    return [f"a plane makes up {100 * share:.3g} % of the variance: level the map first"]
 
 
 def _resolution_warning(moments: SpectralMoments, slope: float, curvature: float) -> list[str]:

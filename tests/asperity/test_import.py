@@ -7,7 +7,18 @@ import sys
 
 import pytest
 
-HEAVY = ("numba", "scipy", "cv2", "h5py", "pyfftw", "matplotlib", "jinja2", "tqdm", "pandas")
+HEAVY = (
+    "numba",
+    "scipy",
+    "cv2",
+    "h5py",
+    "pyfftw",
+    "matplotlib",
+    "jinja2",
+    "tqdm",
+    "pandas",
+    "shtab",
+)
 
 
 @pytest.mark.parametrize("package", ["asperity", "surfaces", "asperity.cli.main"])
