@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from bokeh.palettes import Colorblind
 from numpy.typing import NDArray
 
 from asperity.results.curve import ContactCurve
@@ -30,6 +29,9 @@ __all__ = [
 MODEL, BEM, OTHER = ORANGE, BLUE, "#8a939c"
 """Colors of the microcontact model, of boundary elements and of what is neither."""
 
+SAMPLES = (MODEL, BEM, "#2a9d6f", "#b565a7", "#c8960c", "#7d8791")
+"""Colors of samples side by side."""
+
 AREA = "real contact area [%]"
 
 LEAST = 1e-3
@@ -38,8 +40,7 @@ LEAST = 1e-3
 
 def sample_colors(count: int) -> list[str]:
     """Colors that tell samples apart."""
-    palette = [MODEL, BEM, *Colorblind[8][2:]]
-    return [palette[i % len(palette)] for i in range(count)]
+    return [SAMPLES[i % len(SAMPLES)] for i in range(count)]
 
 
 def curve_figures(samples: Sequence[Sample]) -> list[Figure]:
