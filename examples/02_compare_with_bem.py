@@ -1,4 +1,11 @@
-"""The sum of microcontacts against the full boundary elements, and what each cost."""
+"""
+Two models, one surface
+=======================
+
+The sum of microcontacts against the full boundary elements: errors, and what each cost.
+"""
+
+import matplotlib.pyplot as plt
 
 import asperity
 import surfaces
@@ -10,3 +17,12 @@ result = asperity.compare(hm, asperity.HalfSpace(210e9, 0.3), pressures=[3e7, 1e
 print(result)
 result.to_hdf5("results.h5")
 result.to_html("report.html")
+
+# %%
+# The report holds the curves, the maps and the errors. Here is where both find contact.
+
+model, reference = result.maps["asperity"] > 0, result.maps["bem"] > 0
+plt.imshow(model + 2 * reference, cmap="magma_r", interpolation="nearest")
+plt.title("light: model alone, middle: boundary elements alone, dark: both", fontsize=9)
+plt.axis("off")
+plt.show()

@@ -1,5 +1,12 @@
-"""From a surface file to a curve: read, prepare, load. Here the file is made first."""
+"""
+From a file to a curve
+======================
 
+Read, prepare, load. Here the file is made first, with the faults of a measured map: tilt and
+missing points.
+"""
+
+import matplotlib.pyplot as plt
 import numpy as np
 
 import asperity
@@ -13,6 +20,9 @@ heights = scan.heights + tilt
 heights[50:53, 100:102] = np.nan
 surfaces.write(surfaces.HeightMap(heights, scan.spacing, name="scan"), "scan.h5")
 
+# %%
+# Every step of the preparation is recorded.
+
 hm = surfaces.prepare(surfaces.read("scan.h5"), level="plane", fill="harmonic", periodic="taper")
 for step in hm.history:
     print(step)
@@ -20,3 +30,10 @@ curve = asperity.contact_curve(hm, asperity.HalfSpace(70e9, 0.17))
 print(curve)
 curve.to_hdf5("curve.h5")
 print(asperity.ContactCurve.from_hdf5("curve.h5").area_fraction)
+
+figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.4), layout="constrained")
+left.imshow(1e6 * heights)
+left.set_title("as measured")
+right.imshow(1e6 * hm.heights)
+right.set_title("as solved")
+plt.show()

@@ -1,4 +1,13 @@
-"""A power-law graded half-space E(z) = E0 z^m under the same surface, against boundary elements."""
+"""
+A graded half-space
+===================
+
+E(z) = E0 z^m: stiffer (m > 0) or softer (m < 0) with depth. All bodies here have the same modulus
+20 µm below the surface. Both models, one rough surface.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
 
 import asperity
 import surfaces
@@ -16,3 +25,12 @@ for m in (-0.3, 0.0, 0.3):
             f"m = {m:+.1f}: mean pressure {model.mean_pressure[i]:.3e} Pa, "
             f"boundary elements {reference.mean_pressure[i]:.3e} Pa"
         )
+    many = asperity.contact_curve(hm, body, separations=np.linspace(1.7, 0.8, 10) * hm.rms_height)
+    label = f"m = {m:+.1f}"
+    (line,) = plt.semilogy(1e6 * many.separation, many.mean_pressure / 1e6, label=label)
+    plt.plot(1e6 * reference.separation, reference.mean_pressure / 1e6, "o", color=line.get_color())
+
+plt.xlabel("separation [µm]")
+plt.ylabel("mean pressure [MPa] (dots: boundary elements)")
+plt.legend()
+plt.show()

@@ -1,4 +1,12 @@
-"""What one run holds beyond the curve: contacts, fields, sizes, conductance, partial slip."""
+"""
+Beyond the curve
+================
+
+What one run holds: contacts, pressure, sizes, conductance, partial slip.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
 
 import asperity
 import surfaces
@@ -32,3 +40,20 @@ slip = asperity.friction_curve(curve, 3e8, friction=0.3, modulus_ratio=ratio)
 half = abs(slip.shear - 0.5 * slip.slip_shear).argmin()
 stuck = slip.stick_area_fraction[half] / slip.stick_area_fraction[0]
 print(f"pushed by half its friction it moves {slip.displacement[half]:.3g} m, {stuck:.2f} sticks")
+
+# %%
+# The contacts on the surface: every circle has the area of its contact.
+
+from matplotlib.collections import EllipseCollection  # noqa: E402
+
+plt.imshow(hm.heights, cmap="gray", extent=(0, hm.size[1], hm.size[0], 0))
+circles = EllipseCollection(
+    2 * table["radius"],
+    2 * table["radius"],
+    0 * table["radius"],
+    units="xy",
+    offsets=np.column_stack([table["x"], table["y"]]),
+    transOffset=plt.gca().transData,
+)
+plt.gca().add_collection(circles)
+plt.show()
