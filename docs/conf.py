@@ -61,6 +61,8 @@ sphinx_gallery_conf = {
 html_theme = "furo"
 html_title = "asperity"
 html_show_sphinx = False
+html_show_copyright = False
+html_theme_options = {"light_css_variables": {"code-font-size": "0.72rem"}}
 
 
 def _links_of_the_root(app, relative_path, parent, content):

@@ -6,6 +6,7 @@ The sum of microcontacts against the full boundary elements: errors, and what ea
 """
 
 import matplotlib.pyplot as plt
+from matplotlib.colors import ListedColormap
 
 import asperity
 import surfaces
@@ -22,7 +23,8 @@ result.to_html("report.html")
 # The report holds the curves, the maps and the errors. Here is where both find contact.
 
 model, reference = result.maps["asperity"] > 0, result.maps["bem"] > 0
-plt.imshow(model + 2 * reference, cmap="magma_r", interpolation="nearest")
-plt.title("light: model alone, middle: boundary elements alone, dark: both", fontsize=9)
+colors = ListedColormap(["white", "C1", "C0", "0.3"])
+plt.imshow(model + 2 * reference, cmap=colors, vmin=0, vmax=3, interpolation="nearest")
+plt.title("gray: both, orange: model alone, blue: boundary elements alone")
 plt.axis("off")
 plt.show()

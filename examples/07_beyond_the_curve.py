@@ -7,6 +7,7 @@ What one run holds: contacts, pressure, sizes, conductance, partial slip.
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.collections import EllipseCollection
 
 import asperity
 import surfaces
@@ -44,16 +45,15 @@ print(f"pushed by half its friction it moves {slip.displacement[half]:.3g} m, {s
 # %%
 # The contacts on the surface: every circle has the area of its contact.
 
-from matplotlib.collections import EllipseCollection  # noqa: E402
-
-plt.imshow(hm.heights, cmap="gray", extent=(0, hm.size[1], hm.size[0], 0))
-circles = EllipseCollection(
-    2 * table["radius"],
-    2 * table["radius"],
-    0 * table["radius"],
-    units="xy",
-    offsets=np.column_stack([table["x"], table["y"]]),
-    transOffset=plt.gca().transData,
-)
-plt.gca().add_collection(circles)
+place, diameter = 1e3 * np.column_stack([table["x"], table["y"]]), 2e3 * table["radius"]
+height, width = 1e3 * np.array(hm.size)
+plt.imshow(hm.heights, cmap="gray", extent=(0, width, height, 0))
+axes = plt.gca()
+axes.add_collection(
+    EllipseCollection(
+        diameter, diameter, np.zeros(len(table)), units="xy", offsets=place,
+        offset_transform=axes.transData,
+    )
+)  # fmt: skip
+axes.set(xlabel="x [mm]", ylabel="y [mm]")
 plt.show()

@@ -28,9 +28,8 @@ for seed in range(8):
 
 for name, values in found.items():
     scatter = 100 * np.std(values, axis=0, ddof=1) / np.mean(values, axis=0)
-    print(
-        f"{name.split()[0]}: standard deviation {scatter[0]:.1f} % at 10 MPa, {scatter[-1]:.1f} % at 1 GPa"
-    )
+    light, heavy = scatter[[0, -1]]
+    print(f"{name}: standard deviation {light:.1f} % at 10 MPa, {heavy:.1f} % at 1 GPa")
 
 figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
 for ax, (name, values) in zip(axes, found.items(), strict=True):
