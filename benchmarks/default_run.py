@@ -39,6 +39,7 @@ def rows_of(path: Path, prepared: str) -> list[dict[str, object]]:
     body = asperity.HalfSpace(210e9, 0.3)
     answers = {name: solve(hm, body) for name, solve in ENGINES.items()}
     pressures = answers["solve"].mean_pressure
+    left = answers["solve"].verification["resolution_uncertainty"]
     rows: list[dict[str, object]] = []
     for grid in ("own", "refined"):
         part = hm if grid == "own" else surfaces.resample(hm, np.asarray(hm.spacing) / 2)
@@ -60,6 +61,8 @@ def rows_of(path: Path, prepared: str) -> list[dict[str, object]]:
                     "area_error": area[i],
                     "load_bound": answer.error_estimate[i],
                     "area_bound": answer.extra["area_error_estimate"][i],
+                    "load_left": left[0],
+                    "area_left": left[1],
                     "reference_seconds": seconds,
                 }
                 for i in range(len(truth))
@@ -84,7 +87,7 @@ def summed_up(rows: list[dict[str, str]]) -> dict[str, list[str]]:
                 for quantity in ("load", "area"):
                     errors = [100 * abs(float(row[f"{quantity}_error"])) for row in chosen]
                     text = " / ".join(f"{e:.1f}" for e in np.quantile(errors, [0.5, 0.9, 1.0]))
-                    table.setdefault(f"{quantity}, {grid} grid", []).append(text)
+                    table.setdefault(f"{quantity} error, {grid} grid", []).append(text)
     return table
 
 

@@ -70,6 +70,7 @@ def _links_of_the_root(app, relative_path, parent, content):
     if relative_path.parent == Path(".."):
         text = re.sub(r"\]\(docs/", "](/", content[0])
         text = re.sub(r"\]\((CONTRIBUTING|CHANGELOG)\.md", r"](/development/\1.md", text)
+        text = text.replace("](examples/)", "](/gallery/index.rst)")
         content[0] = text.replace("](README.md", "](/index.md")
 
 
