@@ -10,16 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.compilation import CURVE, compile_ahead
-from asperity.halfspace.scene import checked_loads
+from asperity.halfspace.scene import checked_loads, map_facts, pressure_scale
 from asperity.model.decomposition import Decomposition
 from asperity.model.load_point import (
     LoadPoint,
+    load_difference,
     load_point,
     plastic_share,
     point_at_separation,
     spot_count,
 )
 from asperity.model.plan import Plan, interaction_needed, make_plan
+from asperity.progress import Progress, reported
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import curve_stiffness
 from asperity.trust.error_estimate import (
@@ -36,7 +38,6 @@ from .errors import InputError
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
-    from asperity.interaction.population import PopulationState
 
 __all__ = ["contact_curve", "solve_loads"]
 
@@ -62,7 +63,7 @@ def contact_curve(
     plan: Plan | None = None,
     boundary: str | None = None,
     scales: str = "auto",
-    progress: Callable[[PopulationState], object] | None = None,
+    progress: Progress = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
 ) -> ContactCurve:
     """Load, separation and real contact area from the sum of interacting microcontacts.
@@ -95,7 +96,7 @@ def contact_curve(
         others (`asperity.multiscale`), and other maps whose waves reach the pixel are solved on a
         finer grid (`asperity.multiscale.wave_split`); "all": every summit of the map is a contact.
     progress
-        Called with the state of every finished load point.
+        True for a progress bar, or a function called with the state of every finished point.
     checkpoint
         Called with the curve of the points finished so far, after each.
 
@@ -157,7 +158,7 @@ def solve_loads(
     *,
     pressures: ArrayLike | None = None,
     separations: ArrayLike | None = None,
-    progress: Callable[[PopulationState], object] | None = None,
+    progress: Progress = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
     decomposition: Decomposition | None = None,
 ) -> tuple[ContactCurve, Decomposition, tuple[LoadPoint, ...]]:
@@ -184,19 +185,25 @@ def solve_loads(
     if decomposition is None:
         decomposition = Decomposition.of(hm.without_rounding, material, plan)
     rows: dict[int, _Row] = {}
-    while True:
-        for i, row in _sweep(decomposition, kind, values, comparing):
-            rows[i] = row
-            if progress is not None:
-                progress(row.point.state)
-            if checkpoint is not None:
-                checkpoint(_curve(hm, decomposition, [*rows.values()], time.perf_counter() - start))
-        if len(rows) == len(values):
-            break
-        decomposition, rows = decomposition.of_whole_map(), {}
-    ordered = [rows[i] for i in sorted(rows)]
-    curve = _curve(hm, decomposition, ordered, time.perf_counter() - start)
-    return curve, decomposition, tuple(row.point for row in ordered)
+
+    def curve_of(solved: Decomposition, points: list[int]) -> ContactCurve:
+        asked = {f"asked_{kind}": values[points]}
+        seconds = time.perf_counter() - start
+        return _curve(hm, solved, [rows[i] for i in points], asked, seconds)
+
+    with reported(progress, len(values), "load points") as tell:
+        while True:
+            for i, row in _sweep(decomposition, kind, values, comparing):
+                rows[i] = row
+                if tell is not None:
+                    tell(row.point.state)
+                if checkpoint is not None:
+                    checkpoint(curve_of(decomposition, [*rows]))
+            if len(rows) == len(values):
+                break
+            decomposition, rows = decomposition.of_whole_map(), {}
+    points = [rows[i].point for i in range(len(values))]
+    return curve_of(decomposition, [*range(len(values))]), decomposition, tuple(points)
 
 
 class _Row(NamedTuple):
@@ -255,26 +262,20 @@ def _sweep(
             interacting = decomposition.interacting.solve(
                 separation=point.state.separation, state=interacting, tolerance=CLOSE
             )
-            difference = _difference(point, interacting)
+            difference = load_difference(point, interacting)
         state = point.state
         found = terms(decomposition, state, nonrandom) | outside_model_terms(decomposition, state)
         yield i, _Row(point, spot_count(decomposition, point), found, difference)
 
 
-def _difference(alone: LoadPoint, interacting: PopulationState) -> float:
-    """Load of independent contacts over that of interacting ones, less one; NaN if not known."""
-    if not (alone.converged and interacting.converged):
-        return np.nan
-    pressure = alone.state.mean_pressure
-    if interacting.mean_pressure == 0.0:
-        return np.inf if pressure else 0.0
-    return pressure / interacting.mean_pressure - 1.0
-
-
 def _curve(
-    hm: HeightMap, decomposition: Decomposition, rows: Sequence[_Row], seconds: float
+    hm: HeightMap,
+    decomposition: Decomposition,
+    rows: Sequence[_Row],
+    asked: dict[str, NDArray[np.float64]],
+    seconds: float,
 ) -> ContactCurve:
-    """The curve of some load points of a map, `seconds` after the run began."""
+    """The curve of some load points of a map, asked for so, `seconds` after the run began."""
     plan = decomposition.plan
     states = [row.point.state for row in rows]
     surfaces = [row.point.surface for row in rows]
@@ -334,10 +335,13 @@ def _curve(
             "m": body.m,
             **({"hardness": body.hardness} if yielded else {}),
             "input": hm.digest,
+            "map": map_facts(hm),
+            "pressure_scale": pressure_scale(hm, body),
             "peaks": len(decomposition.peaks),
             "warnings": warnings,
         },
         extra={
+            **asked,
             "microcontacts": column(states, "active"),
             "filled_share": column(states, "filled_share"),
             "tangent_stiffness": tangent,

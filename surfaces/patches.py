@@ -15,8 +15,10 @@ __all__ = ["label_patches", "root"]
 _NO_PAIRS = np.zeros((0, 2), np.int32)
 
 
-def label_patches(mask: NDArray[np.bool_], *, periodic: bool) -> tuple[NDArray[np.int32], int]:
-    """Label the connected patches of a mask (edge neighbors), joined across the seam if periodic.
+def label_patches(
+    mask: NDArray[np.bool_], *, periodic: bool, corners: bool = True
+) -> tuple[NDArray[np.int32], int]:
+    """Label the connected patches of a mask, joined across the seam if periodic.
 
     Parameters
     ----------
@@ -24,6 +26,8 @@ def label_patches(mask: NDArray[np.bool_], *, periodic: bool) -> tuple[NDArray[n
         Pixels that belong to a patch, shape (ny, nx).
     periodic
         Whether the map continues across its border as if repeated.
+    corners
+        Whether pixels that meet at a corner join, as those that meet at an edge do.
 
     Returns
     -------
@@ -32,30 +36,33 @@ def label_patches(mask: NDArray[np.bool_], *, periodic: bool) -> tuple[NDArray[n
     count
         Number of patches n.
     """
-    labels, count = _components(mask)
-    pairs = _seam_pairs(labels) if periodic and count > 1 else _NO_PAIRS
+    labels, count = _components(mask, 8 if corners else 4)
+    shifts = (-1, 0, 1) if corners else (0,)
+    pairs = _seam_pairs(labels, shifts) if periodic and count > 1 else _NO_PAIRS
     if not len(pairs):
         return labels, count - 1
     target = _merged(pairs, count)
     return target[labels], int(target.max())
 
 
-def _components(mask: NDArray[np.bool_]) -> tuple[NDArray[np.int32], int]:
+def _components(mask: NDArray[np.bool_], neighbors: int) -> tuple[NDArray[np.int32], int]:
     """Labels of the map without its continuation, and their number with the background."""
     import cv2
 
     count, labels = cv2.connectedComponents(
-        np.ascontiguousarray(mask).view(np.uint8), connectivity=4, ltype=cv2.CV_32S
+        np.ascontiguousarray(mask).view(np.uint8), connectivity=neighbors, ltype=cv2.CV_32S
     )
     return np.asarray(labels, np.int32), count
 
 
-def _seam_pairs(labels: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Pairs of labels that meet across the seam, shape (k, 2)."""
+def _seam_pairs(labels: NDArray[np.int32], shifts: tuple[int, ...]) -> NDArray[np.int32]:
+    """Pairs of labels that meet across the seam, moved along it by `shifts`, shape (k, 2)."""
     pairs = []
     for first, last in ((labels[0], labels[-1]), (labels[:, 0], labels[:, -1])):
-        both = (first > 0) & (last > 0)
-        pairs.append(np.stack([first[both], last[both]], axis=1))
+        for shift in shifts:
+            other = np.roll(last, shift)
+            both = (first > 0) & (other > 0)
+            pairs.append(np.stack([first[both], other[both]], axis=1))
     return np.unique(np.concatenate(pairs), axis=0)
 
 

@@ -1,12 +1,14 @@
-"""Units of length and their conversion to metres."""
+"""Units of lengths, and of the quantities that a user types, and their conversion to SI."""
 
 from __future__ import annotations
 
+import re
+from decimal import Decimal
 from pathlib import Path
 
 from .errors import FileFormatError, InputError
 
-__all__ = ["METRES", "chosen_unit", "metres_per"]
+__all__ = ["METRES", "QUANTITIES", "chosen_unit", "metres_per", "quantities", "quantity"]
 
 METRES = {
     "m": 1.0,
@@ -38,6 +40,99 @@ _ALIASES = {
     "A": "angstrom",
     "in": "inch",
 }
+
+
+QUANTITIES = {
+    "length": (METRES, "0.5um"),
+    "pressure": (
+        {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "TPa": 1e12}
+        | {"bar": 1e5, "psi": 6894.757293168361, "N/mm2": 1e6},
+        "210GPa",
+    ),
+    "force": (
+        {"N": 1.0, "kN": 1e3, "MN": 1e6, "mN": 1e-3, "uN": 1e-6, "nN": 1e-9, "pN": 1e-12}
+        | {"lbf": 4.4482216152605, "kgf": 9.80665},
+        "5mN",
+    ),
+    "share": ({"%": 0.01}, "5%"),
+    "percentage": ({"%": 1.0}, "5%"),
+    "angle": ({"deg": 1.0, "rad": 57.29577951308232}, "30deg"),
+    "plain number": ({}, "0.3"),
+}
+"""Units of each kind of quantity, in that of a plain number (SI; degrees for an angle), and an
+example.  Length units have more spellings (`metres_per`)."""
+
+_WRITTEN = re.compile(
+    r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:inf|nan))\s*(\D.*?)?\s*", re.DOTALL
+)
+
+
+def quantity(text: str, kind: str) -> float:
+    """Number of a text such as ``210GPa``, ``0.5 um`` or ``2e-6``; without unit it is in SI.
+
+    Parameters
+    ----------
+    text
+        A number, and perhaps a unit; case matters (mPa is not MPa).
+    kind
+        Key of `QUANTITIES`.
+
+    Raises
+    ------
+    InputError
+        If the text is no number, or its unit is unknown or of another kind.
+
+    Examples
+    --------
+    >>> from surfaces.units import quantity
+    >>> quantity("210GPa", "pressure"), quantity("0.5um", "length"), quantity("5%", "share")
+    (210000000000.0, 5e-07, 0.05)
+    """
+    return quantities([text], kind)[0]
+
+
+def quantities(texts: list[str], kind: str) -> list[float]:
+    """Numbers of several texts of one kind, of which all have a unit or none.
+
+    Raises
+    ------
+    InputError
+        As `quantity`; and if some have a unit and others, not being 0, have none.
+    """
+    found = [_WRITTEN.fullmatch(text) for text in texts]
+    example = QUANTITIES[kind][1]
+    for text, parts in zip(texts, found, strict=True):
+        if parts is None:
+            raise InputError(f"{text[:30]!r} is no {kind}; write one such as {example}")
+    pairs = [(parts[1], parts[2] or "") for parts in found if parts is not None]
+    bare = [number for number, unit in pairs if float(number) and not unit]
+    if bare and any(unit for _, unit in pairs):
+        raise InputError(f"{bare[0]} has no unit and others have one; write one with each number")
+    return [_scaled(number, unit, kind) if unit else float(number) for number, unit in pairs]
+
+
+def _scaled(number: str, unit: str, kind: str) -> float:
+    """A number times its unit, rounded once: 0.3um is 3e-7."""
+    factor = _factor(unit, kind)
+    if factor is not None:
+        return float(Decimal(number) * Decimal(str(factor)))
+    known, example = QUANTITIES[kind]
+    other = next((name for name in QUANTITIES if _factor(unit, name) is not None), None)
+    if other is not None:
+        raise InputError(f"{unit} is a unit of {other}, and a {kind} is needed, such as {example}")
+    known_ones = f"; known are {', '.join(known)}" if known else f"; write one such as {example}"
+    raise InputError(f"{unit[:30]!r} is no unit of a {kind}{known_ones}")
+
+
+def _factor(unit: str, kind: str) -> float | None:
+    """What a unit is worth, or None if it is not of this kind."""
+    if kind == "length":
+        try:
+            return metres_per(unit)
+        except InputError:
+            return None
+    plain = unit.replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
+    return QUANTITIES[kind][0].get(plain)
 
 
 def chosen_unit(path: Path, stated: str | None, given: str | None) -> str:

@@ -159,7 +159,7 @@ def flood(hm, above=-np.inf):
 
 
 def labels_by_hand(contact, periodic):
-    """Flood fill, one pixel at a time."""
+    """Flood fill over edges and corners, one pixel at a time."""
     ny, nx = contact.shape
     labels = np.zeros(contact.shape, int)
     count = 0
@@ -175,7 +175,7 @@ def labels_by_hand(contact, periodic):
             if not (0 <= i < ny and 0 <= j < nx) or not contact[i, j] or labels[i, j]:
                 continue
             labels[i, j] = count
-            todo += [(i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)]
+            todo += [(i + di, j + dj) for di in (-1, 0, 1) for dj in (-1, 0, 1)]
     return labels, count
 
 

@@ -34,8 +34,19 @@ def _row_runs(row: NDArray[np.float64], nx: int, begin: Index, end: Index) -> in
 
 
 @inner()
+def _linked(parent: Index, i: int, j: int) -> Any:
+    """1 if two runs were apart and are joined now, else 0."""
+    a, b = root(parent, i), root(parent, j)
+    if a == b:
+        return 0
+    parent[max(a, b)] = min(a, b)
+    return 1
+
+
+@inner()
 def _join(
     parent: Index,
+    nx: int,
     begin: Index,
     end: Index,
     n: int,
@@ -45,29 +56,32 @@ def _join(
     old_n: int,
     old_label: int,
 ) -> Any:
-    """Join the runs of two rows that touch; returns the common pixels and the joints."""
+    """Join the runs of two rows that touch, by an edge or a corner; returns the common pixels and
+    the joints."""
     common = joints = i = j = 0
     while i < n and j < old_n:
         shared = min(end[i], old_end[j]) - max(begin[i], old_begin[j])
-        if shared > 0:
+        if shared >= 0:
             common += shared
-            a, b = root(parent, label + i), root(parent, old_label + j)
-            if a != b:
-                parent[max(a, b)] = min(a, b)
-                joints += 1
+            joints += _linked(parent, label + i, old_label + j)
         if end[i] < old_end[j]:
             i += 1
         else:
             j += 1
+    if nx > 0 and n > 0 and old_n > 0:  # by a corner across the seam
+        if begin[0] == 0 and old_end[old_n - 1] == nx:
+            joints += _linked(parent, label, old_label + old_n - 1)
+        if old_begin[0] == 0 and end[n - 1] == nx:
+            joints += _linked(parent, label + n - 1, old_label)
     return common, joints
 
 
 @compiled()
 def contact_counts(pressure: NDArray[np.float64], nx: int, periodic: bool) -> Any:
-    """Pixels under pressure, their edges to others, and their patches (edge neighbors).
+    """Pixels under pressure, their edges to others, and their patches.
 
-    `pressure` has nx columns or more. Across the border of the map lies its other side if it is
-    periodic, no contact if not.
+    Pixels of a patch meet at an edge or a corner. `pressure` has nx columns or more. Across the
+    border of the map lies its other side if it is periodic, no contact if not.
     """
     ny = pressure.shape[0]
     width = nx // 2 + 1
@@ -75,6 +89,7 @@ def contact_counts(pressure: NDArray[np.float64], nx: int, periodic: bool) -> An
     parent = np.empty(max(width, 1024), np.int64)
     zero = np.int64(0)  # a bare 0 is a type of its own, for which `_join` is compiled anew
     pixels = edges = runs = joints = zero
+    seam = nx if periodic else 0
     first_n = old_n = old_label = old_pixels = first_pixels = zero
     for y in range(ny):
         now, old = 1 + y % 2, 2 - y % 2
@@ -95,7 +110,7 @@ def contact_counts(pressure: NDArray[np.float64], nx: int, periodic: bool) -> An
                 parent[runs + n - 1] = runs
                 joints += 1
         common, joined = _join(
-            parent, begin[now], end[now], n, runs, begin[old], end[old], old_n, old_label
+            parent, seam, begin[now], end[now], n, runs, begin[old], end[old], old_n, old_label
         )
         joints += joined
         edges += row_pixels + old_pixels - 2 * common
@@ -110,7 +125,7 @@ def contact_counts(pressure: NDArray[np.float64], nx: int, periodic: bool) -> An
     if periodic:
         edges -= first_pixels
         common, joined = _join(
-            parent, begin[0], end[0], first_n, zero, begin[last], end[last], old_n, old_label
+            parent, seam, begin[0], end[0], first_n, zero, begin[last], end[last], old_n, old_label
         )
         joints += joined
         edges += first_pixels + old_pixels - 2 * common

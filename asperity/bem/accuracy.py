@@ -188,17 +188,18 @@ def interpolated(curve: ContactCurve, pressures: NDArray[np.float64]) -> Contact
     `extra["interpolated"]` marks the points that were not solved. Such a point has the larger
     certificate of its neighbors, and counts as converged if both are.
     """
-    places = np.searchsorted(curve.mean_pressure, pressures * (1.0 - 1e-9))
-    above = np.clip(places, 0, len(curve) - 1)
-    solved = np.abs(curve.mean_pressure[above] - pressures) <= 1e-9 * pressures
+    asked = curve.asked["asked_pressure"]
+    above = np.clip(np.searchsorted(asked, pressures * (1.0 - 1e-9)), 0, len(curve) - 1)
+    solved = np.abs(asked[above] - pressures) <= 1e-9 * pressures
     below = np.where(solved, above, np.maximum(above - 1, 0))
-    loaded = curve.mean_pressure > 0.0
+    loaded = curve.converged & (curve.mean_pressure > 0.0)
     x = np.log(curve.mean_pressure[loaded])
 
     def between(values: NDArray[np.float64]) -> NDArray[np.float64]:
         result = np.array(values[above], np.float64)
-        spline = PchipInterpolator(x, values[loaded])
-        result[~solved] = spline(np.log(pressures[~solved]))
+        if len(x) > 1:
+            spline = PchipInterpolator(x, values[loaded])
+            result[~solved] = spline(np.log(pressures[~solved]))
         return result
 
     def worse(values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -206,8 +207,10 @@ def interpolated(curve: ContactCurve, pressures: NDArray[np.float64]) -> Contact
 
     hardness = curve.settings.get("hardness", math.inf)
     area_fraction = np.maximum(between(curve.area_fraction), pressures / hardness)
-    extra = {"interpolated": (~solved).astype(float)}
+    extra = {"asked_pressure": pressures, "interpolated": ~solved}
     for name, values in curve.extra.items():
+        if name in extra:
+            continue
         if name in _WORST_OF_NEIGHBORS:
             extra[name] = worse(values)
         elif name in _COST:
@@ -220,8 +223,8 @@ def interpolated(curve: ContactCurve, pressures: NDArray[np.float64]) -> Contact
         mean_pressure=np.where(solved, curve.mean_pressure[above], pressures),
         load=between(curve.load),
         area_fraction=area_fraction,
-        contact_area=area_fraction * (curve.contact_area.max() / curve.area_fraction.max()),
-        contacts=np.rint(between(curve.contacts.astype(np.float64))).astype(np.int64),
+        contact_area=area_fraction * curve.nominal_area,
+        contacts=np.rint(between(curve.contacts)),
         stiffness=between(curve.stiffness),
         converged=curve.converged[below] & curve.converged[above],
         residual=worse(curve.residual),

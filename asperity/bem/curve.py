@@ -5,19 +5,26 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicSpline
 
 from asperity.compilation import compile_ahead
 from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace
-from asperity.halfspace.scene import checked_loads, chosen_boundary, expected_area_fraction
+from asperity.halfspace.scene import (
+    checked_loads,
+    chosen_boundary,
+    expected_area_fraction,
+    map_facts,
+    pressure_scale,
+)
+from asperity.progress import Progress, reported
 from asperity.results.curve import ContactCurve
+from asperity.results.interpolation import spline_stiffness
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import threads as thread_count
 from surfaces.roughness import digits_warning
@@ -81,7 +88,7 @@ class SolvedLoad:
 
 def bem_curve(
     hm: HeightMap,
-    mat: HalfSpace,
+    material: HalfSpace,
     *,
     pressures: ArrayLike | None = None,
     separations: ArrayLike | None = None,
@@ -90,14 +97,14 @@ def bem_curve(
     accuracy: float | None = None,
     coarsen: bool = True,
     check: bool = False,
-    progress: Callable[[SolvedLoad], object] | None = None,
+    progress: Progress = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
 ) -> ContactCurve:
     """Load, separation and contact area of a rough map at several load points.
 
     Parameters
     ----------
-    hm, mat, tolerance, boundary
+    hm, material, tolerance, boundary
         As in `bem_solve`.
     pressures
         Mean pressures [Pa], in any order; or
@@ -118,7 +125,8 @@ def bem_curve(
         one); where the difference in separation over rms height or in area is larger than the bound
         of the certificate, it is the `error_estimate`.
     progress
-        Called with every finished load point, with its contact map; one call at a time.
+        True for a progress bar, or a function called with every finished load point
+        (`SolvedLoad`), with its contact map; one call at a time.
     checkpoint
         Called with the curve of the points finished so far, after each.
 
@@ -145,13 +153,13 @@ def bem_curve(
     if check and accuracy is None:
         raise InputError("check tells how well an accuracy is held; give accuracy as well")
     compile_ahead("bem")
-    kind, values = checked_loads(hm, mat, pressures, separations)
+    kind, values = checked_loads(hm, material, pressures, separations)
     sparse = accuracy is not None and coarsen and kind == "pressure"
     few = loads_to_solve(values) if sparse else None
     if few is not None:
         solved_curve = bem_curve(
             hm,
-            mat,
+            material,
             pressures=few,
             boundary=boundary,
             accuracy=accuracy,
@@ -163,14 +171,19 @@ def bem_curve(
     begun = time.perf_counter()
     boundary = chosen_boundary(hm, boundary)
     warnings = digits_warning(hm.roughness.largest, hm.roughness.rms_height)
-    asked: dict[str, Any] = {"input": hm.digest, "warnings": warnings}
+    asked: dict[str, Any] = {
+        "input": hm.digest,
+        "map": map_facts(hm),
+        "pressure_scale": pressure_scale(hm, material),
+        "warnings": warnings,
+    }
     hm = hm.about_mean
     grid = hm
     if accuracy is not None:
         asked |= {"accuracy": require_accuracy(accuracy)}
         tolerance = LOOSEST
     if accuracy is not None and coarsen:
-        lightest = _lightest_area(hm, mat, kind, values)
+        lightest = _lightest_area(hm, material, kind, values)
         choice = choose_grid(hm, accuracy, lightest, boundary)
         grid = hm if choice.shape == hm.shape else coarsened(hm, choice.shape, boundary)
         asked |= {"accuracy_reason": choice.reason}
@@ -180,7 +193,9 @@ def bem_curve(
 
     def planned() -> ContactProblem:
         threads = 1 if together else None
-        return ContactProblem(grid, mat, tolerance=tolerance, boundary=boundary, threads=threads)
+        return ContactProblem(
+            grid, material, tolerance=tolerance, boundary=boundary, threads=threads
+        )
 
     problem = planned()
     problem.prescribed(**{kind: float(values.max() if kind == "pressure" else values.min())})
@@ -188,26 +203,28 @@ def bem_curve(
     solved: dict[int, SolvedLoad] = {}
     turn = threading.Lock()
 
-    def curve_of(indices: Iterable[int]) -> ContactCurve:
+    def curve_of(indices: Sequence[int]) -> ContactCurve:
         seconds = {"setup": prepared - begun, "loads": time.perf_counter() - prepared}
-        return _curve(problem, [solved[i] for i in indices], seconds, asked)
+        found = _curve(problem, [solved[i] for i in indices], seconds, asked)
+        return replace(found, extra={f"asked_{kind}": values[indices], **found.extra})
 
     def follow(chain: range, stop: threading.Event) -> None:
         path = LoadPath(planned() if together and chain.start else problem, accuracy or math.inf)
         for index in order[chain.start : chain.stop].tolist():
             if stop.is_set():
                 return
-            point = _solve_point(path, kind, float(values[index]), progress is not None)
+            point = _solve_point(path, kind, float(values[index]), callable(progress))
             with turn:
                 solved[index] = replace(point, contact=_NO_MAP)
-                if progress is not None:
-                    progress(point)
+                if tell is not None:
+                    tell(point)
                 if checkpoint is not None:
-                    checkpoint(curve_of(solved))
+                    checkpoint(curve_of([*solved]))
 
-    follow_chains(chains, follow, together=together)
-    curve = curve_of(range(len(values)))
-    return _checked(curve, hm, mat, problem) if check and grid is not hm else curve
+    with reported(progress, len(values), "load points") as tell:
+        follow_chains(chains, follow, together=together)
+    curve = curve_of([*range(len(values))])
+    return _checked(curve, hm, material, problem) if check and grid is not hm else curve
 
 
 def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> SolvedLoad:
@@ -248,46 +265,6 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
     return SolvedLoad(columns, contact, outcome.reason)
 
 
-def spline_stiffness(
-    separation: NDArray[np.float64],
-    mean_pressure: NDArray[np.float64],
-    converged: NDArray[np.bool_],
-) -> NDArray[np.float64]:
-    """Minus the slope of mean pressure over separation [Pa/m], shape (n,).
-
-    Loads closer than 1e-5 share one value; zero without load; NaN where a point did not converge,
-    or is the only one.
-
-    Notes
-    -----
-    The rate r = -ds/d(ln p) is a power of p about the middle of each interval of loads, where its
-    mean over the interval, with the growth g of ln r over ln p and the length h, is
-    r sinh(gh/2)/(gh/2). Its logarithm is a spline through the middles: exact, however far apart
-    the loads, for the exponential law of light contact and for any power law, such as a sphere's.
-    """
-    stiffness = np.where(mean_pressure == 0.0, 0.0, np.nan)
-    order = np.flatnonzero(converged & (mean_pressure > 0.0))
-    order = order[np.argsort(mean_pressure[order], kind="stable")]
-    level = np.log(mean_pressure[order])
-    first = np.diff(level, prepend=-np.inf) > 1e-5
-    knots, ends = order[first], level[first]
-    fall, length = -np.diff(separation[knots]), np.diff(ends)
-    falls = fall > 0.0
-    if not falls.any():
-        return stiffness
-    middle, length = 0.5 * (ends[1:] + ends[:-1])[falls], length[falls]
-    mean = np.log(fall[falls] / length)
-    rate, at_knots = mean, np.full(ends.shape, mean[0])
-    if len(mean) > 1:
-        for _ in range(10):
-            half = 0.5 * length * np.gradient(rate, middle) + 1e-9
-            rate = mean - np.log(np.sinh(half) / half)
-        at_knots = CubicSpline(middle, rate, bc_type="natural")(ends)
-    slope = mean_pressure[knots] * np.exp(-at_knots)
-    stiffness[order] = slope[np.cumsum(first) - 1]
-    return stiffness
-
-
 def _curve(
     problem: ContactProblem,
     points: Sequence[SolvedLoad],
@@ -302,7 +279,7 @@ def _curve(
         load=columns.pop("load"),
         area_fraction=columns.pop("area_fraction"),
         contact_area=columns.pop("contact_area"),
-        contacts=columns.pop("contacts").astype(np.int64),
+        contacts=columns.pop("contacts"),
         stiffness=spline_stiffness(separation, mean, columns["converged"].astype(bool)),
         converged=columns.pop("converged").astype(bool),
         residual=columns.pop("residual"),
@@ -322,25 +299,30 @@ def _shares(kind: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.linspace(0.0, 1.0, len(values)) ** 2
 
 
-def _lightest_area(hm: HeightMap, mat: HalfSpace, kind: str, values: NDArray[np.float64]) -> float:
+def _lightest_area(
+    hm: HeightMap, material: HalfSpace, kind: str, values: NDArray[np.float64]
+) -> float:
     """Area fraction expected at the lightest load point: from the load, or by the heights."""
     if kind == "pressure":
         loads = values[values > 0.0]
-        return expected_area_fraction(hm, mat, float(loads.min())) if loads.size else 1.0
+        return expected_area_fraction(hm, material, float(loads.min())) if loads.size else 1.0
     return 0.3 * float(np.mean(hm.heights - hm.heights.mean() > values.max()))
 
 
 def _checked(
-    curve: ContactCurve, hm: HeightMap, mat: HalfSpace, problem: ContactProblem
+    curve: ContactCurve, hm: HeightMap, material: HalfSpace, problem: ContactProblem
 ) -> ContactCurve:
     """The curve with the error estimate from one solve on a grid twice as fine."""
-    middle = int(np.argsort(curve.mean_pressure)[len(curve) // 2])
+    good = np.flatnonzero(curve.converged)
+    if not good.size:
+        return curve
+    middle = int(good[np.argsort(curve.mean_pressure[good])[len(good) // 2]])
     rows, columns = (min(2 * n, full) for n, full in zip(problem.hm.shape, hm.shape, strict=True))
     whole = (rows, columns) == hm.shape
     finer = hm if whole else coarsened(hm, (rows, columns), problem.boundary)
     finest = bem_curve(
         finer,
-        mat,
+        material,
         pressures=[curve.mean_pressure[middle]],
         tolerance=problem.tolerance,
         boundary=problem.boundary,

@@ -60,7 +60,7 @@ class ContactProblem:
 
     Parameters
     ----------
-    hm, mat, tolerance, boundary
+    hm, material, tolerance, boundary
         As in `bem_solve`.
     threads
         Threads; by default the number in use.
@@ -80,13 +80,13 @@ class ContactProblem:
     def __init__(
         self,
         hm: HeightMap,
-        mat: ElasticHalfSpace,
+        material: ElasticHalfSpace,
         *,
         tolerance: float = 1e-6,
         boundary: str | None = None,
         threads: int | None = None,
     ) -> None:
-        require_scene(hm, mat)
+        require_scene(hm, material)
         require_own_threads()
         if hm.missing:
             raise SurfaceError(
@@ -97,14 +97,16 @@ class ContactProblem:
             raise InputError(f"tolerance is {tolerance!r}; give a number from 1e-12 to 0.1")
         self.boundary = chosen_boundary(hm, boundary)
         require_memory(hm.shape, self.boundary)
-        self.hm, self.mat, self.tolerance = hm, mat, float(tolerance)
+        self.hm, self.material, self.tolerance = hm, material, float(tolerance)
         self._threads = thread_count() if threads is None else threads
-        exact = HalfSpaceOperator(hm.shape, hm.spacing, mat, self.boundary, threads=self._threads)
+        exact = HalfSpaceOperator(
+            hm.shape, hm.spacing, material, self.boundary, threads=self._threads
+        )
         self.unit = _unit(hm.roughness.rms_height)
         self.compliance = exact.compliance / self.unit
         self.own = float(influence((1, 1), hm.spacing, exact.m)[0, 0])
         heights = hm.heights if self.unit == 1.0 else hm.heights / self.unit
-        self.level = Level(heights, exact, mat.hardness * self.compliance)
+        self.level = Level(heights, exact, material.hardness * self.compliance)
 
     def prescribed(
         self, pressure: float | None = None, separation: float | None = None
@@ -121,10 +123,11 @@ class ContactProblem:
                 raise InputError(
                     f"pressure is {pressure!r} Pa; give a finite mean pressure, not negative"
                 )
-            if value > self.mat.hardness:
+            if value > self.material.hardness:
                 raise InputError(
-                    f"pressure is {value:.6g} Pa, above the hardness of {self.mat.hardness:.6g} Pa "
-                    "that bounds it everywhere; give at most the hardness"
+                    f"pressure is {value:.6g} Pa, above the hardness of "
+                    f"{self.material.hardness:.6g} Pa that bounds it everywhere; give at most the "
+                    "hardness"
                 )
             return value * self.compliance, None
         if not math.isfinite(value):
@@ -162,7 +165,7 @@ class ContactProblem:
             return 0, search
         if given is None:
             return self._nested(load, search), search
-        np.clip(given, 0.0, self.mat.hardness, out=pressure)
+        np.clip(given, 0.0, self.material.hardness, out=pressure)
         mean = float(pressure.mean())
         if search and mean > 0.0:
             search.mean = mean * self.compliance
@@ -192,7 +195,12 @@ class ContactProblem:
         for index, (ny, nx) in enumerate(shapes):
             spacing = (ly / ny, lx / nx)
             exact = HalfSpaceOperator(
-                (ny, nx), spacing, self.mat, self.boundary, threads=self._threads, scratch=scratch
+                (ny, nx),
+                spacing,
+                self.material,
+                self.boundary,
+                threads=self._threads,
+                scratch=scratch,
             )
             heights = maps.level(index, (ny, nx))
             ratio = exact.compliance / fine.compliance
@@ -294,14 +302,14 @@ class ContactProblem:
             "model": "bem",
             "boundary": self.boundary,
             "tolerance": self.tolerance,
-            "modulus": float(self.mat.modulus),
-            "m": float(self.mat.m),
+            "modulus": float(self.material.modulus),
+            "m": float(self.material.m),
             "shape": self.hm.shape,
             "spacing": self.hm.spacing,
             "threads": thread_count(),
         }
-        if math.isfinite(self.mat.hardness):
-            found["hardness"] = float(self.mat.hardness)
+        if math.isfinite(self.material.hardness):
+            found["hardness"] = float(self.material.hardness)
         return found
 
 

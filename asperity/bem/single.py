@@ -156,7 +156,7 @@ def _edge(
 
 def indent_bem(
     profile: Profile,
-    mat: ElasticHalfSpace,
+    material: ElasticHalfSpace,
     approach: ArrayLike | None = None,
     *,
     load: ArrayLike | None = None,
@@ -169,7 +169,7 @@ def indent_bem(
     ----------
     profile
         Gap at first touch f(r, phi) [m], zero at the summit and growing on every ray.
-    mat
+    material
         Elastic half-space, homogeneous or graded.
     approach
         Rigid-body approach d [m], positive, a number or shape (n,).
@@ -197,7 +197,7 @@ def indent_bem(
     """
     if not callable(profile):
         raise InputError(f"profile must be a gap f(r, phi), got {type(profile).__name__}")
-    require_half_space(mat)
+    require_half_space(material)
     if as_number("grid", grid) < 16:
         raise InputError(f"grid is {grid}; give at least 16 points per axis")
     if (approach is None) == (load is None):
@@ -210,7 +210,7 @@ def indent_bem(
     if depths.size == 0 or not (np.isfinite(depths).all() and (depths > 0.0).all()):
         unit = "[m]" if load is None else "[N]"
         raise InputError(f"{name} must be positive and finite {unit}")
-    found = [_one(profile, mat, name, float(d), grid, tolerance) for d in depths.ravel()]
+    found = [_one(profile, material, name, float(d), grid, tolerance) for d in depths.ravel()]
     solutions, summits, inside, reached = zip(*found, strict=True)
     converged = _shaped([s.converged for s in solutions], depths)
     return BemIndentation(
@@ -230,7 +230,7 @@ def _shaped(values: list[Any], like: NDArray[np.float64]) -> Any:
 
 def _one(
     profile: Profile,
-    mat: ElasticHalfSpace,
+    material: ElasticHalfSpace,
     name: str,
     value: float,
     grid: int,
@@ -238,9 +238,9 @@ def _one(
 ) -> tuple[BemSolution, tuple[float, float], bool, float]:
     """Solve on a coarse grid around {f < d}, then on a fine one around the contact found."""
     if name == "approach":
-        depth, (coarse, place) = value, _coarse_solution(profile, mat, value)
+        depth, (coarse, place) = value, _coarse_solution(profile, material, value)
     else:
-        depth, coarse, place = _coarse_solution_at_load(profile, mat, value)
+        depth, coarse, place = _coarse_solution_at_load(profile, material, value)
     rows, cols = (np.flatnonzero(coarse.contact.any(axis=axis)) for axis in (1, 0))
     edges: list[float] = []
     for found, d, start in zip((cols, rows), coarse.spacing[::-1], place, strict=True):
@@ -256,7 +256,7 @@ def _one(
         x, y = places(hm, summit)
         first = sampled(coarse.pressure, coarse.spacing, place, x, y)
         solution = bem_solve(
-            hm, mat, **prescribed, tolerance=tolerance, boundary="free", guess=first
+            hm, material, **prescribed, tolerance=tolerance, boundary="free", guess=first
         )
         contact = solution.contact
         whole = not (contact[[0, -1]].any() or contact[:, [0, -1]].any())
@@ -271,16 +271,16 @@ def _one(
 
 
 def _coarse_solution(
-    profile: Profile, mat: ElasticHalfSpace, approach: float
+    profile: Profile, material: ElasticHalfSpace, approach: float
 ) -> tuple[BemSolution, tuple[float, float]]:
     """Coarse solution in the box of {f < d}."""
     hm, summit = map_of(profile, section_box(profile, approach), _COARSE_POINTS, approach)
     level = -approach - float(hm.heights.mean())
-    return bem_solve(hm, mat, separation=level, tolerance=1e-2, boundary="free"), summit
+    return bem_solve(hm, material, separation=level, tolerance=1e-2, boundary="free"), summit
 
 
 def _coarse_solution_at_load(
-    profile: Profile, mat: ElasticHalfSpace, load: float
+    profile: Profile, material: ElasticHalfSpace, load: float
 ) -> tuple[float, BemSolution, tuple[float, float]]:
     """Approach [m] and coarse solution that carry the load to 2 %, by secants in logarithms."""
     radius = getattr(profile, "radius", np.inf)
@@ -289,7 +289,7 @@ def _coarse_solution_at_load(
     depth = float(np.mean(profile(start, phi)))
     power, last = 1.5, None
     for _ in range(_MAX_APPROACHES):
-        coarse, summit = _coarse_solution(profile, mat, depth)
+        coarse, summit = _coarse_solution(profile, material, depth)
         force = coarse.load
         if abs(force / load - 1) < 0.02:
             return depth, coarse, summit

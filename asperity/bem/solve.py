@@ -22,7 +22,7 @@ __all__ = ["bem_solve"]
 
 def bem_solve(
     hm: HeightMap,
-    mat: ElasticHalfSpace,
+    material: ElasticHalfSpace,
     *,
     pressure: float | None = None,
     separation: float | None = None,
@@ -37,7 +37,7 @@ def bem_solve(
     hm
         Height map without missing points; it is the elastic body (or the composite roughness of
         two bodies).
-    mat
+    material
         Half-space, homogeneous or graded (`modulus`, `m`); its `hardness` bounds the pressure.
     pressure
         Prescribed mean pressure [Pa], non-negative and at most the hardness; or
@@ -81,10 +81,10 @@ def bem_solve(
     (True, '1.000e+09')
     """
     begun = time.perf_counter()
-    require_scene(hm, mat)
+    require_scene(hm, material)
     warnings = digits_warning(hm.roughness.largest, hm.roughness.rms_height)
     surface, hm = hm, hm.about_mean
-    problem = ContactProblem(hm, mat, tolerance=tolerance, boundary=boundary)
+    problem = ContactProblem(hm, material, tolerance=tolerance, boundary=boundary)
     load, offset = problem.prescribed(pressure, separation)
     prepared = time.perf_counter()
     touches = problem.touches(load, offset)
@@ -103,13 +103,13 @@ def bem_solve(
         1.0 / problem.compliance,
         level,
         problem.level.cap,
-        mat.hardness,
+        material.hardness,
     )
     if problem.unit != 1.0:
         gap *= problem.unit
     depth = np.broadcast_to(0.0, hm.shape)
     if reading.held:
-        held = exact.pressure[:, : hm.shape[1]] >= mat.hardness
+        held = exact.pressure[:, : hm.shape[1]] >= material.hardness
         depth = np.where(held, np.maximum(-gap, 0.0), 0.0)
         gap += depth
     mean = problem.mean_pressure(outcome)

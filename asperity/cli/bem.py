@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from functools import partial
+from typing import TYPE_CHECKING, Any
 
-from . import derived, options, output
+from . import batch, derived, options, output
+
+if TYPE_CHECKING:
+    from asperity.halfspace.material import HalfSpace
 
 EPILOG = """example:
-  asperity bem scan.h5 --E 210e9 --nu 0.3 --pressure 1e6:5e8:10 --tolerance 1e-6
+  asperity bem scan.h5 --E 210GPa --nu 0.3 --pressure 1MPa:500MPa:10 --tolerance 1e-6
 """
 
 
@@ -25,22 +30,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Solve, write the results file and print the curve."""
-    output.require_outputs(args.results, args.csv, args.fields, args.slip, inputs=[args.file])
-    material, loads = options.material(args), options.loads(args)
-    derived.require_derivable(material, loads, args)
+    """Solve every map, write its results file and print its curve."""
+    material, points = options.material(args), options.loads(args)
+    derived.require_derivable(material, points, args)
+    return batch.each(args, partial(_solve, material, points))
+
+
+def _solve(
+    material: HalfSpace, points: dict[str, Any], args: argparse.Namespace
+) -> Mapping[str, Any]:
     hm = options.load_surface(args.file, args)
+    loads = options.of_map(points, hm)
     from asperity.bem.curve import bem_curve
 
     settings = {"tolerance": args.tolerance, "boundary": args.boundary}
     solve = partial(bem_curve, hm, material, **settings)
     request = output.request_of(hm, material, args, settings)
     curve = output.solve_and_keep(
-        solve, hm, material, loads, args.results, "bem", request, args.resume
+        solve, hm, material, loads, args.output, "bem", request, args.resume
     )
     if args.fields and output.last_converged(curve, args):
         _write_fields(hm, material, settings, curve, args.fields)
-    return output.finish(curve, material, args)
+    return output.finish(curve, hm, material, args)
 
 
 def _write_fields(hm, material, settings, curve, path) -> None:  # type: ignore[no-untyped-def]

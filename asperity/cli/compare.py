@@ -3,26 +3,31 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from asperity.errors import AsperityError
+from asperity.progress import bar
 
-from . import options, output
-from .exit_codes import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
-from .surface import expand
+from . import batch, options, output
+from .messages import tell
+
+if TYPE_CHECKING:
+    from asperity.comparison.result import Comparison
+    from asperity.halfspace.material import HalfSpace
+    from surfaces import HeightMap
 
 EPILOG = """examples:
-  asperity compare scan.h5 --E 210e9 --nu 0.3
-  asperity compare scans/*.h5 --E 210e9 --level plane --fill harmonic --periodic taper
+  asperity compare scan.h5 --E 210GPa --nu 0.3
+  asperity compare 'scans/*.h5' --E 210GPa --fill harmonic --periodic taper -o compared/
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity compare``."""
     parser.epilog = EPILOG
-    options.add_surface_options(parser, several=True)
+    options.add_surface_options(parser)
     options.add_material_options(parser)
     options.add_load_options(parser)
     options.add_model_options(parser)
@@ -32,54 +37,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compare on each file; a bad file is named and the others go on."""
-    material, loads = options.material(args), options.loads(args)
-    paths = expand(args.files)
-    output.require_distinct(paths)
-    files, several = [str(path) for path in paths], len(paths) > 1
-    targets = {path: _targets(path, args, several) for path in files}
-    output.require_outputs(*(name for names in targets.values() for name in names), inputs=files)
-    worst = EXIT_OK
-    for file in files:
-        try:
-            converged = _compare_one(file, args, material, loads, targets[file])
-        except (AsperityError, MemoryError) as error:
-            if not several:
-                raise
-            sys.stderr.write(f"asperity compare: {output.told(file, error)}\n")
-            worst = EXIT_BAD_INPUT
-        else:
-            worst = worst if converged else max(worst, EXIT_NOT_CONVERGED)
-    return worst
+    return batch.each(args, partial(_compare, options.material(args), options.loads(args)))
 
 
-def _targets(file: str, args: argparse.Namespace, several: bool) -> list[str | None]:
-    """Names of the results, the report and the table of one input."""
-    names = (args.results, args.report, args.csv)
-    return [name and output.named(name, Path(file).stem, several) for name in names]
-
-
-def _compare_one(file, args, material, loads, targets) -> bool:  # type: ignore[no-untyped-def]
-    hm = options.load_surface(file, args)
+def _compare(
+    material: HalfSpace, points: dict[str, Any], args: argparse.Namespace
+) -> Mapping[str, Any]:
+    hm = options.load_surface(args.file, args)
+    loads = options.of_map(points, hm)
     from asperity.bem.curve import bem_curve
     from asperity.comparison.run import compare
     from asperity.results.resume import require_continuable
     from asperity.results.storage import columns, write_csv, write_results
 
-    results, report, table = targets
     settings = {"tolerance": args.tolerance, "boundary": args.boundary}
     request = output.request_of(hm, material, args, settings)
-    if args.resume and Path(results).exists():
-        require_continuable(results, request)
+    if args.resume and Path(args.output).exists():
+        require_continuable(args.output, request)
 
     solve = partial(bem_curve, hm, material, **settings)
-    kept = (hm, material, loads, results, "bem", request, args.resume)
-    shown, advance = output.bar(None, Path(file).name)
-    with shown:
-
-        def stage(label: str) -> None:
-            shown.set_postfix_str(label)
-            advance(label)
-
+    kept = (hm, material, loads, args.output, "bem", request, args.resume)
+    with bar(None, Path(args.file).name) as advance:
         comparison = compare(
             hm,
             material,
@@ -87,13 +65,39 @@ def _compare_one(file, args, material, loads, targets) -> bool:  # type: ignore[
             **options.model(args),
             tolerance=args.tolerance,
             reference=partial(output.solve_and_keep, solve, *kept),
-            progress=stage,
+            progress=advance,
         )
     content = comparison.to_results()
     content.about["request"] = request
-    write_results(results, content)
-    comparison.to_html(report)
-    if table:
-        write_csv(table, columns(comparison.table))
-    print(f"{file}\n{comparison}\nresults {results}, report {report}", flush=True)
-    return comparison.converged
+    write_results(args.output, content)
+    comparison.to_html(args.report)
+    if args.csv:
+        write_csv(args.csv, columns(comparison.table))
+    tell(f"{args.file}\n{comparison}\nresults {args.output}, report {args.report}")
+    return found(comparison, hm) | {"output": args.output, "report": args.report}
+
+
+def found(comparison: Comparison, hm: HeightMap) -> dict[str, Any]:
+    """A row of the table, and what else a comparison tells."""
+    from asperity.results.storage import columns
+
+    row, ours = comparison.table[comparison.map_point], comparison.pareto[0]
+    told = ("mean_pressure", "area_bem", "area_model", "separation_bem", "separation_model")
+    curves = (comparison.model, comparison.reference)
+    return {
+        **output.facts_of(hm),
+        "points": len(comparison.table),
+        "converged": comparison.converged,
+        **{name: row[name] for name in told},
+        "rms_load_error": ours["load_error"],
+        "rms_area_error": ours["area_error"],
+        "overlap": comparison.overlap,
+        "seconds_model": ours["seconds"],
+        "seconds_bem": sum(comparison.reference.seconds.values()),
+        "reason": next((why for curve in curves for why in curve.reasons if why), ""),
+        "comparison": {
+            "verdict": comparison.verdict(),
+            "points": columns(comparison.table),
+            "runs": columns(comparison.pareto),
+        },
+    }

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Mapping
 from functools import partial
+from typing import TYPE_CHECKING, Any
 
-from . import derived, options, output
+from . import batch, derived, options, output, targets
+from .messages import warn
+
+if TYPE_CHECKING:
+    from asperity.halfspace.material import HalfSpace
 
 EPILOG = """examples:
-  asperity curve scan.h5 --E 210e9 --nu 0.3 --pressure 1e6:5e8:30
-  asperity curve scan.h5 --E 210e9 --contacts contacts.csv --spots spots.csv --fields last.vti
-  asperity curve scan.h5 --E 210e9 --resistivity 1e-7 1e-7 --friction 0.3 --slip slip.csv
+  asperity curve scan.h5 --E 210GPa --nu 0.3 --pressure 1MPa:500MPa:30 --plot curve.png
+  asperity curve 'scans/*.h5' --E 210GPa --load 10N --fill harmonic -o curves/ --table load.csv
+  asperity curve scan.h5 --E 210GPa --contacts contacts.csv --spots spots.csv --fields last.vti
+  asperity curve scan.h5 --E 210GPa --resistivity 1e-7 1e-7 --friction 0.3 --slip slip.csv
 """
 
 
@@ -23,20 +29,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_load_options(parser)
     options.add_model_options(parser)
     output.add_output_options(parser)
-    parser.add_argument("--contacts", metavar="CSV", help="table of the microcontacts, last point")
-    parser.add_argument("--spots", metavar="CSV", help="table of the separate spots, last point")
-    parser.add_argument("--sizes", metavar="CSV", help="spots by their area, last point")
+    for name, what in (
+        ("--contacts", "CSV table of the microcontacts, last point"),
+        ("--spots", "CSV table of the separate spots, last point"),
+        ("--sizes", "CSV table of the spots by their area, last point"),
+    ):
+        targets.add_target(parser, name, suffix=".csv", help=what)
     output.add_fields_option(parser, "pressure and contact")
     derived.add_derived_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Solve, write the results file and print the curve."""
-    tables = args.contacts, args.spots, args.sizes, args.fields
-    output.require_outputs(args.results, args.csv, args.slip, *tables, inputs=[args.file])
-    material, loads = options.material(args), options.loads(args)
-    derived.require_derivable(material, loads, args)
+    """Solve every map, write its results file and print its curve."""
+    material, points = options.material(args), options.loads(args)
+    derived.require_derivable(material, points, args)
+    return batch.each(args, partial(_solve, material, points))
+
+
+def _solve(
+    material: HalfSpace, points: dict[str, Any], args: argparse.Namespace
+) -> Mapping[str, Any]:
     hm = options.load_surface(args.file, args)
+    loads = options.of_map(points, hm)
     from asperity.compilation import CURVE, compile_ahead
     from asperity.curve import contact_curve
     from asperity.model.plan import make_plan
@@ -46,11 +60,13 @@ def run(args: argparse.Namespace) -> int:
     solve = partial(contact_curve, hm, material, plan=plan)
     request = output.request_of(hm, material, args, options.model(args))
     curve = output.solve_and_keep(
-        solve, hm, material, loads, args.results, "asperity", request, args.resume, chained=True
+        solve, hm, material, loads, args.output, "asperity", request, args.resume, chained=True
     )
-    if any(tables) and output.last_converged(curve, args):
+    if (args.contacts or args.spots or args.sizes or args.fields) and output.last_converged(
+        curve, args
+    ):
         _write_last_point(hm, material, plan, curve, args)
-    return output.finish(curve, material, args)
+    return output.finish(curve, hm, material, args)
 
 
 def _write_last_point(hm, material, plan, curve, args) -> None:  # type: ignore[no-untyped-def]
@@ -63,7 +79,7 @@ def _write_last_point(hm, material, plan, curve, args) -> None:  # type: ignore[
     if args.contacts:
         if plan.sub_contact_law is not None:
             text = "contacts are of the longer waves; fine ones part them into spots (--spots)"
-            sys.stderr.write(f"asperity curve: {text}\n")
+            warn(args, text)
         write_csv(args.contacts, columns(last.microcontacts()))
     if args.spots or args.sizes:
         spots = last.spots()

@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from asperity.errors import InputError
+from asperity.progress import bar
 
-from . import output
+from . import output, targets
+from .messages import tell
 
 EPILOG = """example:
-  asperity demo --folder demo
+  asperity demo -o demo
 """
 
 POINTS, SIZE = 256, 1e-3
@@ -22,16 +23,21 @@ STEEL, POISSON = 210e9, 0.3
 HARDNESS = 2e9
 """Hardness [Pa] of a mild steel."""
 
-NAME = "demo"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity demo``."""
     parser.epilog = EPILOG
     parser.add_argument(
-        "--folder", default=".", help="folder for surface.h5, results.h5 and report.html"
+        "-o",
+        "--output",
+        default=".",
+        metavar="DIR",
+        help="folder for surface.h5, results.h5 and report.html (default: this one)",
     )
-    parser.add_argument("--seed", type=int, default=1, help="seed of the surface (default 1)")
+    parser.add_argument(
+        "--seed", type=int, default=1, metavar="X", help="seed of the surface (default 1)"
+    )
+    targets.add_force(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -40,14 +46,13 @@ def run(args: argparse.Namespace) -> int:
     from asperity.comparison.run import compare
     from asperity.halfspace.material import HalfSpace
 
-    folder = Path(args.folder)
-    surface, results, report = (
+    folder = Path(args.output)
+    made = surface, results, report = [
         folder / name for name in ("surface.h5", "results.h5", "report.html")
-    )
-    output.make_folder(folder)
-    output.require_outputs(surface, results, report)
-    if surface.exists() and surfaces.read(surface).name != NAME:
-        raise InputError(f"{surface} is there and not of the demo; give another --folder")
+    ]
+    targets.make_folder(folder)
+    for file in made:
+        targets.require_place(file, args.force)
     hm = surfaces.self_affine(
         (POINTS, POINTS),
         (SIZE, SIZE),
@@ -56,15 +61,12 @@ def run(args: argparse.Namespace) -> int:
         rolloff=SIZE / 8,
         cutoff=SIZE * 8 / POINTS,
         seed=args.seed,
-    ).replace(name=NAME)
+    ).replace(name="demo")
     surfaces.write(hm, surface)
-    shown, advance = output.bar(None, "demo")
-    with shown:
+    with bar(None, "demo") as advance:
         steel = HalfSpace(STEEL, POISSON, hardness=HARDNESS)
         comparison = compare(hm, steel, progress=advance)
     comparison.to_hdf5(results)
     comparison.to_html(report)
-    print(comparison)
-    print(f"surface {surface}, results {results}")
-    print(f"report  {report}")
+    tell(f"{comparison}\nsurface {surface}, results {results}\nreport  {report}")
     return output.exit_code([comparison.model, comparison.reference])

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from typing import Any
 
 import numpy as np
 
 from asperity.errors import InputError
 from asperity.results.curve import ContactCurve
+
+from . import quantities, targets
+from .messages import warn
 
 __all__ = ["add_derived_options", "conductance", "require_derivable", "write_slip"]
 
@@ -20,22 +22,28 @@ def add_derived_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--resistivity",
         nargs=2,
-        type=float,
+        type=quantities.of("plain number"),
         metavar=("RHO1", "RHO2"),
         help="of both bodies [Ohm m] or [m K/W]: constriction conductance, printed and in the CSV",
     )
     group.add_argument(
-        "--friction", type=float, metavar="MU", help="coefficient of friction, for --slip"
+        "--friction",
+        type=quantities.of("plain number"),
+        metavar="MU",
+        help="coefficient of friction, for --slip",
     )
-    group.add_argument(
-        "--slip", metavar="CSV", help="shear against tangential displacement, heaviest load"
+    targets.add_target(
+        group,
+        "--slip",
+        suffix=".csv",
+        help="CSV table of shear against tangential displacement, heaviest load",
     )
 
 
 def require_derivable(material: Any, loads: dict[str, Any], args: argparse.Namespace) -> None:
     """Refuse, before any work, what does not follow from the curve of this material."""
     if (args.friction is None) != (args.slip is None):
-        raise InputError("partial slip needs both --friction MU and --slip CSV")
+        raise InputError("partial slip needs both --friction MU and --slip FILE")
     if material.m != 0.0 and (args.resistivity or args.slip):
         raise InputError("--resistivity and --slip hold for homogeneous bodies, --m 0")
     if material.hardness < np.inf and args.slip:
@@ -69,8 +77,7 @@ def write_slip(curve: ContactCurve, material: Any, args: argparse.Namespace) -> 
     Says so where fewer than two load points converged, from which none follows.
     """
     if np.count_nonzero(curve.converged & (curve.mean_pressure > 0)) < 2:
-        text = "fewer than two load points converged: no partial slip is written"
-        sys.stderr.write(f"asperity {args.command}: {text}\n")
+        warn(args, "fewer than two load points converged: no partial slip is written")
         return
     from asperity.extensions.partial_slip import friction_curve, tangential_modulus
     from asperity.results.storage import write_csv

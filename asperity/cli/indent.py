@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,8 +12,12 @@ from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace
 from surfaces import PolarProfile, PowerSumProfile
 
-from . import bodies, options, output
+from . import batch, bodies, options, quantities, targets
+from .messages import tell
 from .surface_options import add_reading
+
+if TYPE_CHECKING:
+    from asperity.comparison.one_contact import Case
 
 _FORMS = list(bodies.BODIES)
 
@@ -21,35 +25,35 @@ EPILOG = f"""shapes:
   {"   ".join(_FORMS[:6])}
   {"   ".join(_FORMS[6:])}
 examples:
-  asperity indent --shape polygon:4 --k 1 --m 0.3 --bem
-  asperity indent --shape rounded:3:0.3 --k 2 --modulus 1e9 --approach 1e-7 --scale 1e5
+  asperity indent --shape polygon:4 --k 1 --m 0.3 --bem --plot square.png
+  asperity indent --shape rounded:3:0.3 --k 2 --modulus 1GPa --approach 0.1um --scale 1e5
   asperity indent --shape polygon:4 --m 0.3 --load 1 --bem  # compared at equal load
-  asperity indent profile.h5 --E 210e9 --nu 0.3 --approach 1e-8:1e-7:5
-  asperity indent --shape paraboloid --modulus 1e9 --hardness 1e8  # where it yields
+  asperity indent profile.h5 --E 210GPa --nu 0.3 --approach 10nm:100nm:5
+  asperity indent --shape paraboloid --modulus 1GPa --hardness 100MPa  # where it yields
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity indent``."""
     parser.epilog = EPILOG
-    parser.add_argument("file", nargs="?", help="profile file, or a map whose highest peak is used")
+    parser.add_argument(
+        "file", nargs="?", metavar="FILE", help="profile file, or a map whose highest peak is used"
+    )
     parser.add_argument("--shape", help="a test body in place of a file, see below")
-    parser.add_argument("--k", type=float, help="exponent of r of a test body (default 1)")
-    parser.add_argument("--scale", type=float, help="factor of its gap (default 1)")
+    number = quantities.of("plain number")
+    parser.add_argument("--k", type=number, help="exponent of r of a test body (default 1)")
+    parser.add_argument("--scale", type=number, help="factor of its gap (default 1)")
     group = parser.add_mutually_exclusive_group()
-    group.add_argument("--approach", metavar="D", help="approaches [m]: D, D1,D2 or LO:HI:N")
-    group.add_argument("--load", metavar="F", help="normal forces [N] in place of approaches")
+    group.add_argument("--approach", metavar="LO:HI:N", help="approaches [m]: D, D1,D2 or LO:HI:N")
+    group.add_argument("--load", metavar="LO:HI:N", help="normal loads [N] in place of approaches")
     parser.add_argument("--law", metavar="NAMES", help="laws, comma-separated (default all)")
     parser.add_argument("--bem", action="store_true", help="solve by boundary elements as well")
     parser.add_argument("--grid", type=int, help="points per axis of these (default 256)")
     options.add_tolerance_option(parser)
     parser.set_defaults(tolerance=None)
-    parser.add_argument(
-        "--picture",
-        default="indent.png",
-        metavar="FILE",
-        help="picture of the last contact (default indent.png; 'none' for none)",
-    )
+    targets.add_target(parser, "--plot", suffix=".png", help="picture of the last contact")
+    targets.add_force(parser)
+    batch.add_json(parser)
     add_reading(parser)
     options.add_material_options(parser)
 
@@ -61,25 +65,41 @@ def run(args: argparse.Namespace) -> int:
     profile, label = _profile(args)
     material = _material(args)
     laws = _laws(args.law)
-    picture = None if args.picture == "none" else args.picture
-    output.require_outputs(picture, inputs=[args.file] if args.file else [])
-    output.require_pictures(picture)
+    targets.require(args, inputs=[args.file] if args.file else [])
     bem = _boundary_elements(args)
     good, case = True, None
     name, values = _driven(args, profile)
+    args.document = []
     sign, unit = ("d", "m") if name == "approach" else ("F", "N")
     for value in values:
         driven: dict[str, Any] = {name: value, **bem}
         case = judge(profile, material, **driven, laws=laws)
         head = f"{label}   m = {material.m:g}   E* = {material.modulus:.6g}"
-        print(f"{head}   {sign} = {value:.6g} {unit}")
-        print(case.table() + "\n")
+        tell(f"{head}   {sign} = {value:.6g} {unit}\n{case.table()}\n")
+        args.document.append(
+            {name: value, "m": material.m, "modulus": material.modulus} | found(case)
+        )
         good &= case.reference is None or bool(case.reference.converged)
         good &= any(row.solution is not None and row.solution.valid for row in case.rows)
-    if picture and case is not None:
-        output.save_figure(draw_case(case, title=label), picture)
-        print(f"picture: {picture}")
+    if args.plot and case is not None:
+        targets.save_figure(draw_case(case, title=label), args.plot)
+        tell(f"picture: {args.plot}")
     return 0 if good else 1
+
+
+def found(case: Case) -> dict[str, Any]:
+    """What the laws and the boundary elements tell of one contact."""
+    told = ("force", "approach", "contact_area", "error_estimate", "saturated")
+    errors = ("force_error", "contour_error", "area_error", "approach_error", "seconds")
+    laws = [
+        {name: getattr(row.solution, name) for name in told if row.solution is not None}
+        | {name: getattr(row, name) for name in errors}
+        | {"law": row.law, "reason": row.reason}
+        for row in case.rows
+    ]
+    bem = case.reference
+    names = ("force", "approach", "contact_area", "converged")
+    return {"laws": laws, "bem": bem and {name: getattr(bem, name) for name in names}}
 
 
 def _profile(args: argparse.Namespace) -> tuple[PowerSumProfile | PolarProfile, str]:
@@ -127,12 +147,12 @@ def _laws(text: str | None) -> tuple[str, ...]:
 def _driven(args: argparse.Namespace, profile: Any) -> tuple[str, list[float]]:
     """What is prescribed, "approach" or "load", and its values."""
     if args.load is not None:
-        forces = options.numbers(args.load, "--load", geometric=True)
+        forces = quantities.spread(args.load, "--load", "force", geometric=True)
         if np.any(forces <= 0):
             raise InputError("--load must be positive")
         return "load", [float(f) for f in forces]
     if args.approach is not None:
-        depths = options.numbers(args.approach, "--approach", geometric=False)
+        depths = quantities.spread(args.approach, "--approach", "length", geometric=False)
         if np.any(depths <= 0):
             raise InputError("--approach must be positive")
         return "approach", [float(d) for d in depths]

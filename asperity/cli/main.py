@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import io
 import os
 import re
@@ -28,6 +29,7 @@ COMMANDS = {
     "indent": "one microcontact: force, area, contour and pressure against approach",
     "surface": "height maps: info, generate, prepare, convert, validate, peaks",
     "report": "rebuild the report from a results file",
+    "completion": "a script that lets the shell complete commands, options and files",
     "stress": "stiff and extreme cases through every engine, each judged",
     "warmup": "compile what daily use needs for this machine; later runs start at once",
 }
@@ -36,12 +38,23 @@ COMMANDS = {
 _module = lazy_loader.attach(__package__, COMMANDS)[0]  # imports it when it is used
 
 
+class _ShortUsage(argparse.RawDescriptionHelpFormatter):
+    """Help whose first line names what is needed; the options follow, each with its words."""
+
+    def add_usage(self, usage, actions, groups, prefix=None):  # type: ignore[no-untyped-def]
+        """Show one word in place of the options that may be left out; none in a prefix."""
+        needed = [action for action in actions if action.required or not action.option_strings]
+        left_out = [argparse.Action(["options"], "options", nargs=0)] if prefix is None else []
+        super().add_usage(usage, [*left_out, *needed], (), prefix)
+
+
 class _OneSentenceParser(argparse.ArgumentParser):
     """Parser whose errors are one sentence on standard error, without the usage block."""
 
     def __init__(self, *args: Any, **options: Any) -> None:
         # an abbreviation of one option could mean another one day: --out is no --outliers
-        super().__init__(*args, **{"allow_abbrev": False} | options)
+        known: dict[str, Any] = {"allow_abbrev": False, "formatter_class": _ShortUsage}
+        super().__init__(*args, **known | options)
         self._negative_number_matcher = re.compile(r"-[.\d]")  # by itself it takes no -1e6
 
     def parse_known_args(self, args=None, namespace=None):  # type: ignore[no-untyped-def]
@@ -56,8 +69,8 @@ class _OneSentenceParser(argparse.ArgumentParser):
         raise SystemExit(EXIT_BAD_INPUT)
 
 
-def build_parser(command: str) -> argparse.ArgumentParser:
-    """Parser of the whole command line; of the sub-commands only `command` knows its options."""
+def build_parser(*known: str) -> argparse.ArgumentParser:
+    """Parser of the whole command line; of the sub-commands only those `known` have options."""
     parser = _OneSentenceParser(
         prog="asperity",
         description="How much of a rough surface really touches, and how far to trust the answer.",
@@ -66,12 +79,9 @@ def build_parser(command: str) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, summary in COMMANDS.items():
         sub = commands.add_parser(
-            name,
-            help=summary,
-            description=summary[0].upper() + summary[1:] + ".",
-            formatter_class=argparse.RawDescriptionHelpFormatter,
+            name, help=summary, description=summary[0].upper() + summary[1:] + "."
         )
-        if name == command:
+        if name in known:
             _module(name).add_arguments(sub)
     return parser
 
@@ -85,7 +95,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         args = build_parser(named).parse_args(arguments)
         with interruptible():
-            code = int(_module(args.command).run(args))
+            code = _run(args)
         sys.stdout.flush()
         return code
     except (AsperityError, MemoryError) as error:
@@ -102,6 +112,19 @@ def main(argv: Sequence[str] | None = None) -> int:
         where = f"{error.filename}: " if error.filename else ""
         _tell(args, f"{where}{error.strerror or error}")
         return EXIT_BAD_INPUT
+
+
+def _run(args: argparse.Namespace) -> int:
+    """Run the command; with ``--json`` what it prints goes to standard error, but for the JSON."""
+    if not getattr(args, "json", False):
+        return int(_module(args.command).run(args))
+    with contextlib.redirect_stdout(sys.stderr):
+        code = int(_module(args.command).run(args))
+    about = {"command": args.command, "version": __version__, "exit_code": code}
+    from .document import document
+
+    print(document(about | {"results": args.document}))
+    return code
 
 
 def _tell(args: argparse.Namespace, text: str) -> None:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.laws import LAWS
 from surfaces.heightmap import HeightMap
 
+from . import batch, quantities
+from .messages import warn
 from .surface import prepared, read_map
 from .surface_options import add_preparation, add_reading
 
@@ -29,21 +29,16 @@ __all__ = [
     "loads",
     "material",
     "model",
-    "numbers",
+    "of_map",
 ]
 
 SOFTEST = 1e3
 """Modulus [Pa] below which a unit is probably wrong; a soft gel has more."""
 
 
-def add_surface_options(parser: argparse.ArgumentParser, *, several: bool = False) -> None:
-    """Options that name the file(s) and say how the map is read and prepared."""
-    parser.add_argument(
-        "files" if several else "file",
-        nargs="+" if several else None,
-        metavar="FILE",
-        help="surface file" + ("s or globs" if several else ""),
-    )
+def add_surface_options(parser: argparse.ArgumentParser) -> None:
+    """Options that name the files and say how the maps are read and prepared."""
+    batch.add_files(parser)
     add_reading(parser)
     add_preparation(parser, fill="none")
     parser.add_argument(
@@ -56,17 +51,20 @@ def add_surface_options(parser: argparse.ArgumentParser, *, several: bool = Fals
 def add_material_options(parser: argparse.ArgumentParser) -> None:
     """Options of the elastic half-space."""
     group = parser.add_argument_group("material")
-    group.add_argument("--E", type=float, metavar="PA", help="Young's modulus [Pa]; E0 if graded")
-    group.add_argument("--nu", type=float, help="Poisson's ratio (default 0.3)")
-    group.add_argument("--m", type=float, default=0.0, help="exponent of E(z) = E z^m (default 0)")
+    number, pressure = quantities.of("plain number"), quantities.of("pressure")
     group.add_argument(
-        "--modulus", type=float, metavar="PA", help="composite modulus E* [Pa] in place of E, nu"
+        "--E", type=pressure, metavar="P", help="Young's modulus [Pa], or 210GPa; E0 if graded"
+    )
+    group.add_argument("--nu", type=number, help="Poisson's ratio (default 0.3)")
+    group.add_argument("--m", type=number, default=0.0, help="exponent of E(z) = E z^m (default 0)")
+    group.add_argument(
+        "--modulus", type=pressure, metavar="P", help="composite modulus E* [Pa] in place of E, nu"
     )
     group.add_argument(
         "--hardness",
-        type=float,
+        type=pressure,
         default=math.inf,
-        metavar="PA",
+        metavar="P",
         help="largest contact pressure that the body bears [Pa] (default: no limit)",
     )
 
@@ -98,23 +96,23 @@ def add_model_options(parser: argparse.ArgumentParser) -> None:
 def add_tolerance_option(parser: argparse.ArgumentParser) -> None:
     """Option of the boundary elements."""
     parser.add_argument(
-        "--tolerance", type=float, default=1e-6, help="bound of the certificate (default 1e-6)"
+        "--tolerance",
+        type=quantities.of("share"),
+        default=1e-6,
+        metavar="SHARE",
+        help="bound of the certificate (default 1e-6)",
     )
 
 
 def add_load_options(parser: argparse.ArgumentParser) -> None:
     """Options that choose the load points."""
-    group = parser.add_argument_group("load points").add_mutually_exclusive_group()
-    group.add_argument(
-        "--pressure",
-        metavar="LO:HI:N",
-        help="mean pressures [Pa]: LO:HI:N (geometric), or a comma-separated list",
-    )
-    group.add_argument(
-        "--separation",
-        metavar="HI:LO:N",
-        help="separations [m]: FROM:TO:N (evenly spaced), or a comma-separated list",
-    )
+    group = parser.add_argument_group(
+        "load points",
+        "A list such as 1MPa,5MPa or LO:HI:N; pressures and loads are spaced by equal ratios.",
+    ).add_mutually_exclusive_group()
+    group.add_argument("--pressure", metavar="LO:HI:N", help="mean pressures [Pa], or 2MPa:1GPa:9")
+    group.add_argument("--load", metavar="LO:HI:N", help="normal loads [N] on the map, or 1mN:1N:9")
+    group.add_argument("--separation", metavar="HI:LO:N", help="separations [m], or 2um:1um:9")
 
 
 def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
@@ -132,7 +130,7 @@ def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
         raise SurfaceError(f"{Path(file).name} is constant: a flat map has no peaks to touch")
     if args.command not in ("plan", "curve", "solve"):  # which have them among their lines
         for warning in map_warnings(hm):
-            sys.stderr.write(f"asperity {args.command}: {Path(file).name}: {warning}\n")
+            warn(args, f"{Path(file).name}: {warning}")
     return hm if hm.name else hm.replace(name=Path(file).stem)
 
 
@@ -144,8 +142,7 @@ def material(args: argparse.Namespace) -> HalfSpace:
         raise InputError("no material: give --E (Young's modulus in Pa) or --modulus (E* in Pa)")
     given = args.E if args.modulus is None else args.modulus
     if args.m == 0.0 and 0 < given < SOFTEST:
-        text = f"a modulus of {given:g} Pa is that of no solid: moduli are in Pa"
-        sys.stderr.write(f"asperity {args.command}: {text}\n")
+        warn(args, f"a modulus of {given:g} Pa is that of no solid: moduli are in Pa")
     if args.modulus is not None:
         return HalfSpace.from_modulus(args.modulus, m=args.m, hardness=args.hardness)
     nu = 0.3 if args.nu is None else args.nu
@@ -163,31 +160,20 @@ def model(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def loads(args: argparse.Namespace) -> dict[str, Any]:
-    """The load points asked for, as keyword arguments of the models; empty for the default."""
-    if args.pressure is not None:
-        pressures = numbers(args.pressure, "--pressure", geometric=True)
-        if not (pressures > 0).all():
-            raise InputError(f"--pressure {args.pressure}: mean pressures must be positive")
-        return {"pressures": pressures}
-    if args.separation is not None:
-        return {"separations": numbers(args.separation, "--separation", geometric=False)}
+    """The load points asked for, by the name of `of_map`; empty for the default."""
+    for name, kind in (("pressure", "pressure"), ("load", "force"), ("separation", "length")):
+        text, lengths = getattr(args, name), kind == "length"
+        if text is None:
+            continue
+        values = quantities.spread(text, f"--{name}", kind, geometric=not lengths)
+        if not (lengths or (values > 0).all()):
+            raise InputError(f"--{name} {text}: must be positive")
+        return {f"{name}s": values}
     return {}
 
 
-def numbers(text: str, option: str, *, geometric: bool) -> NDArray[np.float64]:
-    """Numbers written as LO:HI:N or as a comma-separated list."""
-    spread = ":" in text
-    try:
-        *words, count = text.split(":") if spread else [*text.split(","), "1"]
-        values, n = np.array([float(word) for word in words]), int(count)
-    except ValueError:
-        values, n = np.empty(0), 0
-    if n < 1 or (spread and len(values) != 2):
-        raise InputError(f"{option} {text}: write LO:HI:N or numbers separated by commas")
-    if not (np.abs(values) < 1e40).all():
-        raise InputError(f"{option} {text}: every number must be finite and below 1e40")
-    if not spread:
-        return values
-    if geometric and values.min() <= 0:
-        raise InputError(f"{option} {text}: both ends must be positive")
-    return (np.geomspace if geometric else np.linspace)(values[0], values[1], n)
+def of_map(points: dict[str, Any], hm: HeightMap) -> dict[str, Any]:
+    """Load points as keyword arguments of the models: loads over the nominal area of the map."""
+    if "loads" in points:
+        return {"pressures": points["loads"] / math.prod(hm.size)}
+    return points

@@ -1,90 +1,89 @@
-"""What the sub-commands share on the way out: progress bars, file names, exit codes."""
+"""Results of the commands that make a curve: kept as they come, written and told at the end."""
 
 from __future__ import annotations
 
 import argparse
 import math
-import os
-import sys
-import tempfile
 from collections.abc import Callable, Iterable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from asperity import __version__
-from asperity.errors import InputError
-from asperity.results.curve import POINT_FIELDS, ContactCurve
-from surfaces.files.atomic import replacing, require_replaceable
+import numpy as np
 
-from . import derived
+from asperity import __version__
+from asperity.progress import bar
+from asperity.results.curve import ContactCurve
+
+from . import batch, derived, targets
 from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK
+from .messages import tell, warn
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from asperity.halfspace.material import HalfSpace
     from surfaces import HeightMap
 
 __all__ = [
     "add_fields_option",
     "add_output_options",
-    "bar",
     "exit_code",
+    "facts_of",
     "finish",
     "last_converged",
-    "make_folder",
-    "named",
     "request_of",
-    "require_distinct",
-    "require_outputs",
-    "require_pictures",
-    "save_figure",
     "solve_and_keep",
-    "tell",
-    "told",
 ]
+
+AT_HEAVIEST = (
+    "mean_pressure",
+    "separation",
+    "area_fraction",
+    "mean_contact_pressure",
+    "contacts",
+    "stiffness",
+    "error_estimate",
+)
+"""Columns of a curve that a table with a row per file tells, of the heaviest point converged."""
 
 
 def add_output_options(parser: argparse.ArgumentParser, *, report: bool = False) -> None:
     """Options that say where results go."""
-    group = parser.add_argument_group("output")
-    group.add_argument(
-        "-o", "--results", default="results.h5", help="results file (default results.h5)"
+    group = parser.add_argument_group(
+        "output",
+        "With a folder, DIR/, each file is called as its input: DIR/scan.h5.\n"
+        "With several inputs a file name gets theirs in front: scan-curve.csv.",
+    )
+    targets.add_target(
+        group,
+        "-o",
+        "--output",
+        suffix=".h5",
+        alone="results.h5",
+        several="results/",
+        help="results file (default results.h5, of several inputs in results/)",
     )
     if report:
-        group.add_argument(
-            "--report", default="report.html", help="report file (default report.html)"
+        targets.add_target(
+            group,
+            "--report",
+            suffix=".html",
+            alone="report.html",
+            several="results/",
+            help="report file (default report.html, of several inputs in results/)",
         )
+    else:
+        targets.add_target(group, "--plot", suffix=".png", help="picture of the curve")
     group.add_argument(
         "--resume", action="store_true", help="continue from the points in the results file"
     )
-    group.add_argument("--csv", metavar="FILE", help="also write the curve as CSV")
+    targets.add_force(group)
+    targets.add_target(group, "--csv", suffix=".csv", help="also write the curve as CSV")
+    batch.add_table(group, several="table.csv")
 
 
 def add_fields_option(parser: argparse.ArgumentParser, what: str) -> None:
     """Option for the fields of the last load point."""
-    parser.add_argument("--fields", metavar="VTI", help=f"ParaView file of {what}, last point")
-
-
-def bar(total: int | None, label: str) -> tuple[Any, Callable[[Any], None]]:
-    """A progress bar (nothing when not a terminal) and the function that advances it by one."""
-    from tqdm import tqdm
-
-    shown = tqdm(total=total, desc=label, disable=None, leave=False)
-    return shown, lambda _: shown.update(1)
-
-
-def tell(text: str, *, error: bool = False) -> None:
-    """Write lines above the progress bar, or to standard error."""
-    from tqdm import tqdm
-
-    tqdm.write(text, file=sys.stderr if error else None)
-
-
-def named(file: str, stem: str, several: bool) -> str:
-    """File name for the results of one of several inputs: the input's name goes in front."""
-    target = Path(file)
-    return str(target.with_name(f"{stem}-{target.name}")) if several else file
+    targets.add_target(
+        parser, "--fields", suffix=".vti", help=f"ParaView file of {what}, last point"
+    )
 
 
 def solve_and_keep(
@@ -107,12 +106,11 @@ def solve_and_keep(
     from asperity.results.resume import run_resumably
 
     kind, values = checked_loads(hm, material, loads.get("pressures"), loads.get("separations"))
-    shown, advance = bar(len(values), "load points")
-    with shown:
+    with bar(len(values), "load points") as advance:
         return run_resumably(
             lambda points, keep: solve(**{f"{kind}s": points}, progress=advance, checkpoint=keep),
             values,
-            "mean_pressure" if kind == "pressure" else "separation",
+            kind,
             path,
             model=model,
             request=request,
@@ -137,104 +135,66 @@ def request_of(
     }
 
 
-def finish(curve: ContactCurve, material: HalfSpace, args: argparse.Namespace) -> int:
-    """Write the CSV where asked, print the curve and what follows from it, give the exit code."""
+def finish(
+    curve: ContactCurve, hm: HeightMap, material: HalfSpace, args: argparse.Namespace
+) -> dict[str, Any]:
+    """Write the CSV where asked, tell the curve and what follows from it; return what was found."""
     from asperity.results.storage import write_csv
 
     more = derived.conductance(curve, args)
+    columns = curve.columns() | more
     if args.csv:
-        told = (
-            "area_error_estimate",
-            "interaction_difference",
-            "plastic_share",
-            "unloading_stiffness",
-        )
-        extra = {name: curve.extra[name] for name in told if name in curve.extra}
-        write_csv(args.csv, {name: getattr(curve, name) for name in POINT_FIELDS} | extra | more)
+        write_csv(args.csv, columns)
+    if args.plot:
+        _draw(curve, args.plot)
     try:
         if args.slip:
             derived.write_slip(curve, material, args)
     finally:
-        print(curve)
-        for name, values in more.items():
-            print(f"{name}     {' '.join(f'{value:.4g}' for value in values)}")
-        print(f"results         {args.results}")
-    return exit_code([curve])
+        lines = [
+            f"{name}     {' '.join(f'{v:.4g}' for v in values)}" for name, values in more.items()
+        ]
+        tell("\n".join([args.file, str(curve), *lines, f"results         {args.output}"]))
+    heaviest = np.argmax(np.where(curve.converged, curve.mean_pressure, -np.inf))
+    return {
+        **facts_of(hm),
+        "points": len(curve),
+        "converged": bool(curve.converged.all()),
+        **{name: columns[name][heaviest] for name in AT_HEAVIEST},
+        "seconds": sum(curve.seconds.values()),
+        "model": curve.model,
+        "output": args.output,
+        "reason": next(filter(None, curve.reasons), ""),
+        "curve": columns,
+        "settings": curve.settings,
+        "seconds_by_stage": curve.seconds,
+    }
 
 
-def told(file: str | Path, error: BaseException) -> str:
-    """What went wrong with one of several files, in one sentence that names it."""
-    text = " ".join(str(error).split()) or "out of memory"
-    return text if str(file) in text else f"{file}: {text}"
+def _draw(curve: ContactCurve, target: str) -> None:
+    """Picture of contact area and of separation against pressure."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(10, 4), layout="constrained")
+    area, separation = figure.subplots(1, 2)
+    curve.plot(ax=area)
+    curve.plot("separation", "mean_pressure", ax=separation)
+    targets.save_figure(figure, target)
+
+
+def facts_of(hm: HeightMap) -> dict[str, Any]:
+    """What a table tells of a map."""
+    return {"rms_height": hm.rms_height, "rms_slope": hm.roughness.rms_slope}
 
 
 def last_converged(curve: ContactCurve, args: argparse.Namespace) -> bool:
     """Whether the last load point can be shown; says so where it cannot."""
     if not curve.converged[-1]:
         text = "the last load point did not converge: no table and no field of it is written"
-        sys.stderr.write(f"asperity {args.command}: {text}\n")
+        warn(args, text)
     return bool(curve.converged[-1])
 
 
 def exit_code(curves: Iterable[ContactCurve]) -> int:
     """0 if every load point converged, else 1."""
     return EXIT_OK if all(c.converged.all() for c in curves) else EXIT_NOT_CONVERGED
-
-
-def require_outputs(*files: str | Path | None, inputs: Iterable[str | Path] = ()) -> None:
-    """Refuse, before any work, files that cannot be written or would replace one another."""
-    taken = {Path(os.path.realpath(file)): f"would replace the input {file}" for file in inputs}
-    for file in files:
-        if not file:
-            continue
-        place = require_replaceable(file)
-        if place in taken:
-            raise InputError(f"{file} {taken[place]}; give every output a name of its own")
-        if not place.parent.is_dir():
-            raise InputError(f"{file}: cannot be written, its folder does not exist")
-        try:
-            with tempfile.TemporaryFile(dir=place.parent):
-                pass
-        except OSError as error:
-            raise InputError(f"{file}: cannot be written ({error.strerror})") from error
-        taken[place] = "is named for two outputs"
-
-
-def make_folder(folder: str | Path) -> None:
-    """Make a folder for results, with those around it, where it does not exist."""
-    try:
-        Path(folder).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be made ({error.strerror})") from error
-
-
-def require_distinct(files: Iterable[Path]) -> None:
-    """Refuse several inputs whose results would be called the same."""
-    seen: dict[str, Path] = {}
-    for file in files:
-        if file.stem in seen:
-            raise InputError(
-                f"the results of {seen[file.stem]} and {file} would replace each other; "
-                "run them apart"
-            )
-        seen[file.stem] = file
-
-
-def require_pictures(*files: str | None) -> None:
-    """Refuse, before any work, pictures in a format that cannot be written."""
-    for file in filter(None, files):
-        from matplotlib.backend_bases import FigureCanvasBase
-
-        known = FigureCanvasBase.get_supported_filetypes()
-        if (kind := _format(file)) not in known:
-            raise InputError(f"{file}: cannot be written as .{kind}; known are {', '.join(known)}")
-
-
-def save_figure(figure: Figure, target: str) -> None:
-    """Write a picture in the format of the file's suffix, PNG if it has none."""
-    with replacing(target) as part:
-        figure.savefig(part, dpi=150, format=_format(target))
-
-
-def _format(picture: str) -> str:
-    return Path(picture).suffix[1:].lower() or "png"

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
-from . import options
+from . import batch, options, output, targets
+from .messages import tell
+
+if TYPE_CHECKING:
+    from asperity.halfspace.material import HalfSpace
 
 EPILOG = """example:
-  asperity plan scan.h5 --E 210e9 --pressure 1e6:5e8:30
+  asperity plan scan.h5 --E 210GPa --pressure 1MPa:500MPa:30
 """
 
 
@@ -18,16 +25,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_material_options(parser)
     options.add_load_options(parser)
     options.add_model_options(parser)
+    targets.add_force(parser)
+    batch.add_table(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print the plan."""
+    """Print the plan of every map."""
+    return batch.each(args, partial(_plan, options.material(args), options.loads(args)))
+
+
+def _plan(
+    material: HalfSpace, points: dict[str, Any], args: argparse.Namespace
+) -> Mapping[str, Any]:
+    hm = options.load_surface(args.file, args)
     from asperity.model.plan import make_plan
 
-    from .exit_codes import EXIT_OK
-
-    material, loads = options.material(args), options.loads(args)
-    hm = options.load_surface(args.file, args)
-    print(hm)
-    print(make_plan(hm, material, **loads, **options.model(args)))
-    return EXIT_OK
+    plan = make_plan(hm, material, **options.of_map(points, hm), **options.model(args))
+    tell(f"{hm}\n{plan}")
+    return {
+        **output.facts_of(hm),
+        "boundary": plan.boundary,
+        "law": plan.law,
+        "interaction": plan.interaction,
+        "resampled": plan.resampled is not None,
+        "sub_contact_law": plan.sub_contact_law is not None,
+        "reasons": plan.reasons,
+        "warnings": plan.warnings,
+    }

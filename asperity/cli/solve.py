@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from asperity.errors import InputError
-
-from . import derived, options, output
+from . import batch, derived, options, output, quantities
 
 if TYPE_CHECKING:
     from asperity.bem.curve import SolvedLoad
@@ -19,8 +18,9 @@ if TYPE_CHECKING:
     from surfaces.heightmap import HeightMap
 
 EPILOG = """examples:
-  asperity solve scan.h5 --E 210e9 --nu 0.3 --accuracy 5%
-  asperity solve scan.h5 --E 210e9 --pressure 1e6:5e8:30 --accuracy 2% --csv curve.csv
+  asperity solve scan.h5 --E 210GPa --nu 0.3 --accuracy 5%
+  asperity solve scan.h5 --E 210GPa --pressure 1MPa:500MPa:30 --accuracy 2% --csv curve.csv
+  asperity solve 'scans/*.h5' --E 210GPa --hardness 2GPa --fill harmonic -o solved/ --json
 """
 
 
@@ -33,11 +33,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("accuracy")
     group.add_argument(
         "--accuracy",
-        default="5%",
+        type=quantities.of("share"),
+        default=0.05,
+        metavar="SHARE",
         help="relative error allowed in the load, as 0.05 or 5%% (default 5%%)",
     )
     group.add_argument(
-        "--area-accuracy", help="relative error allowed in the contact area (default twice that)"
+        "--area-accuracy",
+        type=quantities.of("share"),
+        metavar="SHARE",
+        help="relative error allowed in the contact area (default twice that)",
     )
     group.add_argument(
         "--engine",
@@ -51,25 +56,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Solve, write the results file and print the curve."""
-    output.require_outputs(args.results, args.csv, args.slip, inputs=[args.file])
-    material, loads = options.material(args), options.loads(args)
-    derived.require_derivable(material, loads, args)
-    allowed = {
-        "accuracy": _share(args.accuracy, "--accuracy"),
-        "area_accuracy": args.area_accuracy and _share(args.area_accuracy, "--area-accuracy"),
-    }
+    """Solve every map, write its results file and print its curve."""
+    material, points = options.material(args), options.loads(args)
+    derived.require_derivable(material, points, args)
+    return batch.each(args, partial(_solve, material, points))
+
+
+def _solve(
+    material: HalfSpace, points: dict[str, Any], args: argparse.Namespace
+) -> Mapping[str, Any]:
     hm = options.load_surface(args.file, args)
+    loads = options.of_map(points, hm)
     from asperity.engine.solve import solve
     from asperity.results.storage import ResultFile, write_results
 
-    settings: dict[str, Any] = {**allowed, "boundary": args.boundary, "engine": args.engine}
+    settings: dict[str, Any] = {
+        name: getattr(args, name) for name in ("accuracy", "area_accuracy", "boundary", "engine")
+    }
     request = output.request_of(hm, material, args, settings)
     judge = _Resumable(args, request)
     curve = solve(hm, material, **loads, **settings, judge=judge)
     curves = {one.model: one.to_record() for one in (judge.solved, curve) if one is not None}
-    write_results(args.results, ResultFile(curves=curves, about={"request": request}))
-    return output.finish(curve, material, args)
+    write_results(args.output, ResultFile(curves=curves, about={"request": request}))
+    return output.finish(curve, hm, material, args)
 
 
 class _Resumable:
@@ -109,17 +118,9 @@ class _Resumable:
             hm,
             material,
             {kind: self.asked},
-            self.args.results,
+            self.args.output,
             "bem",
             self.request,
             self.args.resume or self.solved is not None,
         )
         return self.solved.select(np.arange(len(self.asked) - len(points), len(self.asked)))
-
-
-def _share(text: str, option: str) -> float:
-    """A relative error written as a number or in per cent."""
-    try:
-        return float(text[:-1]) / 100 if text.endswith("%") else float(text)
-    except ValueError:
-        raise InputError(f"{option} {text}: write a relative error, such as 5% or 0.05") from None

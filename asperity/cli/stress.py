@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import sys
 
+from . import targets
+
 EPILOG = """examples:
-  asperity stress --csv FILE
-  asperity stress --theme textures --csv FILE
+  asperity stress -o stress.csv
+  asperity stress --theme textures -o textures.csv
 """
 
 
@@ -15,31 +17,31 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity stress``."""
     parser.epilog = EPILOG
     parser.add_argument("--theme", help="cases of one theme only, such as loads or textures")
-    parser.add_argument("--csv", metavar="FILE", help="write every case as CSV")
+    targets.add_target(parser, "-o", "--output", suffix=".csv", help="write every case as CSV")
+    targets.add_force(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the cases; print the table and whatever failed."""
     from asperity.errors import InputError
+    from asperity.progress import bar
     from asperity.stress.table import FAILURE, cases, summary, write
     from asperity.stress.table import run as rows_of
 
-    from . import output
     from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK
 
-    output.require_outputs(args.csv)
+    targets.require(args)
     chosen = cases(args.theme)
     if not chosen:
         known = ", ".join(dict.fromkeys(case.theme for case in cases()))
         raise InputError(f"--theme {args.theme}: there is none of this name; there are {known}")
     rows = []
-    shown, advance = output.bar(len(chosen), "cases")
-    with shown:
+    with bar(len(chosen), "cases") as advance:
         for row in rows_of(chosen):
             rows.append(row)
             advance(row)
-    if args.csv:
-        write(args.csv, rows)
+    if args.output:
+        write(args.output, rows)
     table = summary(rows)
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     for line in table:

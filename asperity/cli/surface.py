@@ -3,68 +3,45 @@
 from __future__ import annotations
 
 import argparse
-import glob
 import inspect
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import surfaces
-from surfaces.errors import AsperityError, InputError
+from surfaces.errors import InputError
 
-from . import output
+from . import batch, targets
+from .exit_codes import EXIT_OK
+from .messages import tell
 from .surface_options import PARAMETERS, add_arguments
 
-__all__ = ["add_arguments", "expand", "prepared", "read_map", "run"]
-
-Work = Callable[[Path, argparse.Namespace], bool]
+__all__ = ["add_arguments", "prepared", "read_map", "run"]
 
 
 def run(args: argparse.Namespace) -> int:
     """Run one action on every file; a bad file is named and the batch goes on."""
-    from tqdm import tqdm
-
     if args.action == "generate":
         return _generate(args)
-    actions: dict[str, Work] = {
+    actions: dict[str, batch.Work] = {
         "info": _info,
         "validate": _validate,
         "convert": _convert,
         "prepare": _prepare,
         "peaks": _peaks,
     }
-    files = expand(args.files)
-    for option in ("output", "plot", "fans"):
-        if len(files) > 1 and getattr(args, option, None):
-            remedy = "use --folder" if hasattr(args, "folder") else "give one file"
-            raise InputError(f"--{option} names one file and {len(files)} were given; {remedy}")
-    _require_targets(files, args)
-    bad = 0
-    for path in tqdm(files, disable=None, unit="file", leave=False):
-        try:
-            bad += not actions[args.action](path, args)
-        except (AsperityError, MemoryError) as error:
-            bad += 1
-            text = output.told(path, error)
-            output.tell(f"asperity surface {args.action}: {text}", error=True)
-    if getattr(args, "sections", None):
+    args.sections = []
+    code = batch.each(args, actions[args.action])
+    if args.sections:
         from surfaces.page import write_page
 
-        write_page(args.sections, Path(args.html))
-    return 2 if bad else 0
+        write_page(args.sections, Path(args.report))
+        tell(f"report {args.report}")
+    return code
 
 
-def expand(patterns: Sequence[str]) -> list[Path]:
-    """Files of names and glob patterns, in order, each once; a pattern without match is a name."""
-    names = [
-        name
-        for word in patterns
-        for name in (not Path(word).exists() and sorted(glob.glob(word, recursive=True))) or [word]
-    ]
-    return [Path(name) for name in dict.fromkeys(names)]
-
-
-def read_map(path: Path, args: argparse.Namespace) -> surfaces.HeightMap:
+def read_map(path: str | Path, args: argparse.Namespace) -> surfaces.HeightMap:
     """The map, or the part of it that ``--crop`` keeps, as the options of `add_reading` say."""
     crop = getattr(args, "crop", None)
     return surfaces.read(
@@ -85,22 +62,42 @@ def _pair(values: Sequence[float] | None, option: str) -> tuple[float, float] | 
     return float(values[0]), float(values[-1])
 
 
-def _info(path: Path, args: argparse.Namespace) -> bool:
-    hm = read_map(path, args)
+def _info(args: argparse.Namespace) -> Mapping[str, Any]:
+    hm = read_map(args.file, args)
     (ny, nx), (dy, dx), (length_y, length_x) = hm.shape, hm.spacing, hm.size
+    found = surfaces.describe(hm)
     lines = [
         f"points      {ny} x {nx} (y, x), {hm.missing} missing",
         f"pixel       {dy:.6g} x {dx:.6g} m, map {length_y:.6g} x {length_x:.6g} m",
         f"periodic    {'yes' if hm.periodic else 'no'}",
-        *str(surfaces.describe(hm)).splitlines(),
+        *str(found).splitlines(),
         *(f"history     {_told(step)}" for step in hm.history),
     ]
-    output.tell("\n".join([str(path), *(f"  {line}" for line in lines)]))
-    if args.html:
+    tell("\n".join([args.file, *(f"  {line}" for line in lines)]))
+    if args.report:
         from surfaces.page import section
 
-        args.sections = [*getattr(args, "sections", []), section(hm)]
-    return True
+        args.sections.append(section(hm))
+    spectral = {} if found.moments is None else {"rms_slope": found.moments.rms_slope}
+    return {
+        **_map_row(hm),
+        **found.heights,
+        **found.hybrid,
+        "Sal": found.texture.shortest,
+        "Str": found.texture.aspect,
+        **found.functional,
+        **spectral,
+        "warnings": found.warnings,
+        "history": hm.history,
+    }
+
+
+def _map_row(hm: surfaces.HeightMap) -> dict[str, Any]:
+    (ny, nx), (dy, dx) = hm.shape, hm.spacing
+    return {"ny": ny, "nx": nx, "dy": dy, "dx": dx} | {
+        "missing": hm.missing,
+        "periodic": hm.periodic,
+    }
 
 
 def _told(step: Mapping[str, object]) -> str:
@@ -115,31 +112,43 @@ def _short(value: object) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _validate(path: Path, args: argparse.Namespace) -> bool:
-    faults = surfaces.validate(path, dataset=args.dataset)
+def _validate(args: argparse.Namespace) -> Mapping[str, Any]:
+    faults = surfaces.validate(args.file, dataset=args.dataset)
     if not faults:
-        output.tell(f"{path}: valid, schema surface/1")
+        tell(f"{args.file}: valid, schema surface/1")
     for fault in faults:
-        output.tell(f"{path}: {'fault' if fault.fatal else 'note'}: {fault}")
-    return not any(fault.fatal for fault in faults)
+        tell(f"{args.file}: {'fault' if fault.fatal else 'note'}: {fault}")
+    fatal = [str(fault) for fault in faults if fault.fatal]
+    return {
+        "valid": not fatal,
+        "faults": len(fatal),
+        "notes": len(faults) - len(fatal),
+        "reason": fatal[0] if fatal else "",
+        "all_faults": [{"text": str(fault), "fatal": fault.fatal} for fault in faults],
+    }
 
 
-def _convert(path: Path, args: argparse.Namespace) -> bool:
-    _save(read_map(path, args), path, args)
-    return True
+def _convert(args: argparse.Namespace) -> Mapping[str, Any]:
+    return _saved(read_map(args.file, args), args)
 
 
-def _prepare(path: Path, args: argparse.Namespace) -> bool:
-    _save(_read_and_prepared(path, args), path, args)
-    return True
+def _prepare(args: argparse.Namespace) -> Mapping[str, Any]:
+    return _saved(_read_and_prepared(args), args)
 
 
-def _read_and_prepared(path: Path, args: argparse.Namespace) -> surfaces.HeightMap:
+def _saved(hm: surfaces.HeightMap, args: argparse.Namespace) -> Mapping[str, Any]:
+    surfaces.write(hm, args.output, dtype="float32" if args.float32 else "float64")
+    tell(f"{args.file} -> {args.output}")
+    rough = {"rms_height": hm.rms_height, "rms_slope": hm.roughness.rms_slope}
+    return _map_row(hm) | rough | {"output": args.output, "history": hm.history}
+
+
+def _read_and_prepared(args: argparse.Namespace) -> surfaces.HeightMap:
     """The map after the options of `add_preparation`, each step told as it is recorded."""
-    before = read_map(path, args)
+    before = read_map(args.file, args)
     hm = prepared(before, args)
     for step in hm.history[len(before.history) :]:
-        output.tell(f"{path}: {_told(step)}", error=True)
+        tell(f"{args.file}: {_told(step)}")
     return hm
 
 
@@ -162,34 +171,10 @@ def prepared(hm: surfaces.HeightMap, args: argparse.Namespace) -> surfaces.Heigh
     return surfaces.make_periodic(hm, args.periodic) if args.periodic else hm
 
 
-def _require_targets(files: Sequence[Path], args: argparse.Namespace) -> None:
-    """Refuse, before any work, outputs that cannot be written or would replace something."""
-    named = [getattr(args, option, None) for option in ("output", "plot", "fans", "html")]
-    if hasattr(args, "folder"):
-        if (args.output is None) == (args.folder is None):
-            raise InputError("say where to write: -o FILE for one input, --folder DIR for several")
-        if args.folder is not None:
-            output.require_distinct(files)
-            output.make_folder(args.folder)
-            named += [_target(path, args) for path in files]
-    output.require_outputs(*named, inputs=files)
-    output.require_pictures(getattr(args, "plot", None), getattr(args, "fans", None))
-
-
-def _target(path: Path, args: argparse.Namespace) -> Path:
-    return Path(args.output) if args.folder is None else Path(args.folder) / f"{path.stem}.h5"
-
-
-def _save(hm: surfaces.HeightMap, path: Path, args: argparse.Namespace) -> None:
-    target = _target(path, args)
-    surfaces.write(hm, target, dtype="float32" if args.float32 else "float64")
-    output.tell(f"{path} -> {target}", error=True)
-
-
 def _generate(args: argparse.Namespace) -> int:
     if len(args.shape) > 2 or len(args.size) > 2:
         raise InputError("--shape and --size take one number or two (y and x)")
-    output.require_outputs(args.output)
+    targets.require(args)
     make = getattr(surfaces, args.texture.replace("-", "_"))
     takes = inspect.signature(make).parameters
     given = {name: getattr(args, name) for name in PARAMETERS if getattr(args, name) is not None}
@@ -205,14 +190,14 @@ def _generate(args: argparse.Namespace) -> int:
     if args.name:
         hm = hm.replace(name=args.name)
     surfaces.write(hm, args.output, dtype="float32" if args.float32 else "float64")
-    output.tell(f"{args.output}: {hm!r}, rms height {hm.rms_height:.6g} m", error=True)
-    return 0
+    tell(f"{args.output}: {hm!r}, rms height {hm.rms_height:.6g} m")
+    return EXIT_OK
 
 
-def _peaks(path: Path, args: argparse.Namespace) -> bool:
-    hm = _read_and_prepared(path, args)
+def _peaks(args: argparse.Namespace) -> Mapping[str, Any]:
+    hm = _read_and_prepared(args)
     if hm.rms_height == 0.0:
-        raise InputError(f"{path}: the map is constant; a flat map has no peaks")
+        raise InputError(f"{args.file}: the map is constant; a flat map has no peaks")
     peaks = surfaces.segment(
         hm, above=args.above, min_prominence=args.min_prominence, wolf=args.wolf
     )
@@ -229,25 +214,31 @@ def _peaks(path: Path, args: argparse.Namespace) -> bool:
         "border": peaks.border.astype(int),
         "resolved": profiles.valid.astype(int),
     }
-    resolved = int(profiles.valid.sum())
-    output.tell(
-        f"{path}: {len(peaks)} peaks, {resolved} resolved, {peaks.border.sum()} at the border"
+    counts = {
+        "peaks": len(peaks),
+        "resolved": int(profiles.valid.sum()),
+        "at_border": int(peaks.border.sum()),
+    }
+    tell(
+        "{0}: {peaks} peaks, {resolved} resolved, {at_border} at the border".format(
+            args.file, **counts
+        )
     )
     if args.plot:
         from surfaces.plot import plot_map
 
-        output.save_figure(plot_map(hm, peaks), args.plot)
+        targets.save_figure(plot_map(hm, peaks), args.plot)
     if args.fans:
         from surfaces.plot import plot_profiles
 
-        output.save_figure(plot_profiles(profiles, range(min(9, len(peaks)))), args.fans)
+        targets.save_figure(plot_profiles(profiles, range(min(9, len(peaks)))), args.fans)
     if args.output:
         from asperity.results.storage import write_csv
 
         write_csv(args.output, columns)
-        return True
-    shown = list(columns)[:7]
-    output.tell("  " + "".join(f"{name:>18s}" for name in shown) + "   (highest ten)")
-    for index in range(min(10, len(peaks))):
-        output.tell("  " + "".join(f"{float(columns[name][index]):18.6g}" for name in shown))
-    return True
+    else:
+        shown = list(columns)[:7]
+        tell("  " + "".join(f"{name:>18s}" for name in shown) + "   (highest ten)")
+        for index in range(min(10, len(peaks))):
+            tell("  " + "".join(f"{float(columns[name][index]):18.6g}" for name in shown))
+    return counts | {"columns": columns}

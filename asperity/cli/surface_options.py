@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import argparse
+from typing import Any
+
+from . import batch, quantities, targets
 
 _EPILOG = """examples:
-  asperity surface info scan.h5 'raw/*.sur' --html maps.html
-  asperity surface generate --shape 512 512 --size 1e-3 --hurst 0.8 --rms-slope 0.1 -o map.h5
+  asperity surface info scan.h5 'raw/*.h5' --report maps.html --table maps.csv
+  asperity surface generate --shape 512 512 --size 1mm --hurst 0.8 --rms-slope 0.1 -o map.h5
   asperity surface prepare scan.h5 --level plane --outliers 6 --fill harmonic -o ready.h5
-  asperity surface convert heights.csv --unit um --spacing 1e-6 -o heights.h5
+  asperity surface convert heights.csv --unit um --spacing 1um -o heights.h5
   asperity surface validate scan.h5
   asperity surface peaks scan.h5 --fill harmonic --wolf 5 --plot peaks.png -o peaks.csv
 """
 
+
+LENGTH = quantities.of("length")
 
 TEXTURES = ("self-affine", "plateau-honed", "ground", "turned", "two-scale")
 PARAMETERS = {
@@ -42,11 +47,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     info = _command(commands, "info", "what a map is and how rough it is, as it stands")
     _files(info)
-    info.add_argument("--html", metavar="FILE", help="write a page with numbers and pictures")
+    targets.add_target(
+        info, "--report", suffix=targets.ONE, help="HTML page of all maps, numbers and pictures"
+    )
+    _told(info)
 
     validate = _command(commands, "validate", "name every fault of HDF5 height-map files")
-    validate.add_argument("files", nargs="+", metavar="FILE", help="files or glob patterns")
+    batch.add_files(validate)
     validate.add_argument("--dataset", metavar="NAME", help="name of the heights in the file")
+    _told(validate)
 
     convert = _command(commands, "convert", "rewrite maps as HDF5 schema 1, .npz, .txt or .csv")
     _files(convert)
@@ -64,19 +73,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     _files(peaks)
     add_preparation(peaks, fill="none")
     finding = peaks.add_argument_group("peaks")
-    finding.add_argument("--above", type=float, metavar="M", help="only heights above this [m]")
+    finding.add_argument("--above", type=LENGTH, metavar="D", help="only heights above this [m]")
     finding.add_argument(
-        "--min-prominence", type=float, default=0.0, metavar="M", help="smallest prominence [m]"
+        "--min-prominence", type=LENGTH, default=0.0, metavar="D", help="smallest prominence [m]"
     )
     finding.add_argument(
         "--wolf",
-        type=float,
+        type=quantities.of("percentage"),
         metavar="PERCENT",
         help="the same in %% of the height range",
     )
-    finding.add_argument("--plot", metavar="FILE", help="picture of map, summits and basins")
-    finding.add_argument("--fans", metavar="FILE", help="picture of the nine highest profiles")
-    finding.add_argument("-o", "--output", metavar="CSV", help="write all peaks as CSV")
+    for name, suffix, what in (
+        ("--plot", ".png", "picture of map, summits and basins"),
+        ("--fans", ".png", "picture of the nine highest profiles"),
+        ("--output", ".csv", "write all peaks as CSV"),
+    ):
+        names = ("-o", name) if name == "--output" else (name,)
+        targets.add_target(finding, *names, suffix=suffix, help=what)
+    _told(peaks)
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:
@@ -85,7 +99,7 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--dataset", metavar="NAME", help="name of the heights in the file")
     group.add_argument("--unit", help="unit of the heights where the file states none (m, um, nm)")
     group.add_argument(
-        "--spacing", type=float, nargs="+", metavar="D", help="pixel size DY DX [m], if not stated"
+        "--spacing", type=LENGTH, nargs="+", metavar="D", help="pixel size DY DX [m], if not stated"
     )
 
 
@@ -104,14 +118,21 @@ def add_preparation(parser: argparse.ArgumentParser, *, fill: str = "harmonic") 
         help=f"missing points (default: {fill})",
     )
     parser.add_argument(
-        "--fill-limit", type=float, default=0.1, metavar="F", help="largest fraction to fill (0.1)"
+        "--fill-limit",
+        type=quantities.of("share"),
+        default=0.1,
+        metavar="F",
+        help="largest fraction to fill (0.1, or 10%%)",
     )
     parser.add_argument(
-        "--outliers", type=float, metavar="K", help="drop spikes beyond K robust deviations"
+        "--outliers",
+        type=quantities.of("plain number"),
+        metavar="K",
+        help="drop spikes beyond K robust deviations",
     )
     parser.add_argument(
         "--bandpass",
-        type=float,
+        type=LENGTH,
         nargs=2,
         metavar=("SHORT", "LONG"),
         help="wavelengths to keep [m]; 0 and inf leave a side open",
@@ -120,7 +141,7 @@ def add_preparation(parser: argparse.ArgumentParser, *, fill: str = "harmonic") 
         "--periodic", choices=["mirror", "taper", "smooth", "wrap"], help="make it periodic"
     )
     parser.add_argument(
-        "--resample", type=float, nargs="+", metavar="D", help="pixel size to move to: DY DX [m]"
+        "--resample", type=LENGTH, nargs="+", metavar="D", help="pixel size to move to: DY DX [m]"
     )
     parser.add_argument(
         "--crop",
@@ -140,18 +161,29 @@ def _command(
         help=summary,
         description=summary[0].upper() + summary[1:] + ".",
         epilog=f"example:\n{example}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
 
 
 def _files(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("files", nargs="+", metavar="FILE", help="files or glob patterns")
+    batch.add_files(parser)
     add_reading(parser)
 
 
+def _told(parser: argparse.ArgumentParser) -> None:
+    targets.add_force(parser)
+    batch.add_table(parser)
+
+
 def _outputs(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("-o", "--output", metavar="FILE", help="file to write (one input only)")
-    parser.add_argument("--folder", metavar="DIR", help="folder to write NAME.h5 to, for batches")
+    targets.add_target(
+        parser,
+        "-o",
+        "--output",
+        suffix=".h5",
+        required=True,
+        help="file to write, or a folder, DIR/, in which each file is called as its input",
+    )
+    _told(parser)
     parser.add_argument("--float32", action="store_true", help="half the size, 7 digits")
 
 
@@ -159,11 +191,13 @@ def _generation(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--texture", choices=TEXTURES, default="self-affine")
     parser.add_argument("--shape", type=int, nargs="+", default=[512, 512], metavar="N")
     parser.add_argument(
-        "--size", type=float, nargs="+", default=[1e-3], metavar="L", help="lengths LY LX [m]"
+        "--size", type=LENGTH, nargs="+", default=[1e-3], metavar="L", help="lengths LY LX [m]"
     )
     for name, text in PARAMETERS.items():
-        kind = int if name == "seed" else float
-        parser.add_argument(f"--{name.replace('_', '-')}", type=kind, metavar="X", help=text)
+        kind = "length" if "[m]" in text else "angle" if name == "angle" else "plain number"
+        number: Any = int if name == "seed" else quantities.of(kind)
+        parser.add_argument(f"--{name.replace('_', '-')}", type=number, metavar="X", help=text)
     parser.add_argument("--name", help="name kept in the file")
-    parser.add_argument("-o", "--output", metavar="FILE", required=True)
+    targets.add_target(parser, "-o", "--output", suffix=".h5", required=True, help="file to write")
+    targets.add_force(parser)
     parser.add_argument("--float32", action="store_true", help="half the size, 7 digits")

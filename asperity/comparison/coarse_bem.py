@@ -56,15 +56,17 @@ def coarse_run(
     grid: tuple[int, int],
     boundary: Boundary,
     reference: ContactCurve,
+    pressures: NDArray[np.float64],
 ) -> tuple[Any, ...]:
-    """Row of the table of run times: boundary elements on a coarse grid at a loose tolerance."""
+    """Row of the table of run times: boundary elements on a coarse grid at a loose tolerance, at
+    the mean pressures [Pa] of the comparison."""
     start = time.perf_counter()
     pixel = (hm.size[0] / grid[0], hm.size[1] / grid[1])
     coarse = hm if grid == hm.shape else surfaces.resample(hm, pixel)
     curve = bem_curve(
         coarse,
         material,
-        pressures=reference.mean_pressure,
+        pressures=pressures,
         tolerance=LOOSE_TOLERANCE,
         boundary=boundary,
     )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from asperity.errors import FileFormatError, InputError
 from asperity.results.curve import ContactCurve
-from asperity.results.storage import ResultFile, read_results, write_results
+from asperity.results.storage import ResultFile, read_file, write_results
 
 __all__ = ["PARETO_TYPE", "Comparison"]
 
@@ -55,7 +55,8 @@ class Comparison:
     table
         One row per load point: mean_pressure [Pa], area fractions and separations [m] of both
         models, load_error (load at equal separation, relative), area_error (area at equal load,
-        relative), separation_error (at equal load, in rms heights), contacts of both.
+        relative), separation_error (at equal load, in rms heights), contacts of both, and mean
+        contact pressures [Pa] of both. NaN where the model in question did not converge.
     pareto
         One row per run: model, ny, nx, tolerance, seconds, and its rms errors over the load points.
     overlap
@@ -189,7 +190,7 @@ class Comparison:
         FileFormatError, InputError
             If the file is unreadable or holds no comparison.
         """
-        held = read_results(path)
+        held = read_file(path)
         if "comparison" not in held.tables:
             raise InputError(f"{path} holds no comparison; make one with asperity compare")
         about = dict(held.about)

@@ -15,14 +15,16 @@ from asperity.compilation import CURVE, compile_ahead
 from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import microcontacts
 from asperity.curve import solve_loads
-from asperity.halfspace.scene import checked_loads, default_pressures, slope_scale
+from asperity.errors import ConvergenceError
+from asperity.halfspace.scene import checked_loads, default_pressures, map_facts
 from asperity.model.plan import Plan, make_plan
+from asperity.progress import Progress, reported
 from asperity.results.curve import ContactCurve
 from asperity.results.storage import structured
 from asperity.warmup import small_map
 from surfaces.heightmap import HeightMap
 
-from .coarse_bem import LOOSE_TOLERANCE, coarse_grids, coarse_run, rms
+from .coarse_bem import LOOSE_TOLERANCE, coarse_grids, coarse_run, load_at_separation, rms
 from .result import PARETO_TYPE, Comparison
 
 if TYPE_CHECKING:
@@ -32,6 +34,8 @@ __all__ = ["compare"]
 
 MAP_AREA_FRACTION = 0.03
 """Contact area fraction near which the contact maps are taken."""
+
+Array = NDArray[np.float64]
 
 ERRORS = ("load_error", "area_error", "separation_error")
 
@@ -49,7 +53,7 @@ def compare(
     tolerance: float = 1e-6,
     plan: Plan | None = None,
     reference: Callable[[], ContactCurve] | None = None,
-    progress: Callable[[str], object] | None = None,
+    progress: Progress = None,
 ) -> Comparison:
     """Run both models and boundary elements on coarser grids, and measure errors and run times.
 
@@ -63,7 +67,7 @@ def compare(
         Gives the boundary-element curve of this map at these load points and this tolerance, such
         as one that goes on from an interrupted run; solved here if None.
     progress
-        Called with a short label as each stage begins.
+        True for a progress bar, or a function called with a short label as each stage begins.
 
     Returns
     -------
@@ -88,7 +92,6 @@ def compare(
     >>> both.table["mean_pressure"].size, bool(abs(both.table["load_error"]).max() < 0.3)
     (2, True)
     """
-    say = progress if progress is not None else lambda label: None
     kind, values = checked_loads(hm, material, pressures, separations)
     loads: dict[str, Any] = {"pressures" if kind == "pressure" else "separations": values}
     chosen: dict[str, Any] = {
@@ -98,66 +101,72 @@ def compare(
         "scales": scales,
         **loads,
     }
-    say("compilation")
-    compile_ahead(*CURVE, "bem")
-    first = make_plan(hm, material, **chosen) if plan is None else plan
-    _compile(material, first)
-    if plan is None:  # once more, on a map without stored means: its time belongs to the model
-        plan = make_plan(hm.replace(), material, **chosen)
-    say(f"boundary elements {hm.shape[0]} x {hm.shape[1]}, tolerance {tolerance:.0e}")
-    if reference is None:
-        judge = bem_curve(hm, material, **loads, tolerance=tolerance, boundary=plan.boundary)
-    else:
-        judge = reference()
-    say("microcontact model")
-    run = solve_contacts(hm, material, plan, pressures=judge.mean_pressure)
-    same = solve_contacts(hm, material, plan, separations=judge.separation).curve
-    table = _table(run.curve, same, judge, hm.rms_height)
-    seconds = sum(run.curve.seconds.values())
-    errors = (rms(table[name]) for name in ERRORS)
-    rows = [
-        ("asperity", *run.curve.settings["grid"], np.nan, seconds, *errors),
-        ("bem", *hm.shape, tolerance, sum(judge.seconds.values()), 0.0, 0.0, 0.0),
-    ]
-    for grid in coarse_grids(hm.shape):
-        say(f"boundary elements {grid[0]} x {grid[1]}, tolerance {LOOSE_TOLERANCE:.0e}")
-        rows.append(coarse_run(hm, material, grid, plan.boundary, judge))
-    elastic = None
-    if material.hardness < np.inf:
-        say("microcontact model without hardness")
-        made = run.decomposition.of_hardness(material.elastic)
-        elastic = solve_loads(
-            hm, material.elastic, made.plan, pressures=judge.mean_pressure, decomposition=made
-        )[0]
-    say("contact maps")
-    point = _map_point(judge, run.curve)
-    solution = bem_solve(
-        hm,
-        material,
-        pressure=float(judge.mean_pressure[point]),
-        tolerance=tolerance,
-        boundary=plan.boundary,
-    )
-    maps = {"bem": solution.contact, "asperity": np.zeros_like(solution.contact)}
-    contacts = microcontacts(run.decomposition, run.points[point])[:0]
-    overlap = np.nan
-    if run.curve.converged[point]:
-        maps["asperity"], contacts = run.contact_map(point), run.microcontacts(point)
-        union = np.count_nonzero(maps["bem"] | maps["asperity"])
-        overlap = np.count_nonzero(maps["bem"] & maps["asperity"]) / union if union else 1.0
-    return Comparison(
-        model=run.curve,
-        reference=judge,
-        table=table,
-        pareto=np.array(rows, dtype=PARETO_TYPE),
-        overlap=overlap,
-        maps=maps,
-        map_point=point,
-        microcontacts=contacts,
-        plan=plan.reasons,
-        about=_about(hm, material),
-        elastic=elastic,
-    )
+    with reported(progress, None, "compare") as tell:
+        say = tell or (lambda label: None)
+        say("compilation")
+        compile_ahead(*CURVE, "bem")
+        first = make_plan(hm, material, **chosen) if plan is None else plan
+        _compile(material, first)
+        if plan is None:  # once more, on a map without stored means: its time belongs to the model
+            plan = make_plan(hm.replace(), material, **chosen)
+        say(f"boundary elements {hm.shape[0]} x {hm.shape[1]}, tolerance {tolerance:.0e}")
+        if reference is None:
+            judge = bem_curve(hm, material, **loads, tolerance=tolerance, boundary=plan.boundary)
+        else:
+            judge = reference()
+        say("microcontact model")
+        pressures = _pressures(judge, kind, values)
+        run = solve_contacts(hm, material, plan, pressures=pressures)
+        same, good = np.full(len(values), np.nan), judge.converged
+        if good.any():
+            at = solve_contacts(hm, material, plan, separations=judge.separation[good])
+            same[good] = at.curve.mean_pressure
+        table = _table(run.curve, same, judge, pressures, hm.rms_height)
+        seconds = sum(run.curve.seconds.values())
+        errors = (rms(table[name]) for name in ERRORS)
+        rows = [
+            ("asperity", *run.curve.settings["grid"], np.nan, seconds, *errors),
+            ("bem", *hm.shape, tolerance, sum(judge.seconds.values()), 0.0, 0.0, 0.0),
+        ]
+        for grid in coarse_grids(hm.shape):
+            say(f"boundary elements {grid[0]} x {grid[1]}, tolerance {LOOSE_TOLERANCE:.0e}")
+            rows.append(coarse_run(hm, material, grid, plan.boundary, judge, pressures))
+        elastic = None
+        if material.hardness < np.inf:
+            say("microcontact model without hardness")
+            made = run.decomposition.of_hardness(material.elastic)
+            elastic = solve_loads(
+                hm, material.elastic, made.plan, pressures=pressures, decomposition=made
+            )[0]
+        say("contact maps")
+        point = _map_point(judge, run.curve)
+        solution = bem_solve(
+            hm,
+            material,
+            pressure=float(pressures[point]),
+            tolerance=tolerance,
+            boundary=plan.boundary,
+        )
+        maps = {"bem": solution.contact, "asperity": np.zeros_like(solution.contact)}
+        contacts = microcontacts(run.decomposition, run.points[point])[:0]
+        overlap = np.nan
+        if run.curve.converged[point]:
+            maps["asperity"], contacts = run.contact_map(point), run.microcontacts(point)
+            union = np.count_nonzero(maps["bem"] | maps["asperity"])
+            overlap = np.count_nonzero(maps["bem"] & maps["asperity"]) / union if union else 1.0
+        return Comparison(
+            model=run.curve,
+            reference=judge,
+            table=table,
+            pareto=np.array(rows, dtype=PARETO_TYPE),
+            overlap=overlap,
+            maps=maps,
+            map_point=point,
+            microcontacts=contacts,
+            plan=plan.reasons,
+            about=_about(hm, material),
+            elastic=elastic,
+        )
 
 
 def _compile(material: HalfSpace, plan: Plan) -> None:
@@ -172,43 +181,63 @@ def _compile(material: HalfSpace, plan: Plan) -> None:
 def _map_point(reference: ContactCurve, model: ContactCurve) -> int:
     """The load point whose contact area fraction is nearest to `MAP_AREA_FRACTION`, of those that
     came out in both if there are such."""
-    away = np.abs(np.log(np.maximum(reference.area_fraction, 1e-12) / MAP_AREA_FRACTION))
+    area = np.where(reference.converged, reference.area_fraction, model.area_fraction)
+    away = np.abs(np.log(np.maximum(np.nan_to_num(area), 1e-12) / MAP_AREA_FRACTION))
     return int(np.argmin(np.where(reference.converged & model.converged, away, 1e3 + away)))
 
 
+def _pressures(reference: ContactCurve, kind: str, values: NDArray[np.float64]) -> Array:
+    """Mean pressures [Pa] of the load points, shape (n,): where the reference did not converge, as
+    asked for, or read off its other points.
+
+    Raises
+    ------
+    ConvergenceError
+        If separations are asked for, and the reference has no two points to read a load off.
+    """
+    asked = values if kind == "pressure" else load_at_separation(reference, values)
+    found = np.where(reference.converged, reference.mean_pressure, asked)
+    if np.isnan(found).any():
+        why = next(filter(None, reference.reasons))
+        raise ConvergenceError(f"boundary elements have no curve to compare with: {why}")
+    return found
+
+
 def _table(
-    model: ContactCurve, same: ContactCurve, reference: ContactCurve, rms_height: float
+    model: ContactCurve,
+    same: Array,
+    reference: ContactCurve,
+    pressures: Array,
+    rms_height: float,
 ) -> NDArray[np.void]:
-    """Errors per load point: `model` at the reference's loads, `same` at its separations."""
-    loaded = reference.converged & (reference.mean_pressure > 0)
+    """Errors per load point: `model` at the reference's loads, pressures `same` at its
+    separations."""
+    loaded = np.where(reference.mean_pressure > 0, 1.0, np.nan)
     with np.errstate(divide="ignore", invalid="ignore"):
-        load_error = same.mean_pressure / reference.mean_pressure - 1.0
+        load_error = same / reference.mean_pressure - 1.0
         area_error = model.contact_area / reference.contact_area - 1.0
     apart = (model.separation - reference.separation) / rms_height
     return structured(
         {
-            "mean_pressure": reference.mean_pressure,
+            "mean_pressure": pressures,
             "area_bem": reference.area_fraction,
-            "area_model": np.where(model.converged, model.area_fraction, np.nan),
+            "area_model": model.area_fraction,
             "separation_bem": reference.separation,
-            "separation_model": np.where(model.converged, model.separation, np.nan),
-            "load_error": np.where(loaded & same.converged, load_error, np.nan),
-            "area_error": np.where(loaded & model.converged, area_error, np.nan),
-            "separation_error": np.where(loaded & model.converged, apart, np.nan),
+            "separation_model": model.separation,
+            "load_error": loaded * load_error,
+            "area_error": loaded * area_error,
+            "separation_error": loaded * apart,
             "contacts_bem": reference.contacts,
             "contacts_model": model.contacts,
+            "contact_pressure_bem": reference.mean_contact_pressure,
+            "contact_pressure_model": model.mean_contact_pressure,
         }
     )
 
 
 def _about(hm: HeightMap, material: HalfSpace) -> dict[str, Any]:
     return {
-        "name": hm.name,
-        "shape": list(hm.shape),
-        "spacing": list(hm.spacing),
-        "periodic": hm.periodic,
-        "rms_height": hm.rms_height,
-        "rms_slope": slope_scale(hm)[0],
+        **map_facts(hm),
         "history": [dict(step) for step in hm.history],
         "input": hm.digest,
         "modulus": material.modulus,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.model.load_point import spot_of_contacts
 from asperity.results.storage import structured
 from surfaces.patches import label_patches
 
@@ -20,7 +21,12 @@ __all__ = ["spot_table"]
 
 
 def spot_table(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.void]:
-    """Table of the spots of the contact map (edge neighbors, as for boundary elements).
+    """Table of the separate spots, those that the column `contacts` of a curve counts.
+
+    Contacts that have joined over the passes between them are one spot
+    (`asperity.model.load_point.spot_count`), whether or not the neck between them holds a pixel.
+    Where the finest waves act as a law, spots are the patches of the contact map, in which pixels
+    meet at an edge or a corner.
 
     Parameters
     ----------
@@ -33,13 +39,25 @@ def spot_table(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.voi
     force [N], mean_pressure, peak_pressure [Pa] and pixels [-]. Forces add up to the load, areas
     to the contact area of the curve: the pixels of a contact share its area, so that spots of
     contacts smaller than a pixel have less than one.
+
+    Notes
+    -----
+    Their number is that of the curve, less the parts of a contact that hold no pixel where several
+    summits were pressed as one. Where the finest waves act as a law, both scatter about that
+    of boundary elements (rms 18 and 20 %; 24 and 20 % of spectra to the pixel).
     """
     hm = decomposition.hm
     pixel, contact, pressure = pressed_pixels(decomposition, point)
-    touching = np.zeros(hm.shape, bool)
-    touching.flat[pixel] = True
-    labels, count = label_patches(touching, periodic=decomposition.plan.boundary == "periodic")
-    own, force = labels.flat[pixel] - 1, pressure * (hm.spacing[0] * hm.spacing[1])
+    if decomposition.plan.sub_contact_law is None:
+        spot = _joined(decomposition, point, pixel, contact)
+    else:
+        touching = np.zeros(hm.shape, bool)
+        touching.flat[pixel] = True
+        periodic = decomposition.plan.boundary == "periodic"
+        spot = label_patches(touching, periodic=periodic)[0].flat[pixel]
+    own = np.unique(spot, return_inverse=True)[1]
+    count = int(own.max(initial=-1)) + 1
+    force = pressure * (hm.spacing[0] * hm.spacing[1])
     of_contact = np.bincount(contact, minlength=len(point.closed_area))
     share = point.closed_area[contact] / of_contact[contact]
 
@@ -67,7 +85,22 @@ def spot_table(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.voi
             "force": carried,
             "mean_pressure": carried / area,
             "peak_pressure": peak,
-            "pixels": np.bincount(labels.ravel(), minlength=count + 1)[1:],
+            "pixels": np.bincount(np.unique([own, pixel], axis=1)[0], minlength=count),
         }
     )
     return table[np.argsort(-area, kind="stable")]
+
+
+def _joined(
+    decomposition: Decomposition,
+    point: LoadPoint,
+    pixel: NDArray[np.int64],
+    contact: NDArray[np.int64],
+) -> NDArray[np.int64]:
+    """The spot of each pixel in contact: that of its contact, or of the summit in whose basin it
+    lies where several summits were pressed as one contact."""
+    summits, first = decomposition.summits, spot_of_contacts(decomposition, point)
+    peak = decomposition.labels.flat[pixel]
+    own = first[summits.single[peak]]
+    parted = (peak >= 0) & (summits.owner[peak] == contact) & (own >= 0)
+    return np.asarray(np.where(parted, own, first[contact]))

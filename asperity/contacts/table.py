@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.halfspace.transforms import kappa
-from asperity.microcontact.ray_moments import edge_weights
+from asperity.halfspace.transforms import edge_weights, kappa
 from asperity.results.storage import structured
 
 if TYPE_CHECKING:
@@ -48,9 +47,9 @@ def microcontacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.
     contact, as its law
     gives it), flags (bits of `asperity.microcontact.Flag`), estimate (relative error of the force
     that the law expects of itself), filled (share of the directions in which the contact fills its
-    basin), radii [m] (about the summit along 16 equispaced directions from x towards y, see
-    `outlines`), closed_area [m^2] (what touches within the contact; less than its area
-    where the finest waves act as a law of the contacts of the others, `asperity.multiscale`).
+    basin), radii_0 to radii_15 [m] (about the summit along 16 equispaced directions from x
+    towards y, see `outlines`), closed_area [m^2] (what touches within the contact; less than its
+    area where the finest waves act as a law of the contacts of the others, `asperity.multiscale`).
     """
     state, body = point.state, decomposition.material
     active = np.flatnonzero(state.force > 0)

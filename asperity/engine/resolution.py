@@ -92,8 +92,8 @@ class LightestLoad:
 
 
 def small_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
-    """Share of the contact area in contacts of fewer than ten pixels."""
-    labels, _ = label_patches(contact, periodic=periodic)
+    """Share of the contact area in patches of fewer than ten pixels that meet at their edges."""
+    labels, _ = label_patches(contact, periodic=periodic, corners=False)
     pixels = np.bincount(labels[contact])
     return float(pixels[pixels < FEW_PIXELS].sum() / max(pixels.sum(), 1))
 
@@ -130,6 +130,7 @@ def resolution(
     if not fits(finer.shape, boundary, 1):
         why = f"{held}, and a finer grid does not fit into memory"
         return Resolution(np.nan, np.nan, why, (CURE.format("an unknown part"),))
+    heaviest = max(heaviest, point.mean_pressure)
     loads = np.geomspace(
         point.mean_pressure, heaviest, LOADS if heaviest > point.mean_pressure else 1
     )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.bem.curve import SolvedLoad, bem_curve
+from asperity.bem.curve import bem_curve
 from asperity.bem.memory import fits
 from asperity.bem.problem import AREA_OVER_LOAD_ERROR
 from asperity.compilation import CURVE, compile_ahead
@@ -19,6 +19,7 @@ from asperity.errors import InputError, ModelRangeError
 from asperity.halfspace.scene import Boundary, checked_loads, chosen_boundary
 from asperity.model.map_checks import map_warnings
 from asperity.model.plan import make_plan
+from asperity.progress import Progress, reported
 from surfaces.errors import as_number
 
 from .cost import forecast
@@ -56,7 +57,7 @@ def solve(
     verify: str | bool = "auto",
     engine: str = "auto",
     boundary: str | None = None,
-    progress: Callable[[SolvedLoad], object] | None = None,
+    progress: Progress = None,
     judge: Callable[..., ContactCurve] = bem_curve,
 ) -> ContactCurve:
     """Load, separation and real contact area, as accurate as asked for, by the cheaper engine.
@@ -85,7 +86,8 @@ def solve(
     boundary
         "periodic" or "free"; as the map says if None.
     progress
-        Called with every load point that boundary elements have solved.
+        True for a progress bar, or a function called with every load point that boundary elements
+        have solved.
     judge
         Solves load points by boundary elements: a function with the arguments of `bem_curve`, such
         as one that keeps in a file what it has solved.
@@ -130,32 +132,33 @@ def solve(
     if verify not in ("auto", True, False):
         raise InputError(f"verify is {verify!r}; give 'auto' or False")
     kind, values = checked_loads(hm, material, pressures, separations)
-    scene = _Scene(hm, material, kind, chosen_boundary(hm, boundary), judge, LightestLoad(progress))
-    clock = _Clock(begun)
-    choice = scene.choice(values, engine, bool(verify))
-    clock.stage("choice")
-    if choice.plan is not None and choice.engine != "bem":
-        try:
-            model = scene.model(choice.plan, values)
-        except ModelRangeError as error:
-            choice = choice._replace(
-                engine="bem", reason=f"the microcontact model has no answer: {error}"
-            )
-        clock.stage("model")
-    if choice.engine == "bem":
-        curve = scene.exact(values, min(asked.area, AREA_OVER_LOAD_ERROR * asked.load))
-    elif choice.engine == "model":
-        curve = replace(model, extra={**model.extra, "anchor": np.zeros(len(values), bool)})
-    else:
-        part = JUDGE_SHARE * asked.area
-        curve = verified(hm, model, kind, values, lambda at: scene.exact(at, part), asked)
-    anchors = np.flatnonzero(curve.extra.get("anchor", np.ones(len(values))))
-    if choice.engine == "anchored" and len(anchors) == len(values):
-        why = f"{choice.reason}; but the model did not hold between anchors"
-        choice = choice._replace(engine="bem", reason=why)
-    clock.stage("boundary elements")
-    left = UNTOLD if choice.engine == "model" else scene.resolution(curve, values)
-    clock.stage("resolution")
+    with reported(progress, None, "boundary elements") as tell:
+        scene = _Scene(hm, material, kind, chosen_boundary(hm, boundary), judge, LightestLoad(tell))
+        clock = _Clock(begun)
+        choice = scene.choice(values, engine, bool(verify))
+        clock.stage("choice")
+        if choice.plan is not None and choice.engine != "bem":
+            try:
+                model = scene.model(choice.plan, values)
+            except ModelRangeError as error:
+                choice = choice._replace(
+                    engine="bem", reason=f"the microcontact model has no answer: {error}"
+                )
+            clock.stage("model")
+        if choice.engine == "bem":
+            curve = scene.exact(values, min(asked.area, AREA_OVER_LOAD_ERROR * asked.load))
+        elif choice.engine == "model":
+            curve = replace(model, extra={**model.extra, "anchor": np.zeros(len(values), bool)})
+        else:
+            part = JUDGE_SHARE * asked.area
+            curve = verified(hm, model, kind, values, lambda at: scene.exact(at, part), asked)
+        anchors = np.flatnonzero(curve.extra.get("anchor", np.ones(len(values))))
+        if choice.engine == "anchored" and len(anchors) == len(values):
+            why = f"{choice.reason}; but the model did not hold between anchors"
+            choice = choice._replace(engine="bem", reason=why)
+        clock.stage("boundary elements")
+        left = UNTOLD if choice.engine == "model" else scene.resolution(curve, values)
+        clock.stage("resolution")
     told = {
         "engine": choice.engine,
         "reason": choice.reason,
@@ -265,7 +268,7 @@ class _Scene:
         if self.lightest.point is None and (pressure > 0.0).any():  # all were solved before
             first = int(np.argmin(np.where(pressure > 0.0, pressure, np.inf)))
             self.exact(values[[first]], 2.0 * ACCURACIES[1])
-        heaviest = float(pressure.max())
+        heaviest = float(pressure[curve.converged].max(initial=0.0))
         return resolution(self.hm, self.material, self.boundary, self.lightest, heaviest)
 
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.bem.curve import spline_stiffness
 from asperity.multiscale.wave_split import random_waves
 from asperity.results.curve import ContactCurve
+from asperity.results.interpolation import spline_stiffness
 from surfaces.heightmap import HeightMap
 
 from .misfit import between, halved
@@ -40,6 +40,19 @@ single summits, and the misfit does not vary slowly."""
 
 YIELDED = "plastic_share", "unloading_stiffness"
 """Columns of the model that a curve with a hardness keeps."""
+
+KEPT = (
+    "law",
+    "boundary",
+    "modulus",
+    "m",
+    "hardness",
+    "input",
+    "map",
+    "pressure_scale",
+    "warnings",
+)
+"""Settings of the model that a verified curve keeps."""
 
 UNKNOWN = 0.05, 0.15
 """Estimates of load and area where the model states none."""
@@ -257,9 +270,7 @@ def _curve(
     pressure, separation = columns.pop("mean_pressure"), columns.pop("separation")
     contact_area = columns.pop("contact_area")
     settings: dict[str, Any] = {
-        name: model.settings[name]
-        for name in ("law", "boundary", "modulus", "m", "hardness", "input", "warnings")
-        if name in model.settings
+        name: model.settings[name] for name in KEPT if name in model.settings
     }
     yielded = {}
     if "hardness" in settings:
@@ -273,7 +284,7 @@ def _curve(
         load=pressure * hm.area,
         area_fraction=contact_area / hm.area,
         contact_area=contact_area,
-        contacts=np.rint(columns.pop("contacts")).astype(np.int64),
+        contacts=np.rint(columns.pop("contacts")),
         stiffness=spline_stiffness(separation, pressure, converged),
         converged=converged,
         residual=columns["residual"],
@@ -281,6 +292,7 @@ def _curve(
         model="anchored",
         settings=settings,
         extra={
+            **model.asked,
             "area_error_estimate": told,
             "anchor": is_anchor,
             **yielded,

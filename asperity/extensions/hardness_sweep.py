@@ -9,8 +9,10 @@ from numpy.typing import ArrayLike
 from asperity.curve import solve_loads
 from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.scene import checked_loads
 from asperity.model.decomposition import Decomposition
 from asperity.model.plan import make_plan
+from asperity.progress import Progress, reported
 from asperity.results.curve import ContactCurve
 
 if TYPE_CHECKING:
@@ -28,6 +30,7 @@ def hardness_sweep(
     *,
     pressures: ArrayLike | None = None,
     separations: ArrayLike | None = None,
+    progress: Progress = None,
     **choices: Any,
 ) -> tuple[ContactCurve, ...]:
     """Contact curves of one surface at several hardnesses.
@@ -38,6 +41,8 @@ def hardness_sweep(
         As in `contact_curve`; by default the loads are 0.1 % to 10 % of contact at each hardness.
     hardnesses
         Hardnesses [Pa], each positive, in any order; infinity is the elastic body.
+    progress
+        True for a progress bar, or a function called with the state of every finished load point.
     choices
         Further choices of `make_plan`: `law`, `interaction`, `boundary`, `scales`.
 
@@ -72,8 +77,12 @@ def hardness_sweep(
     softest = min(bodies, key=lambda body: body.hardness)
     plan = make_plan(hm, softest, **loads, **choices)
     base = Decomposition.of(hm.without_rounding, softest, plan)
+    count = len(bodies) * len(checked_loads(hm, softest, **loads)[1])
     curves = []
-    for body in bodies:
-        made = base.of_hardness(body)
-        curves.append(solve_loads(hm, body, made.plan, **loads, decomposition=made)[0])
+    with reported(progress, count, "load points") as tell:
+        for body in bodies:
+            made = base.of_hardness(body)
+            curves.append(
+                solve_loads(hm, body, made.plan, **loads, decomposition=made, progress=tell)[0]
+            )
     return tuple(curves)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Literal, TypeGuard
+from typing import Any, Literal, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,7 @@ __all__ = [
     "default_pressures",
     "expected_area_fraction",
     "known_boundary",
+    "map_facts",
     "pressure_scale",
     "require_scene",
     "slope_scale",
@@ -75,6 +76,20 @@ def slope_scale(hm: HeightMap) -> tuple[float, float]:
     """Root-mean-square slope [-] and the length [m] over which it turns, by finite differences."""
     found = hm.roughness
     return found.rms_slope, min(found.length, max(hm.size))
+
+
+def map_facts(hm: HeightMap) -> dict[str, Any]:
+    """What a result holds of its map: name, shape, spacing [m], whether it repeats, rms height [m]
+    and slope [-]."""
+    found = hm.roughness
+    return {
+        "name": hm.name,
+        "shape": list(hm.shape),
+        "spacing": list(hm.spacing),
+        "periodic": hm.periodic,
+        "rms_height": found.rms_height,
+        "rms_slope": found.rms_slope,
+    }
 
 
 def pressure_scale(hm: HeightMap, material: HalfSpace) -> float:

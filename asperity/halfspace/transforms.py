@@ -8,7 +8,7 @@ angular harmonic f_n(r) e^(i n phi)
 
 is the strength of the edge singularity that f_n leaves on a circle of radius a; n = 0 gives the
 approach D(a), and n = 2 put in for every harmonic gives the published contour. A power r^k has
-the closed multiplier e_n = kappa_m(k + n) a^k.
+the closed multiplier e_n = kappa_m(k + n) a^k, a sampled ray weights for its samples.
 """
 
 from __future__ import annotations
@@ -20,12 +20,15 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import eigh_tridiagonal
 from scipy.special import beta, betainc, betaincc, gammaln, roots_jacobi
 
-__all__ = ["gauss_jacobi", "kappa", "moments"]
+__all__ = ["edge_weights", "gauss_jacobi", "kappa", "moment_weights", "moments"]
 
 Array = NDArray[np.float64]
 
 _LARGE = 2000.0
 """Exponent above which differences of log-Gamma lose digits."""
+
+MOMENT_RADII, EDGE_RADII = 13, 25
+"""Radii of a ray, from 0 to 1 of its length, at which moments and edge operator are given."""
 
 
 def kappa(m: float, k: ArrayLike) -> Array:
@@ -114,3 +117,45 @@ def moments(m: float, edges: Array, orders: NDArray[np.int64]) -> Array:
     from_right = high[..., :-1, :] - high[..., 1:, :]
     difference = np.where(x[..., :-1, :] < 0.5, from_left, from_right)
     return np.asarray(0.5 * beta(p, q) * difference)
+
+
+@lru_cache(maxsize=8)
+def moment_weights(m: float, nodes: int, order: int) -> Array:
+    """Weights (`MOMENT_RADII`, nodes) of ``h(a) = int t**(order+3) q(a t) (1-t*t)**((m-1)/2) dt``.
+
+    ``a`` runs over equispaced fractions of the ray from 0 to 1, ``q`` over equispaced nodes with
+    local cubics between them.
+    """
+    return _weights(m, nodes, order, MOMENT_RADII)[0]
+
+
+@lru_cache(maxsize=8)
+def edge_weights(m: float, nodes: int, order: int) -> Array:
+    """Weights (`EDGE_RADII`, nodes) of ``(order + 3 + m) h + a h'`` with h as in `moment_weights`.
+
+    Times ``a**2`` this is the edge operator of harmonic `order` of one ray
+    (docs/development/laws.md).
+    """
+    value, slope = _weights(m, nodes, order, EDGE_RADII)
+    return (order + 3 + m) * value + slope
+
+
+def _weights(m: float, nodes: int, order: int, radii: int) -> tuple[Array, Array]:
+    """Weights of h and of a h'."""
+    t, w = gauss_jacobi(m, 24)
+    value, slope = np.zeros((2, radii, nodes))
+    last = nodes - 1
+    for n, a in enumerate(np.linspace(0, 1, radii)):
+        position = a * t * last
+        i = np.clip(position.astype(int), 1, last - 2)
+        u = position - i
+        cubic = (
+            (-u * (u - 1) * (u - 2) / 6, -(3 * u * u - 6 * u + 2) / 6),
+            ((u + 1) * (u - 1) * (u - 2) / 2, (3 * u * u - 4 * u - 1) / 2),
+            (-(u + 1) * u * (u - 2) / 2, -(3 * u * u - 2 * u - 2) / 2),
+            ((u + 1) * u * (u - 1) / 6, (3 * u * u - 1) / 6),
+        )
+        for k, (share, change) in enumerate(cubic):
+            np.add.at(value[n], i + k - 1, share * w * t ** (order + 3))
+            np.add.at(slope[n], i + k - 1, change * position * w * t ** (order + 3))
+    return value, slope

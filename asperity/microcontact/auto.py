@@ -22,7 +22,7 @@ from . import circle, ritz
 from .law_table import LawTable
 
 if TYPE_CHECKING:
-    from surfaces import Profiles
+    from surfaces.peaks.profiles import Profiles
 
 __all__ = ["tabulate"]
 

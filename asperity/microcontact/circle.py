@@ -16,7 +16,7 @@ from surfaces.numerics import parallel
 from .law_table import LawTable, joined
 
 if TYPE_CHECKING:
-    from surfaces import Profiles
+    from surfaces.peaks.profiles import Profiles
 
 __all__ = ["expected_error", "tabulate"]
 

@@ -12,13 +12,13 @@ from scipy.interpolate import CubicSpline
 from asperity.errors import InputError
 from asperity.halfspace.flags import Flag
 from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.transforms import moment_weights
 from surfaces.numerics import parallel
 
 from .law_table import LawTable
-from .ray_moments import moment_weights
 
 if TYPE_CHECKING:
-    from surfaces import Profiles
+    from surfaces.peaks.profiles import Profiles
 
 __all__ = ["EllipticContact", "elliptic_contact", "tabulate"]
 

@@ -12,7 +12,7 @@ from asperity.halfspace.material import HalfSpace
 from .capped_table import capped_table
 
 if TYPE_CHECKING:
-    from surfaces import Profiles
+    from surfaces.peaks.profiles import Profiles
 
     from .law_table import LawTable
 

@@ -23,10 +23,12 @@ if TYPE_CHECKING:
 __all__ = [
     "LoadPoint",
     "joined_spots",
+    "load_difference",
     "load_point",
     "plastic_share",
     "point_at_separation",
     "spot_count",
+    "spot_of_contacts",
 ]
 
 
@@ -124,6 +126,16 @@ def point_at_separation(
     return point
 
 
+def load_difference(alone: LoadPoint, interacting: PopulationState) -> float:
+    """Load of independent contacts over that of interacting ones, less one; NaN if not known."""
+    if not (alone.converged and interacting.converged):
+        return np.nan
+    pressure = alone.state.mean_pressure
+    if interacting.mean_pressure == 0.0:
+        return np.inf if pressure else 0.0
+    return pressure / interacting.mean_pressure - 1.0
+
+
 def plastic_share(load: Array, area: Array, hardness: float) -> Array:
     """Share of contact areas [m^2] under loads [N] whose pressure is the hardness [Pa].
 
@@ -157,7 +169,8 @@ def _refusal(decomposition: Decomposition, state: PopulationState, surface: Surf
 
 
 def spot_count(decomposition: Decomposition, point: LoadPoint) -> int:
-    """Number of separate spots.
+    """Number of separate spots: of what touches on the pixels of the map, where pixels that meet at
+    an edge or a corner belong together, as boundary elements on these pixels count them.
 
     Parameters
     ----------
@@ -172,14 +185,13 @@ def spot_count(decomposition: Decomposition, point: LoadPoint) -> int:
     of the pass under their summits (1.7 for two equal summits in a double well, boundary elements:
     docs/development/errors.md). Where the finest waves act as a law, contacts of the area A that
     stay closed on its share f and cover the share P of the map are parted into
-    0.97 P^-0.15 (1 - f)/f more spots per wave, A (q/2 pi)^2 waves of the mean wave number q of the
+    0.35 P^-0.23 (1 - f)/f more spots per wave, A (q/2 pi)^2 waves of the mean wave number q of the
     fine waves.
     The constants were found on seeds 1, 2 and 11 (docs/development/errors.md).
     """
     fitted = decomposition.plan.parameters.spots
-    pairs, depth = decomposition.passes
-    each = _each(decomposition.summits, point.state)
-    count: float = joined_spots(pairs, 2.0 * fitted.joined * depth, *each)
+    first = spot_of_contacts(decomposition, point)
+    count = float(np.count_nonzero(first == np.arange(len(first))))
     fine, area = decomposition.plan.sub_contact_law, point.state.contact_area
     if fine is not None and area > 0.0:
         closed = float(point.closed_area.sum()) / area
@@ -187,6 +199,15 @@ def spot_count(decomposition: Decomposition, point: LoadPoint) -> int:
         waves = area * (fine.number / (2.0 * np.pi)) ** 2
         count += fitted.parted * share * waves * (1.0 - closed) / closed
     return round(count)
+
+
+def spot_of_contacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.int64]:
+    """The spot of each contact, shape (n,): the first of the contacts that have joined it over the
+    passes between them; -1 without contact."""
+    fitted = decomposition.plan.parameters.spots
+    pairs, depth = decomposition.passes
+    each = _each(decomposition.summits, point.state)
+    return np.asarray(joined_spots(pairs, 2.0 * fitted.joined * depth, *each))
 
 
 def _each(summits: Summits, state: PopulationState) -> tuple[Array, Array]:
@@ -200,8 +221,10 @@ def _each(summits: Summits, state: PopulationState) -> tuple[Array, Array]:
 
 
 @compiled()
-def joined_spots(pairs: NDArray[np.int64], depth: Array, approach: Array, area: Array) -> int:
-    """Number of spots of contacts that have joined over the passes between them.
+def joined_spots(
+    pairs: NDArray[np.int64], depth: Array, approach: Array, area: Array
+) -> NDArray[np.int64]:
+    """First contact of the spot that each contact belongs to, -1 without area, shape (n,).
 
     Parameters
     ----------
@@ -213,10 +236,8 @@ def joined_spots(pairs: NDArray[np.int64], depth: Array, approach: Array, area: 
         Approaches [m] and areas [m^2] of the contacts, shape (n,).
     """
     parent = np.empty(area.size, np.int64)
-    left = 0
     for i in range(area.size):
         parent[i] = i
-        left += area[i] > 0.0
     for k in range(pairs.shape[0]):
         a = pairs[k, 0]
         b = pairs[k, 1]
@@ -225,5 +246,6 @@ def joined_spots(pairs: NDArray[np.int64], depth: Array, approach: Array, area: 
         a, b = root(parent, a), root(parent, b)
         if a != b:
             parent[max(a, b)] = min(a, b)
-            left -= 1
-    return left
+    for i in range(area.size):
+        parent[i] = root(parent, i) if area[i] > 0.0 else -1
+    return parent

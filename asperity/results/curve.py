@@ -5,38 +5,28 @@ from __future__ import annotations
 import dataclasses
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity import __version__
 from asperity.errors import FileFormatError, InputError
 
-from .interpolation import READ_FIELDS, CurvePoint, read_off
-from .storage import CurveRecord, ResultFile, read_results, write_results
+from .interpolation import READ_FIELDS, CurvePoint, curve_stiffness, read_off
+from .storage import CurveRecord, ResultFile, read_file, write_results
+from .table import POINT_FIELDS, CurveTable
 
-__all__ = ["POINT_FIELDS", "ContactCurve", "CurvePoint", "require_curve"]
-
-POINT_FIELDS = (
-    "separation",
-    "mean_pressure",
-    "load",
-    "area_fraction",
-    "contact_area",
-    "contacts",
-    "stiffness",
-    "converged",
-    "residual",
-    "error_estimate",
-)
+__all__ = ["POINT_FIELDS", "ContactCurve", "CurvePoint", "read_results", "require_curve"]
 
 ATTRIBUTES = ("model", "version", "settings", "seconds")
 
+DERIVED = "mean_contact_pressure"
+"""Column that files hold for other programs; here it follows from load and area."""
 
-@dataclass(frozen=True, eq=False)
-class ContactCurve:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactCurve(CurveTable):
     """Load, separation and real contact area over a sequence of load points.
 
     Attributes
@@ -52,7 +42,7 @@ class ContactCurve:
     contact_area
         Real contact area [m^2], shape (n,).
     contacts
-        Number of separate contact spots [-], shape (n,).
+        Number of separate contact spots [-], shape (n,); pixels join by edges and corners.
     stiffness
         Minus the slope of mean pressure over separation [Pa/m], shape (n,).
     converged
@@ -66,11 +56,12 @@ class ContactCurve:
     seconds
         Run time by stage [s].
     settings
-        Everything needed to repeat the run, with the digest of the input map.
+        Everything needed to repeat the run, with digest and facts of the input map.
     extra
         Further arrays over the load points, by name.
     reasons
-        One sentence for each load point that did not converge or was refused, else "".
+        One sentence for each load point that did not converge or was refused, else "". Its answers
+        are NaN, in this object as in every output.
     version
         Version of the package that made the curve.
 
@@ -85,75 +76,43 @@ class ContactCurve:
     True
     """
 
-    separation: NDArray[np.float64]
-    mean_pressure: NDArray[np.float64]
-    load: NDArray[np.float64]
-    area_fraction: NDArray[np.float64]
-    contact_area: NDArray[np.float64]
-    contacts: NDArray[np.int64]
-    stiffness: NDArray[np.float64]
-    converged: NDArray[np.bool_]
-    residual: NDArray[np.float64]
-    error_estimate: NDArray[np.float64]
-    model: str
-    seconds: Mapping[str, float] = field(default_factory=dict)
-    settings: Mapping[str, Any] = field(default_factory=dict)
-    extra: Mapping[str, NDArray[Any]] = field(default_factory=dict)
-    reasons: tuple[str, ...] = ()
-    version: str = __version__
-
-    def __post_init__(self) -> None:
-        n = np.size(self.separation)
-        for name in POINT_FIELDS:
-            array = np.atleast_1d(np.asarray(getattr(self, name)))
-            if array.shape != (n,):
-                raise InputError(f"{name} has shape {array.shape}; expected ({n},)")
-            object.__setattr__(self, name, array)
-        for name, values in self.extra.items():
-            if np.shape(values)[:1] != (n,):
-                raise InputError(
-                    f"extra {name!r} has shape {np.shape(values)}; expected ({n}, ...)"
-                )
-        if not self.reasons:
-            object.__setattr__(self, "reasons", ("",) * n)
-
-    def __len__(self) -> int:
-        return len(self.separation)
-
-    @property
-    def verification(self) -> Mapping[str, Any] | None:
-        """What `asperity.solve` tells of its answer: engine and reason, accuracy and whether it is
-        met, anchors (load points that boundary elements solved), and the uncertainty of load and
-        area that the pixels of the map leave; None of other curves."""
-        return self.settings.get("verification")
-
     def at(
-        self, *, pressure: ArrayLike | None = None, separation: ArrayLike | None = None
+        self,
+        *,
+        pressure: ArrayLike | None = None,
+        load: ArrayLike | None = None,
+        separation: ArrayLike | None = None,
+        area_fraction: ArrayLike | None = None,
     ) -> CurvePoint:
-        """Evaluate the curve at a mean pressure or a separation.
+        """Evaluate the curve at a mean pressure, a load, a separation or an area fraction.
 
         Parameters
         ----------
-        pressure
-            Mean pressure [Pa], scalar or array; within the range of the converged points.
-        separation
-            Separation [m], scalar or array; give this or `pressure`.
+        pressure, load, separation, area_fraction
+            One of them [Pa], [N], [m], [-], scalar or array, within the range of the converged
+            points.
 
         Returns
         -------
         CurvePoint
             Values interpolated by monotone cubics in log pressure, scalar for a scalar question.
             Of points that came out in the wrong order, with a separation that does not fall, the
-            heavier is left out.
+            heavier is left out; where an area is given, also with one that does not rise.
 
         Raises
         ------
         InputError
-            If neither or both are given, the question lies outside the curve, or fewer than two
+            If not exactly one is given, the question lies outside the curve, or fewer than two
             converged points with load exist.
         """
+        asked = {
+            "pressure": pressure,
+            "load": load,
+            "separation": separation,
+            "area_fraction": area_fraction,
+        }
         columns = {name: getattr(self, name) for name in READ_FIELDS}
-        return read_off(columns, self.converged, pressure=pressure, separation=separation)
+        return read_off(columns, self.converged, asked)
 
     def select(self, points: ArrayLike) -> ContactCurve:
         """The curve of some load points (indices or a mask), in that order.
@@ -183,8 +142,6 @@ class ContactCurve:
         Where tangents are known the stiffness is that of all points together. What one of the runs
         did not find out, such as the difference that interaction makes, is NaN at its points.
         """
-        from .interpolation import curve_stiffness
-
         columns: dict[str, Any] = {
             name: np.concatenate([getattr(self, name), getattr(later, name)])
             for name in POINT_FIELDS
@@ -231,7 +188,7 @@ class ContactCurve:
         FileFormatError
             If the file is no results file or holds no such curve.
         """
-        held = read_results(path).curves
+        held = read_file(path).curves
         if model is None and len(held) == 1:
             return cls.from_record(next(iter(held.values())))
         if model not in held:
@@ -242,7 +199,7 @@ class ContactCurve:
     def to_record(self) -> CurveRecord:
         """The curve as plain columns and attributes, for a results file."""
         return CurveRecord(
-            columns={name: getattr(self, name) for name in POINT_FIELDS},
+            columns={name: getattr(self, name) for name in (*POINT_FIELDS, DERIVED)},
             extra=dict(self.extra),
             reasons=self.reasons,
             attributes={name: getattr(self, name) for name in ATTRIBUTES},
@@ -294,6 +251,7 @@ class ContactCurve:
             f"separation      {span(self.separation, ' m')}",
             f"mean pressure   {span(self.mean_pressure, ' Pa')}   load {span(self.load, ' N')}",
             f"area fraction   {span(self.area_fraction, '')}   contacts {span(self.contacts, '')}",
+            f"contact mean    {span(self.mean_contact_pressure, ' Pa')}",
             *(f"plastic share   {span(share, '')} of the contact area" for share in yielded),
             f"error estimate  {span(self.error_estimate, '')}{area}",
             f"residual        {span(self.residual, '')}",
@@ -324,6 +282,29 @@ def _told(verification: Mapping[str, Any]) -> list[str]:
         f"{verification['reference']}; {len(verification['anchors'])} points by boundary elements",
         f"pixels leave    {left} in area open ({verification['resolution']})",
     ]
+
+
+def read_results(path: str | os.PathLike[str]) -> dict[str, ContactCurve]:
+    """All contact curves of a results file, by name: "asperity", "bem", "anchored" ...
+
+    Raises
+    ------
+    FileFormatError
+        If it is no results file, or damaged.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
+    >>> curve = asperity.contact_curve(hm, asperity.HalfSpace(210e9, 0.3), pressures=[1e8, 1e9])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     curve.to_hdf5(f"{folder}/results.h5")
+    ...     list(asperity.read_results(f"{folder}/results.h5"))
+    ['asperity']
+    """
+    held = read_file(path).curves.items()
+    return {name: ContactCurve.from_record(record) for name, record in held}
 
 
 def require_curve(curve: object) -> None:

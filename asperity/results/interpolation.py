@@ -11,7 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
 
-__all__ = ["READ_FIELDS", "SLACK", "CurvePoint", "curve_stiffness", "read_off"]
+__all__ = [
+    "READ_FIELDS",
+    "SLACK",
+    "CurvePoint",
+    "contact_pressure",
+    "curve_stiffness",
+    "read_off",
+    "spline_stiffness",
+]
 
 
 READ_FIELDS = (
@@ -28,6 +36,15 @@ READ_FIELDS = (
 SLACK = 5e-3
 """Relative distance beyond the ends at which a curve can be evaluated: solved pressures differ from
 those asked for by the tolerance of the solve, and the latter must be within the curve."""
+
+
+QUESTIONS = {
+    "pressure": ("mean_pressure", "Pa"),
+    "load": ("load", "N"),
+    "separation": ("separation", "m"),
+    "area_fraction": ("area_fraction", ""),
+}
+"""Column and unit of what a curve can be read off at."""
 
 
 LEAST_SPAN = 0.25
@@ -55,13 +72,23 @@ class CurvePoint:
     contacts: Any
     stiffness: Any
 
+    @property
+    def mean_contact_pressure(self) -> Any:
+        """Load over contact area [Pa]; NaN where nothing touches."""
+        return contact_pressure(self.load, self.contact_area)[()]
+
+
+def contact_pressure(load: ArrayLike, area: ArrayLike) -> NDArray[np.float64]:
+    """Mean pressure [Pa] of contact areas [m^2] under loads [N]; NaN where nothing touches."""
+    area = np.asarray(area, float)
+    touching = np.where(area > 0.0, area, np.nan)
+    return np.asarray(load, float) / touching
+
 
 def read_off(
     columns: Mapping[str, NDArray[Any]],
     converged: NDArray[np.bool_],
-    *,
-    pressure: ArrayLike | None = None,
-    separation: ArrayLike | None = None,
+    questions: Mapping[str, ArrayLike | None],
 ) -> CurvePoint:
     """Interpolate a curve, see `ContactCurve.at`.
 
@@ -71,36 +98,47 @@ def read_off(
         The columns `READ_FIELDS` of the curve, shape (n,) each.
     converged
         Points that count, shape (n,).
-    pressure, separation
-        Where the curve is read: one of them [Pa], [m].
+    questions
+        Where the curve is read, by the names of `QUESTIONS`; all but one are None.
     """
     from scipy.interpolate import PchipInterpolator
 
-    if (pressure is None) == (separation is None):
-        raise InputError("give either pressure or separation to read the curve off")
+    given = [name for name, values in questions.items() if values is not None]
+    if len(given) != 1:
+        raise InputError(
+            "give one of pressure, load, separation or area_fraction to read the curve off"
+        )
+    name, (column, unit) = given[0], QUESTIONS[given[0]]
     pressures, separations = columns["mean_pressure"], columns["separation"]
     usable = converged & (pressures > 0) & np.isfinite(separations)
     order = np.flatnonzero(usable)[np.argsort(pressures[usable])]
-    order = order[np.diff(pressures[order], prepend=-1.0) > 0]
-    lowest = np.minimum.accumulate(np.append(np.inf, separations[order]))[:-1]
-    order = order[separations[order] < lowest]
+    order = order[_rising(pressures[order])]
+    order = order[_rising(-separations[order])]
+    if column == "area_fraction":
+        order = order[_rising(columns[column][order])]
     if len(order) < 2:
         raise InputError("the curve has fewer than two converged points with load")
     log_p = np.log(pressures[order])
     try:
-        given: Any = separation if pressure is None else pressure
-        asked: NDArray[np.float64] = np.ma.filled(np.ma.asarray(given, dtype=float), np.nan)
+        asked: NDArray[np.float64] = np.ma.filled(
+            np.ma.asarray(questions[name], dtype=float), np.nan
+        )
     except (TypeError, ValueError):
         raise InputError("the curve is read off at a number or an array of numbers") from None
-    if pressure is not None:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            key = np.log(asked)
-        _within(asked, np.exp(log_p[[0, -1]]), key, log_p, SLACK, "pressure", "Pa")
-    else:
-        falling = separations[order][::-1]
+    knots = columns[column][order]
+    if column == "separation":
+        falling = knots[::-1]
         rim = 1e-9 * max(abs(falling[0]), abs(falling[-1]), falling[-1] - falling[0])
-        _within(asked, falling[[0, -1]], asked, falling, rim, "separation", "m")
+        _within(asked, falling[[0, -1]], asked, falling, rim, name, unit)
         key = PchipInterpolator(falling, log_p[::-1])(asked)
+    else:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            log_asked = np.log(asked)
+        rising = np.log(knots)
+        _within(asked, knots[[0, -1]], log_asked, rising, SLACK, name, unit)
+        key = PchipInterpolator(rising, log_p)(log_asked)
+        if column == "mean_pressure":
+            key = log_asked
 
     def read(name: str, in_log: bool) -> Any:
         values = np.asarray(columns[name], dtype=float)[order]
@@ -114,15 +152,16 @@ def read_off(
         found = np.where(known, found, np.nan)
         return (np.exp(found) if in_log else found)[()]
 
-    return CurvePoint(
-        separation=read("separation", False) if separation is None else asked[()],
-        mean_pressure=np.exp(key)[()],
-        load=read("load", True),
-        area_fraction=read("area_fraction", True),
-        contact_area=read("contact_area", True),
-        contacts=read("contacts", True),
-        stiffness=read("stiffness", True),
-    )
+    found = {part: read(part, part != "separation") for part in READ_FIELDS}
+    found["mean_pressure"] = np.exp(key)[()]
+    if column != "mean_pressure":  # what was asked for comes back
+        found[column] = asked[()]
+    return CurvePoint(**found)
+
+
+def _rising(values: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Values above all before them."""
+    return np.asarray(values > np.maximum.accumulate(np.append(-np.inf, values))[:-1])
 
 
 def _within(
@@ -186,3 +225,45 @@ def curve_stiffness(
         if x[high] - x[low] >= LEAST_SPAN and fall[high] > fall[low]:
             found[order[i]] *= (told[high] - told[low]) / (fall[high] - fall[low])
     return found
+
+
+def spline_stiffness(
+    separation: NDArray[np.float64],
+    mean_pressure: NDArray[np.float64],
+    converged: NDArray[np.bool_],
+) -> NDArray[np.float64]:
+    """Minus the slope of mean pressure over separation [Pa/m], shape (n,).
+
+    Loads closer than 1e-5 share one value; zero without load; NaN where a point did not converge,
+    or is the only one.
+
+    Notes
+    -----
+    The rate r = -ds/d(ln p) is a power of p about the middle of each interval of loads, where its
+    mean over the interval, with the growth g of ln r over ln p and the length h, is
+    r sinh(gh/2)/(gh/2). Its logarithm is a spline through the middles: exact, however far apart
+    the loads, for the exponential law of light contact and for any power law, such as a sphere's.
+    """
+    from scipy.interpolate import CubicSpline
+
+    stiffness = np.where(mean_pressure == 0.0, 0.0, np.nan)
+    order = np.flatnonzero(converged & (mean_pressure > 0.0))
+    order = order[np.argsort(mean_pressure[order], kind="stable")]
+    level = np.log(mean_pressure[order])
+    first = np.diff(level, prepend=-np.inf) > 1e-5
+    knots, ends = order[first], level[first]
+    fall, length = -np.diff(separation[knots]), np.diff(ends)
+    falls = fall > 0.0
+    if not falls.any():
+        return stiffness
+    middle, length = 0.5 * (ends[1:] + ends[:-1])[falls], length[falls]
+    mean = np.log(fall[falls] / length)
+    rate, at_knots = mean, np.full(ends.shape, mean[0])
+    if len(mean) > 1:
+        for _ in range(10):
+            half = 0.5 * length * np.gradient(rate, middle) + 1e-9
+            rate = mean - np.log(np.sinh(half) / half)
+        at_knots = CubicSpline(middle, rate, bc_type="natural")(ends)
+    slope = mean_pressure[knots] * np.exp(-at_knots)
+    stiffness[order] = slope[np.cumsum(first) - 1]
+    return stiffness

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import os
 import time
 from collections.abc import Callable, Mapping
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 from asperity.errors import InputError
 
 from .curve import ContactCurve
-from .storage import ResultFile, read_results, write_results
+from .storage import ResultFile, read_file, write_results
 
 __all__ = ["Solve", "require_continuable", "run_resumably"]
 
@@ -29,7 +28,7 @@ SECONDS_BETWEEN_WRITES = 1.0
 def run_resumably(
     solve: Solve,
     values: NDArray[np.float64],
-    column: str,
+    kind: str,
     path: str | os.PathLike[str],
     *,
     model: str,
@@ -45,8 +44,8 @@ def run_resumably(
         Solves load points, telling what is finished as it goes.
     values
         Load points, shape (n,).
-    column
-        Column of the curve that holds them: "mean_pressure" or "separation".
+    kind
+        What they are: "pressure" or "separation".
     path
         Results file.
     model
@@ -62,28 +61,29 @@ def run_resumably(
     Returns
     -------
     ContactCurve
-        All points in the order of `values`, which its `extra` holds as "asked".
+        All points in the order of `values`.
 
     Raises
     ------
     InputError
         If the file was made from another input or with other settings.
     """
-    done = None
+    done, asked = None, f"asked_{kind}"
     if resume and Path(path).exists():
         record = require_continuable(path, request).curves.get(model)
         if record is not None:
             curve = ContactCurve.from_record(record)
-            done = curve.select(curve.converged) if curve.converged.any() else None
+            known = curve.converged.any() and asked in curve.extra
+            done = curve.select(curve.converged) if known else None
     held = np.zeros((len(values), 1), bool)
     if done is not None:
-        held = np.isclose(values[:, None], done.extra["asked"], rtol=1e-12, atol=0.0)
+        held = np.isclose(values[:, None], done.extra[asked], rtol=1e-12, atol=0.0)
     new, place = ~held.any(axis=1), held.argmax(axis=1)
     if chained and new.any():
         done, new = None, np.ones_like(new)
-    keeper = _Keeper(path, request, column, values[new], done)
+    keeper = _Keeper(path, request, done)
     if done is None or new.any():
-        done = keeper.with_done(solve(values[new], keeper), values[new])
+        done = keeper.with_done(solve(values[new], keeper))
         count = np.count_nonzero(new)
         place[new] = len(done) - count + np.arange(count)
     whole = done.select(place)
@@ -98,26 +98,18 @@ class _Keeper:
         self,
         path: str | os.PathLike[str],
         request: Mapping[str, Any],
-        column: str,
-        asked: NDArray[np.float64],
         done: ContactCurve | None,
     ) -> None:
         self.path, self.request, self.done = path, request, done
-        self.column, self.asked = column, asked
         self.next_write = time.monotonic() + SECONDS_BETWEEN_WRITES
 
     def __call__(self, fresh: ContactCurve) -> None:
         if time.monotonic() >= self.next_write:
-            distance = np.abs(getattr(fresh, self.column)[:, None] - self.asked)
-            self.write(self.with_done(fresh, self.asked[np.argmin(distance, axis=1)]))
+            self.write(self.with_done(fresh))
             self.next_write = time.monotonic() + SECONDS_BETWEEN_WRITES
 
-    def with_done(self, fresh: ContactCurve, asked: NDArray[np.float64]) -> ContactCurve:
-        """The points of the earlier run followed by new ones, which were asked for at `asked`.
-
-        A solved pressure misses the one asked for by the tolerance of the solve.
-        """
-        fresh = dataclasses.replace(fresh, extra={**fresh.extra, "asked": asked})
+    def with_done(self, fresh: ContactCurve) -> ContactCurve:
+        """The points of the earlier run followed by new ones."""
         return fresh if self.done is None else self.done.joined(fresh)
 
     def write(self, curve: ContactCurve) -> None:
@@ -134,7 +126,7 @@ def require_continuable(path: str | os.PathLike[str], request: Mapping[str, Any]
     FileFormatError, InputError
         If it is no results file, or of another request.
     """
-    held = read_results(path)
+    held = read_file(path)
     before = held.about.get("request", {})
     changed = [key for key in request if before.get(key) != request[key]]
     if changed:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -34,7 +35,8 @@ __all__ = [
     "CurveRecord",
     "ResultFile",
     "columns",
-    "read_results",
+    "flat_columns",
+    "read_file",
     "structured",
     "write_csv",
     "write_results",
@@ -45,10 +47,14 @@ SCHEMA = "asperity/1"
 
 
 def structured(columns: Mapping[str, Any]) -> NDArray[np.void]:
-    """One structured array from columns of equal length."""
-    arrays = {name: np.asarray(column) for name, column in columns.items()}
+    """One structured array from columns of equal length.
+
+    A column of several numbers per row becomes several columns, ``name_0``, ``name_1``, ..., so
+    that ``pandas.DataFrame(table)`` holds every field, of a table in a results file as well.
+    """
+    arrays = {name: np.asarray(column) for name, column in flat_columns(columns)}
     rows = len(next(iter(arrays.values())))
-    table = np.empty(rows, [(name, a.dtype, a.shape[1:]) for name, a in arrays.items()])
+    table = np.empty(rows, [(name, a.dtype) for name, a in arrays.items()])
     for name, array in arrays.items():
         table[name] = array
     return table
@@ -127,7 +133,7 @@ def write_results(path: str | os.PathLike[str], results: ResultFile) -> None:
             _write_array(file, f"maps/{name}", array, **packed)
 
 
-def read_results(path: str | os.PathLike[str]) -> ResultFile:
+def read_file(path: str | os.PathLike[str]) -> ResultFile:
     """Read a results file.
 
     Raises
@@ -167,16 +173,23 @@ def read_results(path: str | os.PathLike[str]) -> ResultFile:
 def write_csv(path: str | os.PathLike[str], columns: Mapping[str, Any]) -> None:
     """Write columns of equal length to a comma-separated file with a header line.
 
-    A column of several numbers per row becomes several columns, ``name_0``, ``name_1``, ...
+    A column of several numbers per row becomes several columns, as in `structured`. NaN is left
+    empty.
     """
-    columns = dict(_flat(columns))
+    columns = dict(flat_columns(columns))
+    cells = ([_cell(value) for value in np.asarray(c).tolist()] for c in columns.values())
     with replacing(path) as partial, open(partial, "w", newline="") as handle:
         writer = csv.writer(handle)
         writer.writerow(columns)
-        writer.writerows(zip(*(np.asarray(c).tolist() for c in columns.values()), strict=True))
+        writer.writerows(zip(*cells, strict=True))
 
 
-def _flat(columns: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+def _cell(value: Any) -> Any:
+    return "" if isinstance(value, float) and math.isnan(value) else value
+
+
+def flat_columns(columns: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Columns by name, those of several numbers per row parted into one for each."""
     for name, column in columns.items():
         if np.ndim(column) == 2:
             yield from ((f"{name}_{i}", part) for i, part in enumerate(np.transpose(column)))

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.numerics import parallel
+from surfaces.numerics.compiled import compiled
 from surfaces.numerics.splines import LANES, PAD
 from surfaces.polar import PolarProfile
 
 from . import _rays
-from ._bearing import bearing_areas
 from .peaks import RIM, SUMMIT, SummitArrays
 
-__all__ = ["PART", "Fans", "Profiles", "ray_aspect"]
+__all__ = ["PART", "Fans", "Profiles", "bearing_areas", "ray_aspect"]
 
 
 _PER_RAY, _ANGLES = 48, 256  # radii on the shortest ray, and directions, of a single profile
@@ -312,3 +313,29 @@ class Fans:
                 way[at] = inwards * np.abs(way[at])
         pixel = 1.0 / np.maximum(np.abs(ways[0]), np.abs(ways[1]))
         return ways[0] * pixel, ways[1] * pixel, pixel
+
+
+@compiled()
+def bearing_areas(
+    q: Array, t: Array, edge: Array, weight: Array, depths: Array, area: Array
+) -> None:
+    """Add the areas above the flats at `depths` (n, levels), rising, to `area`.
+
+    Each ray, of which `weight` is the angle, adds half its squared length up to f = depth; the root
+    of f is linear between its nodes.
+    """
+    last = t.size - 1
+    for i in range(depths.shape[0]):
+        for k in range(edge.shape[1]):
+            end, share = edge[i, k], 0.5 * weight[i, k]
+            j, below, above = 0, 0.0, math.sqrt(max(q[i, k, 1], 0.0)) * t[1] * end
+            for level in range(depths.shape[1]):
+                root = math.sqrt(depths[i, level])
+                while j < last and above < root:
+                    j, below = j + 1, above
+                    if j < last:
+                        above = math.sqrt(max(q[i, k, j + 1], 0.0)) * t[j + 1] * end
+                r = end
+                if j < last:
+                    r *= t[j] + (t[j + 1] - t[j]) * (root - below) / max(above - below, 1e-300)
+                area[i, level] += share * r * r

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-HEAVY = ("numba", "scipy", "cv2", "h5py", "pyfftw", "matplotlib", "jinja2", "tqdm")
+HEAVY = ("numba", "scipy", "cv2", "h5py", "pyfftw", "matplotlib", "jinja2", "tqdm", "shtab")
 
 
 @pytest.mark.parametrize("package", ["asperity", "surfaces", "asperity.cli.main"])

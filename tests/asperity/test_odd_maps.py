@@ -36,10 +36,10 @@ def test_the_flat_never_rises_with_the_load(shape, anisotropy, angle, m):
     hm = _rough(shape, 12.0, seed=2, anisotropy=anisotropy, angle=angle)
     curve = _curve(hm, m, np.geomspace(1e-3, 0.3, 11))
     used = curve.converged
-    assert used[curve.area_fraction < 0.4 / anisotropy].all()
+    assert used[: used.sum()].all() and curve.area_fraction[used].max() > 0.3 / anisotropy
     assert all(reason for reason, good in zip(curve.reasons, used, strict=True) if not good)
     fall = -np.diff(curve.separation[used])
-    assert (fall > -3e-3 * np.ptp(curve.separation)).all()
+    assert (fall > -3e-3 * np.ptp(curve.separation[used])).all()
 
 
 @pytest.mark.parametrize("m", [-0.99, 0.99])

@@ -114,6 +114,12 @@ def test_two_by_two_map(command, folder, capsys):
         (["--pressure", "a:b:c"], "LO:HI:N"),
         (["--pressure", "1e6", "--separation", "1e-6"], "not allowed"),
         (["--pressure", "1e300"], "below 1e40"),
+        (["--pressure", "2um:1mm:3"], "um is a unit of length, and a pressure is needed"),
+        (["--pressure", "2:1GPa:3"], "2 has no unit and others have one"),
+        (["--load", "0"], "positive"),
+        (["--spacing", "1GPa"], "GPa is a unit of pressure, and a length is needed"),
+        (["--E", "5um"], "5um: um is a unit of length, and a pressure is needed, such as 210GPa"),
+        (["--nu", "30%"], "a plain number is needed"),
         (["--m", "1.5"], "m"),
         (["--modulus", "1e9"], "not both"),
     ],
@@ -187,29 +193,34 @@ def test_no_folder_for_the_results_is_found_before_the_work(command, folder, cap
 
 
 OUTPUTS = {
-    "curve": ["-o", "--csv", "--contacts", "--spots", "--sizes", "--fields"],
-    "bem": ["-o", "--csv", "--fields"],
+    "curve": ["-o", "--csv", "--contacts", "--spots", "--sizes", "--fields", "--table", "--plot"],
+    "bem": ["-o", "--csv", "--fields", "--slip"],
     "compare": ["-o", "--csv", "--report"],
-    "indent": ["--picture"],
+    "indent": ["--plot"],
     "surface prepare": ["-o"],
     "surface peaks": ["-o", "--plot", "--fans"],
-    "surface info": ["--html"],
+    "surface info": ["--report", "--table"],
 }
 
 
 @pytest.mark.parametrize(
     ("command", "option"), [(c, option) for c, named in OUTPUTS.items() for option in named]
 )
-def test_no_output_replaces_the_input_or_a_folder(command, option, folder, capsys):
+def test_no_output_replaces_the_input_or_what_is_there(command, option, folder, capsys):
+    """The one by no means, the other only where it is said."""
     surfaces.write(good_map(), folder / "scan.h5")
-    (folder / "there").mkdir()
+    (folder / "there.csv").write_text("mine")
     before = (folder / "scan.h5").read_bytes()
     material = [] if command.startswith("surface") else STEEL
+    material = [*material, *(["--friction", "1"] if option == "--slip" else [])]
     call = [*command.split(), "scan.h5", *material, option]
-    assert "would replace the input" in refusal([*call, "./scan.h5"], capsys)
-    assert "it is a folder" in refusal([*call, "there"], capsys)
+    assert "would replace the input" in refusal([*call, "./scan.h5", "--force"], capsys)
+    message = refusal([*call, "there.csv"], capsys)
+    assert "there.csv is there already; --force replaces it" in message
+    results = command in ("curve", "bem", "compare") and option == "-o"
+    assert ("--resume goes on with it" in message) == results
     assert (folder / "scan.h5").read_bytes() == before
-    assert {p.name for p in folder.iterdir()} == {"scan.h5", "there"}
+    assert {p.name for p in folder.iterdir()} == {"scan.h5", "there.csv"}
 
 
 def test_a_report_does_not_replace_its_results(folder, capsys):
@@ -225,7 +236,7 @@ def test_two_outputs_of_one_name(folder, capsys):
 
 
 @pytest.mark.parametrize(
-    "call", [["compare", *STEEL], ["surface", "prepare", "--folder", "out"]], ids=lambda c: c[0]
+    "call", [["compare", *STEEL], ["surface", "prepare", "-o", "out/"]], ids=lambda c: c[0]
 )
 def test_two_inputs_of_one_name(call, folder, capsys):
     for place in ("a", "b"):
@@ -289,7 +300,7 @@ def test_a_file_name_that_is_no_text(folder, capsys):
     """Bytes of another encoding reach the name, the page and the terminal."""
     name = b"gr\xf6sse.h5".decode("utf-8", "surrogateescape")
     surfaces.write(good_map(), folder / name)
-    assert main(["surface", "info", name, "--html", "page.html"]) == 0
+    assert main(["surface", "info", name, "--report", "page.html"]) == 0
     assert main(["surface", "prepare", name, "-o", "ready.h5"]) == 0
     assert main(["surface", "info", "ready.h5"]) == 0
     assert "gr?sse" in (folder / "page.html").read_text(encoding="utf-8")

@@ -34,7 +34,7 @@ def table() -> PolarProfile:
 def test_shape_against_boundary_elements_with_picture(tmp_path, capsys):
     picture = tmp_path / "square.png"
     call = ["indent", "--shape", "polygon:4", "--m", "0.3", "--bem", "--grid", "64"]
-    assert main([*call, "--law", "paper,harmonic", "--picture", str(picture)]) == 0
+    assert main([*call, "--law", "paper,harmonic", "--plot", str(picture)]) == 0
     lines = {line.split()[0]: line.split() for line in capsys.readouterr().out.splitlines() if line}
     assert -4.2 < float(lines["paper"][3]) < -3.5
     assert -0.9 < float(lines["harmonic"][3]) < -0.3
@@ -44,14 +44,14 @@ def test_shape_against_boundary_elements_with_picture(tmp_path, capsys):
 def test_picture_of_no_solution(tmp_path, recwarn):
     """The law of Hertz has none of a pyramid: no legend."""
     call = ["indent", "--shape", "polygon:4", "--law", "hertz"]
-    assert main([*call, "--picture", str(tmp_path / "none.png")]) == 1
+    assert main([*call, "--plot", str(tmp_path / "none.png")]) == 1
     assert not recwarn.list
 
 
 def test_load_control_compares_at_the_same_load(capsys):
     """The published law needs 1.7 % more approach for the load of the boundary elements."""
     call = ["indent", "--shape", "polygon:4", "--m", "0.3", "--load", "0.6", "--bem"]
-    assert main([*call, "--grid", "64", "--law", "paper,harmonic", "--picture", "none"]) == 0
+    assert main([*call, "--grid", "64", "--law", "paper,harmonic"]) == 0
     text = capsys.readouterr().out
     lines = {line.split()[0]: line.split() for line in text.splitlines() if line}
     assert "F = 0.6 N" in text and "e_d %" in text
@@ -66,7 +66,7 @@ def test_load_control_compares_at_the_same_load(capsys):
      "paraboloid", "random:0.1:3 --k 2", "convex:6:1 --k 2", "bent"],
 )  # fmt: skip
 def test_every_shape_is_solved(shape, capsys):
-    assert main(["indent", "--shape", *shape.split(), "--picture", "none"]) == 0
+    assert main(["indent", "--shape", *shape.split()]) == 0
     text = capsys.readouterr().out
     assert "harmonic" in text and "nan" not in text  # no errors without boundary elements
 
@@ -75,7 +75,7 @@ def test_profile_file_comes_back_and_is_solved(tmp_path, table, capsys):
     path = tmp_path / "profile.h5"
     write_profile(table, path)
     np.testing.assert_array_equal(read_profile(path).f, table.f)
-    call = ["indent", str(path), "--E", "1e9", "--approach", "1e-9:1e-8:3", "--picture", "none"]
+    call = ["indent", str(path), "--E", "1e9", "--approach", "1e-9:1e-8:3"]
     assert main([*call, "--law", "harmonic"]) == 0
     assert capsys.readouterr().out.count("harmonic") == 3
 
@@ -86,14 +86,14 @@ def test_a_contact_without_solution_is_marked_and_drawn(tmp_path, capsys):
     path, picture = tmp_path / "turning.h5", tmp_path / "turning.png"
     write_profile(PolarProfile(r, TURN, turning), path)
     call = ["indent", str(path), "--E", "1e9", "--approach", "1e-4", "--law", "paper,harmonic"]
-    assert main([*call, "--picture", str(picture)]) == 1
+    assert main([*call, "--plot", str(picture)]) == 1
     assert "TURNING" in capsys.readouterr().out and picture.is_file()
 
 
 def test_load_control_reaches_the_load(tmp_path, table, capsys):
     path = tmp_path / "profile.h5"
     write_profile(table, path)
-    call = ["indent", str(path), "--modulus", "1e9", "--load", "2e-6", "--picture", "none"]
+    call = ["indent", str(path), "--modulus", "1e9", "--load", "2e-6"]
     assert main([*call, "--law", "paper"]) == 0
     line = next(v for v in capsys.readouterr().out.splitlines() if v.split()[:1] == ["paper"])
     approach = indent(table, HalfSpace.from_modulus(1e9), load=2e-6, law="paper").approach
@@ -142,11 +142,11 @@ def test_the_highest_peak_is_that_of_the_map_without_its_tilt(tmp_path):
         (["indent", "--shape", "cone", "--grid", "64"], "add --bem"),
         (["indent", "--shape", "cone", "--tolerance", "1e-3"], "add --bem"),
         (["indent", "--shape", "cone", "--approach", "1e300"], "below 1e40"),
-        (["indent", "--shape", "cone", "--picture", "a.bogus"], "cannot be written as .bogus"),
+        (["indent", "--shape", "cone", "--plot", "a.bogus"], "cannot be written as .bogus"),
         (["indent", "--shape", "cone", "--law", "cube"], "no law is called 'cube'"),
         (["indent", "--shape", "cone", "--approach", "-1"], "must be positive"),
         (["indent", "--shape", "cone", "--load", "0"], "must be positive"),
-        (["indent", "--shape", "cone", "--picture", "/nowhere/a.png"], "does not exist"),
+        (["indent", "--shape", "cone", "--plot", "/nowhere/a.png"], "does not exist"),
         (["indent", "nothing.h5", "--E", "1"], "no such file"),
     ],
 )

@@ -25,13 +25,14 @@ def folder(tmp_path, monkeypatch):
 
 def test_accuracy_in_per_cent_or_as_a_number(capsys):
     for text in ("3%", "0.03"):
-        assert main([*ASKED, "--accuracy", text]) == 0
+        assert main([*ASKED, "--accuracy", text, "--force"]) == 0
         curve = ContactCurve.from_hdf5("results.h5", "bem")
         assert curve.verification["accuracy"] == [0.03, 0.06] and curve.verification["met"]
         assert "accuracy        0.03 in load, 0.06 in area: met" in capsys.readouterr().out
-    assert main([*ASKED, "--accuracy", "good"]) == 2
-    assert "--accuracy good: write a relative error" in capsys.readouterr().err
-    assert main([*ASKED, "--accuracy", "90%"]) == 2
+    with pytest.raises(SystemExit):
+        main([*ASKED, "--accuracy", "good"])
+    assert "--accuracy: good: 'good' is no share; write one such as 5%" in capsys.readouterr().err
+    assert main([*ASKED, "--accuracy", "90%", "--force"]) == 2
     assert "accuracy is 0.9" in capsys.readouterr().err
 
 

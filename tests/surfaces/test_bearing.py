@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surfaces
-from surfaces.peaks._bearing import bearing_areas
+from surfaces.peaks.profiles import bearing_areas
 
 
 @pytest.mark.parametrize("k", [1.0, 2.0, 4.0])

@@ -18,14 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.transforms import edge_weights
 from asperity.microcontact.law_table import LawTable
-from asperity.microcontact.ray_moments import edge_weights
 from surfaces.numerics import parallel
 
 from .shared_tables import LANES, LOG_RATIO, ellipse_tables, fit_rules
 
 if TYPE_CHECKING:
-    from surfaces import Profiles
+    from surfaces.peaks.profiles import Profiles
 
 __all__ = ["NODES", "tabulate"]
 

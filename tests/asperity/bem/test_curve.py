@@ -7,8 +7,8 @@ import pytest
 from strategies import rough
 
 from asperity import HalfSpace, bem_curve, bem_solve
-from asperity.bem.curve import spline_stiffness
 from asperity.errors import InputError
+from asperity.results.interpolation import spline_stiffness
 
 BODY = HalfSpace.from_modulus(1.0)
 

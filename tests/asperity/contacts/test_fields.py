@@ -189,10 +189,31 @@ def test_fine_waves_part_contacts_into_spots(broad):
 
 
 def test_a_spot_across_the_seam_is_one(broad):
-    run = run_of(map_of(8))
-    contact = run.contact_map()
-    assert len(run.spots()) == label_patches(contact, periodic=True)[1]
-    assert len(run.spots()) < label_patches(contact, periodic=False)[1]
+    contact = run_of(broad).contact_map()
+    count = len(run_of(broad).spots())
+    assert count == label_patches(contact, periodic=True)[1]
+    assert count < label_patches(contact, periodic=False)[1]
+
+
+def test_table_and_curve_count_the_same_spots():
+    """Where no wave is a law; both as boundary elements count them."""
+    for cutoff, seed, shape in ((8, 3, (240, 320)), (16, 51, (160, 192))):
+        size = (shape[0] * 5e-6, shape[1] * 1e-5)
+        hm = self_affine(shape, size, hurst=0.8, rms_slope=0.1, cutoff=cutoff * 1e-5, seed=seed)
+        loads = np.array([5e-3, 2e-2, 5e-2]) * pressure_scale(hm, STEEL)
+        run = asperity.solve_contacts(hm, STEEL, pressures=loads)
+        assert run.decomposition.plan.sub_contact_law is None
+        exact = asperity.bem_curve(hm, STEEL, pressures=loads, tolerance=1e-4).contacts
+        assert [len(run.spots(i)) for i in range(3)] == run.curve.contacts.tolist()
+        np.testing.assert_allclose(run.curve.contacts, exact, rtol=0.25, atol=2)
+
+
+def test_where_waves_are_a_law_both_counts_scatter_about_that_of_boundary_elements(broad):
+    run = run_of(broad)
+    for point, load in enumerate(run.curve.mean_pressure):
+        exact = asperity.bem_solve(broad, STEEL, pressure=load, tolerance=1e-3).contacts
+        for count in (len(run.spots(point)), run.curve.contacts[point]):
+            assert count == pytest.approx(exact, rel=0.35)
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])

@@ -139,7 +139,7 @@ def test_from_the_command_line(rough, tmp_path, capsys):
     assert main(["plan", str(file), *body]) == 0
     assert "act as a law of the contacts" in capsys.readouterr().out
     for scales, waves in (("auto", True), ("all", False)):
-        asked = ["--scales", scales, "--results", str(results)]
+        asked = ["--scales", scales, "--output", str(results), "--force"]
         assert main(["curve", str(file), *body, *asked]) == 0
         curve = asperity.ContactCurve.from_hdf5(results, "asperity")
         assert (curve.settings["shortest_wave"] is not None) == waves

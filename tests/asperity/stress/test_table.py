@@ -142,7 +142,7 @@ def test_the_judges_notice():
 
 def test_the_command(tmp_path, capsys):
     table = tmp_path / "rows.csv"
-    assert main(["stress", "--theme", "Poisson ratios", "--csv", str(table)]) == 0
+    assert main(["stress", "--theme", "Poisson ratios", "--output", str(table)]) == 0
     assert "30 cases, 0 failures" in capsys.readouterr().out
     assert len(table.read_text().splitlines()) == 31
     assert main(["stress", "--theme", "weather"]) == 2

@@ -9,6 +9,7 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.linalg import solve
 
 from asperity.halfspace.influence import near_influence
+from asperity.halfspace.transforms import edge_weights
 from asperity.microcontact.ellipse import _basin_kernels, _fit_kernels, _table_kernels
 from asperity.microcontact.ellipse._contour_kernels import place
 from asperity.microcontact.ellipse._ellipse_kernels import SHAPE, STATES
@@ -21,7 +22,6 @@ from asperity.microcontact.ellipse.batch import (
 )
 from asperity.microcontact.ellipse.ellipse_operator import monomials
 from asperity.microcontact.ellipse.shared_tables import fit_rules
-from asperity.microcontact.ray_moments import edge_weights
 from surfaces.numerics.lanes import LANES, groups, load, splat, store
 
 RNG = np.random.default_rng(7)

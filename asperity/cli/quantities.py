@@ -1,0 +1,47 @@
+"""Quantities of the command line: plain numbers in SI, or with a unit such as 210GPa."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.errors import InputError
+from surfaces import units
+
+__all__ = ["of", "spread"]
+
+
+def of(kind: str) -> Callable[[str], float]:
+    """Type of an option that takes a quantity of one kind, a key of `units.QUANTITIES`."""
+
+    def parse(text: str) -> float:
+        try:
+            return units.quantity(text, kind)
+        except InputError as error:
+            raise argparse.ArgumentTypeError(f"{text[:30]}: {error}") from None
+
+    return parse
+
+
+def spread(text: str, option: str, kind: str, *, geometric: bool) -> NDArray[np.float64]:
+    """Quantities written as LO:HI:N or as a comma-separated list."""
+    ends = text.count(":") == 2
+    words = text.split(":")[:2] if ends else text.split(",")
+    count = text.split(":")[2] if ends else "1"
+    if ":" in text and not (ends and count.isdecimal() and int(count) > 0):
+        raise InputError(f"{option} {text}: write LO:HI:N or numbers separated by commas")
+    try:
+        values = np.array(units.quantities(words, kind))
+    except InputError as error:
+        form = "" if ends else ", or LO:HI:N"
+        raise InputError(f"{option} {text}: {error}{form}") from None
+    if not (np.abs(values) < 1e40).all():
+        raise InputError(f"{option} {text}: every number must be finite and below 1e40")
+    if not ends:
+        return values
+    if geometric and values.min() <= 0:
+        raise InputError(f"{option} {text}: both ends must be positive")
+    return (np.geomspace if geometric else np.linspace)(values[0], values[1], int(count))

@@ -1,0 +1,196 @@
+"""Files that a command writes: their names for several inputs, and what they must not replace."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from asperity.errors import InputError
+from surfaces.files.atomic import replacing, require_replaceable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = [
+    "add_force",
+    "add_target",
+    "fill_in",
+    "make_folder",
+    "of_input",
+    "require",
+    "require_place",
+    "save_figure",
+]
+
+ONE = ""
+"""In place of a suffix: one file for all inputs."""
+
+PICTURES = ("plot", "fans")
+"""Options of pictures, whose format follows from the suffix."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """A file that an option names.
+
+    Attributes
+    ----------
+    suffix
+        Ending of its name in a folder, `ONE` if one file serves all inputs.
+    alone, several
+        What is written for one input, and for several, where the option is not given.
+    """
+
+    suffix: str
+    alone: str | None = None
+    several: str | None = None
+
+
+def add_target(
+    parser: Any,
+    *names: str,
+    suffix: str,
+    alone: str | None = None,
+    several: str | None = None,
+    **settings: Any,
+) -> None:
+    """Option for a file that is written, see `Target`."""
+    action = parser.add_argument(*names, **{"metavar": "FILE"} | settings)
+    known = parser.get_default("targets") or {}
+    parser.set_defaults(targets={**known, action.dest: Target(suffix, alone, several)})
+
+
+def fill_in(args: argparse.Namespace, several: bool = False) -> None:
+    """Set the files whose options are not given."""
+    for option, target in args.targets.items():
+        if getattr(args, option) is None:
+            setattr(args, option, target.several if several else target.alone)
+
+
+def add_force(parser: Any) -> None:
+    """Option that lets files that exist be replaced."""
+    parser.add_argument("--force", action="store_true", help="replace files that are there already")
+
+
+def of_input(args: argparse.Namespace, file: Path, several: bool) -> argparse.Namespace:
+    """The options for one input, as ``file``: its name goes into those of the files written.
+
+    A folder, that is there or ends with a slash, takes ``NAME.suffix``; of several inputs each
+    puts its name in front of a file name.
+    """
+    named: dict[str, Any] = {"file": str(file)}
+    for option, target in args.targets.items():
+        name = getattr(args, option)
+        if not name or target.suffix == ONE:
+            continue
+        if name.endswith("/") or os.path.isdir(name):
+            name = os.path.join(name, f"{file.stem}{target.suffix}")
+        elif several:
+            name = str(Path(name).with_name(f"{file.stem}-{Path(name).name}"))
+        named[option] = name
+    return argparse.Namespace(**vars(args) | named)
+
+
+def require(
+    args: argparse.Namespace,
+    runs: Sequence[argparse.Namespace] = (),
+    inputs: Sequence[str] = (),
+) -> None:
+    """Refuse, before any work, what cannot be written, or would replace a file or another output.
+
+    Parameters
+    ----------
+    args
+        All options.
+    runs
+        Those of each input, from `of_input`, where each has outputs of its own.
+    inputs
+        Further files that are read.
+
+    Raises
+    ------
+    InputError
+        Saying which file, and how to mend it.
+    """
+    inputs = [*inputs, *(run.file for run in runs)]
+    taken = {Path(os.path.realpath(file)): f"would replace the input {file}" for file in inputs}
+    for option, target in args.targets.items():
+        shared = target.suffix == ONE or not runs
+        if not shared and getattr(args, option):
+            _require_distinct(inputs)
+            if getattr(args, option).endswith("/"):
+                make_folder(getattr(args, option))
+        for file in [getattr(run, option) for run in ([args] if shared else runs)]:
+            if not file:
+                continue
+            place = Path(os.path.realpath(file))
+            if place in taken:
+                raise InputError(f"{file} {taken[place]}; give every output a name of its own")
+            taken[place] = "is named for two outputs"
+            resumes, mended = getattr(args, "resume", None), "--force replaces it"
+            if resumes is not None and option == "output":
+                mended += ", --resume goes on with it"
+            elif resumes:
+                mended += ", and with --resume the results are kept"
+            require_place(file, args.force or (resumes and option == "output"), mended)
+            if option in PICTURES:
+                _require_picture(file)
+
+
+def require_place(
+    file: str | Path, replace: bool | None, mended: str = "--force replaces it"
+) -> None:
+    """Refuse a file that cannot be written, or is there already and must not be replaced."""
+    place = require_replaceable(file)
+    if not replace and place.exists():
+        raise InputError(f"{file} is there already; {mended}")
+    if not place.parent.is_dir():
+        raise InputError(f"{file}: cannot be written, its folder does not exist")
+    try:
+        with tempfile.TemporaryFile(dir=place.parent):
+            pass
+    except OSError as error:
+        raise InputError(f"{file}: cannot be written ({error.strerror})") from error
+
+
+def make_folder(folder: str | Path) -> None:
+    """Make a folder for results, with those around it, where it does not exist."""
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made ({error.strerror})") from error
+
+
+def save_figure(figure: Figure, target: str) -> None:
+    """Write a picture in the format of the file's suffix, PNG if it has none."""
+    with replacing(target) as part:
+        figure.savefig(part, dpi=150, format=_format(target))
+
+
+def _require_distinct(files: Sequence[str]) -> None:
+    """Refuse several inputs whose results would be called the same."""
+    seen: dict[str, str] = {}
+    for file in files:
+        stem = Path(file).stem
+        if stem in seen:
+            raise InputError(
+                f"the results of {seen[stem]} and {file} would replace each other; run them apart"
+            )
+        seen[stem] = file
+
+
+def _require_picture(file: str) -> None:
+    from matplotlib.backend_bases import FigureCanvasBase
+
+    known = FigureCanvasBase.get_supported_filetypes()
+    if (kind := _format(file)) not in known:
+        raise InputError(f"{file}: cannot be written as .{kind}; known are {', '.join(known)}")
+
+
+def _format(picture: str) -> str:
+    return Path(picture).suffix[1:].lower() or "png"

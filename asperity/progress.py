@@ -1,0 +1,51 @@
+"""Progress of a long run: a bar, or a function of the caller's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+__all__ = ["Progress", "bar", "reported"]
+
+Progress = bool | Callable[[Any], object] | None
+"""What `progress` of a public function takes: True for a bar, or a function that is called."""
+
+
+@contextmanager
+def bar(
+    total: int | None, label: str, *, hidden: bool | None = None
+) -> Iterator[Callable[[Any], None]]:
+    """A progress bar on standard error, advanced by one at each call, which shows text it is given.
+
+    Parameters
+    ----------
+    total
+        Number of calls; None if it is not known.
+    label
+        What stands before the bar.
+    hidden
+        None hides it where standard error is no terminal.
+    """
+    from tqdm import tqdm
+
+    with tqdm(total=total, desc=label, disable=hidden, leave=False) as shown:
+
+        def advance(told: Any) -> None:
+            if isinstance(told, str):
+                shown.set_postfix_str(told)
+            shown.update(1)
+
+        yield advance
+
+
+@contextmanager
+def reported(
+    progress: Progress, total: int | None, label: str
+) -> Iterator[Callable[[Any], object] | None]:
+    """The function that a run calls as it goes on; None if nobody asked."""
+    if progress is True:
+        with bar(total, label, hidden=False) as advance:
+            yield advance
+    else:
+        yield progress or None
