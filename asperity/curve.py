@@ -139,7 +139,7 @@ def contact_curve(
             boundary=boundary,
             scales=scales,
         )
-    curve, _, _ = solve_loads(
+    return solve_loads(
         hm,
         material,
         plan,
@@ -147,8 +147,7 @@ def contact_curve(
         separations=separations,
         progress=progress,
         checkpoint=checkpoint,
-    )
-    return curve
+    )[0]
 
 
 def solve_loads(
@@ -176,19 +175,16 @@ def solve_loads(
     elif not isinstance(plan, Plan):
         raise InputError(f"plan is a {type(plan).__name__}; make one with asperity.make_plan")
     kind, values = checked_loads(hm, material, pressures, separations)
+    start = time.perf_counter() - plan.seconds
+    scene = hm, material, kind, values, plan.parameters
+    comparing = not plan.interaction and interaction_needed(*scene)[0]
     if decomposition is None:
         plan.require_scene_of(hm.without_rounding, material)
-    start = time.perf_counter() - plan.seconds
-    comparing = (
-        not plan.interaction and interaction_needed(hm, material, kind, values, plan.parameters)[0]
-    )
-    if decomposition is None:
         decomposition = Decomposition.of(hm.without_rounding, material, plan)
     rows: dict[int, _Row] = {}
 
     def curve_of(solved: Decomposition, points: list[int]) -> ContactCurve:
-        asked = {f"asked_{kind}": values[points]}
-        seconds = time.perf_counter() - start
+        asked, seconds = {f"asked_{kind}": values[points]}, time.perf_counter() - start
         return _curve(hm, solved, [rows[i] for i in points], asked, seconds)
 
     with reported(progress, len(values), "load points") as tell:
@@ -202,8 +198,8 @@ def solve_loads(
             if len(rows) == len(values):
                 break
             decomposition, rows = decomposition.of_whole_map(), {}
-    points = [rows[i].point for i in range(len(values))]
-    return curve_of(decomposition, [*range(len(values))]), decomposition, tuple(points)
+    order = sorted(rows)
+    return curve_of(decomposition, order), decomposition, tuple(rows[i].point for i in order)
 
 
 class _Row(NamedTuple):

@@ -1,15 +1,36 @@
-"""Errors of both packages, and arguments of the wrong type, refused in one sentence.
+"""Errors of both packages, and arguments that cannot be used, refused in one sentence.
 
 Each message says what is wrong, where, and how to mend it.
 """
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 from typing import Any
 
-__all__ = ["AsperityError", "FileFormatError", "InputError", "SurfaceError", "as_number", "as_path"]
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "LONGEST",
+    "SHORTEST",
+    "AsperityError",
+    "FileFormatError",
+    "InputError",
+    "SurfaceError",
+    "as_number",
+    "as_path",
+    "checked_heights",
+    "checked_spacing",
+]
+
+SHORTEST, LONGEST = 1e-40, 1e40
+"""Lengths [m] between which the fourth power of every slope is a floating-point number."""
+
+SLIMMEST = 1e3
+"""Ratio of the pixel sizes beyond which one of them is in another unit: no instrument has it."""
 
 
 class AsperityError(Exception):
@@ -43,3 +64,55 @@ def as_path(path: str | os.PathLike[str]) -> Path:
     if not isinstance(path, str | os.PathLike):
         raise InputError(f"the path of a file is a text or a path, not {type(path).__name__}")
     return Path(path)
+
+
+def checked_heights(heights: Any) -> NDArray[np.float64]:
+    """Heights [m] as a read-only array (ny, nx), masked entries as NaN."""
+    try:
+        if np.iscomplexobj(heights):
+            raise TypeError("they are complex")
+        if isinstance(heights, np.ma.MaskedArray):
+            heights = np.ma.filled(heights.astype(np.float64), np.nan)
+        array = np.array(heights, dtype=np.float64, order="C")
+    except (TypeError, ValueError) as error:
+        raise SurfaceError(f"heights are not an array of real numbers: {error}") from error
+    if array.ndim != 2 or min(array.shape) < 3:
+        raise SurfaceError(
+            f"heights have shape {array.shape}; a height map needs two axes of at least 3 points"
+        )
+    low, high = float(np.fmin.reduce(array, axis=None)), float(np.fmax.reduce(array, axis=None))
+    if math.isnan(low):
+        raise SurfaceError("every point of the height map is missing (NaN)")
+    if math.isinf(low) or math.isinf(high):
+        infinite = np.isinf(array)
+        row, col = np.argwhere(infinite)[0]
+        raise SurfaceError(
+            f"heights[{row}, {col}] is infinite ({np.count_nonzero(infinite)} of {array.size} "
+            "points); mark missing points with NaN"
+        )
+    if max(abs(low), abs(high)) > LONGEST or 0.0 < high - low < SHORTEST:
+        raise SurfaceError(
+            f"heights reach from {low:.4g} to {high:.4g} m, which no calculation can hold; "
+            "check their unit"
+        )
+    array.setflags(write=False)
+    return array
+
+
+def checked_spacing(spacing: Any) -> tuple[float, float]:
+    """Pixel size (dy, dx) [m], both positive and finite, from a pair or one number."""
+    try:
+        pair = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,))
+    except (TypeError, ValueError):
+        raise SurfaceError(f"spacing is {spacing!r}; give the pixel size (dy, dx) in m") from None
+    if not ((pair >= SHORTEST) & (pair <= LONGEST)).all():
+        raise SurfaceError(
+            f"spacing is {tuple(pair.tolist())}; both pixel sizes (dy, dx) must be positive "
+            "lengths in m"
+        )
+    if pair.max() > SLIMMEST * pair.min():
+        raise SurfaceError(
+            f"spacing is {tuple(pair.tolist())}; one pixel size (dy, dx) is more than "
+            f"{SLIMMEST:g} times the other: give both in m"
+        )
+    return float(pair[0]), float(pair[1])

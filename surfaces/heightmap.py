@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import hashlib
-import math
+import html
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -13,24 +13,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.errors import SurfaceError
-from surfaces.numerics import parallel
+from surfaces.drawing import draw_heights, figure_height, image
+from surfaces.errors import SurfaceError, as_number, checked_heights, checked_spacing
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from surfaces.roughness import Roughness
 
-__all__ = ["LONGEST", "SHORTEST", "HeightMap", "checked_spacing", "require_map"]
-
-
-SHORTEST, LONGEST = 1e-40, 1e40
-"""Lengths [m] between which the fourth power of every slope is a floating-point number."""
-
-SLIMMEST = 1e3
-"""Ratio of the pixel sizes beyond which one of them is in another unit: no instrument has it."""
+__all__ = ["HeightMap", "require_full", "require_map"]
 
 
 _LINES = 64
-"""Rows, and columns, that tell of all of a map: of the power of its waves, of repeated heights."""
+"""Rows that tell of all of a map whether it repeats heights."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +79,7 @@ class HeightMap:
     history: tuple[Mapping[str, Any], ...] = dataclasses.field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "heights", _checked_heights(self.heights))
+        object.__setattr__(self, "heights", checked_heights(self.heights))
         object.__setattr__(self, "spacing", checked_spacing(self.spacing))
         if not isinstance(self.periodic, bool | np.bool_):
             raise SurfaceError(f"periodic is {self.periodic!r}; it must be True or False")
@@ -144,34 +139,11 @@ class HeightMap:
 
     @functools.cached_property
     def line_power(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Mean squares [m^2] of the waves along y and x in some lines of the map.
+        """Mean squares [m^2] of the waves along y and x in some lines of the map, see
+        `surfaces.roughness.line_power`."""
+        from surfaces.roughness import line_power
 
-        The k-th wave has k periods over the length of the map; k / 2 in a map that is not periodic,
-        which is continued by its mirror images. No point may be missing.
-        """
-        from scipy import fft
-
-        def along(axis: int) -> NDArray[np.float64]:
-            count = self.heights.shape[axis]
-            stride = max(1, self.heights.shape[1 - axis] // _LINES)
-            lines = (
-                self.heights[::stride]
-                if axis
-                else np.ascontiguousarray(self.heights[:, ::stride].T)
-            )
-            if self.periodic:
-                waves = fft.rfft(lines, axis=1)
-                squares = np.square(waves.real) + np.square(waves.imag)
-            else:
-                squares = np.square(0.5 * fft.dct(lines, axis=1))
-            power: NDArray[np.float64] = squares.mean(axis=0) * (2.0 / count**2)
-            power[0] *= 0.5
-            if self.periodic and count % 2 == 0:
-                power[-1] *= 0.5
-            return power
-
-        y, x = parallel.each(along, (0, 1))
-        return y, x
+        return line_power(self.heights, self.periodic)
 
     @functools.cached_property
     def about_mean(self) -> HeightMap:
@@ -225,6 +197,94 @@ class HeightMap:
             changes["history"] = (*changes.get("history", self.history), step)
         return dataclasses.replace(self, **changes)
 
+    def crop(
+        self, *, x: tuple[float, float] | None = None, y: tuple[float, float] | None = None
+    ) -> HeightMap:
+        """Cut out the pixels whose centres lie in a rectangle; the result is not periodic.
+
+        Parameters
+        ----------
+        x, y
+            First and last place [m], within the map; the whole length if None.
+
+        Raises
+        ------
+        SurfaceError
+            If a span does not lie within the map, or holds fewer than three pixels.
+
+        Examples
+        --------
+        >>> import surfaces
+        >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1)
+        >>> hm.crop(x=(8e-6, 40e-6), y=(0.0, 16e-6)).shape
+        (16, 32)
+        """
+        rows = _pixels("y", y, self.y, self.size[0])
+        columns = _pixels("x", x, self.x, self.size[1])
+        step = {"step": "crop", "rows": list(rows), "columns": list(columns)}
+        heights = self.heights[slice(*rows), slice(*columns)]
+        return self.replace(heights=heights, periodic=False, step=step)
+
+    def __add__(self, other: HeightMap | float) -> HeightMap:
+        """Heights of both maps together, or an offset [m]; missing where one of them is."""
+        return self._with(other, 1.0)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: HeightMap | float) -> HeightMap:
+        """Heights less those of another map, or an offset [m]; missing where one of them is."""
+        return self._with(other, -1.0)
+
+    def _with(self, other: HeightMap | float, sign: float) -> HeightMap:
+        """This map plus `sign` times another on the same pixels, or a number."""
+        step: dict[str, Any] = {"step": "add" if sign > 0 else "subtract"}
+        if isinstance(other, HeightMap):
+            for name, text in (("shape", "points"), ("spacing", "pixel [m]"), ("periodic", "")):
+                one, two = getattr(self, name), getattr(other, name)
+                if not np.allclose(one, two, rtol=1e-6, atol=0.0):
+                    raise SurfaceError(
+                        f"the maps differ in {name}: {one} and {two} {text}; bring them to the "
+                        "same grid with surfaces.resample, crop or replace(periodic=...)"
+                    )
+            step |= {"name": other.name, "input": other.digest}
+            return self.replace(heights=self.heights + sign * other.heights, step=step)
+        step["height"] = as_number("what is added to a map", other)
+        return self.replace(heights=self.heights + sign * step["height"], step=step)
+
+    def plot(self, ax: Axes | None = None, **style: Any) -> Axes:
+        """Draw the map in true proportions, heights about their mean.
+
+        Parameters
+        ----------
+        ax
+            Axes to draw on; new ones if None.
+        style
+            Further arguments of `matplotlib.axes.Axes.imshow`, such as ``cmap``.
+
+        Examples
+        --------
+        >>> import surfaces
+        >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1)
+        >>> hm.plot().get_xlabel()
+        'x'
+        """
+        if ax is None:
+            from matplotlib import pyplot
+
+            ax = pyplot.subplots(layout="constrained")[1]
+        draw_heights(ax, self.heights, self.size, **style)
+        return ax
+
+    def _repr_html_(self) -> str:
+        """Facts and picture for a notebook."""
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(4.8, figure_height(3.4, self.size) + 0.7), layout="constrained")
+        self.plot(figure.add_subplot())
+        steps = ", ".join(str(step.get("step", "")) for step in self.history)
+        told = f"rms height {self.rms_height:.4g} m" + (f"; {steps}" if steps else "")
+        return f"<div><p>{html.escape(f'{self!r}, {told}')}</p>{image(figure, 100)}</div>"
+
     def __repr__(self) -> str:
         (ny, nx), (dy, dx) = self.shape, self.spacing
         label = f" {self.name!r}" if self.name else ""
@@ -233,55 +293,18 @@ class HeightMap:
         return f"<HeightMap{label} {ny} x {nx}, pixel {dy:.4g} x {dx:.4g} m, {border}{gaps}>"
 
 
-def _checked_heights(heights: Any) -> NDArray[np.float64]:
-    try:
-        if np.iscomplexobj(heights):
-            raise TypeError("they are complex")
-        if isinstance(heights, np.ma.MaskedArray):
-            heights = np.ma.filled(heights.astype(np.float64), np.nan)
-        array = np.array(heights, dtype=np.float64, order="C")
-    except (TypeError, ValueError) as error:
-        raise SurfaceError(f"heights are not an array of real numbers: {error}") from error
-    if array.ndim != 2 or min(array.shape) < 3:
-        raise SurfaceError(
-            f"heights have shape {array.shape}; a height map needs two axes of at least 3 points"
-        )
-    low, high = float(np.fmin.reduce(array, axis=None)), float(np.fmax.reduce(array, axis=None))
-    if math.isnan(low):
-        raise SurfaceError("every point of the height map is missing (NaN)")
-    if math.isinf(low) or math.isinf(high):
-        infinite = np.isinf(array)
-        row, col = np.argwhere(infinite)[0]
-        raise SurfaceError(
-            f"heights[{row}, {col}] is infinite ({np.count_nonzero(infinite)} of {array.size} "
-            "points); mark missing points with NaN"
-        )
-    if max(abs(low), abs(high)) > LONGEST or 0.0 < high - low < SHORTEST:
-        raise SurfaceError(
-            f"heights reach from {low:.4g} to {high:.4g} m, which no calculation can hold; "
-            "check their unit"
-        )
-    array.setflags(write=False)
-    return array
-
-
-def checked_spacing(spacing: Any) -> tuple[float, float]:
-    """Pixel size (dy, dx) [m], both positive and finite, from a pair or one number."""
-    try:
-        pair = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,))
-    except (TypeError, ValueError):
-        raise SurfaceError(f"spacing is {spacing!r}; give the pixel size (dy, dx) in m") from None
-    if not ((pair >= SHORTEST) & (pair <= LONGEST)).all():
-        raise SurfaceError(
-            f"spacing is {tuple(pair.tolist())}; both pixel sizes (dy, dx) must be positive "
-            "lengths in m"
-        )
-    if pair.max() > SLIMMEST * pair.min():
-        raise SurfaceError(
-            f"spacing is {tuple(pair.tolist())}; one pixel size (dy, dx) is more than "
-            f"{SLIMMEST:g} times the other: give both in m"
-        )
-    return float(pair[0]), float(pair[1])
+def _pixels(
+    name: str, span: tuple[float, float] | None, places: NDArray[np.float64], length: float
+) -> tuple[int, int]:
+    """First pixel whose centre lies in a span [m], and one past the last."""
+    low, high = (0.0, length) if span is None else (as_number(name, end) for end in span)
+    slack = 1e-9 * length
+    if not -slack <= low < high <= length + slack:
+        raise SurfaceError(f"{name} is {span}; give two places from 0 to {length:.6g} m, rising")
+    first, last = np.searchsorted(places, (low, high))
+    if last - first < 3:
+        raise SurfaceError(f"{name} is {span} m, which holds fewer than three pixels")
+    return int(first), int(last)
 
 
 def require_map(hm: object) -> None:

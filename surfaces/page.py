@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import base64
 import html
-import io
 import math
 from collections.abc import Iterable
 from pathlib import Path
-
-from matplotlib.figure import Figure
 
 from surfaces.files.atomic import replacing
 from surfaces.statistics.bearing import bearing_curve
@@ -17,6 +13,7 @@ from surfaces.statistics.correlation import autocorrelation
 from surfaces.statistics.describe import Statistics, describe
 from surfaces.statistics.spectrum import power_spectrum
 
+from .drawing import image
 from .heightmap import HeightMap
 from .plot import plot_autocorrelation, plot_bearing, plot_map, plot_spectrum
 
@@ -78,7 +75,7 @@ def section(hm: HeightMap) -> str:
     warnings = "".join(f'<p class="warning">{html.escape(text)}</p>' for text in found.warnings)
     return (
         f"<section><h2>{html.escape(hm.name or 'height map')}</h2>{_table(facts)}{warnings}"
-        f'<div class="figures">{"".join(_image(figure) for figure in figures)}</div>'
+        f'<div class="figures">{"".join(image(figure) for figure in figures)}</div>'
         f'<div class="numbers">{"".join(_table(rows) for rows in _numbers(found))}</div>'
         f"{_history(hm)}</section>"
     )
@@ -128,10 +125,3 @@ def _history(hm: HeightMap) -> str:
 def _table(rows: dict[str, str]) -> str:
     body = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in rows.items())
     return f"<table>{body}</table>"
-
-
-def _image(figure: Figure) -> str:
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=120, bbox_inches="tight")
-    data = base64.b64encode(buffer.getvalue()).decode("ascii")
-    return f'<img alt="" src="data:image/png;base64,{data}">'

@@ -21,11 +21,11 @@ from surfaces.statistics.correlation import THRESHOLD, Autocorrelation
 from surfaces.statistics.spectrum import Spectrum
 from surfaces.statistics.spectrum_fit import SpectrumFit
 
+from .drawing import figure_height, length_unit, thinning
 from .heightmap import HeightMap, require_map
 
 __all__ = ["plot_autocorrelation", "plot_bearing", "plot_map", "plot_profiles", "plot_spectrum"]
 
-_PIXELS = 1200  # largest side of a picture
 _NAMED = 400  # peaks that are marked
 _INK = "#1f2a33"
 _ACCENT = "#d1495b"
@@ -51,25 +51,12 @@ def plot_map(hm: HeightMap, peaks: Peaks | None = None) -> Figure:
     2
     """
     require_map(hm)
-    stride = max(1, -(-max(hm.shape) // _PIXELS))
-    heights = hm.heights[::stride, ::stride]
-    scale, unit = _prefix(float(np.nanmax(np.abs(heights - np.nanmean(heights)))))
-    shown = (heights - np.nanmean(heights)) / scale
-    low, high = np.nanquantile(shown, (0.002, 0.998))
-    extent = (0.0, hm.size[1], 0.0, hm.size[0])
     width = 6.4
-    figure = Figure(figsize=(width, _height(width - 1.9, hm) + 0.8), layout="constrained")
-    axes = figure.add_subplot()
-    image = axes.imshow(
-        shown, origin="lower", extent=extent, cmap="cividis", vmin=low, vmax=high, aspect="equal"
-    )
-    bar = axes.inset_axes((1.03, 0.0, 0.035, 1.0))
-    figure.colorbar(image, cax=bar, label=f"height [{unit}]", extend="both")
+    height = figure_height(width - 1.9, hm.size) + 0.8
+    figure = Figure(figsize=(width, height), layout="constrained")
+    axes = hm.plot(figure.add_subplot())
     if peaks is not None:
-        _mark(axes, peaks, stride, extent)
-    for axis, label in ((axes.xaxis, "x"), (axes.yaxis, "y")):
-        axis.set_major_formatter(EngFormatter(unit="m"))
-        axis.set_label_text(label)
+        _mark(axes, peaks, thinning(hm.shape), (0.0, hm.size[1], 0.0, hm.size[0]))
     return figure
 
 
@@ -138,7 +125,7 @@ def plot_profiles(profiles: Profiles, chosen: Iterable[int]) -> Figure:
     for place, index in enumerate(indices):
         axes = figure.add_subplot(rows, columns, place + 1)
         lengths = profiles.t * profiles.edge[index][:, None]
-        scale, unit = _prefix(float(gap[index].max()))
+        scale, unit = length_unit(float(gap[index].max()))
         turn = (profiles.phi[index] - profiles.angle[index]) % (2.0 * np.pi)
         for ray, angle in enumerate(turn):
             color = _ray_color(float(angle))
@@ -171,7 +158,7 @@ def plot_bearing(curve: BearingCurve) -> Figure:
     """
     figure = Figure(figsize=(6.4, 3.4), layout="constrained")
     axes = figure.add_subplot()
-    scale, unit = _prefix(float(np.abs(curve.height).max()))
+    scale, unit = length_unit(float(np.abs(curve.height).max()))
     axes.plot(100.0 * curve.ratio, curve.height / scale, color=_INK, lw=1.6)
     core = curve.core()
     for ratio in (core["Smr1"], core["Smr2"]):
@@ -195,7 +182,7 @@ def plot_autocorrelation(correlation: Autocorrelation) -> Figure:
     True
     """
     lag_y, lag_x = correlation.lag_y, correlation.lag_x
-    stride = max(1, len(lag_y) // _PIXELS, len(lag_x) // _PIXELS)
+    stride = thinning(correlation.value.shape)
     value = correlation.value[::stride, ::stride]
     figure = Figure(figsize=(6.4, 4.6), layout="constrained")
     axes = figure.add_subplot()
@@ -238,15 +225,3 @@ def _ray_color(angle: float) -> NDArray[np.float64]:
     share = np.sin(angle) ** 2
     dark, light = np.array([0.12, 0.16, 0.20]), np.array([0.82, 0.29, 0.36])
     return np.asarray(dark + share * (light - dark))
-
-
-def _height(width: float, hm: HeightMap) -> float:
-    return float(np.clip(width * hm.size[0] / hm.size[1], 1.2, 9.0))
-
-
-def _prefix(largest: float) -> tuple[float, str]:
-    """Metres in the unit that suits a length, and its name."""
-    for factor, unit in ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")):
-        if largest >= factor:
-            return factor, unit
-    return 1e-12, "pm"

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from surfaces.numerics import parallel
 from surfaces.numerics.compiled import SUMS, compiled, inner
 
-__all__ = ["Roughness", "digits_warning", "roughness", "unit_warning"]
+__all__ = ["Roughness", "digits_warning", "line_power", "roughness", "unit_warning"]
 
 
 Array = NDArray[np.float64]
@@ -19,6 +19,9 @@ Index = NDArray[np.int64]
 
 BANDS = 32
 """Bands of rows whose highest points are kept."""
+
+_LINES = 64
+"""Rows, and columns, that tell of the power of the waves of all of a map."""
 
 _SLOPES = (1e-6, 10.0)
 """Rms slopes outside which the units may be wrong."""
@@ -268,3 +271,30 @@ def _add_point(a: float, b: float, c: float, left: int, out: Array, at: int, sea
         out[bends] += 1.0
         out[bends + 1] += e * e
         out[bends + 2] += (e * e) * (e * e)
+
+
+def line_power(heights: Array, periodic: bool) -> tuple[Array, Array]:
+    """Mean squares [m^2] of the waves along y and x in some lines of a map (ny, nx).
+
+    The k-th wave has k periods over the length of the map; k / 2 in a map that is not periodic,
+    which is continued by its mirror images. No point may be missing.
+    """
+    from scipy import fft
+
+    def along(axis: int) -> Array:
+        count = heights.shape[axis]
+        stride = max(1, heights.shape[1 - axis] // _LINES)
+        lines = heights[::stride] if axis else np.ascontiguousarray(heights[:, ::stride].T)
+        if periodic:
+            waves = fft.rfft(lines, axis=1)
+            squares = np.square(waves.real) + np.square(waves.imag)
+        else:
+            squares = np.square(0.5 * fft.dct(lines, axis=1))
+        power: Array = squares.mean(axis=0) * (2.0 / count**2)
+        power[0] *= 0.5
+        if periodic and count % 2 == 0:
+            power[-1] *= 0.5
+        return power
+
+    y, x = parallel.each(along, (0, 1))
+    return y, x

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from surfaces.numerics.memory import require_memory
 
-from .errors import InputError, as_number
-from .heightmap import LONGEST, SHORTEST, HeightMap
+from .errors import LONGEST, SHORTEST, InputError, as_number
+from .heightmap import HeightMap
 
 __all__ = ["redistribute", "self_affine", "synthesis"]
 

@@ -54,7 +54,7 @@ def spot_table(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.voi
         touching = np.zeros(hm.shape, bool)
         touching.flat[pixel] = True
         periodic = decomposition.plan.boundary == "periodic"
-        spot = label_patches(touching, periodic=periodic)[0].flat[pixel]
+        spot = label_patches(touching, periodic=periodic)[0].flat[pixel].astype(np.int64)
     own = np.unique(spot, return_inverse=True)[1]
     count = int(own.max(initial=-1)) + 1
     force = pressure * (hm.spacing[0] * hm.spacing[1])

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.errors import InputError
+from surfaces.errors import checked_spacing
 from surfaces.files.atomic import replacing
-from surfaces.heightmap import checked_spacing
 
 __all__ = ["write_vti"]
 

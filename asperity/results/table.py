@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import base64
 import html
-import io
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -15,6 +13,7 @@ from numpy.typing import NDArray
 
 from asperity import __version__
 from asperity.errors import InputError
+from surfaces.drawing import image
 
 from .interpolation import READ_FIELDS, contact_pressure
 from .storage import flat_columns, write_csv
@@ -326,15 +325,13 @@ class CurveTable:
         good = np.count_nonzero(self.converged)
         told = f"contact curve <b>{html.escape(self.model)}</b>, {len(self)} points{left}"
         notes = "".join(f"<br>{html.escape(why)}" for why in self.settings.get("warnings", ()))
-        picture, buffer = "", io.BytesIO()
+        picture = ""
         if good:
             figure = Figure(figsize=(8.4, 3.2), layout="constrained")
             left_axes, right_axes = figure.subplots(1, 2)
             self.plot("separation", "mean_pressure", left_axes)
             self.plot(ax=right_axes)
-            figure.savefig(buffer, format="png", dpi=110)
-            data = base64.b64encode(buffer.getvalue()).decode("ascii")
-            picture = f'<img alt="contact curve" src="data:image/png;base64,{data}">'
+            picture = image(figure, 100)
         return (
             f"<div><p>{told}, {good} converged{notes}</p><table><thead><tr>{head}<th></th></tr>"
             f"</thead><tbody>{rows}</tbody></table>{picture}</div>"

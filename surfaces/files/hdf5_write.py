@@ -11,8 +11,7 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces.errors import InputError, SurfaceError
-from surfaces.heightmap import checked_spacing
+from surfaces.errors import InputError, SurfaceError, checked_spacing
 
 from ._container import HEIGHTS
 from ._schema import SCHEMA, plain

@@ -47,7 +47,7 @@ def test_map_with_peaks_and_basins() -> None:
 def test_map_with_missing_points_and_more_pixels_than_shown(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("surfaces.plot._PIXELS", 40)
+    monkeypatch.setattr("surfaces.drawing.PIXELS", 40)
     heights = rough().heights.copy()
     heights[5:20, 7:30] = np.nan
     figure = surfaces.plot_map(rough().replace(heights=heights))
