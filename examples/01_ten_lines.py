@@ -22,8 +22,7 @@ print(f"{100 * point.area_fraction:.2f} % touches at separation {point.separatio
 
 import matplotlib.pyplot as plt  # noqa: E402
 
-figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.6), layout="constrained")
-left.imshow(hm.heights)
-right.loglog(curve.mean_pressure / 1e6, 100 * curve.area_fraction, "o-")
-right.set(xlabel="mean pressure [MPa]", ylabel="real contact area [%]")
+figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
+hm.plot(left)
+curve.plot(ax=right, marker="o")
 plt.show()

@@ -15,6 +15,7 @@ import surfaces
 hm = surfaces.self_affine(
     (192, 192), (1e-3, 1e-3), hurst=0.8, rms_slope=0.1, rolloff=2.5e-4, cutoff=4e-5, seed=4
 )
+axes = None
 for m in (-0.3, 0.0, 0.3):
     body = asperity.HalfSpace(200e9 * (2e-5) ** -m, 0.3, m=m)
     separations = [1.5 * hm.rms_height, hm.rms_height]
@@ -26,11 +27,9 @@ for m in (-0.3, 0.0, 0.3):
             f"boundary elements {reference.mean_pressure[i]:.3e} Pa"
         )
     many = asperity.contact_curve(hm, body, separations=np.linspace(1.7, 0.8, 10) * hm.rms_height)
-    label = f"m = {m:+.1f}"
-    (line,) = plt.semilogy(1e6 * many.separation, many.mean_pressure / 1e6, label=label)
-    plt.plot(1e6 * reference.separation, reference.mean_pressure / 1e6, "o", color=line.get_color())
+    axes = many.plot("separation", "mean_pressure", axes, label=f"m = {m:+.1f}")
+    color = axes.lines[-1].get_color()
+    reference.plot("separation", "mean_pressure", axes, ls="", marker="o", color=color)
 
-plt.xlabel("separation [µm]")
-plt.ylabel("mean pressure [MPa] (dots: boundary elements)")
-plt.legend()
+axes.legend(title="dots: boundary elements")
 plt.show()

@@ -45,15 +45,9 @@ print(f"pushed by half its friction it moves {slip.displacement[half]:.3g} m, {s
 # %%
 # The contacts on the surface: every circle has the area of its contact.
 
-place, diameter = 1e3 * np.column_stack([table["x"], table["y"]]), 2e3 * table["radius"]
-height, width = 1e3 * np.array(hm.size)
-plt.imshow(hm.heights, cmap="gray", extent=(0, width, height, 0))
-axes = plt.gca()
-axes.add_collection(
-    EllipseCollection(
-        diameter, diameter, np.zeros(len(table)), units="xy", offsets=place,
-        offset_transform=axes.transData,
-    )
-)  # fmt: skip
-axes.set(xlabel="x [mm]", ylabel="y [mm]")
+axes = hm.plot(cmap="gray")
+place, size = np.column_stack([table["x"], table["y"]]), 2 * table["radius"]
+circles = EllipseCollection(size, size, 0 * size, units="xy", offsets=place)
+circles.set_offset_transform(axes.transData)
+axes.add_collection(circles)
 plt.show()

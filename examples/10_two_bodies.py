@@ -24,14 +24,13 @@ print(f"E* = {pair.modulus / 1e9:.1f} GPa, hardness {pair.hardness / 1e9:.1f} GP
 # %%
 # Each body on a smooth one, and both on each other.
 
-both = ground.replace(heights=ground.heights + blasted.heights[:, ::-1])
+axes = None
+both = ground + blasted.replace(heights=blasted.heights[:, ::-1])
 for name, hm in (("ground", ground), ("blasted", blasted), ("both", both)):
     curve = asperity.solve(hm, pair, pressures=[3e6, 1e7, 3e7])
     middle = curve.at(pressure=1e7)
     print(f"{name:8}: rms height {1e6 * hm.rms_height:.2f} um, at 10 MPa "
           f"{1e6 * middle.separation:.2f} um apart")  # fmt: skip
-    plt.loglog(curve.mean_pressure / 1e6, 1e6 * curve.separation, "o-", label=name)
-plt.xlabel("mean pressure [MPa]")
-plt.ylabel("separation [µm]")
-plt.legend()
+    axes = curve.plot("mean_pressure", "separation", axes, marker="o", label=name)
+axes.legend()
 plt.show()

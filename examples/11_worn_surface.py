@@ -40,8 +40,7 @@ for name, hm in (("new", new), ("worn", worn)):
             f"{1e6 * curve.separation[point]:.2f} um from the mean plane"
         )
     left.plot(1e3 * hm.x, 1e6 * hm.heights[128], label=name)
-    right.loglog(curve.mean_pressure / 1e6, 1e6 * curve.separation, "o-", label=name)
+    curve.plot("mean_pressure", "separation", right, marker="o", label=name)
 left.set(xlabel="x [mm]", ylabel="height [µm]")
-right.set(xlabel="mean pressure [MPa]", ylabel="separation [µm]")
 right.legend()
 plt.show()

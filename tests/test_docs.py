@@ -150,7 +150,7 @@ def _on_the_page(page: Path) -> list[str]:
 
 @pytest.mark.parametrize("page", FOR_USERS, ids=lambda page: page.stem)
 def test_commands_on_the_pages_run(page: Path, folder: Path, capsys):
-    """One after the other in one folder, as a reader would: none may stand in the way of the next."""
+    """One after the other in one folder, as a reader would: none stands in the way of another."""
     (folder / "results.h5").unlink()
     for command in _on_the_page(page):
         words = shlex.split(command.split(">")[0].split("|")[0].replace("FILE", "scan.h5"))[1:]
