@@ -246,7 +246,7 @@ def _sweep(
         else:
             state = decomposition.population.solve(
                 separation=None if by_load else value,
-                mean_pressure=value if by_load else None,
+                pressure=value if by_load else None,
                 state=None if last is None else last.state,
                 tolerance=bound,
                 heaviest=heaviest,

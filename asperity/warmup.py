@@ -83,7 +83,7 @@ def _contacts() -> None:
     )
     state = None
     for pressure in 1e-5, 2e-5, 1e-3, 2e-3:
-        state = population.solve(mean_pressure=pressure, state=state)
+        state = population.solve(pressure=pressure, state=state)
     for separation in 7e-3, 6e-3, 5e-3:
         state = population.solve(separation=separation, state=state)
 

@@ -154,7 +154,7 @@ def large() -> None:
     state = None
     for pressure in np.geomspace(1e-3, 1.2e-2, 7):
         wall, busy = time.perf_counter(), time.process_time()
-        state = contacts.solve(mean_pressure=float(pressure), state=state)
+        state = contacts.solve(pressure=float(pressure), state=state)
         wall, busy = time.perf_counter() - wall, time.process_time() - busy
         memory = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1e3
         end = f"{state.residual:10.1e}" if state.converged else state.reason
@@ -197,7 +197,7 @@ def tolerance() -> None:
             rough = exact = None
             for pressure in np.geomspace(5e-5, 5e-3, 10):
                 rough, exact = (
-                    contacts.solve(mean_pressure=float(pressure), state=state, tolerance=bound)
+                    contacts.solve(pressure=float(pressure), state=state, tolerance=bound)
                     for state, bound in ((rough, TOLERANCE), (exact, 0.02 * TOLERANCE))
                 )
                 fall = (exact.separation - rough.separation) * exact.normal_stiffness

@@ -126,7 +126,7 @@ def _text(rows: Sequence[Mapping[str, Any]]) -> str:
     names = _columns(rows)
     if not any(row["reason"] for row in rows):
         names.remove("reason")
-    lines = [names, *([_cell(row.get(name, "")) for name in names] for row in rows)]
+    lines = [names, *([_cell(name, row.get(name, "")) for name in names] for row in rows)]
     words = [any(isinstance(row.get(name), str) for row in rows) for name in names]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     kept: list[int] = []
@@ -142,10 +142,13 @@ def _text(rows: Sequence[Mapping[str, Any]]) -> str:
     return "\n".join(["", *("  ".join(line).rstrip() for line in shown), *more])
 
 
-def _cell(value: Any) -> str:
+def _cell(name: str, value: Any) -> str:
     if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
     if isinstance(value, float | np.floating):
-        return f"{value:.4g}"
+        number = float(value)
+        return f"{number:.0f}" if number.is_integer() and abs(number) < 1e6 else f"{number:.4g}"
     text = str(value)
-    return text if len(text) <= WIDEST else f"{text[: WIDEST - 3]}..."
+    if len(text) <= WIDEST:
+        return text
+    return f"{text[: WIDEST - 3]}..." if name == "reason" else f"...{text[3 - WIDEST :]}"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from asperity.progress import bar
 
-from . import batch, options, output
+from . import batch, options, output, targets
 from .messages import tell
 
 if TYPE_CHECKING:
@@ -37,6 +37,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compare on each file; a bad file is named and the others go on."""
+    if args.report is None and args.output is not None:
+        args.report = targets.beside(args.output, ".html")
     return batch.each(args, partial(_compare, options.material(args), options.loads(args)))
 
 
@@ -82,16 +84,18 @@ def found(comparison: Comparison, hm: HeightMap) -> dict[str, Any]:
     from asperity.results.storage import columns
 
     row, ours = comparison.table[comparison.map_point], comparison.pareto[0]
-    told = ("mean_pressure", "area_bem", "area_model", "separation_bem", "separation_model")
+    told = ("mean_pressure", "area_bem", "area_model")
     curves = (comparison.model, comparison.reference)
     return {
-        **output.facts_of(hm),
-        "points": len(comparison.table),
-        "converged": comparison.converged,
         **{name: row[name] for name in told},
         "rms_load_error": ours["load_error"],
         "rms_area_error": ours["area_error"],
+        "separation_bem": row["separation_bem"],
+        "separation_model": row["separation_model"],
         "overlap": comparison.overlap,
+        "converged": comparison.converged,
+        "points": len(comparison.table),
+        **output.facts_of(hm),
         "seconds_model": ours["seconds"],
         "seconds_bem": sum(comparison.reference.seconds.values()),
         "reason": next((why for curve in curves for why in curve.reasons if why), ""),

@@ -18,6 +18,7 @@ from asperity.errors import AsperityError, ConvergenceError
 
 from .exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED, EXIT_NOT_CONVERGED, EXIT_OK
 from .interrupt import interruptible
+from .messages import command_name, warn
 
 COMMANDS = {
     "demo": "make a surface, run both models, write report.html and print the verdict",
@@ -99,18 +100,18 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return code
     except (AsperityError, MemoryError) as error:
-        _tell(args, " ".join(str(error).split()) or "out of memory")
+        warn(args, " ".join(str(error).split()) or "out of memory")
         return EXIT_NOT_CONVERGED if isinstance(error, ConvergenceError) else EXIT_BAD_INPUT
     except KeyboardInterrupt:
         goes_on = "; --resume goes on from its results file" if "resume" in args else ""
-        _tell(args, f"interrupted{goes_on}")
+        warn(args, f"interrupted{goes_on}")
         return EXIT_INTERRUPTED
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_OK
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
-        _tell(args, f"{where}{error.strerror or error}")
+        warn(args, f"{where}{error.strerror or error}")
         return EXIT_BAD_INPUT
 
 
@@ -120,17 +121,11 @@ def _run(args: argparse.Namespace) -> int:
         return int(_module(args.command).run(args))
     with contextlib.redirect_stdout(sys.stderr):
         code = int(_module(args.command).run(args))
-    about = {"command": args.command, "version": __version__, "exit_code": code}
+    about = {"command": command_name(args), "version": __version__, "exit_code": code}
     from .document import document
 
     print(document(about | {"results": args.document}))
     return code
-
-
-def _tell(args: argparse.Namespace, text: str) -> None:
-    """One sentence on standard error, below the name of the command."""
-    command = " ".join(filter(None, ("asperity", args.command, getattr(args, "action", None))))
-    sys.stderr.write(f"{command}: {text}\n")
 
 
 def _open_streams() -> None:

@@ -6,7 +6,12 @@ import argparse
 import sys
 from pathlib import Path
 
-__all__ = ["tell", "told", "warn"]
+__all__ = ["command_name", "tell", "told", "warn"]
+
+
+def command_name(args: argparse.Namespace) -> str:
+    """The command as it is typed, with its action."""
+    return " ".join(filter(None, ("asperity", args.command, getattr(args, "action", None))))
 
 
 def tell(text: str) -> None:
@@ -20,8 +25,7 @@ def warn(args: argparse.Namespace, text: str) -> None:
     """One sentence on standard error, below the name of the command."""
     from tqdm import tqdm
 
-    command = " ".join(filter(None, ("asperity", args.command, getattr(args, "action", None))))
-    tqdm.write(f"{command}: {text}", file=sys.stderr)
+    tqdm.write(f"{command_name(args)}: {text}", file=sys.stderr)
 
 
 def told(file: str | Path, error: BaseException) -> str:

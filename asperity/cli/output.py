@@ -34,12 +34,12 @@ __all__ = [
 
 AT_HEAVIEST = (
     "mean_pressure",
-    "separation",
     "area_fraction",
+    "separation",
     "mean_contact_pressure",
     "contacts",
-    "stiffness",
     "error_estimate",
+    "stiffness",
 )
 """Columns of a curve that a table with a row per file tells, of the heaviest point converged."""
 
@@ -67,7 +67,7 @@ def add_output_options(parser: argparse.ArgumentParser, *, report: bool = False)
             suffix=".html",
             alone="report.html",
             several="results/",
-            help="report file (default report.html, of several inputs in results/)",
+            help="report file (default report.html, or beside the results file that -o names)",
         )
     else:
         targets.add_target(group, "--plot", suffix=".png", help="picture of the curve")
@@ -157,10 +157,10 @@ def finish(
         tell("\n".join([args.file, str(curve), *lines, f"results         {args.output}"]))
     heaviest = np.argmax(np.where(curve.converged, curve.mean_pressure, -np.inf))
     return {
-        **facts_of(hm),
-        "points": len(curve),
-        "converged": bool(curve.converged.all()),
         **{name: columns[name][heaviest] for name in AT_HEAVIEST},
+        "converged": bool(curve.converged.all()),
+        "points": len(curve),
+        **facts_of(hm),
         "seconds": sum(curve.seconds.values()),
         "model": curve.model,
         "output": args.output,

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = [
     "add_force",
     "add_target",
+    "beside",
     "fill_in",
     "make_folder",
     "of_input",
@@ -66,10 +67,12 @@ def add_target(
 
 
 def fill_in(args: argparse.Namespace, several: bool = False) -> None:
-    """Set the files whose options are not given."""
+    """Set what is not given; with several inputs a name without a suffix is that of a folder."""
     for option, target in args.targets.items():
-        if getattr(args, option) is None:
-            setattr(args, option, target.several if several else target.alone)
+        name = getattr(args, option) or (target.several if several else target.alone)
+        if name and several and target.suffix != ONE and not Path(name).suffix:
+            name = os.path.join(name, "")
+        setattr(args, option, name)
 
 
 def add_force(parser: Any) -> None:
@@ -88,12 +91,17 @@ def of_input(args: argparse.Namespace, file: Path, several: bool) -> argparse.Na
         name = getattr(args, option)
         if not name or target.suffix == ONE:
             continue
-        if name.endswith("/") or os.path.isdir(name):
+        if _is_folder(name):
             name = os.path.join(name, f"{file.stem}{target.suffix}")
         elif several:
             name = str(Path(name).with_name(f"{file.stem}-{Path(name).name}"))
         named[option] = name
     return argparse.Namespace(**vars(args) | named)
+
+
+def beside(name: str, suffix: str) -> str:
+    """The same folder, or the file of the same name with another suffix."""
+    return name if _is_folder(name) else str(Path(name).with_suffix(suffix))
 
 
 def require(
@@ -170,6 +178,10 @@ def save_figure(figure: Figure, target: str) -> None:
     """Write a picture in the format of the file's suffix, PNG if it has none."""
     with replacing(target) as part:
         figure.savefig(part, dpi=150, format=_format(target))
+
+
+def _is_folder(name: str) -> bool:
+    return name.endswith("/") or os.path.isdir(name)
 
 
 def _require_distinct(files: Sequence[str]) -> None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from asperity.errors import FileFormatError, InputError
 from asperity.results.curve import ContactCurve
-from asperity.results.storage import ResultFile, read_file, write_results
+from asperity.results.storage import ResultFile, read_results, write_results
 
 __all__ = ["PARETO_TYPE", "Comparison"]
 
@@ -190,7 +190,7 @@ class Comparison:
         FileFormatError, InputError
             If the file is unreadable or holds no comparison.
         """
-        held = read_file(path)
+        held = read_results(path)
         if "comparison" not in held.tables:
             raise InputError(f"{path} holds no comparison; make one with asperity compare")
         about = dict(held.about)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.curve import solve_loads
 from asperity.errors import ConvergenceError, InputError
+from asperity.progress import Progress
 from asperity.results.curve import ContactCurve
 
 from .fields import contact_map, pressure_map
@@ -99,6 +100,7 @@ def solve_contacts(
     *,
     pressures: ArrayLike | None = None,
     separations: ArrayLike | None = None,
+    progress: Progress = None,
 ) -> ContactRun:
     """Run `contact_curve` by a plan and keep the load points (for maps and tables).
 
@@ -114,5 +116,7 @@ def solve_contacts(
     '1.000000'
     """
     return ContactRun(
-        *solve_loads(hm, material, plan, pressures=pressures, separations=separations)
+        *solve_loads(
+            hm, material, plan, pressures=pressures, separations=separations, progress=progress
+        )
     )

@@ -245,7 +245,7 @@ class FrictionCurve:
 
 def friction_curve(
     curve: ContactCurve,
-    mean_pressure: float,
+    pressure: float,
     *,
     friction: float,
     modulus_ratio: float,
@@ -256,8 +256,8 @@ def friction_curve(
     Parameters
     ----------
     curve
-        Normal contact curve that reaches from light load to `mean_pressure`.
-    mean_pressure
+        Normal contact curve that reaches from light load to `pressure`.
+    pressure
         Normal load over nominal area [Pa].
     friction, modulus_ratio
         As in `partial_slip`.
@@ -267,7 +267,7 @@ def friction_curve(
     Raises
     ------
     InputError
-        If an argument is out of range, or the curve does not begin below `mean_pressure` or does
+        If an argument is out of range, or the curve does not begin below `pressure` or does
         not reach it.
 
     Notes
@@ -287,10 +287,10 @@ def friction_curve(
     '3.0e+08'
     """
     require_curve(curve)
-    given = friction, modulus_ratio, mean_pressure, points
+    given = friction, modulus_ratio, pressure, points
     if not all(isinstance(value, Real) and 0 < float(value) < np.inf for value in given):
         raise InputError(
-            f"friction, modulus_ratio, mean_pressure and points are {given}; give positive numbers"
+            f"friction, modulus_ratio, pressure and points are {given}; give positive numbers"
         )
     if points < 2 or points != int(points):
         raise InputError(f"points is {points}; give a whole number, at least 2")
@@ -298,19 +298,19 @@ def friction_curve(
         raise InputError("partial slip needs homogeneous half-spaces, m = 0")
     if "hardness" in curve.settings:
         raise InputError(ELASTIC_ALONE)
-    whole = curve.at(pressure=mean_pressure)
+    whole = curve.at(pressure=pressure)
     lightest = float(curve.mean_pressure[curve.converged & (curve.mean_pressure > 0)].min())
-    if not lightest < (1 - SLACK) * mean_pressure:
+    if not lightest < (1 - SLACK) * pressure:
         raise InputError(
-            f"the curve begins at {lightest:.4g} Pa, not below {mean_pressure:.4g} Pa; "
+            f"the curve begins at {lightest:.4g} Pa, not below {pressure:.4g} Pa; "
             "partial slip needs lighter load points as well"
         )
     share = np.linspace(0.0, 1.0, int(points))
-    asked = mean_pressure * (lightest / mean_pressure) ** share
+    asked = pressure * (lightest / pressure) ** share
     stick = curve.at(pressure=asked)
     return FrictionCurve(
         displacement=friction * modulus_ratio * (stick.separation - whole.separation),
-        shear=friction * (mean_pressure - asked),
+        shear=friction * (pressure - asked),
         stick_area_fraction=stick.area_fraction,
-        slip_shear=friction * mean_pressure,
+        slip_shear=friction * pressure,
     )

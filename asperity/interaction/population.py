@@ -73,7 +73,7 @@ class Population(ContactSystem):
         self,
         *,
         separation: float | None = None,
-        mean_pressure: float | None = None,
+        pressure: float | None = None,
         state: PopulationState | None = None,
         tolerance: float = 2e-3,
         heaviest: float | None = None,
@@ -84,7 +84,7 @@ class Population(ContactSystem):
         ----------
         separation
             Distance of the flat from the mean plane [m].
-        mean_pressure
+        pressure
             Load over nominal area [Pa], in place of the separation.
         state
             A state of this population at a near separation, to start from.
@@ -105,8 +105,8 @@ class Population(ContactSystem):
         InputError
             If not just one of separation and mean pressure is given, or a number cannot be used.
         """
-        if (separation is None) == (mean_pressure is None):
-            raise InputError("give either separation or mean_pressure")
+        if (separation is None) == (pressure is None):
+            raise InputError("give either separation or pressure")
         if not tolerance > 0:
             raise InputError(f"tolerance must be positive, got {tolerance!r}")
         last = Continuation(self) if state is None else state.continuation
@@ -114,9 +114,9 @@ class Population(ContactSystem):
         if separation is not None:
             found = solve_at(last, _finite(separation, "separation"), tolerance)
             return self._judged(found)
-        pressure = _finite(mean_pressure, "mean_pressure")
+        pressure = _finite(pressure, "pressure")
         if pressure < 0:
-            raise InputError(f"mean_pressure must not be negative, got {pressure:g} Pa")
+            raise InputError(f"pressure must not be negative, got {pressure:g} Pa")
         if heaviest is not None and state is not None and state.mean_pressure > 0:
             growth = heaviest / state.mean_pressure if heaviest > pressure else 0.0
             self.laws.foresee(self.by_height[: int(state.active * growth**SPREADING)])

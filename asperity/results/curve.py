@@ -14,10 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.errors import FileFormatError, InputError
 
 from .interpolation import READ_FIELDS, CurvePoint, curve_stiffness, read_off
-from .storage import CurveRecord, ResultFile, read_file, write_results
+from .storage import CurveRecord, ResultFile, write_results
+from .storage import read_results as read_records
 from .table import POINT_FIELDS, CurveTable
 
-__all__ = ["POINT_FIELDS", "ContactCurve", "CurvePoint", "read_results", "require_curve"]
+__all__ = ["POINT_FIELDS", "ContactCurve", "CurvePoint", "Results", "read_results", "require_curve"]
 
 ATTRIBUTES = ("model", "version", "settings", "seconds")
 
@@ -188,7 +189,7 @@ class ContactCurve(CurveTable):
         FileFormatError
             If the file is no results file or holds no such curve.
         """
-        held = read_file(path).curves
+        held = read_records(path).curves
         if model is None and len(held) == 1:
             return cls.from_record(next(iter(held.values())))
         if model not in held:
@@ -284,8 +285,30 @@ def _told(verification: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def read_results(path: str | os.PathLike[str]) -> dict[str, ContactCurve]:
-    """All contact curves of a results file, by name: "asperity", "bem", "anchored" ...
+@dataclass(frozen=True)
+class Results:
+    """What a results file holds.
+
+    Attributes
+    ----------
+    curves
+        Contact curves by name: "asperity", "bem", "anchored" ...
+    tables
+        Structured arrays by name, such as "microcontacts"; ``pandas.DataFrame`` takes them.
+    maps
+        Arrays (ny, nx) by name.
+    about
+        Facts about the input.
+    """
+
+    curves: dict[str, ContactCurve]
+    tables: dict[str, NDArray[Any]]
+    maps: dict[str, NDArray[Any]]
+    about: dict[str, Any]
+
+
+def read_results(path: str | os.PathLike[str]) -> Results:
+    """Read a results file: all its curves, tables and maps.
 
     Raises
     ------
@@ -300,11 +323,12 @@ def read_results(path: str | os.PathLike[str]) -> dict[str, ContactCurve]:
     >>> curve = asperity.contact_curve(hm, asperity.HalfSpace(210e9, 0.3), pressures=[1e8, 1e9])
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     curve.to_hdf5(f"{folder}/results.h5")
-    ...     list(asperity.read_results(f"{folder}/results.h5"))
+    ...     list(asperity.read_results(f"{folder}/results.h5").curves)
     ['asperity']
     """
-    held = read_file(path).curves.items()
-    return {name: ContactCurve.from_record(record) for name, record in held}
+    held = read_records(path)
+    curves = {name: ContactCurve.from_record(record) for name, record in held.curves.items()}
+    return Results(curves, held.tables, held.maps, held.about)
 
 
 def require_curve(curve: object) -> None:

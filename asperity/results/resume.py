@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from asperity.errors import InputError
 
 from .curve import ContactCurve
-from .storage import ResultFile, read_file, write_results
+from .storage import ResultFile, read_results, write_results
 
 __all__ = ["Solve", "require_continuable", "run_resumably"]
 
@@ -126,7 +126,7 @@ def require_continuable(path: str | os.PathLike[str], request: Mapping[str, Any]
     FileFormatError, InputError
         If it is no results file, or of another request.
     """
-    held = read_file(path)
+    held = read_results(path)
     before = held.about.get("request", {})
     changed = [key for key in request if before.get(key) != request[key]]
     if changed:

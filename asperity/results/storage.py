@@ -36,7 +36,7 @@ __all__ = [
     "ResultFile",
     "columns",
     "flat_columns",
-    "read_file",
+    "read_results",
     "structured",
     "write_csv",
     "write_results",
@@ -133,7 +133,7 @@ def write_results(path: str | os.PathLike[str], results: ResultFile) -> None:
             _write_array(file, f"maps/{name}", array, **packed)
 
 
-def read_file(path: str | os.PathLike[str]) -> ResultFile:
+def read_results(path: str | os.PathLike[str]) -> ResultFile:
     """Read a results file.
 
     Raises

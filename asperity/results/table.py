@@ -314,23 +314,24 @@ class CurveTable:
         """Table and figure for a notebook."""
         from matplotlib.figure import Figure
 
-        names = [name for name in AXES if name in (held := self.columns())]
+        held = self.columns()
+        names = [name for name in AXES if name in held and name != "contact_area"]
         shown = np.unique(np.linspace(0, len(self) - 1, min(len(self), ROWS)).astype(int))
         head = "".join(f"<th>{AXES[name][0]}</th>" for name in names)
         rows = ""
         for i in shown:
             cells = "".join(f"<td>{held[name][i] / AXES[name][1]:.4g}</td>" for name in names)
             rows += f"<tr>{cells}<td>{html.escape(self.reasons[i])}</td></tr>"
-        left = f", {len(shown)} shown" if len(shown) < len(self) else ""
-        good = np.count_nonzero(self.converged)
-        told = f"contact curve <b>{html.escape(self.model)}</b>, {len(self)} points{left}"
+        good, part = np.count_nonzero(self.converged), f", {len(shown)} shown"
+        part = part if len(shown) < len(self) else ""
+        told = f"contact curve <b>{html.escape(self.model)}</b>, {len(self)} points{part}"
         notes = "".join(f"<br>{html.escape(why)}" for why in self.settings.get("warnings", ()))
         picture = ""
         if good:
             figure = Figure(figsize=(8.4, 3.2), layout="constrained")
-            left_axes, right_axes = figure.subplots(1, 2)
-            self.plot("separation", "mean_pressure", left_axes)
-            self.plot(ax=right_axes)
+            left, right = figure.subplots(1, 2)
+            self.plot("separation", "mean_pressure", left)
+            self.plot(ax=right)
             picture = image(figure, 100)
         return (
             f"<div><p>{told}, {good} converged{notes}</p><table><thead><tr>{head}<th></th></tr>"
@@ -345,6 +346,5 @@ def _axis(name: str) -> tuple[str, float]:
 
 def _spans_decades(values: NDArray[np.float64]) -> bool:
     """Whether an axis is better logarithmic."""
-    known = values[np.isfinite(values)]
-    loaded = known[known > 0.0]
-    return bool(loaded.size and (known >= 0.0).all() and loaded.max() > DECADE * loaded.min())
+    loaded = values[values > 0.0]
+    return bool(loaded.size and not (values < 0).any() and loaded.max() > DECADE * loaded.min())

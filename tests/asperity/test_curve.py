@@ -62,7 +62,7 @@ def test_a_run_is_the_same_after_pickling(rough, law):
     assert back.points[0].state.normal_stiffness == run.points[0].state.normal_stiffness
     one, other = (
         each.decomposition.population.solve(
-            mean_pressure=2e8, state=each.points[-1].state, tolerance=1e-4
+            pressure=2e8, state=each.points[-1].state, tolerance=1e-4
         )
         for each in (run, back)
     )

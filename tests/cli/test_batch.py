@@ -117,6 +117,13 @@ def test_one_file_leaves_no_table_and_several_leave_a_folder(folder):
         assert len(rows(f"{Path(row['file']).stem}-c.csv")) == 2
 
 
+def test_the_report_of_a_comparison_lies_beside_its_results(folder):
+    assert main(["compare", "map1.h5", *STEEL, *LIGHT, "-o", "steel.h5"]) == 0
+    assert main(["compare", "map1.h5", *STEEL, *LIGHT, "-o", "new/"]) == 0
+    made = {str(path.relative_to(folder)) for path in folder.rglob("*.html")}
+    assert made == {"steel.html", "new/map1.html"}
+
+
 def test_a_batch_goes_on_where_it_was_interrupted(monkeypatch, capsys):
     call = ["bem", "map1.h5", "map3.h5", *STEEL, *LIGHT]
     from asperity.bem.curve import bem_curve
@@ -180,7 +187,8 @@ def test_units_change_no_number(folder):
 
 
 def test_a_picture_of_each_curve(folder):
-    call = ["curve", "map1.h5", "map3.h5", *STEEL, *LIGHT, "--plot", "pictures/"]
+    """Of several files a name without a suffix is a folder."""
+    call = ["curve", "map1.h5", "map3.h5", *STEEL, *LIGHT, "--plot", "pictures"]
     assert main(call) == 0
     for name in ("map1", "map3"):
         assert (folder / "pictures" / f"{name}.png").read_bytes().startswith(b"\x89PNG")

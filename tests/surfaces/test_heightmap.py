@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surfaces
-from surfaces import HeightMap, SurfaceError, describe, prepare, segment, write
+from surfaces import HeightMap, InputError, SurfaceError, describe, prepare, segment, write
 
 GRID = np.arange(20.0).reshape(4, 5)
 
@@ -89,3 +89,63 @@ def test_periodic_is_true_or_false(periodic):
 def test_a_bare_array_is_no_map(use):
     with pytest.raises(SurfaceError, match=r"HeightMap is needed, not ndarray: .*\(dy, dx\)"):
         use(GRID)
+
+
+def ramp() -> HeightMap:
+    return HeightMap(np.arange(80.0).reshape(8, 10) * 1e-9, (2e-6, 1e-6), name="<ramp>")
+
+
+def test_a_part_is_cut_out_by_lengths() -> None:
+    """Pixels whose centres lie within; the same as by rows and columns."""
+    part = ramp().crop(x=(2e-6, 7e-6), y=(4e-6, 12e-6))
+    same = surfaces.crop(ramp(), (2, 6), (2, 7))
+    np.testing.assert_array_equal(part.heights, same.heights)
+    assert part.history == same.history and not part.periodic
+    assert ramp().crop(x=(0.0, 10e-6)).shape == ramp().shape
+
+
+@pytest.mark.parametrize(
+    "span", [(5e-6, 2e-6), (-1e-6, 5e-6), (0.0, 11e-6), (1e-6, 2e-6), (0.0, np.nan)]
+)
+def test_a_part_outside_or_too_small_is_refused(span) -> None:
+    with pytest.raises(SurfaceError, match="x is"):
+        ramp().crop(x=span)
+
+
+def test_sum_and_difference_of_maps() -> None:
+    one, gap = ramp(), ramp().heights.copy()
+    gap[2, 3] = np.nan
+    other = one.replace(heights=gap)
+    np.testing.assert_array_equal(
+        (one + other - other).heights, np.where(np.isnan(gap), gap, one.heights)
+    )
+    assert (one + other).missing == 1 and (one - one).rms_height == 0.0
+    np.testing.assert_array_equal((one - 1e-9).heights, one.heights - 1e-9)
+    np.testing.assert_array_equal((1e-9 + one).heights, (one + 1e-9).heights)
+    assert [step["step"] for step in (one + other - 1e-9).history] == ["add", "subtract"]
+
+
+@pytest.mark.parametrize(
+    ("change", "match"),
+    [
+        ({"heights": np.ones((10, 8))}, "differ in shape"),
+        ({"spacing": (1e-6, 1e-6)}, "differ in spacing"),
+        ({"periodic": True}, "differ in periodic"),
+    ],
+)
+def test_maps_on_other_grids_are_not_added(change, match) -> None:
+    with pytest.raises(SurfaceError, match=match):
+        ramp() + ramp().replace(**change)
+    with pytest.raises(InputError, match="must be a number"):
+        ramp() - "a"
+
+
+def test_a_map_is_drawn_on_axes_and_in_a_notebook() -> None:
+    from matplotlib.figure import Figure
+
+    ax = Figure().add_subplot()
+    assert ramp().plot(ax, cmap="gray") is ax
+    assert ax.images[0].get_extent() == pytest.approx([0.0, 10e-6, 0.0, 16e-6])
+    assert ax.images[0].get_cmap().name == "gray"
+    page = ramp()._repr_html_()
+    assert "&lt;ramp&gt;" in page and "<ramp>" not in page and "data:image/png;base64" in page

@@ -123,12 +123,12 @@ def test_pressure_control_meets_separation_control(boundary, interaction):
     population = make(boundary=boundary, interaction=interaction)
     state = None
     for pressure in (1e-4, 3e-3, 5e-2, 1e-3):
-        state = population.solve(mean_pressure=pressure, state=state)
+        state = population.solve(pressure=pressure, state=state)
         assert state.converged
         assert state.mean_pressure == pytest.approx(pressure, rel=1e-3)
         same = population.solve(separation=state.separation)
         assert same.mean_pressure == pytest.approx(pressure, rel=3e-3)
-    assert population.solve(mean_pressure=0.0).active == 0
+    assert population.solve(pressure=0.0).active == 0
 
 
 @pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])

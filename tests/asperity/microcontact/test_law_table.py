@@ -55,7 +55,7 @@ def test_a_lazy_table_gives_the_same_curve(boundary, interaction):
             assert state.converged
             pressures.append(state.mean_pressure)
             counts.append(lazy.ready.sum())
-        state = population.solve(mean_pressure=pressures[-1] * 1.2, state=state)
+        state = population.solve(pressure=pressures[-1] * 1.2, state=state)
         curves.append([*pressures, state.separation])
     np.testing.assert_allclose(curves[0], curves[1], rtol=2e-3)
     assert 0 < counts[3] < 700
@@ -71,7 +71,7 @@ def test_laws_for_loads_to_come_are_made_in_few_blocks():
         )  # fmt: skip
         state, curve = None, []
         for pressure in pressures:
-            state = population.solve(mean_pressure=pressure, state=state, heaviest=heaviest)
+            state = population.solve(pressure=pressure, state=state, heaviest=heaviest)
             assert state.converged
             curve.append(state.separation)
         found.append((curve, len(asked), table.ready.sum(), state.active))

@@ -50,7 +50,7 @@ def test_the_lift_is_the_slope_of_the_energy(rough, loads):
     near = loads[2] * np.array([0.97, 1.0, 1.03])
     plan = make_plan(rough, STEEL, pressures=near)
     decomposition = Decomposition.of(rough, STEEL, plan)
-    states = [decomposition.population.solve(mean_pressure=p, tolerance=1e-4) for p in near]
+    states = [decomposition.population.solve(pressure=p, tolerance=1e-4) for p in near]
     points = [load_point(decomposition, state).surface for state in states]
     fine = plan.sub_contact_law
     state = states[1]

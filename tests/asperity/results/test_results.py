@@ -10,7 +10,7 @@ import pytest
 
 from asperity.errors import FileFormatError, InputError
 from asperity.results.curve import POINT_FIELDS, ContactCurve
-from asperity.results.storage import ResultFile, read_file, structured, write_csv, write_results
+from asperity.results.storage import ResultFile, read_results, structured, write_csv, write_results
 
 
 def power_law_curve(n: int = 12, *, broken: int | None = None) -> ContactCurve:
@@ -164,7 +164,7 @@ def test_tables_maps_and_facts_come_back(tmp_path):
         about={"name": "scan", "history": [{"step": "level"}]},
     )
     write_results(tmp_path / "r.h5", held)
-    back = read_file(tmp_path / "r.h5")
+    back = read_results(tmp_path / "r.h5")
     assert back.tables["pareto"]["model"].tolist() == ["bem", "µ"]
     np.testing.assert_array_equal(back.tables["pareto"]["seconds"], [1.0, 2.0])
     np.testing.assert_array_equal(back.maps["contact"], np.eye(4, 6, dtype=bool))
@@ -186,15 +186,15 @@ def test_an_interrupted_write_leaves_the_old_file(tmp_path):
 
 def test_unreadable_results_are_one_sentence(tmp_path):
     with pytest.raises(FileFormatError, match="no such results file"):
-        read_file(tmp_path / "none.h5")
+        read_results(tmp_path / "none.h5")
     (tmp_path / "text.h5").write_text("not HDF5")
     with pytest.raises(FileFormatError, match="not a readable results file"):
-        read_file(tmp_path / "text.h5")
+        read_results(tmp_path / "text.h5")
     power_law_curve().to_hdf5(tmp_path / "r.h5")
     whole = (tmp_path / "r.h5").read_bytes()
     (tmp_path / "half.h5").write_bytes(whole[: len(whole) // 2])
     with pytest.raises(FileFormatError, match="not a readable results file"):
-        read_file(tmp_path / "half.h5")
+        read_results(tmp_path / "half.h5")
 
 
 def _facts(path):
