@@ -12,6 +12,7 @@ from .contacts.sizes import size_distribution as size_distribution
 from .curve import contact_curve as contact_curve
 from .engine.solve import solve as solve
 from .errors import AsperityError as AsperityError
+from .errors import ContactWarning as ContactWarning
 from .errors import ConvergenceError as ConvergenceError
 from .errors import InputError as InputError
 from .errors import ModelRangeError as ModelRangeError

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.compilation import CURVE, compile_ahead
+from asperity.errors import cautious
 from asperity.halfspace.scene import checked_loads, map_facts, pressure_scale
 from asperity.model.decomposition import Decomposition
 from asperity.model.load_point import (
@@ -52,6 +53,7 @@ TINY_LOAD = 0.2
 """Term of contacts smaller than a pixel from which on a load point is warned of."""
 
 
+@cautious
 def contact_curve(
     hm: HeightMap,
     material: HalfSpace,

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-MOST_LINES, MOST_PARAMETERS, MOST_REACHED = 350, 12, 99
+MOST_LINES, MOST_PARAMETERS, MOST_REACHED = 350, 12, 100
 
 
 def module_of(path: Path) -> str:

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.compilation import compile_ahead
-from asperity.errors import InputError
+from asperity.errors import InputError, cautious, warn_once
+from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import (
     checked_loads,
@@ -27,7 +28,6 @@ from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import spline_stiffness
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import threads as thread_count
-from surfaces.roughness import digits_warning
 
 from .accuracy import (
     LOOSEST,
@@ -86,6 +86,7 @@ class SolvedLoad:
         return bool(self.columns["converged"])
 
 
+@cautious
 def bem_curve(
     hm: HeightMap,
     material: HalfSpace,
@@ -170,7 +171,8 @@ def bem_curve(
         return interpolated(solved_curve, values)
     begun = time.perf_counter()
     boundary = chosen_boundary(hm, boundary)
-    warnings = digits_warning(hm.roughness.largest, hm.roughness.rms_height)
+    warnings = scene_warnings(hm, material)
+    warn_once(warnings)
     asked: dict[str, Any] = {
         "input": hm.digest,
         "map": map_facts(hm),

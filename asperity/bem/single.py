@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.errors import InputError
+from asperity.errors import InputError, cautious, warn_once
+from asperity.halfspace.checks import modulus_warning
 from asperity.halfspace.flags import Flag
 from asperity.halfspace.influence import ElasticHalfSpace
 from asperity.halfspace.material import require_half_space
@@ -154,6 +155,7 @@ def _edge(
     return np.asarray(edge * np.sqrt(bias) * (before > 0.5))
 
 
+@cautious
 def indent_bem(
     profile: Profile,
     material: ElasticHalfSpace,
@@ -198,6 +200,7 @@ def indent_bem(
     if not callable(profile):
         raise InputError(f"profile must be a gap f(r, phi), got {type(profile).__name__}")
     require_half_space(material)
+    warn_once(modulus_warning(material))
     if as_number("grid", grid) < 16:
         raise InputError(f"grid is {grid}; give at least 16 points per axis")
     if (approach is None) == (load is None):

@@ -7,11 +7,11 @@ import time
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.errors import InputError
+from asperity.errors import InputError, cautious, warn_once
+from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.influence import ElasticHalfSpace
 from asperity.halfspace.scene import require_scene
 from surfaces.heightmap import HeightMap
-from surfaces.roughness import digits_warning
 
 from ._grid_kernels import finish
 from .problem import ContactProblem
@@ -20,6 +20,7 @@ from .solution import BemSolution
 __all__ = ["bem_solve"]
 
 
+@cautious
 def bem_solve(
     hm: HeightMap,
     material: ElasticHalfSpace,
@@ -82,7 +83,8 @@ def bem_solve(
     """
     begun = time.perf_counter()
     require_scene(hm, material)
-    warnings = digits_warning(hm.roughness.largest, hm.roughness.rms_height)
+    warnings = scene_warnings(hm, material)
+    warn_once(warnings)
     surface, hm = hm, hm.about_mean
     problem = ContactProblem(hm, material, tolerance=tolerance, boundary=boundary)
     load, offset = problem.prescribed(pressure, separation)

@@ -17,7 +17,7 @@ from asperity.progress import bar
 
 from . import targets
 from .exit_codes import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
-from .messages import tell, told, warn
+from .messages import tell, told, warn, warnings_told
 
 __all__ = ["Work", "add_files", "add_json", "add_table", "each", "expand"]
 
@@ -98,7 +98,8 @@ def each(args: argparse.Namespace, work: Work) -> int:
 def _one(run: argparse.Namespace, work: Work) -> tuple[dict[str, Any], int]:
     """Row and exit code of one input."""
     try:
-        found = work(run)
+        with warnings_told(run):
+            found = work(run)
     except (AsperityError, MemoryError) as error:
         text = told(run.file, error)
         warn(run, text)

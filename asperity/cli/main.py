@@ -18,7 +18,7 @@ from asperity.errors import AsperityError, ConvergenceError
 
 from .exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED, EXIT_NOT_CONVERGED, EXIT_OK
 from .interrupt import interruptible
-from .messages import command_name, warn
+from .messages import command_name, warn, warnings_told
 
 COMMANDS = {
     "demo": "make a surface, run both models, write report.html and print the verdict",
@@ -95,7 +95,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     args = argparse.Namespace(command=named)
     try:
         args = build_parser(named).parse_args(arguments)
-        with interruptible():
+        with interruptible(), warnings_told(args):
             code = _run(args)
         sys.stdout.flush()
         return code

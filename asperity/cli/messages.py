@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import argparse
 import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
-__all__ = ["command_name", "tell", "told", "warn"]
+from asperity.errors import ContactWarning
+
+__all__ = ["command_name", "tell", "told", "warn", "warnings_told"]
 
 
 def command_name(args: argparse.Namespace) -> str:
@@ -32,3 +38,27 @@ def told(file: str | Path, error: BaseException) -> str:
     """What went wrong with one of several files, in one sentence that names it."""
     text = " ".join(str(error).split()) or "out of memory"
     return text if str(file) in text else f"{file}: {text}"
+
+
+@contextmanager
+def warnings_told(args: argparse.Namespace) -> Iterator[None]:
+    """Let doubts about an answer be sentences on standard error, below the name of the file.
+
+    Each is told once, however many solvers a command calls.
+    """
+    known: set[str] = set()
+    with warnings.catch_warnings():
+        show = warnings.showwarning
+
+        def tell_doubt(message: Warning | str, category: type[Warning], *rest: Any) -> None:
+            if not issubclass(category, ContactWarning):
+                return show(message, category, *rest)
+            file = getattr(args, "file", None)
+            text = f"{file}: {message}" if file else str(message)
+            if text not in known:
+                known.add(text)
+                warn(args, text)
+
+        warnings.simplefilter("always", ContactWarning)
+        warnings.showwarning = tell_doubt  # type: ignore[assignment]
+        yield

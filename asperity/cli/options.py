@@ -15,7 +15,6 @@ from asperity.microcontact.laws import LAWS
 from surfaces.heightmap import HeightMap
 
 from . import batch, quantities
-from .messages import warn
 from .surface import prepared, read_map
 from .surface_options import add_preparation, add_reading
 
@@ -31,9 +30,6 @@ __all__ = [
     "model",
     "of_map",
 ]
-
-SOFTEST = 1e3
-"""Modulus [Pa] below which a unit is probably wrong; a soft gel has more."""
 
 
 def add_surface_options(parser: argparse.ArgumentParser) -> None:
@@ -117,8 +113,6 @@ def add_load_options(parser: argparse.ArgumentParser) -> None:
 
 def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     """Read the map and prepare it as the options ask; refuse what no model can use."""
-    from asperity.model.map_checks import map_warnings
-
     hm = read_map(Path(file), args)
     if hm.missing and args.fill == "none":
         raise SurfaceError(
@@ -128,9 +122,6 @@ def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     hm = prepared(hm, args)
     if np.ptp(hm.heights) == 0.0:
         raise SurfaceError(f"{Path(file).name} is constant: a flat map has no peaks to touch")
-    if args.command not in ("plan", "curve", "solve"):  # which have them among their lines
-        for warning in map_warnings(hm):
-            warn(args, f"{Path(file).name}: {warning}")
     return hm if hm.name else hm.replace(name=Path(file).stem)
 
 
@@ -140,9 +131,6 @@ def material(args: argparse.Namespace) -> HalfSpace:
         raise InputError("give either --E (with --nu) or --modulus, not both")
     if args.modulus is None and args.E is None:
         raise InputError("no material: give --E (Young's modulus in Pa) or --modulus (E* in Pa)")
-    given = args.E if args.modulus is None else args.modulus
-    if args.m == 0.0 and 0 < given < SOFTEST:
-        warn(args, f"a modulus of {given:g} Pa is that of no solid: moduli are in Pa")
     if args.modulus is not None:
         return HalfSpace.from_modulus(args.modulus, m=args.m, hardness=args.hardness)
     nu = 0.3 if args.nu is None else args.nu

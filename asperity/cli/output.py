@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -154,7 +155,8 @@ def finish(
         lines = [
             f"{name}     {' '.join(f'{v:.4g}' for v in values)}" for name, values in more.items()
         ]
-        tell("\n".join([args.file, str(curve), *lines, f"results         {args.output}"]))
+        silent = replace(curve, settings={**curve.settings, "warnings": []})  # told before
+        tell("\n".join([args.file, str(silent), *lines, f"results         {args.output}"]))
     heaviest = np.argmax(np.where(curve.converged, curve.mean_pressure, -np.inf))
     return {
         **{name: columns[name][heaviest] for name in AT_HEAVIEST},

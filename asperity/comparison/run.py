@@ -15,7 +15,7 @@ from asperity.compilation import CURVE, compile_ahead
 from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import microcontacts
 from asperity.curve import solve_loads
-from asperity.errors import ConvergenceError
+from asperity.errors import ConvergenceError, cautious, warn_once
 from asperity.halfspace.scene import checked_loads, default_pressures, map_facts
 from asperity.model.plan import Plan, make_plan
 from asperity.progress import Progress, reported
@@ -40,6 +40,7 @@ Array = NDArray[np.float64]
 ERRORS = ("load_error", "area_error", "separation_error")
 
 
+@cautious
 def compare(
     hm: HeightMap,
     material: HalfSpace,
@@ -106,6 +107,7 @@ def compare(
         say("compilation")
         compile_ahead(*CURVE, "bem")
         first = make_plan(hm, material, **chosen) if plan is None else plan
+        warn_once(first.warnings)
         _compile(material, first)
         if plan is None:  # once more, on a map without stored means: its time belongs to the model
             plan = make_plan(hm.replace(), material, **chosen)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.curve import solve_loads
-from asperity.errors import ConvergenceError, InputError
+from asperity.errors import ConvergenceError, InputError, cautious, warn_once
 from asperity.progress import Progress
 from asperity.results.curve import ContactCurve
 
@@ -93,6 +93,7 @@ class ContactRun:
         return found
 
 
+@cautious
 def solve_contacts(
     hm: HeightMap,
     material: HalfSpace,
@@ -115,8 +116,10 @@ def solve_contacts(
     >>> f"{run.microcontacts()['force'].sum() / run.curve.load[0]:.6f}"
     '1.000000'
     """
-    return ContactRun(
+    run = ContactRun(
         *solve_loads(
             hm, material, plan, pressures=pressures, separations=separations, progress=progress
         )
     )
+    warn_once(run.curve.settings["warnings"])
+    return run

@@ -12,8 +12,8 @@ from asperity.bem.curve import SolvedLoad, bem_curve
 from asperity.bem.memory import fits
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import Boundary
-from asperity.model.map_checks import seam_warning, straight_warning
-from asperity.multiscale.wave_split import resolution_warning
+from asperity.parameters import DEFAULTS
+from surfaces.checks import resolution_warning, seam_warning, straight_warning
 from surfaces.heightmap import HeightMap
 from surfaces.patches import label_patches
 from surfaces.preparation.filtering import make_periodic
@@ -122,7 +122,8 @@ def resolution(
         return Resolution(0.0, 0.0, "nothing touches")
     share = small_share(point.contact, periodic=boundary == "periodic")
     held = f"contacts below {FEW_PIXELS} pixels hold {share:.0%} of the lightest contact"
-    broken = resolution_warning(hm) + seam_warning(hm) + straight_warning(hm)
+    least = DEFAULTS.pixel_waves.to_the_pixel
+    broken = resolution_warning(hm, least) + seam_warning(hm) + straight_warning(hm)
     if share < DOUBTFUL and not broken:
         return Resolution(*FLOOR, held)
     part = _part(hm)

@@ -15,9 +15,9 @@ from asperity.bem.memory import fits
 from asperity.bem.problem import AREA_OVER_LOAD_ERROR
 from asperity.compilation import CURVE, compile_ahead
 from asperity.contacts.run import solve_contacts
-from asperity.errors import InputError, ModelRangeError
+from asperity.errors import InputError, ModelRangeError, cautious, warn_once
+from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.scene import Boundary, checked_loads, chosen_boundary
-from asperity.model.map_checks import map_warnings
 from asperity.model.plan import make_plan
 from asperity.progress import Progress, reported
 from surfaces.errors import as_number
@@ -46,6 +46,7 @@ JUDGE_SHARE = 0.15
 """Error of boundary elements at anchors over the accuracy asked for."""
 
 
+@cautious
 def solve(
     hm: HeightMap,
     material: HalfSpace,
@@ -58,7 +59,7 @@ def solve(
     engine: str = "auto",
     boundary: str | None = None,
     progress: Progress = None,
-    judge: Callable[..., ContactCurve] = bem_curve,
+    judge: Callable[..., ContactCurve] | None = None,
 ) -> ContactCurve:
     """Load, separation and real contact area, as accurate as asked for, by the cheaper engine.
 
@@ -89,8 +90,8 @@ def solve(
         True for a progress bar, or a function called with every load point that boundary elements
         have solved.
     judge
-        Solves load points by boundary elements: a function with the arguments of `bem_curve`, such
-        as one that keeps in a file what it has solved.
+        Solves load points by boundary elements: `bem_curve` if None, or a function with its
+        arguments, such as one that keeps in a file what it has solved.
 
     Returns
     -------
@@ -133,9 +134,18 @@ def solve(
         raise InputError(f"verify is {verify!r}; give 'auto' or False")
     kind, values = checked_loads(hm, material, pressures, separations)
     with reported(progress, None, "boundary elements") as tell:
-        scene = _Scene(hm, material, kind, chosen_boundary(hm, boundary), judge, LightestLoad(tell))
+        scene = _Scene(
+            hm,
+            material,
+            kind,
+            chosen_boundary(hm, boundary),
+            judge or bem_curve,
+            LightestLoad(tell),
+        )
         clock = _Clock(begun)
         choice = scene.choice(values, engine, bool(verify))
+        known = scene_warnings(hm, material) if choice.plan is None else choice.plan.warnings
+        warn_once(known)
         clock.stage("choice")
         if choice.plan is not None and choice.engine != "bem":
             try:
@@ -169,7 +179,6 @@ def solve(
         "resolution_uncertainty": [left.load, left.area],
         "resolution": left.told_by,
     }
-    known = map_warnings(hm) if choice.plan is None else choice.plan.warnings
     warnings = dict.fromkeys([*known, *curve.settings["warnings"], *left.warnings])
     settings = {**curve.settings, "warnings": [*warnings], "verification": told}
     return replace(curve, seconds=clock.seconds, settings=settings)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from asperity.curve import solve_loads
-from asperity.errors import InputError
+from asperity.errors import InputError, cautious, warn_once
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import checked_loads
 from asperity.model.decomposition import Decomposition
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["hardness_sweep"]
 
 
+@cautious
 def hardness_sweep(
     hm: HeightMap,
     material: HalfSpace,
@@ -76,6 +77,7 @@ def hardness_sweep(
     loads: dict[str, Any] = {"pressures": pressures, "separations": separations}
     softest = min(bodies, key=lambda body: body.hardness)
     plan = make_plan(hm, softest, **loads, **choices)
+    warn_once(plan.warnings)
     base = Decomposition.of(hm.without_rounding, softest, plan)
     count = len(bodies) * len(checked_loads(hm, softest, **loads)[1])
     curves = []

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.errors import InputError
 from surfaces.heightmap import HeightMap, require_map
 
+from .influence import ElasticHalfSpace
 from .material import HalfSpace, require_half_space
 
 __all__ = [
@@ -92,7 +93,7 @@ def map_facts(hm: HeightMap) -> dict[str, Any]:
     }
 
 
-def pressure_scale(hm: HeightMap, material: HalfSpace) -> float:
+def pressure_scale(hm: HeightMap, material: ElasticHalfSpace) -> float:
     """Pressure E* h' [Pa] that flattens the roughness, with the modulus met at its own scale.
 
     A graded half-space answers a wave of number q like a homogeneous one of modulus proportional

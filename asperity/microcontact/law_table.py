@@ -166,7 +166,7 @@ class LawTable:
         rows, depth = np.broadcast_arrays(
             np.asarray(index, dtype=np.int64), np.asarray(approach, dtype=float)
         )
-        rows, depth = np.ascontiguousarray(rows), np.ascontiguousarray(depth)
+        rows, depth = np.array(rows), np.array(depth)  # broadcast arrays cannot be written
         asked = np.zeros(len(self), bool)
         asked[rows] = True
         place = np.cumsum(asked, dtype=np.int32) - 1

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.compilation import compile_ahead
 from asperity.errors import InputError, ModelRangeError, SurfaceError
+from asperity.halfspace.checks import hardness_needed, scene_warnings
 from asperity.halfspace.scene import (
     Boundary,
     checked_loads,
@@ -26,9 +27,8 @@ from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import available_bytes
 from surfaces.peaks.peaks import flat_share
 from surfaces.preparation.resampling import coarse_map
-from surfaces.roughness import digits_warning
 
-from .map_checks import hardness_needed, lay, map_warnings
+from .map_checks import lay, model_warnings
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -177,15 +177,14 @@ def make_plan(
     require_scene(hm, material)
     _require_usable(hm, material)
     kind, values = checked_loads(hm, material, pressures, separations)
-    digits = digits_warning(hm.roughness.largest, hm.roughness.rms_height)
-    warnings = (*digits, *map_warnings(hm, parameters.error_estimate.longest_lay))
+    doubts = scene_warnings(hm, material)
+    warnings = (*doubts, *model_warnings(hm, parameters.error_estimate.longest_lay))
     hm = hm.without_rounding
     edge = chosen_boundary(hm, boundary)
     source = "as the map says" if boundary is None else "as asked"
     body = f"graded, m = {material.m:g}" if material.m != 0.0 else "homogeneous"
-    hard, doubts = hardness_needed(hm, material)
-    reasons, warnings = [f"boundary: {edge} ({source})"], (*warnings, *doubts)
-    reasons += [f"material: {body}", hard]
+    reasons = [f"boundary: {edge} ({source})", f"material: {body}"]
+    reasons.append(hardness_needed(hm, material)[0])
     if not isinstance(interaction, bool | np.bool_):
         raise InputError(f"interaction is {interaction!r}; it must be True or False")
     coupled, why = False, "interaction: off, as asked (the classical independent sum)"

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from asperity.halfspace.footprint import Footprints
 from asperity.parameters import DEFAULTS, Parameters
 from asperity.parameters.constants import PixelWaves
+from surfaces.checks import fineness
 from surfaces.heightmap import HeightMap
 from surfaces.preparation.resampling import resample
 
@@ -31,7 +32,7 @@ from .sub_contact_law import SubContactLaw
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
 
-__all__ = ["Split", "fineness", "random_waves", "refined_map", "resolution_warning", "split_scales"]
+__all__ = ["Split", "random_waves", "refined_map", "split_scales"]
 
 
 Array = NDArray[np.float64]
@@ -43,24 +44,6 @@ it is not reached."""
 NARROW = "scales: all, the spectrum is narrow enough for a contact at each summit"
 
 
-def fineness(hm: HeightMap) -> float:
-    """Share of the squared slope that is lost when heights are taken two pixels apart, not one.
-
-    0 for a smooth map, 0.03 for a spectrum that ends at 8 pixels, 0.09 at 4, 0.14 at 3 and 0.2 to
-    0.4 at the pixel, 0.75 for noise.
-
-    Notes
-    -----
-    For differences d, d' of neighboring pairs, <(d - d')^2> = 4 <d^2> - <(d + d')^2>.
-    """
-    found = hm.roughness
-    bend = np.asarray(found.curvature) * hm.spacing
-    if found.rms_slope == 0.0:
-        return 0.0
-    share = bend / (2.0 * found.rms_slope)
-    return float(share @ share)
-
-
 def random_waves(hm: HeightMap, waves: PixelWaves = DEFAULTS.pixel_waves) -> bool:
     """Whether the finest waves of a map are random: not with spikes, steps, worn plateaus, borders
     that fade, tops of one height.
@@ -70,26 +53,6 @@ def random_waves(hm: HeightMap, waves: PixelWaves = DEFAULTS.pixel_waves) -> boo
     Random waves are known by the kurtosis of their second differences.
     """
     return all(abs(value - 3.0) <= waves.kurtosis for value in hm.roughness.kurtosis)
-
-
-def resolution_warning(hm: HeightMap, waves: PixelWaves = DEFAULTS.pixel_waves) -> list[str]:
-    """What a map too coarse for its roughness leaves uncertain; empty where its pixels resolve it.
-
-    Parameters
-    ----------
-    hm
-        Height map without missing points.
-    waves
-        Which waves are near the pixel.
-    """
-    share = fineness(hm)
-    if share < waves.to_the_pixel:
-        return []
-    return [
-        "the map is too coarse for its roughness: between one pixel and two "
-        f"{100 * share:.0f} % of the squared slope is lost, so that contact area and number of "
-        "spots depend on the pixel size"
-    ]
 
 
 def refined_map(hm: HeightMap, waves: PixelWaves = DEFAULTS.pixel_waves) -> HeightMap | str | None:

@@ -10,7 +10,7 @@ from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
 from asperity.compilation import CURVE, compile_ahead
-from asperity.errors import AsperityError
+from asperity.errors import AsperityError, ContactWarning
 
 from .case import Case
 from .conditioning import conditioning_cases
@@ -70,6 +70,7 @@ def _row(case: Case) -> Row:
     ratio, reason, outcome = float("nan"), "", FAILURE
     with warnings.catch_warnings(record=True) as leaked:
         warnings.simplefilter("always")
+        warnings.simplefilter("ignore", ContactWarning)
         try:
             ratio = float(case.judge())
         except Doubted as error:

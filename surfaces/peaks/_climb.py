@@ -18,7 +18,7 @@ __all__ = ["prefetch_block"]
 
 FLATTEST = 1e-3  # least ratio of the principal curvatures
 _LOCAL = 1e-4  # largest misfit of the local quartic, relative to the range of its points
-_LEVEL = 1e-6  # ratio of the principal curvatures below which rounding may decide the smaller sign
+_LEVEL = 1e-6  # ratio of curvatures below which rounding may decide the smaller one
 
 _LONGEST = 0.45  # step [pixels]; several of half a pixel would end between two pixels
 
@@ -267,17 +267,20 @@ def frames(
 ):
     """Place and height (n, 3), principal curvatures (n, 2) and direction (n,) of all peaks.
 
-    Without a summit: the round paraboloid that fills the basin down to its `depth`.
+    Without a summit: the round paraboloid that fills the basin down to its `depth`. A tip such as
+    that of r^4 is round as well: all that it has of a curvature is rounding, which has no axis.
     """
     dy, dx = spacing
     for n in range(row.size):
         found = kinds[n] == SUMMIT
-        a = 2.0 * math.pi * depth[n] / (pixels[n] * dy * dx)
-        b, c = 0.0, a
+        filled = 2.0 * math.pi * depth[n] / (pixels[n] * dy * dx)
+        a, b, c = filled, 0.0, filled
         if found:
             a = -expansions[n, 5] / (dx * dx)
             b = -expansions[n, 4] / (dx * dy)
             c = -expansions[n, 3] / (dy * dy)
+            if a + c < _LEVEL * filled:
+                a, b, c = 0.5 * (a + c), 0.0, 0.5 * (a + c)
         curvature[n, 0], curvature[n, 1], angle[n] = _frame(a, b, c)
         summit[n, 0], summit[n, 1] = (places[n, 1] + 0.5) * dx, (places[n, 0] + 0.5) * dy
         summit[n, 2] = expansions[n, 0] if found else heights[row[n], col[n]]

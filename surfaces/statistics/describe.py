@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.checks import tilt_warning
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_map
-from surfaces.preparation.levelling import level
 from surfaces.roughness import unit_warning
 
 from .bearing import bearing_curve
@@ -140,7 +140,7 @@ def describe(hm: HeightMap) -> Statistics:
     hybrid = {"Sdq": slope, "Sdr": _developed(hm), "curvature": curvature}
     curve = bearing_curve(hm)
     moments, fit = None, None
-    warnings = [*_tilt_warning(hm, sq), *unit_warning(slope)]
+    warnings = [*tilt_warning(hm, _TILTED), *unit_warning(slope)]
     if hm.missing:
         share = 100 * hm.missing / hm.heights.size
         warnings.append(f"{share:.3g} % of the points are missing: no spectrum; fill them first")
@@ -235,15 +235,6 @@ def _developed(hm: HeightMap) -> float:
         corners = [np.sqrt(step_y[:, one] + step_x[other]) for one in ends for other in ends]
         area.add(np.mean(corners, axis=0))
     return area.value - 1.0
-
-
-def _tilt_warning(hm: HeightMap, sq: float) -> list[str]:
-    if hm.periodic:
-        return []
-    share = 1.0 - (level(hm, "plane").rms_height / sq) ** 2
-    if share < _TILTED:
-        return []
-    return [f"a plane makes up {100 * share:.3g} % of the variance: level the map first"]
 
 
 def _resolution_warning(moments: SpectralMoments, slope: float, curvature: float) -> list[str]:

@@ -92,7 +92,9 @@ def test_heights_in_another_unit_than_stated_are_noticed(folder, capsys):
 def test_a_modulus_in_gigapascal_is_noticed(folder, capsys):
     surfaces.write(good_map(), folder / "scan.h5")
     assert main(["plan", "scan.h5", "--E", "210"]) == 0
-    assert "a modulus of 210 Pa is that of no solid" in capsys.readouterr().err
+    assert "E* of 231 Pa is that of no solid" in capsys.readouterr().out
+    assert main(["bem", "scan.h5", "--E", "210", "--pressure", "0.01"]) == 0
+    assert capsys.readouterr().err.count("E* of 231 Pa is that of no solid") == 1
 
 
 @pytest.mark.parametrize("command", MODELS)

@@ -44,7 +44,9 @@ def test_curve_commands_write_what_they_print(command, folder, capsys):
     arguments = [command, "rough.h5", *STEEL, "--pressure", "3e7:3e8:3", "--csv", "c.csv"]
     assert main(arguments) == 0
     curve = ContactCurve.from_hdf5("results.h5")
-    assert str(curve) in capsys.readouterr().out
+    told = capsys.readouterr()
+    for line in str(curve).splitlines():  # doubts are told before, on standard error
+        assert line in told.out or line.removeprefix("warning").strip() in told.err
     np.testing.assert_allclose(curve.mean_pressure, np.geomspace(3e7, 3e8, 3), rtol=2e-3)
     assert len((folder / "c.csv").read_text().splitlines()) == 4
 
@@ -248,7 +250,7 @@ def test_compare_prepares_a_raw_scan_and_goes_on_past_a_bad_file(folder, capsys)
     options = ["--fill", "harmonic", "--periodic", "taper", "--pressure", "1e8,3e8"]
     assert main(["compare", "scan.h5", "bad.h5", "rough.h5", *STEEL, *options]) == 2
     shown = capsys.readouterr()
-    assert shown.err.count("\n") == shown.err.count("bad.h5") == 1
+    assert shown.err.count("bad.h5") == 1
     made = {"scan.h5", "scan.html", "rough.h5", "rough.html"}
     assert {p.name for p in (folder / "results").iterdir()} == made
     history = Comparison.from_hdf5("results/scan.h5").about["history"]

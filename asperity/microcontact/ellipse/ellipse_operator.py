@@ -88,7 +88,8 @@ def _rotations(degree: int, psi: Array) -> Array:
 
 def _chord_transform(degree: int, m: float) -> Array:
     """Row j: polynomial in s0 of ``int |s-s0|**-m (1-s**2)**((m-1)/2) s**j ds``, |s0| < 1."""
-    exponent = (m - 1) / 2
+    # scipy divides by (1 + m/2) - 1, which is zero where m is lost beside one
+    exponent = (m - 1) / 2 if abs(m) > 1e-12 else -0.5
     s, w = roots_jacobi(degree + 2, exponent, exponent)
     eigen = np.ones(degree + 1)
     for j in range(1, degree + 1):

@@ -9,7 +9,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.errors import InputError, ModelRangeError
+from asperity.errors import InputError, ModelRangeError, cautious, warn_once
+from asperity.halfspace.checks import modulus_warning
 from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.microcontact.laws import require_law
 from surfaces.polar import PolarProfile, PowerSumProfile
@@ -50,6 +51,7 @@ _TINY = 1e-6
 """Approach of a contact just touched, over that of another."""
 
 
+@cautious
 def indent(
     profile: PowerSumProfile | PolarProfile,
     material: HalfSpace,
@@ -92,6 +94,7 @@ def indent(
     """
     _require_profile(profile)
     require_half_space(material)
+    warn_once(modulus_warning(material))
     if (approach is None) == (load is None):
         raise InputError("give either approach or load")
     solve = _solver(law)

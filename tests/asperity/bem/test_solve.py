@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from oracles import periodic_displacement, polonsky_keer
+from scipy.integrate import trapezoid
 from strategies import rough
 
 from asperity import HalfSpace, bem_solve, errors
@@ -183,9 +184,9 @@ def test_an_offset_takes_no_digits(boundary):
     np.testing.assert_allclose(solved.separation, known.separation, rtol=1e-6)
     if boundary == "periodic":
         assert certificate_by_hand(solved, near) < 2e-6
-    (warning,) = solved.settings["warnings"]
+    (warning,) = [text for text in solved.settings["warnings"] if "rounded" in text]
     assert "rounded to 1.2e-10 m" in warning and warning in str(solved)
-    assert not known.settings["warnings"]
+    assert not any("rounded" in text for text in known.settings["warnings"])
 
 
 def test_scaling_of_lengths_and_modulus():
@@ -232,7 +233,7 @@ def test_energy_is_the_work_of_the_load():
     loads = np.linspace(0.04, 0.05, 9)
     found = [bem_solve(hm, BODY, pressure=p, tolerance=1e-9) for p in loads]
     separation = np.array([s.separation for s in found])
-    work = -np.trapezoid(loads, separation) * hm.area
+    work = -trapezoid(loads, separation) * hm.area
     assert found[-1].elastic_energy - found[0].elastic_energy == pytest.approx(work, rel=1e-4)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.model.map_checks import lay, map_warnings
+from asperity.model.map_checks import lay
 from asperity.parameters import DEFAULTS
 from surfaces import HeightMap, self_affine, turned
 
@@ -17,6 +17,10 @@ HARD = asperity.HalfSpace.from_modulus(1e11, hardness=1e9)
 def smooth(**changes):
     hm = self_affine((48, 60), (7.2e-5, 6e-5), hurst=0.8, rms_slope=0.1, cutoff=1e-5, seed=1)
     return hm.replace(**changes)
+
+
+def map_warnings(hm):
+    return list(asperity.make_plan(hm, HARD, pressures=[1e6]).warnings)
 
 
 def test_nothing_is_said_of_a_smooth_map():

@@ -14,10 +14,11 @@ from asperity.errors import InputError
 from asperity.halfspace.influence import compliance
 from asperity.halfspace.scene import pressure_scale
 from asperity.model.plan import make_plan
-from asperity.multiscale.wave_split import fineness, random_waves, refined_map, split_scales
+from asperity.multiscale.wave_split import random_waves, refined_map, split_scales
 from asperity.parameters import DEFAULTS
 from asperity.parameters.constants import PixelWaves
 from surfaces import HeightMap, self_affine
+from surfaces.checks import fineness
 
 BODY = asperity.HalfSpace.from_modulus(1.0)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numba import njit
+from scipy.integrate import trapezoid
 from scipy.interpolate import CubicHermiteSpline
 from scipy.linalg import solve
 
@@ -271,7 +272,7 @@ def test_planforms_carry_the_contact_on():
         expected[2, i] = min(filling[i, 0] * spread ** fade[i], basin)
         u = np.linspace(levels[i - 1], levels[i], 4001)
         k = np.interp(u, levels[i - 1 : i + 1], expected[1, i - 1 : i + 1])
-        expected[0, i] = expected[0, i - 1] + np.trapezoid(k, u**2)
+        expected[0, i] = expected[0, i - 1] + trapezoid(k, u**2)
     out = lanes(columns)
     _carried(lanes(filling), float(last), levels, basin, p, out)
     np.testing.assert_allclose(out.reshape(5, n, LANES)[:3, :, 5], expected[:3], rtol=1e-6)

@@ -1,0 +1,104 @@
+"""What makes a contact doubtful whatever solves it, known before anything runs."""
+
+from __future__ import annotations
+
+import math
+
+from asperity.parameters import DEFAULTS
+from surfaces.checks import resolution_warning, seam_warning, spike_warning, tilt_warning
+from surfaces.heightmap import HeightMap
+from surfaces.roughness import digits_warning, unit_warning
+
+from .influence import ElasticHalfSpace
+from .scene import AREA_OVER_LOAD, pressure_scale, slope_scale
+
+__all__ = ["hardness_needed", "modulus_warning", "scene_warnings"]
+
+STEEP = 0.5
+"""Rms slope from which on small-slope elasticity is warned of."""
+
+METALS = 1e10, 1e12
+"""Moduli E* [Pa] between which a body may be a metal."""
+
+HARDEST = 0.035
+"""Hardness over E* that hardly a metal exceeds: 8 GPa of hardened steel."""
+
+SOFTEST = 1e3
+"""Modulus [Pa] below which it is that of no solid: a soft gel has more."""
+
+TILTED = 0.9
+"""Share of a plane in the variance of heights from which on a tilt is warned of: parts of rough
+surfaces without a longest wave have up to 0.82."""
+
+
+def scene_warnings(hm: HeightMap, material: ElasticHalfSpace) -> list[str]:
+    """One sentence for each reason why any answer about a contact may be wrong.
+
+    Parameters
+    ----------
+    hm
+        Height map without missing points.
+    material
+        Elastic half-space.
+    """
+    found = hm.roughness
+    if found.rms_height == 0.0:
+        return modulus_warning(material)
+    return [
+        *digits_warning(found.largest, found.rms_height),
+        *unit_warning(found.rms_slope),
+        *modulus_warning(material),
+        *_steep_warning(found.rms_slope),
+        *tilt_warning(hm, TILTED),
+        *resolution_warning(hm, DEFAULTS.pixel_waves.to_the_pixel),
+        *spike_warning(hm),
+        *seam_warning(hm),
+        *hardness_needed(hm, material)[1],
+    ]
+
+
+def modulus_warning(material: ElasticHalfSpace) -> list[str]:
+    """A modulus that seems to be given in GPa; empty for one that a solid may have.
+
+    A modulus of one is the unit of dimensionless work.
+    """
+    if material.m != 0.0 or material.modulus >= SOFTEST or material.modulus == 1.0:
+        return []
+    return [
+        f"a modulus E* of {material.modulus:.3g} Pa is that of no solid: moduli are in Pa "
+        "(210e9, or 210GPa on the command line)"
+    ]
+
+
+def hardness_needed(hm: HeightMap, material: ElasticHalfSpace) -> tuple[str, list[str]]:
+    """What a hardness, given or not, means for the contacts of a map, in one line; and a warning
+    where metals would not carry what elastic contacts do."""
+    slope, _ = slope_scale(hm)
+    if slope == 0.0:
+        return "hardness: of no concern, the map has no slope", []
+    mean = pressure_scale(hm, material) / AREA_OVER_LOAD
+    if material.hardness < math.inf:
+        over = mean / material.hardness
+        return (
+            f"hardness: {material.hardness:.3g} Pa, elastic contacts would carry {over:.2g} of it",
+            [],
+        )
+    share = slope / AREA_OVER_LOAD
+    told = f"elastic contacts carry about {mean:.2g} Pa, {100 * share:.2g} % of the modulus"
+    metal = material.m == 0.0 and METALS[0] < material.modulus < METALS[1]
+    if not (metal and share > HARDEST):
+        return f"hardness: none, {told}", []
+    told += (
+        ": metals yield at 0.3 to 3 % of it, and then touch on more area; give the hardness of the "
+        "softer body (hardness=, --hardness) if it is one"
+    )
+    return f"hardness: none, {told}", [told]
+
+
+def _steep_warning(slope: float) -> list[str]:
+    if slope < STEEP:
+        return []
+    return [
+        f"the rms slope is {slope:.2g}: linear elasticity is of small slopes, and the answer is "
+        "that of its equations, not of a body so steep"
+    ]

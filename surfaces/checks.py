@@ -1,0 +1,165 @@
+"""What makes a height map doubtful: tilt, steps at its sides, spikes, clipped or coarse heights."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .heightmap import HeightMap
+
+__all__ = [
+    "fineness",
+    "resolution_warning",
+    "seam_warning",
+    "spike_warning",
+    "straight_warning",
+    "tilt_warning",
+]
+
+SPIKE = 3.0
+"""Height of a point above all its neighbors, in rms heights, from which on it is called a spike:
+noise reaches 2.5, a map to the pixel 1."""
+
+CLIFF = 3.0
+"""Rms step across the seam of a periodic map over the largest between two lines inside from which
+on it is told: random waves have 1."""
+
+STRAIGHT = 0.4
+"""Share of the highest points in line with both neighbors from which on heights seem clipped: 0.6
+to 1 of plateaus, leveled or not, and of ridges; 0.2 of steps of a thirtieth of the rms height and
+of the coarsest of eight measured maps."""
+
+STRAIGHT_TO = 1e-6
+"""Second difference of heights over the rms height up to which points are in line: noise of
+rounding is below it, waves of 4 000 points and shorter are above."""
+
+HIGHEST, LINES = 0.02, 16
+"""Share of the points that count as the highest, and rows and columns on which they are sought."""
+
+
+def tilt_warning(hm: HeightMap, least: float) -> list[str]:
+    """A plane in the heights; empty where it makes up less than a share `least` of their variance.
+
+    A periodic map has none: its sides would not meet (`seam_warning`).
+
+    Notes
+    -----
+    Where points are missing, the share is that of the means of rows and columns.
+    """
+    variance = hm.rms_height**2
+    if hm.periodic or variance == 0.0:
+        return []
+    share = 0.0
+    for axis, n in enumerate(hm.shape):
+        place = np.linspace(-1.0, 1.0, n)
+        means = np.nanmean(hm.heights, axis=1 - axis) if hm.missing else hm.heights.mean(1 - axis)
+        held = np.isfinite(means)
+        slope = np.polyfit(place[held], means[held], 1)[0] if held.sum() > 1 else 0.0
+        share += slope**2 * float(np.mean(place**2)) / variance
+    if share < least:
+        return []
+    return [
+        f"a plane makes up {100 * min(share, 1.0):.3g} % of the variance of the heights: level the "
+        "map (level='plane', --level plane)"
+    ]
+
+
+def fineness(hm: HeightMap) -> float:
+    """Share of the squared slope that is lost when heights are taken two pixels apart, not one.
+
+    0 for a smooth map, 0.03 for a spectrum that ends at 8 pixels, 0.09 at 4, 0.14 at 3 and 0.2 to
+    0.4 at the pixel, 0.75 for noise.
+
+    Notes
+    -----
+    For differences d, d' of neighboring pairs, <(d - d')^2> = 4 <d^2> - <(d + d')^2>.
+    """
+    found = hm.roughness
+    bend = np.asarray(found.curvature) * hm.spacing
+    if found.rms_slope == 0.0:
+        return 0.0
+    share = bend / (2.0 * found.rms_slope)
+    return float(share @ share)
+
+
+def resolution_warning(hm: HeightMap, least: float) -> list[str]:
+    """What a map too coarse for its roughness leaves uncertain; empty where its pixels resolve it.
+
+    Parameters
+    ----------
+    hm
+        Height map without missing points.
+    least
+        `fineness` from which on waves are near the pixel.
+    """
+    share = fineness(hm)
+    if share < least:
+        return []
+    return [
+        "the map is too coarse for its roughness: between one pixel and two "
+        f"{100 * share:.0f} % of the squared slope is lost, so that contact area and number of "
+        "spots depend on the pixel size; measure on a finer grid, or take the finest waves out "
+        "(bandpass=, --bandpass)"
+    ]
+
+
+def spike_warning(hm: HeightMap) -> list[str]:
+    """A highest point far above all its neighbors; empty without one."""
+    heights, rms = hm.heights, hm.roughness.rms_height
+    band, col = np.unravel_index(int(np.argmax(hm.roughness.tops)), hm.roughness.tops.shape)
+    row = hm.roughness.rows[band, col]
+    around = np.arange(-1, 2)
+    places = (
+        np.unique((at + around) % n if hm.periodic else np.clip(at + around, 0, n - 1))
+        for at, n in zip((row, col), hm.shape, strict=True)
+    )
+    second, first = np.partition(heights[np.ix_(*places)], -2, axis=None)[-2:]
+    above = float(first - second)
+    if not above > SPIKE * rms:
+        return []
+    return [
+        f"the highest point stands {above / rms:.0f} rms heights above its neighbors and holds up "
+        "the flat: if it is a spike, take it out (outliers=8, --outliers 8)"
+    ]
+
+
+def seam_warning(hm: HeightMap) -> list[str]:
+    """A cliff where the sides of a periodic map do not meet; empty without one.
+
+    Notes
+    -----
+    The rms step across the seam is compared with the largest between two lines inside, which a
+    grating has, too.
+    """
+    if not hm.periodic:
+        return []
+    worst = 0.0
+    for axis, (slope, width) in enumerate(zip(hm.roughness.slope, hm.spacing, strict=True)):
+        lines = hm.heights if axis == 0 else hm.heights.T
+        seam = float(np.sqrt(np.mean((lines[0] - lines[-1]) ** 2)))
+        if seam > CLIFF * slope * width > 0.0:
+            inside = np.mean(np.diff(hm.heights, axis=axis) ** 2, axis=1 - axis)
+            worst = max(worst, seam / float(np.sqrt(inside.max())))
+    if worst < CLIFF:
+        return []
+    return [
+        f"the sides of the map do not meet: the step across its seam is {worst:.0f} times the "
+        "largest inside; make it periodic (--periodic taper or mirror), or take it as free"
+    ]
+
+
+def straight_warning(hm: HeightMap) -> list[str]:
+    """Highest points in line with their neighbors; empty where few are."""
+    heights, straight = hm.heights, STRAIGHT_TO * hm.roughness.rms_height
+    step = -(-len(heights) // LINES)
+    above, line, below = (heights[at : len(heights) - 2 + at : step] for at in range(3))
+    top = line >= np.quantile(line, 1.0 - HIGHEST)
+    across = (above - 2.0 * line + below)[top]
+    along = (line[:, 2:] - 2.0 * line[:, 1:-1] + line[:, :-2])[top[:, 1:-1]]
+    share = max(float(np.mean(np.abs(bend) <= straight)) for bend in (along, across) if bend.size)
+    if share < STRAIGHT:
+        return []
+    return [
+        f"{100 * share:.0f} % of the highest points lie in line with their neighbors (clipped or "
+        "stepped heights, ridges): contact begins on all of them at once, which no law of a summit "
+        "describes"
+    ]

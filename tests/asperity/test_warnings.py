@@ -1,0 +1,97 @@
+"""Warnings that a careful colleague would give: each with its number and cure, once."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+
+import asperity
+from surfaces import PowerLawProfile, self_affine
+
+HARD = asperity.HalfSpace.from_modulus(1e11, hardness=1e9)
+DOORS = {
+    "contact_curve": asperity.contact_curve,
+    "bem_curve": asperity.bem_curve,
+    "solve": asperity.solve,
+    "compare": asperity.compare,
+    "solve_contacts": asperity.solve_contacts,
+    "bem_solve": lambda hm, body, pressures: asperity.bem_solve(hm, body, pressure=pressures[0]),
+}
+
+
+def smooth(**changes):
+    hm = self_affine((48, 60), (7.2e-5, 6e-5), hurst=0.8, rms_slope=0.1, cutoff=1e-5, seed=1)
+    return hm.replace(**changes)
+
+
+def wedge():
+    hm = smooth(periodic=False)
+    return hm.replace(heights=hm.heights + 0.3 * np.arange(60) * hm.spacing[1])
+
+
+def cliff():
+    hm = smooth()
+    return hm.replace(heights=hm.heights + 0.3 * np.arange(60) * hm.spacing[1])
+
+
+def noise():
+    heights = np.random.default_rng(0).normal(size=(48, 60)) * 1e-8
+    return smooth(heights=heights)
+
+
+SCENES = {
+    "tilt": (wedge, HARD, "a plane makes up 9", "--level plane"),
+    "modulus in GPa": (smooth, asperity.HalfSpace(210.0, 0.3), "E* of 231 Pa", "210GPa"),
+    "steep": (lambda: smooth(heights=8 * smooth().heights), HARD, "slope is 0.8", "not of a body"),
+    "yields": (smooth, asperity.HalfSpace(210e9, 0.3), "% of the modulus", "--hardness"),
+    "too coarse": (noise, HARD, "of the squared slope is lost", "--bandpass"),
+    "seam": (cliff, HARD, "across its seam is", "--periodic taper"),
+}
+
+
+def told(door, hm, body):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        door(hm, body, pressures=[1e-4 * body.modulus])
+    found = [one for one in caught if issubclass(one.category, asperity.ContactWarning)]
+    assert all(one.filename == __file__ for one in found)
+    return [str(one.message) for one in found]
+
+
+@pytest.mark.parametrize("door", DOORS)
+def test_nothing_is_said_of_a_clean_scene(door):
+    assert told(DOORS[door], smooth(), HARD) == []
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_each_doubt_is_told_once_with_its_number_and_its_cure(scene):
+    hm, body, number, cure = SCENES[scene]
+    (found,) = [text for text in told(DOORS["bem_solve"], hm(), body) if number in text]
+    assert cure in found
+
+
+@pytest.mark.parametrize("door", DOORS)
+@pytest.mark.parametrize("scene", ["tilt", "yields"])
+def test_every_solver_tells_what_the_scene_makes_doubtful(door, scene):
+    hm, body, number, _ = SCENES[scene]
+    assert sum(number in text for text in told(DOORS[door], hm(), body)) == 1
+
+
+@pytest.mark.parametrize("door", [asperity.indent, asperity.indent_bem])
+def test_one_contact_tells_of_a_modulus_in_gpa(door):
+    with pytest.warns(asperity.ContactWarning, match="moduli are in Pa") as caught:
+        door(PowerLawProfile(2, 1.0), asperity.HalfSpace(210.0, 0.3), 0.01)
+    assert len(caught) == 1
+
+
+def test_a_modulus_of_one_is_a_unit(recwarn):
+    asperity.indent(PowerLawProfile(2, 1.0), asperity.HalfSpace.from_modulus(1.0), 0.01)
+    assert not recwarn.list
+
+
+def test_a_solver_that_fails_leaves_the_next_one_its_voice():
+    with pytest.raises(asperity.InputError):
+        asperity.bem_solve(smooth(), HARD)
+    assert len(told(DOORS["bem_solve"], wedge(), HARD)) == 1
