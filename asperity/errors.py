@@ -75,6 +75,6 @@ def warn_once(sentences: Iterable[str]) -> None:
 def _frames_inside() -> int:
     """Frames from `warn_once` up to the line outside this package that called it."""
     frame, count = sys._getframe(1), 1
-    while frame.f_back is not None and frame.f_globals["__name__"].startswith("asperity."):
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("asperity."):
         frame, count = frame.f_back, count + 1
     return count
