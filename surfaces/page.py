@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import math
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -11,6 +10,7 @@ from surfaces.files.atomic import replacing
 from surfaces.statistics.bearing import bearing_curve
 from surfaces.statistics.correlation import autocorrelation
 from surfaces.statistics.describe import Statistics, describe
+from surfaces.statistics.parameters import PARAMETERS
 from surfaces.statistics.spectrum import power_spectrum
 
 from .drawing import image
@@ -31,28 +31,6 @@ th{font-weight:600;white-space:nowrap} td{font-variant-numeric:tabular-nums}
 .warning{background:#fdf3e1;border-left:4px solid #e0a030;padding:.4rem .8rem;margin:.4rem 0}
 @media(max-width:50rem){.figures img{max-width:100%}}
 """
-
-_MEANING = {
-    "Sq": "rms height [m]",
-    "Sa": "mean absolute height [m]",
-    "Ssk": "skewness [-]",
-    "Sku": "kurtosis [-]",
-    "Sp": "highest peak [m]",
-    "Sv": "deepest dale [m]",
-    "Sz": "peak to dale [m]",
-    "Sdq": "rms slope, finite differences [-]",
-    "Sdr": "additional area [-]",
-    "curvature": "rms, finite differences [1/m]",
-    "Sk": "core height [m]",
-    "Spk": "reduced peak height [m]",
-    "Svk": "reduced dale height [m]",
-    "Smr1": "ratio of the peaks [-]",
-    "Smr2": "ratio above the dales [-]",
-    "Vmp": "peak material volume [m]",
-    "Vmc": "core material volume [m]",
-    "Vvc": "core void volume [m]",
-    "Vvv": "dale void volume [m]",
-}
 
 
 def section(hm: HeightMap) -> str:
@@ -94,12 +72,8 @@ def write_page(sections: Iterable[str], path: Path) -> None:
 
 
 def _numbers(found: Statistics) -> list[dict[str, str]]:
-    """Rows of the tables: heights and slopes, bearing curve, spectrum and texture."""
-    spatial = {
-        "Sal, autocorrelation length [m]": f"{found.texture.shortest:.5g}",
-        "Str, texture aspect ratio [-]": f"{found.texture.aspect:.3g}",
-        "lay, from +x towards +y [deg]": f"{math.degrees(found.texture.direction):.0f}",
-    }
+    """Rows of the tables: heights and slopes, bearing curve, features, spectrum and texture."""
+    spatial = _named(found.spatial)
     if found.moments is not None:
         spatial["rms slope, spectral [-]"] = f"{found.moments.rms_slope:.5g}"
         spatial["rms curvature, spectral [1/m]"] = f"{found.moments.rms_curvature:.5g}"
@@ -107,11 +81,16 @@ def _numbers(found: Statistics) -> list[dict[str, str]]:
         spatial["largest over smallest rms slope [-]"] = f"{found.moments.slope_ratio:.3g}"
     if found.fit is not None:
         spatial["self-affine fit"] = html.escape(str(found.fit)).replace(", ", "<br>")
-    return [_named(found.heights | found.hybrid), _named(found.functional), spatial]
+    groups = (found.heights | found.hybrid, found.functional, found.features)
+    return [*map(_named, groups), spatial]
 
 
 def _named(values: dict[str, float]) -> dict[str, str]:
-    return {f"{name}, {_MEANING[name]}": f"{value:.5g}" for name, value in values.items()}
+    return {
+        f"{name}, {meaning} [{unit}]": f"{values[name]:.5g}"
+        for name, (unit, meaning) in PARAMETERS.items()
+        if name in values
+    }
 
 
 def _history(hm: HeightMap) -> str:

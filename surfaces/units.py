@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from decimal import Decimal
 from pathlib import Path
@@ -40,6 +41,9 @@ _ALIASES = {
     "A": "angstrom",
     "in": "inch",
 }
+
+_QUANTITY = re.compile(r"(\d*\.?\d+(?:[eE][+-]?\d+)?|)\s*(.*)", re.DOTALL)
+"""A number, if there is one, and a name."""
 
 
 QUANTITIES = {
@@ -156,18 +160,20 @@ def metres_per(unit: str) -> float:
     Parameters
     ----------
     unit
-        Name of a length unit, such as m, mm, um, nm; case matters (mm is not Mm).
+        Name of a length unit, such as m, mm, um, nm; case matters (mm is not Mm). A number may
+        stand before it: 2.5nm.
 
     Raises
     ------
     InputError
         If the name is not a known unit of length.
     """
-    name = unit.strip()
+    number, name = _QUANTITY.findall(unit.strip())[0]
     name = _ALIASES.get(name, name)
     if name not in METRES and len(name) > 2:
         plain = name.lower().removesuffix("s")
         name = _ALIASES.get(plain, plain)
-    if name not in METRES:
+    factor = float(number or 1.0)
+    if name not in METRES or not 0.0 < factor < math.inf:
         raise InputError(f"{unit[:30]!r} is not a unit of length; known are {', '.join(METRES)}")
-    return METRES[name]
+    return factor * METRES[name]

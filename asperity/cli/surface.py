@@ -81,11 +81,7 @@ def _info(args: argparse.Namespace) -> Mapping[str, Any]:
     spectral = {} if found.moments is None else {"rms_slope": found.moments.rms_slope}
     return {
         **_map_row(hm),
-        **found.heights,
-        **found.hybrid,
-        "Sal": found.texture.shortest,
-        "Str": found.texture.aspect,
-        **found.functional,
+        **found.parameters,
         **spectral,
         "warnings": found.warnings,
         "history": hm.history,
@@ -164,6 +160,7 @@ def prepared(hm: surfaces.HeightMap, args: argparse.Namespace) -> surfaces.Heigh
         fill=None if args.fill == "none" else args.fill,
         outliers=args.outliers,
         bandpass=band,
+        filter=args.filter,
         fill_limit=args.fill_limit,
     )
     if pixel := _pair(args.resample, "--resample"):

@@ -97,7 +97,7 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     """Options that say what a file does not."""
     group = parser.add_argument_group("reading")
     group.add_argument("--dataset", metavar="NAME", help="name of the heights in the file")
-    group.add_argument("--unit", help="unit of the heights where the file states none (m, um, nm)")
+    group.add_argument("--unit", help="unit of the heights if not stated (um, nm; 2.5nm)")
     group.add_argument(
         "--spacing", type=LENGTH, nargs="+", metavar="D", help="pixel size DY DX [m], if not stated"
     )
@@ -108,7 +108,7 @@ def add_preparation(parser: argparse.ArgumentParser, *, fill: str = "harmonic") 
     parser = parser.add_argument_group("preparation")  # type: ignore[assignment]
     parser.add_argument(
         "--level",
-        choices=["none", "mean", "plane", "quadratic", "cylinder"],
+        choices=["none", "mean", "plane", "quadratic", "cubic", "quartic", "quintic", "cylinder"],
         help="form to take out (default: plane; a periodic map stays as it is)",
     )
     parser.add_argument(
@@ -135,7 +135,13 @@ def add_preparation(parser: argparse.ArgumentParser, *, fill: str = "harmonic") 
         type=LENGTH,
         nargs=2,
         metavar=("SHORT", "LONG"),
-        help="wavelengths to keep [m]; 0 and inf leave a side open",
+        help="wavelengths to keep [m] (S and L filter); 0 and inf leave a side open",
+    )
+    parser.add_argument(
+        "--filter",
+        choices=["sharp", "gaussian", "spline"],
+        default="sharp",
+        help="limits of the band: sharp, or the filters of ISO 16610-61 and -62 (default sharp)",
     )
     parser.add_argument(
         "--periodic", choices=["mirror", "taper", "smooth", "wrap"], help="make it periodic"

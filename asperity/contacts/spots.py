@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.model.load_point import spot_of_contacts
+from asperity.model.load_point import spot_count, spot_of_contacts
 from asperity.results.storage import structured
 from surfaces.patches import label_patches
 
@@ -26,7 +26,8 @@ def spot_table(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.voi
     Contacts that have joined over the passes between them are one spot
     (`asperity.model.load_point.spot_count`), whether or not the neck between them holds a pixel.
     Where the finest waves act as a law, spots are the patches of the contact map, in which pixels
-    meet at an edge or a corner.
+    meet at an edge or a corner. Necks break there: the weakest patches beyond those that the curve
+    counts belong to the strongest patch of their contact.
 
     Parameters
     ----------
@@ -42,19 +43,17 @@ def spot_table(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.voi
 
     Notes
     -----
-    Their number is that of the curve, less the parts of a contact that hold no pixel where several
-    summits were pressed as one. Where the finest waves act as a law, both scatter about that
-    of boundary elements (rms 18 and 20 %; 24 and 20 % of spectra to the pixel).
+    Their number is that of the curve, less the parts that hold no pixel of their own. Against
+    boundary elements on the pixels of the map (256 x 320 and 512 x 576, seeds 31, 51 and 77, 0.7 to
+    10 % of contact, 15 spots and more) both are within 12 % rms where the spectrum is cut off at 8
+    pixels, 18 % at 4 pixels, and 24 % (the table 17 %) where it reaches the pixel.
     """
     hm = decomposition.hm
     pixel, contact, pressure = pressed_pixels(decomposition, point)
     if decomposition.plan.sub_contact_law is None:
         spot = _joined(decomposition, point, pixel, contact)
     else:
-        touching = np.zeros(hm.shape, bool)
-        touching.flat[pixel] = True
-        periodic = decomposition.plan.boundary == "periodic"
-        spot = label_patches(touching, periodic=periodic)[0].flat[pixel].astype(np.int64)
+        spot = _parted(decomposition, point, pixel, contact, pressure)
     own = np.unique(spot, return_inverse=True)[1]
     count = int(own.max(initial=-1)) + 1
     force = pressure * (hm.spacing[0] * hm.spacing[1])
@@ -104,3 +103,28 @@ def _joined(
     own = first[summits.single[peak]]
     parted = (peak >= 0) & (summits.owner[peak] == contact) & (own >= 0)
     return np.asarray(np.where(parted, own, first[contact]))
+
+
+def _parted(
+    decomposition: Decomposition,
+    point: LoadPoint,
+    pixel: NDArray[np.int64],
+    contact: NDArray[np.int64],
+    pressure: NDArray[np.float64],
+) -> NDArray[np.int64]:
+    """The spot of each pixel in contact where fine waves part the contacts."""
+    touching = np.zeros(decomposition.hm.shape, bool)
+    touching.flat[pixel] = True
+    labels, count = label_patches(touching, periodic=decomposition.plan.boundary == "periodic")
+    patch = labels.flat[pixel] - 1
+    force = np.bincount(patch, weights=pressure, minlength=count)
+    home, strongest = np.zeros(count, np.int64), np.zeros(int(contact.max(initial=0)) + 1, np.int64)
+    rising = np.argsort(pressure, kind="stable")
+    home[patch[rising]] = contact[rising]  # the contact of the strongest pixel, which comes last
+    rising = np.argsort(force, kind="stable")
+    strongest[home[rising]] = rising
+    minor = rising[strongest[home[rising]] != rising]
+    surplus = minor[: max(count - spot_count(decomposition, point), 0)]
+    into = np.arange(count)
+    into[surplus] = strongest[home[surplus]]
+    return np.asarray(into[patch])

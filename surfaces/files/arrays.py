@@ -20,8 +20,18 @@ from surfaces.numerics.memory import require_memory
 from surfaces.units import chosen_unit, metres_per
 
 from .atomic import replacing
+from .columns import gridded
 
-__all__ = ["heading", "read_npy", "read_npz", "read_text", "write_npz", "write_text"]
+__all__ = [
+    "as_map",
+    "heading",
+    "read_npy",
+    "read_npz",
+    "read_text",
+    "require_unnamed",
+    "write_npz",
+    "write_text",
+]
 
 _DAMAGED = (
     EOFError,
@@ -51,12 +61,12 @@ def read_npy(
     path: Path, dataset: str | None, unit: str | None, spacing: ArrayLike | None
 ) -> HeightMap:
     """Heights from an npy file; `unit` and `spacing` must be given."""
-    _require_unnamed(path, dataset)
+    require_unnamed(path, dataset)
     try:
         array = np.load(path, mmap_mode="r", allow_pickle=False)
     except _DAMAGED as error:
         raise FileFormatError(f"{path}: damaged or not a plain npy array ({error})") from error
-    return _as_map(array, path, unit, spacing, {})
+    return as_map(array, path, unit, spacing, {})
 
 
 def read_npz(
@@ -82,7 +92,7 @@ def read_npz(
                     f"{path}: no array {dataset or 'heights'!r}; the file holds "
                     f"{', '.join(names)}; name the heights with --dataset (dataset=...)"
                 )
-            return _as_map(arrays[wanted], path, unit, spacing, stated)
+            return as_map(arrays[wanted], path, unit, spacing, stated)
     except InputError:
         raise
     except (*_DAMAGED, IndexError) as error:
@@ -110,8 +120,12 @@ def heading(path: Path) -> str | None:
 def read_text(
     path: Path, dataset: str | None, unit: str | None, spacing: ArrayLike | None
 ) -> HeightMap:
-    """Heights from rows of numbers; comment lines ``unit = um``, ``spacing = DY DX`` are used."""
-    _require_unnamed(path, dataset)
+    """Heights from rows of numbers; comment lines ``unit = um``, ``spacing = DY DX`` are used.
+
+    Columns x, y, z of the points of an even grid are understood. The unit is that of all three,
+    unless a spacing is given.
+    """
+    require_unnamed(path, dataset)
     require_memory(
         12 * path.stat().st_size, f"{path}: reading the text", "convert it to HDF5 in pieces"
     )
@@ -125,22 +139,14 @@ def read_text(
         except ValueError:
             raise FileFormatError(f"{path}: spacing = {stated['spacing']} is not DY DX") from None
     heights = np.vstack(rows)
-    if _is_list_of_points(heights):
-        raise FileFormatError(
-            f"{path}: three columns of which two run over a grid look like x, y, z; write the "
-            "heights as the rows of a map"
-        )
-    return _as_map(heights, path, unit, spacing, stated)
-
-
-def _is_list_of_points(table: NDArray[np.float64]) -> bool:
-    """Whether a table of three columns holds each pair of values of the first two once."""
-    if table.shape[1] != 3 or len(table) < 9:
-        return False
-    first, second = (len(np.unique(column)) for column in table[:, :2].T)
-    return min(first, second) >= 3 and first * second == len(
-        np.unique(table[:, :2], axis=0)
-    ) == len(table)
+    points = gridded(heights)
+    if points is not None:
+        heights, pixel = points
+        unit = chosen_unit(path, stated.get("unit"), unit)
+        stated.setdefault("spacing", [step * metres_per(unit) for step in pixel])
+    elif path.suffix.lower() == ".xyz":
+        raise FileFormatError(f"{path}: its points x, y, z lie on no even grid, or are repeated")
+    return as_map(heights, path, unit, spacing, stated)
 
 
 def write_npz(hm: HeightMap, path: Path) -> None:
@@ -168,7 +174,8 @@ def write_text(hm: HeightMap, path: Path) -> None:
         )
 
 
-def _require_unnamed(path: Path, dataset: str | None) -> None:
+def require_unnamed(path: Path, dataset: str | None) -> None:
+    """Refuse the name of a dataset for a file that holds one array."""
     if dataset is not None:
         raise FileFormatError(f"{path}: holds one array without a name; leave out --dataset")
 
@@ -213,13 +220,14 @@ def _parsed(path: Path) -> tuple[dict[str, Any], list[NDArray[np.float64]]]:
     return stated, rows
 
 
-def _as_map(
+def as_map(
     array: NDArray[Any],
     path: Path,
     unit: str | None,
     spacing: ArrayLike | None,
     stated: dict[str, Any],
 ) -> HeightMap:
+    """The map of an array from what a file states of it and what the caller says."""
     if array.dtype.kind not in "fiu" or array.ndim != 2:
         raise FileFormatError(
             f"{path}: holds {array.dtype} of shape {array.shape}; heights are real numbers, 2-D"

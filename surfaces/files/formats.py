@@ -15,7 +15,8 @@ from surfaces.heightmap import HeightMap, require_map
 __all__ = ["read", "write"]
 
 _HDF5 = (".h5", ".hdf5", ".hdf", ".he5")
-_TEXT = (".txt", ".csv", ".tsv", ".dat", ".asc")
+_TEXT = (".txt", ".csv", ".tsv", ".dat", ".asc", ".xyz")
+_PICTURES = (".png", ".tif", ".tiff")
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _NPY_SIGNATURE = b"\x93NUMPY"
 
@@ -34,13 +35,14 @@ def read(
     Parameters
     ----------
     path
-        HDF5 (schema 1 or foreign), npy, npz, text, or an instrument's file (needs the extra
-        ``asperity[formats]``).
+        HDF5 (schema 1 or foreign), npy, npz, text (rows of heights, or columns x, y, z), PNG, TIFF,
+        SDF, X3P, or another instrument's file (needs the extra ``asperity[formats]``).
     dataset
-        HDF5: name of the heights, ``/heights`` by default. npz: name of the array. Instrument
-        files: name of the channel.
+        HDF5: name of the heights, ``/heights`` by default. npz: name of the array. X3P: number of
+        the layer. Instrument files: name of the channel.
     unit
-        Unit of the heights, needed where the file states none: m, mm, um, nm, ...
+        Unit of the heights, needed where the file states none: m, mm, um, nm, ...; or a multiple
+        of one, such as 2.5nm for the height of one grey level. Of columns x, y, z that of all.
     spacing
         Pixel size (dy, dx) [m], or one number, needed where the file states none.
     rows, columns
@@ -164,8 +166,16 @@ def _reader(
     suffix = path.suffix.lower()
     if head == _HDF5_SIGNATURE or suffix in _HDF5:
         return _read_hdf5
-    from . import arrays, instruments
+    from . import arrays, exchange, instruments
 
+    if head.startswith(exchange.SDF_SIGNATURES):
+        return exchange.read_sdf
+    if suffix == ".x3p":
+        return exchange.read_x3p
+    if suffix in _PICTURES:
+        from .pictures import read_picture
+
+        return read_picture
     if head.startswith(_NPY_SIGNATURE) or suffix == ".npy":
         return arrays.read_npy
     if suffix == ".npz":

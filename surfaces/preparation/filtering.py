@@ -1,6 +1,8 @@
-"""Spectral band-pass by physical wavelength; crop; mirror or taper to periodic."""
+"""Band-pass by physical wavelength (S and L filters); crop; mirror or taper to periodic."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,38 +11,58 @@ from scipy import fft
 from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_full, require_map
 
-__all__ = ["bandpass", "crop", "make_periodic"]
+from .spline_filter import spline
 
+__all__ = ["FILTERS", "bandpass", "crop", "make_periodic"]
+
+FILTERS = ("sharp", "gaussian", "spline")
 PERIODIC = ("mirror", "taper", "smooth", "wrap")
 
 
 def bandpass(
-    hm: HeightMap, shortest: float | None = None, longest: float | None = None
+    hm: HeightMap,
+    shortest: float | None = None,
+    longest: float | None = None,
+    *,
+    filter: str = "sharp",
 ) -> HeightMap:
-    """Keep the wavelengths between two lengths.
+    """Keep the wavelengths between two lengths: S filter, then L filter.
 
     Parameters
     ----------
     hm
         The map, without missing points.
     shortest, longest
-        Limits of the wavelength [m]; None leaves that side open. The mean is always kept.
+        Limits of the wavelength [m]; None leaves that side open. The mean is always kept. They are
+        the nesting indices (cut-offs) of the S filter and of the L filter.
+    filter
+        ``sharp``; ``gaussian`` (ISO 16610-61); ``spline`` (ISO 16610-62). Half of a wave as long
+        as a limit passes the last two.
 
     Returns
     -------
     HeightMap
-        History step ``bandpass`` with the limits and the rms height [m] before and after.
+        History step ``bandpass`` with the filter, the limits, and the rms height [m] before and
+        after.
 
     Raises
     ------
     SurfaceError
-        If points are missing, the limits are crossed, or no wave of the map lies between them.
+        If points are missing, the filter is unknown, the limits are crossed, or no wave of the map
+        lies between those of a sharp filter.
 
     Notes
     -----
     A sharp cut of the Fourier spectrum for a periodic map. A map that is not periodic is cut in
     its cosine spectrum, which is the spectrum of the map mirrored at its border: there is no cliff
-    at the seam.
+    at the seam. So is that of the Gaussian filter, of which a wave passes with
+    2^-(limit / wavelength)^2. The spline filter is free at the border and keeps planes: see
+    `spline_filter.spline`. An L filter takes off what passes the filter of the longest wave.
+
+    References
+    ----------
+    ISO 16610-61 (areal Gaussian filters); ISO 16610-62 (areal spline filters); ISO 25178-2:2021,
+    3.1 (S filter, L filter, nesting index).
 
     Examples
     --------
@@ -51,29 +73,24 @@ def bandpass(
     True
     """
     require_full(hm, "a band-pass")
+    if filter not in FILTERS:
+        raise SurfaceError(f"filter is {filter!r}; it must be one of {', '.join(FILTERS)}")
     lower = 0.0 if shortest is None else as_number("shortest", shortest)
     upper = np.inf if longest is None else as_number("longest", longest)
     if not 0.0 <= lower < upper:
         raise SurfaceError(
             f"bandpass keeps wavelengths {lower:g} to {upper:g} m; the first must be the shorter"
         )
-    fy, fx = _frequencies(hm)
-    frequency = np.hypot(fy[:, None], fx[None, :])
-    keep = frequency >= (1.0 - 1e-12) / upper
-    if lower > 0.0:
-        keep &= frequency <= (1.0 + 1e-12) / lower
-    keep[0, 0] = True
-    if np.count_nonzero(keep) < 2:
-        raise SurfaceError(
-            f"no wavelength of the map lies between {lower:g} and {upper:g} m; the map has "
-            f"{2 * max(hm.spacing):.4g} to {max(hm.size) * (1 if hm.periodic else 2):.4g} m"
-        )
-    if hm.periodic:
-        heights = fft.irfft2(fft.rfft2(hm.heights) * keep, s=hm.shape)
+    if filter == "sharp":
+        heights = _cut(hm, lower, upper)
     else:
-        heights = fft.idctn(fft.dctn(hm.heights) * keep)
+        heights = _smooth(hm, lower, filter) if lower > 0.0 else hm.heights
+        if upper < np.inf:
+            long = _smooth(hm.replace(heights=heights), upper, filter)
+            heights = heights - long + hm.heights.mean()
     step = {
         "step": "bandpass",
+        "filter": filter,
         "shortest": lower or None,
         "longest": upper if np.isfinite(upper) else None,
         "rms_before": hm.rms_height,
@@ -201,6 +218,38 @@ def _seam_carrier(heights: NDArray[np.float64]) -> NDArray[np.float64]:
     spectrum = fft.rfft2(steps) / laplacian
     spectrum[0, 0] = 0.0
     return np.asarray(fft.irfft2(spectrum, s=heights.shape))
+
+
+def _cut(hm: HeightMap, lower: float, upper: float) -> NDArray[np.float64]:
+    """Heights of the waves between two lengths, and the mean."""
+    fy, fx = _frequencies(hm)
+    frequency = np.hypot(fy[:, None], fx[None, :])
+    keep = frequency >= (1.0 - 1e-12) / upper
+    if lower > 0.0:
+        keep &= frequency <= (1.0 + 1e-12) / lower
+    keep[0, 0] = True
+    if np.count_nonzero(keep) < 2:
+        raise SurfaceError(
+            f"no wavelength of the map lies between {lower:g} and {upper:g} m; the map has "
+            f"{2 * max(hm.spacing):.4g} to {max(hm.size) * (1 if hm.periodic else 2):.4g} m"
+        )
+    return _passed(hm, keep)
+
+
+def _smooth(hm: HeightMap, cutoff: float, filter: str) -> NDArray[np.float64]:
+    """Heights of the long waves of a Gaussian or spline filter."""
+    fy, fx = _frequencies(hm)
+    if filter == "spline":
+        return spline(hm, cutoff, (fy, fx))
+    across, along = (np.exp2(-np.square(cutoff * f)) for f in (fy, fx))
+    return _passed(hm, across[:, None] * along)
+
+
+def _passed(hm: HeightMap, share: NDArray[Any]) -> NDArray[np.float64]:
+    """Heights of which a share passes of every wave of the Fourier or cosine spectrum."""
+    if hm.periodic:
+        return np.asarray(fft.irfft2(fft.rfft2(hm.heights) * share, s=hm.shape))
+    return np.asarray(fft.idctn(fft.dctn(hm.heights) * share))
 
 
 def _frequencies(hm: HeightMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -12,9 +12,11 @@ from surfaces.heightmap import HeightMap, require_map
 
 __all__ = ["FORMS", "level"]
 
-FORMS = ("mean", "plane", "quadratic", "cylinder")
-_POWERS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
-_TERMS = {"mean": 1, "plane": 3, "quadratic": 6, "cylinder": 6}
+_ORDERS = ("mean", "plane", "quadratic", "cubic", "quartic", "quintic")
+FORMS = (*_ORDERS, "cylinder")
+_POWERS = [(order - k, k) for order in range(len(_ORDERS)) for k in range(order + 1)]
+_TERMS = {form: (n + 1) * (n + 2) // 2 for n, form in enumerate(_ORDERS)} | {"cylinder": 6}
+_FEWEST = _TERMS["quadratic"]  # terms of which lower forms leave some out
 _REJECT = 6.0
 """Robust standard deviations beyond which a point is left out."""
 
@@ -32,15 +34,16 @@ _ROUNDING = 1e-13
 
 
 def level(hm: HeightMap, form: str = "plane") -> HeightMap:
-    """Subtract the least-squares mean, plane, quadratic form or cylinder.
+    """Subtract the least-squares form: the F operation, by polynomials or a cylinder.
 
     Parameters
     ----------
     hm
         The map; missing points stay missing.
     form
-        ``mean``; ``plane``; ``quadratic``, all terms to second degree; ``cylinder``, a plane and
-        a parabolic cylinder of any direction (sag much smaller than the radius).
+        ``mean``, ``plane``, ``quadratic``, ``cubic``, ``quartic``, ``quintic``: all terms of a
+        polynomial of total order 0 to 5. ``cylinder``: a plane and a parabolic cylinder of any
+        direction (sag much smaller than the radius).
 
     Returns
     -------
@@ -60,6 +63,10 @@ def level(hm: HeightMap, form: str = "plane") -> HeightMap:
     squares, until the selection no longer changes. Without spikes this is the plain least-squares
     form. A periodic map has no tilt or form: only its mean is taken out. Where nothing but rounding
     is left, the heights are zero.
+
+    References
+    ----------
+    ISO 25178-2:2021, 3.1 (F-operation).
 
     Examples
     --------
@@ -114,12 +121,14 @@ def _axis(count: int) -> NDArray[np.float64]:
 def _evaluate(
     coefficients: NDArray[np.float64], v: NDArray[np.float64], u: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    c0, cu, cv, cuu, cuv, cvv = coefficients
+    c0, cu, cv, cuu, cuv, cvv = coefficients[:_FEWEST]
     along_x = cu * u + cuu * u * u
     along_y = c0 + cv * v + cvv * v * v
     form: NDArray[np.float64] = along_y[:, None] + along_x[None, :]
     if cuv:
         form += (cuv * v)[:, None] * u[None, :]
+    for (a, b), c in zip(_POWERS[_FEWEST:], coefficients[_FEWEST:], strict=False):
+        form += (c * v**b)[:, None] * u**a
     return form
 
 
@@ -148,11 +157,13 @@ def _fit(
     aspect: float,
 ) -> NDArray[np.float64]:
     """Weighted least squares from the moments of the grid, one matrix product each."""
-    powers_u, powers_v = np.vander(u, 5, increasing=True), np.vander(v, 5, increasing=True)
+    powers = _POWERS[: max(_FEWEST, _TERMS[form])]
+    most = max(powers[-1])
+    powers_u, powers_v = (np.vander(w, 2 * most + 1, increasing=True) for w in (u, v))
     moments = powers_v.T @ (weight @ powers_u)
-    right = powers_v[:, :3].T @ ((weight * z) @ powers_u[:, :3])
-    matrix = np.array([[moments[b + d, a + c] for c, d in _POWERS] for a, b in _POWERS])
-    return _constrained(matrix, np.array([right[b, a] for a, b in _POWERS]), form, aspect)
+    right = powers_v[:, : most + 1].T @ ((weight * z) @ powers_u[:, : most + 1])
+    matrix = np.array([[moments[b + d, a + c] for c, d in powers] for a, b in powers])
+    return _constrained(matrix, np.array([right[b, a] for a, b in powers]), form, aspect)
 
 
 def _solve(
@@ -163,7 +174,8 @@ def _solve(
     aspect: float,
 ) -> NDArray[np.float64]:
     """Least absolute deviations of scattered values, by reweighting."""
-    columns = np.stack([u**a * v**b for a, b in _POWERS], axis=1)
+    powers = _POWERS[: max(_FEWEST, _TERMS[form])]
+    columns = np.stack([u**a * v**b for a, b in powers], axis=1)
     weight = np.ones(z.size)
     for _ in range(_ROUNDS):
         weighted = columns * weight[:, None]
@@ -176,8 +188,8 @@ def _solve(
 def _constrained(
     matrix: NDArray[np.float64], right: NDArray[np.float64], form: str, aspect: float
 ) -> NDArray[np.float64]:
-    """Solve the normal equations in the space of the form, padded with zeros to six terms."""
-    coefficients = np.zeros(6)
+    """Solve the normal equations in the space of the form, padded with zeros."""
+    coefficients = np.zeros(len(right))
     if form != "cylinder":
         terms = _TERMS[form]
         coefficients[:terms] = np.linalg.lstsq(matrix[:terms, :terms], right[:terms], rcond=None)[0]
@@ -235,7 +247,7 @@ def _described(
 ) -> dict[str, object]:
     """Coefficients in physical terms about the middle of the map."""
     half_y, half_x = size[0] / 2.0, size[1] / 2.0
-    c0, cu, cv, cuu, cuv, cvv = coefficients.tolist()
+    c0, cu, cv, cuu, cuv, cvv = coefficients[:_FEWEST].tolist()
     found: dict[str, object] = {"offset": c0 + shift}
     if form != "mean":
         found["slope"] = [cv / half_y, cu / half_x]

@@ -20,6 +20,7 @@ def prepare(
     fill: str | None = "harmonic",
     outliers: float | None = None,
     bandpass: tuple[float | None, float | None] | None = None,
+    filter: str = "sharp",
     periodic: str | None = None,
     fill_limit: float = 0.1,
 ) -> HeightMap:
@@ -30,14 +31,18 @@ def prepare(
     hm
         The map as measured.
     level
-        None, ``mean``, ``plane``, ``quadratic`` or ``cylinder``: see `surfaces.level`.
+        F operator: None, ``mean``, ``plane``, ``quadratic``, ``cubic``, ``quartic``, ``quintic`` or
+        ``cylinder``; see `surfaces.level`.
     fill
         ``harmonic`` fills missing points; None leaves them missing.
     outliers
         Robust standard deviations beyond which a point is a spike, or None to keep all points.
         Spikes become missing, and are filled with the rest.
     bandpass
-        (shortest, longest) wavelength to keep [m]; None leaves a side open.
+        (shortest, longest) wavelength to keep [m], the nesting indices of S and L filter; None
+        leaves a side open.
+    filter
+        ``sharp``, ``gaussian`` or ``spline`` limits of the band: see `surfaces.bandpass`.
     periodic
         ``mirror``, ``taper`` or ``wrap``: see `surfaces.make_periodic`; None leaves it as it is.
     fill_limit
@@ -76,7 +81,7 @@ def prepare(
     if fill is not None and (hm.missing or outliers is not None):
         hm = filling.fill_missing(hm, limit=fill_limit)
     if bandpass is not None:
-        hm = filtering.bandpass(hm, *bandpass)
+        hm = filtering.bandpass(hm, *bandpass, filter=filter)
     if periodic is not None:
         hm = filtering.make_periodic(hm, periodic)
     return hm

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,9 @@ __all__ = ["BearingCurve", "bearing_curve"]
 
 _CORE = 0.4
 """Share of the curve to which the line of the core is fitted (ISO 25178-2)."""
+
+_PEAKS, _DALES = 0.1, 0.8
+"""Material ratios between peaks and core, and core and dales, of volumes (ISO 25178-3)."""
 
 _RATIOS = 2001
 """Points of the curve."""
@@ -28,6 +31,8 @@ class BearingCurve:
         Fraction of the points present at or above the height [-], 0 to 1, evenly spaced.
     height
         Height above the mean [m], falling.
+    points
+        Heights of all points present above the mean [m], rising.
 
     Examples
     --------
@@ -41,6 +46,7 @@ class BearingCurve:
 
     ratio: NDArray[np.float64]
     height: NDArray[np.float64]
+    points: NDArray[np.float64] = field(repr=False)
 
     def ratio_at(self, height: float) -> float:
         """Fraction of the surface above a height over the mean [m]."""
@@ -55,17 +61,19 @@ class BearingCurve:
 
         Notes
         -----
-        ISO 25178-2: the line is fitted to the 40 % of the curve where it is flattest; Spk and Svk
-        are the heights of triangles of the area that the curve encloses above and below the core.
+        ISO 25178-2:2021, 4.5 and annex B: the line is fitted to the 40 % of the curve where it is
+        flattest; Spk and Svk are the heights of triangles of the area that the curve encloses above
+        and below the core.
         """
         span = round(_CORE * (len(self.ratio) - 1))
         start = int(np.argmin(self.height[:-span] - self.height[span:]))
         part = slice(start, start + span + 1)
-        slope, level = np.polyfit(self.ratio[part], self.height[part], 1)
+        weight = np.ones(span + 1)
+        weight[[0, -1]] = np.sqrt(0.5)  # as in an integral: ends count half
+        slope, level = np.polyfit(self.ratio[part], self.height[part], 1, w=weight)
         top, bottom = float(level), float(level + slope)
         smr1, smr2 = self.ratio_at(top), self.ratio_at(bottom)
-        hills = self._mean(np.maximum(self.height - top, 0.0))
-        dales = self._mean(np.maximum(bottom - self.height, 0.0))
+        hills, dales = self._above(top), self._below(bottom)
         return {
             "Sk": top - bottom,
             "Spk": 2.0 * hills / smr1 if smr1 > 0.0 else 0.0,
@@ -74,22 +82,52 @@ class BearingCurve:
             "Smr2": smr2,
         }
 
-    def volumes(self) -> dict[str, float]:
-        """Material volumes Vmp, Vmc and void volumes Vvc, Vvv per area [m], at 10 % and 80 %."""
-        z10, z80 = self.height_at(0.1), self.height_at(0.8)
-        material = [self._mean(np.maximum(self.height - z, 0.0)) for z in (z10, z80)]
-        void = [self._mean(np.maximum(z - self.height, 0.0)) for z in (z10, z80)]
+    def heights(self) -> dict[str, float]:
+        """Material ratio Smr at the mean plane, Smc of 10 % and Sxp, 2.5 % to 50 % [m].
+
+        Notes
+        -----
+        ISO 25178-2:2021, 4.5; the ratios of Sxp are those of ISO 25178-3. `ratio_at` and
+        `height_at` give Smr and Smc of other heights and ratios.
+        """
         return {
+            "Smr": self.ratio_at(0.0),
+            "Smc": self.height_at(_PEAKS),
+            "Sxp": self.height_at(0.025) - self.height_at(0.5),
+        }
+
+    def material_volume(self, ratio: float) -> float:
+        """Volume of material Vm above the height of a material ratio, per area [m]."""
+        return self._above(self.height_at(ratio))
+
+    def void_volume(self, ratio: float) -> float:
+        """Volume of void Vv below the height of a material ratio, per area [m]."""
+        return self._below(self.height_at(ratio))
+
+    def volumes(self) -> dict[str, float]:
+        """Vm and Vv at 10 %, and the volumes of peaks, core and dales, at 10 % and 80 % [m].
+
+        Notes
+        -----
+        ISO 25178-2:2021, 4.5: Vmp = Vm(10 %), Vmc = Vm(80 %) - Vm(10 %), Vvc = Vv(10 %) - Vv(80 %),
+        Vvv = Vv(80 %).
+        """
+        material = [self.material_volume(ratio) for ratio in (_PEAKS, _DALES)]
+        void = [self.void_volume(ratio) for ratio in (_PEAKS, _DALES)]
+        return {
+            "Vm": material[0],
+            "Vv": void[0],
             "Vmp": material[0],
             "Vmc": material[1] - material[0],
             "Vvc": void[0] - void[1],
             "Vvv": void[1],
         }
 
-    def _mean(self, values: NDArray[np.float64]) -> float:
-        from scipy.integrate import trapezoid
+    def _above(self, height: float) -> float:
+        return float(np.maximum(self.points - height, 0.0).mean())
 
-        return float(trapezoid(values, self.ratio))
+    def _below(self, height: float) -> float:
+        return float(np.maximum(height - self.points, 0.0).mean())
 
 
 def bearing_curve(hm: HeightMap) -> BearingCurve:
@@ -104,9 +142,10 @@ def bearing_curve(hm: HeightMap) -> BearingCurve:
     True
     """
     require_map(hm)
-    present = np.sort(hm.heights[np.isfinite(hm.heights)])
+    points = np.sort(hm.heights[np.isfinite(hm.heights)])
+    points -= points.mean()
     ratio = np.linspace(0.0, 1.0, _RATIOS)
-    place = (np.arange(present.size) + 0.5) / present.size
-    height = np.interp(1.0 - ratio, place, present) - present.mean()
-    height[0], height[-1] = present[-1] - present.mean(), present[0] - present.mean()
-    return BearingCurve(ratio, height)
+    place = (np.arange(points.size) + 0.5) / points.size
+    height = np.interp(1.0 - ratio, place, points)
+    height[0], height[-1] = points[-1], points[0]
+    return BearingCurve(ratio, height, points)

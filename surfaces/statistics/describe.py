@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import csv
+import json
 import math
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -11,13 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.checks import tilt_warning
-from surfaces.errors import SurfaceError
+from surfaces.errors import SurfaceError, as_path
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.roughness import unit_warning
 
 from .bearing import bearing_curve
 from .correlation import Texture, autocorrelation, texture
-from .spectrum import SpectralMoments, power_spectrum
+from .features import FEATURES, features
+from .parameters import PARAMETERS
+from .spectrum import SpectralMoments, power_spectrum, texture_direction
 from .spectrum_fit import SpectrumFit, fit_spectrum
 
 __all__ = ["Statistics", "describe", "gradients"]
@@ -34,12 +39,17 @@ class Statistics:
     Attributes
     ----------
     heights
-        ISO 25178-2 height parameters Sq, Sa, Sp, Sv, Sz [m], Ssk, Sku [-].
+        Height parameters Sq, Sa, Sp, Sv, Sz [m], Ssk, Sku [-] (ISO 25178-2:2021, 4.2).
+    spatial
+        Sal [m], Str [-], Std [deg] (4.3), and ``lay`` [deg].
     hybrid
-        Sdq, rms gradient by finite differences [-]; Sdr, additional area [-]; ``curvature``, rms
-        mean curvature by finite differences [1/m].
+        Sdq, rms gradient by finite differences [-]; Sdr, additional area [-] (4.4); ``curvature``,
+        rms mean curvature by finite differences [1/m].
     functional
-        Sk, Spk, Svk [m], Smr1, Smr2 [-], Vmp, Vmc, Vvc, Vvv [m].
+        Sk, Spk, Svk [m], Smr1, Smr2, Smr [-], Smc, Sxp, Vm, Vv, Vmp, Vmc, Vvc, Vvv [m] (4.5).
+    features
+        Spd, Svd [1/m^2], Spc, Svc [1/m], S5p, S5v, S10z [m], Sha, Sda [m^2], Shv, Sdv [m^3]
+        (clause 5), see `features.features`; NaN if points are missing.
     texture
         Sal, Str and the lay.
     moments
@@ -61,16 +71,56 @@ class Statistics:
     """
 
     heights: dict[str, float]
+    spatial: dict[str, float]
     hybrid: dict[str, float]
     functional: dict[str, float]
+    features: dict[str, float]
     texture: Texture
     moments: SpectralMoments | None
     fit: SpectrumFit | None
     missing: float
     warnings: tuple[str, ...]
 
+    @property
+    def parameters(self) -> dict[str, float]:
+        """All parameters by their symbols, in the order and units of `PARAMETERS`."""
+        found = {name: value for group in self._groups().values() for name, value in group.items()}
+        return {name: found[name] for name in PARAMETERS}
+
+    def rows(self) -> list[dict[str, str | float | None]]:
+        """Table of the parameters: symbol, value (None if NaN), unit and meaning of each."""
+        return [
+            {
+                "parameter": name,
+                "value": None if math.isnan(value) else value,
+                "unit": PARAMETERS[name][0],
+                "meaning": PARAMETERS[name][1],
+            }
+            for name, value in self.parameters.items()
+        ]
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the table of the parameters as CSV; NaN is an empty cell."""
+        with as_path(path).open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, self.rows()[0])
+            writer.writeheader()
+            writer.writerows(self.rows())
+
+    def to_json(self, path: str | os.PathLike[str]) -> None:
+        """Write the table of the parameters as JSON, a list of rows; NaN is null."""
+        as_path(path).write_text(json.dumps(self.rows(), indent=1), encoding="utf-8")
+
+    def _groups(self) -> dict[str, dict[str, float]]:
+        return {
+            "heights": self.heights,
+            "spatial": self.spatial,
+            "hybrid": self.hybrid,
+            "functional": self.functional,
+            "features": self.features,
+        }
+
     def __str__(self) -> str:
-        rows = [(group, _listed(values)) for group, values in self._groups()]
+        rows = [(group, _listed(values)) for group, values in self._groups().items()]
         if self.moments is not None:
             spectral = (
                 f"rms slope {self.moments.rms_slope:.4g}, rms curvature "
@@ -85,32 +135,26 @@ class Statistics:
 
     __repr__ = __str__
 
-    def _groups(self) -> list[tuple[str, dict[str, float]]]:
-        spatial = {
-            "Sal": self.texture.shortest,
-            "Str": self.texture.aspect,
-            "lay_deg": math.degrees(self.texture.direction),
-        }
-        return [
-            ("heights", self.heights),
-            ("hybrid", self.hybrid),
-            ("functional", self.functional),
-            ("spatial", spatial),
-        ]
 
-
-def describe(hm: HeightMap) -> Statistics:
+def describe(hm: HeightMap, *, wolf: float = 5.0) -> Statistics:
     """Roughness statistics of a map as it is; it should be levelled first.
 
     Parameters
     ----------
     hm
-        The map. With missing points the spectral parameters are left out.
+        The map. With missing points the spectral and the feature parameters are left out.
+    wolf
+        Smallest height of a hill above its saddle, and depth of a dale, in percent of Sz, for the
+        feature parameters (Wolf pruning, 5 % in ISO 25178-3).
 
     Raises
     ------
     SurfaceError
         If the map is constant.
+
+    References
+    ----------
+    ISO 25178-2:2021, clauses 4 and 5; defaults of ISO 25178-3.
 
     Examples
     --------
@@ -139,26 +183,34 @@ def describe(hm: HeightMap) -> Statistics:
     slope, curvature = gradients(hm)
     hybrid = {"Sdq": slope, "Sdr": _developed(hm), "curvature": curvature}
     curve = bearing_curve(hm)
-    moments, fit = None, None
+    found = texture(autocorrelation(hm))
+    spatial = {"Sal": found.shortest, "Str": found.aspect, "Std": math.nan}
+    spatial["lay"] = math.degrees(found.direction)
+    moments, fit, hills = None, None, dict.fromkeys(FEATURES, math.nan)
     warnings = [*tilt_warning(hm, _TILTED), *unit_warning(slope)]
     if hm.missing:
         share = 100 * hm.missing / hm.heights.size
-        warnings.append(f"{share:.3g} % of the points are missing: no spectrum; fill them first")
+        warnings.append(
+            f"{share:.3g} % of the points are missing: no spectrum and features; fill them"
+        )
     else:
         spectrum = power_spectrum(hm)
         moments = spectrum.moments
+        spatial["Std"] = math.degrees(texture_direction(hm))
+        hills = features(hm, wolf)
         warnings += _resolution_warning(moments, slope, curvature)
         try:
             fit = fit_spectrum(spectrum)
         except SurfaceError as error:
             warnings.append(f"no self-affine fit: {error}")
-    found = texture(autocorrelation(hm))
     if found.bounded:
         warnings.append("the correlation does not fall off within half the map: Str is a bound")
     return Statistics(
         heights=heights,
+        spatial=spatial,
         hybrid=hybrid,
-        functional=curve.core() | curve.volumes(),
+        functional=curve.core() | curve.heights() | curve.volumes(),
+        features=hills,
         texture=found,
         moments=moments,
         fit=fit,

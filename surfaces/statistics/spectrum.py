@@ -11,7 +11,13 @@ from scipy import fft
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.preparation.levelling import level
 
-__all__ = ["SpectralMoments", "Spectrum", "power_spectrum", "power_spectrum_2d"]
+__all__ = [
+    "SpectralMoments",
+    "Spectrum",
+    "power_spectrum",
+    "power_spectrum_2d",
+    "texture_direction",
+]
 
 _RING = 1.12  # outer over inner wave number of a ring
 _HANN_MODES = (18.0 / 35.0) ** 2  # mean square of the window squared, over its mean fourth power
@@ -309,3 +315,32 @@ def _ring_edges(lowest: float, nyquist: float) -> NDArray[np.float64]:
         edges.append(max(edges[-1] * _RING, edges[-1] + lowest))
     edges[-1] = nyquist * (1.0 + 1e-9)
     return np.array(edges)
+
+
+def texture_direction(hm: HeightMap) -> float:
+    """Texture direction Std [rad], 0 to pi: where the angular amplitude spectrum is largest.
+
+    Parameters
+    ----------
+    hm
+        The map, without missing points.
+
+    Notes
+    -----
+    ISO 25178-2:2021, 4.3: amplitudes of all waves up to the largest full ring, summed over sectors
+    of one degree; the mean direction in the largest. It is that of the wave vectors, ccw from +x
+    to +y, across the lay; NaN of a plane.
+    """
+    qy, qx, density = power_spectrum_2d(hm)
+    q, angle = np.hypot(qy[:, None], qx), np.arctan2(qy[:, None], qx) % np.pi
+    amplitude = np.sqrt(density) * (q <= np.pi / max(hm.spacing))
+    amplitude[:, 0] *= 0.5  # holds both of two opposite waves
+    amplitude[0, 0] = 0.0
+    sector = np.round(np.degrees(angle)).astype(np.int64)
+    angle -= np.radians(sector)
+    total = np.bincount(sector.ravel() % 180, amplitude.ravel())
+    moment = np.bincount(sector.ravel() % 180, (amplitude * angle).ravel())
+    most = int(np.argmax(total))
+    if total[most] == 0.0:
+        return np.nan
+    return float((np.radians(most) + moment[most] / total[most]) % np.pi)

@@ -7,7 +7,10 @@ import sys
 
 import pytest
 
-HEAVY = ("numba", "scipy", "cv2", "h5py", "pyfftw", "matplotlib", "jinja2", "tqdm", "shtab")
+HEAVY = (
+    *("numba", "scipy", "cv2", "h5py", "pyfftw", "matplotlib", "jinja2", "tqdm", "shtab"),
+    "pandas",
+)
 
 
 @pytest.mark.parametrize("package", ["asperity", "surfaces", "asperity.cli.main"])

@@ -191,3 +191,24 @@ def test_help_has_an_example(capsys: pytest.CaptureFixture[str]) -> None:
             run(action, "--help")
         assert stopped.value.code == 0
         assert f"asperity surface {action}" in capsys.readouterr().out.split("example:")[1]
+
+
+def test_forms_and_filters_are_those_of_python(folder: Path) -> None:
+    options = ["--level", "cubic", "--bandpass", "5e-6", "inf", "--filter", "spline"]
+    assert run("prepare", folder / "map0.h5", *options, "-o", folder / "ready.h5") == 0
+    expected = surfaces.prepare(
+        surfaces.read(folder / "map0.h5"), level="cubic", bandpass=(5e-6, None), filter="spline"
+    )
+    assert surfaces.read(folder / "ready.h5").digest == expected.digest
+
+
+def test_the_height_of_one_grey_level(folder: Path) -> None:
+    import cv2
+
+    grey = np.arange(60, dtype=np.uint16).reshape(10, 6)
+    assert cv2.imwrite(str(folder / "scan.png"), grey)
+    words = [folder / "scan.png", "--unit", "2.5nm", "--spacing", "1e-6", "2e-6"]
+    assert run("convert", *words, "-o", folder / "scan.h5") == 0
+    hm = surfaces.read(folder / "scan.h5")
+    np.testing.assert_allclose(hm.heights, 2.5e-9 * grey)
+    assert hm.spacing == (1e-6, 2e-6)

@@ -74,6 +74,19 @@ def test_quadratic_takes_out_a_saddle() -> None:
     np.testing.assert_allclose(levelled.history[-1]["curvature"], [40.0, -25.0], atol=1.5)
 
 
+@pytest.mark.parametrize(("form", "order"), [("cubic", 3), ("quartic", 4), ("quintic", 5)])
+def test_polynomials_of_their_order_come_out(form: str, order: int) -> None:
+    """And what is left of the next order has no part of the lower ones."""
+    hm = rough()
+    y, x = hm.y[:, None] / hm.size[0], hm.x / hm.size[1]
+    made = sum(1e-6 * (k - 1.5) * x ** (order - k) * y**k for k in range(order + 1))
+    levelled = surfaces.level(hm.replace(heights=hm.heights + made), form)
+    np.testing.assert_allclose(levelled.heights, surfaces.level(hm, form).heights, atol=1e-14)
+    left = surfaces.level(hm.replace(heights=x ** (order + 1) + 0.0 * y), form).heights
+    assert 0.0 < np.abs(left).max() < 0.2
+    assert np.abs(np.sum(left * x**order)) < 1e-9
+
+
 def test_periodic_maps_lose_their_mean_only() -> None:
     hm = rough().replace(periodic=True)
     levelled = surfaces.level(hm, "plane")
@@ -241,7 +254,9 @@ def test_nothing_asked_nothing_done() -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"level": "cubic"}, "level is 'cubic'"),
+        ({"level": "septic"}, "level is 'septic'"),
+        ({"bandpass": (1e-5, None), "filter": "box"}, "filter is 'box'"),
+        ({"bandpass": (3e-6, None), "filter": "spline"}, "shorter than two pixels"),
         ({"fill": "zero"}, "fill is 'zero'"),
         ({"outliers": 1.0}, "use 3 or more"),
         ({"periodic": "glue"}, "periodic is 'glue'"),

@@ -238,8 +238,8 @@ def test_unusable_input_is_refused(change, message):
     ("given", "message"),
     [
         ({}, "either"),
-        ({"separation": 0.0, "mean_pressure": 1.0}, "either"),
-        ({"mean_pressure": -1.0}, "negative"),
+        ({"separation": 0.0, "pressure": 1.0}, "either"),
+        ({"pressure": -1.0}, "negative"),
         ({"separation": np.nan}, "finite"),
         ({"separation": "low"}, "finite number, got 'low'"),
         ({"separation": 0.0, "tolerance": 0.0}, "tolerance"),

@@ -264,3 +264,14 @@ def test_progress_is_a_bar_or_a_function(hm, capsys):
     asperity.contact_curve(hm, STEEL, pressures=[1e8, 1e9], progress=True)
     asperity.bem_curve(hm, STEEL, pressures=[1e8], tolerance=1e-3, progress=True)
     assert "load points" in capsys.readouterr().err
+
+
+def test_columns_of_several_numbers_in_tables_of_earlier_versions_are_parted(curve, tmp_path):
+    """So were the radii of a contact."""
+    curve.to_hdf5(tmp_path / "r.h5")
+    old = np.zeros(3, [("x", float), ("radii", float, (16,))])
+    old["radii"] = np.arange(16.0)
+    with h5py.File(tmp_path / "r.h5", "r+") as file:
+        file["tables/microcontacts"] = old
+    frame = pandas.DataFrame(asperity.read_results(tmp_path / "r.h5").tables["microcontacts"])
+    assert frame.shape == (3, 17) and (frame.radii_7 == 7.0).all()

@@ -1,0 +1,62 @@
+"""Height maps in lists of points: three columns x, y, z in any order of rows."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["gridded"]
+
+Array = NDArray[np.float64]
+
+_OFF = 0.1
+"""Distance of a point from its line of the grid, over that of two lines, that is rounding."""
+
+
+def gridded(table: Array) -> tuple[Array, tuple[float, float]] | None:
+    """Heights (ny, nx) and pixel size (dy, dx) of a table of points; None if it is no such list.
+
+    Parameters
+    ----------
+    table
+        Columns x, y, z, shape (n, 3), in one unit of length.
+
+    Notes
+    -----
+    The first two columns run over the lines of an even grid, give or take a tenth of a pixel, and
+    hold each point at most once and at least half of all. The others are missing. The lowest y is
+    the first row of the map.
+    """
+    if table.shape[1] != 3 or len(table) < 9 or not np.isfinite(table[:, :2]).all():
+        return None
+    across, along = _lines(table[:, 0]), _lines(table[:, 1])
+    if across is None or along is None:
+        return None
+    (column, dx), (row, dy) = across, along
+    shape = int(row.max()) + 1, int(column.max()) + 1
+    points = shape[0] * shape[1]
+    if min(shape) < 3 or points > 2 * len(table):
+        return None
+    place = row * shape[1] + column
+    if np.bincount(place).max() > 1:
+        return None
+    heights = np.full(points, np.nan)
+    heights[place] = table[:, 2]
+    return heights.reshape(shape), (dy, dx)
+
+
+def _lines(values: Array) -> tuple[NDArray[np.int64], float] | None:
+    """Number of the line of an even grid on which each value lies, and the distance of two."""
+    order = np.sort(values)
+    gaps = np.diff(order)
+    first = np.append(0, 1 + np.flatnonzero(gaps > _OFF * gaps.max()))
+    if first.size < 3:
+        return None
+    lines = np.add.reduceat(order, first) / np.diff(first, append=order.size)
+    length = lines[-1] - lines[0]
+    step = length / round(length / np.median(np.diff(lines)))
+    place = (values - lines[0]) / step
+    number = np.round(place)
+    if np.abs(place - number).max() > _OFF:
+        return None
+    return number.astype(np.int64), float(step)

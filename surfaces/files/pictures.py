@@ -1,0 +1,59 @@
+"""Height maps in grey pictures, TIFF and PNG, whose scales come from the caller."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import cv2
+from numpy.typing import ArrayLike, NDArray
+
+from surfaces.errors import FileFormatError
+from surfaces.heightmap import HeightMap
+
+from .arrays import as_map, require_unnamed
+from .instruments import read_instrument
+
+__all__ = ["read_picture"]
+
+
+def read_picture(
+    path: Path, dataset: str | None, unit: str | None, spacing: ArrayLike | None
+) -> HeightMap:
+    """Heights from a grey picture; the first row of the picture is the first row of the map.
+
+    Parameters
+    ----------
+    path
+        PNG of 8 or 16 bits, or TIFF of whole or floating-point numbers, NaN where missing. What is
+        no grey picture of one page may still be a format of an instrument.
+    dataset
+        Name of a channel of an instrument's file.
+    unit
+        Height of one grey level, such as 2.5nm; a picture never states it.
+    spacing
+        Pixel size (dy, dx) [m].
+    """
+    grey = _only_page(str(path))
+    if grey is None or grey.ndim != 2:
+        hint = "; as a picture, it is damaged, in color or of several pages"
+        return read_instrument(path, dataset, unit, spacing, hint)
+    require_unnamed(path, dataset)
+    if unit is None:
+        raise FileFormatError(
+            f"{path}: states no unit; pass the height of one grey level, such as --unit 2.5nm "
+            '(unit="2.5nm")'
+        )
+    return as_map(grey, path, unit, spacing, {})
+
+
+def _only_page(path: str) -> NDArray[Any] | None:
+    """The picture of a file; None if it holds several, or is damaged."""
+    log: Any = getattr(cv2.utils, "logging", cv2)  # since OpenCV 5
+    told = log.setLogLevel(0)
+    try:
+        if cv2.haveImageReader(path) and cv2.imcount(path) == 1:
+            return cv2.imread(path, cv2.IMREAD_UNCHANGED)
+        return None
+    finally:
+        log.setLogLevel(told)

@@ -1,0 +1,198 @@
+"""Pictures, columns of points, SDF and X3P: what was written is read, without any extra."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import sdfio
+import x3pio
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import surfaces
+from surfaces.errors import FileFormatError, InputError
+from surfaces.files.columns import gridded
+
+from .fuzz_hdf5 import mutate_bytes
+
+SPACING = (2e-6, 3e-6)
+NUMBERS = np.random.default_rng(4)
+HEIGHTS = NUMBERS.normal(0.0, 5e-6, (12, 17))
+HEIGHTS[2, 3] = np.nan
+GREY = NUMBERS.integers(0, 65536, (12, 17)).astype(np.uint16)
+
+
+@pytest.fixture(autouse=True)
+def without_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+
+
+def as_sdf(path: Path, **options: object) -> None:
+    double = sdfio.Metadata(
+        data_type=sdfio.DataType.BINARY64, revision=sdfio.Revision.ISO_1_0, manufacturer_id="x"
+    )
+    sdfio.write(path, HEIGHTS, x_scale=3e-6, y_scale=2e-6, metadata=double, **options)
+
+
+def as_text_sdf(path: Path) -> None:
+    as_sdf(path, format=sdfio.FileFormat.ASCII)
+
+
+def as_x3p(path: Path) -> None:
+    revision = x3pio.Revision.ISO5436_2000
+    x3pio.write(path, HEIGHTS, x_scale=3e-6, y_scale=2e-6, revision=revision)
+
+
+def as_tiff(path: Path) -> None:
+    assert cv2.imwrite(str(path), HEIGHTS)
+
+
+def as_png(path: Path) -> None:
+    assert cv2.imwrite(str(path), GREY)
+
+
+def as_points(path: Path) -> None:
+    y, x = np.meshgrid(*(d * np.arange(n) for d, n in zip(SPACING, (12, 17), strict=True)))
+    points = np.column_stack([x.T.ravel(), y.T.ravel(), HEIGHTS.ravel()])
+    points = np.random.default_rng(0).permutation(points[np.isfinite(points[:, 2])])
+    np.savetxt(path, points, header="unit = m")
+
+
+MAKERS = {
+    "a.sdf": as_sdf,
+    "text.sdf": as_text_sdf,
+    "a.x3p": as_x3p,
+    "a.tif": as_tiff,
+    "a.png": as_png,
+    "a.xyz": as_points,
+}
+
+
+@pytest.mark.parametrize("name", ["a.sdf", "text.sdf", "a.x3p", "a.xyz"])
+def test_files_that_state_their_lengths(tmp_path: Path, name: str) -> None:
+    MAKERS[name](tmp_path / name)
+    hm = surfaces.read(tmp_path / name)
+    np.testing.assert_allclose(hm.heights, HEIGHTS, rtol=0, atol=1e-18)
+    assert hm.spacing == pytest.approx(SPACING, rel=1e-12)
+    assert hm.missing == 1 and hm.history[0]["unit"] == "m"
+    with pytest.raises(FileFormatError, match="states unit 'm'; leave out --unit um"):
+        surfaces.read(tmp_path / name, unit="um")
+
+
+@pytest.mark.parametrize("name", ["a.sdf", "a.x3p"])
+def test_a_second_spacing_is_refused(tmp_path: Path, name: str) -> None:
+    MAKERS[name](tmp_path / name)
+    with pytest.raises(FileFormatError, match="states its pixel size"):
+        surfaces.read(tmp_path / name, spacing=SPACING)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"), [("a.png", GREY), ("a.tif", HEIGHTS)], ids=["png", "tiff"]
+)
+def test_pictures_take_their_scales_from_the_caller(
+    tmp_path: Path, name: str, values: np.ndarray
+) -> None:
+    MAKERS[name](tmp_path / name)
+    hm = surfaces.read(tmp_path / name, unit="2.5nm", spacing=SPACING)
+    np.testing.assert_allclose(hm.heights, 2.5e-9 * values, rtol=1e-15)
+    assert hm.spacing == SPACING
+    with pytest.raises(FileFormatError, match="height of one grey level, such as --unit"):
+        surfaces.read(tmp_path / name, spacing=SPACING)
+    with pytest.raises(FileFormatError, match="states no pixel size; pass --spacing"):
+        surfaces.read(tmp_path / name, unit="nm")
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.int16, np.int32, np.float32])
+def test_numbers_of_a_tiff(tmp_path: Path, kind: type) -> None:
+    values = NUMBERS.integers(0, 200, (5, 7)).astype(kind)
+    assert cv2.imwrite(str(tmp_path / "a.tiff"), values)
+    hm = surfaces.read(tmp_path / "a.tiff", unit="um", spacing=1e-6)
+    np.testing.assert_array_equal(hm.heights, values.astype(float) * 1e-6)
+
+
+def test_what_is_no_grey_picture_is_refused(tmp_path: Path) -> None:
+    cv2.imwrite(str(tmp_path / "a.png"), np.zeros((5, 6, 3), np.uint8))
+    cv2.imwritemulti(str(tmp_path / "b.tif"), [GREY, GREY])
+    for name in ("a.png", "b.tif"):
+        with pytest.raises(FileFormatError, match="in color or of several pages"):
+            surfaces.read(tmp_path / name, unit="um", spacing=1e-6)
+
+
+@settings(max_examples=30, deadline=None, derandomize=True)
+@given(
+    seed=st.integers(0, 999),
+    offset=st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3)),
+    kept=st.floats(0.8, 1.0),
+)
+def test_points_in_any_order_give_their_map(seed: int, offset: tuple, kept: float) -> None:
+    """Rounded places, rows left out and shuffled."""
+    draw = np.random.default_rng(seed)
+    z = draw.normal(size=(7, 11))
+    y, x = np.mgrid[:7, :11] * np.array([0.5, 0.3])[:, None, None]
+    rounding = 0.01 * draw.uniform(-1.0, 1.0, (2, 77))
+    points = np.column_stack([x.ravel(), y.ravel(), z.ravel()])
+    points[:, :2] += rounding.T + np.array(offset)
+    keep = draw.random(77) < kept
+    keep[[0, -1]] = True
+    z.ravel()[~keep] = np.nan
+    found = gridded(draw.permutation(points[keep]))
+    assert found is not None
+    np.testing.assert_array_equal(found[0], z)
+    assert found[1] == pytest.approx((0.5, 0.3), rel=0.02)
+
+
+def test_columns_of_another_unit_take_the_spacing(tmp_path: Path) -> None:
+    as_points(tmp_path / "a.txt")
+    text = (tmp_path / "a.txt").read_text().replace("# unit = m\n", "")
+    (tmp_path / "a.txt").write_text(text)
+    with pytest.raises(FileFormatError, match="states no unit"):
+        surfaces.read(tmp_path / "a.txt")
+    hm = surfaces.read(tmp_path / "a.txt", unit="mm", spacing=SPACING)
+    assert hm.spacing == SPACING
+    np.testing.assert_allclose(hm.heights, 1e-3 * HEIGHTS)
+    assert surfaces.read(tmp_path / "a.txt", unit="mm").spacing == pytest.approx((2e-9, 3e-9))
+
+
+def test_points_on_no_grid(tmp_path: Path) -> None:
+    table = np.random.default_rng(1).random((60, 3))
+    assert gridded(table) is None
+    np.savetxt(tmp_path / "a.xyz", table)
+    with pytest.raises(FileFormatError, match="on no even grid"):
+        surfaces.read(tmp_path / "a.xyz", unit="um")
+
+
+def test_layers_of_x3p(tmp_path: Path) -> None:
+    x3pio.write(tmp_path / "a.x3p", np.stack([HEIGHTS, 2 * HEIGHTS]), x_scale=3e-6, y_scale=2e-6)
+    hm = surfaces.read(tmp_path / "a.x3p", dataset="1")
+    np.testing.assert_allclose(hm.heights, 2 * HEIGHTS)
+    with pytest.raises(FileFormatError, match=r"no layer 'z'; the file holds 0, 1"):
+        surfaces.read(tmp_path / "a.x3p", dataset="z")
+    x3pio.write(tmp_path / "b.x3p", np.zeros(9), x_scale=1e-6)
+    with pytest.raises(FileFormatError, match="needs an even grid"):
+        surfaces.read(tmp_path / "b.x3p")
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_mutated_files_read_or_raise_one_sentence(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    MAKERS[name](path)
+    content = path.read_bytes()
+    options = {"unit": "um", "spacing": 1e-6} if name in ("a.tif", "a.png") else {}
+    for case in range(60):
+        path.write_bytes(mutate_bytes(content, np.random.default_rng([6, case])))
+        try:
+            surfaces.read(path, **options)
+        except InputError as error:
+            assert str(error).startswith(str(path)) and "\n" not in str(error)
+
+
+def test_x3p_of_an_instrument_equals_its_twin(measured: Path) -> None:
+    twin = surfaces.read(measured / "optical_rubber_missing.h5")
+    hm = surfaces.read(measured / "raw" / "KautschukInfiniteFocus.x3p")
+    offset = twin.history[0]["height_offset_removed"]
+    np.testing.assert_allclose(hm.heights - offset, twin.heights, rtol=0, atol=5e-12)
+    assert hm.spacing == pytest.approx(twin.spacing, rel=1e-7)
