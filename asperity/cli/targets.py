@@ -130,7 +130,7 @@ def require(
     for option, target in args.targets.items():
         shared = target.suffix == ONE or not runs
         if not shared and getattr(args, option):
-            _require_distinct(inputs)
+            _require_distinct([run.file for run in runs])
             if getattr(args, option).endswith("/"):
                 make_folder(getattr(args, option))
         for file in [getattr(run, option) for run in ([args] if shared else runs)]:

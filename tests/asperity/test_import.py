@@ -8,8 +8,16 @@ import sys
 import pytest
 
 HEAVY = (
-    *("numba", "scipy", "cv2", "h5py", "pyfftw", "matplotlib", "jinja2", "tqdm", "shtab"),
+    "numba",
+    "scipy",
+    "cv2",
+    "h5py",
+    "pyfftw",
+    "matplotlib",
+    "jinja2",
+    "tqdm",
     "pandas",
+    "shtab",
 )
 
 
