@@ -14,7 +14,7 @@ import surfaces
 hm = surfaces.self_affine(
     (192, 256), (0.75e-3, 1e-3), hurst=0.8, rms_slope=0.1, rolloff=2e-4, cutoff=3.2e-5, seed=2
 )
-result = asperity.compare(hm, asperity.HalfSpace(210e9, 0.3), pressures=[3e7, 1e8, 3e8, 6e8])
+result = asperity.compare(hm, asperity.HalfSpace(3e9, 0.4), pressures=[5e5, 1.5e6, 5e6, 1e7])
 print(result)
 result.to_hdf5("results.h5")
 result.to_html("report.html")

@@ -26,7 +26,7 @@ surfaces.write(surfaces.HeightMap(heights, scan.spacing, name="scan"), "scan.h5"
 hm = surfaces.prepare(surfaces.read("scan.h5"), level="plane", fill="harmonic", periodic="taper")
 for step in hm.history:
     print(step)
-curve = asperity.contact_curve(hm, asperity.HalfSpace(70e9, 0.17))
+curve = asperity.contact_curve(hm, asperity.HalfSpace(70e9, 0.17, hardness=9e9))
 print(curve)
 curve.to_hdf5("curve.h5")
 print(asperity.ContactCurve.from_hdf5("curve.h5").area_fraction)

@@ -2,8 +2,8 @@
 A graded half-space
 ===================
 
-E(z) = E0 z^m: stiffer (m > 0) or softer (m < 0) with depth. All bodies here have the same modulus
-20 µm below the surface. Both models, one rough surface.
+E(z) = E0 z^m: stiffer (m > 0) or softer (m < 0) with depth. All bodies here have 2 GPa at 20 µm
+below the surface. Both models, one rough surface.
 """
 
 import matplotlib.pyplot as plt
@@ -17,7 +17,7 @@ hm = surfaces.self_affine(
 )
 axes = None
 for m in (-0.3, 0.0, 0.3):
-    body = asperity.HalfSpace(200e9 * (2e-5) ** -m, 0.3, m=m)
+    body = asperity.HalfSpace(2e9 * (2e-5) ** -m, 0.3, m=m)
     separations = [1.5 * hm.rms_height, hm.rms_height]
     model = asperity.contact_curve(hm, body, separations=separations)
     reference = asperity.bem_curve(hm, body, separations=separations)
@@ -27,9 +27,9 @@ for m in (-0.3, 0.0, 0.3):
             f"boundary elements {reference.mean_pressure[i]:.3e} Pa"
         )
     many = asperity.contact_curve(hm, body, separations=np.linspace(1.7, 0.8, 10) * hm.rms_height)
-    axes = many.plot("separation", "mean_pressure", axes, label=f"m = {m:+.1f}")
+    axes = many.plot("separation", "mean_pressure", axes, marker="", label=f"m = {m:+.1f}")
     color = axes.lines[-1].get_color()
-    reference.plot("separation", "mean_pressure", axes, ls="", marker="o", color=color)
+    reference.plot("separation", "mean_pressure", axes, ls="", color=color, label="_bem")
 
 axes.legend(title="dots: boundary elements")
 plt.show()

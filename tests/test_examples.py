@@ -105,7 +105,7 @@ def test_cut_off(tmp_path):
     slopes, areas = numbers(r"slope (\S+),", text), numbers(r"(\S+) % touches", text)
     assert areas == sorted(areas)
     factors = [
-        0.01 * area * slope * 210e9 / 0.91 / 3e8 for area, slope in zip(areas, slopes, strict=True)
+        0.01 * area * slope * 3e9 / 0.84 / 5e6 for area, slope in zip(areas, slopes, strict=True)
     ]
     assert 2.0 < min(factors) and max(factors) < 2.6
 
@@ -131,7 +131,7 @@ def test_worn_surface(tmp_path):
 def test_ensemble(tmp_path):
     """Light loads scatter more."""
     text = run("12_ensemble.py", tmp_path)
-    light, heavy = (numbers(rf"([\d.]+) % at {load}", text) for load in ("10 MPa", "1 GPa"))
+    light, heavy = (numbers(rf"([\d.]+) % at {load}", text) for load in ("0.1 MPa", "10 MPa"))
     assert len(light) == 2
     assert all(a > 1.5 * b > 0 for a, b in zip(light, heavy, strict=True))
 
