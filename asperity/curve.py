@@ -141,15 +141,8 @@ def contact_curve(
             boundary=boundary,
             scales=scales,
         )
-    return solve_loads(
-        hm,
-        material,
-        plan,
-        pressures=pressures,
-        separations=separations,
-        progress=progress,
-        checkpoint=checkpoint,
-    )[0]
+    told: dict[str, Any] = {"progress": progress, "checkpoint": checkpoint}
+    return solve_loads(hm, material, plan, pressures=pressures, separations=separations, **told)[0]
 
 
 def solve_loads(

@@ -8,6 +8,7 @@ from .heightmap import HeightMap
 
 __all__ = [
     "fineness",
+    "lay",
     "resolution_warning",
     "seam_warning",
     "spike_warning",
@@ -163,3 +164,14 @@ def straight_warning(hm: HeightMap) -> list[str]:
         "stepped heights, ridges): contact begins on all of them at once, which no law of a summit "
         "describes"
     ]
+
+
+def lay(hm: HeightMap) -> float:
+    """Root-mean-square slope across the lay over that along it, by central differences on lines."""
+    step = max(1, hm.shape[0] // (2 * LINES))
+    above, line, below = (hm.heights[at : hm.shape[0] - 2 + at : step] for at in range(3))
+    dy, dx = hm.spacing
+    y, x = (below - above)[:, 1:-1].ravel() / dy, (line[:, 2:] - line[:, :-2]).ravel() / dx
+    middle = 0.5 * float(np.mean(y * y) + np.mean(x * x))
+    apart = float(np.hypot(0.5 * (np.mean(y * y) - np.mean(x * x)), np.mean(y * x)))
+    return float(np.sqrt((middle + apart) / (middle - apart))) if middle > apart else np.inf

@@ -1,18 +1,25 @@
-"""What makes a contact doubtful whatever solves it, known before anything runs."""
+"""What makes a contact doubtful, for any solver or for laws of summits, before anything runs."""
 
 from __future__ import annotations
 
 import math
 
 from asperity.parameters import DEFAULTS
-from surfaces.checks import resolution_warning, seam_warning, spike_warning, tilt_warning
+from surfaces.checks import (
+    lay,
+    resolution_warning,
+    seam_warning,
+    spike_warning,
+    straight_warning,
+    tilt_warning,
+)
 from surfaces.heightmap import HeightMap
 from surfaces.roughness import digits_warning, unit_warning
 
 from .influence import ElasticHalfSpace
 from .scene import AREA_OVER_LOAD, pressure_scale, slope_scale
 
-__all__ = ["hardness_needed", "modulus_warning", "scene_warnings"]
+__all__ = ["hardness_needed", "model_warnings", "modulus_warning", "scene_warnings"]
 
 STEEP = 0.5
 """Rms slope from which on small-slope elasticity is warned of."""
@@ -25,6 +32,9 @@ HARDEST = 0.035
 
 SOFTEST = 1e3
 """Modulus [Pa] below which it is that of no solid: a soft gel has more."""
+
+LONG_LAY = 7.0
+"""Slopes across over those along a lay from which on ridges are warned of."""
 
 TILTED = 0.9
 """Share of a plane in the variance of heights from which on a tilt is warned of: parts of rough
@@ -55,6 +65,19 @@ def scene_warnings(hm: HeightMap, material: ElasticHalfSpace) -> list[str]:
         *seam_warning(hm),
         *hardness_needed(hm, material)[1],
     ]
+
+
+def model_warnings(hm: HeightMap, longest_lay: float) -> list[str]:
+    """One sentence for each reason why no law of a summit describes the contacts of a map.
+
+    Parameters
+    ----------
+    hm
+        Height map without missing points.
+    longest_lay
+        Slopes across over those along a lay from which on no errors are estimated.
+    """
+    return [*straight_warning(hm), *_lay_warning(lay(hm), longest_lay)]
 
 
 def modulus_warning(material: ElasticHalfSpace) -> list[str]:
@@ -101,4 +124,14 @@ def _steep_warning(slope: float) -> list[str]:
     return [
         f"the rms slope is {slope:.2g}: linear elasticity is of small slopes, and the answer is "
         "that of its equations, not of a body so steep"
+    ]
+
+
+def _lay_warning(ratio: float, longest: float) -> list[str]:
+    if ratio < LONG_LAY:
+        return []
+    estimate = ", and its error is not estimated" if ratio >= longest else ""
+    return [
+        f"slopes across the lay are {ratio:.0f} times those along it: the microcontact model is "
+        f"doubtful on such ridges{estimate}; use boundary elements"
     ]

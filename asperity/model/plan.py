@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.compilation import compile_ahead
 from asperity.errors import InputError, ModelRangeError, SurfaceError
-from asperity.halfspace.checks import hardness_needed, scene_warnings
+from asperity.halfspace.checks import hardness_needed, model_warnings, scene_warnings
 from asperity.halfspace.scene import (
     Boundary,
     checked_loads,
@@ -23,12 +23,11 @@ from asperity.halfspace.scene import (
 from asperity.multiscale.wave_split import Split, refined_map, split_scales
 from asperity.parameters import DEFAULTS, Parameters
 from asperity.parameters.constants import Segmentation
+from surfaces.checks import lay
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import available_bytes
 from surfaces.peaks.peaks import flat_share
 from surfaces.preparation.resampling import coarse_map
-
-from .map_checks import lay, model_warnings
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace

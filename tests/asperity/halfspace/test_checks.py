@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.model.map_checks import lay
 from asperity.parameters import DEFAULTS
 from surfaces import HeightMap, self_affine, turned
+from surfaces.checks import lay
 
 BODY = asperity.HalfSpace.from_modulus(1e11)
 HARD = asperity.HalfSpace.from_modulus(1e11, hardness=1e9)
