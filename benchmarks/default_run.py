@@ -7,7 +7,8 @@ Every map of the folder is prepared as in the README (level, outliers, fill), ta
 and solved at the ten default loads by `solve` at its default accuracy and by the microcontact model
 alone. The references are boundary elements with a load within 0.1 %, on the grid of the map and on
 the map refined twice. --out keeps one row per load point, --csv the table of the pages: errors to
-8 % of contact, in per cent, "median / 90 % of the points / worst".
+8 % of contact, in per cent, "median / 90 % of the points / worst". Printed beside it: how often the
+bounds of `solve` held, on the refined grid together with what it says that the pixels leave open.
 """
 
 from __future__ import annotations
@@ -91,6 +92,24 @@ def summed_up(rows: list[dict[str, str]]) -> dict[str, list[str]]:
     return table
 
 
+def bounds_told(rows: list[dict[str, str]]) -> str:
+    """How often the bounds of `solve` held, and what it says that the pixels leave open."""
+    text = []
+    for quantity in ("load", "area"):
+        for grid, open_ in (("own", 0.0), ("refined", 1.0)):
+            held = [
+                abs(float(row[f"{quantity}_error"]))
+                <= float(row[f"{quantity}_bound"]) + open_ * float(row[f"{quantity}_left"])
+                for row in rows
+                if (row["engine"], row["grid"]) == ("solve", grid)
+                and float(row["area_fraction"]) < LIGHT
+            ]
+            text.append(f"{quantity}, {grid} grid: {sum(held)} of {len(held)} within the bound")
+        largest = max(float(row[f"{quantity}_left"]) for row in rows)
+        text.append(f"{quantity}: the pixels leave open up to {100 * largest:.0f} %")
+    return "\n".join(text)
+
+
 def main() -> None:
     """Measure, or sum up rows of an earlier run."""
     form = argparse.RawDescriptionHelpFormatter
@@ -113,6 +132,7 @@ def main() -> None:
     table = summed_up(rows)
     for line in zip(*table.values(), strict=True):
         print(*line, sep="  ")
+    print(bounds_told(rows))
     if args.csv:
         write_csv(args.csv, table)
 
