@@ -197,7 +197,7 @@ class Level:
             threshold = max(threshold, float(np.partition(gaps, rank)[rank]))
             start, columns, values, gap = self._candidates(displacement, reading, threshold)
         points = ContactList(start, columns)
-        operator = self._operator(len(points))
+        operator = self.operator(len(points))
         operator.bind(points)
         if offset is not None:
             gap -= offset
@@ -224,7 +224,7 @@ class Level:
         )
         return found
 
-    def _operator(self, points: int) -> SplitOperator | FullGridOperator:
+    def operator(self, points: int) -> SplitOperator | FullGridOperator:
         """The cheaper operator for so many points; the sharper one after idle corrections."""
         size = self.heights.size
         if self._careful or size <= _SMALL_GRID or points > _FULL_SHARE * size:

@@ -264,6 +264,7 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
         held = outcome.reading.held * (hm.area / hm.heights.size)
         columns |= {"lift": certificate.lift, "plastic_share": min(held / max(area, 1e-300), 1.0)}
         columns["plastic_work"] = problem.plastic_work(outcome)
+        columns["unloading_stiffness"] = problem.unloading_stiffness()
     return SolvedLoad(columns, contact, outcome.reason)
 
 

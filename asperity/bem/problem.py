@@ -22,6 +22,7 @@ from .load_search import LoadSearch
 from .memory import require_memory
 from .operator import HalfSpaceOperator
 from .transform import Scratch
+from .unloading import unloading_stiffness
 
 __all__ = [
     "AREA_OVER_LOAD_ERROR",
@@ -255,6 +256,10 @@ class ContactProblem:
         """Work ``int p (plastic depth) dA`` done where the hardness is reached [J]."""
         cell = self.hm.spacing[0] * self.hm.spacing[1]
         return outcome.reading.plastic_work * self.unit / self.compliance * cell
+
+    def unloading_stiffness(self) -> float:
+        """Fall of the mean pressure over the lift of the flat [Pa/m], the contact as it is."""
+        return unloading_stiffness(self.level) / self.level.exact.compliance
 
     def load_error(self, outcome: Outcome) -> float:
         """Bound on the relative error of the load at equal separation [-], from the certificate.

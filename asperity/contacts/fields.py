@@ -33,7 +33,7 @@ Index = NDArray[np.int64]
 CORRECTIONS = 3
 """Corrections of the pressure by the gap it leaves; more change little."""
 
-YIELDED = 0.999
+SATURATED = 0.999
 """Pressure over the hardness from which on a pixel has yielded: its gap is no error."""
 
 RELAXATION = 0.7
@@ -196,7 +196,7 @@ class _Grid:
         weight = weight + 1e-12 * weight.max()
         mean = np.add.reduceat(weight * gaps, self.first) / np.add.reduceat(weight, self.first)
         gap.flat[self.pixel] = gaps - self._at_pixels(mean)
-        touching = (pressure > 0.0) & (pressure < YIELDED * self.hardness)
+        touching = (pressure > 0.0) & (pressure < SATURATED * self.hardness)
         pressed = pressure - RELAXATION * self.pressed_flat(np.where(touching, gap, 0.0))
         return np.where(touching, pressed, pressure - stiffness * gap)
 

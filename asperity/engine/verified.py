@@ -38,7 +38,7 @@ YIELDED_SHARE = np.array([[1.0], [0.0]])
 """What is added to it where the contacts bear the hardness: there the load follows the heights of
 single summits, and the misfit does not vary slowly."""
 
-YIELDED = "plastic_share", "unloading_stiffness"
+YIELDED_COLUMNS = "plastic_share", "unloading_stiffness"
 """Columns of the model that a curve with a hardness keeps."""
 
 KEPT = (
@@ -275,9 +275,10 @@ def _curve(
     yielded = {}
     if "hardness" in settings:
         contact_area = np.maximum(contact_area, pressure * hm.area / settings["hardness"])
-        yielded = {name: model.extra[name].copy() for name in YIELDED}
+        yielded = {name: model.extra[name].copy() for name in YIELDED_COLUMNS}
         for i, one in solved.items():
-            yielded["plastic_share"][i] = one.extra["plastic_share"][0]
+            for name, values in yielded.items():
+                values[i] = one.extra[name][0]
     return ContactCurve(
         separation=separation,
         mean_pressure=pressure,

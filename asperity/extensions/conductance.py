@@ -34,8 +34,7 @@ def constriction_conductance(
     Raises
     ------
     InputError
-        If the curve was made for a graded half-space, or with a hardness by boundary elements, or
-        a number is not positive.
+        If the curve was made for a graded half-space, or a number is not positive.
 
     Notes
     -----
@@ -66,8 +65,8 @@ def constriction_conductance(
     if curve.settings.get("hardness", np.inf) < np.inf:
         if "unloading_stiffness" not in curve.extra:
             raise InputError(
-                "the curve does not tell how spots that have yielded answer a falling load; make "
-                "it with asperity.contact_curve"
+                "the curve does not tell how spots that have yielded answer a falling load: it is "
+                "from an older version; make it anew"
             )
         stiffness = curve.extra["unloading_stiffness"]
     stiffness = np.where(curve.converged, stiffness, np.nan)

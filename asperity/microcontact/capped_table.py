@@ -90,8 +90,9 @@ def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
     reach, slope = np.zeros(len(rows)), np.zeros((len(rows), nodes + 1))
     resample(elastic[late], approach, np.stack(columns), reach, values, slope)
     over = BEYOND * table.reach[rows]
-    known = (*table.evaluate(rows, table.reach[rows] + over), table.reach[rows] + over)
-    filled = capped(known[3], known[0], known[2], known[1], material, level=level[late, -1])
+    deeper = table.reach[rows] + over
+    force, stiffness, area = table.evaluate(rows, deeper)
+    filled = capped(deeper, force, area, stiffness, material, level=level[late, -1])
     slope[:, -1] = np.minimum(slope[:, -1], (filled.force - found.force[late, -1]) / over)
     result.reach[rows], result.force[rows], result.stiffness[rows] = reach, values[0], slope
     result.area[rows] = np.maximum(values[1], values[0] / material.hardness)

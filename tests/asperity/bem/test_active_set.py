@@ -25,13 +25,18 @@ class DenseOperator:
         return (residual / np.diag(self.matrix)).astype(np.float32)
 
 
+def kernel(rng):
+    """A positive matrix that falls with the distance of 60 random places."""
+    x = rng.random((60, 2))
+    distance = np.hypot(*(x[:, None] - x[None, :]).transpose(2, 0, 1))
+    return 1.0 / (distance + 0.05)
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_small_contact_problem(seed):
     """p >= 0, K p - h >= level, complementary: compared with non-negative least squares."""
     rng = np.random.default_rng(seed)
-    x = rng.random((60, 2))
-    distance = np.hypot(*(x[:, None] - x[None, :]).transpose(2, 0, 1))
-    matrix = 1.0 / (distance + 0.05)
+    matrix = kernel(rng)
     heights = rng.random(60)
     pressure = np.full(60, 0.01)
     gap = matrix @ pressure - heights
@@ -143,9 +148,7 @@ def test_restored_loads_stay_between_the_bounds():
 def test_a_level_can_be_held_in_place_of_the_load():
     """Under a cap: the gap is zero inside the bounds, positive without pressure, negative at it."""
     rng = np.random.default_rng(2)
-    x = rng.random((60, 2))
-    distance = np.hypot(*(x[:, None] - x[None, :]).transpose(2, 0, 1))
-    matrix = 1.0 / (distance + 0.05)
+    matrix = kernel(rng)
     heights, pressure, cap = rng.random(60), np.full(60, 0.001), 0.012
     gap = matrix @ pressure - heights
     solve_on_list(
