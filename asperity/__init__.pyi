@@ -36,6 +36,7 @@ from .model.plan import Plan as Plan
 from .model.plan import make_plan as make_plan
 from .results.curve import ContactCurve as ContactCurve
 from .results.curve import read_results as read_results
+from .results.interface_law import InterfaceLaw as InterfaceLaw
 from .results.paraview import write_vti as write_vti
 from .threads import set_threads as set_threads
 

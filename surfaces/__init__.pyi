@@ -1,4 +1,5 @@
 from . import shapes as shapes
+from .composite import composite as composite
 from .errors import AsperityError as AsperityError
 from .errors import FileFormatError as FileFormatError
 from .errors import InputError as InputError

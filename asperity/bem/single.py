@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.errors import InputError, cautious, warn_once
+from asperity.errors import Flag, InputError, cautious, warn_once
 from asperity.halfspace.checks import modulus_warning
-from asperity.halfspace.flags import Flag
 from asperity.halfspace.influence import ElasticHalfSpace
 from asperity.halfspace.material import require_half_space
 from surfaces.errors import as_number

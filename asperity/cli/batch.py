@@ -73,7 +73,8 @@ def each(args: argparse.Namespace, work: Work) -> int:
     several = len(files) > 1
     targets.fill_in(args, several)
     runs = [targets.of_input(args, file, several) for file in files]
-    targets.require(args, runs)
+    against = getattr(args, "against", None)
+    targets.require(args, runs, inputs=[against] if against else [])
     rows, code = [], EXIT_OK
     with bar(len(files), "files", hidden=None if several else True) as advance:
         for run in runs:

@@ -29,6 +29,7 @@ COMMANDS = {
     "plan": "what a run would do, need and leave out, and why; nothing is run",
     "indent": "one microcontact: force, area, contour and pressure against approach",
     "surface": "height maps: info, generate, prepare, convert, validate, peaks",
+    "interface": "the curve as an interface law for Abaqus, CalculiX or MOOSE",
     "report": "rebuild the report from a results file",
     "completion": "a script that lets the shell complete commands, options and files",
     "stress": "stiff and extreme cases through every engine, each judged",

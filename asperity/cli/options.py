@@ -12,6 +12,7 @@ import numpy as np
 from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.laws import LAWS
+from surfaces.composite import composite
 from surfaces.heightmap import HeightMap
 
 from . import batch, quantities
@@ -42,6 +43,11 @@ def add_surface_options(parser: argparse.ArgumentParser) -> None:
         choices=["periodic", "free"],
         help="treat the contact as periodic or as one finite punch (default: as the map says)",
     )
+    parser.add_argument(
+        "--against",
+        metavar="FILE",
+        help="second rough surface, read and prepared alike, turned over onto the first",
+    )
 
 
 def add_material_options(parser: argparse.ArgumentParser) -> None:
@@ -62,6 +68,13 @@ def add_material_options(parser: argparse.ArgumentParser) -> None:
         default=math.inf,
         metavar="P",
         help="largest contact pressure that the body bears [Pa] (default: no limit)",
+    )
+    group.add_argument(
+        "--E2", type=pressure, metavar="E", help="Young's modulus of a second body [Pa]"
+    )
+    group.add_argument("--nu2", type=number, help="its Poisson's ratio (default 0.3)")
+    group.add_argument(
+        "--hardness2", type=pressure, metavar="P", help="its hardness [Pa] (default: no limit)"
     )
 
 
@@ -112,7 +125,19 @@ def add_load_options(parser: argparse.ArgumentParser) -> None:
 
 
 def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
-    """Read the map and prepare it as the options ask; refuse what no model can use."""
+    """Read the map and prepare it as the options ask; refuse what no model can use.
+
+    With ``--against`` it is the composite with the second surface.
+    """
+    hm = _full_map(file, args)
+    if args.against is not None:
+        hm = composite(hm, _full_map(args.against, args))
+    if np.ptp(hm.heights) == 0.0:
+        raise SurfaceError(f"{Path(file).name} is constant: a flat map has no peaks to touch")
+    return hm
+
+
+def _full_map(file: str, args: argparse.Namespace) -> HeightMap:
     hm = read_map(Path(file), args)
     if hm.missing and args.fill == "none":
         raise SurfaceError(
@@ -120,13 +145,27 @@ def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
             "pass --fill harmonic"
         )
     hm = prepared(hm, args)
-    if np.ptp(hm.heights) == 0.0:
-        raise SurfaceError(f"{Path(file).name} is constant: a flat map has no peaks to touch")
     return hm if hm.name else hm.replace(name=Path(file).stem)
 
 
 def material(args: argparse.Namespace) -> HalfSpace:
-    """Half-space from the options."""
+    """Half-space from the options; the composite of two bodies where the second has a modulus.
+
+    Without it both bodies of ``--against`` are of the same material.
+    """
+    first = _first_body(args)
+    if args.E2 is not None:
+        nu = 0.3 if args.nu2 is None else args.nu2
+        hardness = math.inf if args.hardness2 is None else args.hardness2
+        return HalfSpace.pair(first, HalfSpace(args.E2, nu, m=args.m, hardness=hardness))
+    if args.nu2 is not None or args.hardness2 is not None:
+        raise InputError("--nu2 and --hardness2 are of a second body: give its --E2")
+    if getattr(args, "against", None) is not None and args.modulus is None:
+        return HalfSpace.pair(first, first)
+    return first
+
+
+def _first_body(args: argparse.Namespace) -> HalfSpace:
     if args.modulus is not None and (args.E is not None or args.nu is not None):
         raise InputError("give either --E (with --nu) or --modulus, not both")
     if args.modulus is None and args.E is None:

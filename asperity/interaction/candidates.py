@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.halfspace.flags import Flag
+from asperity.errors import Flag
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.newton.contact_shift import widened
 from asperity.interaction.newton.state import Problem

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from asperity.halfspace.flags import Flag
+from asperity.errors import Flag
 
 from .law_table import LawTable
 from .laws import LAWS, tabulate

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from asperity.errors import InputError
-from asperity.halfspace.flags import Flag
+from asperity.errors import Flag, InputError
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import moment_weights
 from surfaces.numerics import parallel

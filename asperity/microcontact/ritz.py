@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.halfspace.flags import Flag
+from asperity.errors import Flag
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import moment_weights
 from surfaces.numerics import parallel

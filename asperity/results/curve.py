@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import FileFormatError, InputError
 
+from .interface_law import InterfaceLaw
 from .interpolation import READ_FIELDS, CurvePoint, curve_stiffness, read_off
 from .storage import CurveRecord, ResultFile, write_results
 from .storage import read_results as read_records
@@ -197,6 +198,10 @@ class ContactCurve(CurveTable):
             raise FileFormatError(f"{path} has no curve {model!r}; it holds {names}")
         return cls.from_record(held[model])
 
+    def to_interface_law(self, **choices: Any) -> InterfaceLaw:
+        """The law for finite elements, see `InterfaceLaw.of`, which takes the `conductance` too."""
+        return InterfaceLaw.of(self.to_record(), **choices)
+
     def to_record(self) -> CurveRecord:
         """The curve as plain columns and attributes, for a results file."""
         return CurveRecord(
@@ -275,13 +280,14 @@ def _told(verification: Mapping[str, Any]) -> list[str]:
     """Lines about engine, accuracy and resolution."""
     load, area = (f"{share:.2g}" for share in verification["accuracy"])
     met = "met" if verification["met"] else "NOT MET"
-    open_ = verification["resolution_uncertainty"]
-    left = " in load, ".join(f"{100 * x:.2g} %" if not x > 1 else "all" for x in open_)
+    shares = (
+        "all" if x > 1 else f"{100 * x:.2g} %" for x in verification["resolution_uncertainty"]
+    )
     return [
         f"engine          {verification['engine']} ({verification['reason']})",
         f"accuracy        {load} in load, {area} in area: {met} on the "
         f"{verification['reference']}; {len(verification['anchors'])} points by boundary elements",
-        f"pixels leave    {left} in area open ({verification['resolution']})",
+        f"pixels leave    {' in load, '.join(shares)} in area open ({verification['resolution']})",
     ]
 
 

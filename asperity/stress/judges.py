@@ -19,8 +19,7 @@ from asperity.bem.solution import BemSolution
 from asperity.bem.solve import bem_solve
 from asperity.curve import contact_curve
 from asperity.engine.solve import solve
-from asperity.errors import AsperityError
-from asperity.halfspace.flags import Flag
+from asperity.errors import AsperityError, Flag
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import pressure_scale
 from asperity.results.curve import ContactCurve

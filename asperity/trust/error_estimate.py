@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.halfspace.flags import Flag
+from asperity.errors import Flag
 from asperity.microcontact.basin_bem.press import SPREAD
 from asperity.parameters import DEFAULTS
 from asperity.parameters.constants import ErrorEstimate

@@ -93,7 +93,7 @@ def test_examples_of_the_help_run(command, folder, capsys):
             continue
         if "--bem" in words:
             words += ["--grid", "32"]
-        if command == "report":
+        if command in ("report", "interface"):
             shutil.copy("compared.h5", "results.h5")
         assert main(words) == 0, (words, capsys.readouterr().err)
         for left in {"results.h5", "report.html"} & {p.name for p in folder.iterdir()}:

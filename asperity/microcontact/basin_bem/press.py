@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.halfspace.flags import Flag
+from asperity.errors import Flag
 from asperity.halfspace.influence import compliance, near_influence
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.law_kernels import BLUNT

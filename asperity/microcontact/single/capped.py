@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from asperity.halfspace.flags import Flag
+from asperity.errors import Flag
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.yielding import capped
 from surfaces.polar import PolarProfile, PowerSumProfile

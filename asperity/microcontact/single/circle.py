@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.halfspace.flags import Flag
+from asperity.errors import Flag
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.circle import expected_error
 from surfaces.polar import PolarProfile, PowerSumProfile

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.halfspace.flags import Flag
+from asperity.errors import Flag
 from asperity.halfspace.material import HalfSpace
 from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 

@@ -9,8 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.errors import InputError
-from asperity.halfspace.flags import INVALID, Flag
+from asperity.errors import INVALID, Flag, InputError
 from asperity.halfspace.material import HalfSpace
 from surfaces.polar import PolarProfile, PowerSumProfile
 

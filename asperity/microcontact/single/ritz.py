@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize
 
-from asperity.halfspace.flags import Flag
+from asperity.errors import Flag
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import gauss_jacobi
 from surfaces.polar import PolarProfile, PowerSumProfile

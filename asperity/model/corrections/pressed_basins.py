@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.halfspace.flags import Flag
+from asperity.errors import Flag
 from asperity.microcontact.basin_bem.press import put
 from surfaces.peaks.peaks import PLATEAU
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from asperity.halfspace.flags import Flag
+from asperity.errors import Flag
 
 if TYPE_CHECKING:
     from asperity.model.law_rows import LawRows

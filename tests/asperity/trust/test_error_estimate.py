@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.errors import ModelRangeError
-from asperity.halfspace.flags import Flag
+from asperity.errors import Flag, ModelRangeError
 from asperity.halfspace.scene import default_pressures
 from asperity.parameters import DEFAULTS
 from asperity.trust.error_estimate import (

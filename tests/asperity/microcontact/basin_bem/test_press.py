@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
 import asperity
-from asperity.halfspace.flags import Flag
+from asperity.errors import Flag
 from asperity.interaction.elongation import Elongation
 from asperity.microcontact.basin_bem import press
 from asperity.microcontact.basin_bem.press import monotone

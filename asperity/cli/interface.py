@@ -1,0 +1,57 @@
+"""``asperity interface``: the curve of a results file as a law for finite elements."""
+
+from __future__ import annotations
+
+import argparse
+
+from asperity.results.interface_law import BANDS, FORMATS, UNITS
+
+from . import output, quantities, targets
+from .messages import tell
+
+EPILOG = """example:
+  asperity interface results.h5 --format abaqus --units mm-N-MPa --output law.inp
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of ``asperity interface``."""
+    parser.epilog = EPILOG
+    parser.add_argument("results", metavar="RESULTS", help="results file with a curve")
+    parser.add_argument("--curve", metavar="NAME", help="name of the curve, if there are several")
+    parser.add_argument("--format", choices=FORMATS, default=FORMATS[0], help="default abaqus")
+    parser.add_argument("--units", choices=UNITS, default="SI", help="default SI")
+    parser.add_argument("--band", choices=BANDS, default=BANDS[0], help="default pressure")
+    parser.add_argument(
+        "--resistivity",
+        type=quantities.of("plain number"),
+        nargs=2,
+        metavar=("RHO1", "RHO2"),
+        help="thermal resistivities of both bodies [m K/W]: adds the gap conductance",
+    )
+    targets.add_target(
+        parser,
+        "-o",
+        "--output",
+        suffix=targets.ONE,
+        alone="law.inp",
+        help="file (default law.inp)",
+    )
+    targets.add_force(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Read the curve, write the law."""
+    from asperity.extensions.conductance import constriction_conductance
+    from asperity.results.curve import ContactCurve
+
+    targets.fill_in(args)
+    targets.require(args, inputs=[args.results])
+    curve = ContactCurve.from_hdf5(args.results, args.curve)
+    found = None
+    if args.resistivity is not None:
+        found = constriction_conductance(curve, resistivity=tuple(args.resistivity))
+    law = curve.to_interface_law(conductance=found)
+    law.write(args.output, args.format, units=args.units, band=args.band)
+    tell(f"{law}\nlaw {args.output}")
+    return output.exit_code([curve])

@@ -1,0 +1,272 @@
+"""The contact curve as a law of an interface in finite and discrete elements."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.integrate import trapezoid
+
+from asperity.errors import FileFormatError, InputError
+from surfaces.files.atomic import replacing
+
+from .interpolation import READ_FIELDS, read_off
+from .storage import CurveRecord
+
+__all__ = ["BANDS", "FORMATS", "UNITS", "InterfaceLaw"]
+
+FORMATS = ("abaqus", "calculix", "moose")
+BANDS = ("pressure", "lower", "upper")
+
+UNITS = {"SI": (1.0, 1.0, 1.0), "mm-N-MPa": (1e3, 1e-6, 1e-3)}
+"""Length, pressure and thermal conductance per area of one m, Pa, W/(m^2 K) in each system."""
+
+_ROWS = 200
+"""Rows of a law. Equal steps of the cube root of a pressure that rises exponentially keep the work
+best: straight lines between n rows are off by ``2.25 / n**2`` of it."""
+
+_CALCULIX_ROWS = 40
+"""Rows for CalculiX: surface-to-surface contact of its version 2.20 stops with a fault at 60, and
+bears nothing with fewer. Node-to-surface contact follows the law."""
+
+_COLUMNS = ("overclosure", "pressure", "lower", "upper", "stiffness", "conductance")
+
+
+@dataclass(frozen=True, eq=False)
+class InterfaceLaw:
+    """Mean pressure against overclosure, straight lines between the rows.
+
+    Attributes
+    ----------
+    overclosure
+        Approach from the reference plane [m], from 0 on, increasing, shape (n,).
+    pressure
+        Mean pressure [Pa], from 0 on, increasing, shape (n,).
+    lower, upper
+        Band of the pressure by the stated error of the load [Pa], shape (n,); NaN if unknown.
+    stiffness
+        Stiffness of the curve [Pa/m], shape (n,); NaN if unknown.
+    conductance
+        Thermal conductance per nominal area [W/(m^2 K)], shape (n,); NaN if unknown.
+    reference
+        Separation from the mean plane of the undeformed surface [m] at overclosure 0.
+    hardness
+        Hardness [Pa] of the curve, infinite without one: with one the law is of first loading.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import asperity, surfaces
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
+    >>> steel = asperity.HalfSpace(210e9, 0.3, hardness=2e9)
+    >>> curve = asperity.contact_curve(hm, steel, pressures=[1e7, 3e7, 1e8])
+    >>> law = curve.to_interface_law()
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     law.write(f"{folder}/law.inp", "abaqus", units="mm-N-MPa")
+    ...     back = asperity.InterfaceLaw.read(f"{folder}/law.inp")
+    >>> f"{back.work / law.work:.6f}"
+    '1.000000'
+    """
+
+    overclosure: NDArray[np.float64]
+    pressure: NDArray[np.float64]
+    lower: NDArray[np.float64]
+    upper: NDArray[np.float64]
+    stiffness: NDArray[np.float64]
+    conductance: NDArray[np.float64]
+    reference: float
+    hardness: float = math.inf
+
+    @classmethod
+    def of(cls, record: CurveRecord, *, conductance: ArrayLike | None = None) -> InterfaceLaw:
+        """The law of a curve, see `ContactCurve.to_interface_law`.
+
+        Parameters
+        ----------
+        record
+            The curve as plain columns.
+        conductance
+            Thermal conductance at each load point [W/(m^2 K)], see `constriction_conductance`.
+
+        Raises
+        ------
+        InputError
+            If the curve has fewer than two converged points with load, or the conductance not one
+            number for each of its points.
+
+        Notes
+        -----
+        Rows lie on the monotone interpolation of the curve, in equal steps of the cube root. Below
+        the lightest load the law runs to zero in a straight line with the stiffness there: where
+        this line ends is overclosure 0.
+        """
+        columns = {name: record.columns[name] for name in READ_FIELDS}
+        good, loads = record.columns["converged"].astype(bool), columns["mean_pressure"]
+        usable = loads[good & (loads > 0) & np.isfinite(columns["separation"])]
+        if usable.size < 2:
+            raise InputError("the curve has fewer than two converged points with load")
+        # the error and the conductance are read off as the stiffness is
+        told = {"error": record.columns["error_estimate"]}
+        if conductance is not None:
+            told["conductance"] = np.asarray(conductance, dtype=float)
+            if told["conductance"].shape != loads.shape:
+                raise InputError(
+                    f"conductance has shape {told['conductance'].shape}; give one number for each "
+                    f"of the {loads.size} load points"
+                )
+        low, high = usable.min(), usable.max()
+        pressure = np.linspace(low ** (1 / 3), high ** (1 / 3), _ROWS - 1) ** 3
+        point = read_off(columns, good, {"pressure": pressure})
+        more = {
+            name: read_off({**columns, "stiffness": values}, good, {"pressure": pressure}).stiffness
+            for name, values in told.items()
+        }
+        first = -np.diff(point.separation[:2])[0] / np.diff(pressure[:2])[0]
+        run_in = low / point.stiffness[0] if np.isfinite(point.stiffness[0]) else low * first
+        reference = float(point.separation[0] + run_in)
+        hardness = float(record.attributes["settings"].get("hardness", math.inf))
+        lower = pressure * np.maximum(1.0 - more["error"], 0.0)
+        upper = np.minimum(pressure * (1.0 + more["error"]), hardness)
+
+        def row(values: NDArray[np.float64], start: float = 0.0) -> NDArray[np.float64]:
+            return np.concatenate([[start], values])
+
+        return cls(
+            overclosure=row(reference - point.separation),
+            pressure=row(pressure),
+            lower=row(np.minimum.accumulate(lower[::-1])[::-1]),
+            upper=row(np.maximum.accumulate(upper)),
+            stiffness=row(point.stiffness, point.stiffness[0]),
+            conductance=row(more.get("conductance", np.full(pressure.size, np.nan))),
+            reference=reference,
+            hardness=hardness,
+        )
+
+    @property
+    def work(self) -> float:
+        """Work per nominal area up to the heaviest load [J/m^2]."""
+        return float(trapezoid(self.pressure, self.overclosure))
+
+    def write(
+        self,
+        path: str | os.PathLike[str],
+        format: str = "abaqus",
+        *,
+        units: str = "SI",
+        band: str = "pressure",
+    ) -> None:
+        """Write the law for another program.
+
+        Parameters
+        ----------
+        path
+            File to write; one that stands there is replaced.
+        format
+            ``abaqus`` or ``calculix``: keywords below a *SURFACE INTERACTION; ``moose``: CSV.
+        units
+            ``SI`` or ``mm-N-MPa``.
+        band
+            ``pressure``, or the ``lower`` or ``upper`` end of its band.
+
+        Raises
+        ------
+        InputError
+            If a choice is unknown, the band is not known, or the file cannot be written.
+        """
+        for name, value, known in (
+            ("format", format, FORMATS),
+            ("units", units, tuple(UNITS)),
+            ("band", band, BANDS),
+        ):
+            if value not in known:
+                raise InputError(f"{name} is {value!r}; it must be one of {', '.join(known)}")
+        length, stress, thermal = UNITS[units]
+        scales = (length, stress, stress, stress, stress / length, thermal)
+        most = _CALCULIX_ROWS if format == "calculix" else _ROWS
+        count = len(self.pressure)
+        rows = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
+        table = {
+            name: getattr(self, name)[rows] * scale
+            for name, scale in zip(_COLUMNS, scales, strict=True)
+        }
+        pressure = table[band]
+        if np.isnan(pressure).any():
+            raise InputError(f"the curve states no error: its law has no {band} band")
+        mark = "# " if format == "moose" else "** "
+        lines = [mark + text for text in self._told(units, band)]
+        if format == "moose":
+            lines.append(",".join(_COLUMNS))
+            columns = np.column_stack([*(table | {"pressure": pressure}).values()])
+            lines += [",".join(f"{value:.10g}" for value in values) for values in columns]
+        else:
+            lines.append("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR")
+            lines += _pairs(pressure, table["overclosure"])
+            if np.isfinite(self.conductance).all():
+                lines.append("*GAP CONDUCTANCE" + (", PRESSURE" if format == "abaqus" else ""))
+                lines += _pairs(table["conductance"], pressure)
+        with replacing(path) as part:
+            part.write_text("\n".join(lines) + "\n")
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> InterfaceLaw:
+        """Read what `write` wrote; of keyword files what they do not hold is NaN.
+
+        Raises
+        ------
+        FileFormatError
+            If the file is no such law.
+        """
+        text = Path(path).read_text(errors="replace")
+        head = re.search(r"units (\S+), reference (\S+) m, hardness (\S+) Pa", text)
+        lines = [line for line in text.splitlines() if not line.startswith(("**", "#"))]
+        try:
+            if head is None:
+                raise ValueError("its first lines lack units and reference")
+            length, stress, thermal = UNITS[head[1]]
+            if lines[0].startswith("*"):
+                ends = [i for i, line in enumerate(lines) if line.startswith("*")] + [len(lines)]
+                parts = [
+                    np.loadtxt(lines[i + 1 : j], delimiter=",") for i, j in itertools.pairwise(ends)
+                ]
+                nan = np.full(len(parts[0]), np.nan)
+                heat = parts[1][:, 0] if len(parts) > 1 else nan
+                found = [parts[0][:, 1], parts[0][:, 0], nan, nan, nan, heat]
+            else:
+                found = list(np.loadtxt(lines[1:], delimiter=",", unpack=True))
+            scales = (length, stress, stress, stress, stress / length, thermal)
+            named = zip(_COLUMNS, found, scales, strict=True)
+            columns = {name: column / scale for name, column, scale in named}
+            return cls(**columns, reference=float(head[2]), hardness=float(head[3]))
+        except (ValueError, KeyError, IndexError) as error:
+            raise FileFormatError(f"{path} is no interface law: {error}") from error
+
+    def _told(self, units: str, band: str) -> list[str]:
+        return [
+            f"Interface law of asperity: mean pressure ({band}) against overclosure",
+            f"units {units}, reference {self.reference:.10g} m, hardness {self.hardness:.10g} Pa",
+            f"overclosure 0: the flat is {self.reference:.6g} m above the mean plane of the "
+            "undeformed surface",
+            f"the mean plane itself is at overclosure {self.reference:.6g} m",
+            "first loading; unloading with a hardness follows another path"
+            if self.hardness < math.inf
+            else "elastic: loading and unloading alike",
+        ]
+
+    def __str__(self) -> str:
+        return (
+            f"interface law   {len(self.pressure)} rows to {self.pressure[-1]:.4g} Pa at "
+            f"{self.overclosure[-1]:.4g} m, work {self.work:.4g} J/m^2\n"
+            f"overclosure 0   {self.reference:.4g} m above the mean plane"
+        )
+
+    __repr__ = __str__
+
+
+def _pairs(first: NDArray[np.float64], second: NDArray[np.float64]) -> list[str]:
+    return [f"{a:.10g}, {b:.10g}" for a, b in zip(first, second, strict=True)]

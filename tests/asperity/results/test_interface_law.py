@@ -1,0 +1,176 @@
+"""Interface laws: monotone, of the curve's work, read back, and run in CalculiX."""
+
+import functools
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+from scipy.integrate import trapezoid
+
+import asperity
+import surfaces
+from asperity.cli.main import main
+from asperity.results.interface_law import FORMATS, UNITS
+
+STEEL = asperity.HalfSpace(210e9, 0.3)
+
+
+@functools.cache
+def made(material=STEEL):
+    hm = surfaces.self_affine((64, 64), (64e-6, 64e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
+    return asperity.contact_curve(hm, material, pressures=np.geomspace(1e7, 1e9, 9))
+
+
+@pytest.fixture(scope="module")
+def curve():
+    return made()
+
+
+def work(curve):
+    """Work per area between the ends of a curve, on a grid of its own."""
+    pressure = np.geomspace(*curve.mean_pressure[[0, -1]], 20001)
+    return -trapezoid(pressure, curve.at(pressure=pressure).separation)
+
+
+@pytest.mark.parametrize("hardness", [np.inf, 4e9])
+@pytest.mark.parametrize("units", UNITS)
+@pytest.mark.parametrize("form", FORMATS)
+def test_the_law_read_back_has_the_work_of_the_curve(tmp_path, curve, hardness, units, form):
+    if hardness < np.inf:
+        curve = made(asperity.HalfSpace(210e9, 0.3, hardness=hardness))
+    heat = asperity.constriction_conductance(curve, resistivity=(0.02, 0.02))
+    law = curve.to_interface_law(conductance=heat)
+    law.write(tmp_path / "law", form, units=units)
+    back = asperity.InterfaceLaw.read(tmp_path / "law")
+    run_in = 0.5 * law.pressure[1] * law.overclosure[1]
+    assert back.work - run_in == pytest.approx(work(curve), rel=1e-3)
+    assert back.pressure[0] == back.overclosure[0] == 0.0
+    assert (np.diff(back.pressure) > 0).all() and (np.diff(back.overclosure) > 0).all()
+    assert back.reference - back.overclosure[-1] == pytest.approx(curve.separation[-1], rel=1e-6)
+    assert back.conductance[-1] == pytest.approx(heat[-1], rel=1e-6)
+    assert back.hardness == hardness
+
+
+def test_the_band_holds_the_law_and_rises_with_it(curve):
+    law = curve.to_interface_law()
+    assert (law.lower <= law.pressure).all() and (law.pressure <= law.upper).all()
+    assert (np.diff(law.lower) >= 0).all() and (np.diff(law.upper) >= 0).all()
+
+
+def test_hardness_bounds_the_band_and_is_told(tmp_path):
+    hard = 1.05e9
+    law = made(asperity.HalfSpace(210e9, 0.3, hardness=hard)).to_interface_law()
+    assert law.upper.max() <= hard
+    law.write(tmp_path / "law.inp")
+    assert "first loading" in (tmp_path / "law.inp").read_text()
+
+
+@pytest.mark.parametrize(
+    ("choice", "told"),
+    [({"format": "ansys"}, "abaqus"), ({"units": "feet"}, "SI"), ({"band": "middle"}, "upper")],
+)
+def test_unknown_choices_are_told(tmp_path, curve, choice, told):
+    with pytest.raises(asperity.InputError, match=told):
+        curve.to_interface_law().write(tmp_path / "law.inp", **choice)
+
+
+def test_what_is_no_law_is_refused(tmp_path):
+    (tmp_path / "law.inp").write_text("*NODE\n1, 0, 0, 0\n")
+    with pytest.raises(surfaces.FileFormatError, match="no interface law"):
+        asperity.InterfaceLaw.read(tmp_path / "law.inp")
+
+
+def test_the_command_writes_the_law(tmp_path, curve, capsys):
+    curve.to_hdf5(tmp_path / "results.h5")
+    target = tmp_path / "law.inp"
+    assert main(["interface", str(tmp_path / "results.h5"), "--output", str(target)]) == 0
+    assert "mean plane" in capsys.readouterr().out
+    assert asperity.InterfaceLaw.read(target).pressure[-1] == pytest.approx(1e9, rel=1e-2)
+
+
+PATCH = """*NODE, NSET=ALL
+{nodes}
+*ELEMENT, TYPE=C3D8, ELSET=BLOCKS
+1, 1, 2, 3, 4, 5, 6, 7, 8
+2, 9, 10, 11, 12, 13, 14, 15, 16
+*ELSET, ELSET=LOWER
+1
+*ELSET, ELSET=UPPER
+2
+*SURFACE, NAME=MASTER
+LOWER, S2
+*SURFACE, NAME=SLAVE
+UPPER, S1
+*MATERIAL, NAME=STEEL
+*ELASTIC
+210000., 0.
+*SOLID SECTION, ELSET=BLOCKS, MATERIAL=STEEL
+*SURFACE INTERACTION, NAME=ROUGH
+*INCLUDE, INPUT=law.inp
+*CONTACT PAIR, INTERACTION=ROUGH, TYPE=NODE TO SURFACE
+SLAVE, MASTER
+*BOUNDARY
+1, 1, 3
+2, 1, 3
+3, 1, 3
+4, 1, 3
+5, 1, 2
+6, 1, 2
+7, 1, 2
+8, 1, 2
+9, 1, 2
+10, 1, 2
+11, 1, 2
+12, 1, 2
+13, 1, 2
+14, 1, 2
+15, 1, 2
+16, 1, 2
+{steps}
+"""
+
+STEP = """*STEP, NLGEOM, INC=1000
+*STATIC
+0.2, 1.
+*BOUNDARY
+13, 3, 3, {u:.8g}
+14, 3, 3, {u:.8g}
+15, 3, 3, {u:.8g}
+16, 3, 3, {u:.8g}
+*CONTACT PRINT, FREQUENCY=1000
+CDIS, CSTR
+*END STEP"""
+
+
+def printed(folder):
+    return (folder / "patch.dat").read_text()
+
+
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (calculix-ccx) not installed")
+def test_calculix_presses_two_blocks_by_the_law(tmp_path, curve):
+    law = curve.to_interface_law()
+    law.write(tmp_path / "law.inp", "calculix", units="mm-N-MPa")
+    square = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    nodes = [(x, y, z) for z in (0, 1, 1, 2) for x, y in square]
+    overclosure = 1e3 * law.overclosure[-1] * np.array([0.3, 0.6, 0.9])
+    asked = np.interp(overclosure, 1e3 * law.overclosure, 1e-6 * law.pressure)
+    text = PATCH.format(
+        nodes="\n".join(f"{i}, {x}., {y}., {z}." for i, (x, y, z) in enumerate(nodes, 1)),
+        # both blocks give way by p L / E
+        steps="\n".join(STEP.format(u=-u) for u in overclosure + 2 * asked / 210000),
+    )
+    (tmp_path / "patch.inp").write_text(text)
+    run = subprocess.run(
+        ["ccx", "patch"], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert run.returncode == 0, run.stdout[-2000:]
+    number = r"([-+]?\d\.\d+E[-+]\d+)"
+    rows = re.findall(rf"^ +\d+ +{number} +{number} +{number}$", printed(tmp_path), re.M)
+    # steps, displacement before stress, points, normal before tangents
+    found = np.array(rows, dtype=float).reshape(3, 2, -1, 3)[..., 0]
+    table = asperity.InterfaceLaw.read(tmp_path / "law.inp")
+    expected = np.interp(-found[:, 0], 1e3 * table.overclosure, 1e-6 * table.pressure)
+    assert abs(found[:, 1]) == pytest.approx(expected, rel=1e-3)
+    assert abs(found[:, 1]) == pytest.approx(asked[:, None] + 0 * expected, rel=1e-2)
