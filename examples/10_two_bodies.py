@@ -3,7 +3,7 @@ Two bodies
 ==========
 
 Rough steel on rough aluminum. Without adhesion only the sum of both roughnesses and the composite
-modulus count, so that the pair is one rough map on one half-space.
+modulus count: the pair is one rough map on one half-space.
 """
 
 import matplotlib.pyplot as plt
@@ -25,7 +25,7 @@ print(f"E* = {pair.modulus / 1e9:.1f} GPa, hardness {pair.hardness / 1e9:.1f} GP
 # Each body on a smooth one, and both on each other.
 
 axes = None
-both = ground + blasted.replace(heights=blasted.heights[:, ::-1])
+both = surfaces.composite(ground, blasted)
 for name, hm in (("ground", ground), ("blasted", blasted), ("both", both)):
     curve = asperity.solve(hm, pair, pressures=[3e6, 1e7, 3e7])
     middle = curve.at(pressure=1e7)

@@ -45,7 +45,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     hm = surfaces.self_affine(
         (64, 80), (6.4e-4, 8e-4), hurst=0.8, rms_slope=0.1, rolloff=2e-4, cutoff=6e-5, seed=1
     )
-    for name in ("scan", "large", "scans/a", "scans/b"):
+    for name in ("scan", "other_body", "large", "scans/a", "scans/b"):
         (folder / name).parent.mkdir(exist_ok=True)
         surfaces.write(hm, folder / f"{name}.h5")
     with h5py.File(folder / "other.h5", "w") as file:
