@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import gc
 import sys
+import warnings
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from asperity.compilation import compiling
+from asperity.errors import ContactWarning
 from asperity.halfspace.material import HalfSpace
 from surfaces import self_affine
 from surfaces.heightmap import HeightMap
@@ -161,6 +163,7 @@ if __name__ == "__main__":
     # the compiler's objects are many and stay: looking through them for cycles again and again
     # takes a tenth of its time
     gc.disable()
+    warnings.simplefilter("ignore", ContactWarning)
     for part in sys.argv[1:]:
         with compiling(part):
             PARTS[part]()

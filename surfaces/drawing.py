@@ -1,9 +1,11 @@
-"""Drawing of heights on matplotlib axes, and figures as images of a page."""
+"""What a reader sees: heights on matplotlib axes, figures as images of a page, quantities with the
+prefix that suits them."""
 
 from __future__ import annotations
 
 import base64
 import io
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,10 +15,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["draw_heights", "figure_height", "image", "length_unit", "thinning"]
+__all__ = ["draw_heights", "figure_height", "image", "suited", "thinning", "told"]
 
 PIXELS = 1200
 """Largest side of a picture."""
+
+_PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 
 
 def draw_heights(
@@ -39,7 +43,7 @@ def draw_heights(
 
     stride = thinning(heights.shape)
     about_mean = heights[::stride, ::stride] - np.nanmean(heights[::stride, ::stride])
-    scale, unit = length_unit(float(np.nanmax(np.abs(about_mean))))
+    scale, unit = suited(float(np.nanmax(np.abs(about_mean))), "m")
     shown = about_mean / scale
     low, high = np.nanquantile(shown, (0.002, 0.998))
     look: dict[str, Any] = {"cmap": "cividis", "vmin": low, "vmax": high, "aspect": "equal"}
@@ -62,17 +66,49 @@ def figure_height(width: float, size: tuple[float, float]) -> float:
     return float(np.clip(width * size[0] / size[1], 1.2, 9.0))
 
 
-def length_unit(largest: float) -> tuple[float, str]:
-    """Metres in the unit that suits a length, and its name."""
-    for factor, unit in ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")):
-        if largest >= factor:
-            return factor, unit
-    return 1e-12, "pm"
-
-
 def image(figure: Figure, dpi: int = 120) -> str:
     """A figure as an image of an HTML page that needs no other file."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=dpi, bbox_inches="tight")
     data = base64.b64encode(buffer.getvalue()).decode("ascii")
     return f'<img alt="" src="data:image/png;base64,{data}">'
+
+
+def suited(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
+    """SI units in the unit with the prefix that suits a quantity, and its name.
+
+    Parameters
+    ----------
+    largest
+        Largest magnitude of the quantity, in the SI unit to its power.
+    unit
+        Symbol of the SI unit.
+    power
+        2 for an area, 3 for a volume.
+
+    Examples
+    --------
+    >>> from surfaces.drawing import suited
+    >>> suited(3.2e-6, "m"), suited(5e7, "Pa"), suited(4e-11, "m", 2)
+    ((1e-06, 'µm'), (1000000.0, 'MPa'), (1e-12, 'µm²'))
+    """
+    usable = math.isfinite(largest) and largest != 0.0
+    exponent = 3 * math.floor(math.log10(abs(largest)) / (3 * power) + 1e-9) if usable else 0
+    exponent = min(max(exponent, min(_PREFIXES)), 0 if unit == "m" else max(_PREFIXES))
+    return 10.0 ** (exponent * power), _PREFIXES[exponent] + unit + {2: "²", 3: "³"}.get(power, "")
+
+
+def told(value: float, unit: str, power: int = 1, digits: int = 3) -> str:
+    """A quantity with the prefix that suits it; a dash where it is no number.
+
+    Examples
+    --------
+    >>> from surfaces.drawing import told
+    >>> told(5.04e7, "Pa"), told(2.2e-6, "m"), told(float("nan"), "Pa")
+    ('50.4 MPa', '2.2 µm', '–')
+    """
+    if not math.isfinite(value):
+        return "–"
+    rounded = float(f"{value:.{digits}g}")
+    factor, name = suited(rounded, unit, power)
+    return f"{rounded / factor:.{digits}g} {name}"

@@ -21,7 +21,7 @@ from surfaces.statistics.correlation import THRESHOLD, Autocorrelation
 from surfaces.statistics.spectrum import Spectrum
 from surfaces.statistics.spectrum_fit import SpectrumFit
 
-from .drawing import figure_height, length_unit, thinning
+from .drawing import figure_height, suited, thinning
 from .heightmap import HeightMap, require_map
 
 __all__ = ["plot_autocorrelation", "plot_bearing", "plot_map", "plot_profiles", "plot_spectrum"]
@@ -125,7 +125,7 @@ def plot_profiles(profiles: Profiles, chosen: Iterable[int]) -> Figure:
     for place, index in enumerate(indices):
         axes = figure.add_subplot(rows, columns, place + 1)
         lengths = profiles.t * profiles.edge[index][:, None]
-        scale, unit = length_unit(float(gap[index].max()))
+        scale, unit = suited(float(gap[index].max()), "m")
         turn = (profiles.phi[index] - profiles.angle[index]) % (2.0 * np.pi)
         for ray, angle in enumerate(turn):
             color = _ray_color(float(angle))
@@ -158,7 +158,7 @@ def plot_bearing(curve: BearingCurve) -> Figure:
     """
     figure = Figure(figsize=(6.4, 3.4), layout="constrained")
     axes = figure.add_subplot()
-    scale, unit = length_unit(float(np.abs(curve.height).max()))
+    scale, unit = suited(float(np.abs(curve.height).max()), "m")
     axes.plot(100.0 * curve.ratio, curve.height / scale, color=_INK, lw=1.6)
     core = curve.core()
     for ratio in (core["Smr1"], core["Smr2"]):

@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity interface``."""
     parser.epilog = EPILOG
     parser.add_argument("results", metavar="RESULTS", help="results file with a curve")
-    parser.add_argument("--curve", metavar="NAME", help="name of the curve, if there are several")
+    parser.add_argument("--curve", metavar="NAME", help="name of the curve (default: the first)")
     parser.add_argument("--format", choices=FORMATS, default=FORMATS[0], help="default abaqus")
     parser.add_argument("--units", choices=UNITS, default="SI", help="default SI")
     parser.add_argument("--band", choices=BANDS, default=BANDS[0], help="default pressure")
@@ -43,15 +43,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read the curve, write the law."""
     from asperity.extensions.conductance import constriction_conductance
-    from asperity.results.curve import ContactCurve
+    from asperity.results.curve import ContactCurve, read_results
 
     targets.fill_in(args)
     targets.require(args, inputs=[args.results])
-    curve = ContactCurve.from_hdf5(args.results, args.curve)
+    name = args.curve or next(iter(read_results(args.results).curves), None)
+    curve = ContactCurve.from_hdf5(args.results, name)
     found = None
     if args.resistivity is not None:
         found = constriction_conductance(curve, resistivity=tuple(args.resistivity))
     law = curve.to_interface_law(conductance=found)
     law.write(args.output, args.format, units=args.units, band=args.band)
-    tell(f"{law}\nlaw {args.output}")
+    tell(f"curve           {name}\n{law}\nlaw             {args.output}")
     return output.exit_code([curve])

@@ -1,21 +1,29 @@
-"""``asperity report``: rebuild the report from a results file."""
+"""``asperity report``: one page about one or several results files."""
 
 from __future__ import annotations
 
 import argparse
 
 from . import output, targets
+from .batch import expand
 from .messages import tell
 
-EPILOG = """example:
+EPILOG = """examples:
   asperity report results.h5 -o report.html
+  asperity report ground.h5 polished.h5 -o both.html
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity report``."""
     parser.epilog = EPILOG
-    parser.add_argument("results", metavar="RESULTS", help="results file of asperity compare")
+    parser.add_argument(
+        "results",
+        metavar="RESULTS",
+        nargs="+",
+        help="results files of compare, solve, curve or bem, and globs; several are laid side by "
+        "side",
+    )
     targets.add_target(
         parser,
         "-o",
@@ -28,12 +36,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Read the results, write the report, print the verdict."""
-    from asperity.comparison.result import Comparison
+    """Read the results, write the report, print what each says."""
+    from asperity.comparison.report.build import write_report
+    from asperity.comparison.report.sample import read_sample
 
+    files = expand(args.results)
     targets.fill_in(args)
-    targets.require(args, inputs=[args.results])
-    comparison = Comparison.from_hdf5(args.results)
-    comparison.to_html(args.output)
-    tell(f"{comparison.verdict()}\nreport {args.output}")
-    return output.exit_code([comparison.model, comparison.reference])
+    targets.require(args, inputs=[str(file) for file in files])
+    samples = [read_sample(file) for file in files]
+    write_report(args.output, samples)
+    for sample in samples:
+        tell(f"{sample.name}: {sample.verdict()}")
+    tell(f"report {args.output}")
+    return output.exit_code([curve for one in samples for curve in one.curves.values()])

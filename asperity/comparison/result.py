@@ -1,49 +1,17 @@
-"""Result of a comparison of both models: errors, run times, verdict."""
+"""Result of a comparison of both models: errors, run times, verdict, report."""
 
 from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
+from .record import ComparisonRecord
 
-from asperity.errors import FileFormatError, InputError
-from asperity.results.curve import ContactCurve
-from asperity.results.storage import ResultFile, read_results, write_results
-
-__all__ = ["PARETO_TYPE", "Comparison"]
-
-PARETO_TYPE = np.dtype(
-    [
-        ("model", "U16"),
-        ("ny", np.int64),
-        ("nx", np.int64),
-        ("tolerance", np.float64),
-        ("seconds", np.float64),
-        ("load_error", np.float64),
-        ("area_error", np.float64),
-        ("separation_error", np.float64),
-    ]
-)
-
-TABLE_COLUMNS = (
-    "mean_pressure",
-    "area_bem",
-    "area_model",
-    "separation_bem",
-    "separation_model",
-    "load_error",
-    "area_error",
-    "separation_error",
-    "contacts_bem",
-    "contacts_model",
-)
+__all__ = ["Comparison"]
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(ComparisonRecord):
     """Both models on the same surface at the same loads, and what each cost.
 
     Attributes
@@ -62,7 +30,9 @@ class Comparison:
     overlap
         Intersection over union of the two contact maps.
     maps
-        "bem" and "asperity": contact maps (ny, nx) at the load point `map_point`.
+        "bem" and "asperity": contact maps (ny, nx) at the load point `map_point`; "pressure_bem"
+        and "pressure_asperity" [Pa] there, and "heights" [m] about their mean, in single precision;
+        files of earlier versions have the first two.
     map_point
         Index of the load point of the maps.
     microcontacts
@@ -74,6 +44,10 @@ class Comparison:
     elastic
         Curve of the microcontact model at these loads without the hardness; None where the body has
         none.
+    resolution
+        Error that the pixels of the map leave in the reference itself, at the lightest and at the
+        heaviest load: mean_pressure [Pa], load_error and area_error (relative, against a grid twice
+        as fine), its ny and nx; None if it is not known.
 
     Examples
     --------
@@ -82,183 +56,12 @@ class Comparison:
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> both = asperity.compare(hm, steel, pressures=[1e9], tolerance=1e-4)
     >>> both.verdict().split(",")[0]
-    'At a mean pressure of 1e+09 Pa'
+    'At a mean pressure of 1 GPa'
     """
-
-    model: ContactCurve
-    reference: ContactCurve
-    table: NDArray[np.void]
-    pareto: NDArray[np.void]
-    overlap: float
-    maps: dict[str, NDArray[np.bool_]]
-    map_point: int
-    microcontacts: NDArray[np.void]
-    plan: tuple[str, ...]
-    about: dict[str, Any]
-    elastic: ContactCurve | None = None
-
-    @property
-    def converged(self) -> bool:
-        """Whether every point of both models converged."""
-        return bool(self.model.converged.all() and self.reference.converged.all())
-
-    @property
-    def rival(self) -> NDArray[np.void] | None:
-        """The fastest boundary-element run at least as accurate as the model, if there is one."""
-        ours = self.pareto[self.pareto["model"] == "asperity"][0]
-        others = self.pareto[self.pareto["model"] == "bem"]
-        as_good = (others["load_error"] <= ours["load_error"]) & (
-            others["area_error"] <= ours["area_error"]
-        )
-        if not as_good.any():
-            return None
-        fastest: NDArray[np.void] = others[as_good][np.argmin(others[as_good]["seconds"])]
-        return fastest
-
-    def verdict(self) -> str:
-        """What a reader wants to know first, in three sentences."""
-        row, ours = self.table[self.map_point], self.pareto[0]
-        text = (
-            f"At a mean pressure of {row['mean_pressure']:.3g} Pa, "
-            f"{100 * row['area_bem']:.3g} % of the nominal area touches at a separation of "
-            f"{row['separation_bem']:.3g} m (boundary elements). "
-        )
-        if self.elastic is not None and self.elastic.converged[self.map_point]:
-            share = 100 * self.elastic.area_fraction[self.map_point]
-            text += (
-                f"Without the hardness of {self.about['hardness']:.3g} Pa it would be {share:.3g} "
-                "% (microcontact model). "
-            )
-        judged = int(np.count_nonzero(np.isfinite(self.table["area_error"])))
-        if not judged:
-            return text + "No load point of the microcontact model can be judged."
-        where = "Over the whole curve"
-        if judged < len(self.table):
-            where = f"At {judged} of {len(self.table)} load points, the others not being judged,"
-        text += (
-            f"{where} the microcontact model is off by {100 * ours['load_error']:.2g} % rms in "
-            f"load at equal separation and {100 * ours['area_error']:.2g} % rms in area at equal "
-            f"load, in {ours['seconds']:.2g} s. "
-        )
-        rival = self.rival
-        if rival is None:
-            return text + "No loose boundary-element run was as accurate."
-        ratio = float(rival["seconds"] / ours["seconds"])
-        speed = (
-            f"{ratio:.2g} times faster than" if ratio >= 1 else f"{1 / ratio:.2g} times slower than"
-        )
-        if 0.95 < ratio < 1.05:
-            speed = "as fast as"
-        return text + (
-            f"The model is {speed} the fastest boundary-element run at least as accurate "
-            f"({rival['ny']} x {rival['nx']} points, tolerance {rival['tolerance']:.0e}, "
-            f"{rival['seconds']:.2g} s)."
-        )
-
-    def to_results(self) -> ResultFile:
-        """Everything as the content of a results file."""
-        about = {
-            **self.about,
-            "plan": list(self.plan),
-            "overlap": self.overlap,
-            "map_point": self.map_point,
-        }
-        curves = {"asperity": self.model, "bem": self.reference}
-        if self.elastic is not None:
-            curves["elastic"] = self.elastic
-        return ResultFile(
-            curves={name: curve.to_record() for name, curve in curves.items()},
-            tables={
-                "comparison": self.table,
-                "pareto": self.pareto,
-                "microcontacts": self.microcontacts,
-            },
-            maps=dict(self.maps),
-            about=about,
-        )
-
-    def to_hdf5(self, path: str | os.PathLike[str]) -> None:
-        """Write the curves, the tables and the maps to a results file."""
-        write_results(path, self.to_results())
-
-    @classmethod
-    def from_hdf5(cls, path: str | os.PathLike[str]) -> Comparison:
-        """Read a comparison back from a results file.
-
-        Raises
-        ------
-        FileFormatError, InputError
-            If the file is unreadable or holds no comparison.
-        """
-        held = read_results(path)
-        if "comparison" not in held.tables:
-            raise InputError(f"{path} holds no comparison; make one with asperity compare")
-        about = dict(held.about)
-        if not (
-            _has_numbers(held.tables["comparison"], TABLE_COLUMNS)
-            and _has_numbers(held.tables.get("pareto"), (PARETO_TYPE.names or ())[1:])
-        ):
-            raise FileFormatError(
-                f"{path}: a column of the comparison is missing or holds no numbers; make it again"
-            )
-        try:
-            found = cls(
-                model=ContactCurve.from_record(held.curves["asperity"]),
-                reference=ContactCurve.from_record(held.curves["bem"]),
-                table=held.tables["comparison"],
-                pareto=held.tables["pareto"],
-                plan=tuple(about.pop("plan")),
-                overlap=float(about.pop("overlap")),
-                map_point=int(about.pop("map_point")),
-                maps={name: held.maps[name].astype(bool) for name in ("bem", "asperity")},
-                microcontacts=held.tables["microcontacts"],
-                about=about,
-                elastic=ContactCurve.from_record(held.curves["elastic"])
-                if "elastic" in held.curves
-                else None,
-            )
-            whole = all(one.shape == tuple(about["shape"]) for one in found.maps.values())
-        except (KeyError, TypeError, ValueError):
-            whole = False
-        if not whole:
-            raise FileFormatError(f"{path}: part of the comparison is missing; make it again")
-        return found
 
     def to_html(self, path: str | os.PathLike[str]) -> None:
         """Write the self-contained report."""
         from .report.build import write_report
+        from .report.sample import Sample
 
-        write_report(
-            path,
-            model=self.model,
-            reference=self.reference,
-            elastic=self.elastic,
-            table=self.table,
-            pareto=self.pareto,
-            maps=self.maps,
-            map_point=self.map_point,
-            overlap=self.overlap,
-            plan=self.plan,
-            about=self.about,
-            verdict=self.verdict(),
-        )
-
-    def __str__(self) -> str:
-        lines = ["  pressure [Pa]   area BEM   area model   load error   area error   ds/rms"]
-        lines += [
-            f"  {row['mean_pressure']:12.4g}   {row['area_bem']:8.4f}   {row['area_model']:10.4f}"
-            f"   {100 * row['load_error']:+8.2f} %   {100 * row['area_error']:+8.2f} %"
-            f"   {row['separation_error']:+.4f}"
-            for row in self.table
-        ]
-        lines += [f"  contact-map overlap {self.overlap:.2f}", self.verdict()]
-        return "\n".join(lines)
-
-    __repr__ = __str__
-
-
-def _has_numbers(table: NDArray[Any] | None, names: tuple[str, ...]) -> bool:
-    """Whether a table has these columns, all of them of real numbers."""
-    if table is None or not set(names) <= set(table.dtype.names or ()):
-        return False
-    return all(table.dtype[name].kind in "biuf" for name in names)
+        write_report(path, [Sample.of_comparison(self)])

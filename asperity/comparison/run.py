@@ -20,12 +20,14 @@ from asperity.halfspace.scene import checked_loads, default_pressures, map_facts
 from asperity.model.plan import Plan, make_plan
 from asperity.progress import Progress, reported
 from asperity.results.curve import ContactCurve
-from asperity.results.storage import structured
+from asperity.results.storage import provenance, structured
 from asperity.warmup import small_map
 from surfaces.heightmap import HeightMap
 
 from .coarse_bem import LOOSE_TOLERANCE, coarse_grids, coarse_run, load_at_separation, rms
-from .result import PARETO_TYPE, Comparison
+from .record import PARETO_TYPE
+from .refined_bem import refined_run
+from .result import Comparison
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -149,13 +151,20 @@ def compare(
             tolerance=tolerance,
             boundary=plan.boundary,
         )
-        maps = {"bem": solution.contact, "asperity": np.zeros_like(solution.contact)}
+        maps: dict[str, NDArray[Any]] = {
+            "bem": solution.contact,
+            "asperity": np.zeros_like(solution.contact),
+            "heights": (hm.heights - hm.roughness.mean).astype(np.float32),
+            "pressure_bem": solution.pressure.astype(np.float32),
+        }
         contacts = microcontacts(run.decomposition, run.points[point])[:0]
         overlap = np.nan
         if run.curve.converged[point]:
             maps["asperity"], contacts = run.contact_map(point), run.microcontacts(point)
+            maps["pressure_asperity"] = run.pressure_map(point).astype(np.float32)
             union = np.count_nonzero(maps["bem"] | maps["asperity"])
             overlap = np.count_nonzero(maps["bem"] & maps["asperity"]) / union if union else 1.0
+        say("boundary elements on a refined grid")
         return Comparison(
             model=run.curve,
             reference=judge,
@@ -168,6 +177,7 @@ def compare(
             plan=plan.reasons,
             about=_about(hm, material),
             elastic=elastic,
+            resolution=refined_run(hm, material, plan.boundary, judge),
         )
 
 
@@ -242,6 +252,7 @@ def _about(hm: HeightMap, material: HalfSpace) -> dict[str, Any]:
         **map_facts(hm),
         "history": [dict(step) for step in hm.history],
         "input": hm.digest,
+        "made": provenance(),
         "modulus": material.modulus,
         "m": material.m,
         **({"hardness": material.hardness} if material.hardness < np.inf else {}),

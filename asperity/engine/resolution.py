@@ -19,7 +19,14 @@ from surfaces.patches import label_patches
 from surfaces.preparation.filtering import make_periodic
 from surfaces.preparation.resampling import resample
 
-__all__ = ["UNTOLD", "LightestLoad", "Resolution", "resolution", "small_share"]
+__all__ = [
+    "UNTOLD",
+    "LightestLoad",
+    "Resolution",
+    "representative_part",
+    "resolution",
+    "small_share",
+]
 
 FEW_PIXELS = 10
 """Pixels of a contact below which its area and its load depend on the grid."""
@@ -126,7 +133,7 @@ def resolution(
     broken = resolution_warning(hm, least) + seam_warning(hm) + straight_warning(hm)
     if share < DOUBTFUL and not broken:
         return Resolution(*FLOOR, held)
-    part = _part(hm)
+    part = representative_part(hm)
     finer = resample(part, np.asarray(part.spacing) / 2)
     if not fits(finer.shape, boundary, 1):
         why = f"{held}, and a finer grid does not fit into memory"
@@ -159,7 +166,7 @@ def resolution(
     return Resolution(load, area, told, (warning,) if large else ())
 
 
-def _part(hm: HeightMap) -> HeightMap:
+def representative_part(hm: HeightMap) -> HeightMap:
     """The map, or of a large one the part about its highest point, faded to a period."""
     if max(hm.shape) <= TILE:
         return hm

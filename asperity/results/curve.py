@@ -252,6 +252,7 @@ class ContactCurve(CurveTable):
         area = "" if stated is None else f" in load, {span(stated, '')} in area"
         alone = self.extra.get("interaction_difference")
         yielded = [self.extra[name] for name in ("plastic_share",) if name in self.extra]
+        stages = ", ".join(f"{stage} {value:.2g}" for stage, value in self.seconds.items())
         lines = [
             f"contact curve   {self.model}, {len(self)} points, {good} converged",
             f"separation      {span(self.separation, ' m')}",
@@ -261,9 +262,7 @@ class ContactCurve(CurveTable):
             *(f"plastic share   {span(share, '')} of the contact area" for share in yielded),
             f"error estimate  {span(self.error_estimate, '')}{area}",
             f"residual        {span(self.residual, '')}",
-            f"seconds         {sum(self.seconds.values()):.3g} ("
-            + ", ".join(f"{stage} {value:.2g}" for stage, value in self.seconds.items())
-            + ")",
+            f"seconds         {sum(self.seconds.values()):.3g} ({stages})",
         ]
         if self.verification is not None:
             lines += _told(self.verification)
@@ -280,14 +279,12 @@ def _told(verification: Mapping[str, Any]) -> list[str]:
     """Lines about engine, accuracy and resolution."""
     load, area = (f"{share:.2g}" for share in verification["accuracy"])
     met = "met" if verification["met"] else "NOT MET"
-    shares = (
-        "all" if x > 1 else f"{100 * x:.2g} %" for x in verification["resolution_uncertainty"]
-    )
+    open_ = ("all" if x > 1 else f"{100 * x:.2g} %" for x in verification["resolution_uncertainty"])
     return [
         f"engine          {verification['engine']} ({verification['reason']})",
         f"accuracy        {load} in load, {area} in area: {met} on the "
         f"{verification['reference']}; {len(verification['anchors'])} points by boundary elements",
-        f"pixels leave    {' in load, '.join(shares)} in area open ({verification['resolution']})",
+        f"pixels leave    {' in load, '.join(open_)} in area open ({verification['resolution']})",
     ]
 
 

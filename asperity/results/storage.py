@@ -15,8 +15,12 @@ import csv
 import json
 import math
 import os
+import platform
+import shlex
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +40,7 @@ __all__ = [
     "ResultFile",
     "columns",
     "flat_columns",
+    "provenance",
     "read_results",
     "structured",
     "write_csv",
@@ -44,6 +49,8 @@ __all__ = [
 
 
 SCHEMA = "asperity/1"
+
+LIBRARIES = ("numpy", "scipy", "numba")
 
 
 def structured(columns: Mapping[str, Any]) -> NDArray[np.void]:
@@ -103,13 +110,34 @@ class ResultFile:
     maps
         Two-dimensional arrays by name.
     about
-        JSON-able facts: input map, material, preparation.
+        JSON-able facts: input map, material, preparation; how the file was made (`provenance`) is
+        added where it lacks.
     """
 
     curves: dict[str, CurveRecord] = field(default_factory=dict)
     tables: dict[str, NDArray[Any]] = field(default_factory=dict)
     maps: dict[str, NDArray[Any]] = field(default_factory=dict)
     about: dict[str, Any] = field(default_factory=dict)
+
+
+def provenance() -> dict[str, str]:
+    """Date (UTC), command line or name of the script, and versions, as text."""
+    from importlib.metadata import version
+
+    versions = {name: version(name) for name in LIBRARIES}
+    versions = {"asperity": __version__, "Python": platform.python_version()} | versions
+    return {
+        "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "command": _command(),
+        "versions": ", ".join(f"{name} {version}" for name, version in versions.items()),
+    }
+
+
+def _command() -> str:
+    """The command as it was typed; of another program its name alone."""
+    program = Path(sys.argv[0] if sys.argv else "")
+    ours = program.name == "asperity" or program.parts[-2:] == ("asperity", "__main__.py")
+    return shlex.join(["asperity", *sys.argv[1:]]) if ours else program.name or "python"
 
 
 def write_results(path: str | os.PathLike[str], results: ResultFile) -> None:
@@ -123,7 +151,8 @@ def write_results(path: str | os.PathLike[str], results: ResultFile) -> None:
     import h5py
 
     with replacing(path) as partial, h5py.File(partial, "w", libver=("v110", "v110")) as file:
-        _write_text(file, {"schema": SCHEMA, "version": __version__, "about": _json(results.about)})
+        about = {"made": provenance()} | results.about
+        _write_text(file, {"schema": SCHEMA, "version": __version__, "about": _json(about)})
         for name, curve in results.curves.items():
             _write_curve(file.create_group(f"curves/{name}"), curve)
         for name, table in results.tables.items():

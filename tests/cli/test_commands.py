@@ -7,6 +7,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from pages import Page
 from vti import read_vti
 
 import surfaces
@@ -206,10 +207,15 @@ def test_fields_for_paraview_carry_the_load(command, folder):
 def test_compare_and_report(folder, capsys):
     assert main(["compare", "rough.h5", *STEEL, "--pressure", "5e7:5e8:3"]) == 0
     comparison = Comparison.from_hdf5("results.h5")
-    first = (folder / "report.html").read_text()
+    first = Page(folder / "report.html")
     assert comparison.verdict() in capsys.readouterr().out
     assert main(["report", "results.h5", "-o", "again.html"]) == 0
-    assert (folder / "again.html").read_text().count("<svg") == first.count("<svg") == 4
+    assert Page(folder / "again.html").shown == first.shown
+    assert main(["report", "results.h5", "-o", "again.html"]) == 2
+    assert "--force replaces it" in capsys.readouterr().err
+    assert main(["curve", "rough.h5", *STEEL, "--pressure", "5e7:5e8:3", "-o", "curve.h5"]) == 0
+    assert main(["report", "results.h5", "curve.h5", "-o", "again.html", "--force"]) == 0
+    assert "Side by side" in Page(folder / "again.html").shown
 
 
 @pytest.mark.parametrize(

@@ -1,95 +1,163 @@
-"""Fill the report's template with the results of both models."""
+"""The report of one or several samples: what the page tells, and the page."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
-import jinja2
-import numpy as np
-from numpy.typing import NDArray
-
 from asperity import __version__
-from asperity.errors import InputError
-from asperity.results.curve import ContactCurve
-from surfaces.files.atomic import replacing
+from asperity.comparison.record import ComparisonRecord
+from surfaces.errors import SurfaceError
+from surfaces.page.fields import SHOWN
+from surfaces.page.figures import Figure
+from surfaces.page.lines import Line
+from surfaces.page.render import write_html
+from surfaces.page.roughness import parameters, spectrum_figure, spectrum_lines
+from surfaces.page.words import in_words, preparation_warnings
+from surfaces.statistics.describe import describe
+from surfaces.statistics.spectrum import power_spectrum
 
-from . import figures
+from . import tables
+from .contacts import contact_figures, height_figure, size_figure
+from .curves import BEM, MODEL, curve_figures, pareto_figure, sample_colors
+from .sample import Sample, named_apart
 
 __all__ = ["write_report"]
 
 
-def _number(value: float, form: str) -> str:
-    """A number as text, a dash where there is none."""
-    return format(value, form) if math.isfinite(value) else "–"
+@dataclass
+class Part:
+    """What the page tells of one sample alone."""
+
+    name: str
+    verdict: str
+    warnings: list[str]
+    reasons: list[str]
+    facts: dict[str, str]
+    history: list[str]
+    plan: tuple[str, ...] = ()
+    roughness: dict[str, str] = field(default_factory=dict)
+    spectrum: list[Line] = field(default_factory=list)
+    surface: Figure | None = None
+    contacts: list[Figure] = field(default_factory=list)
+    pareto: Figure | None = None
+    judged: list[tuple[bool, str]] = field(default_factory=list)
+    errors: tables.Table | None = None
+    runs: tables.Table | None = None
+    resolution: tables.Table | None = None
+    load: str = ""
 
 
-def write_report(
-    path: str | os.PathLike[str],
-    *,
-    model: ContactCurve,
-    reference: ContactCurve,
-    table: NDArray[np.void],
-    pareto: NDArray[np.void],
-    maps: Mapping[str, NDArray[np.bool_]],
-    map_point: int,
-    overlap: float,
-    plan: Sequence[str],
-    about: Mapping[str, Any],
-    verdict: str,
-    elastic: ContactCurve | None = None,
-) -> None:
+def write_report(path: str | os.PathLike[str], samples: Sequence[Sample]) -> None:
     """Write the report as one HTML file that needs nothing else.
 
     Parameters
     ----------
     path
         File to write; replaced at once when it is complete.
-    model, reference, table, pareto, maps, map_point, overlap, plan, about, elastic
-        As in `Comparison`.
-    verdict
-        Sentences that come first.
+    samples
+        At least one; several are overlaid, with a table of a column each.
 
     Raises
     ------
     InputError
-        If a fact that the report shows is missing, or the file cannot be written.
+        If the file cannot be written.
     """
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("asperity.comparison", "report"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+    samples = named_apart(samples)
+    several = len(samples) > 1
+    colors = sample_colors(len(samples))
+    parts = [
+        _part(one, color if several else BEM, len(samples))
+        for one, color in zip(samples, colors, strict=True)
+    ]
+    curves = curve_figures(samples)
+    lines = [line for part in parts for line in part.spectrum]
+    spectrum = spectrum_figure(lines) if lines else None
+    sizes = size_figure(list(_contact_maps(samples, colors)))
+    shown = [*curves, spectrum, sizes]
+    for part in parts:
+        shown += [part.surface, part.pareto, *part.contacts]
+    names = [part.name for part in parts]
+    compared = tables.at_common_loads(samples) if several else [{}]
+    columns = [more | part.facts for more, part in zip(compared, parts, strict=True)]
+    write_html(
+        path,
+        "report.html.j2",
+        [figure for figure in shown if figure is not None],
+        rooms=["asperity.comparison.report"],
+        parts=parts,
+        curves=curves,
+        spectrum=spectrum,
+        sizes=sizes,
+        facts=tables.together(columns, names),
+        roughness=tables.together([part.roughness for part in parts], names),
+        version=__version__,
     )
-    environment.filters["short"] = lambda value: _number(value, ".4g")
-    environment.filters["number"] = _number
-    environment.filters["percent"] = lambda value, form="+.2f": _number(100 * value, form)
-    unknown = np.full(len(model), np.nan)
+
+
+def _part(sample: Sample, color: str, count: int) -> Part:
+    """What one of `count` samples tells; for their size, maps are the smaller the more there are,
+    and pressures are of a sample that is alone."""
+    history = sample.about.get("history", [])
+    warnings = [
+        *preparation_warnings(history),
+        *(text for curve in sample.curves.values() for text in curve.settings.get("warnings", ())),
+    ]
+    reasons = [
+        f"{name}, load point {i + 1}: {why}"
+        for name, curve in sample.curves.items()
+        for i, why in enumerate(curve.reasons)
+        if why
+    ]
+    part = Part(
+        name=sample.name,
+        verdict=sample.verdict(),
+        warnings=list(dict.fromkeys(warnings)),
+        reasons=reasons,
+        facts=tables.facts(sample),
+        history=in_words(history),
+    )
+    if sample.comparison is not None:
+        _add_comparison(part, sample.comparison, color, count)
+    return part
+
+
+def _add_comparison(part: Part, comparison: ComparisonRecord, color: str, count: int) -> None:
+    alone = count == 1
+    part.plan = comparison.plan
+    part.surface = height_figure(comparison, int(SHOWN / math.sqrt(count)))
+    part.judged = tables.judged(comparison)
+    part.errors = tables.error_table(comparison)
+    part.runs = tables.pareto_table(comparison.pareto)
+    part.pareto = pareto_figure(comparison.pareto)
+    part.resolution = tables.resolution_table(comparison)
+    part.load = tables.load_of_maps(comparison)
+    if alone:
+        part.contacts = contact_figures(comparison)
+    surface = comparison.surface
+    if surface is None:
+        return
     try:
-        text = environment.get_template("template.html.j2").render(
-            model=model,
-            reference=reference,
-            table=table,
-            pareto=pareto,
-            map_point=map_point,
-            overlap=overlap,
-            plan=plan,
-            about=about,
-            verdict=verdict,
-            version=__version__,
-            converged=bool(model.converged.all() and reference.converged.all()),
-            stated_area_error=model.extra.get("area_error_estimate", unknown),
-            separation_figure=figures.separation_figure(model, reference, elastic),
-            area_figure=figures.area_figure(model, reference, elastic),
-            map_figure=figures.map_figure(maps["bem"], maps["asperity"], about["spacing"]),
-            pareto_figure=figures.pareto_figure(pareto),
-        )
-    except (jinja2.UndefinedError, KeyError, TypeError, ValueError) as error:
-        raise InputError(
-            f"the results lack what the report shows ({error}); run asperity compare again"
-        ) from error
-    with replacing(path) as partial:
-        partial.write_text(text, encoding="utf-8", errors="replace")
+        found = describe(surface)
+    except SurfaceError:
+        return
+    part.roughness = parameters(found)
+    part.warnings = list(dict.fromkeys([*part.warnings, *found.warnings]))
+    label = "map" if alone else part.name
+    fit = found.fit if alone else None
+    part.spectrum = spectrum_lines(power_spectrum(surface), fit, label=label, color=color)
+
+
+def _contact_maps(samples: Sequence[Sample], colors: Sequence[str]) -> Iterator[Any]:
+    """Contact maps with their names and colors: of one sample those of both models."""
+    for one, color in zip(samples, colors, strict=True):
+        if one.comparison is None:
+            continue
+        if len(samples) > 1:
+            yield one.name, color, one.comparison.maps["bem"], one.comparison
+        else:
+            yield "boundary elements", BEM, one.comparison.maps["bem"], one.comparison
+            yield "microcontacts", MODEL, one.comparison.maps["asperity"], one.comparison

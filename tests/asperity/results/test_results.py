@@ -168,6 +168,7 @@ def test_tables_maps_and_facts_come_back(tmp_path):
     assert back.tables["pareto"]["model"].tolist() == ["bem", "µ"]
     np.testing.assert_array_equal(back.tables["pareto"]["seconds"], [1.0, 2.0])
     np.testing.assert_array_equal(back.maps["contact"], np.eye(4, 6, dtype=bool))
+    assert set(back.about.pop("made")) == {"date", "command", "versions"}
     assert back.about == held.about
     with pytest.raises(FileFormatError, match="holds a, b"):
         ContactCurve.from_hdf5(tmp_path / "r.h5")

@@ -1,0 +1,231 @@
+"""What a comparison of both models holds: errors, run times, verdict; read and written."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.errors import FileFormatError, InputError
+from asperity.results.curve import ContactCurve
+from asperity.results.storage import ResultFile, read_results, write_results
+from surfaces.drawing import told
+from surfaces.heightmap import HeightMap
+
+__all__ = ["PARETO_TYPE", "ComparisonRecord"]
+
+PARETO_TYPE = np.dtype(
+    [
+        ("model", "U16"),
+        ("ny", np.int64),
+        ("nx", np.int64),
+        ("tolerance", np.float64),
+        ("seconds", np.float64),
+        ("load_error", np.float64),
+        ("area_error", np.float64),
+        ("separation_error", np.float64),
+    ]
+)
+
+TABLE_COLUMNS = (
+    "mean_pressure",
+    "area_bem",
+    "area_model",
+    "separation_bem",
+    "separation_model",
+    "load_error",
+    "area_error",
+    "separation_error",
+    "contacts_bem",
+    "contacts_model",
+)
+
+CONTACTS = "bem", "asperity"
+"""Maps that every comparison has."""
+
+
+@dataclass(frozen=True, eq=False)
+class ComparisonRecord:
+    """The fields of a `Comparison`, its verdict and its file."""
+
+    model: ContactCurve
+    reference: ContactCurve
+    table: NDArray[np.void]
+    pareto: NDArray[np.void]
+    overlap: float
+    maps: dict[str, NDArray[Any]]
+    map_point: int
+    microcontacts: NDArray[np.void]
+    plan: tuple[str, ...]
+    about: dict[str, Any]
+    elastic: ContactCurve | None = None
+    resolution: NDArray[np.void] | None = None
+
+    @property
+    def surface(self) -> HeightMap | None:
+        """The map, its heights about their mean to single precision; None of an earlier version."""
+        if "heights" not in self.maps:
+            return None
+        facts = {name: self.about[name] for name in ("periodic", "name", "history")}
+        return HeightMap(self.maps["heights"], self.about["spacing"], **facts)
+
+    @property
+    def converged(self) -> bool:
+        """Whether every point of both models converged."""
+        return bool(self.model.converged.all() and self.reference.converged.all())
+
+    @property
+    def rival(self) -> NDArray[np.void] | None:
+        """The fastest boundary-element run at least as accurate as the model, if there is one."""
+        ours = self.pareto[self.pareto["model"] == "asperity"][0]
+        others = self.pareto[self.pareto["model"] == "bem"]
+        as_good = (others["load_error"] <= ours["load_error"]) & (
+            others["area_error"] <= ours["area_error"]
+        )
+        if not as_good.any():
+            return None
+        fastest: NDArray[np.void] = others[as_good][np.argmin(others[as_good]["seconds"])]
+        return fastest
+
+    def verdict(self) -> str:
+        """What a reader wants to know first, in three sentences."""
+        row, ours = self.table[self.map_point], self.pareto[0]
+        text = (
+            f"At a mean pressure of {told(row['mean_pressure'], 'Pa')}, "
+            f"{100 * row['area_bem']:.3g} % of the nominal area touches at a separation of "
+            f"{told(row['separation_bem'], 'm')} (boundary elements). "
+        )
+        if self.elastic is not None and self.elastic.converged[self.map_point]:
+            share = 100 * self.elastic.area_fraction[self.map_point]
+            text += (
+                f"Without the hardness of {told(self.about['hardness'], 'Pa')} it would be "
+                f"{share:.3g} % (microcontact model). "
+            )
+        judged = int(np.count_nonzero(np.isfinite(self.table["area_error"])))
+        if not judged:
+            return text + "No load point of the microcontact model can be judged."
+        where = "Over the whole curve"
+        if judged < len(self.table):
+            where = f"At {judged} of {len(self.table)} load points, the others not being judged,"
+        text += (
+            f"{where} the microcontact model is off by {100 * ours['load_error']:.2g} % rms in "
+            f"load at equal separation and {100 * ours['area_error']:.2g} % rms in area at equal "
+            f"load, in {ours['seconds']:.2g} s. "
+        )
+        rival = self.rival
+        if rival is None:
+            return text + "No loose boundary-element run was as accurate."
+        ratio = float(rival["seconds"] / ours["seconds"])
+        speed = (
+            f"{ratio:.2g} times faster than" if ratio >= 1 else f"{1 / ratio:.2g} times slower than"
+        )
+        if 0.95 < ratio < 1.05:
+            speed = "as fast as"
+        return text + (
+            f"The model is {speed} the fastest boundary-element run at least as accurate "
+            f"({rival['ny']} x {rival['nx']} points, tolerance {rival['tolerance']:.0e}, "
+            f"{rival['seconds']:.2g} s)."
+        )
+
+    def to_results(self) -> ResultFile:
+        """Everything as the content of a results file."""
+        about = {
+            **self.about,
+            "plan": list(self.plan),
+            "overlap": self.overlap,
+            "map_point": self.map_point,
+        }
+        curves = {"asperity": self.model, "bem": self.reference}
+        if self.elastic is not None:
+            curves["elastic"] = self.elastic
+        tables = {
+            "comparison": self.table,
+            "pareto": self.pareto,
+            "microcontacts": self.microcontacts,
+        }
+        if self.resolution is not None:
+            tables["resolution"] = self.resolution
+        return ResultFile(
+            curves={name: curve.to_record() for name, curve in curves.items()},
+            tables=tables,
+            maps=dict(self.maps),
+            about=about,
+        )
+
+    def to_hdf5(self, path: str | os.PathLike[str]) -> None:
+        """Write the curves, the tables and the maps to a results file."""
+        write_results(path, self.to_results())
+
+    @classmethod
+    def from_hdf5(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a comparison back from a results file.
+
+        Raises
+        ------
+        FileFormatError, InputError
+            If the file is unreadable or holds no comparison.
+        """
+        return cls.from_results(read_results(path), path)
+
+    @classmethod
+    def from_results(cls, held: ResultFile, path: str | os.PathLike[str]) -> Self:
+        """The comparison that the content of a results file holds; `path` is for messages."""
+        if "comparison" not in held.tables:
+            raise InputError(f"{path} holds no comparison; make one with asperity compare")
+        about = dict(held.about)
+        if not (
+            _has_numbers(held.tables["comparison"], TABLE_COLUMNS)
+            and _has_numbers(held.tables.get("pareto"), (PARETO_TYPE.names or ())[1:])
+        ):
+            raise FileFormatError(
+                f"{path}: a column of the comparison is missing or holds no numbers; make it again"
+            )
+        try:
+            found = cls(
+                model=ContactCurve.from_record(held.curves["asperity"]),
+                reference=ContactCurve.from_record(held.curves["bem"]),
+                table=held.tables["comparison"],
+                pareto=held.tables["pareto"],
+                plan=tuple(about.pop("plan")),
+                overlap=float(about.pop("overlap")),
+                map_point=int(about.pop("map_point")),
+                maps=held.maps
+                | {name: held.maps[name].astype(bool) for name in ("bem", "asperity")},
+                microcontacts=held.tables["microcontacts"],
+                about=about,
+                elastic=ContactCurve.from_record(held.curves["elastic"])
+                if "elastic" in held.curves
+                else None,
+                resolution=held.tables.get("resolution"),
+            )
+            whole = set(CONTACTS) <= set(found.maps) and all(
+                one.shape == tuple(about["shape"]) for one in found.maps.values()
+            )
+        except (KeyError, TypeError, ValueError):
+            whole = False
+        if not whole:
+            raise FileFormatError(f"{path}: part of the comparison is missing; make it again")
+        return found
+
+    def __str__(self) -> str:
+        lines = ["  pressure [Pa]   area BEM   area model   load error   area error   ds/rms"]
+        lines += [
+            f"  {row['mean_pressure']:12.4g}   {row['area_bem']:8.4f}   {row['area_model']:10.4f}"
+            f"   {100 * row['load_error']:+8.2f} %   {100 * row['area_error']:+8.2f} %"
+            f"   {row['separation_error']:+.4f}"
+            for row in self.table
+        ]
+        lines += [f"  contact-map overlap {self.overlap:.2f}", self.verdict()]
+        return "\n".join(lines)
+
+    __repr__ = __str__
+
+
+def _has_numbers(table: NDArray[Any] | None, names: tuple[str, ...]) -> bool:
+    """Whether a table has these columns, all of them of real numbers."""
+    if table is None or not set(names) <= set(table.dtype.names or ()):
+        return False
+    return all(table.dtype[name].kind in "biuf" for name in names)

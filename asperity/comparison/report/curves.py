@@ -1,0 +1,170 @@
+"""The two curves of a report, with the stated band, and error against run time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.results.curve import ContactCurve
+from surfaces.drawing import suited
+from surfaces.page.figures import Figure
+from surfaces.page.lines import Line, line_figure
+from surfaces.page.roughness import BLUE, ORANGE
+
+from .sample import Sample
+
+__all__ = [
+    "BEM",
+    "MODEL",
+    "curve_figures",
+    "pareto_figure",
+    "sample_colors",
+    "stated_area_error",
+    "typical",
+]
+
+MODEL, BEM, OTHER = ORANGE, BLUE, "#8a939c"
+"""Colors of the microcontact model, of boundary elements and of what is neither."""
+
+SAMPLES = (MODEL, BEM, "#2a9d6f", "#b565a7", "#c8960c", "#7d8791")
+"""Colors of samples side by side."""
+
+AREA = "real contact area [%]"
+
+LEAST = 1e-3
+"""Lower end of a band, over the value, where the stated error is more than all of it."""
+
+
+def sample_colors(count: int) -> list[str]:
+    """Colors that tell samples apart."""
+    return [SAMPLES[i % len(SAMPLES)] for i in range(count)]
+
+
+def curve_figures(samples: Sequence[Sample]) -> list[Figure]:
+    """Mean pressure over separation and contact area over mean pressure, of all samples."""
+    curves = [curve for one in samples for curve in one.curves.values()]
+    apart = np.concatenate([curve.separation[curve.converged] for curve in curves])
+    loads = np.concatenate([curve.mean_pressure[curve.converged] for curve in curves])
+    length, length_unit = suited(typical(apart), "m")
+    stress, stress_unit = suited(typical(loads), "Pa")
+    separation, pressure = f"separation [{length_unit}]", f"mean pressure [{stress_unit}]"
+    scales = {separation: length, pressure: stress}
+    lines = [
+        _curve_line(curve, looks, scales)
+        for looks, curve in zip(_looks(samples), curves, strict=True)
+    ]
+    note = "The shaded band is the error that the curve states of itself."
+    bands = {name: any(line.bands[name] for line in lines) for name in ("load", "area")}
+    return [
+        Figure(
+            line_figure([one.line("load") for one in lines], separation, pressure, linear="x"),
+            "Load against separation",
+            note if bands["load"] else "",
+        ),
+        Figure(
+            line_figure([one.line("area") for one in lines], pressure, AREA),
+            "Real contact area against load",
+            note if bands["area"] else "",
+        ),
+    ]
+
+
+def stated_area_error(curve: ContactCurve) -> NDArray[np.float64]:
+    """Error of the area that a curve states, NaN where it states none."""
+    stated = curve.extra.get("area_error_estimate", np.full(len(curve), np.nan))
+    return np.asarray(stated, dtype=np.float64)
+
+
+def pareto_figure(pareto: NDArray[np.void]) -> Figure:
+    """Error of every run against its run time."""
+    seconds, error = "run time [s]", "rms error [%]"
+    lines = []
+    for model, name, color in (
+        ("asperity", "microcontacts", MODEL),
+        ("bem", "boundary elements", BEM),
+    ):
+        for column, what, marker in (
+            ("load_error", "load", "circle"),
+            ("area_error", "area", "diamond"),
+        ):
+            rows = pareto[(pareto["model"] == model) & (pareto[column] > 0)]
+            columns = {
+                seconds: rows["seconds"],
+                error: 100 * rows[column],
+                "points along y": rows["ny"],
+                "points along x": rows["nx"],
+                "tolerance": rows["tolerance"],
+            }
+            lines.append(Line(f"{name}, {what}", columns, color, marker=marker, dash=""))
+    return Figure(
+        line_figure(lines, seconds, error),
+        "Error against run time",
+        "Load at equal separation and area at equal load, over all load points, against boundary "
+        "elements on the map's own grid at a tight tolerance. Run times include set-up and all "
+        "load points; compilation is done before.",
+    )
+
+
+class _CurveLine:
+    """A curve as a line of either figure."""
+
+    def __init__(self, looks: Mapping[str, Any], columns: dict[str, Any], bands: dict[str, bool]):
+        self.looks, self.columns, self.bands = looks, columns, bands
+
+    def line(self, what: str) -> Line:
+        ends = (f"stated {what}, low", f"stated {what}, high")
+        other = "area" if what == "load" else "load"
+        kept = {k: v for k, v in self.columns.items() if not k.startswith(f"stated {other},")}
+        return Line(columns=kept, band=ends if self.bands[what] else None, **self.looks)
+
+
+def _curve_line(
+    curve: ContactCurve, looks: Mapping[str, Any], scales: Mapping[str, float]
+) -> _CurveLine:
+    names = ("separation", "mean_pressure")
+    columns: dict[str, Any] = {
+        axis: getattr(curve, name) / scale
+        for name, (axis, scale) in zip(names, scales.items(), strict=True)
+    }
+    columns = {k: np.where(curve.converged, v, np.nan) for k, v in columns.items()}
+    columns[AREA] = 100 * curve.area_fraction
+    columns["contacts"] = curve.contacts
+    pressure, bands = columns[list(scales)[1]], {}
+    for what, values, stated in (
+        ("load", pressure, curve.error_estimate),
+        ("area", columns[AREA], stated_area_error(curve)),
+    ):
+        known = np.isfinite(stated) & curve.converged
+        bands[what] = bool(known.any()) and looks["dash"] == "solid"
+        share = np.where(known, stated, 0.0)
+        if bands[what]:
+            columns[f"stated {what}, low"] = values * np.maximum(1.0 - share, LEAST)
+            columns[f"stated {what}, high"] = values * (1.0 + share)
+    return _CurveLine(looks, columns, bands)
+
+
+def _looks(samples: Sequence[Sample]) -> list[dict[str, Any]]:
+    """Label, color and marker of every curve: of one sample the colors tell the models apart, of
+    several the samples."""
+    found = []
+    for one, color in zip(samples, sample_colors(len(samples)), strict=True):
+        for i, name in enumerate(one.curves):
+            own = BEM if "boundary" in name else MODEL if i == 0 else OTHER
+            found.append(
+                {
+                    "label": name if len(samples) == 1 else f"{one.name}: {name}",
+                    "color": own if len(samples) == 1 else color,
+                    "marker": "circle" if i == 0 else "diamond" if "boundary" in name else "dot",
+                    "dash": "solid" if i == 0 else "dashed",
+                }
+            )
+    return found
+
+
+def typical(values: NDArray[np.float64]) -> float:
+    """Geometric mean of the magnitudes, by which a unit is chosen."""
+    sizes = np.abs(values[np.isfinite(values) & (values != 0.0)])
+    return float(np.exp(np.mean(np.log(sizes)))) if sizes.size else 1.0

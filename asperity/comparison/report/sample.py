@@ -1,0 +1,148 @@
+"""What a results file tells of one sample: its curves, and what else is there."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from asperity.comparison.record import ComparisonRecord
+from asperity.errors import InputError
+from asperity.results.curve import ContactCurve
+from asperity.results.storage import read_results
+from surfaces.drawing import told
+
+__all__ = ["Sample", "named_apart", "read_sample"]
+
+NAMES = {
+    "asperity": "microcontacts",
+    "anchored": "microcontacts, anchored",
+    "bem": "boundary elements",
+    "elastic": "microcontacts without hardness",
+}
+"""Names of the curves of a results file for a reader."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One sample of a report.
+
+    Attributes
+    ----------
+    name
+        Its name on the page.
+    curves
+        Its curves by their names for a reader, the answer first.
+    about
+        Facts about map, material and run; what a file lacks is missing.
+    comparison
+        The comparison, where there is one.
+    file
+        Name of its file without suffix.
+    """
+
+    name: str
+    curves: Mapping[str, ContactCurve]
+    about: Mapping[str, Any]
+    comparison: ComparisonRecord | None = None
+    file: str = ""
+
+    @classmethod
+    def of_comparison(cls, comparison: ComparisonRecord, file: str = "") -> Sample:
+        """The sample of a comparison."""
+        curves = {"asperity": comparison.model, "bem": comparison.reference}
+        if comparison.elastic is not None:
+            curves["elastic"] = comparison.elastic
+        name = str(comparison.about.get("name") or file or "sample")
+        return cls(name, _named(curves), comparison.about, comparison, file)
+
+    @property
+    def curve(self) -> ContactCurve:
+        """The answer: the curve that the report is about."""
+        return next(iter(self.curves.values()))
+
+    def verdict(self) -> str:
+        """What a reader wants to know first."""
+        if self.comparison is not None:
+            return self.comparison.verdict()
+        return curve_verdict(next(iter(self.curves)), self.curve)
+
+
+def read_sample(path: str | os.PathLike[str]) -> Sample:
+    """The sample of a results file of any command.
+
+    Raises
+    ------
+    FileFormatError, InputError
+        If the file cannot be read, or holds no curve.
+    """
+    held = read_results(path)
+    stem = Path(path).stem
+    if "comparison" in held.tables:
+        return Sample.of_comparison(ComparisonRecord.from_results(held, path), stem)
+    if not held.curves:
+        raise InputError(f"{path} holds no curve to report; make one with asperity solve")
+    curves = {name: ContactCurve.from_record(one) for name, one in held.curves.items()}
+    # of `solve`, the boundary elements are the means and the other curve the answer
+    curves = dict(sorted(curves.items(), key=lambda one: one[0] == "bem"))
+    first = next(iter(curves.values()))
+    facts = {**first.settings, **first.settings.get("map", {}), **held.about.get("request", {})}
+    name = str(facts.get("name") or stem)
+    return Sample(name, _named(curves), {**facts, **held.about}, file=stem)
+
+
+def named_apart(samples: Sequence[Sample]) -> list[Sample]:
+    """The samples with names that differ: with that of its file, or a number, where needed."""
+
+    def apart(i: int, names: Sequence[str]) -> bool:
+        return names.count(names[i]) == 1
+
+    names = [one.name for one in samples]
+    files = [f"{one.name}, {one.file}" for one in samples]
+    return [
+        one
+        if apart(i, names)
+        else dataclasses.replace(one, name=files[i] if apart(i, files) else f"{files[i]} ({i + 1})")
+        for i, one in enumerate(samples)
+    ]
+
+
+def curve_verdict(name: str, curve: ContactCurve) -> str:
+    """What one curve tells, in two or three sentences."""
+    points = np.flatnonzero(curve.converged & (curve.mean_pressure > 0.0))
+    if not points.size:
+        return f"No load point of the curve ({name}) converged under load."
+    order = points[np.argsort(curve.mean_pressure[points])]
+    ends = [order[0], order[-1]]
+
+    def span(values: Any, unit: str, scale: float = 1.0) -> str:
+        low, high = (float(values[i]) * scale for i in ends)
+        if unit == "%":
+            return f"{low:.3g} % to {high:.3g} %" if len(order) > 1 else f"{low:.3g} %"
+        return f"{told(low, unit)} to {told(high, unit)}" if len(order) > 1 else told(low, unit)
+
+    text = (
+        f"At mean pressures of {span(curve.mean_pressure, 'Pa')}, "
+        f"{span(curve.area_fraction, '%', 100.0)} of the nominal area touches, at separations of "
+        f"{span(curve.separation, 'm')} ({name}). "
+    )
+    worst = np.nanmax(np.append(curve.error_estimate[order], -np.inf))
+    if np.isfinite(worst):
+        grid = " on this grid" if curve.model == "bem" else ""
+        text += f"The stated error of the load{grid} is at most {100 * worst:.2g} %. "
+    verified = curve.verification
+    if verified is not None:
+        load, area = (f"{100 * share:.3g} %" for share in verified["accuracy"])
+        met = "is met" if verified["met"] else "is NOT met"
+        text += f"The accuracy asked for, {load} in load and {area} in area, {met}. "
+    bad = len(curve) - int(np.count_nonzero(curve.converged))
+    return text + (f"{bad} of {len(curve)} load points did not converge." if bad else "")
+
+
+def _named(curves: Mapping[str, ContactCurve]) -> dict[str, ContactCurve]:
+    return {NAMES.get(name, name): curve for name, curve in curves.items()}

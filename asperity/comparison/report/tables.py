@@ -1,0 +1,257 @@
+"""Tables and sentences of a report; what a file does not hold is left out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.comparison.record import ComparisonRecord
+from asperity.errors import AsperityError
+from asperity.results.curve import ContactCurve
+from surfaces.drawing import suited, told
+
+from .curves import stated_area_error, typical
+from .sample import Sample
+
+__all__ = [
+    "Table",
+    "at_common_loads",
+    "error_table",
+    "facts",
+    "judged",
+    "load_of_maps",
+    "pareto_table",
+    "resolution_table",
+    "together",
+]
+
+Table = tuple[list[str], list[list[str]]]
+"""Names of the columns, and the rows, as text."""
+
+MISSING = "–"
+
+ABSENT = (KeyError, TypeError, ValueError, AttributeError, IndexError, AsperityError)
+"""What a fact raises that a file does not hold."""
+
+COMPARED = 3
+"""Loads at which samples are compared."""
+
+
+def facts(sample: Sample) -> dict[str, str]:
+    """Map, material, model and run of a sample, by name."""
+    about, curve, settings = sample.about, sample.curve, sample.curve.settings
+    pairs: list[tuple[str, Callable[[], str]]] = [
+        ("points", lambda: " × ".join(str(int(n)) for n in about["shape"]) + " (y, x)"),
+        ("pixel", lambda: " × ".join(told(float(d), "m") for d in about["spacing"])),
+        ("size", lambda: " × ".join(told(length, "m") for length in _size(about))),
+        ("rms height", lambda: told(float(about["rms_height"]), "m")),
+        ("rms slope", lambda: f"{float(about['rms_slope']):.4g}"),
+        ("modulus E*", lambda: _modulus(float(about["modulus"]), float(about.get("m", 0)))),
+        ("hardness", lambda: _hardness(about.get("hardness", settings.get("hardness")))),
+        ("boundary", lambda: str(settings["boundary"])),
+        ("law", lambda: str(settings["law"])),
+        ("interaction", lambda: "on" if settings["interaction"] else "off"),
+        ("peaks", lambda: str(settings["peaks"])),
+        ("engine", lambda: _verified(curve)),
+        ("load points", lambda: f"{len(curve)}, {int(curve.converged.sum())} converged"),
+        ("run time", lambda: _run_time(sample)),
+        ("made", lambda: str(about["made"]["date"])),
+        ("command", lambda: str(about["made"]["command"])),
+        ("versions", lambda: str(about["made"]["versions"])),
+        ("digest of the map", lambda: str(about["input"])[:16]),
+    ]
+    found = {}
+    for name, text in pairs:
+        try:
+            found[name] = text()
+        except ABSENT:
+            continue
+    return found
+
+
+def together(columns: Sequence[dict[str, str]], names: Sequence[str]) -> Table:
+    """Facts of several samples, a column each."""
+    rows = list(dict.fromkeys(name for column in columns for name in column))
+    return ["", *names], [[row, *(column.get(row, MISSING) for column in columns)] for row in rows]
+
+
+def at_common_loads(samples: Sequence[Sample]) -> list[dict[str, str]]:
+    """Contact area and separation of each sample at loads that all their curves reach."""
+    ends = []
+    for one in samples:
+        loads = one.curve.mean_pressure[one.curve.converged & (one.curve.mean_pressure > 0)]
+        ends.append((loads.min(), loads.max()) if len(loads) > 1 else (math.inf, 0.0))
+    low, high = max(a for a, _ in ends), min(b for _, b in ends)
+    if not low < high:
+        return [{} for _ in samples]
+    found = [{"curve": next(iter(one.curves))} for one in samples]
+    for pressure in np.geomspace(low, high, COMPARED):
+        for rows, one in zip(found, samples, strict=True):
+            try:
+                point = one.curve.at(pressure=float(np.clip(pressure, low, high)))
+            except AsperityError:
+                continue
+            load = told(float(pressure), "Pa")
+            rows[f"contact area at {load}"] = f"{100 * float(point.area_fraction):.3g} %"
+            rows[f"separation at {load}"] = told(float(point.separation), "m")
+    return found
+
+
+def judged(comparison: ComparisonRecord) -> list[tuple[bool, str]]:
+    """Whether boundary elements lie within the stated bands, one sentence each."""
+    found = []
+    for what, column, stated in _stated(comparison):
+        error = np.abs(comparison.table[column])
+        known = np.isfinite(error) & np.isfinite(stated)
+        inside, of = int(np.count_nonzero(error[known] <= stated[known])), int(known.sum())
+        if of:
+            text = f"{what}: boundary elements lie within the stated band at {inside} of {of} loads"
+            found.append((inside == of, f"{text}."))
+    return found
+
+
+def error_table(comparison: ComparisonRecord) -> Table:
+    """Both models at every load, their differences, and the errors that the model states."""
+    table, (load, area) = comparison.table, _stated(comparison)
+    stress, stress_unit = suited(typical(table["mean_pressure"]), "Pa")
+    length, length_unit = suited(typical(table["separation_bem"]), "m")
+    head = [
+        f"mean pressure [{stress_unit}]",
+        "area, boundary elements [%]",
+        "area, model [%]",
+        "area error [%]",
+        "stated [%]",
+        "load error [%]",
+        "stated [%]",
+        f"separation [{length_unit}]",
+        "separation error [rms heights]",
+        "contacts, boundary elements",
+        "contacts, model",
+    ]
+    rows = []
+    for i, row in enumerate(table):
+        rows.append(
+            [
+                _text(row["mean_pressure"] / stress, ".4g"),
+                _text(100 * row["area_bem"], ".3g"),
+                _text(100 * row["area_model"], ".3g"),
+                _text(100 * row["area_error"], "+.2f"),
+                _stated_text(row["area_error"], area[2][i]),
+                _text(100 * row["load_error"], "+.2f"),
+                _stated_text(row["load_error"], load[2][i]),
+                _text(row["separation_bem"] / length, ".4g"),
+                _text(row["separation_error"], "+.4f"),
+                _text(row["contacts_bem"], ".0f"),
+                _text(row["contacts_model"], ".0f"),
+            ]
+        )
+    return head, rows
+
+
+def pareto_table(pareto: NDArray[np.void]) -> Table:
+    """Every run, its time and its errors."""
+    head = [
+        "run",
+        "grid",
+        "tolerance",
+        "run time [s]",
+        "load error, rms [%]",
+        "area error, rms [%]",
+        "separation error, rms [rms heights]",
+    ]
+    rows = []
+    for i, row in enumerate(pareto):
+        errors = [
+            _text(100 * row["load_error"], ".2f"),
+            _text(100 * row["area_error"], ".2f"),
+            _text(row["separation_error"], ".4f"),
+        ]
+        rows.append(
+            [
+                "microcontacts" if row["model"] == "asperity" else "boundary elements",
+                f"{row['ny']} × {row['nx']}",
+                _text(row["tolerance"], ".0e"),
+                _text(row["seconds"], ".3g"),
+                *(["reference", MISSING, MISSING] if i == 1 else errors),
+            ]
+        )
+    return head, rows
+
+
+def resolution_table(comparison: ComparisonRecord) -> Table | None:
+    """Error of the reference's own grid at its ends, beside that of the model."""
+    held = comparison.resolution
+    if held is None or not len(held):
+        return None
+    head = [
+        "mean pressure",
+        "reference against its refined grid: load [%]",
+        "area [%]",
+        "model against the reference: load [%]",
+        "area [%]",
+        "model against the refined grid: load [%]",
+        "area [%]",
+    ]
+    rows = []
+    for row in held:
+        point = comparison.table[
+            np.argmin(np.abs(comparison.table["mean_pressure"] - row["mean_pressure"]))
+        ]
+        pairs = [(row[name], point[name]) for name in ("load_error", "area_error")]
+        cells = [*(own for own, _ in pairs), *(model for _, model in pairs)]
+        cells += [(1 + own) * (1 + model) - 1 for own, model in pairs]
+        load = told(float(row["mean_pressure"]), "Pa")
+        rows.append([load, *(_text(100 * one, "+.2f") for one in cells)])
+    return head, rows
+
+
+def _stated(comparison: ComparisonRecord) -> list[tuple[str, str, NDArray[np.float64]]]:
+    model = comparison.model
+    return [
+        ("Load at equal separation", "load_error", model.error_estimate),
+        ("Area at equal load", "area_error", stated_area_error(model)),
+    ]
+
+
+def _stated_text(error: float, stated: float) -> str:
+    if not math.isfinite(stated):
+        return MISSING
+    mark = "" if not math.isfinite(error) else " ✓" if abs(error) <= stated else " ✗"
+    return f"± {100 * stated:.1f}{mark}"
+
+
+def _text(value: float, form: str) -> str:
+    return format(value, form) if math.isfinite(value) else MISSING
+
+
+def _size(about: Any) -> list[float]:
+    return [n * d for n, d in zip(about["shape"], about["spacing"], strict=True)]
+
+
+def _modulus(value: float, m: float) -> str:
+    return f"{value:.4g} Pa m^{-m:g}, grading m = {m:g}" if m else told(value, "Pa", digits=4)
+
+
+def _hardness(value: Any) -> str:
+    return told(float(value), "Pa") if math.isfinite(float(value)) else "none"
+
+
+def _verified(curve: ContactCurve) -> str:
+    held = curve.verification
+    if held is None:
+        raise KeyError("verification")
+    return f"{held['engine']}: {held['reason']}"
+
+
+def _run_time(sample: Sample) -> str:
+    seconds = {name: sum(curve.seconds.values()) for name, curve in sample.curves.items()}
+    return ", ".join(f"{name} {value:.2g} s" for name, value in seconds.items())
+
+
+def load_of_maps(comparison: ComparisonRecord) -> str:
+    """Mean pressure at which the maps are."""
+    return told(float(comparison.table[comparison.map_point]["mean_pressure"]), "Pa")

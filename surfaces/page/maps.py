@@ -1,0 +1,67 @@
+"""The page about height maps: numbers, figures, what was done to them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from surfaces.heightmap import HeightMap
+from surfaces.statistics.bearing import bearing_curve
+from surfaces.statistics.correlation import autocorrelation
+from surfaces.statistics.describe import describe
+from surfaces.statistics.spectrum import power_spectrum
+
+from .figures import Figure
+from .render import write_html
+from .roughness import (
+    bearing_figure,
+    correlation_figure,
+    map_facts,
+    parameters,
+    spectrum_figure,
+    spectrum_lines,
+    surface_figure,
+)
+from .words import in_words, preparation_warnings
+
+__all__ = ["Section", "section", "write_page"]
+
+
+@dataclass(frozen=True)
+class Section:
+    """What the page tells of one map."""
+
+    name: str
+    facts: dict[str, str]
+    warnings: list[str]
+    figures: list[Figure]
+    parameters: dict[str, str]
+    history: list[str]
+
+
+def section(hm: HeightMap) -> Section:
+    """Numbers, figures and history of one map."""
+    found = describe(hm)
+    figures = [
+        surface_figure(hm),
+        correlation_figure(autocorrelation(hm)),
+        bearing_figure(bearing_curve(hm)),
+    ]
+    if found.moments is not None:
+        figures.append(spectrum_figure(spectrum_lines(power_spectrum(hm), found.fit)))
+    return Section(
+        name=hm.name or "height map",
+        facts=map_facts(hm),
+        warnings=[*found.warnings, *preparation_warnings(hm.history)],
+        figures=figures,
+        parameters=parameters(found),
+        history=in_words(hm.history),
+    )
+
+
+def write_page(sections: Iterable[Section], path: Path) -> None:
+    """Write sections as one page that needs no other file and no network."""
+    shown = list(sections)
+    figures = [figure for one in shown for figure in one.figures]
+    write_html(path, "maps.html.j2", figures, sections=shown)

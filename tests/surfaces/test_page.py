@@ -1,0 +1,86 @@
+"""Pages of height maps: units that suit, history in words, maps reduced to what a page can hold."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pages import Page
+
+import surfaces
+from surfaces.drawing import suited, told
+from surfaces.page import section, write_page
+from surfaces.page.fields import reduced, reduction, touched
+from surfaces.page.words import in_words, preparation_warnings
+
+
+@given(st.floats(1e-12, 1e12), st.sampled_from([("Pa", 1), ("m", 1), ("m", 2), ("N", 1)]))
+def test_a_suited_unit_gives_numbers_that_are_easily_read(value, unit):
+    factor, name = suited(value, *unit)
+    assert name.rstrip("²").endswith(unit[0])
+    largest = math.inf if unit[0] == "m" and factor == 1.0 else 1000 ** unit[1]
+    smallest = 0.0 if name.startswith("p") else 1.0
+    assert smallest * (1 - 1e-6) <= value / factor < largest * (1 + 1e-6)
+
+
+@given(st.floats(1e-9, 1e9))
+def test_a_quantity_is_told_to_three_digits(value):
+    number, unit = told(value, "Pa").split()
+    scale = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "P": 1, "k": 1e3, "M": 1e6, "G": 1e9}[unit[0]]
+    assert float(number) * scale == pytest.approx(value, rel=5.1e-3)
+
+
+def test_what_is_no_number_is_a_dash():
+    assert told(math.nan, "Pa") == told(math.inf, "m") == "–"
+    assert told(0.0, "m") == "0 m"
+
+
+def rough(shape=(48, 64)) -> surfaces.HeightMap:
+    size = tuple(1e-6 * n for n in shape)
+    return surfaces.self_affine(shape, size, hurst=0.8, rms_slope=0.1, cutoff=8e-6, seed=2)
+
+
+def test_every_step_of_a_preparation_has_words():
+    heights = rough().heights.copy()
+    heights[3, 4:7], heights[20, 20] = np.nan, 1e-3
+    hm = surfaces.HeightMap(heights, 1e-6)
+    ready = surfaces.prepare(hm, outliers=8.0, bandpass=(4e-6, None), periodic="taper")
+    told_steps = in_words(surfaces.crop(ready, (0, 40), (4, 60)).history)
+    for part in ("plane taken off", "spikes beyond", "filled", "from 4 µm", "fade", "Rows 0 to 40"):
+        assert sum(part in one for one in told_steps) == 1, (part, told_steps)
+    assert len(preparation_warnings(ready.history)) == 1
+    narrow = surfaces.make_periodic(rough().replace(periodic=False), "taper", width=1e-6)
+    assert not preparation_warnings(narrow.history)
+
+
+@pytest.mark.parametrize("step", [{"step": "level"}, {"step": "periodic", "how": "x"}, {"a": 1}])
+def test_a_step_that_is_not_understood_is_listed(step):
+    assert len(in_words([step])) == 1 and not preparation_warnings([step])
+
+
+def test_a_large_map_is_shown_as_means_that_keep_its_mean():
+    values = np.random.default_rng(1).normal(size=(600, 1024))
+    shown = reduced(values)
+    assert shown.shape == (300, 512) and "300 × 512 means" in reduction(values.shape)
+    expected = values.reshape(300, 2, 512, 2).mean(axis=(1, 3))
+    np.testing.assert_allclose(shown, expected, atol=np.ptp(expected) / 4000)
+    spot = np.zeros((600, 1024), bool)
+    spot[301, 77] = True
+    assert np.argwhere(touched(spot)).tolist() == [[150, 38]]
+    small = np.arange(12.0).reshape(3, 4)
+    np.testing.assert_allclose(reduced(small), small, atol=12 / 4000)
+    assert reduction(small.shape) == ""
+
+
+def test_a_page_of_a_map_with_gaps_and_a_hostile_name(tmp_path):
+    heights = rough().heights.copy()
+    heights[3, 4:7] = np.nan
+    hm = surfaces.HeightMap(heights, 1e-6, name="<script>alert(1)</script>")
+    write_page([section(hm)], tmp_path / "p.html")
+    page = Page(tmp_path / "p.html")
+    assert "<script>alert(1)</script>" in page.shown and not page.loads()
+    drawn = next(iter(page.figures()["Height map"].values()))["height [µm]"][0]
+    np.testing.assert_array_equal(np.isnan(drawn), np.isnan(heights))
