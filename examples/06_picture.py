@@ -1,6 +1,6 @@
 """
-The picture of the README
-=========================
+Curves and contacts in one picture
+==================================
 
 Both curves, the elastic one beside them, and where the surface touches.
 """
