@@ -213,7 +213,10 @@ def evaluate(
                 f += stiff * over
                 grown = full - m
             area[n], force[n], stiffness[n] = spot, f, max(stiff, LEAST_SLOPE * f / d)
-            energy[n], moment[n], growth[n] = work, max(m, 0.0), grown
+            # the footprint of an increment has a variance m + grown; between nodes of a law that
+            # hardly rises the cubics can make it negative
+            m = max(m, 0.0)
+            energy[n], moment[n], growth[n] = work, m, max(grown, -m)
 
 
 @inner()

@@ -148,3 +148,18 @@ def test_a_table_with_nan_is_refused(field):
     getattr(table, field)[:] = np.nan
     with pytest.raises(InputError, match=field):
         Laws(table, Footprints(1.0))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_footprint_of_an_increment_is_no_less_than_a_point(seed):
+    """Also of laws that a hardness makes stand nearly still, and rise again."""
+    rng = np.random.default_rng(seed)
+    grid = 2.0 * (np.arange(13) / 12)[None] ** 2
+    force = np.cumsum(rng.exponential(size=(1, 13)) ** 4, axis=1) * grid
+    stiffness = rng.exponential(size=(1, 13)) ** 4 * force / np.maximum(grid, 1e-9)
+    area = 50.0 * grid + 1e-9
+    table = replace(law_table(np.full(1, 2.0), force, stiffness, area), hardness=10.0)
+    laws = Laws(table, Footprints(1.0, 0.0))
+    for depth in np.linspace(0.01, 2.5, 300):
+        law = laws(np.full(1, depth))
+        assert law.moment[0] >= 0.0 and law.moment[0] + law.growth[0] >= 0.0
