@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from asperity.progress import bar
 
-from . import batch, options, output, targets
+from . import options, output, targets
 from .messages import tell
 
 if TYPE_CHECKING:
@@ -38,8 +38,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Compare on each file; a bad file is named and the others go on."""
     if args.report is None and args.output is not None:
-        args.report = targets.beside(args.output, ".html")
-    return batch.each(args, partial(_compare, options.material(args), options.loads(args)))
+        args.report = targets.beside(args.output, "report.html")
+    return output.each(args, partial(_compare, options.material(args), options.loads(args)))
 
 
 def _compare(
@@ -72,11 +72,10 @@ def _compare(
     content = comparison.to_results()
     content.about["request"] = request
     write_results(args.output, content)
-    comparison.to_html(args.report)
     if args.csv:
         write_csv(args.csv, columns(comparison.table))
-    tell(f"{args.file}\n{comparison}\nresults {args.output}, report {args.report}")
-    return found(comparison, hm) | {"output": args.output, "report": args.report}
+    tell(f"{args.file}\n{comparison}\nresults         {args.output}")
+    return found(comparison, hm) | {"output": args.output}
 
 
 def found(comparison: Comparison, hm: HeightMap) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from . import batch, derived, options, output, targets
+from . import derived, options, output, targets
 from .messages import warn
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def run(args: argparse.Namespace) -> int:
     """Solve every map, write its results file and print its curve."""
     material, points = options.material(args), options.loads(args)
     derived.require_derivable(material, points, args)
-    return batch.each(args, partial(_solve, material, points))
+    return output.each(args, partial(_solve, material, points))
 
 
 def _solve(

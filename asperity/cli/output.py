@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = [
     "add_fields_option",
     "add_output_options",
+    "each",
     "exit_code",
     "facts_of",
     "finish",
@@ -61,16 +62,16 @@ def add_output_options(parser: argparse.ArgumentParser, *, report: bool = False)
         several="results/",
         help="results file (default results.h5, of several inputs in results/)",
     )
-    if report:
-        targets.add_target(
-            group,
-            "--report",
-            suffix=".html",
-            alone="report.html",
-            several="results/",
-            help="report file (default report.html, or beside the results file that -o names)",
-        )
-    else:
+    told = " (default report.html, or as -o says)" if report else ""
+    targets.add_target(
+        group,
+        "--report",
+        suffix=targets.ONE,
+        alone="report.html" if report else None,
+        several="report.html" if report else None,
+        help=f"page about all inputs side by side{told}",
+    )
+    if not report:
         targets.add_target(group, "--plot", suffix=".png", help="picture of the curve")
     group.add_argument(
         "--resume", action="store_true", help="continue from the points in the results file"
@@ -78,6 +79,19 @@ def add_output_options(parser: argparse.ArgumentParser, *, report: bool = False)
     targets.add_force(group)
     targets.add_target(group, "--csv", suffix=".csv", help="also write the curve as CSV")
     batch.add_table(group, several="table.csv")
+
+
+def each(args: argparse.Namespace, work: batch.Work) -> int:
+    """As `batch.each`; then, where a report is asked for, one page about all results."""
+    code = batch.each(args, work)
+    done = [row["output"] for row in args.document if "output" in row]
+    if args.report and done:
+        from asperity.comparison.report.build import write_report
+        from asperity.comparison.report.sample import read_sample
+
+        write_report(args.report, [read_sample(file) for file in done])
+        tell(f"report          {args.report}")
+    return code
 
 
 def add_fields_option(parser: argparse.ArgumentParser, what: str) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import batch, derived, options, output, quantities
+from . import derived, options, output, quantities
 
 if TYPE_CHECKING:
     from asperity.bem.curve import SolvedLoad
@@ -59,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
     """Solve every map, write its results file and print its curve."""
     material, points = options.material(args), options.loads(args)
     derived.require_derivable(material, points, args)
-    return batch.each(args, partial(_solve, material, points))
+    return output.each(args, partial(_solve, material, points))
 
 
 def _solve(

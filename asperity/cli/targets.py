@@ -99,9 +99,11 @@ def of_input(args: argparse.Namespace, file: Path, several: bool) -> argparse.Na
     return argparse.Namespace(**vars(args) | named)
 
 
-def beside(name: str, suffix: str) -> str:
-    """The same folder, or the file of the same name with another suffix."""
-    return name if _is_folder(name) else str(Path(name).with_suffix(suffix))
+def beside(name: str, file: str) -> str:
+    """The file in the folder of that name, or the name with the suffix of the file."""
+    if _is_folder(name):
+        return os.path.join(name, file)
+    return str(Path(name).with_suffix(Path(file).suffix))
 
 
 def require(

@@ -121,7 +121,16 @@ def test_the_report_of_a_comparison_lies_beside_its_results(folder):
     assert main(["compare", "map1.h5", *STEEL, *LIGHT, "-o", "steel.h5"]) == 0
     assert main(["compare", "map1.h5", *STEEL, *LIGHT, "-o", "new/"]) == 0
     made = {str(path.relative_to(folder)) for path in folder.rglob("*.html")}
-    assert made == {"steel.html", "new/map1.html"}
+    assert made == {"steel.html", "new/report.html"}
+
+
+@pytest.mark.parametrize("command", ["curve", "bem", "solve", "compare"])
+def test_one_page_tells_of_all_inputs(command, folder):
+    (folder / "bad.h5").write_text("no surface")
+    call = [command, "map1.h5", "bad.h5", "map3.h5", *STEEL, *LIGHT, "--report", "page.html"]
+    assert main(call) == 2
+    text = (folder / "page.html").read_text()
+    assert "map1" in text and "map3" in text
 
 
 def test_a_batch_goes_on_where_it_was_interrupted(monkeypatch, capsys):
