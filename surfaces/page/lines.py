@@ -27,6 +27,9 @@ SIDES: Any = ("right", "left", "below", "above")
 LEGEND, KEY = 50, 5
 """Letters that fit beside each other in a legend, also on a phone, and those that a key takes."""
 
+LEGEND_ROWS, LEGEND_ROW = 3, 24
+"""Rows of a legend that the height of a figure has room for, and what each more takes [pixels]."""
+
 
 @dataclass(frozen=True)
 class Line:
@@ -75,8 +78,10 @@ def line_figure(lines: Sequence[Line], x: str, y: str, *, linear: str = "") -> A
         name: "linear" if name in linear else _axis_kind(lines, column)
         for name, column in (("x", x), ("y", y))
     }
+    across = max(1, LEGEND // (max((len(line.name) for line in lines), default=1) + KEY))
+    rows = -(-len(lines) // across)
     plot = bare_plot(
-        height=HEIGHT,
+        height=HEIGHT + LEGEND_ROW * max(0, rows - LEGEND_ROWS),
         sizing_mode="stretch_width",
         x_axis_label=x,
         y_axis_label=y,
@@ -111,7 +116,7 @@ def line_figure(lines: Sequence[Line], x: str, y: str, *, linear: str = "") -> A
         plot.add_layout(plot.legend[0], "above")
         plot.legend.update(
             orientation="horizontal",
-            ncols=max(1, LEGEND // (max(len(line.name) for line in lines) + KEY)),
+            ncols=across,
             click_policy="hide",
             border_line_color=None,
             label_text_color=INK,

@@ -29,8 +29,14 @@ __all__ = [
 MODEL, BEM, OTHER = ORANGE, BLUE, "#8a939c"
 """Colors of the microcontact model, of boundary elements and of what is neither."""
 
-SAMPLES = (MODEL, BEM, "#2a9d6f", "#b565a7", "#c8960c", "#7d8791")
+SAMPLES = (
+    *(MODEL, BEM, "#2a9d6f", "#b565a7", "#c8960c"),
+    *("#7d8791", "#40b5c4", "#8c564b", "#e377c2", "#5f7f2f"),
+)
 """Colors of samples side by side."""
+
+ALL_CURVES = 3
+"""Samples up to which all curves of each are drawn; of more the first one."""
 
 AREA = "real contact area [%]"
 
@@ -45,7 +51,8 @@ def sample_colors(count: int) -> list[str]:
 
 def curve_figures(samples: Sequence[Sample]) -> list[Figure]:
     """Mean pressure over separation and contact area over mean pressure, of all samples."""
-    curves = [curve for one in samples for curve in one.curves.values()]
+    drawn = [(one, name) for one in samples for name in _drawn(one, len(samples))]
+    curves = [one.curves[name] for one, name in drawn]
     apart = np.concatenate([curve.separation[curve.converged] for curve in curves])
     loads = np.concatenate([curve.mean_pressure[curve.converged] for curve in curves])
     length, length_unit = suited(typical(apart), "m")
@@ -57,6 +64,8 @@ def curve_figures(samples: Sequence[Sample]) -> list[Figure]:
         for looks, curve in zip(_looks(samples), curves, strict=True)
     ]
     note = "The shaded band is the error that the curve states of itself."
+    if len(samples) > ALL_CURVES:
+        note += " Of each sample the first curve is drawn."
     bands = {name: any(line.bands[name] for line in lines) for name in ("load", "area")}
     return [
         Figure(
@@ -151,7 +160,7 @@ def _looks(samples: Sequence[Sample]) -> list[dict[str, Any]]:
     several the samples."""
     found = []
     for one, color in zip(samples, sample_colors(len(samples)), strict=True):
-        for i, name in enumerate(one.curves):
+        for i, name in enumerate(_drawn(one, len(samples))):
             own = BEM if "boundary" in name else MODEL if i == 0 else OTHER
             found.append(
                 {
@@ -162,6 +171,11 @@ def _looks(samples: Sequence[Sample]) -> list[dict[str, Any]]:
                 }
             )
     return found
+
+
+def _drawn(sample: Sample, count: int) -> list[str]:
+    """Names of the curves of a sample that are drawn, of so many samples."""
+    return list(sample.curves)[: None if count <= ALL_CURVES else 1]
 
 
 def typical(values: NDArray[np.float64]) -> float:
