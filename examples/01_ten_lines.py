@@ -1,4 +1,9 @@
-"""How much of a rough steel surface touches: the ten lines of the README."""
+"""
+Ten lines
+=========
+
+How much of a rough steel surface touches: the code of the README.
+"""
 
 import asperity
 import surfaces
@@ -11,3 +16,13 @@ curve = asperity.solve(hm, steel, pressures=[1e7, 3e7, 1e8, 3e8], accuracy=0.05)
 print(curve)
 point = curve.at(pressure=5e7)
 print(f"{100 * point.area_fraction:.2f} % touches at separation {point.separation:.3g} m")
+
+# %%
+# The surface, and the part of it that touches.
+
+import matplotlib.pyplot as plt  # noqa: E402
+
+figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
+hm.plot(left)
+curve.plot(ax=right, marker="o")
+plt.show()

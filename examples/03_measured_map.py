@@ -1,5 +1,12 @@
-"""From a surface file to a curve: read, prepare, load. Here the file is made first."""
+"""
+From a file to a curve
+======================
 
+Read, prepare, load. Here the file is made first, with the faults of a measured map: tilt and
+missing points.
+"""
+
+import matplotlib.pyplot as plt
 import numpy as np
 
 import asperity
@@ -13,10 +20,18 @@ heights = scan.heights + tilt
 heights[50:53, 100:102] = np.nan
 surfaces.write(surfaces.HeightMap(heights, scan.spacing, name="scan"), "scan.h5")
 
+# %%
+# Every step of the preparation is recorded.
+
 hm = surfaces.prepare(surfaces.read("scan.h5"), level="plane", fill="harmonic", periodic="taper")
 for step in hm.history:
     print(step)
-curve = asperity.contact_curve(hm, asperity.HalfSpace(70e9, 0.17))
+curve = asperity.contact_curve(hm, asperity.HalfSpace(70e9, 0.17, hardness=9e9))
 print(curve)
 curve.to_hdf5("curve.h5")
 print(asperity.ContactCurve.from_hdf5("curve.h5").area_fraction)
+
+figure, (left, right) = plt.subplots(1, 2, figsize=(10, 3.4), layout="constrained")
+surfaces.read("scan.h5").plot(left).set_title("as measured")
+hm.plot(right).set_title("as solved")
+plt.show()

@@ -1,5 +1,12 @@
-"""One contact of a square pyramid: every law, boundary elements, friction, a viscous body."""
+"""
+One contact
+===========
 
+A square pyramid is pressed into steel: two contact laws, boundary elements, friction, and a viscous
+body.
+"""
+
+import matplotlib.pyplot as plt
 import numpy as np
 
 from asperity import (
@@ -37,3 +44,18 @@ time = np.linspace(0, 20, 41)
 held = viscoelastic_indent(tip, polymer, time, np.full(time.size, depth))
 print(f"held on a polymer its force falls from {held.force[0] * 1e6:.1f} to "
       f"{held.force[-1] * 1e6:.1f} uN")  # fmt: skip
+
+# %%
+# The contour of the law over the contact of the boundary elements.
+
+turn = np.linspace(0, 2 * np.pi, 361)
+for outline in reference.solutions[-1].outlines():
+    x, y = 1e6 * (outline - reference.summit[-1]).T
+    plt.fill(x, y, color="0.8", label="boundary elements")
+edge = 1e6 * one.contour(turn)
+plt.plot(edge * np.cos(turn), edge * np.sin(turn), label=one.law)
+plt.axis("equal")
+plt.xlabel("x [µm]")
+plt.ylabel("y [µm]")
+plt.legend()
+plt.show()

@@ -1,8 +1,10 @@
-"""The picture of the README: both curves, and where the surface touches."""
+"""
+Curves and contacts in one picture
+==================================
 
-import matplotlib
+Both curves, the elastic one beside them, and where the surface touches.
+"""
 
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 import asperity
@@ -33,3 +35,4 @@ pressure = result.table["mean_pressure"][result.map_point]
 right.set(xlabel="x [mm]", ylabel="y [mm]", title=f"contacts at {pressure / 1e6:.0f} MPa")
 figure.savefig("contact.png", dpi=110)
 print(result.verdict())
+plt.show()

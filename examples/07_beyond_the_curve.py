@@ -1,4 +1,13 @@
-"""What one run holds beyond the curve: contacts, fields, sizes, conductance, partial slip."""
+"""
+Beyond the curve
+================
+
+What one run holds: contacts, pressure, sizes, conductance, partial slip.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.collections import EllipseCollection
 
 import asperity
 import surfaces
@@ -32,3 +41,13 @@ slip = asperity.friction_curve(curve, 3e8, friction=0.3, modulus_ratio=ratio)
 half = abs(slip.shear - 0.5 * slip.slip_shear).argmin()
 stuck = slip.stick_area_fraction[half] / slip.stick_area_fraction[0]
 print(f"pushed by half its friction it moves {slip.displacement[half]:.3g} m, {stuck:.2f} sticks")
+
+# %%
+# The contacts on the surface: every circle has the area of its contact.
+
+axes = hm.plot(cmap="gray")
+place, size = np.column_stack([table["x"], table["y"]]), 2 * table["radius"]
+circles = EllipseCollection(size, size, 0 * size, units="xy", offsets=place)
+circles.set_offset_transform(axes.transData)
+axes.add_collection(circles)
+plt.show()

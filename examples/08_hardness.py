@@ -1,4 +1,11 @@
-"""How much more of a metal touches than elasticity says, from soft to hard."""
+"""
+Metals yield
+============
+
+How much more of a metal touches than elasticity says, from soft to hard.
+"""
+
+import matplotlib.pyplot as plt
 
 import asperity
 import surfaces
@@ -19,6 +26,9 @@ for hardness, curve in zip(
         f"{1e6 * curve.separation[0]:.2f} um from the mean plane"
     )
 
+# %%
+# What is left after unloading is flattened, and carries the same pressure elastically.
+
 body = asperity.HalfSpace(210e9, 0.3, hardness=1e9)
 pressed = asperity.bem_solve(hm, body, pressure=5e7)
 left = pressed.unloaded()
@@ -28,3 +38,11 @@ print(
 )
 again = asperity.bem_solve(left, body.elastic, pressure=5e7)
 print(f"pressed once more, elastically: {100 * again.area_fraction:.2f} %")
+
+row = pressed.plastic_depth.max(axis=1).argmax()
+plt.plot(1e3 * hm.x, 1e6 * hm.heights[row], label="before")
+plt.plot(1e3 * hm.x, 1e6 * left.heights[row], label="after")
+plt.xlabel("x [mm]")
+plt.ylabel("height [µm]")
+plt.legend()
+plt.show()

@@ -52,7 +52,7 @@ def tilt_warning(hm: HeightMap, least: float) -> list[str]:
     share = 0.0
     for axis, n in enumerate(hm.shape):
         place = np.linspace(-1.0, 1.0, n)
-        means = np.nanmean(hm.heights, axis=1 - axis) if hm.missing else hm.heights.mean(1 - axis)
+        means = np.ma.masked_invalid(hm.heights).mean(1 - axis).filled(np.nan)
         held = np.isfinite(means)
         slope = np.polyfit(place[held], means[held], 1)[0] if held.sum() > 1 else 0.0
         share += slope**2 * float(np.mean(place**2)) / variance

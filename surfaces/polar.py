@@ -78,7 +78,7 @@ class PowerSumProfile:
         return np.inf
 
     def factors(self, phi: ArrayLike) -> Array:
-        """Angular factors psi_i at the angles `phi` [rad], shape (terms, *phi.shape)."""
+        """Angular factors psi_i at the angles `phi` [rad], shape `(terms, *phi.shape)`."""
         angle = np.asarray(phi, dtype=float)
         out = np.empty((len(self.powers), *angle.shape))
         for i, psi in enumerate(self.angular):

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import re
 import shlex
+import shutil
+import warnings
+from glob import glob
 from pathlib import Path
 from runpy import run_path
 from textwrap import dedent
@@ -34,20 +37,32 @@ def _blocks(language: str) -> list[tuple[str, str]]:
     ]
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with the files that the pages name."""
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Small files with the names that the pages use."""
     h5py = pytest.importorskip("h5py")
-    monkeypatch.chdir(tmp_path)
+    folder = tmp_path_factory.mktemp("pages")
     hm = surfaces.self_affine(
         (64, 80), (6.4e-4, 8e-4), hurst=0.8, rms_slope=0.1, rolloff=2e-4, cutoff=6e-5, seed=1
     )
-    for name in ("scan.h5", "large.h5"):
-        surfaces.write(hm, tmp_path / name)
-    with h5py.File(tmp_path / "other.h5", "w") as file:
+    for name in ("scan", "other_body", "large", "scans/a", "scans/b"):
+        (folder / name).parent.mkdir(exist_ok=True)
+        surfaces.write(hm, folder / f"{name}.h5")
+    with h5py.File(folder / "other.h5", "w") as file:
         file["scan/z"] = hm.heights * 1e6
+    r, phi = np.linspace(0.0, 1e-6, 9), np.arange(8) * np.pi / 4
+    with h5py.File(folder / "profile.h5", "w") as file:
+        file["r"], file["phi"], file["f"] = r, phi, np.outer(r**2 / 2e-6, np.ones(8))
     material = asperity.HalfSpace(210e9, 0.3)
-    asperity.compare(hm, material, pressures=[1e8, 3e8]).to_hdf5(tmp_path / "results.h5")
+    asperity.compare(hm, material, pressures=[1e8, 3e8]).to_hdf5(folder / "results.h5")
+    return folder
+
+
+@pytest.fixture
+def folder(files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A fresh copy of these files, and the place where a command runs."""
+    shutil.copytree(files, tmp_path, dirs_exist_ok=True)
+    monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
@@ -57,7 +72,8 @@ def test_python_on_the_pages_runs(folder):
     for text in blocks:
         rows = np.zeros((2, 4))
         names = {"shape": (4, 4), "spacing": 1e-6, "blocks": [rows, rows], "asperity": asperity}
-        exec(compile(text, "page", "exec"), names)
+        with warnings.catch_warnings():
+            exec(compile(text, "page", "exec"), names)
 
 
 def test_every_link_and_every_file_that_is_named_exists():
@@ -118,13 +134,31 @@ def _commands(text: str) -> list[list[str]]:
     return [words for words in found if "..." not in words and complete.search(" ".join(words))]
 
 
-def test_commands_of_the_readme_run(folder, capsys):
-    """Each for itself: those after it may replace what one has left."""
-    text = "".join(text for name, text in _blocks("sh") if name == "README.md")
-    commands = [words for words in _commands(text) if words[0] != "indent"]
-    assert len(commands) >= 6
-    for words in commands:
-        assert main([*words, "--force"]) == 0, (words, capsys.readouterr().err)
+NOT_RUN = {
+    "demo": "tests/cli/test_commands.py runs it",
+    "warmup": "compiles for half a minute",
+    "stress": "runs for an hour; tests/asperity/stress runs single cases",
+    "completion": "tests/cli/test_options.py runs it",
+}
+"""Commands of the pages that are not run here, and why."""
+
+
+def _on_the_page(page: Path) -> list[str]:
+    """Every command with arguments on a page, in order; a name alone is a mention of it."""
+    found = (re.sub(r"\s+#.*", "", line).strip() for line in re.findall(HEADER, page.read_text()))
+    mention = re.compile(r"asperity (?:surface )?\w+$")
+    return [command for command in found if not mention.match(command)]
+
+
+@pytest.mark.parametrize("page", FOR_USERS, ids=lambda page: page.stem)
+def test_commands_on_the_pages_run(page: Path, folder: Path, capsys):
+    """One after the other in one folder, as a reader would: none stands in the way of another."""
+    (folder / "results.h5").unlink()
+    for command in _on_the_page(page):
+        words = shlex.split(command.split(">")[0].split("|")[0].replace("FILE", "scan.h5"))[1:]
+        given = [name for word in words for name in sorted(glob(word)) or [word]]
+        if words[0] not in NOT_RUN:
+            assert main(given) == 0, (command, capsys.readouterr().err)
 
 
 MEASURED = re.findall(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -17,7 +18,12 @@ def run(name: str, folder: Path) -> str:
         f"import runpy; runpy.run_path({str(EXAMPLES / name)!r}, run_name='__main__')"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, check=False
+        [sys.executable, "-c", code],
+        cwd=folder,
+        env={**os.environ, "MPLBACKEND": "Agg"},
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
     return done.stdout
@@ -53,8 +59,8 @@ def test_graded_half_space(tmp_path):
 
 def test_the_readme_shows_the_first_example():
     readme = (EXAMPLES.parent / "README.md").read_text()
-    code = (EXAMPLES / "01_ten_lines.py").read_text().split('"""', 2)[2].strip()
-    assert code in readme
+    code = (EXAMPLES / "01_ten_lines.py").read_text().split('"""', 2)[2]
+    assert code.partition("# %%")[0].strip() in readme
 
 
 def test_one_contact(tmp_path):
@@ -87,6 +93,56 @@ def test_hardness(tmp_path):
     first, again = (float(a) for a in re.findall(r"(?:elements|elastically): (\S+) %", text))
     assert first == pytest.approx(touches[0], rel=0.03)
     assert again == pytest.approx(first, rel=0.06)
+
+
+def numbers(pattern: str, text: str) -> list[float]:
+    return [float(value) for value in re.findall(pattern, text)]
+
+
+def test_cut_off(tmp_path):
+    """Rougher maps touch less; the area fraction is 2 to 2.6 p / (E* h')."""
+    text = run("09_cut_off.py", tmp_path)
+    slopes, areas = numbers(r"slope (\S+),", text), numbers(r"(\S+) % touches", text)
+    assert areas == sorted(areas)
+    factors = [
+        0.01 * area * slope * 3e9 / 0.84 / 5e6 for area, slope in zip(areas, slopes, strict=True)
+    ]
+    assert 2.0 < min(factors) and max(factors) < 2.6
+
+
+def test_two_bodies(tmp_path):
+    text = run("10_two_bodies.py", tmp_path)
+    assert "E* = 58.6 GPa, hardness 1.0 GPa" in text
+    ground, blasted, both = numbers(r"(\S+) um apart", text)
+    assert both > max(ground, blasted)
+
+
+def test_worn_surface(tmp_path):
+    text = run("11_worn_surface.py", tmp_path)
+    areas, spots, separations = (
+        numbers(pattern, text) for pattern in (r"(\S+) % in", r"in (\d+) spots", r"(\S+) um from")
+    )
+    for new, worn in zip(range(3), range(3, 6), strict=True):
+        assert areas[worn] > 3 * areas[new]
+        assert spots[worn] > spots[new]
+        assert separations[worn] < separations[new]
+
+
+def test_ensemble(tmp_path):
+    """Light loads scatter more."""
+    text = run("12_ensemble.py", tmp_path)
+    light, heavy = (numbers(rf"([\d.]+) % at {load}", text) for load in ("0.1 MPa", "10 MPa"))
+    assert len(light) == 2
+    assert all(a > 1.5 * b > 0 for a, b in zip(light, heavy, strict=True))
+
+
+def test_every_story_is_tested_and_has_a_title_and_a_picture():
+    tests = Path(__file__).read_text()
+    for story in sorted(EXAMPLES.glob("[0-9]*.py")):
+        text = story.read_text()
+        assert f'run("{story.name}"' in tests
+        assert re.match(r'"""\n(.+)\n=+\n\n', text), story.name
+        assert "plt.show()" in text, story.name
 
 
 def test_figures_of_the_paper(tmp_path):

@@ -111,14 +111,14 @@ class BemIndentation:
     def pressure(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Pressure [Pa] at places from the summit [m] (broadcast), bilinear between the pixels.
 
-        Shape (*approach.shape, *places.shape).
+        Shape `(*approach.shape, *places.shape)`.
         """
         return self._each(lambda one, at: sampled(one.pressure, one.spacing, at, x, y))
 
     def contour(self, phi: ArrayLike) -> NDArray[np.float64]:
         """Distance of the contact's edge from the summit [m] at angles `phi` [rad].
 
-        Shape (*approach.shape, *phi.shape).
+        Shape `(*approach.shape, *phi.shape)`.
 
         Notes
         -----

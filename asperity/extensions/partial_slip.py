@@ -96,7 +96,7 @@ class PartialSlip:
         return self.stick.contact_area
 
     def traction(self, x: ArrayLike, y: ArrayLike) -> Array:
-        """Tangential traction [Pa] at points, shape (*pushes, *points.shape)."""
+        """Tangential traction [Pa] at points, shape `(*pushes, *points.shape)`."""
         whole = self.full.pressure(x, y)
         inner = self.stick.pressure(x, y)
         return np.asarray(self.friction * (whole - inner))

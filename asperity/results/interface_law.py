@@ -168,7 +168,7 @@ class InterfaceLaw:
         path
             File to write; one that stands there is replaced.
         format
-            ``abaqus`` or ``calculix``: keywords below a *SURFACE INTERACTION; ``moose``: CSV.
+            ``abaqus`` or ``calculix``: keywords below a ``*SURFACE INTERACTION``; ``moose``: CSV.
         units
             ``SI`` or ``mm-N-MPa``.
         band

@@ -162,9 +162,9 @@ def power_spectrum(hm: HeightMap) -> Spectrum:
 
     Notes
     -----
-    C(q) = |dx dy sum h exp(-i q.x)|^2 / A [m^4], so that the integral of C over d^2q / (4 pi^2) is
-    the variance of the heights; for profiles C(q) = |dx sum h exp(-i q x)|^2 / L [m^3] with both
-    signs of q averaged (Jacobs, Junge, Pastewka 2017). A map that is not periodic has its
+    `C(q) = |dx dy sum h exp(-i q.x)|^2 / A` [m^4], so that the integral of C over d^2q / (4 pi^2)
+    is the variance of the heights; for profiles `C(q) = |dx sum h exp(-i q x)|^2 / L` [m^3] with
+    both signs of q averaged (Jacobs, Junge, Pastewka 2017). A map that is not periodic has its
     least-squares plane taken out and is weighted by a Hann window of mean square one.
 
     Examples

@@ -114,17 +114,17 @@ class Indentation:
         return (np.inf, np.inf) if told is None else told()
 
     def flag_names(self) -> str:
-        """Names of the flags set anywhere, joined by |; empty if there are none."""
+        """Names of the flags set anywhere, joined by `|`; empty if there are none."""
         return Flag(int(np.bitwise_or.reduce(np.ravel(self.flags), initial=0))).name or ""
 
     def contour(self, phi: ArrayLike) -> Array:
-        """Boundary a(phi) [m] of the contact, shape (*approach.shape, *phi.shape)."""
+        """Boundary a(phi) [m] of the contact, shape `(*approach.shape, *phi.shape)`."""
         angle = np.asarray(phi, dtype=float)
         values = self.contour_function(angle.ravel())
         return values.reshape(self.approach.shape + angle.shape)
 
     def pressure(self, x: ArrayLike, y: ArrayLike, *, history: bool = False) -> Array:
-        """Pressure [Pa] at the points (x, y) [m], shape (*approach.shape, *points.shape).
+        """Pressure [Pa] at the points (x, y) [m], shape `(*approach.shape, *points.shape)`.
 
         Parameters
         ----------
