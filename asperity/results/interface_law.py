@@ -31,9 +31,13 @@ _ROWS = 200
 """Rows of a law. Equal steps of the cube root of a pressure that rises exponentially keep the work
 best: straight lines between n rows are off by ``2.25 / n**2`` of it."""
 
-_CALCULIX_ROWS = 40
-"""Rows for CalculiX: surface-to-surface contact of its version 2.20 stops with a fault at 60, and
-bears nothing with fewer. Node-to-surface contact follows the law."""
+_CALCULIX_ROWS = 90
+"""Rows for CalculiX, whose node-to-surface contact follows so many."""
+
+_CALCULIX_NOTE = (
+    "for *CONTACT PAIR, TYPE=NODE TO SURFACE; surface-to-surface contact of CalculiX 2.20 does not "
+    "follow tables"
+)
 
 _COLUMNS = ("overclosure", "pressure", "lower", "upper", "stiffness", "conductance")
 
@@ -200,6 +204,7 @@ class InterfaceLaw:
             raise InputError(f"the curve states no error: its law has no {band} band")
         mark = "# " if format == "moose" else "** "
         lines = [mark + text for text in self._told(units, band)]
+        lines += [mark + _CALCULIX_NOTE] if format == "calculix" else []
         if format == "moose":
             lines.append(",".join(_COLUMNS))
             columns = np.column_stack([*(table | {"pressure": pressure}).values()])
