@@ -144,8 +144,8 @@ class InterfaceLaw:
         return cls(
             overclosure=row(reference - point.separation),
             pressure=row(pressure),
-            lower=row(np.minimum.accumulate(lower[::-1])[::-1]),
-            upper=row(np.maximum.accumulate(upper)),
+            lower=row(_rising(lower)),
+            upper=row(_rising(np.maximum.accumulate(upper))),
             stiffness=row(point.stiffness, point.stiffness[0]),
             conductance=row(more.get("conductance", np.full(pressure.size, np.nan))),
             reference=reference,
@@ -154,7 +154,7 @@ class InterfaceLaw:
 
     @property
     def work(self) -> float:
-        """Work per nominal area up to the heaviest load [J/m^2]."""
+        """Work per nominal area from overclosure 0 up to the heaviest load [J/m^2]."""
         return float(trapezoid(self.pressure, self.overclosure))
 
     def write(
@@ -227,7 +227,10 @@ class InterfaceLaw:
         FileFormatError
             If the file is no such law.
         """
-        text = Path(path).read_text(errors="replace")
+        try:
+            text = Path(path).read_text(errors="replace")
+        except OSError as error:
+            raise FileFormatError(f"{path}: cannot be read ({error.strerror})") from error
         head = re.search(r"units (\S+), reference (\S+) m, hardness (\S+) Pa", text)
         lines = [line for line in text.splitlines() if not line.startswith(("**", "#"))]
         try:
@@ -271,6 +274,14 @@ class InterfaceLaw:
         )
 
     __repr__ = __str__
+
+
+def _rising(pressure: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Pressures of which each exceeds the one before, as programs ask for, if by next to nothing:
+    a band may be zero, or stay at the hardness, over many rows."""
+    steps = 1e-9 * pressure[-1] * np.arange(1, pressure.size + 1)
+    low = np.minimum.accumulate(pressure[::-1])[::-1]
+    return np.asarray(low * (1.0 - 1e-9 * (pressure.size + 1)) + steps)
 
 
 def _pairs(first: NDArray[np.float64], second: NDArray[np.float64]) -> list[str]:
