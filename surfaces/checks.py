@@ -46,13 +46,15 @@ def tilt_warning(hm: HeightMap, least: float) -> list[str]:
     -----
     Where points are missing, the share is that of the means of rows and columns.
     """
-    variance = hm.rms_height**2
+    variance = hm.roughness.rms_height**2
     if hm.periodic or variance == 0.0:
         return []
-    share = 0.0
+    heights, share = hm.heights, 0.0
+    if hm.missing:
+        heights = np.ma.masked_invalid(heights)
     for axis, n in enumerate(hm.shape):
         place = np.linspace(-1.0, 1.0, n)
-        means = np.ma.masked_invalid(hm.heights).mean(1 - axis).filled(np.nan)
+        means = np.ma.filled(heights.mean(1 - axis), np.nan)
         held = np.isfinite(means)
         slope = np.polyfit(place[held], means[held], 1)[0] if held.sum() > 1 else 0.0
         share += slope**2 * float(np.mean(place**2)) / variance
