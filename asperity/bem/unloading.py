@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from . import _grid_kernels
@@ -22,7 +24,8 @@ def unloading_stiffness(level: Level) -> float:
 
     What has yielded does so no more as the load begins to fall: points in contact keep together,
     and their pressures fall by q with (G q) = 1 on them. Without a hardness this is the slope of
-    the curve, as points of the edge come and go without a pressure.
+    the curve, as points of the edge come and go without a pressure. Where nothing touches it is
+    zero; a periodic cell that touches all over has no gap left, and no finite stiffness.
 
     Notes
     -----
@@ -30,6 +33,8 @@ def unloading_stiffness(level: Level) -> float:
     the stiffness.
     """
     rows, columns = np.nonzero(level.pressure)
+    if rows.size == level.heights.size and level.exact.boundary == "periodic":
+        return math.inf
     start = np.searchsorted(rows, np.arange(level.heights.shape[0] + 1))
     points = ContactList(start.astype(np.int64), columns.astype(np.int32))
     held = level.pressure[rows, columns]
@@ -42,7 +47,10 @@ def unloading_stiffness(level: Level) -> float:
         if not size > RESIDUAL**2 * first:
             break
         answer = operator.apply(ahead)
-        step = np.float32(size / float(np.dot(ahead, answer)))
+        bend = float(np.dot(ahead, answer))
+        if not bend > 0.0:  # rounding: nothing is left to gain
+            break
+        step = np.float32(size / bend)
         q += step * ahead
         residual = residual - step * answer
         filtered = operator.precondition(residual)

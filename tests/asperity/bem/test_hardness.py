@@ -264,6 +264,13 @@ def test_unloading_stiffness_of_a_sphere_that_stays_elastic_is_that_of_its_circl
     np.testing.assert_allclose(stiff * ball.area, 2 * BODY.modulus * np.array([12, 24]), rtol=0.02)
 
 
+@pytest.mark.parametrize(("pressure", "found"), [(0.0, 0.0), (10.0, np.inf)])
+def test_unloading_stiffness_without_contact_and_all_over(pressure, found):
+    mat = HalfSpace.from_modulus(1.0, hardness=30.0 * SCALE)
+    curve = bem_curve(HM, mat, pressures=[pressure * SCALE])
+    assert curve.converged.all() and curve.extra["unloading_stiffness"][0] == found
+
+
 def test_work_done_is_elastic_and_plastic():
     """The load does work: what is stored, and the hardness times the volume that yielded."""
     mat = body(0.3)
