@@ -1,5 +1,4 @@
 from . import shapes as shapes
-from .composite import composite as composite
 from .errors import AsperityError as AsperityError
 from .errors import FileFormatError as FileFormatError
 from .errors import InputError as InputError
@@ -53,3 +52,4 @@ from .textures import ground as ground
 from .textures import plateau_honed as plateau_honed
 from .textures import turned as turned
 from .textures import two_scale as two_scale
+from .two_bodies import composite as composite

@@ -12,8 +12,8 @@ import numpy as np
 from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.laws import LAWS
-from surfaces.composite import composite
 from surfaces.heightmap import HeightMap
+from surfaces.two_bodies import composite
 
 from . import batch, quantities
 from .surface import prepared, read_map
