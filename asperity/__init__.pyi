@@ -32,6 +32,7 @@ from .microcontact.single.indent import indent as indent
 from .microcontact.single.indentation import Indentation as Indentation
 from .microcontact.single.punch import FlatPunch as FlatPunch
 from .microcontact.single.punch import flat_punch as flat_punch
+from .memory import set_memory as set_memory
 from .model.plan import Plan as Plan
 from .model.plan import make_plan as make_plan
 from .results.curve import ContactCurve as ContactCurve

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .heightmap import HeightMap
+from .numerics.memory import windows
 
 __all__ = [
     "fineness",
@@ -15,6 +17,8 @@ __all__ = [
     "straight_warning",
     "tilt_warning",
 ]
+
+Array = NDArray[np.float64]
 
 SPIKE = 3.0
 """Height of a point above all its neighbors, in rms heights, from which on it is called a spike:
@@ -49,12 +53,9 @@ def tilt_warning(hm: HeightMap, least: float) -> list[str]:
     variance = hm.roughness.rms_height**2
     if hm.periodic or variance == 0.0:
         return []
-    heights, share = hm.heights, 0.0
-    if hm.missing:
-        heights = np.ma.masked_invalid(heights)
-    for axis, n in enumerate(hm.shape):
+    share = 0.0
+    for n, means in zip(hm.shape, _line_means(hm), strict=True):
         place = np.linspace(-1.0, 1.0, n)
-        means = np.ma.filled(heights.mean(1 - axis), np.nan)
         held = np.isfinite(means)
         slope = np.polyfit(place[held], means[held], 1)[0] if held.sum() > 1 else 0.0
         share += slope**2 * float(np.mean(place**2)) / variance
@@ -64,6 +65,21 @@ def tilt_warning(hm: HeightMap, least: float) -> list[str]:
         f"a plane makes up {100 * min(share, 1.0):.3g} % of the variance of the heights: level the "
         "map (level='plane', --level plane)"
     ]
+
+
+def _line_means(hm: HeightMap) -> tuple[Array, Array]:
+    """Means [m] of the points present in every row and every column; NaN where none are."""
+    sums, present = ([np.zeros(n) for n in hm.shape] for _ in range(2))
+    for begin, end, window, top in windows(hm.source):
+        held, count = window[begin - top : end - top], np.ones((end - begin, hm.shape[1]), bool)
+        if hm.missing:
+            count = ~np.isnan(held)
+            held = np.where(count, held, 0.0)
+        sums[0][begin:end], present[0][begin:end] = held.sum(1), count.sum(1)
+        sums[1] += held.sum(0)
+        present[1] += count.sum(0)
+    with np.errstate(invalid="ignore"):
+        return sums[0] / present[0], sums[1] / present[1]
 
 
 def fineness(hm: HeightMap) -> float:
@@ -107,7 +123,7 @@ def resolution_warning(hm: HeightMap, least: float) -> list[str]:
 
 def spike_warning(hm: HeightMap) -> list[str]:
     """A highest point far above all its neighbors; empty without one."""
-    heights, rms = hm.heights, hm.roughness.rms_height
+    rms = hm.roughness.rms_height
     band, col = np.unravel_index(int(np.argmax(hm.roughness.tops)), hm.roughness.tops.shape)
     row = hm.roughness.rows[band, col]
     around = np.arange(-1, 2)
@@ -115,7 +131,7 @@ def spike_warning(hm: HeightMap) -> list[str]:
         np.unique((at + around) % n if hm.periodic else np.clip(at + around, 0, n - 1))
         for at, n in zip((row, col), hm.shape, strict=True)
     )
-    second, first = np.partition(heights[np.ix_(*places)], -2, axis=None)[-2:]
+    second, first = np.partition(hm.source[np.ix_(*places)], -2, axis=None)[-2:]
     above = float(first - second)
     if not above > SPIKE * rms:
         return []
@@ -137,10 +153,10 @@ def seam_warning(hm: HeightMap) -> list[str]:
         return []
     worst = 0.0
     for axis, (slope, width) in enumerate(zip(hm.roughness.slope, hm.spacing, strict=True)):
-        lines = hm.heights if axis == 0 else hm.heights.T
-        seam = float(np.sqrt(np.mean((lines[0] - lines[-1]) ** 2)))
+        first, last = (hm.source[(slice(None),) * axis + (at,)] for at in (0, -1))
+        seam = float(np.sqrt(np.mean((first - last) ** 2)))
         if seam > CLIFF * slope * width > 0.0:
-            inside = np.mean(np.diff(hm.heights, axis=axis) ** 2, axis=1 - axis)
+            inside = _steps(hm)[axis]
             worst = max(worst, seam / float(np.sqrt(inside.max())))
     if worst < CLIFF:
         return []
@@ -150,9 +166,19 @@ def seam_warning(hm: HeightMap) -> list[str]:
     ]
 
 
+def _steps(hm: HeightMap) -> tuple[Array, Array]:
+    """Mean squares [m^2] of the steps between neighboring rows, and between columns."""
+    rows, columns = [], np.zeros(hm.shape[1] - 1)
+    for begin, end, window, top in windows(hm.source, below=1):
+        held = window[begin - top : min(end + 1, hm.shape[0]) - top]
+        rows.append(np.mean(np.diff(held, axis=0) ** 2, axis=1))
+        columns += np.sum(np.diff(held[: end - begin], axis=1) ** 2, axis=0)
+    return np.concatenate(rows), columns / hm.shape[0]
+
+
 def straight_warning(hm: HeightMap) -> list[str]:
     """Highest points in line with their neighbors; empty where few are."""
-    heights, straight = hm.heights, STRAIGHT_TO * hm.roughness.rms_height
+    heights, straight = hm.source, STRAIGHT_TO * hm.roughness.rms_height
     step = -(-len(heights) // LINES)
     above, line, below = (heights[at : len(heights) - 2 + at : step] for at in range(3))
     top = line >= np.quantile(line, 1.0 - HIGHEST)
@@ -171,7 +197,7 @@ def straight_warning(hm: HeightMap) -> list[str]:
 def lay(hm: HeightMap) -> float:
     """Root-mean-square slope across the lay over that along it, by central differences on lines."""
     step = max(1, hm.shape[0] // (2 * LINES))
-    above, line, below = (hm.heights[at : hm.shape[0] - 2 + at : step] for at in range(3))
+    above, line, below = (hm.source[at : hm.shape[0] - 2 + at : step] for at in range(3))
     dy, dx = hm.spacing
     y, x = (below - above)[:, 1:-1].ravel() / dy, (line[:, 2:] - line[:, :-2]).ravel() / dx
     middle = 0.5 * float(np.mean(y * y) + np.mean(x * x))

@@ -67,36 +67,51 @@ def as_path(path: str | os.PathLike[str]) -> Path:
 
 
 def checked_heights(heights: Any) -> NDArray[np.float64]:
-    """Heights [m] as a read-only array (ny, nx), masked entries as NaN."""
+    """Heights [m] as a read-only array (ny, nx), masked entries as NaN.
+
+    What can be changed is copied.
+    """
     try:
         if np.iscomplexobj(heights):
             raise TypeError("they are complex")
         if isinstance(heights, np.ma.MaskedArray):
             heights = np.ma.filled(heights.astype(np.float64), np.nan)
-        array = np.array(heights, dtype=np.float64, order="C")
+        held = np.asarray if _frozen(heights) else np.array
+        array = held(heights, dtype=np.float64, order="C")
     except (TypeError, ValueError) as error:
         raise SurfaceError(f"heights are not an array of real numbers: {error}") from error
     if array.ndim != 2 or min(array.shape) < 3:
         raise SurfaceError(
             f"heights have shape {array.shape}; a height map needs two axes of at least 3 points"
         )
-    low, high = float(np.fmin.reduce(array, axis=None)), float(np.fmax.reduce(array, axis=None))
+    checked_range(
+        float(np.fmin.reduce(array, axis=None)), float(np.fmax.reduce(array, axis=None)), array
+    )
+    array.setflags(write=False)
+    return array
+
+
+def _frozen(heights: Any) -> bool:
+    """Whether nobody can change an array."""
+    return type(heights) is np.ndarray and heights.flags.owndata and not heights.flags.writeable
+
+
+def checked_range(low: float, high: float, heights: Any) -> None:
+    """Refuse heights [m], shape (ny, nx), whose lowest and highest are those of no map."""
     if math.isnan(low):
         raise SurfaceError("every point of the height map is missing (NaN)")
     if math.isinf(low) or math.isinf(high):
-        infinite = np.isinf(array)
-        row, col = np.argwhere(infinite)[0]
+        places = [(i, j) for i in range(len(heights)) for j in np.flatnonzero(np.isinf(heights[i]))]
+        row, col = places[0]
         raise SurfaceError(
-            f"heights[{row}, {col}] is infinite ({np.count_nonzero(infinite)} of {array.size} "
-            "points); mark missing points with NaN"
+            f"heights[{row}, {col}] is infinite ({len(places)} of {heights.size} points); mark "
+            "missing points with NaN"
         )
     if max(abs(low), abs(high)) > LONGEST or 0.0 < high - low < SHORTEST:
         raise SurfaceError(
             f"heights reach from {low:.4g} to {high:.4g} m, which no calculation can hold; "
             "check their unit"
         )
-    array.setflags(write=False)
-    return array
 
 
 def checked_spacing(spacing: Any) -> tuple[float, float]:

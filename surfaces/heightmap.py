@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from surfaces.drawing import draw_heights, figure_height, image
 from surfaces.errors import SurfaceError, as_number, checked_heights, checked_spacing
+from surfaces.numerics.memory import Source, each_block, windows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -95,8 +96,13 @@ class HeightMap:
     @property
     def shape(self) -> tuple[int, int]:
         """Number of points (ny, nx)."""
-        ny, nx = self.heights.shape
+        ny, nx = self.source.shape
         return ny, nx
+
+    @property
+    def source(self) -> Source:
+        """The heights where they are: in memory, or on disk for what can read them in parts."""
+        return self.heights
 
     @property
     def size(self) -> tuple[float, float]:
@@ -123,7 +129,7 @@ class HeightMap:
         """Number of missing points."""
         if "roughness" in vars(self):
             return self.roughness.missing
-        return int(np.count_nonzero(np.isnan(self.heights)))
+        return sum(int(np.count_nonzero(np.isnan(rows))) for _, _, rows, _ in windows(self.source))
 
     @property
     def rms_height(self) -> float:
@@ -135,7 +141,7 @@ class HeightMap:
         """Means over the map: height, slope, curvature by finite differences, found in one pass."""
         from surfaces.roughness import roughness
 
-        return roughness(self.heights, self.spacing, self.periodic)
+        return roughness(self.source, self.spacing, self.periodic)
 
     @functools.cached_property
     def line_power(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -143,7 +149,7 @@ class HeightMap:
         `surfaces.roughness.line_power`."""
         from surfaces.roughness import line_power
 
-        return line_power(self.heights, self.periodic)
+        return line_power(self.source, self.periodic)
 
     @functools.cached_property
     def about_mean(self) -> HeightMap:
@@ -155,7 +161,7 @@ class HeightMap:
         mean = self.roughness.mean
         if abs(mean) <= self.roughness.rms_height:
             return self
-        return self.replace(heights=self.heights - mean)
+        return self.replace(heights=self.source - mean)
 
     @functools.cached_property
     def without_rounding(self) -> HeightMap:
@@ -167,20 +173,22 @@ class HeightMap:
         left as they are.
         """
         hm = self.about_mean
-        step = max(1, len(hm.heights) // _LINES)
-        lines, unit = hm.heights[::step], 1e-7 * hm.roughness.rms_height
+        step = max(1, len(hm.source) // _LINES)
+        lines, unit = hm.source[::step], 1e-7 * hm.roughness.rms_height
         gap = np.abs(np.diff(lines, axis=1))
         near = (gap <= 0.1 * unit) & (gap > 0.0)
         if np.mean(near) <= 1e-3:
             return hm
         level = float(np.median(lines[:, 1:][near]))
-        return hm.replace(heights=level + unit * np.round((hm.heights - level) / unit))
+        return hm.replace(
+            heights=each_block(hm.source, lambda z: level + unit * np.round((z - level) / unit))
+        )
 
     @functools.cached_property
     def repeats(self) -> bool:
         """Whether neighbors have the same height, as far as some lines tell."""
-        step = max(1, len(self.heights) // _LINES)
-        lines, below = self.heights[:-1:step], self.heights[1::step]
+        step = max(1, len(self.source) // _LINES)
+        lines, below = self.source[:-1:step], self.source[1::step]
         return bool((lines[:, 1:] == lines[:, :-1]).any() or (lines == below).any())
 
     @functools.cached_property
@@ -188,7 +196,8 @@ class HeightMap:
         """SHA-256 of heights, spacing and periodicity: identifies the input of a result."""
         hasher = hashlib.sha256(np.array([*self.spacing, float(self.periodic)]).tobytes())
         hasher.update(np.array(self.shape).tobytes())
-        hasher.update(self.heights.data)
+        for _, _, rows, _ in windows(self.source):
+            hasher.update(rows.data)
         return hasher.hexdigest()
 
     def replace(self, *, step: Mapping[str, Any] | None = None, **changes: Any) -> HeightMap:

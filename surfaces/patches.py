@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .numerics.compiled import inner
+from .numerics import parallel
+from .numerics.compiled import compiled, inner
+from .numerics.memory import Source, windows
 
-__all__ = ["label_patches", "root"]
+__all__ = ["label_patches", "points_at", "root"]
 
 
 _NO_PAIRS = np.zeros((0, 2), np.int32)
@@ -77,6 +79,57 @@ def _merged(pairs: NDArray[np.int32], count: int) -> NDArray[np.int32]:
     first[group[::-1]] = np.arange(count)[::-1]
     order = np.argsort(np.argsort(first))
     return np.asarray(order[group], np.int32)
+
+
+def points_at(
+    heights: Source, levels: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows and columns of the points whose height may be one of some levels, and few others.
+
+    Parameters
+    ----------
+    heights
+        Heights [m], shape (ny, nx), in memory or on disk.
+    levels
+        Heights to look for [m].
+    """
+    bits = max(10, int(levels.size).bit_length() + 4)  # 16 places for a level
+    table = np.zeros(1 << bits, np.bool_)
+    mark = np.empty((1, levels.size), np.bool_)
+    _place(levels[None], np.uint64(64 - bits), table, True, mark)
+
+    def part(first: int, last: int) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+        found = []
+        for begin, end, window, top in windows(heights, first, last):
+            rows = window[begin - top : end - top]
+            mark = np.empty(rows.shape, np.bool_)
+            _place(rows, np.uint64(64 - bits), table, False, mark)
+            row, column = np.nonzero(mark)
+            found.append((row + begin, column))
+        return found
+
+    ny, nx = heights.shape
+    parts = [pair for each in parallel.run(part, parallel.lines(ny, ny * nx)) for pair in each]
+    row, column = (np.concatenate(places) for places in zip(*parts, strict=True))
+    return row, column
+
+
+@compiled()
+def _place(
+    heights: NDArray[np.float64],
+    shift: Any,
+    table: NDArray[np.bool_],
+    fill: bool,
+    mark: NDArray[np.bool_],
+) -> None:
+    """Fill the places of some heights in a table, or `mark` the heights whose places are full."""
+    for i in range(heights.shape[0]):
+        bits = (heights[i] + 0.0).view(np.uint64)  # one zero, not two
+        for j in range(bits.size):
+            place = (bits[j] * np.uint64(0x9E3779B97F4A7C15)) >> shift
+            if fill:
+                table[place] = True
+            mark[i, j] = table[place]
 
 
 @inner()

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from surfaces.numerics import parallel
 from surfaces.numerics.compiled import SUMS, compiled, inner
+from surfaces.numerics.memory import Source, windows
 
 __all__ = ["Roughness", "digits_warning", "line_power", "roughness", "unit_warning"]
 
@@ -85,13 +86,13 @@ class Roughness:
         return self.rms_slope / bend if bend > 0.0 else math.inf
 
 
-def roughness(heights: Array, spacing: tuple[float, float], periodic: bool) -> Roughness:
+def roughness(heights: Source, spacing: tuple[float, float], periodic: bool) -> Roughness:
     """Means over a map; `HeightMap.roughness` keeps them.
 
     Parameters
     ----------
     heights
-        Heights [m], shape (ny, nx); NaN where missing.
+        Heights [m], shape (ny, nx), in memory or on disk; NaN where missing.
     spacing
         Pixel size (dy, dx) [m].
     periodic
@@ -107,14 +108,18 @@ def roughness(heights: Array, spacing: tuple[float, float], periodic: bool) -> R
     bounds = ny * np.arange(bands + 1) // bands
     lows, tops = np.full((bands, nx), np.inf), np.full((bands, nx), -np.inf)
     rows = np.zeros((bands, nx), np.int64)
-    start = heights[0, 0] if heights[0, 0] == heights[0, 0] else np.nanmean(heights)
+    start = _first_present(heights)
 
     def part(first: int, last: int) -> Array:
         out = np.zeros(19)
-        _sums(heights, start, bounds, first, last, lows, tops, rows, out)
+        for begin, end, window, top in windows(heights, bounds[first], bounds[last], below=2):
+            _sums(
+                *(window, top, ny, begin, end, start, bounds, first, last),
+                *(lows, tops, rows, out),
+            )
         return out
 
-    total = np.sum(parallel.run(part, parallel.lines(bands, heights.size)), axis=0)
+    total = np.sum(parallel.run(part, parallel.lines(bands, ny * nx)), axis=0)
     number, first, second = total[0], total[1], total[2]
     seam = total[13:] if periodic else np.zeros(6)
     mean = first / number
@@ -131,7 +136,7 @@ def roughness(heights: Array, spacing: tuple[float, float], periodic: bool) -> R
         slope=(rms[0], rms[1]),
         curvature=(rms[2], rms[3]),
         kurtosis=(_kurtosis(total[5:8] + seam[:3]), _kurtosis(total[10:13] + seam[3:])),
-        missing=int(heights.size - number),
+        missing=int(ny * nx - number),
         tops=tops,
         rows=rows,
     )
@@ -162,9 +167,25 @@ def _kurtosis(sums: Array) -> float:
     return number * fourth / square**2 if square > 0.0 else math.inf
 
 
+def _first_present(heights: Source) -> float:
+    """The first height that is not missing."""
+    if heights[0, 0] == heights[0, 0]:
+        return float(heights[0, 0])
+    for begin, end, window, top in windows(heights):
+        held = window[begin - top : end - top]
+        present = held[held == held]
+        if present.size:
+            return float(present[0])
+    return 0.0
+
+
 @compiled(fastmath=SUMS)
 def _sums(
-    heights: Array,
+    window: Array,
+    top: int,
+    ny: int,
+    begin: int,
+    end: int,
     start: float,
     bounds: Index,
     first: int,
@@ -174,7 +195,8 @@ def _sums(
     rows: Index,
     out: Array,
 ) -> None:
-    """Sums over the bands [first, last) of rows and over the differences that begin there.
+    """Sums over the rows [begin, end) in the bands [first, last) and the differences that begin
+    there, of a map of `ny` rows of which row i is ``window[(i - top) % len(window)]``.
 
     Adds to `out` (19,) the number, sum and sum of squares of the heights about `start`; along y and
     then x the number and sum of squares of the first differences, and the number, sums of squares
@@ -182,10 +204,11 @@ def _sums(
     cross the border as if the map were repeated. The lowest height of every column of a band lowers
     `lows`, the highest raises `tops`, and its row is kept in `rows`, all of shape (bands, nx).
     """
-    ny, nx = heights.shape
+    held, nx = window.shape
     for band in range(first, last):
-        for i in range(bounds[band], bounds[band + 1]):
-            here, below, beneath = heights[i], heights[(i + 1) % ny], heights[(i + 2) % ny]
+        for i in range(max(begin, bounds[band]), min(end, bounds[band + 1])):
+            here, below = window[(i - top) % held], window[(i + 1 - top) % held]
+            beneath = window[(i + 2 - top) % held]
             plain = _add_row(
                 here, below, beneath, start, i, ny, lows[band], tops[band], rows[band], out
             )
@@ -273,7 +296,7 @@ def _add_point(a: float, b: float, c: float, left: int, out: Array, at: int, sea
         out[bends + 2] += (e * e) * (e * e)
 
 
-def line_power(heights: Array, periodic: bool) -> tuple[Array, Array]:
+def line_power(heights: Source, periodic: bool) -> tuple[Array, Array]:
     """Mean squares [m^2] of the waves along y and x in some lines of a map (ny, nx).
 
     The k-th wave has k periods over the length of the map; k / 2 in a map that is not periodic,

@@ -61,6 +61,10 @@ QUANTITIES = {
     "share": ({"%": 0.01}, "5%"),
     "percentage": ({"%": 1.0}, "5%"),
     "angle": ({"deg": 1.0, "rad": 57.29577951308232}, "30deg"),
+    "memory": (
+        {"B": 1.0, "kB": 1e3, "MB": 1e6, "GB": 1e9, "KiB": 2.0**10, "MiB": 2.0**20, "GiB": 2.0**30},
+        "2GiB",
+    ),
     "plain number": ({}, "0.3"),
 }
 """Units of each kind of quantity, in that of a plain number (SI; degrees for an angle), and an

@@ -15,6 +15,7 @@ import lazy_loader
 
 from asperity import __version__
 from asperity.errors import AsperityError, ConvergenceError
+from surfaces.numerics.memory import set_memory
 
 from .exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED, EXIT_NOT_CONVERGED, EXIT_OK
 from .interrupt import interruptible
@@ -118,6 +119,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(args: argparse.Namespace) -> int:
     """Run the command; with ``--json`` what it prints goes to standard error, but for the JSON."""
+    set_memory(getattr(args, "memory", None))
     if not getattr(args, "json", False):
         return int(_module(args.command).run(args))
     with contextlib.redirect_stdout(sys.stderr):

@@ -132,7 +132,7 @@ def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     hm = _full_map(file, args)
     if args.against is not None:
         hm = composite(hm, _full_map(args.against, args))
-    if np.ptp(hm.heights) == 0.0:
+    if hm.roughness.lowest == hm.roughness.highest:
         raise SurfaceError(f"{Path(file).name} is constant: a flat map has no peaks to touch")
     return hm
 
@@ -141,7 +141,7 @@ def _full_map(file: str, args: argparse.Namespace) -> HeightMap:
     hm = read_map(Path(file), args)
     if hm.missing and args.fill == "none":
         raise SurfaceError(
-            f"{Path(file).name} has {hm.missing} missing points of {hm.heights.size}; "
+            f"{Path(file).name} has {hm.missing} missing points of {math.prod(hm.shape)}; "
             "pass --fill harmonic"
         )
     hm = prepared(hm, args)

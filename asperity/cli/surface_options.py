@@ -101,6 +101,12 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--spacing", type=LENGTH, nargs="+", metavar="D", help="pixel size DY DX [m], if not stated"
     )
+    group.add_argument(
+        "--memory",
+        type=quantities.of("memory"),
+        metavar="SIZE",
+        help="most memory to use, such as 2GiB: larger maps stay on disk (default: all that is free)",
+    )
 
 
 def add_preparation(parser: argparse.ArgumentParser, *, fill: str = "harmonic") -> None:

@@ -14,6 +14,7 @@ from asperity.interaction.elongation import aspect_ratio
 from asperity.interaction.population import Population, PopulationState
 from asperity.microcontact.law_table import LawTable
 from surfaces.heightmap import HeightMap
+from surfaces.patches import points_at
 from surfaces.peaks.segmentation import segment
 from surfaces.peaks.summits import locate_summits
 
@@ -152,21 +153,28 @@ class Decomposition:
 
     @property
     def labels(self) -> NDArray[np.int32]:
-        """Peak whose basin holds each pixel of the map, shape (ny, nx); -1 where not flooded.
+        """Peak whose basin holds each pixel of the map, shape (ny, nx); -1 where not flooded."""
+        if self.peaks.labels.shape == self.hm.shape:
+            return self.peaks.labels
+        rows, cols = (np.arange(n) for n in self.hm.shape)
+        return self.labels_at(rows[:, None], cols)
+
+    def labels_at(self, rows: Rows, cols: Rows) -> NDArray[np.int32]:
+        """Peak whose basin holds some pixels of the map; -1 where not flooded.
 
         On a finer grid the middle of a pixel may lie between pixels: the highest of them counts.
         """
         labels, heights = self.peaks.labels, self.solved.heights
         if labels.shape == self.hm.shape:
-            return labels
-        sizes = list(zip(self.hm.shape, labels.shape, strict=True))
-        rows, cols = ((2 * np.arange(n) + 1) * m // (2 * n) for n, m in sizes)
-        found, top = labels[np.ix_(rows, cols)], heights[np.ix_(rows, cols)]
-        above, left = (((2 * np.arange(n) + 1) * m - 1) // (2 * n) for n, m in sizes)
-        for pixels in (np.ix_(above, cols), np.ix_(rows, left), np.ix_(above, left)):
+            return np.asarray(labels[rows, cols])
+        (ny, my), (nx, mx) = zip(self.hm.shape, labels.shape, strict=True)
+        right, left = (((2 * cols + 1) * mx - shift) // (2 * nx) for shift in (0, 1))
+        below, above = (((2 * rows + 1) * my - shift) // (2 * ny) for shift in (0, 1))
+        found, top = labels[below, right], heights[below, right]
+        for pixels in ((above, right), (below, left), (above, left)):
             higher = heights[pixels] > top
             found, top = np.where(higher, labels[pixels], found), np.maximum(top, heights[pixels])
-        return found
+        return np.asarray(found)
 
     @functools.cached_property
     def aspect(self) -> Array:
@@ -200,11 +208,12 @@ class Decomposition:
     def top_areas(self) -> Array:
         """Area [m^2] of a disc that spreads as far as the flat top of each summit, shape (n,).
 
-        The points of a top have the height of the highest beside the summit; without such points
-        the area is 0. A disc of area A has the mean squared distance A/(2 pi) from its middle.
+        The points of a top have the height of the highest beside the summit; without such points,
+        and where the finest waves are random and act as a law, the area is 0. A disc of area A has
+        the mean squared distance A/(2 pi) from its middle.
         """
         hm, count = self.hm, len(self.summits)
-        if not hm.repeats:
+        if not hm.repeats or self.plan.sub_contact_law is not None:
             return np.zeros(count)
         row, col = np.divmod(self.summit_pixels(np.arange(count), hm), hm.shape[1])
         around = np.array([-1, 0, 1])
@@ -212,10 +221,11 @@ class Decomposition:
             (at[:, None] + around) % n if self.wraps else np.clip(at[:, None] + around, 0, n - 1)
             for at, n in zip((row, col), hm.shape, strict=True)
         )
-        top = hm.heights[rows[:, :, None], cols[:, None, :]].max(axis=(1, 2))
-        owner = np.append(self.summits.owner, count)[self.labels]
-        level = np.nonzero(hm.heights == np.append(top, np.inf)[owner])
-        summit = owner[level]
+        top = hm.source[rows[:, :, None], cols[:, None, :]].max(axis=(1, 2))
+        level = points_at(hm.source, np.unique(top))
+        summit = np.append(self.summits.owner, count)[self.labels_at(*level)]
+        held = hm.source[level] == np.append(top, np.inf)[summit]
+        level, summit = (level[0][held], level[1][held]), summit[held]
         square = np.zeros(summit.size)
         for at, middle, step, n in zip(level, (row, col), hm.spacing, hm.shape, strict=True):
             away = at - middle[summit]

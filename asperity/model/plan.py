@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -117,9 +118,7 @@ class Plan:
         if self.resampled is None or self.scene is None:
             return
         planned, body = self.scene
-        same = planned is hm or (
-            planned.spacing == hm.spacing and np.array_equal(planned.heights, hm.heights)
-        )
+        same = planned is hm or planned.digest == hm.digest
         if not same or (self.sub_contact_law is not None and body != material):
             raise InputError(
                 f"the plan was made for another {'material' if same else 'map'}; make one for this "
@@ -196,7 +195,7 @@ def make_plan(
         whys.append(holds)
     else:
         resampled = split.coarse
-    points = (hm if resampled is None else resampled).heights.size
+    points = math.prod((hm if resampled is None else resampled).shape)
     above, why = None, "segmentation: the whole map, which has few points"
     if points > parameters.segmentation.whole_points:
         above, why = _lowest_height(hm, material, kind, values, parameters.segmentation)
@@ -233,7 +232,7 @@ def _require_usable(hm: HeightMap, material: HalfSpace) -> None:
     found = hm.roughness
     if found.missing:
         raise SurfaceError(
-            f"the map has {found.missing} missing points of {hm.heights.size}; "
+            f"the map has {found.missing} missing points of {math.prod(hm.shape)}; "
             'fill them with surfaces.prepare(hm, fill="harmonic")'
         )
     if found.lowest == found.highest:
@@ -283,8 +282,8 @@ def _lowest_height(
 
 def _sample(hm: HeightMap) -> NDArray[np.float64]:
     """Heights [m] above the mean plane of so many points that they tell a quantile."""
-    step = max(1, int(np.sqrt(hm.heights.size / SAMPLE)))
-    return hm.heights[::step, ::step].ravel() - hm.roughness.mean
+    step = max(1, int(np.sqrt(math.prod(hm.shape) / SAMPLE)))
+    return hm.source[::step, ::step].ravel() - hm.roughness.mean
 
 
 def _above_contacts(

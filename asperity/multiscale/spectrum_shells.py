@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import cast
 
@@ -12,13 +13,16 @@ from scipy import fft
 
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.compiled import compiled
-from surfaces.numerics.parallel import blocks, run, threads
+from surfaces.numerics.memory import BLOCK_BYTES, StoredArray, windows
+from surfaces.numerics.parallel import blocks, lines, run, threads
 
 __all__ = ["Shells"]
 
 
 Array = NDArray[np.float64]
 Waves = NDArray[np.complex128] | Array
+Columns = Callable[[int], Iterator[tuple[int, Waves]]]
+"""Gives the waves in blocks of columns up to one: the first column of each, and the block."""
 
 NEARLY = 1.7
 """Points over pixels along a side from which on a grid gets twice the pixels."""
@@ -36,8 +40,8 @@ class Shells:
     hm
         The map, without missing points; one that is not periodic is taken with its mirror images.
     waves
-        Its real transform, or the cosines of that map and its mirror images, as if from the real
-        transform of a map of their own: every column but the first stands for two.
+        Gives its real transform, or the cosines of that map and its mirror images, as if from the
+        real transform of a map of their own: every column but the first stands for two.
     numbers
         Wave numbers [1/m] of their rows and columns.
     width
@@ -47,7 +51,7 @@ class Shells:
     """
 
     hm: HeightMap
-    waves: Waves
+    waves: Columns
     numbers: tuple[Array, Array]
     width: float
     sums: Array
@@ -56,18 +60,12 @@ class Shells:
     def of(cls, hm: HeightMap, m: float) -> Shells:
         """The waves of a map, with the sums for a grading of exponent m."""
         (ny, nx), (dy, dx) = hm.shape, hm.spacing
-        waves: Waves
         if hm.periodic:
-            waves = np.asarray(fft.rfft2(hm.heights, workers=threads()))
             qy, qx = 2.0 * np.pi * fft.fftfreq(ny, dy), 2.0 * np.pi * fft.rfftfreq(nx, dx)
         else:
-            waves = fft.dctn(hm.heights, norm="ortho", workers=threads())
-            waves *= np.sqrt(hm.heights.size)
-            waves[:, 1:] *= np.sqrt(0.5)
             qy, qx = np.arange(ny) * np.pi / hm.size[0], np.arange(nx) * np.pi / hm.size[1]
-        waves[0, 0] = 0.0
         numbers = np.asarray(qy, float), np.asarray(qx, float)
-        width = 2.0 * np.pi / max(hm.size)
+        width, waves = 2.0 * np.pi / max(hm.size), _waves(hm, len(numbers[1]))
         return cls(hm, waves, numbers, width, _sums(hm, waves, numbers, width, m))
 
     def map(self, last: int, points: float) -> HeightMap | None:
@@ -89,8 +87,10 @@ class Shells:
         rows, width = self._within(last)
         qy, qx = self.numbers[0][rows, None], self.numbers[1][:width]
         square = qy**2 + qx**2
-        kept = np.where(square < ((last + 0.5) * self.width) ** 2, self.waves[rows, :width], 0.0)
-        kept *= ny * nx / hm.heights.size if hm.periodic else np.sqrt(ny * nx) / hm.heights.size
+        waves = [block[rows, : width - first] for first, block in self.waves(width)]
+        inside = square < ((last + 0.5) * self.width) ** 2
+        kept = np.where(inside, np.concatenate(waves, axis=1), 0.0)
+        kept *= (ny * nx if hm.periodic else np.sqrt(ny * nx)) / math.prod(hm.shape)
         heights = _summed(kept, (ny, nx), hm)
         heights += hm.roughness.mean
         step = {"step": "bandpass", "shortest": shortest, "to": [ny, nx]}
@@ -106,20 +106,81 @@ class Shells:
         return np.flatnonzero(np.abs(qy) <= ends[0]), int(np.searchsorted(qx, ends[1], "right"))
 
 
+def _waves(hm: HeightMap, count: int) -> Columns:
+    """The waves of a map, whose transform has `count` columns.
+
+    Rows are transformed first, then columns. Of a map on disk the rows of the transform go to disk
+    too, in blocks of columns, and the columns are transformed when they are asked for.
+    """
+    source, ny = hm.source, hm.shape[0]
+    if isinstance(source, np.ndarray):
+        waves = _of_columns(hm, _of_rows(hm, source), 0)
+        return lambda until: iter([(0, waves)])
+    step = min(count, max(1, 8 * BLOCK_BYTES // (16 * ny)))
+    firsts = range(0, count, step)
+    kind = np.complex128 if hm.periodic else np.float64
+    stored = StoredArray((ny * len(firsts), step), kind, kind)
+
+    def part(first: int, last: int) -> None:
+        for begin, _, rows, _ in windows(source, first, last):
+            waves = _of_rows(hm, rows)
+            for block, column in enumerate(firsts):
+                held = np.zeros((len(rows), step), kind)
+                held[:, : count - column] = waves[:, column : column + step]
+                stored.write(block * ny + begin, held)
+
+    run(part, lines(ny, math.prod(hm.shape)))
+
+    def columns(until: int) -> Iterator[tuple[int, Waves]]:
+        for block, column in enumerate(firsts):
+            if column < until:
+                rows = stored[block * ny : (block + 1) * ny]
+                yield column, _of_columns(hm, rows, column)[:, : count - column]
+
+    return columns
+
+
+def _of_rows(hm: HeightMap, rows: Array) -> Waves:
+    """Transforms of some rows of a map."""
+    if hm.periodic:
+        return np.asarray(fft.rfft(rows, axis=1, workers=threads()))
+    return np.asarray(fft.dct(rows, axis=1, norm="ortho", workers=threads()))
+
+
+def _of_columns(hm: HeightMap, waves: Waves, first: int) -> Waves:
+    """Transforms of all columns, from `first` on, of the transforms of all rows."""
+    if hm.periodic:
+        waves = np.asarray(fft.fft(waves, axis=0, workers=threads(), overwrite_x=True))
+    else:
+        waves = np.asarray(fft.dct(waves, axis=0, norm="ortho", workers=threads()))
+        waves *= np.sqrt(math.prod(hm.shape))
+        waves[:, int(first == 0) :] *= np.sqrt(0.5)
+    if first == 0:
+        waves[0, 0] = 0.0
+    return waves
+
+
 def _sums(
-    hm: HeightMap, waves: Waves, numbers: tuple[Array, Array], width: float, m: float
+    hm: HeightMap, waves: Columns, numbers: tuple[Array, Array], width: float, m: float
 ) -> Array:
     """Running sums over the shells."""
     qy, qx = numbers
     count = int(np.hypot(np.abs(qy).max(), qx[-1]) / width + 0.5) + 1
-    even = hm.periodic and hm.shape[1] % 2 == 0
+    pairs = np.full(len(qx), 2.0)
+    pairs[0] = 1.0
+    if hm.periodic and hm.shape[1] % 2 == 0:
+        pairs[-1] = 1.0
+    total = np.zeros((count, 5))
+    for at, block in waves(len(qx)):
+        here = slice(at, at + block.shape[1])
 
-    def part(first: int, last: int) -> Array:
-        out = np.zeros((count, 5))
-        shell_sums(waves[first:last], qy[first:last], qx, width, even, m, out)
-        return out
+        def part(first: int, last: int, block: Waves = block, here: slice = here) -> Array:
+            out = np.zeros((count, 5))
+            shell_sums(block[first:last], qy[first:last], qx[here], pairs[here], width, m, out)
+            return out
 
-    return np.cumsum(np.sum(run(part, blocks(len(qy), 64)), axis=0) / hm.heights.size**2, axis=0)
+        total += np.sum(run(part, blocks(len(qy), 64)), axis=0)
+    return np.cumsum(total / math.prod(hm.shape) ** 2, axis=0)
 
 
 def _summed(waves: Waves, shape: tuple[int, int], hm: HeightMap) -> Array:
@@ -142,24 +203,20 @@ def _summed(waves: Waves, shape: tuple[int, int], hm: HeightMap) -> Array:
 
 @compiled()
 def shell_sums(
-    waves: Waves, qy: Array, qx: Array, width: float, even: bool, m: float, out: Array
+    waves: Waves, qy: Array, qx: Array, pairs: Array, width: float, m: float, out: Array
 ) -> None:
     """Add to `out` (shells, 5) sums of |h|^2 over the waves of each shell.
 
-    They are those of 1, q^2, q^4, q^(1 - m) and q^(2 - 2 m). `waves` are rows of a real transform,
-    of wave numbers `qy` and `qx`; `even` says that its last column stands for itself, as the first
-    does, and the others for their mirror images too. A wave belongs to the shell nearest to
-    q / `width`.
+    They are those of 1, q^2, q^4, q^(1 - m) and q^(2 - 2 m). `waves` are part of a real transform,
+    of wave numbers `qy` and `qx`; `pairs` (columns,) says for how many waves each column stands: 1,
+    or 2 with their mirror images. A wave belongs to the shell nearest to q / `width`.
     """
-    last = waves.shape[1] - 1
     inverse = 1.0 / width
     for i in range(waves.shape[0]):
         y = qy[i]
-        for j in range(last + 1):
+        for j in range(waves.shape[1]):
             wave = waves[i, j]
-            power = wave.real * wave.real + wave.imag * wave.imag
-            if 0 < j and not (even and j == last):
-                power *= 2.0
+            power = pairs[j] * (wave.real * wave.real + wave.imag * wave.imag)
             x = qx[j]
             square = x * x + y * y
             number = math.sqrt(square)

@@ -73,7 +73,7 @@ def refined_map(hm: HeightMap, waves: PixelWaves = DEFAULTS.pixel_waves) -> Heig
     if fineness(hm) < waves.to_the_pixel:
         return None
     for ratio, most in waves.finer:
-        if ratio**2 * hm.heights.size <= most:
+        if ratio**2 * math.prod(hm.shape) <= most:
             return resample(hm, np.asarray(hm.spacing) / ratio)
     return "a finer one would hold the waves near its pixels better, but takes long"
 
@@ -187,7 +187,7 @@ def _breadth(hm: HeightMap) -> float:
 def _lay(hm: HeightMap) -> float:
     """(s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes of a map, from some of its rows."""
     rows = np.arange(0, hm.shape[0] - 1, max(1, hm.shape[0] // 256))
-    low, high = hm.heights[rows], hm.heights[rows + 1]
+    low, high = hm.source[rows], hm.source[rows + 1]
     along = np.diff(low, axis=1) + np.diff(high, axis=1)
     across = (high - low)[:, 1:] + (high - low)[:, :-1]
     y, x = across / hm.spacing[0], along / hm.spacing[1]

@@ -12,6 +12,7 @@ there is no other side.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -99,7 +100,7 @@ def terms(
     # with fine waves taken out, the contacts are those of the map that was solved
     law = decomposition.plan.sub_contact_law
     hm = (decomposition.plan.resampled if law else None) or decomposition.hm
-    pixel = hm.area / hm.heights.size
+    pixel = hm.area / math.prod(hm.shape)
     steep, shallow = decomposition.summits.curvature[closed].T
     ratio = np.log(steep / np.clip(shallow, 1e-3 * steep, None))
     crowding, long = state.contact_area / decomposition.hm.area, np.sum(share * ratio)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -17,15 +18,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from surfaces.errors import AsperityError, FileFormatError, InputError, SurfaceError, as_path
 from surfaces.heightmap import HeightMap
-from surfaces.numerics.memory import require_memory
+from surfaces.numerics.memory import available_bytes, require_memory
 from surfaces.units import metres_per
 
 from ._container import find, naming_damage, opened, require_sound
 from ._schema import DAMAGED, Fault, Header, brief, plain, read_header
+from .stored_map import StoredMap
 
 __all__ = ["Fault", "SurfaceFile", "open", "validate"]
 
 _BLOCK_BYTES = 32 << 20  # read at a time
+
+BYTES_OF_WORK = 64
+"""Memory that the work on a map in memory takes [bytes per point]: boundary elements, or the
+microcontact model on all of its points."""
 
 
 class SurfaceFile:
@@ -150,6 +156,8 @@ class SurfaceFile:
     ) -> HeightMap:
         """The map, or a region of it as a map that is not periodic.
 
+        A map so large that no work on it would fit into memory stays on disk (`on_disk`).
+
         Parameters
         ----------
         rows, columns
@@ -163,32 +171,58 @@ class SurfaceFile:
         top, bottom = _bounds(rows, self.shape[0], "rows")
         left, right = _bounds(columns, self.shape[1], "columns")
         whole = (bottom - top, right - left) == self.shape
-        history = list(self.history) or [self._origin()]
+        if whole and BYTES_OF_WORK * self.shape[0] * self.shape[1] > available_bytes():
+            return self.on_disk()
+        history = self._steps()
         if not whole:
             history.append({"step": "crop", "rows": [top, bottom], "columns": [left, right]})
         require_memory(
-            24 * (bottom - top) * (right - left),
+            8 * (bottom - top) * (right - left),
             f"{self.path}: a map of {bottom - top} x {right - left} points",
             "read a region with surfaces.open(path).read(rows, columns)",
         )
-        try:
+        heights = self.heights((top, bottom), (left, right))
+        heights.setflags(write=False)  # or the map would hold a copy
+        with self._named():
             return HeightMap(
-                self.heights((top, bottom), (left, right)),
+                heights,
                 self.spacing,
                 periodic=self.periodic and whole,
                 name=self.name,
                 history=tuple(history),
             )
+
+    def on_disk(self) -> StoredMap:
+        """The map with its heights in a temporary file, which is read in parts.
+
+        Raises
+        ------
+        SurfaceError, FileFormatError
+            If there is no room for the file, or the heights are damaged.
+        """
+        narrow = self._dataset.dtype == np.float32 and metres_per(self.unit) == 1.0
+        facts = {"periodic": self.periodic, "name": self.name, "history": self._steps()}
+        kind = np.float32 if narrow else np.float64
+        with self._named():
+            return StoredMap.of_blocks(self.blocks(), self.shape, kind, self.spacing, **facts)
+
+    @contextmanager
+    def _named(self) -> Iterator[None]:
+        """Puts the name of the file before what is wrong with its heights."""
+        try:
+            yield
         except FileFormatError:
             raise
         except SurfaceError as error:
             raise SurfaceError(f"{self.path}: {error}") from error
 
-    def _origin(self) -> dict[str, Any]:
-        """First step of the history of a map that carries none."""
+    def _steps(self) -> list[dict[str, Any]]:
+        """History of the map; of one that carries none, that it was read here."""
+        if self.history:
+            return [dict(step) for step in self.history]
         step = {"step": "read", "file": self.path.name, "dataset": self._dataset.name}
         step["unit"] = self.unit
-        return step | {key: plain(value) for key, value in self._notes.items()}
+        return [step | {key: plain(value) for key, value in self._notes.items()}]
 
     def _rows_per_block(self, columns: int) -> int:
         """Rows of about `_BLOCK_BYTES`, in whole chunks where that is possible."""

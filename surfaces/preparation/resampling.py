@@ -11,7 +11,7 @@ from scipy import fft
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel, splines
-from surfaces.numerics.memory import require_memory
+from surfaces.numerics.memory import Source, require_memory
 from surfaces.roughness import BANDS
 
 __all__ = ["coarse_map", "resample", "resample_waves", "shortest_wave"]
@@ -31,6 +31,9 @@ _WORTH_IT = 0.75
 
 _FEWEST = 64
 """Least points of the shorter side of a coarser grid."""
+
+_ROWS = 32
+"""Rows transformed at a time."""
 
 _MISSED, _MISSED_MOST = 5e-4, 5e-3
 """Rms and largest deviation of the highest point of every block of a map that a coarser grid may
@@ -87,7 +90,7 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
 
 
 def resample_waves(
-    heights: NDArray[np.float64], ny: int, nx: int, fewer: tuple[int, int] = (1, 1)
+    heights: Source, ny: int, nx: int, fewer: tuple[int, int] = (1, 1)
 ) -> NDArray[np.float64]:
     """Trigonometric interpolation of a periodic array to the cell centres of (ny, nx) pixels.
 
@@ -99,9 +102,19 @@ def resample_waves(
         for old, count, part in zip(heights.shape, (ny, nx), fewer, strict=True)
     )
     (first_y, first_x), (step_y, step_x) = ((part - 1) // 2 for part in fewer), fewer
-    heights = heights[first_y::step_y, first_x::step_x]
-    workers = len(parallel.lines(len(heights), heights.size))
-    rows = fft.rfft(heights, axis=1, workers=workers)[:, : across.size] * across
+    count, width = (n // step for n, step in zip(heights.shape, fewer, strict=True))
+    rows = np.empty((count, across.size), np.complex128)
+
+    def part(begin: int, end: int) -> None:
+        for start in range(begin, end, _ROWS):
+            stop = min(start + _ROWS, end)
+            lines = slice(first_y + start * step_y, first_y + (stop - 1) * step_y + 1, step_y)
+            waves = fft.rfft(heights[lines, first_x::step_x], axis=1)
+            np.multiply(waves[:, : across.size], across, out=rows[start:stop])
+
+    parts = parallel.lines(count, count * width)
+    parallel.run(part, parts)
+    workers = len(parts)
     waves = fft.fft(rows, axis=0, workers=workers, overwrite_x=True)
     kept = np.zeros((ny, across.size), np.complex128)
     kept[: down.size] = waves[: down.size] * down[:, None]
@@ -141,8 +154,13 @@ def coarse_map(hm: HeightMap) -> HeightMap | None:
     ny, nx = (min(n, fft.next_fast_len(math.ceil(ratio * n), real=True)) for n in hm.shape)
     # of all points there are more than enough to find waves that the coarse grid holds
     fewer = [_divisor(n, n // m) for n, m in zip(hm.shape, (ny, nx), strict=True)]
+    require_memory(
+        8 * nx * (hm.shape[0] // fewer[0] + 4 * ny),
+        f"the grid of {ny} x {nx} points that holds a map of {hm.shape[0]} x {hm.shape[1]}",
+        "raise the limit of memory, or crop the map",
+    )
     coarse = hm.replace(
-        heights=resample_waves(hm.heights, ny, nx, (fewer[0], fewer[1])),
+        heights=resample_waves(hm.source, ny, nx, (fewer[0], fewer[1])),
         spacing=(hm.size[0] / ny, hm.size[1] / nx),
         step={"step": "resample", "from": list(hm.shape), "to": [ny, nx]},
     )
@@ -176,7 +194,7 @@ def _holds(coarse: HeightMap, hm: HeightMap) -> bool:
         (cols + 0.5) * scale_x - 0.5,
         off,
     )
-    off -= hm.heights[rows, cols]
+    off -= hm.source[rows, cols]
     rms = hm.roughness.rms_height
     return bool(
         np.sqrt(np.mean(off**2)) <= _MISSED * rms and np.abs(off).max() <= _MISSED_MOST * rms

@@ -1,0 +1,113 @@
+"""A height map that stays on disk: what can read it in parts does, all else loads it."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surfaces.errors import checked_range, checked_spacing
+from surfaces.heightmap import HeightMap
+from surfaces.numerics.memory import Source, StoredArray, require_memory, windows
+
+__all__ = ["StoredMap"]
+
+
+class StoredMap(HeightMap):
+    """A height map too large for memory, made by `surfaces.read` and `SurfaceFile.on_disk`.
+
+    Parameters
+    ----------
+    source
+        Its heights [m].
+    spacing, periodic, name, history
+        As in `HeightMap`.
+
+    Notes
+    -----
+    Statistics of one pass, the plan of a run, the split of waves and coarser grids read `source`
+    in parts. All else takes `heights`, which are loaded then, or refused in a sentence.
+    """
+
+    def __init__(
+        self,
+        source: StoredArray,
+        spacing: tuple[float, float],
+        *,
+        periodic: bool = False,
+        name: str = "",
+        history: Iterable[Mapping[str, Any]] = (),
+    ) -> None:
+        given = {
+            "_source": source,
+            "spacing": checked_spacing(spacing),
+            "periodic": periodic,
+            "name": name,
+            "history": tuple(dict(step) for step in history),
+        }
+        for key, value in given.items():
+            object.__setattr__(self, key, value)
+
+    @classmethod
+    def of_blocks(
+        cls,
+        blocks: Iterable[tuple[int, NDArray[np.float64]]],
+        shape: tuple[int, int],
+        dtype: Any,
+        spacing: tuple[float, float],
+        **facts: Any,
+    ) -> StoredMap:
+        """The map of some blocks of whole rows, each with the number of its first row.
+
+        Raises
+        ------
+        SurfaceError
+            If there is no room on disk, or the heights are none of a map.
+        """
+        source = StoredArray(shape, dtype)
+        low, high = np.nan, np.nan
+        for first, rows in blocks:
+            low = np.fmin(low, np.fmin.reduce(rows, axis=None))
+            high = np.fmax(high, np.fmax.reduce(rows, axis=None))
+            source.write(first, rows)
+        checked_range(float(low), float(high), source)
+        return cls(source, spacing, **facts)
+
+    @property
+    def source(self) -> Source:
+        """The heights on disk; in memory once something has asked for all of them."""
+        found: Source = vars(self).get("heights", vars(self)["_source"])
+        return found
+
+    @functools.cached_property
+    def heights(self) -> NDArray[np.float64]:
+        """All heights [m], loaded."""
+        ny, nx = self.shape
+        require_memory(
+            8 * ny * nx,
+            f"{self.name or 'the map'}, {ny} x {nx} points, in memory as this step asks,",
+            "raise the limit of memory, crop the map, or resample it",
+        )
+        heights = np.empty((ny, nx))
+        for begin, end, rows, _ in windows(vars(self)["_source"]):
+            heights[begin:end] = rows
+        heights.setflags(write=False)
+        return heights
+
+    @property
+    def rms_height(self) -> float:
+        """Root-mean-square height about the mean of the points present [m]."""
+        return self.roughness.rms_height
+
+    def replace(self, *, step: Mapping[str, Any] | None = None, **changes: Any) -> HeightMap:
+        """Copy with some fields changed, and `step` appended to the history."""
+        if step is not None:
+            changes["history"] = (*changes.get("history", self.history), step)
+        names = "spacing", "periodic", "name", "history"
+        facts = {name: changes.get(name, getattr(self, name)) for name in names}
+        heights = changes.get("heights", vars(self)["_source"])
+        kind = StoredMap if isinstance(heights, StoredArray) else HeightMap
+        return kind(heights, **facts)
