@@ -28,11 +28,11 @@ from .extensions.viscoelastic import viscoelastic_indent as viscoelastic_indent
 from .halfspace.material import HalfSpace as HalfSpace
 from .interaction.population import Population as Population
 from .interaction.population_state import PopulationState as PopulationState
+from .memory import set_memory as set_memory
 from .microcontact.single.indent import indent as indent
 from .microcontact.single.indentation import Indentation as Indentation
 from .microcontact.single.punch import FlatPunch as FlatPunch
 from .microcontact.single.punch import flat_punch as flat_punch
-from .memory import set_memory as set_memory
 from .model.plan import Plan as Plan
 from .model.plan import make_plan as make_plan
 from .results.curve import ContactCurve as ContactCurve

@@ -7,8 +7,6 @@ import math
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.laws import LAWS
