@@ -67,13 +67,18 @@ def as_path(path: str | os.PathLike[str]) -> Path:
 
 
 def checked_heights(heights: Any) -> NDArray[np.float64]:
-    """Heights [m] as a read-only array (ny, nx), masked entries as NaN."""
+    """Heights [m] as a read-only array (ny, nx), masked entries as NaN.
+
+    A copy, unless they are an array that owns its numbers and lets nobody change them.
+    """
     try:
         if np.iscomplexobj(heights):
             raise TypeError("they are complex")
         if isinstance(heights, np.ma.MaskedArray):
             heights = np.ma.filled(heights.astype(np.float64), np.nan)
-        array = np.array(heights, dtype=np.float64, order="C")
+        array = np.asarray(heights, dtype=np.float64, order="C")
+        if array is heights and (array.flags.writeable or not array.flags.owndata):
+            array = array.copy()
     except (TypeError, ValueError) as error:
         raise SurfaceError(f"heights are not an array of real numbers: {error}") from error
     if array.ndim != 2 or min(array.shape) < 3:

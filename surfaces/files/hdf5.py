@@ -5,6 +5,7 @@ The layout is described in ``docs/formats.md``.
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,15 +18,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from surfaces.errors import AsperityError, FileFormatError, InputError, SurfaceError, as_path
 from surfaces.heightmap import HeightMap
+from surfaces.numerics import parallel
 from surfaces.numerics.memory import require_memory
 from surfaces.units import metres_per
 
 from ._container import find, naming_damage, opened, require_sound
+from ._packing import ours, unpacked
 from ._schema import DAMAGED, Fault, Header, brief, plain, read_header
 
 __all__ = ["Fault", "SurfaceFile", "open", "validate"]
 
 _BLOCK_BYTES = 32 << 20  # read at a time
+
+_Span = tuple[int, int]  # first and one past the last index
 
 
 class SurfaceFile:
@@ -69,6 +74,7 @@ class SurfaceFile:
         self._notes = header.notes
         self._file = file
         self._dataset = dataset
+        self._ours = ours(dataset)
 
     def __enter__(self) -> Self:
         return self
@@ -107,23 +113,20 @@ class SurfaceFile:
         shape = (bottom - top, right - left)
         require_memory(
             8 * shape[0] * shape[1],
-            f"{self.path}: a region of {shape[0]} x {shape[1]} points",
-            "read smaller regions with surfaces.open(path).blocks()",
+            f"{self.path}: a map of {shape[0]} x {shape[1]} points",
+            "read a region with surfaces.open(path).read(rows, columns), or blocks()",
         )
-        heights = np.empty(shape)
-        step = self._rows_per_block(shape[1])
-        for start in range(top, bottom, step):
-            stop = min(start + step, bottom)
-            try:
-                with np.errstate(all="ignore"):
-                    heights[start - top : stop - top] = self._dataset[start:stop, left:right]
-            except DAMAGED as error:
-                raise FileFormatError(
-                    f"{self.path}: rows {start} to {stop} of dataset {self._dataset.name} are "
-                    f"damaged ({brief(error)}); copy the file again from its source"
-                ) from error
-        with np.errstate(all="ignore"):
-            heights *= metres_per(self.unit)
+        heights, factor = np.empty(shape), metres_per(self.unit)
+
+        def fill(part: tuple[_Span, _Span]) -> None:
+            (first, last), (west, east) = part
+            with np.errstate(all="ignore"):
+                place = heights[first - top : last - top, west - left : east - left]
+                np.multiply(self._stored(*part), factor, out=place, dtype=np.float64)
+
+        ny, nx = self._dataset.chunks if self._ours else (self._rows_per_block(shape[1]), right)
+        parts = itertools.product(_parts(top, bottom, ny), _parts(left, right, nx))
+        parallel.each(fill, list(parts))
         return heights
 
     def blocks(self, rows: int | None = None) -> Iterator[tuple[int, NDArray[np.float64]]]:
@@ -166,23 +169,32 @@ class SurfaceFile:
         history = list(self.history) or [self._origin()]
         if not whole:
             history.append({"step": "crop", "rows": [top, bottom], "columns": [left, right]})
-        require_memory(
-            24 * (bottom - top) * (right - left),
-            f"{self.path}: a map of {bottom - top} x {right - left} points",
-            "read a region with surfaces.open(path).read(rows, columns)",
-        )
+        heights = self.heights((top, bottom), (left, right))
+        heights.setflags(write=False)
         try:
             return HeightMap(
-                self.heights((top, bottom), (left, right)),
+                heights,
                 self.spacing,
                 periodic=self.periodic and whole,
                 name=self.name,
                 history=tuple(history),
             )
-        except FileFormatError:
-            raise
         except SurfaceError as error:
             raise SurfaceError(f"{self.path}: {error}") from error
+
+    def _stored(self, rows: _Span, columns: _Span) -> NDArray[Any]:
+        """Heights in the unit of the file; of no more than one chunk, if the chunks are ours."""
+        if self._ours:
+            values = unpacked(self._dataset, rows, columns)
+            if values is not None:
+                return values
+        try:
+            return np.asarray(self._dataset[slice(*rows), slice(*columns)])
+        except DAMAGED as error:
+            raise FileFormatError(
+                f"{self.path}: rows {rows[0]} to {rows[1]} of dataset {self._dataset.name} are "
+                f"damaged ({brief(error)}); copy the file again from its source"
+            ) from error
 
     def _origin(self) -> dict[str, Any]:
         """First step of the history of a map that carries none."""
@@ -293,6 +305,14 @@ def _height_faults(file: SurfaceFile) -> Iterator[Fault]:
         yield Fault(f"{infinite} heights are infinite; mark missing points with NaN")
     if not present:
         yield Fault("every point of the height map is missing (NaN)")
+
+
+def _parts(start: int, stop: int, side: int) -> list[_Span]:
+    """A range cut at the multiples of `side`."""
+    return [
+        (max(first, start), min(first + side, stop))
+        for first in range(start - start % side, stop, side)
+    ]
 
 
 def _bounds(span: tuple[int, int] | None, count: int, what: str) -> tuple[int, int]:
