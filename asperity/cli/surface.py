@@ -174,6 +174,8 @@ def _generate(args: argparse.Namespace) -> int:
     targets.require(args)
     make = getattr(surfaces, args.texture.replace("-", "_"))
     takes = inspect.signature(make).parameters
+    if args.memory is not None and make is not surfaces.self_affine:
+        raise InputError(f"--memory does not belong to {args.texture}")
     given = {name: getattr(args, name) for name in PARAMETERS if getattr(args, name) is not None}
     for name in sorted(given.keys() - takes.keys()):
         raise InputError(f"--{name.replace('_', '-')} does not belong to {args.texture}")
@@ -183,10 +185,17 @@ def _generate(args: argparse.Namespace) -> int:
     for name, parameter in takes.items():
         if parameter.default is parameter.empty and name not in (*given, "shape", "size"):
             raise InputError(f"{args.texture} needs --{name.replace('_', '-')}")
-    hm = make((args.shape[0], args.shape[-1]), (args.size[0], args.size[-1]), **given)
+    shape, size = (args.shape[0], args.shape[-1]), (args.size[0], args.size[-1])
+    dtype = "float32" if args.float32 else "float64"
+    if args.memory is not None:
+        given |= {"memory": args.memory, "name": args.name or "", "dtype": dtype}
+        surfaces.write_self_affine(args.output, shape, size, **given)
+        tell(f"{args.output}: {shape[0]} x {shape[1]} points")
+        return EXIT_OK
+    hm = make(shape, size, **given)
     if args.name:
         hm = hm.replace(name=args.name)
-    surfaces.write(hm, args.output, dtype="float32" if args.float32 else "float64")
+    surfaces.write(hm, args.output, dtype=dtype)
     tell(f"{args.output}: {hm!r}, rms height {hm.rms_height:.6g} m")
     return EXIT_OK
 

@@ -204,6 +204,12 @@ def _generation(parser: argparse.ArgumentParser) -> None:
         number: Any = int if name == "seed" else quantities.of(kind)
         parser.add_argument(f"--{name.replace('_', '-')}", type=number, metavar="X", help=text)
     parser.add_argument("--name", help="name kept in the file")
+    parser.add_argument(
+        "--memory",
+        type=quantities.of("memory"),
+        metavar="M",
+        help="make the map in blocks, straight in the file, within this memory (2GiB); self-affine",
+    )
     targets.add_target(parser, "-o", "--output", suffix=".h5", required=True, help="file to write")
     targets.add_force(parser)
     parser.add_argument("--float32", action="store_true", help="half the size, 7 digits")

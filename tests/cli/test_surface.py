@@ -81,6 +81,10 @@ def test_generate(tmp_path: Path) -> None:
     hm = surfaces.read(tmp_path / "g.h5")
     assert hm.shape == (64, 96) and hm.size == (1e-3, 1e-3) and hm.periodic
     assert surfaces.validate(tmp_path / "g.h5") == []
+    words += ["--cutoff", "6e-5", "--seed", "3", "--memory", "1GiB"]
+    assert run("generate", *words, "-o", tmp_path / "blocks.h5") == 0
+    found = surfaces.read(tmp_path / "blocks.h5").heights
+    np.testing.assert_allclose(found, hm.heights, rtol=0, atol=1e-12 * hm.rms_height)
 
 
 @pytest.mark.parametrize(
@@ -106,6 +110,14 @@ def test_generate_textures(tmp_path: Path, words: str) -> None:
         (["generate", "-o", "a.h5"], "give either rms_slope or rms_height"),
         (["generate", "--feed", "1", "-o", "a.h5"], "--feed does not belong to self-affine"),
         (["generate", "--texture", "turned", "-o", "a.h5"], "turned needs --feed"),
+        (
+            ["generate", "--texture", "ground", "--memory", "1GiB", "-o", "a.h5"],
+            "--memory does not belong to ground",
+        ),
+        (
+            ["generate", "--memory", "100MiB", "--rms-slope", "1", "-o", "a.h5"],
+            "in 389 MiB of memory or more, not in 100 MiB",
+        ),
         (["info", "none.h5"], "none.h5: no such file"),
         (["info", "none*.h5"], "none*.h5: no such file"),
         (["convert", "{0}/map0.h5", "-o", "a.xyz"], "not as .xyz"),

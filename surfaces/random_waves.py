@@ -1,0 +1,265 @@
+"""Sums of random waves with a self-affine spectrum, in memory or through a file beside."""
+
+from __future__ import annotations
+
+import itertools
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from surfaces.numerics import parallel
+from surfaces.numerics.memory import require_memory
+
+from .errors import LONGEST, SHORTEST, InputError, as_number
+
+__all__ = ["RandomWaves", "checked_shape", "checked_size"]
+
+Array = NDArray[np.float64]
+Waves = NDArray[np.complex128]
+
+_EDGE = 1e-9
+"""Relative tolerance of the band edges, below the spacing of wave numbers."""
+
+_TILE = 2**16
+"""Points, or waves, that one thread makes at a time: they fit its cache."""
+
+_PROGRAM = 384 << 20
+"""Bytes that the program takes beside the arrays of the map, libraries included."""
+
+_ROWS = 256
+"""Rows of a block: the chunks of a file are as high."""
+
+
+@dataclass(frozen=True)
+class RandomWaves:
+    """Waves of a periodic self-affine map: known amplitudes, random phases; all checked.
+
+    The parameters are those of `surfaces.self_affine`. Wave (i, j) of the half spectrum
+    (ny, nx//2 + 1) has the phase that the generator draws as number i (nx//2 + 1) + j, so that any
+    rectangle of waves can be made without the others.
+    """
+
+    shape: tuple[int, int]
+    size: tuple[float, float]
+    hurst: float
+    rms_slope: float | None = None
+    rms_height: float | None = None
+    rolloff: float | None = None
+    cutoff: float | None = None
+    anisotropy: float = 1.0
+    angle: float = 0.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "shape", checked_shape(self.shape))
+        object.__setattr__(self, "size", checked_size(self.size))
+        for name in ("rms_slope", "rms_height", "rolloff", "cutoff"):
+            if getattr(self, name) is not None:
+                as_number(name, getattr(self, name))
+        for name in ("hurst", "angle", "anisotropy"):
+            as_number(name, getattr(self, name))
+        hurst, anisotropy, angle, seed = self.hurst, self.anisotropy, self.angle, self.seed
+        _check(0.0 <= hurst <= 1.0, f"hurst is {hurst}; it must lie between 0 and 1")
+        _check(
+            1.0 <= anisotropy < np.inf,
+            f"anisotropy is {anisotropy}; it must be at least 1, and finite",
+        )
+        _check(np.isfinite(angle), f"angle is {angle}; it must be a number of radians")
+        _check(
+            isinstance(seed, int | np.integer) and seed >= 0,
+            f"seed is {seed}; it must be a whole number, not negative",
+        )
+        for name, wavelength in (("rolloff", self.rolloff), ("cutoff", self.cutoff)):
+            _check(
+                wavelength is None or wavelength > 0.0,
+                f"{name} is {wavelength}; it must be a positive wavelength in m",
+            )
+        _check(
+            (self.rms_slope is None) != (self.rms_height is None),
+            "give either rms_slope or rms_height, and not both",
+        )
+        _check(
+            0.0 < self._target < np.inf,
+            f"the rms value is {self._target}; it must be positive and finite",
+        )
+
+    @property
+    def spacing(self) -> tuple[float, float]:
+        """Pixel size (dy, dx) [m]."""
+        return self.size[0] / self.shape[0], self.size[1] / self.shape[1]
+
+    def heights(self) -> Array:
+        """The map [m], read-only, shape (ny, nx); takes 17 bytes per point."""
+        ny, nx = self.shape
+        require_memory(
+            17 * ny * nx,
+            f"a map of {ny} x {nx} points",
+            "make it smaller, or straight in a file: surfaces.write_self_affine(path, ...), "
+            "surface generate --memory 2GiB",
+        )
+        waves, power = self._columns(0, nx // 2 + 1)
+        scale, heights = self._scale(power), np.empty(self.shape)
+
+        def fill(rows: tuple[int, int]) -> None:
+            heights[slice(*rows)] = self._along_x(waves[slice(*rows)], scale, 1)
+
+        parallel.each(fill, _spans(ny, max(1, _TILE // nx)))
+        heights.setflags(write=False)
+        return heights
+
+    def blocks(self, memory: float, folder: Path) -> Iterator[Array]:
+        """The map [m] in blocks of rows, made within so many bytes of memory.
+
+        The sums of the waves along y go through a file without a name in `folder`, of 8 bytes per
+        point.
+
+        Raises
+        ------
+        InputError
+            If the memory does not hold a block.
+        """
+        ny, nx = self.shape
+        half, room = nx // 2 + 1, int(memory) - _PROGRAM
+        least = max(16 * ny, 40 * min(ny, _ROWS) * nx)
+        _check(
+            room >= least,
+            f"a map of {ny} x {nx} points is made in {-(-(_PROGRAM + least) >> 20)} MiB of memory "
+            f"or more, not in {memory / 2**20:.4g} MiB",
+        )
+        columns = _spans(half, room // (16 * ny))
+        with tempfile.TemporaryFile(dir=folder) as scratch:
+            power = 0.0
+            for part in columns:
+                waves, more = self._columns(*part)
+                power += more
+                waves.tofile(scratch)
+                del waves
+            scale = self._scale(power)
+            for first, last in _spans(ny, max(_ROWS, room // (40 * nx) // _ROWS * _ROWS)):
+                waves = np.empty((last - first, half), np.complex128)
+                for left, right in columns:
+                    width = right - left
+                    scratch.seek(16 * (ny * left + first * width))
+                    section = np.fromfile(scratch, np.complex128, (last - first) * width)
+                    waves[:, left:right] = section.reshape(-1, width)
+                yield self._along_x(waves, scale, parallel.threads())
+
+    @property
+    def _target(self) -> float:
+        """Rms height [m] or slope [-] that is asked for."""
+        return float((self.rms_slope if self.rms_height is None else self.rms_height) or 0.0)
+
+    def _scale(self, power: float) -> float:
+        _check(power > 0.0, "no wave lies between the cut-off and the size of the cell")
+        _check(power < np.inf, f"anisotropy is {self.anisotropy}; no calculation holds such waves")
+        return self._target / float(np.sqrt(power))
+
+    def _columns(self, left: int, right: int) -> tuple[Waves, float]:
+        """Sums along y of some columns of unscaled waves, and their mean square.
+
+        The square is that of the heights or of the slopes, whichever is asked for.
+        """
+        ny = self.shape[0]
+        waves = np.empty((ny, right - left), np.complex128)
+        power = parallel.each(
+            lambda rows: self._fill(waves[slice(*rows)], rows, (left, right)),
+            _spans(ny, max(1, _TILE // (right - left))),
+        )
+        if left == 0:
+            above = np.arange(1, (ny + 1) // 2)
+            waves[ny - above, 0] = waves[above, 0].conj()
+        workers = parallel.threads()
+        found = fft.ifft(waves, axis=0, norm="forward", overwrite_x=True, workers=workers)
+        return found, float(sum(power))
+
+    def _along_x(self, waves: Waves, scale: float, workers: int) -> Array:
+        """Rows of the map [m] from the sums of their waves along y."""
+        heights: Array = fft.irfft(waves, self.shape[1], norm="forward", workers=workers)
+        heights *= scale
+        return heights
+
+    def _fill(self, waves: Waves, rows: tuple[int, int], columns: tuple[int, int]) -> float:
+        """Set the unscaled waves of a rectangle of the half spectrum; returns their square."""
+        (ny, nx), (ly, lx) = self.shape, self.size
+        fy: Array = np.fft.fftfreq(ny, 1.0 / ny)[slice(*rows), None] / np.float64(ly)
+        fx = np.arange(*columns)[None, :] / lx
+        twice = np.where(fx == 0.0, 1.0, 2.0)  # columns that stand for two conjugate waves
+        with np.errstate(all="ignore"):
+            amplitude = self._amplitude(fy, fx)
+            if ny % 2 == 0 and rows[0] <= ny // 2 < rows[1]:
+                amplitude[ny // 2 - rows[0]] = 0.0
+            if nx % 2 == 0 and columns[1] > nx // 2:
+                amplitude[:, -1] = 0.0
+            power = twice * amplitude**2
+            if self.rms_height is None:
+                power *= (2.0 * np.pi) ** 2 * (fy**2 + fx**2)
+        phase = self._phases(rows, columns)
+        np.multiply(amplitude, np.cos(phase), out=waves.real)
+        np.multiply(amplitude, np.sin(phase), out=waves.imag)
+        return float(power.sum())
+
+    def _phases(self, rows: tuple[int, int], columns: tuple[int, int]) -> Array:
+        """Uniform phases of a rectangle of the half spectrum."""
+        half, width = self.shape[1] // 2 + 1, columns[1] - columns[0]
+        bits = np.random.PCG64(self.seed)
+        bits.advance(rows[0] * half + columns[0])
+        draws, phase = np.random.Generator(bits), np.empty((rows[1] - rows[0], width))
+        for row in phase:
+            draws.random(out=row)
+            bits.advance(half - width)
+        phase *= 2.0 * np.pi
+        return phase
+
+    def _amplitude(self, fy: Array, fx: Array) -> Array:
+        """Unscaled amplitudes at frequencies [1/m]; that of the mean is zero."""
+        if self.anisotropy == 1.0:
+            k = np.hypot(fy, fx)
+        else:
+            stretch, angle = np.sqrt(self.anisotropy), self.angle
+            along = (fx * np.cos(angle) + fy * np.sin(angle)) * stretch
+            across = (fy * np.cos(angle) - fx * np.sin(angle)) / stretch
+            k = np.hypot(along, across)
+        k[(fy == 0.0) & (fx == 0.0)] = np.inf
+        flat = k
+        if self.rolloff is not None:
+            flat = np.where(k < (1.0 - _EDGE) / self.rolloff, 1.0 / self.rolloff, k)
+        amplitude: Array = flat ** (-(1.0 + self.hurst))
+        if self.cutoff is not None:
+            amplitude[k > (1.0 + _EDGE) / self.cutoff] = 0.0
+        return amplitude
+
+
+def _spans(count: int, step: int) -> list[tuple[int, int]]:
+    """First and one-past-last numbers of parts of ``range(count)``."""
+    bounds = [*range(0, count, step), count]
+    return list(itertools.pairwise(bounds))
+
+
+def checked_shape(shape: tuple[int, int]) -> tuple[int, int]:
+    """Numbers of points (ny, nx), each at least 3."""
+    _check(np.shape(shape) == (2,), f"shape is {shape}; give the numbers of points (ny, nx)")
+    ny, nx = (int(n) for n in shape)
+    whole = (ny, nx) == tuple(shape)
+    _check(whole and min(ny, nx) >= 3, f"shape is {tuple(shape)}; give whole numbers from 3")
+    return ny, nx
+
+
+def checked_size(size: tuple[float, float]) -> tuple[float, float]:
+    """Lengths (Ly, Lx) [m], both positive."""
+    _check(np.shape(size) == (2,), f"size is {size}; give the lengths (Ly, Lx) in m")
+    ly, lx = (float(length) for length in size)
+    _check(
+        SHORTEST <= min(ly, lx) and max(ly, lx) <= LONGEST,
+        f"size is {tuple(size)}; both (Ly, Lx) must be positive lengths in m",
+    )
+    return ly, lx
+
+
+def _check(holds: bool | np.bool_, message: str) -> None:
+    if not holds:
+        raise InputError(message)
