@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
 
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import require_memory
@@ -102,13 +101,9 @@ class RandomWaves:
             "make it smaller, or straight in a file: surfaces.write_self_affine(path, ...), "
             "surface generate --memory 2GiB",
         )
-        waves, power = self._columns(0, nx // 2 + 1)
-        scale, heights = self._scale(power), np.empty(self.shape)
-
-        def fill(rows: tuple[int, int]) -> None:
-            heights[slice(*rows)] = self._along_x(waves[slice(*rows)], scale, 1)
-
-        parallel.each(fill, _spans(ny, max(1, _TILE // nx)))
+        waves, heights = self._columns((0, nx // 2 + 1), self._scale()), np.empty(self.shape)
+        self._along_x(waves, heights)
+        heights -= heights.mean()
         heights.setflags(write=False)
         return heights
 
@@ -133,13 +128,9 @@ class RandomWaves:
         )
         columns = _spans(half, room // (16 * ny))
         with tempfile.TemporaryFile(dir=folder) as scratch:
-            power = 0.0
+            scale = self._scale()
             for part in columns:
-                waves, more = self._columns(*part)
-                power += more
-                waves.tofile(scratch)
-                del waves
-            scale = self._scale(power)
+                self._columns(part, scale).tofile(scratch)
             for first, last in _spans(ny, max(_ROWS, room // (40 * nx) // _ROWS * _ROWS)):
                 waves = np.empty((last - first, half), np.complex128)
                 for left, right in columns:
@@ -147,61 +138,70 @@ class RandomWaves:
                     scratch.seek(16 * (ny * left + first * width))
                     section = np.fromfile(scratch, np.complex128, (last - first) * width)
                     waves[:, left:right] = section.reshape(-1, width)
-                yield self._along_x(waves, scale, parallel.threads())
+                heights = np.empty((last - first, nx))
+                self._along_x(waves, heights)
+                yield heights
 
     @property
     def _target(self) -> float:
         """Rms height [m] or slope [-] that is asked for."""
         return float((self.rms_slope if self.rms_height is None else self.rms_height) or 0.0)
 
-    def _scale(self, power: float) -> float:
+    def _scale(self) -> float:
+        """Amplitude of the discrete transform [m] for an unscaled amplitude of one."""
+        count = self.shape[0] * (self.shape[1] // 2 + 1)
+        power = _folded(0, count, iter(parallel.each(self._power, list(_leaves(0, count)))))
         _check(power > 0.0, "no wave lies between the cut-off and the size of the cell")
         _check(power < np.inf, f"anisotropy is {self.anisotropy}; no calculation holds such waves")
-        return self._target / float(np.sqrt(power))
+        return self._target / float(np.sqrt(power)) * (self.shape[0] * self.shape[1])
 
-    def _columns(self, left: int, right: int) -> tuple[Waves, float]:
-        """Sums along y of some columns of unscaled waves, and their mean square.
+    def _power(self, waves: tuple[int, int]) -> float:
+        """Mean square of unscaled waves with these numbers: of heights, or slopes if asked for."""
+        place = np.divmod(np.arange(*waves), self.shape[1] // 2 + 1)
+        fy, fx = self._frequencies(*place)
+        with np.errstate(over="ignore", invalid="ignore"):
+            # all but those of the first column stand for two conjugate waves
+            power = np.where(fx == 0.0, 1.0, 2.0) * self._amplitude(*place) ** 2
+            if self.rms_height is None:
+                power = power * (2.0 * np.pi) ** 2 * (fy**2 + fx**2)
+        return float(power.sum())
 
-        The square is that of the heights or of the slopes, whichever is asked for.
-        """
-        ny = self.shape[0]
+    def _columns(self, columns: tuple[int, int], scale: float) -> Waves:
+        """Sums along y of the waves of some columns of the half spectrum."""
+        ny, (left, right) = self.shape[0], columns
         waves = np.empty((ny, right - left), np.complex128)
-        power = parallel.each(
-            lambda rows: self._fill(waves[slice(*rows)], rows, (left, right)),
-            _spans(ny, max(1, _TILE // (right - left))),
-        )
+
+        def fill(rows: tuple[int, int]) -> None:
+            place = np.arange(*rows)[:, None], np.arange(*columns)[None, :]
+            amplitude = self._amplitude(*place) * scale
+            waves[slice(*rows)] = amplitude * np.exp(1j * self._phases(rows, columns))
+
+        def transform(some: tuple[int, int]) -> None:
+            lines = np.ascontiguousarray(waves[:, slice(*some)].T)
+            waves[:, slice(*some)] = np.fft.ifft(lines).T
+
+        parallel.each(fill, _spans(ny, max(1, _TILE // (right - left))))
         if left == 0:
             above = np.arange(1, (ny + 1) // 2)
             waves[ny - above, 0] = waves[above, 0].conj()
-        workers = parallel.threads()
-        found = fft.ifft(waves, axis=0, norm="forward", overwrite_x=True, workers=workers)
-        return found, float(sum(power))
+        parallel.each(transform, _spans(right - left, max(4, _TILE // ny)))
+        return waves
 
-    def _along_x(self, waves: Waves, scale: float, workers: int) -> Array:
-        """Rows of the map [m] from the sums of their waves along y."""
-        heights: Array = fft.irfft(waves, self.shape[1], norm="forward", workers=workers)
-        heights *= scale
-        return heights
+    def _along_x(self, waves: Waves, heights: Array) -> None:
+        """Set rows of the map [m] from the sums of their waves along y."""
 
-    def _fill(self, waves: Waves, rows: tuple[int, int], columns: tuple[int, int]) -> float:
-        """Set the unscaled waves of a rectangle of the half spectrum; returns their square."""
-        (ny, nx), (ly, lx) = self.shape, self.size
-        fy: Array = np.fft.fftfreq(ny, 1.0 / ny)[slice(*rows), None] / np.float64(ly)
-        fx = np.arange(*columns)[None, :] / lx
-        twice = np.where(fx == 0.0, 1.0, 2.0)  # columns that stand for two conjugate waves
-        with np.errstate(all="ignore"):
-            amplitude = self._amplitude(fy, fx)
-            if ny % 2 == 0 and rows[0] <= ny // 2 < rows[1]:
-                amplitude[ny // 2 - rows[0]] = 0.0
-            if nx % 2 == 0 and columns[1] > nx // 2:
-                amplitude[:, -1] = 0.0
-            power = twice * amplitude**2
-            if self.rms_height is None:
-                power *= (2.0 * np.pi) ** 2 * (fy**2 + fx**2)
-        phase = self._phases(rows, columns)
-        np.multiply(amplitude, np.cos(phase), out=waves.real)
-        np.multiply(amplitude, np.sin(phase), out=waves.imag)
-        return float(power.sum())
+        def transform(rows: tuple[int, int]) -> None:
+            heights[slice(*rows)] = np.fft.irfft(waves[slice(*rows)], self.shape[1])
+
+        parallel.each(transform, _spans(len(heights), max(1, _TILE // self.shape[1])))
+
+    def _frequencies(
+        self, row: NDArray[np.int64], column: NDArray[np.int64]
+    ) -> tuple[Array, Array]:
+        """Frequencies [1/m] of waves of the half spectrum along y and x."""
+        ny = self.shape[0]
+        whole = np.asarray(np.fft.fftfreq(ny, 1.0 / ny), np.float64)
+        return whole[row] / self.size[0], column / self.size[1]
 
     def _phases(self, rows: tuple[int, int], columns: tuple[int, int]) -> Array:
         """Uniform phases of a rectangle of the half spectrum."""
@@ -215,8 +215,9 @@ class RandomWaves:
         phase *= 2.0 * np.pi
         return phase
 
-    def _amplitude(self, fy: Array, fx: Array) -> Array:
-        """Unscaled amplitudes at frequencies [1/m]; that of the mean is zero."""
+    def _amplitude(self, row: NDArray[np.int64], column: NDArray[np.int64]) -> Array:
+        """Unscaled amplitudes of waves; those of the mean and of the Nyquist lines are zero."""
+        fy, fx = self._frequencies(row, column)
         if self.anisotropy == 1.0:
             k = np.hypot(fy, fx)
         else:
@@ -224,14 +225,40 @@ class RandomWaves:
             along = (fx * np.cos(angle) + fy * np.sin(angle)) * stretch
             across = (fy * np.cos(angle) - fx * np.sin(angle)) / stretch
             k = np.hypot(along, across)
-        k[(fy == 0.0) & (fx == 0.0)] = np.inf
+        k[(row == 0) & (column == 0)] = np.inf
         flat = k
         if self.rolloff is not None:
-            flat = np.where(k < (1.0 - _EDGE) / self.rolloff, 1.0 / self.rolloff, k)
+            k_rolloff = 1.0 / self.rolloff
+            flat = np.where(k < k_rolloff * (1.0 - _EDGE), k_rolloff, k)
         amplitude: Array = flat ** (-(1.0 + self.hurst))
         if self.cutoff is not None:
             amplitude[k > (1.0 + _EDGE) / self.cutoff] = 0.0
+        for wave, n in zip((row, column), self.shape, strict=True):
+            if n % 2 == 0:
+                amplitude[np.broadcast_to(wave == n // 2, k.shape)] = 0.0
         return amplitude
+
+
+def _leaves(first: int, last: int) -> Iterator[tuple[int, int]]:
+    """Parts of a range, halved as numpy halves an array to sum it."""
+    if last - first <= _TILE:
+        yield first, last
+    else:
+        yield from _leaves(first, _middle(first, last))
+        yield from _leaves(_middle(first, last), last)
+
+
+def _folded(first: int, last: int, sums: Iterator[float]) -> float:
+    """Sum of the `_leaves`, as numpy sums the whole: rounding does not depend on their size."""
+    if last - first <= _TILE:
+        return next(sums)
+    middle = _middle(first, last)
+    return _folded(first, middle, sums) + _folded(middle, last, sums)
+
+
+def _middle(first: int, last: int) -> int:
+    half = (last - first) // 2
+    return first + half - half % 8
 
 
 def _spans(count: int, step: int) -> list[tuple[int, int]]:
