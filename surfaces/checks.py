@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
+from numpy.typing import NDArray
 
 from .heightmap import HeightMap
 
@@ -13,6 +16,7 @@ __all__ = [
     "seam_warning",
     "spike_warning",
     "straight_warning",
+    "tilt_of_lines",
     "tilt_warning",
 ]
 
@@ -49,14 +53,18 @@ def tilt_warning(hm: HeightMap, least: float) -> list[str]:
     variance = hm.roughness.rms_height**2
     if hm.periodic or variance == 0.0:
         return []
-    heights, share = hm.heights, 0.0
-    if hm.missing:
-        heights = np.ma.masked_invalid(heights)
-    for axis, n in enumerate(hm.shape):
-        place = np.linspace(-1.0, 1.0, n)
-        means = np.ma.filled(heights.mean(1 - axis), np.nan)
-        held = np.isfinite(means)
-        slope = np.polyfit(place[held], means[held], 1)[0] if held.sum() > 1 else 0.0
+    heights = np.ma.masked_invalid(hm.heights) if hm.missing else hm.heights
+    means = [np.ma.filled(heights.mean(1 - axis), np.nan) for axis in (0, 1)]
+    return tilt_of_lines(means, variance, least)
+
+
+def tilt_of_lines(means: Iterable[NDArray[np.float64]], variance: float, least: float) -> list[str]:
+    """As `tilt_warning`, of the mean heights [m] of rows and of columns and the variance [m^2]."""
+    share = 0.0
+    for line in means:
+        place = np.linspace(-1.0, 1.0, len(line))
+        held = np.isfinite(line)
+        slope = np.polyfit(place[held], line[held], 1)[0] if held.sum() > 1 else 0.0
         share += slope**2 * float(np.mean(place**2)) / variance
     if share < least:
         return []

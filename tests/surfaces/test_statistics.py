@@ -10,7 +10,7 @@ import pytest
 
 import surfaces
 from surfaces.errors import SurfaceError
-from surfaces.statistics.describe import gradients
+from surfaces.statistics.differences import differences
 
 SIZE = (1e-3, 2e-3)
 
@@ -41,8 +41,8 @@ def test_curvature_of_a_paraboloid() -> None:
     """Away from the border, second differences of a paraboloid are exact."""
     hm = surfaces.HeightMap(np.zeros((20, 31)), (1e-6, 2e-6))
     y, x = hm.y[:, None], hm.x[None, :]
-    _, curvature = gradients(hm.replace(heights=-(300.0 * x**2 + 100.0 * y**2) / 2))
-    assert curvature == pytest.approx(200.0)
+    found = differences(hm.replace(heights=-(300.0 * x**2 + 100.0 * y**2) / 2))
+    assert found["curvature"] == pytest.approx(200.0)
 
 
 @pytest.mark.parametrize("factor", [1e-3, 7.0])
@@ -168,4 +168,30 @@ def test_measured_maps_have_the_slopes_of_their_table(measured: Path) -> None:
     table = {"afm_10um_grains": 0.223, "optical_rubber_missing": 0.136, "wli_milled_a": 0.161}
     for name, slope in table.items():
         hm = surfaces.prepare(surfaces.read(measured / f"{name}.h5"), fill=None)
-        assert gradients(hm)[0] == pytest.approx(slope, rel=0.005)
+        assert differences(hm)["Sdq"] == pytest.approx(slope, rel=0.005)
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+@pytest.mark.parametrize("gaps", [0, 50])
+def test_a_file_in_blocks_has_the_numbers_of_the_map(tmp_path, monkeypatch, periodic, gaps) -> None:
+    heights = surfaces.plateau_honed((300, 270), SIZE, rms_slope=0.1, cutoff=3e-5).heights.copy()
+    heights[heights > 0.5 * heights.std()] = 0.5 * heights.std()  # many points of one height
+    rng = np.random.default_rng(0)
+    heights[rng.integers(300, size=gaps), rng.integers(270, size=gaps)] = np.nan
+    hm = surfaces.HeightMap(heights, (1e-6, 2e-6), periodic=periodic)
+    surfaces.write(hm, tmp_path / "a.h5")
+    monkeypatch.setattr("surfaces.files.hdf5._BLOCK_BYTES", 1)  # one row of chunks
+    whole = surfaces.describe(hm)
+    with surfaces.open(tmp_path / "a.h5") as file:
+        found = surfaces.describe(file)
+        curve = surfaces.bearing_curve(file)
+    for group in ("heights", "hybrid", "functional"):
+        for name, value in getattr(whole, group).items():
+            assert getattr(found, group)[name] == pytest.approx(value, rel=1e-9, abs=1e-18), name
+    exact = surfaces.bearing_curve(hm).height
+    np.testing.assert_allclose(curve.height, exact, rtol=0, atol=1e-12 * hm.rms_height)
+    assert found.missing == whole.missing
+    assert any("read by blocks" in warning for warning in found.warnings)
+    assert [w for w in whole.warnings if "plane" in w] == [
+        w for w in found.warnings if "plane" in w
+    ]
