@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.numerics import parallel
-from surfaces.numerics.memory import require_memory
+from surfaces.numerics.memory import PROGRAM_BYTES, require_memory
+from surfaces.numerics.scratch import Scratch, spans
 
 from .errors import LONGEST, SHORTEST, InputError, as_number
 
@@ -26,9 +25,6 @@ _EDGE = 1e-9
 
 _TILE = 2**16
 """Points, or waves, that one thread makes at a time: they fit its cache."""
-
-_PROGRAM = 384 << 20
-"""Bytes that the program takes beside the arrays of the map, libraries included."""
 
 _ROWS = 256
 """Rows of a block: the chunks of a file are as high."""
@@ -119,25 +115,21 @@ class RandomWaves:
             If the memory does not hold a block.
         """
         ny, nx = self.shape
-        half, room = nx // 2 + 1, int(memory) - _PROGRAM
+        half, room = nx // 2 + 1, int(memory) - PROGRAM_BYTES
         least = max(16 * ny, 40 * min(ny, _ROWS) * nx)
         _check(
             room >= least,
-            f"a map of {ny} x {nx} points is made in {-(-(_PROGRAM + least) >> 20)} MiB of memory "
-            f"or more, not in {memory / 2**20:.4g} MiB",
+            f"a map of {ny} x {nx} points is made in {-(-(PROGRAM_BYTES + least) >> 20)} MiB of "
+            f"memory or more, not in {memory / 2**20:.4g} MiB",
         )
-        columns = _spans(half, room // (16 * ny))
-        with tempfile.TemporaryFile(dir=folder) as scratch:
+        with Scratch((ny, half), room // (16 * ny), folder) as scratch:
             scale = self._scale()
-            for part in columns:
-                self._columns(part, scale).tofile(scratch)
-            for first, last in _spans(ny, max(_ROWS, room // (40 * nx) // _ROWS * _ROWS)):
+            for section in scratch.sections:
+                scratch.write(section, 0, self._columns(section, scale))
+            for first, last in spans(ny, max(_ROWS, room // (40 * nx) // _ROWS * _ROWS)):
                 waves = np.empty((last - first, half), np.complex128)
-                for left, right in columns:
-                    width = right - left
-                    scratch.seek(16 * (ny * left + first * width))
-                    section = np.fromfile(scratch, np.complex128, (last - first) * width)
-                    waves[:, left:right] = section.reshape(-1, width)
+                for section in scratch.sections:
+                    waves[:, slice(*section)] = scratch.read(section, (first, last))
                 heights = np.empty((last - first, nx))
                 self._along_x(waves, heights)
                 yield heights
@@ -180,11 +172,11 @@ class RandomWaves:
             lines = np.ascontiguousarray(waves[:, slice(*some)].T)
             waves[:, slice(*some)] = np.fft.ifft(lines).T
 
-        parallel.each(fill, _spans(ny, max(1, _TILE // (right - left))))
+        parallel.each(fill, spans(ny, max(1, _TILE // (right - left))))
         if left == 0:
             above = np.arange(1, (ny + 1) // 2)
             waves[ny - above, 0] = waves[above, 0].conj()
-        parallel.each(transform, _spans(right - left, max(4, _TILE // ny)))
+        parallel.each(transform, spans(right - left, max(4, _TILE // ny)))
         return waves
 
     def _along_x(self, waves: Waves, heights: Array) -> None:
@@ -193,7 +185,7 @@ class RandomWaves:
         def transform(rows: tuple[int, int]) -> None:
             heights[slice(*rows)] = np.fft.irfft(waves[slice(*rows)], self.shape[1])
 
-        parallel.each(transform, _spans(len(heights), max(1, _TILE // self.shape[1])))
+        parallel.each(transform, spans(len(heights), max(1, _TILE // self.shape[1])))
 
     def _frequencies(
         self, row: NDArray[np.int64], column: NDArray[np.int64]
@@ -259,12 +251,6 @@ def _folded(first: int, last: int, sums: Iterator[float]) -> float:
 def _middle(first: int, last: int) -> int:
     half = (last - first) // 2
     return first + half - half % 8
-
-
-def _spans(count: int, step: int) -> list[tuple[int, int]]:
-    """First and one-past-last numbers of parts of ``range(count)``."""
-    bounds = [*range(0, count, step), count]
-    return list(itertools.pairwise(bounds))
 
 
 def checked_shape(shape: tuple[int, int]) -> tuple[int, int]:

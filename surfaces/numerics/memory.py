@@ -7,7 +7,11 @@ from pathlib import Path
 
 from surfaces.errors import SurfaceError
 
-__all__ = ["available_bytes", "require_memory"]
+__all__ = ["PROGRAM_BYTES", "available_bytes", "require_memory"]
+
+PROGRAM_BYTES = 384 << 20
+"""What the program takes beside the arrays of a map that is worked on in blocks, libraries
+included."""
 
 _MEMINFO = Path("/proc/meminfo")
 _CGROUP = Path("/sys/fs/cgroup")

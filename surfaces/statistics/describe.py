@@ -15,12 +15,13 @@ from surfaces.roughness import unit_warning
 
 from .bearing import bearing_curve
 from .correlation import Texture, autocorrelation, texture
+from .density import MEMORY, density_of
 from .differences import differences
 from .features import FEATURES, features
 from .heights import extent, height_parameters, line_means
 from .parameters import PARAMETERS
 from .rows import MapFile, Source, require_source
-from .spectrum import SpectralMoments, power_spectrum, texture_direction
+from .spectrum import SpectralMoments, spectrum_of, texture_direction
 from .spectrum_fit import SpectrumFit, fit_spectrum
 
 __all__ = ["Statistics", "describe"]
@@ -133,20 +134,23 @@ class Statistics:
     __repr__ = __str__
 
 
-def describe(hm: HeightMap | MapFile, *, wolf: float = 5.0) -> Statistics:
+def describe(hm: HeightMap | MapFile, *, wolf: float = 5.0, memory: float = MEMORY) -> Statistics:
     """Roughness statistics of a map as it is; it should be levelled first.
 
     Parameters
     ----------
     hm
         The map. With missing points the spectral and the feature parameters are left out. Of a
-        file, as `surfaces.open` gives it, no more than some blocks of rows are held in memory, and
-        the numbers are those of the map in memory, but for rounding; volumes of the functional
-        parameters to the share of points between two of 2^20 levels times their distance. Texture,
-        spectral and feature parameters are left out.
+        file, as `surfaces.open` gives it, no more than some blocks are held in memory, and the
+        numbers are those of the map in memory, but for rounding; volumes of the functional
+        parameters to the share of points between two of 2^20 levels times their distance. Texture
+        and feature parameters are left out, and spectral ones if it is not periodic.
     wolf
         Smallest height of a hill above its saddle, and depth of a dale, in percent of Sz, for the
         feature parameters (Wolf pruning, 5 % in ISO 25178-3).
+    memory
+        For a file: largest memory of the whole program [bytes], if that held nothing before. A
+        temporary file takes 8 bytes per point.
 
     Raises
     ------
@@ -181,16 +185,20 @@ def describe(hm: HeightMap | MapFile, *, wolf: float = 5.0) -> Statistics:
         spatial |= {"Sal": lay.shortest, "Str": lay.aspect, "lay": math.degrees(lay.direction)}
         if not missing:
             hills = features(hm, wolf)
-            spectrum = power_spectrum(hm)
-            moments = spectrum.moments
-            spatial["Std"] = math.degrees(texture_direction(hm))
-            warnings += _resolution_warning(moments, hybrid["Sdq"], hybrid["curvature"])
-            try:
-                fit = fit_spectrum(spectrum)
-            except SurfaceError as error:
-                warnings.append(f"no self-affine fit: {error}")
     else:
-        warnings.append("read by blocks: no texture, spectrum and features; they need all heights")
+        warnings.append("read by blocks: no texture and features, which need all heights at once")
+    if not missing and (lay or hm.periodic):
+        with density_of(hm, memory) as waves:
+            spectrum = spectrum_of(waves)
+            spatial["Std"] = math.degrees(texture_direction(waves))
+        moments = spectrum.moments
+        warnings += _resolution_warning(moments, hybrid["Sdq"], hybrid["curvature"])
+        try:
+            fit = fit_spectrum(spectrum)
+        except SurfaceError as error:
+            warnings.append(f"no self-affine fit: {error}")
+    elif not missing:
+        warnings.append("read by blocks: no spectrum of a map that is not periodic")
     if lay is not None and lay.bounded:
         warnings.append("the correlation does not fall off within half the map: Str is a bound")
     return Statistics(

@@ -183,7 +183,8 @@ def test_a_file_in_blocks_has_the_numbers_of_the_map(tmp_path, monkeypatch, peri
     monkeypatch.setattr("surfaces.files.hdf5._BLOCK_BYTES", 1)  # one row of chunks
     whole = surfaces.describe(hm)
     with surfaces.open(tmp_path / "a.h5") as file:
-        found = surfaces.describe(file)
+        least = 384 * 2**20 + 4 * 120 * 300
+        found = surfaces.describe(file, memory=least)
         curve = surfaces.bearing_curve(file)
     for group in ("heights", "hybrid", "functional"):
         for name, value in getattr(whole, group).items():
@@ -191,7 +192,43 @@ def test_a_file_in_blocks_has_the_numbers_of_the_map(tmp_path, monkeypatch, peri
     exact = surfaces.bearing_curve(hm).height
     np.testing.assert_allclose(curve.height, exact, rtol=0, atol=1e-12 * hm.rms_height)
     assert found.missing == whole.missing
-    assert any("read by blocks" in warning for warning in found.warnings)
-    assert [w for w in whole.warnings if "plane" in w] == [
-        w for w in found.warnings if "plane" in w
-    ]
+    for told in ("plane", "missing"):
+        assert [w for w in found.warnings if told in w] == [w for w in whole.warnings if told in w]
+    assert any("no texture and features" in warning for warning in found.warnings)
+    assert (found.moments is None) == (gaps > 0 or not periodic)
+
+
+@pytest.mark.parametrize("shape", [(300, 271), (259, 304)])
+def test_a_file_in_sections_has_the_spectrum_of_the_map(tmp_path, shape) -> None:
+    """Both parities of both axes; four columns in a section at least."""
+    hm = surfaces.self_affine(shape, SIZE, hurst=0.7, rms_slope=0.1, anisotropy=3.0, cutoff=5e-5)
+    surfaces.write(hm, tmp_path / "a.h5")
+    least = 384 * 2**20 + 4 * 120 * shape[0]
+    with surfaces.open(tmp_path / "a.h5") as file:
+        one, other = surfaces.power_spectrum(hm), surfaces.power_spectrum(file, memory=least)
+        whole, found = surfaces.describe(hm), surfaces.describe(file, memory=least)
+        with pytest.raises(surfaces.InputError, match="385 MiB of memory or more, not"):
+            surfaces.power_spectrum(file, memory=least - 1)
+    for name in ("q", "density", "modes", "qx", "density_x", "qy", "density_y", "edge", "nyquist"):
+        value = getattr(one, name)
+        np.testing.assert_allclose(
+            getattr(other, name), value, rtol=1e-9, atol=1e-20 * np.max(value)
+        )
+    assert vars(other.moments) == pytest.approx(vars(one.moments), rel=1e-10)
+    assert found.spatial["Std"] == pytest.approx(whole.spatial["Std"], rel=1e-10)
+    assert found.fit.hurst == pytest.approx(whole.fit.hurst, rel=1e-6)
+
+
+@pytest.mark.parametrize("changes", [{"periodic": False}, {"gap": True}])
+def test_a_file_that_has_no_spectrum_is_told(tmp_path, changes) -> None:
+    heights = rough().heights.copy()
+    if changes.pop("gap", False):
+        heights[3, 4] = np.nan
+    surfaces.write(
+        surfaces.HeightMap(heights, 1e-6, **{"periodic": True} | changes), tmp_path / "a.h5"
+    )
+    with (
+        surfaces.open(tmp_path / "a.h5") as file,
+        pytest.raises(SurfaceError, match=r"is not periodic, and|1 points are missing"),
+    ):
+        surfaces.power_spectrum(file)
