@@ -202,7 +202,8 @@ def spectrum_of(waves: Density) -> Spectrum:
     table, rows, columns = np.zeros((4, 4)), np.zeros(ny), np.zeros(nx // 2 + 1)
     for part, density in waves.sections():
         qy, qx = _wave_numbers(waves, part)
-        weight = np.where((qx == 0.0) | (qx == np.pi / dx), 1.0, 2.0)
+        column = np.arange(nx // 2 + 1)[part]
+        weight = np.where((column == 0) | (2 * column == nx), 1.0, 2.0)
         q = np.hypot(qy[:, None], qx[None, :])
         ring = np.digitize(q, edges).ravel()
         half = np.broadcast_to(0.5 * weight, q.shape).ravel()
