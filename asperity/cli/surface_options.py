@@ -50,6 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     targets.add_target(
         info, "--report", suffix=targets.ONE, help="HTML page of all maps, numbers and pictures"
     )
+    _memory(info, "read HDF5 files by blocks, in so much memory; without texture and features")
     _told(info)
 
     validate = _command(commands, "validate", "name every fault of HDF5 height-map files")
@@ -204,12 +205,11 @@ def _generation(parser: argparse.ArgumentParser) -> None:
         number: Any = int if name == "seed" else quantities.of(kind)
         parser.add_argument(f"--{name.replace('_', '-')}", type=number, metavar="X", help=text)
     parser.add_argument("--name", help="name kept in the file")
-    parser.add_argument(
-        "--memory",
-        type=quantities.of("memory"),
-        metavar="M",
-        help="make the map in blocks, straight in the file, within this memory (2GiB); self-affine",
-    )
+    _memory(parser, "make the map by blocks in the file, in so much memory (2GiB); self-affine")
     targets.add_target(parser, "-o", "--output", suffix=".h5", required=True, help="file to write")
     targets.add_force(parser)
     parser.add_argument("--float32", action="store_true", help="half the size, 7 digits")
+
+
+def _memory(parser: argparse.ArgumentParser, text: str) -> None:
+    parser.add_argument("--memory", type=quantities.of("memory"), metavar="M", help=text)

@@ -34,6 +34,16 @@ def test_info_on_a_glob(folder: Path, capsys: pytest.CaptureFixture[str]) -> Non
     assert out.count("20 x 31 (y, x), 1 missing") == 3
 
 
+def test_info_by_blocks(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("info", folder / "map0.h5") == 0
+    whole = capsys.readouterr().out
+    assert run("info", folder / "map0.h5", "--memory", "1GiB") == 0
+    blocks = capsys.readouterr().out
+    for name in ("points", "pixel", "periodic", "heights", "hybrid", "functional", "history"):
+        told = [line for line in whole.splitlines() if line.startswith(f"  {name}")]
+        assert told and all(line in blocks for line in told)
+
+
 @pytest.mark.parametrize("action", ["info", "validate", "convert"])
 def test_a_batch_goes_on_past_a_bad_file(
     folder: Path, action: str, capsys: pytest.CaptureFixture[str]
@@ -124,6 +134,7 @@ def test_generate_textures(tmp_path: Path, words: str) -> None:
         (["convert", "{0}/map0.h5", "-o", "{0}"], "would replace the input"),
         (["info", "{0}/map0.h5", "--spacing", "1", "2", "3"], "one number or two"),
         (["info", "{0}/map0.h5", "--unit", "um"], "leave out"),
+        (["info", "{0}/map0.h5", "--memory", "1GiB", "--report", "a.html"], "leave out --memory"),
         (["info", "{0}/map0.h5", "--dataset", "z"], "the file holds heights (20, 31) float64"),
         (["peaks", "{0}/map0.h5"], "missing (1 of 620 points)"),
         (["peaks", "{0}/map0.h5", "--fill", "harmonic", "--plot", "a.xyz"], "cannot be written"),
