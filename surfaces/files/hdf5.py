@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -50,6 +50,8 @@ class SurfaceFile:
         Unit of the stored heights; everything returned is in metres.
     periodic
         Whether the whole map continues across its border.
+    history
+        What was done to the map so far, as in `HeightMap`.
 
     Examples
     --------
@@ -70,11 +72,10 @@ class SurfaceFile:
         self.unit = header.unit
         self.periodic = header.periodic
         self.name = header.name or path.stem
-        self.history = header.history
-        self._notes = header.notes
         self._file = file
         self._dataset = dataset
         self._ours = ours(dataset)
+        self.history = header.history or (self._origin(header.notes),)
 
     def __enter__(self) -> Self:
         return self
@@ -166,7 +167,7 @@ class SurfaceFile:
         top, bottom = _bounds(rows, self.shape[0], "rows")
         left, right = _bounds(columns, self.shape[1], "columns")
         whole = (bottom - top, right - left) == self.shape
-        history = list(self.history) or [self._origin()]
+        history = list(self.history)
         if not whole:
             history.append({"step": "crop", "rows": [top, bottom], "columns": [left, right]})
         heights = self.heights((top, bottom), (left, right))
@@ -196,11 +197,11 @@ class SurfaceFile:
                 f"damaged ({brief(error)}); copy the file again from its source"
             ) from error
 
-    def _origin(self) -> dict[str, Any]:
+    def _origin(self, notes: Mapping[str, Any]) -> dict[str, Any]:
         """First step of the history of a map that carries none."""
         step = {"step": "read", "file": self.path.name, "dataset": self._dataset.name}
         step["unit"] = self.unit
-        return step | {key: plain(value) for key, value in self._notes.items()}
+        return step | {key: plain(value) for key, value in notes.items()}
 
     def _rows_per_block(self, columns: int) -> int:
         """Rows of about `_BLOCK_BYTES`, in whole chunks where that is possible."""
