@@ -44,6 +44,8 @@ def chunk_of(shape: tuple[int, int]) -> tuple[int, int]:
 
 def ours(dataset: h5py.Dataset) -> bool:
     """Whether the chunks of a dataset are stored as `packed` packs them."""
+    if not isinstance(dataset, h5py.Dataset):
+        return False
     filters = dataset.id.get_create_plist()
     codes = [filters.get_filter(index)[0] for index in range(filters.get_nfilters())]
     return (

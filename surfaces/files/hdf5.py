@@ -8,11 +8,11 @@ from __future__ import annotations
 import itertools
 import os
 from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -25,6 +25,7 @@ from surfaces.units import metres_per
 from ._container import find, naming_damage, opened, require_sound
 from ._packing import ours, unpacked
 from ._schema import DAMAGED, Fault, Header, brief, plain, read_header
+from .zarr_array import is_zarr, read_zarr
 
 __all__ = ["Fault", "SurfaceFile", "open", "validate"]
 
@@ -34,7 +35,7 @@ _Span = tuple[int, int]  # first and one past the last index
 
 
 class SurfaceFile:
-    """A height map in an HDF5 file, read in parts; closed by ``with`` or `close`.
+    """A height map in HDF5 or Zarr, read in parts; closed by ``with`` or `close`.
 
     Made by `open`. Nothing but the header is read until heights are asked for.
 
@@ -65,7 +66,7 @@ class SurfaceFile:
     (8, 12)
     """
 
-    def __init__(self, path: Path, file: h5py.File, dataset: h5py.Dataset, header: Header) -> None:
+    def __init__(self, path: Path, file: Any, dataset: Any, header: Header) -> None:
         self.path = path
         self.shape = header.shape
         self.spacing = header.spacing
@@ -217,7 +218,7 @@ def open(
     unit: str | None = None,
     spacing: ArrayLike | None = None,
 ) -> SurfaceFile:
-    """Open a height map in HDF5 for reading in parts.
+    """Open a height map in HDF5 or Zarr for reading in parts.
 
     Parameters
     ----------
@@ -240,16 +241,29 @@ def open(
     ...         print(file.shape, file.spacing)
     (32, 48) (1e-06, 1e-06)
     """
-    path, pixel = as_path(path), _pair(spacing)
+    path = as_path(path)
+    file, found, header, faults = _opened(path, dataset, unit, _pair(spacing))
+    if header is None:
+        file.close()
+        raise FileFormatError(f"{path}: {next(f.text for f in faults if f.fatal)}")
+    return SurfaceFile(path, file, found, header)
+
+
+def _opened(
+    path: Path,
+    dataset: str | None = None,
+    unit: str | None = None,
+    spacing: tuple[float, float] | None = None,
+) -> tuple[Any, Any, Header | None, list[Fault]]:
+    """What is to be closed, the array, its header and its faults."""
+    if is_zarr(path):
+        return ExitStack(), *read_zarr(path, dataset, unit, spacing)
     require_sound(path, dataset)
     file = opened(path)
     try:
         with naming_damage(path):
             found = find(file, path, dataset)
-            header, faults = read_header(found, unit=unit, spacing=pixel)
-        if header is None:
-            raise FileFormatError(f"{path}: {next(f.text for f in faults if f.fatal)}")
-        return SurfaceFile(path, file, found, header)
+            return file, found, *read_header(found, unit=unit, spacing=spacing)
     except BaseException:
         file.close()
         raise
@@ -281,19 +295,12 @@ def validate(path: str | os.PathLike[str], *, dataset: str | None = None) -> lis
     """
     path = as_path(path)
     try:
-        require_sound(path, dataset)
-        file = opened(path)
-    except FileFormatError as error:
-        return [Fault(str(error).removeprefix(f"{path}: "))]
-    with file:
-        try:
-            with naming_damage(path):
-                found = find(file, path, dataset)
-                header, faults = read_header(found)
+        file, found, header, faults = _opened(path, dataset)
+        with file:
             if header is not None:
                 faults += _height_faults(SurfaceFile(path, file, found, header))
-        except AsperityError as error:
-            return [Fault(str(error).removeprefix(f"{path}: "))]
+    except AsperityError as error:
+        return [Fault(str(error).removeprefix(f"{path}: "))]
     return faults
 
 
