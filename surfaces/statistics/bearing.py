@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from surfaces.heightmap import HeightMap
 
 from .heights import Extent, extent
-from .rows import MapFile, present_in, require_source
+from .rows import MapFile, over_present, require_source
 
 __all__ = ["BearingCurve", "bearing_curve"]
 
@@ -177,11 +178,17 @@ def _counted(source: MapFile, found: Extent) -> BearingCurve:
     def level(z: NDArray[np.float64]) -> NDArray[np.int64]:
         return np.minimum(((z - found.lowest) * per_height).astype(np.int64), _LEVELS - 1)
 
-    counts, sums = np.zeros(_LEVELS, np.int64), np.zeros(_LEVELS)
-    for z in present_in(source):
+    def counted(z: NDArray[np.float64]) -> tuple[NDArray[Any], NDArray[Any]]:
         levels = level(z)
-        counts += np.bincount(levels, minlength=_LEVELS)
-        sums += np.bincount(levels, z - found.mean, _LEVELS)
+        return (
+            np.bincount(levels, minlength=_LEVELS),
+            np.bincount(levels, z - found.mean, _LEVELS),
+        )
+
+    counts, sums = np.zeros(_LEVELS, np.int64), np.zeros(_LEVELS)
+    for more, part in over_present(counted, source):
+        counts += more
+        sums += part
     ratio = np.linspace(0.0, 1.0, _RATIOS)
     rank = np.clip((1.0 - ratio) * found.count - 0.5, 0.0, found.count - 1.0)
     lower = rank.astype(np.int64)
@@ -189,11 +196,14 @@ def _counted(source: MapFile, found: Extent) -> BearingCurve:
     of_rank = np.searchsorted(np.cumsum(counts), ranks, side="right")
     read = np.zeros(_LEVELS, np.bool_)
     read[of_rank] = True
-    held, number = np.empty(0), np.empty(0, np.int64)
-    for z in present_in(source):
-        more, times = np.unique(z[read[level(z)]], return_counts=True)
-        held, back = np.unique(np.concatenate([held, more]), return_inverse=True)
-        number = np.bincount(back, np.concatenate([number, times])).astype(np.int64)
+
+    def held_in(z: NDArray[np.float64]) -> tuple[NDArray[Any], NDArray[Any]]:
+        values, times = np.unique(z[read[level(z)]], return_counts=True)
+        return values, times
+
+    values, times = (np.concatenate(v) for v in zip(*over_present(held_in, source), strict=True))
+    held, back = np.unique(values, return_inverse=True)
+    number = np.bincount(back, times).astype(np.int64)
     skipped = np.cumsum(np.where(read, 0, counts))
     low, high = held[np.searchsorted(np.cumsum(number), ranks - skipped[of_rank], side="right")]
     height = low - found.mean + (rank - lower) * (high - low)

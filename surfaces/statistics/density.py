@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,15 +15,16 @@ from surfaces.errors import InputError, SurfaceError
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import PROGRAM_BYTES
-from surfaces.numerics.scratch import Scratch
+from surfaces.numerics.scratch import Scratch, spans
 from surfaces.preparation.levelling import level
 
 from .heights import extent
 from .rows import MapFile, Source, require_source
 
-__all__ = ["MEMORY", "Density", "density_of"]
+__all__ = ["MEMORY", "Density", "density_of", "over_sections", "wave_numbers"]
 
 Array = NDArray[np.float64]
+Result = TypeVar("Result")
 
 MEMORY = 2 << 30
 """Memory of the program that works on a file, if nothing else is said [bytes]."""
@@ -45,13 +46,25 @@ class Density(Protocol):
         """Whether the map is windowed."""
         ...
 
-    def sections(self) -> Iterator[tuple[slice, Array]]:
-        """Columns of the half spectrum and their density [m^4], shape (ny, columns)."""
+    def sections(self) -> Iterator[list[tuple[slice, Array]]]:
+        """Columns of the half spectrum and their density [m^4], shape (ny, columns), in lists."""
         ...
 
     def along(self, axis: int) -> Array | None:
         """Mean density [m^3] of windowed profiles along an axis; None if there is no window."""
         ...
+
+
+def over_sections(function: Callable[[slice, Array], Result], waves: Density) -> Iterator[Result]:
+    """What a function finds in sections of a density, in order; in threads if they are many."""
+    for parts in waves.sections():
+        yield from parallel.each(lambda part: function(*part), parts)
+
+
+def wave_numbers(waves: Density, columns: slice) -> tuple[Array, Array]:
+    """Wave numbers qy (ny,), and qx of some columns of the half spectrum [rad/m]."""
+    (ny, nx), (dy, dx) = waves.source.shape, waves.source.spacing
+    return 2.0 * np.pi * fft.fftfreq(ny, dy), 2.0 * np.pi * fft.rfftfreq(nx, dx)[columns]
 
 
 @contextmanager
@@ -99,8 +112,8 @@ class _InMemory:
     heights: Array = field(repr=False)
     density: Array = field(repr=False)
 
-    def sections(self) -> Iterator[tuple[slice, Array]]:
-        yield slice(0, self.density.shape[1]), self.density
+    def sections(self) -> Iterator[list[tuple[slice, Array]]]:
+        yield [(slice(0, self.density.shape[1]), self.density)]
 
     def along(self, axis: int) -> Array | None:
         if not self.hann:
@@ -118,12 +131,16 @@ class _InFile:
     scratch: Scratch
     hann: bool = False
 
-    def sections(self) -> Iterator[tuple[slice, Array]]:
+    def sections(self) -> Iterator[list[tuple[slice, Array]]]:
         workers = parallel.threads()
         for section in self.scratch.sections:
             rows = self.scratch.read(section, (0, self.source.shape[0]))
             modes = fft.fft(rows, axis=0, overwrite_x=True, workers=workers)
-            yield slice(*section), _squared(modes, self.source)
+            parts = spans(modes.shape[1], -(-modes.shape[1] // workers))
+            yield [
+                (slice(section[0] + a, section[0] + b), _squared(modes[:, a:b], self.source))
+                for a, b in parts
+            ]
 
     def along(self, axis: int) -> None:
         return None

@@ -17,11 +17,12 @@ from .bearing import bearing_curve
 from .correlation import Texture, autocorrelation, texture
 from .density import MEMORY, density_of
 from .differences import differences
+from .direction import texture_direction
 from .features import FEATURES, features
 from .heights import extent, height_parameters, line_means
 from .parameters import PARAMETERS
 from .rows import MapFile, Source, require_source
-from .spectrum import SpectralMoments, spectrum_of, texture_direction
+from .spectrum import SpectralMoments, spectrum_of
 from .spectrum_fit import SpectrumFit, fit_spectrum
 
 __all__ = ["Statistics", "describe"]

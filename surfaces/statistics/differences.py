@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.numerics import parallel
+
 from .rows import Source, heights_of, rows_of
 
 __all__ = ["differences"]
@@ -32,39 +34,31 @@ def differences(source: Source) -> dict[str, float]:
     additional area is that of the triangulated surface over its projection.
     """
     dy, dx = source.spacing
-    slopes_y, slopes_x, bends, area = _Mean(), _Mean(), _Mean(), _Mean()
-    for z in _bordered(source):
+
+    def squares(z: NDArray[np.float64]) -> list[tuple[float, int]]:
         middle = z[1:-1, 1:-1]
-        slopes_y.add(np.square((z[2:, 1:-1] - middle) / dy))
-        slopes_x.add(np.square((z[1:-1, 2:] - middle) / dx))
         bend = (z[2:, 1:-1] + z[:-2, 1:-1] - 2.0 * middle) / dy**2
         bend += (z[1:-1, 2:] + z[1:-1, :-2] - 2.0 * middle) / dx**2
-        bends.add(np.square(bend))
         step_y, step_x = np.diff(z[1:, 1:], axis=0) / dy, np.diff(z[1:, 1:]) / dx
         step_y, step_x = np.square(step_y) + 1.0, np.square(step_x)
         ends = (slice(None, -1), slice(1, None))
         corners = [np.sqrt(step_y[:, one] + step_x[other]) for one in ends for other in ends]
-        area.add(np.mean(corners, axis=0))
+        slope_y, slope_x = (z[2:, 1:-1] - middle) / dy, (z[1:-1, 2:] - middle) / dx
+        found = np.square(slope_y), np.square(slope_x), np.square(bend), np.mean(corners, axis=0)
+        return [(float(np.nansum(v)), int(np.count_nonzero(v == v))) for v in found]
+
+    totals = np.zeros((4, 2))
+    parts = _bordered(source)
+    while batch := list(itertools.islice(parts, 4 * parallel.threads())):
+        for part in parallel.each(squares, batch):
+            totals += part
+    with np.errstate(invalid="ignore"):
+        slope_y, slope_x, bend, area = (totals[:, 0] / totals[:, 1]).tolist()
     return {
-        "Sdq": math.sqrt(slopes_y.value + slopes_x.value),
-        "Sdr": area.value - 1.0,
-        "curvature": 0.5 * math.sqrt(bends.value),
+        "Sdq": math.sqrt(slope_y + slope_x),
+        "Sdr": area - 1.0,
+        "curvature": 0.5 * math.sqrt(bend),
     }
-
-
-class _Mean:
-    """Mean of the numbers present in arrays that come one after the other."""
-
-    def __init__(self) -> None:
-        self.total, self.count = 0.0, 0
-
-    def add(self, values: NDArray[np.float64]) -> None:
-        self.total += float(np.nansum(values))
-        self.count += values.size - int(np.count_nonzero(np.isnan(values)))
-
-    @property
-    def value(self) -> float:
-        return self.total / self.count if self.count else math.nan
 
 
 def _bordered(source: Source) -> Iterator[NDArray[np.float64]]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from surfaces.errors import SurfaceError
 
-from .rows import Source, present_in, rows_of
+from .rows import Source, over_present, over_rows
 
 __all__ = ["Extent", "extent", "height_parameters", "line_means"]
 
@@ -34,10 +34,8 @@ def extent(source: Source) -> Extent:
         If the map is constant, or no point is present.
     """
     count, total, low, high = 0, 0.0, math.inf, -math.inf
-    for z in present_in(source):
-        if z.size:
-            count, total = count + z.size, total + float(z.sum())
-            low, high = min(low, float(z.min())), max(high, float(z.max()))
+    for more, part, least, most in over_present(_summed, source):
+        count, total, low, high = count + more, total + part, min(low, least), max(high, most)
     if not count:
         raise SurfaceError("every point of the height map is missing (NaN)")
     if low == high:
@@ -45,13 +43,24 @@ def extent(source: Source) -> Extent:
     return Extent(count, total / count, low, high)
 
 
+def _summed(z: NDArray[np.float64]) -> tuple[int, float, float, float]:
+    """Number, sum, lowest and highest of some heights."""
+    if not z.size:
+        return 0, 0.0, math.inf, -math.inf
+    return z.size, float(z.sum()), float(z.min()), float(z.max())
+
+
 def height_parameters(source: Source, found: Extent) -> dict[str, float]:
     """Sq, Sa, Sp, Sv, Sz [m], Ssk, Sku [-] about the mean (ISO 25178-2:2021, 4.2)."""
-    sums = np.zeros(4)
-    for heights in present_in(source):
+
+    def powers(heights: NDArray[np.float64]) -> NDArray[np.float64]:
         z = heights - found.mean
         square = z * z
-        sums += [np.abs(z).sum(), square.sum(), (square * z).sum(), (square * square).sum()]
+        return np.array(
+            [np.abs(z).sum(), square.sum(), (square * z).sum(), (square * square).sum()]
+        )
+
+    sums = sum(over_present(powers, source), np.zeros(4))
     mean, variance, third, fourth = (sums / found.count).tolist()
     sq = math.sqrt(variance)
     return {
@@ -67,14 +76,13 @@ def height_parameters(source: Source, found: Extent) -> dict[str, float]:
 
 def line_means(source: Source) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Mean heights [m] of the points present in each row and in each column; NaN if none is."""
-    rows, counts = [], []
-    columns, numbers = np.zeros(source.shape[1]), np.zeros(source.shape[1])
-    for block in rows_of(source):
+
+    def lines(block: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         present = np.isfinite(block)
-        z = np.where(present, block, 0.0)
-        rows.append(z.sum(axis=1))
-        counts.append(np.count_nonzero(present, axis=1))
-        columns += z.sum(axis=0)
-        numbers += np.count_nonzero(present, axis=0)
+        held = np.stack([np.where(present, block, 0.0), present])
+        return held.sum(axis=2), held.sum(axis=1)
+
+    along_x, along_y = zip(*over_rows(lines, source), strict=True)
+    rows, columns = np.concatenate(along_x, axis=1), sum(along_y, np.zeros((2, source.shape[1])))
     with np.errstate(invalid="ignore"):
-        return np.concatenate(rows) / np.concatenate(counts), columns / numbers
+        return rows[0] / rows[1], columns[0] / columns[1]

@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Protocol
+from collections.abc import Callable, Iterator
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.heightmap import HeightMap, require_map
+from surfaces.numerics import parallel
 
-__all__ = ["MapFile", "Source", "heights_of", "present_in", "require_source", "rows_of"]
+__all__ = [
+    "MapFile",
+    "Source",
+    "heights_of",
+    "over_present",
+    "over_rows",
+    "require_source",
+    "rows_of",
+]
+
+Array = NDArray[np.float64]
+Result = TypeVar("Result")
 
 
 class MapFile(Protocol):
@@ -49,7 +61,7 @@ def heights_of(
     return source.heights[slice(*(rows or (None,))), slice(*(columns or (None,)))]
 
 
-def rows_of(source: Source) -> Iterator[NDArray[np.float64]]:
+def rows_of(source: Source) -> Iterator[Array]:
     """Heights [m] of whole rows, block after block."""
     if isinstance(source, HeightMap):
         yield source.heights
@@ -57,6 +69,13 @@ def rows_of(source: Source) -> Iterator[NDArray[np.float64]]:
         yield from (block for _, block in source.blocks())
 
 
-def present_in(source: Source) -> Iterator[NDArray[np.float64]]:
-    """Heights [m] of the points present, block after block."""
-    return (block[np.isfinite(block)] for block in rows_of(source))
+def over_rows(function: Callable[[Array], Result], source: Source) -> Iterator[Result]:
+    """What a function finds in blocks of whole rows, in order; in threads if they are of a file."""
+    parts = 1 if isinstance(source, HeightMap) else parallel.threads()
+    for block in rows_of(source):
+        yield from parallel.each(function, np.array_split(block, min(parts, len(block))))
+
+
+def over_present(function: Callable[[Array], Result], source: Source) -> Iterator[Result]:
+    """As `over_rows`, of the heights of the points present."""
+    return over_rows(lambda block: function(block[np.isfinite(block)]), source)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +10,7 @@ from scipy import fft
 
 from surfaces.heightmap import HeightMap
 
-from .density import MEMORY, Density, density_of
+from .density import MEMORY, Density, density_of, over_sections, wave_numbers
 from .rows import MapFile
 
 __all__ = [
@@ -20,7 +19,6 @@ __all__ = [
     "power_spectrum",
     "power_spectrum_2d",
     "spectrum_of",
-    "texture_direction",
 ]
 
 Array = NDArray[np.float64]
@@ -198,46 +196,46 @@ def spectrum_of(waves: Density) -> Spectrum:
     size = ny * dy, nx * dx
     nyquist = np.pi / max(dy, dx)
     edges = _ring_edges(2.0 * np.pi / max(size), nyquist)
-    count, power, place = np.zeros((3, len(edges) + 1))
+    rings = np.zeros((3, len(edges) + 1))
     table, rows, columns = np.zeros((4, 4)), np.zeros(ny), np.zeros(nx // 2 + 1)
-    for part, density in waves.sections():
-        qy, qx = _wave_numbers(waves, part)
+
+    def ring_sums(part: slice, density: Array) -> tuple[Array, Array, Array, slice, Array]:
+        qy, qx = wave_numbers(waves, part)
         column = np.arange(nx // 2 + 1)[part]
         weight = np.where((column == 0) | (2 * column == nx), 1.0, 2.0)
         q = np.hypot(qy[:, None], qx[None, :])
         ring = np.digitize(q, edges).ravel()
         half = np.broadcast_to(0.5 * weight, q.shape).ravel()
         logs = np.log(np.maximum(q, 0.5 * edges[0])).ravel()
-        for sums, values in ((count, half), (power, half * density.ravel()), (place, half * logs)):
-            sums += np.bincount(ring, values, len(edges) + 1)
-        table += _moment_table(qy, qx, density * weight / (size[0] * size[1]))
-        rows += density @ weight
-        columns[part] = density.sum(axis=0)
-    count, power, place = count[1:-1], power[1:-1], place[1:-1]
+        values = half, half * density.ravel(), half * logs
+        rings = np.array([np.bincount(ring, v, len(edges) + 1) for v in values], np.float64)
+        table = _moment_table(qy, qx, density * weight / (size[0] * size[1]))
+        return rings, table, np.asarray(density @ weight), part, density.sum(axis=0)
+
+    for more, moments, along_y, part, along_x in over_sections(ring_sums, waves):
+        rings += more
+        table += moments
+        rows += along_y
+        columns[part] = along_x
+    count, power, place = rings[:, 1:-1]
     full = count > 0
-    opposite = rows[-np.arange(ny)]
-    along_y, along_x = waves.along(0), waves.along(1)
-    if along_y is None or along_x is None:
-        along_y, along_x = 0.5 * (rows + opposite) / size[1], columns / size[0]
+    density_y, density_x = waves.along(0), waves.along(1)
+    if density_y is None or density_x is None:
+        opposite = rows[-np.arange(ny)]
+        density_y, density_x = 0.5 * (rows + opposite) / size[1], columns / size[0]
     return Spectrum(
         q=np.exp(place[full] / count[full]),
         density=power[full] / count[full],
         modes=count[full] * (_HANN_MODES if waves.hann else 1.0),
         qx=2.0 * np.pi * fft.rfftfreq(nx, dx)[1:],
-        density_x=along_x[1:],
+        density_x=density_x[1:],
         qy=2.0 * np.pi * fft.rfftfreq(ny, dy)[1:],
-        density_y=along_y[1 : ny // 2 + 1],
+        density_y=density_y[1 : ny // 2 + 1],
         moments=_moments(table),
         edge=_edge(waves, 2.0 * np.pi / min(size), nyquist),
         nyquist=float(nyquist),
         window="hann" if waves.hann else "none",
     )
-
-
-def _wave_numbers(waves: Density, columns: slice) -> tuple[Array, Array]:
-    """Wave numbers qy (ny,), and qx of some columns of the half spectrum [rad/m]."""
-    (ny, nx), (dy, dx) = waves.source.shape, waves.source.spacing
-    return 2.0 * np.pi * fft.fftfreq(ny, dy), 2.0 * np.pi * fft.rfftfreq(nx, dx)[columns]
 
 
 def power_spectrum_2d(
@@ -261,37 +259,39 @@ def power_spectrum_2d(
     (32, 25)
     """
     with density_of(hm, MEMORY) as waves:
-        ((part, density),) = waves.sections()
-        return *_wave_numbers(waves, part), density
+        (((part, density),),) = waves.sections()
+        return *wave_numbers(waves, part), density
 
 
 def _edge(waves: Density, width: float, nyquist: float) -> float:
     """Where the density falls by a thousand within six rings of `width` and stays there."""
     count = max(1, int(nyquist / width))
-    power, number = np.zeros((2, count))
 
-    def rings() -> Iterator[tuple[Array, NDArray[np.int64], Array]]:
-        for part, density in waves.sections():
-            qy, qx = _wave_numbers(waves, part)
-            q = np.hypot(qy[:, None], qx[None, :])
-            yield q, (q / width).astype(np.int64), density
+    def rings(part: slice) -> tuple[Array, NDArray[np.int64]]:
+        qy, qx = wave_numbers(waves, part)
+        q = np.hypot(qy[:, None], qx[None, :])
+        return q, (q / width).astype(np.int64)
 
-    for _, ring, density in rings():
-        power += np.bincount(ring.ravel(), density.ravel(), count)[:count]
-        number += np.bincount(ring.ravel(), minlength=count)[:count]
+    def sums(part: slice, density: Array) -> Array:
+        ring = rings(part)[1].ravel()
+        found = np.bincount(ring, density.ravel(), count), np.bincount(ring, minlength=count)
+        return np.stack([found[0][:count], found[1][:count]])
+
+    power, number = sum(over_sections(sums, waves), np.zeros((2, count)))
     power /= np.maximum(number, 1)
     beyond = np.maximum.accumulate(power[::-1])[::-1]
-    for cliff in range(6, count - 3):
-        if beyond[cliff + 3] < 1e-3 * power[cliff - 3]:
-            least = 0.05 * power[cliff - 3]
-            last = cliff - 3 + np.flatnonzero(power[cliff - 3 :] > least)[-1]
-            return float(
-                max(
-                    np.max(q, where=(ring <= last) & (d > least), initial=0.0)
-                    for q, ring, d in rings()
-                )
-            )
-    return float(nyquist)
+    cliffs = np.flatnonzero(beyond[9:] < 1e-3 * power[3:-6]) + 6
+    if not cliffs.size:
+        return float(nyquist)
+    before = cliffs[0] - 3
+    least = 0.05 * power[before]
+    last = before + np.flatnonzero(power[before:] > least)[-1]
+
+    def largest(part: slice, density: Array) -> float:
+        q, ring = rings(part)
+        return float(np.max(q, where=(ring <= last) & (density > least), initial=0.0))
+
+    return max(over_sections(largest, waves))
 
 
 def _moment_table(qy: Array, qx: Array, power: Array) -> Array:
@@ -320,29 +320,3 @@ def _ring_edges(lowest: float, nyquist: float) -> NDArray[np.float64]:
         edges.append(max(edges[-1] * _RING, edges[-1] + lowest))
     edges[-1] = nyquist * (1.0 + 1e-9)
     return np.array(edges)
-
-
-def texture_direction(waves: Density) -> float:
-    """Texture direction Std [rad], 0 to pi: where the angular amplitude spectrum is largest.
-
-    Notes
-    -----
-    ISO 25178-2:2021, 4.3: amplitudes of all waves up to the largest full ring, summed over sectors
-    of one degree; the mean direction in the largest. It is that of the wave vectors, ccw from +x
-    to +y, across the lay; NaN of a plane.
-    """
-    total, moment = np.zeros((2, 180))
-    for part, density in waves.sections():
-        qy, qx = _wave_numbers(waves, part)
-        q, angle = np.hypot(qy[:, None], qx), np.arctan2(qy[:, None], qx) % np.pi
-        amplitude = np.sqrt(density) * (q <= np.pi / max(waves.source.spacing))
-        amplitude *= np.where(qx == 0.0, 0.5, 1.0)  # holds both of two opposite waves
-        amplitude[q == 0.0] = 0.0
-        sector = np.round(np.degrees(angle)).astype(np.int64)
-        angle -= np.radians(sector)
-        total += np.bincount(sector.ravel() % 180, amplitude.ravel(), 180)
-        moment += np.bincount(sector.ravel() % 180, (amplitude * angle).ravel(), 180)
-    most = int(np.argmax(total))
-    if total[most] == 0.0:
-        return np.nan
-    return float((np.radians(most) + moment[most] / total[most]) % np.pi)
