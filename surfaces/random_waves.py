@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.numerics import parallel
-from surfaces.numerics.memory import PROGRAM_BYTES, require_memory
+from surfaces.numerics.memory import require_memory, room_within
 from surfaces.numerics.scratch import Scratch, spans
 
 from .errors import LONGEST, SHORTEST, InputError, as_number
@@ -115,13 +115,8 @@ class RandomWaves:
             If the memory does not hold a block.
         """
         ny, nx = self.shape
-        half, room = nx // 2 + 1, int(memory) - PROGRAM_BYTES
-        least = max(16 * ny, 40 * min(ny, _ROWS) * nx)
-        _check(
-            room >= least,
-            f"a map of {ny} x {nx} points is made in {-(-(PROGRAM_BYTES + least) >> 20)} MiB of "
-            f"memory or more, not in {memory / 2**20:.4g} MiB",
-        )
+        half, least = nx // 2 + 1, max(16 * ny, 40 * min(ny, _ROWS) * nx)
+        room = room_within(memory, least, f"a map of {ny} x {nx} points")
         with Scratch((ny, half), room // (16 * ny), folder) as scratch:
             scale = self._scale()
             for section in scratch.sections:

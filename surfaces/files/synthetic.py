@@ -6,7 +6,8 @@ import dataclasses
 import os
 from typing import Any
 
-from surfaces.errors import as_number, as_path
+from surfaces.errors import as_path
+from surfaces.numerics.memory import MEMORY
 from surfaces.random_waves import RandomWaves
 
 from .hdf5_write import write_blocks
@@ -19,7 +20,7 @@ def write_self_affine(
     shape: tuple[int, int],
     size: tuple[float, float],
     *,
-    memory: float = 2 << 30,
+    memory: float = MEMORY,
     name: str = "",
     dtype: str = "float64",
     **waves: Any,
@@ -63,7 +64,7 @@ def write_self_affine(
         path,
         made.shape,
         made.spacing,
-        made.blocks(as_number("memory", memory), as_path(path).parent),
+        made.blocks(memory, as_path(path).parent),
         periodic=True,
         name=name,
         history=(step,),

@@ -5,11 +5,14 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from surfaces.errors import SurfaceError
+from surfaces.errors import InputError, SurfaceError, as_number
 
-__all__ = ["PROGRAM_BYTES", "available_bytes", "require_memory"]
+__all__ = ["MEMORY", "available_bytes", "require_memory", "room_within"]
 
-PROGRAM_BYTES = 384 << 20
+MEMORY = 2 << 30
+"""Memory of a program that works on a map in blocks, if nothing else is said [bytes]."""
+
+_PROGRAM = 384 << 20
 """What the program takes beside the arrays of a map that is worked on in blocks, libraries
 included."""
 
@@ -57,3 +60,24 @@ def require_memory(needed: int, what: str, remedy: str) -> None:
             f"{what} needs {needed / 1e9:.3g} GB of memory and {free / 1e9:.3g} GB are available; "
             f"{remedy}"
         )
+
+
+def room_within(memory: float, least: int, what: str) -> int:
+    """Bytes for the arrays of a map in blocks, in a program that may take so much in all.
+
+    Parameters
+    ----------
+    memory
+        Bytes of the whole program.
+    least
+        Bytes of arrays without which there is no block.
+    what
+        Subject of the sentence that refuses less.
+    """
+    room = min(as_number("memory", memory), 2.0**62) - _PROGRAM
+    if not room >= least:
+        raise InputError(
+            f"{what} takes {-(-(_PROGRAM + least) >> 20)} MiB of memory or more, not "
+            f"{memory / 2**20:.4g} MiB"
+        )
+    return int(room)

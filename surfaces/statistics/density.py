@@ -11,23 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from surfaces.errors import InputError, SurfaceError
+from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel
-from surfaces.numerics.memory import PROGRAM_BYTES
+from surfaces.numerics.memory import room_within
 from surfaces.numerics.scratch import Scratch, spans
 from surfaces.preparation.levelling import level
 
 from .heights import extent
 from .rows import MapFile, Source, require_source
 
-__all__ = ["MEMORY", "Density", "density_of", "over_sections", "wave_numbers"]
+__all__ = ["Density", "density_of", "over_sections", "wave_numbers"]
 
 Array = NDArray[np.float64]
 Result = TypeVar("Result")
-
-MEMORY = 2 << 30
-"""Memory of the program that works on a file, if nothing else is said [bytes]."""
 
 _WORK = 120
 """Bytes for each wave of a section, those of what is found from it included."""
@@ -89,17 +86,13 @@ def density_of(source: Source, memory: float) -> Iterator[Density]:
     if isinstance(source, HeightMap):
         yield _whole(source)
         return
-    (ny, nx), room = source.shape, int(memory) - PROGRAM_BYTES
+    ny, nx = source.shape
     if not source.periodic:
         raise SurfaceError(
-            "the map is not periodic, and a spectrum by blocks needs one that is: read it whole"
+            "the map is not periodic, and a spectrum by blocks needs a periodic one: read the "
+            "whole map with surfaces.read"
         )
-    if room < 4 * _WORK * ny:
-        raise InputError(
-            f"the spectrum of {ny} x {nx} points takes "
-            f"{-(-(PROGRAM_BYTES + 4 * _WORK * ny) >> 20)} MiB of memory or more, not "
-            f"{memory / 2**20:.4g} MiB"
-        )
+    room = room_within(memory, 4 * _WORK * ny, f"the spectrum of {ny} x {nx} points")
     with Scratch((ny, nx // 2 + 1), room // (_WORK * ny)) as scratch:
         _transform_rows(source, scratch)
         yield _InFile(source, scratch)

@@ -11,11 +11,12 @@ from dataclasses import dataclass
 from surfaces.checks import tilt_of_lines, tilt_warning
 from surfaces.errors import SurfaceError, as_path
 from surfaces.heightmap import HeightMap
+from surfaces.numerics.memory import MEMORY
 from surfaces.roughness import unit_warning
 
 from .bearing import bearing_curve
 from .correlation import Texture, autocorrelation, texture
-from .density import MEMORY, density_of
+from .density import density_of
 from .differences import differences
 from .direction import texture_direction
 from .features import FEATURES, features

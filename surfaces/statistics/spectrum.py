@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from surfaces.heightmap import HeightMap
+from surfaces.numerics.memory import MEMORY
 
-from .density import MEMORY, Density, density_of, over_sections, wave_numbers
+from .density import Density, density_of, over_sections, wave_numbers
 from .rows import MapFile
 
 __all__ = [
