@@ -174,7 +174,8 @@ def describe(hm: HeightMap | MapFile, *, wolf: float = 5.0, memory: float = MEMO
     require_source(hm)
     found = extent(hm)
     heights, hybrid, curve = height_parameters(hm, found), differences(hm), bearing_curve(hm)
-    missing = 1.0 - found.count / (hm.shape[0] * hm.shape[1])
+    points = hm.shape[0] * hm.shape[1]
+    missing = (points - found.count) / points
     moments, fit, lay, hills = None, None, None, dict.fromkeys(FEATURES, math.nan)
     spatial = dict.fromkeys(("Sal", "Str", "Std", "lay"), math.nan)
     warnings = [*_tilted(hm, heights["Sq"]), *unit_warning(hybrid["Sdq"])]
