@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import tempfile
 from pathlib import Path
 from types import TracebackType
@@ -10,6 +11,8 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
+
+from surfaces.errors import InputError
 
 __all__ = ["Scratch", "spans"]
 
@@ -34,7 +37,8 @@ class Scratch:
     def __init__(self, shape: tuple[int, int], width: int, folder: Path | None = None) -> None:
         self.shape = shape
         self.sections = spans(shape[1], width)
-        self._file = tempfile.TemporaryFile(dir=folder)
+        self._folder = folder or Path(tempfile.gettempdir())
+        self._file = tempfile.TemporaryFile(dir=self._folder)
 
     def __enter__(self) -> Self:
         return self
@@ -48,9 +52,21 @@ class Scratch:
         self._file.close()
 
     def write(self, section: Span, row: int, values: NDArray[np.complex128]) -> None:
-        """Write rows of a section, from a first one on."""
+        """Write rows of a section, from a first one on.
+
+        Raises
+        ------
+        InputError
+            If there is no room for the file.
+        """
         self._seek(section, row)
-        values.tofile(self._file)
+        try:
+            values.tofile(self._file)
+        except OSError as error:
+            raise InputError(
+                f"{self._folder}: a temporary file of {16e-9 * math.prod(self.shape):.3g} GB "
+                f"cannot be written ({error.strerror or error}); make room for it"
+            ) from error
 
     def read(self, section: Span, rows: Span) -> NDArray[np.complex128]:
         """Rows of a section."""
