@@ -10,6 +10,7 @@ from .files.hdf5 import SurfaceFile as SurfaceFile
 from .files.hdf5 import open as open
 from .files.hdf5 import validate as validate
 from .files.hdf5_write import write_blocks as write_blocks
+from .files.synthetic import write_self_affine as write_self_affine
 from .heightmap import HeightMap as HeightMap
 from .peaks.peaks import Peaks as Peaks
 from .peaks.profiles import Profiles as Profiles

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +17,7 @@ __all__ = [
     "seam_warning",
     "spike_warning",
     "straight_warning",
+    "tilt_of_lines",
     "tilt_warning",
 ]
 
@@ -53,11 +56,16 @@ def tilt_warning(hm: HeightMap, least: float) -> list[str]:
     variance = hm.roughness.rms_height**2
     if hm.periodic or variance == 0.0:
         return []
+    return tilt_of_lines(_line_means(hm), variance, least)
+
+
+def tilt_of_lines(means: Iterable[NDArray[np.float64]], variance: float, least: float) -> list[str]:
+    """As `tilt_warning`, of the mean heights [m] of rows and of columns and the variance [m^2]."""
     share = 0.0
-    for n, means in zip(hm.shape, _line_means(hm), strict=True):
-        place = np.linspace(-1.0, 1.0, n)
-        held = np.isfinite(means)
-        slope = np.polyfit(place[held], means[held], 1)[0] if held.sum() > 1 else 0.0
+    for line in means:
+        place = np.linspace(-1.0, 1.0, len(line))
+        held = np.isfinite(line)
+        slope = np.polyfit(place[held], line[held], 1)[0] if held.sum() > 1 else 0.0
         share += slope**2 * float(np.mean(place**2)) / variance
     if share < least:
         return []

@@ -76,8 +76,9 @@ def checked_heights(heights: Any) -> NDArray[np.float64]:
             raise TypeError("they are complex")
         if isinstance(heights, np.ma.MaskedArray):
             heights = np.ma.filled(heights.astype(np.float64), np.nan)
-        held = np.asarray if _frozen(heights) else np.array
-        array = held(heights, dtype=np.float64, order="C")
+        array = np.asarray(heights, dtype=np.float64, order="C")
+        if (array is heights and array.flags.writeable) or not array.flags.owndata:
+            array = array.copy()
     except (TypeError, ValueError) as error:
         raise SurfaceError(f"heights are not an array of real numbers: {error}") from error
     if array.ndim != 2 or min(array.shape) < 3:
@@ -89,11 +90,6 @@ def checked_heights(heights: Any) -> NDArray[np.float64]:
     )
     array.setflags(write=False)
     return array
-
-
-def _frozen(heights: Any) -> bool:
-    """Whether nobody can change an array."""
-    return type(heights) is np.ndarray and heights.flags.owndata and not heights.flags.writeable
 
 
 def checked_range(low: float, high: float, heights: Any) -> None:

@@ -37,7 +37,8 @@ class HeightMap:
     ----------
     heights
         Heights out of the solid [m], shape (ny, nx), at least 3 x 3; NaN marks a missing point.
-        Masked entries are missing. Kept as a read-only float64 copy.
+        Masked entries are missing. Kept as a read-only float64 copy (an array that is
+        read-only itself, and no view, is not copied).
     spacing
         Pixel size (dy, dx) [m], or one number for square pixels; positive.
     periodic

@@ -10,10 +10,9 @@ from typing import ParamSpec
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.numerics.memory import require_memory
-
-from .errors import LONGEST, SHORTEST, InputError, as_number
+from .errors import InputError
 from .heightmap import HeightMap
+from .random_waves import RandomWaves, checked_shape, checked_size
 
 __all__ = ["redistribute", "self_affine", "synthesis"]
 
@@ -21,8 +20,6 @@ __all__ = ["redistribute", "self_affine", "synthesis"]
 Arguments = ParamSpec("Arguments")
 
 Array = NDArray[np.float64]
-
-_EDGE = 1e-9  # relative tolerance of the band edges, below the spacing of wave numbers
 
 
 def synthesis(make: Callable[Arguments, HeightMap]) -> Callable[Arguments, HeightMap]:
@@ -34,8 +31,8 @@ def synthesis(make: Callable[Arguments, HeightMap]) -> Callable[Arguments, Heigh
         given = inspect.signature(make).bind(*args, **kwargs)
         given.apply_defaults()
         settings = dict(given.arguments)
-        given.arguments["shape"] = _checked_shape(settings.pop("shape"))
-        given.arguments["size"] = _checked_size(settings.pop("size"))
+        given.arguments["shape"] = checked_shape(settings.pop("shape"))
+        given.arguments["size"] = checked_size(settings.pop("size"))
         hm = make(*given.args, **given.kwargs)
         return hm.replace(history=({"step": make.__name__, **settings},))
 
@@ -109,62 +106,19 @@ def self_affine(
     >>> f"{hm.roughness.rms_slope:.3f}"
     '0.100'
     """
-    (ny, nx), (ly, lx) = shape, size
-    lengths = {"rolloff": rolloff, "cutoff": cutoff}
-    scales = {"rms_slope": rms_slope, "rms_height": rms_height}
-    for name, value in {**lengths, **scales, "hurst": hurst, "angle": angle}.items():
-        if value is not None:
-            as_number(name, value)
-    as_number("anisotropy", anisotropy)
-    _check(0.0 <= hurst <= 1.0, f"hurst is {hurst}; it must lie between 0 and 1")
-    _check(
-        1.0 <= anisotropy < np.inf, f"anisotropy is {anisotropy}; it must be at least 1, and finite"
+    waves = RandomWaves(
+        shape,
+        size,
+        hurst=hurst,
+        rms_slope=rms_slope,
+        rms_height=rms_height,
+        rolloff=rolloff,
+        cutoff=cutoff,
+        anisotropy=anisotropy,
+        angle=angle,
+        seed=seed,
     )
-    _check(np.isfinite(angle), f"angle is {angle}; it must be a number of radians")
-    _check(
-        isinstance(seed, int | np.integer) and seed >= 0,
-        f"seed is {seed}; it must be a whole number, not negative",
-    )
-    for name, wavelength in (("rolloff", rolloff), ("cutoff", cutoff)):
-        _check(
-            wavelength is None or wavelength > 0.0,
-            f"{name} is {wavelength}; it must be a positive wavelength in m",
-        )
-    _check(
-        (rms_slope is None) != (rms_height is None),
-        "give either rms_slope or rms_height, and not both",
-    )
-    target = rms_slope if rms_height is None else rms_height
-    _check(
-        target is not None and 0.0 < target < np.inf,
-        f"the rms value is {target}; it must be positive and finite",
-    )
-    require_memory(80 * ny * nx, f"a map of {ny} x {nx} points", "make it smaller")
-
-    fy = np.asarray(np.fft.fftfreq(ny, 1.0 / ny)[:, None] / ly, np.float64)
-    fx = np.asarray(np.arange(nx // 2 + 1)[None, :] / lx, np.float64)
-    amplitude = _amplitude(fy, fx, hurst, rolloff, cutoff, anisotropy, angle)
-    if ny % 2 == 0:
-        amplitude[ny // 2, :] = 0.0
-    if nx % 2 == 0:
-        amplitude[:, nx // 2] = 0.0
-    twice = np.full(nx // 2 + 1, 2.0)  # columns that stand for two conjugate waves
-    twice[0] = 1.0
-    with np.errstate(over="ignore", invalid="ignore"):
-        power = twice * amplitude**2
-        if rms_height is None:
-            power = power * (2.0 * np.pi) ** 2 * (fy**2 + fx**2)
-        total = float(power.sum())
-    _check(total > 0.0, "no wave lies between the cut-off and the size of the cell")
-    _check(total < np.inf, f"anisotropy is {anisotropy}; no calculation holds such waves")
-
-    phase = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, size=amplitude.shape)
-    half = np.arange(1, (ny + 1) // 2)
-    phase[ny - half, 0] = -phase[half, 0]
-    amplitude *= float(target or 0.0) / np.sqrt(total) * (ny * nx)
-    heights = np.fft.irfft2(amplitude * np.exp(1j * phase), s=(ny, nx))
-    heights -= heights.mean()
-    return HeightMap(heights, (ly / ny, lx / nx), periodic=True)
+    return HeightMap(waves.heights(), waves.spacing, periodic=True)
 
 
 def redistribute(
@@ -223,53 +177,3 @@ def redistribute(
         ranked[np.argsort(heights, axis=None, kind="stable")] = levels
         heights = ranked.reshape(hm.shape)
     return hm.replace(heights=heights, step={"step": "redistribute", "iterations": iterations})
-
-
-def _amplitude(
-    fy: Array,
-    fx: Array,
-    hurst: float,
-    rolloff: float | None,
-    cutoff: float | None,
-    anisotropy: float,
-    angle: float,
-) -> Array:
-    """Unscaled amplitudes over the half spectrum; `fy`, `fx` are frequencies [1/m]."""
-    if anisotropy == 1.0:
-        k = np.hypot(fy, fx)
-    else:
-        stretch = np.sqrt(anisotropy)
-        along = (fx * np.cos(angle) + fy * np.sin(angle)) * stretch
-        across = (fy * np.cos(angle) - fx * np.sin(angle)) / stretch
-        k = np.hypot(along, across)
-    lowest = np.min(k[k > 0.0])
-    k_rolloff = lowest if rolloff is None else 1.0 / rolloff
-    inside = k < k_rolloff * (1.0 - _EDGE)
-    amplitude: Array = np.where(inside, k_rolloff, np.maximum(k, lowest)) ** (-(1.0 + hurst))
-    amplitude[0, 0] = 0.0
-    if cutoff is not None:
-        amplitude[k > (1.0 + _EDGE) / cutoff] = 0.0
-    return amplitude
-
-
-def _checked_shape(shape: tuple[int, int]) -> tuple[int, int]:
-    _check(np.shape(shape) == (2,), f"shape is {shape}; give the numbers of points (ny, nx)")
-    ny, nx = (int(n) for n in shape)
-    whole = (ny, nx) == tuple(shape)
-    _check(whole and min(ny, nx) >= 3, f"shape is {tuple(shape)}; give whole numbers from 3")
-    return ny, nx
-
-
-def _checked_size(size: tuple[float, float]) -> tuple[float, float]:
-    _check(np.shape(size) == (2,), f"size is {size}; give the lengths (Ly, Lx) in m")
-    ly, lx = (float(length) for length in size)
-    _check(
-        SHORTEST <= min(ly, lx) and max(ly, lx) <= LONGEST,
-        f"size is {tuple(size)}; both (Ly, Lx) must be positive lengths in m",
-    )
-    return ly, lx
-
-
-def _check(holds: bool, message: str) -> None:
-    if not holds:
-        raise InputError(message)

@@ -62,13 +62,14 @@ QUANTITIES = {
     "percentage": ({"%": 1.0}, "5%"),
     "angle": ({"deg": 1.0, "rad": 57.29577951308232}, "30deg"),
     "memory": (
-        {"B": 1.0, "kB": 1e3, "MB": 1e6, "GB": 1e9, "KiB": 2.0**10, "MiB": 2.0**20, "GiB": 2.0**30},
+        {"B": 1.0, "kB": 1e3, "MB": 1e6, "GB": 1e9, "TB": 1e12}
+        | {"KiB": 2.0**10, "MiB": 2.0**20, "GiB": 2.0**30, "TiB": 2.0**40},
         "2GiB",
     ),
     "plain number": ({}, "0.3"),
 }
-"""Units of each kind of quantity, in that of a plain number (SI; degrees for an angle), and an
-example.  Length units have more spellings (`metres_per`)."""
+"""Units of each kind of quantity, in that of a plain number (SI; degrees for an angle, bytes
+for memory), and an example. Length units have more spellings (`metres_per`)."""
 
 _WRITTEN = re.compile(
     r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:inf|nan))\s*(\D.*?)?\s*", re.DOTALL

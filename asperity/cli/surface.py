@@ -63,24 +63,38 @@ def _pair(values: Sequence[float] | None, option: str) -> tuple[float, float] | 
 
 
 def _info(args: argparse.Namespace) -> Mapping[str, Any]:
-    hm = read_map(args.file, args)
-    (ny, nx), (dy, dx), (length_y, length_x) = hm.shape, hm.spacing, hm.size
-    found = surfaces.describe(hm)
+    if args.memory is None:
+        hm = read_map(args.file, args)
+        row = _informed(args.file, hm, surfaces.describe(hm))
+        if args.report:
+            from surfaces.page import section
+
+            args.sections.append(section(hm))
+        return row
+    if args.report:
+        raise InputError("--report draws the map and needs all of it; leave out --memory")
+    spacing = _pair(args.spacing, "--spacing")
+    with surfaces.open(args.file, dataset=args.dataset, unit=args.unit, spacing=spacing) as file:
+        return _informed(args.file, file, surfaces.describe(file, memory=args.memory))
+
+
+def _informed(
+    path: str, hm: surfaces.HeightMap | surfaces.SurfaceFile, found: surfaces.Statistics
+) -> Mapping[str, Any]:
+    """Tell what a map is and how rough; returns its row of the table."""
+    (ny, nx), (dy, dx) = hm.shape, hm.spacing
+    missing = round(found.missing * ny * nx)
     lines = [
-        f"points      {ny} x {nx} (y, x), {hm.missing} missing",
-        f"pixel       {dy:.6g} x {dx:.6g} m, map {length_y:.6g} x {length_x:.6g} m",
+        f"points      {ny} x {nx} (y, x), {missing} missing",
+        f"pixel       {dy:.6g} x {dx:.6g} m, map {ny * dy:.6g} x {nx * dx:.6g} m",
         f"periodic    {'yes' if hm.periodic else 'no'}",
         *str(found).splitlines(),
         *(f"history     {_told(step)}" for step in hm.history),
     ]
-    tell("\n".join([args.file, *(f"  {line}" for line in lines)]))
-    if args.report:
-        from surfaces.page import section
-
-        args.sections.append(section(hm))
+    tell("\n".join([path, *(f"  {line}" for line in lines)]))
     spectral = {} if found.moments is None else {"rms_slope": found.moments.rms_slope}
     return {
-        **_map_row(hm),
+        **_map_row(hm, missing),
         **found.parameters,
         **spectral,
         "warnings": found.warnings,
@@ -88,10 +102,10 @@ def _info(args: argparse.Namespace) -> Mapping[str, Any]:
     }
 
 
-def _map_row(hm: surfaces.HeightMap) -> dict[str, Any]:
+def _map_row(hm: surfaces.HeightMap | surfaces.SurfaceFile, missing: int) -> dict[str, Any]:
     (ny, nx), (dy, dx) = hm.shape, hm.spacing
     return {"ny": ny, "nx": nx, "dy": dy, "dx": dx} | {
-        "missing": hm.missing,
+        "missing": missing,
         "periodic": hm.periodic,
     }
 
@@ -136,7 +150,7 @@ def _saved(hm: surfaces.HeightMap, args: argparse.Namespace) -> Mapping[str, Any
     surfaces.write(hm, args.output, dtype="float32" if args.float32 else "float64")
     tell(f"{args.file} -> {args.output}")
     rough = {"rms_height": hm.rms_height, "rms_slope": hm.roughness.rms_slope}
-    return _map_row(hm) | rough | {"output": args.output, "history": hm.history}
+    return _map_row(hm, hm.missing) | rough | {"output": args.output, "history": hm.history}
 
 
 def _read_and_prepared(args: argparse.Namespace) -> surfaces.HeightMap:
@@ -174,6 +188,8 @@ def _generate(args: argparse.Namespace) -> int:
     targets.require(args)
     make = getattr(surfaces, args.texture.replace("-", "_"))
     takes = inspect.signature(make).parameters
+    if args.memory is not None and make is not surfaces.self_affine:
+        raise InputError(f"--memory does not belong to {args.texture}")
     given = {name: getattr(args, name) for name in PARAMETERS if getattr(args, name) is not None}
     for name in sorted(given.keys() - takes.keys()):
         raise InputError(f"--{name.replace('_', '-')} does not belong to {args.texture}")
@@ -183,10 +199,17 @@ def _generate(args: argparse.Namespace) -> int:
     for name, parameter in takes.items():
         if parameter.default is parameter.empty and name not in (*given, "shape", "size"):
             raise InputError(f"{args.texture} needs --{name.replace('_', '-')}")
-    hm = make((args.shape[0], args.shape[-1]), (args.size[0], args.size[-1]), **given)
+    shape, size = (args.shape[0], args.shape[-1]), (args.size[0], args.size[-1])
+    dtype = "float32" if args.float32 else "float64"
+    if args.memory is not None:
+        given |= {"memory": args.memory, "name": args.name or "", "dtype": dtype}
+        surfaces.write_self_affine(args.output, shape, size, **given)
+        tell(f"{args.output}: {shape[0]} x {shape[1]} points")
+        return EXIT_OK
+    hm = make(shape, size, **given)
     if args.name:
         hm = hm.replace(name=args.name)
-    surfaces.write(hm, args.output, dtype="float32" if args.float32 else "float64")
+    surfaces.write(hm, args.output, dtype=dtype)
     tell(f"{args.output}: {hm!r}, rms height {hm.rms_height:.6g} m")
     return EXIT_OK
 

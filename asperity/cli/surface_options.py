@@ -105,7 +105,7 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         "--memory",
         type=quantities.of("memory"),
         metavar="SIZE",
-        help="most memory to use, such as 2GiB: larger maps stay on disk (default: all that is free)",
+        help="most memory to use, such as 2GiB: larger maps stay on disk (default: all free)",
     )
 
 
@@ -210,6 +210,12 @@ def _generation(parser: argparse.ArgumentParser) -> None:
         number: Any = int if name == "seed" else quantities.of(kind)
         parser.add_argument(f"--{name.replace('_', '-')}", type=number, metavar="X", help=text)
     parser.add_argument("--name", help="name kept in the file")
+    parser.add_argument(
+        "--memory",
+        type=quantities.of("memory"),
+        metavar="SIZE",
+        help="make the map by blocks in the file, in so much memory (2GiB); self-affine",
+    )
     targets.add_target(parser, "-o", "--output", suffix=".h5", required=True, help="file to write")
     targets.add_force(parser)
     parser.add_argument("--float32", action="store_true", help="half the size, 7 digits")

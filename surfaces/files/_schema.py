@@ -14,7 +14,17 @@ import numpy as np
 from surfaces.errors import InputError
 from surfaces.units import metres_per
 
-__all__ = ["DAMAGED", "SCHEMA", "Fault", "Header", "brief", "plain", "read_header"]
+__all__ = [
+    "DAMAGED",
+    "SCHEMA",
+    "Fault",
+    "Header",
+    "array_faults",
+    "brief",
+    "header_of",
+    "plain",
+    "read_header",
+]
 
 SCHEMA = "surface/1"
 DAMAGED = (
@@ -90,9 +100,23 @@ def read_header(
     spacing
         Pixel size (dy, dx) [m] where the file states none.
     """
+    faults = list(array_faults(dataset))
+    if not any(fault.fatal for fault in faults):
+        faults += _storage_faults(dataset, f"dataset {dataset.name}")
+    attributes = _attributes(dataset, f"dataset {dataset.name}", faults)
+    return header_of(dataset, attributes, faults, unit=unit, spacing=spacing)
+
+
+def header_of(
+    dataset: Any,
+    attributes: dict[str, Any],
+    faults: list[Fault],
+    *,
+    unit: str | None,
+    spacing: tuple[float, float] | None,
+) -> tuple[Header | None, list[Fault]]:
+    """As `read_header`, of the attributes of an array whose other faults are known."""
     where = f"dataset {dataset.name}"
-    faults = list(_array_faults(dataset, where))
-    attributes = _attributes(dataset, where, faults)
     holds = f" (its attributes: {', '.join(attributes) or 'none'})"[:200]
     pixel = _spacing(attributes.pop("spacing", None), spacing, where, faults, holds)
     stated = _unit(attributes.pop("unit", None), unit, where, faults, holds)
@@ -112,7 +136,9 @@ def read_header(
     return Header(shape, pixel, stated, periodic, name, history, attributes), faults
 
 
-def _array_faults(dataset: h5py.Dataset, where: str) -> Iterator[Fault]:
+def array_faults(dataset: Any) -> Iterator[Fault]:
+    """Faults of the shape and the type of an array, which HDF5 or Zarr may hold."""
+    where = f"dataset {dataset.name}"
     shape, kind = dataset.shape, dataset.dtype.kind
     if shape is None or len(shape) != 2 or min(shape) < 3:
         yield Fault(f"{where} has shape {shape}; a height map needs two axes of at least 3 points")
@@ -124,7 +150,6 @@ def _array_faults(dataset: h5py.Dataset, where: str) -> Iterator[Fault]:
         yield Fault(f"{where} holds {dataset.dtype}; store float32 or float64")
     elif kind != "f" or dataset.dtype.itemsize < 4:
         yield Fault(f"{where} holds {dataset.dtype}; schema 1 stores float32 or float64", False)
-    yield from _storage_faults(dataset, where)
 
 
 def _storage_faults(dataset: h5py.Dataset, where: str) -> Iterator[Fault]:

@@ -35,19 +35,20 @@ def read(
     Parameters
     ----------
     path
-        HDF5 (schema 1 or foreign), npy, npz, text (rows of heights, or columns x, y, z), PNG, TIFF,
-        SDF, X3P, or another instrument's file (needs the extra ``asperity[formats]``).
+        HDF5 (schema 1 or foreign), Zarr (needs the extra ``asperity[zarr]``), npy, npz, text (rows
+        of heights, or columns x, y, z), PNG, TIFF, SDF, X3P, or another instrument's file (needs
+        the extra ``asperity[formats]``).
     dataset
-        HDF5: name of the heights, ``/heights`` by default. npz: name of the array. X3P: number of
-        the layer. Instrument files: name of the channel.
+        HDF5, Zarr: name of the heights, ``/heights`` by default. npz: name of the array. X3P:
+        number of the layer. Instrument files: name of the channel.
     unit
         Unit of the heights, needed where the file states none: m, mm, um, nm, ...; or a multiple
         of one, such as 2.5nm for the height of one grey level. Of columns x, y, z that of all.
     spacing
         Pixel size (dy, dx) [m], or one number, needed where the file states none.
     rows, columns
-        First and one-past-last pixel of the rectangle; None is all. From HDF5 nothing else is
-        read, so that the file may be larger than memory.
+        First and one-past-last pixel of the rectangle; None is all. From HDF5 and Zarr nothing else
+        is read, so that the file may be larger than memory.
 
     Returns
     -------
@@ -74,12 +75,12 @@ def read(
     path = as_path(path)
     if not path.exists():
         raise FileFormatError(f"{path}: no such file")
-    if not path.is_file():
+    if not (path.is_file() or path.is_dir()):
         raise FileFormatError(f"{path}: this is not a file")
-    reader = _reader(path)
+    reader = _read_in_parts if path.is_dir() else _reader(path)
     try:
-        if reader is _read_hdf5:
-            return _read_hdf5(path, dataset, unit, spacing, rows, columns)
+        if reader is _read_in_parts:
+            return _read_in_parts(path, dataset, unit, spacing, rows, columns)
         hm = reader(path, dataset, unit, spacing)
         if rows is None and columns is None:
             return hm
@@ -165,7 +166,7 @@ def _reader(
         raise FileFormatError(f"{path}: the file is empty")
     suffix = path.suffix.lower()
     if head == _HDF5_SIGNATURE or suffix in _HDF5:
-        return _read_hdf5
+        return _read_in_parts
     from . import arrays, exchange, instruments
 
     if head.startswith(exchange.SDF_SIGNATURES):
@@ -186,7 +187,7 @@ def _reader(
     return partial(instruments.read_instrument, hint=f"; as text, {words}" if words else "")
 
 
-def _read_hdf5(
+def _read_in_parts(
     path: Path,
     dataset: str | None,
     unit: str | None,

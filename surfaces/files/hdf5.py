@@ -5,25 +5,28 @@ The layout is described in ``docs/formats.md``.
 
 from __future__ import annotations
 
+import itertools
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from surfaces.errors import AsperityError, FileFormatError, InputError, SurfaceError, as_path
 from surfaces.heightmap import HeightMap
+from surfaces.numerics import parallel
 from surfaces.numerics.memory import available_bytes, require_memory
 from surfaces.units import metres_per
 
 from ._container import find, naming_damage, opened, require_sound
+from ._packing import ours, unpacked
 from ._schema import DAMAGED, Fault, Header, brief, plain, read_header
 from .stored_map import StoredMap
+from .zarr_array import is_zarr, read_zarr
 
 __all__ = ["Fault", "SurfaceFile", "open", "validate"]
 
@@ -33,9 +36,11 @@ BYTES_OF_WORK = 64
 """Memory that the work on a map in memory takes [bytes per point]: boundary elements, or the
 microcontact model on all of its points."""
 
+_Span = tuple[int, int]  # first and one past the last index
+
 
 class SurfaceFile:
-    """A height map in an HDF5 file, read in parts; closed by ``with`` or `close`.
+    """A height map in HDF5 or Zarr, read in parts; closed by ``with`` or `close`.
 
     Made by `open`. Nothing but the header is read until heights are asked for.
 
@@ -51,6 +56,8 @@ class SurfaceFile:
         Unit of the stored heights; everything returned is in metres.
     periodic
         Whether the whole map continues across its border.
+    history
+        What was done to the map so far, as in `HeightMap`.
 
     Examples
     --------
@@ -64,17 +71,17 @@ class SurfaceFile:
     (8, 12)
     """
 
-    def __init__(self, path: Path, file: h5py.File, dataset: h5py.Dataset, header: Header) -> None:
+    def __init__(self, path: Path, file: Any, dataset: Any, header: Header) -> None:
         self.path = path
         self.shape = header.shape
         self.spacing = header.spacing
         self.unit = header.unit
         self.periodic = header.periodic
         self.name = header.name or path.stem
-        self.history = header.history
-        self._notes = header.notes
         self._file = file
         self._dataset = dataset
+        self._ours = ours(dataset)
+        self.history = header.history or (self._origin(header.notes),)
 
     def __enter__(self) -> Self:
         return self
@@ -113,23 +120,20 @@ class SurfaceFile:
         shape = (bottom - top, right - left)
         require_memory(
             8 * shape[0] * shape[1],
-            f"{self.path}: a region of {shape[0]} x {shape[1]} points",
-            "read smaller regions with surfaces.open(path).blocks()",
+            f"{self.path}: a map of {shape[0]} x {shape[1]} points",
+            "read a region with surfaces.open(path).read(rows, columns), or blocks()",
         )
-        heights = np.empty(shape)
-        step = self._rows_per_block(shape[1])
-        for start in range(top, bottom, step):
-            stop = min(start + step, bottom)
-            try:
-                with np.errstate(all="ignore"):
-                    heights[start - top : stop - top] = self._dataset[start:stop, left:right]
-            except DAMAGED as error:
-                raise FileFormatError(
-                    f"{self.path}: rows {start} to {stop} of dataset {self._dataset.name} are "
-                    f"damaged ({brief(error)}); copy the file again from its source"
-                ) from error
-        with np.errstate(all="ignore"):
-            heights *= metres_per(self.unit)
+        heights, factor = np.empty(shape), metres_per(self.unit)
+
+        def fill(part: tuple[_Span, _Span]) -> None:
+            (first, last), (west, east) = part
+            with np.errstate(all="ignore"):
+                place = heights[first - top : last - top, west - left : east - left]
+                np.multiply(self._stored(*part), factor, out=place, dtype=np.float64)
+
+        ny, nx = self._dataset.chunks if self._ours else (self._rows_per_block(shape[1]), right)
+        parts = itertools.product(_parts(top, bottom, ny), _parts(left, right, nx))
+        parallel.each(fill, list(parts))
         return heights
 
     def blocks(self, rows: int | None = None) -> Iterator[tuple[int, NDArray[np.float64]]]:
@@ -173,17 +177,12 @@ class SurfaceFile:
         whole = (bottom - top, right - left) == self.shape
         if whole and BYTES_OF_WORK * self.shape[0] * self.shape[1] > available_bytes():
             return self.on_disk()
-        history = self._steps()
+        history = list(self.history)
         if not whole:
             history.append({"step": "crop", "rows": [top, bottom], "columns": [left, right]})
-        require_memory(
-            8 * (bottom - top) * (right - left),
-            f"{self.path}: a map of {bottom - top} x {right - left} points",
-            "read a region with surfaces.open(path).read(rows, columns)",
-        )
         heights = self.heights((top, bottom), (left, right))
-        heights.setflags(write=False)  # or the map would hold a copy
-        with self._named():
+        heights.setflags(write=False)
+        try:
             return HeightMap(
                 heights,
                 self.spacing,
@@ -191,6 +190,8 @@ class SurfaceFile:
                 name=self.name,
                 history=tuple(history),
             )
+        except SurfaceError as error:
+            raise SurfaceError(f"{self.path}: {error}") from error
 
     def on_disk(self) -> StoredMap:
         """The map with its heights in a temporary file, which is read in parts.
@@ -201,28 +202,34 @@ class SurfaceFile:
             If there is no room for the file, or the heights are damaged.
         """
         narrow = self._dataset.dtype == np.float32 and metres_per(self.unit) == 1.0
-        facts = {"periodic": self.periodic, "name": self.name, "history": self._steps()}
+        facts = {"periodic": self.periodic, "name": self.name, "history": self.history}
         kind = np.float32 if narrow else np.float64
-        with self._named():
-            return StoredMap.of_blocks(self.blocks(), self.shape, kind, self.spacing, **facts)
-
-    @contextmanager
-    def _named(self) -> Iterator[None]:
-        """Puts the name of the file before what is wrong with its heights."""
         try:
-            yield
-        except FileFormatError:
-            raise
+            return StoredMap.of_blocks(self.blocks(), self.shape, kind, self.spacing, **facts)
         except SurfaceError as error:
-            raise SurfaceError(f"{self.path}: {error}") from error
+            raise SurfaceError(
+                f"{self.path}: {str(error).removeprefix(f'{self.path}: ')}"
+            ) from error
 
-    def _steps(self) -> list[dict[str, Any]]:
-        """History of the map; of one that carries none, that it was read here."""
-        if self.history:
-            return [dict(step) for step in self.history]
+    def _stored(self, rows: _Span, columns: _Span) -> NDArray[Any]:
+        """Heights in the unit of the file; of no more than one chunk, if the chunks are ours."""
+        if self._ours:
+            values = unpacked(self._dataset, rows, columns)
+            if values is not None:
+                return values
+        try:
+            return np.asarray(self._dataset[slice(*rows), slice(*columns)])
+        except DAMAGED as error:
+            raise FileFormatError(
+                f"{self.path}: rows {rows[0]} to {rows[1]} of dataset {self._dataset.name} are "
+                f"damaged ({brief(error)}); copy the file again from its source"
+            ) from error
+
+    def _origin(self, notes: Mapping[str, Any]) -> dict[str, Any]:
+        """First step of the history of a map that carries none."""
         step = {"step": "read", "file": self.path.name, "dataset": self._dataset.name}
         step["unit"] = self.unit
-        return [step | {key: plain(value) for key, value in self._notes.items()}]
+        return step | {key: plain(value) for key, value in notes.items()}
 
     def _rows_per_block(self, columns: int) -> int:
         """Rows of about `_BLOCK_BYTES`, in whole chunks where that is possible."""
@@ -238,7 +245,7 @@ def open(
     unit: str | None = None,
     spacing: ArrayLike | None = None,
 ) -> SurfaceFile:
-    """Open a height map in HDF5 for reading in parts.
+    """Open a height map in HDF5 or Zarr for reading in parts.
 
     Parameters
     ----------
@@ -261,16 +268,29 @@ def open(
     ...         print(file.shape, file.spacing)
     (32, 48) (1e-06, 1e-06)
     """
-    path, pixel = as_path(path), _pair(spacing)
+    path = as_path(path)
+    file, found, header, faults = _opened(path, dataset, unit, _pair(spacing))
+    if header is None:
+        file.close()
+        raise FileFormatError(f"{path}: {next(f.text for f in faults if f.fatal)}")
+    return SurfaceFile(path, file, found, header)
+
+
+def _opened(
+    path: Path,
+    dataset: str | None = None,
+    unit: str | None = None,
+    spacing: tuple[float, float] | None = None,
+) -> tuple[Any, Any, Header | None, list[Fault]]:
+    """What is to be closed, the array, its header and its faults."""
+    if is_zarr(path):
+        return ExitStack(), *read_zarr(path, dataset, unit, spacing)
     require_sound(path, dataset)
     file = opened(path)
     try:
         with naming_damage(path):
             found = find(file, path, dataset)
-            header, faults = read_header(found, unit=unit, spacing=pixel)
-        if header is None:
-            raise FileFormatError(f"{path}: {next(f.text for f in faults if f.fatal)}")
-        return SurfaceFile(path, file, found, header)
+            return file, found, *read_header(found, unit=unit, spacing=spacing)
     except BaseException:
         file.close()
         raise
@@ -302,19 +322,12 @@ def validate(path: str | os.PathLike[str], *, dataset: str | None = None) -> lis
     """
     path = as_path(path)
     try:
-        require_sound(path, dataset)
-        file = opened(path)
-    except FileFormatError as error:
-        return [Fault(str(error).removeprefix(f"{path}: "))]
-    with file:
-        try:
-            with naming_damage(path):
-                found = find(file, path, dataset)
-                header, faults = read_header(found)
+        file, found, header, faults = _opened(path, dataset)
+        with file:
             if header is not None:
                 faults += _height_faults(SurfaceFile(path, file, found, header))
-        except AsperityError as error:
-            return [Fault(str(error).removeprefix(f"{path}: "))]
+    except AsperityError as error:
+        return [Fault(str(error).removeprefix(f"{path}: "))]
     return faults
 
 
@@ -327,6 +340,14 @@ def _height_faults(file: SurfaceFile) -> Iterator[Fault]:
         yield Fault(f"{infinite} heights are infinite; mark missing points with NaN")
     if not present:
         yield Fault("every point of the height map is missing (NaN)")
+
+
+def _parts(start: int, stop: int, side: int) -> list[_Span]:
+    """A range cut at the multiples of `side`."""
+    return [
+        (max(first, start), min(first + side, stop))
+        for first in range(start - start % side, stop, side)
+    ]
 
 
 def _bounds(span: tuple[int, int] | None, count: int, what: str) -> tuple[int, int]:

@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from surfaces.errors import InputError, SurfaceError, checked_spacing
+from surfaces.numerics import parallel
 
 from ._container import HEIGHTS
+from ._packing import FILTERS, chunk_of, packed
 from ._schema import SCHEMA, plain
 from .atomic import replacing
 
 __all__ = ["write_blocks"]
-
-_CHUNK = 256  # largest side of a chunk [pixels]
 
 
 def write_blocks(
@@ -78,12 +78,9 @@ def write_blocks(
             HEIGHTS,
             shape,
             dtype,
-            chunks=(min(shape[0], _CHUNK), min(shape[1], _CHUNK)),
-            compression="gzip",
-            compression_opts=2,
-            shuffle=True,
-            fletcher32=True,
+            chunks=chunk_of(shape),
             fillvalue=np.nan,
+            **FILTERS,
         )
         heights.attrs["schema"] = SCHEMA
         heights.attrs["spacing"] = np.asarray(spacing, dtype=np.float64)
@@ -95,12 +92,29 @@ def write_blocks(
             values = [str(step[key]) for step in steps if key in step]
             if values:
                 heights.attrs[key] = values[0]
-        for row, rows in _whole_chunks(blocks, shape):
-            heights[row : row + len(rows)] = rows
+        for row, rows in _whole_chunks(blocks, shape, heights.chunks[0]):
+            _write_rows(heights, row, rows)
+
+
+def _write_rows(heights: h5py.Dataset, row: int, rows: NDArray[np.float64]) -> None:
+    """Write whole rows of chunks that begin at a row; threads pack the chunks."""
+    ny, nx = heights.chunks
+
+    def pack(corner: tuple[int, int]) -> bytes:
+        part = rows[corner[0] - row :, corner[1] :][:ny, :nx]
+        chunk = np.full((ny, nx), np.nan, heights.dtype)
+        with np.errstate(over="ignore"):
+            chunk[: part.shape[0], : part.shape[1]] = part
+        return packed(chunk)
+
+    for start in range(row, row + len(rows), ny):
+        corners = [(start, column) for column in range(0, rows.shape[1], nx)]
+        for corner, stored in zip(corners, parallel.each(pack, corners), strict=True):
+            heights.id.write_direct_chunk(corner, stored)
 
 
 def _whole_chunks(
-    blocks: Iterable[ArrayLike], shape: tuple[int, int]
+    blocks: Iterable[ArrayLike], shape: tuple[int, int], side: int
 ) -> Iterator[tuple[int, NDArray[np.float64]]]:
     """Blocks cut anew so that each chunk is compressed once, with their first rows; all checked."""
     held, written = np.empty((0, shape[1])), 0
@@ -112,7 +126,7 @@ def _whole_chunks(
         if rows.ndim != 2 or rows.shape[1] != shape[1] or row + len(rows) > shape[0]:
             raise SurfaceError(f"block at row {row} has shape {rows.shape} in a map of {shape}")
         held = np.concatenate([held, rows]) if len(held) else rows
-        whole = len(held) - len(held) % _CHUNK
+        whole = len(held) - len(held) % side
         if whole:
             yield written, held[:whole]
             held, written = held[whole:], written + whole

@@ -15,10 +15,12 @@ from surfaces.errors import InputError, SurfaceError, as_number
 
 __all__ = [
     "BLOCK_BYTES",
+    "MEMORY",
     "StoredArray",
     "available_bytes",
     "each_block",
     "require_memory",
+    "room_within",
     "set_memory",
     "windows",
 ]
@@ -26,8 +28,12 @@ __all__ = [
 BLOCK_BYTES = 16 << 20
 """Part of an array on disk that one thread holds at a time [bytes]."""
 
-_LEAST = 512 << 20
-"""Memory limit [bytes] below which the compiled code and the libraries leave nothing."""
+MEMORY = 2 << 30
+"""Memory of a program that works on a map in blocks, if nothing else is said [bytes]."""
+
+_PROGRAM = 384 << 20
+"""What the program takes beside the arrays of a map that is worked on in blocks, libraries
+included."""
 
 _MEMINFO = Path("/proc/meminfo")
 _CGROUP = Path("/sys/fs/cgroup")
@@ -40,7 +46,7 @@ def set_memory(limit: int | None) -> None:
     Parameters
     ----------
     limit
-        Largest resident size of the process [bytes], the libraries' share included; 512 MiB and
+        Largest resident size of the process [bytes], the libraries' share included; 384 MiB and
         more. Maps that would take more stay on disk and are read in parts; what cannot be done so
         is refused with a sentence.
 
@@ -56,8 +62,8 @@ def set_memory(limit: int | None) -> None:
     >>> asperity.set_memory(None)
     """
     global _limit
-    if limit is not None and not as_number("the memory limit", limit) >= _LEAST:
-        raise InputError(f"the memory limit is {limit} bytes; give at least {_LEAST >> 20} MiB")
+    if limit is not None and not as_number("the memory limit", limit) > _PROGRAM:
+        raise InputError(f"the memory limit is {limit} bytes; give at least {_PROGRAM >> 20} MiB")
     _limit = None if limit is None else int(limit)
 
 
@@ -119,6 +125,27 @@ def require_memory(needed: int, what: str, remedy: str) -> None:
             f"{what} needs {needed / 1e9:.3g} GB of memory and {free / 1e9:.3g} GB are available; "
             f"{remedy}"
         )
+
+
+def room_within(memory: float, least: int, what: str) -> int:
+    """Bytes for the arrays of a map in blocks, in a program that may take so much in all.
+
+    Parameters
+    ----------
+    memory
+        Bytes of the whole program.
+    least
+        Bytes of arrays without which there is no block.
+    what
+        Subject of the sentence that refuses less.
+    """
+    room = min(as_number("memory", memory), 2.0**62) - _PROGRAM
+    if not room >= least:
+        raise InputError(
+            f"{what} takes {-(-(_PROGRAM + least) >> 20)} MiB of memory or more, not "
+            f"{memory / 2**20:.4g} MiB"
+        )
+    return int(room)
 
 
 class StoredArray:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.heightmap import HeightMap, require_map
+from surfaces.heightmap import HeightMap
+
+from .heights import Extent, extent
+from .rows import MapFile, over_present, require_source
 
 __all__ = ["BearingCurve", "bearing_curve"]
 
@@ -19,6 +23,9 @@ _PEAKS, _DALES = 0.1, 0.8
 
 _RATIOS = 2001
 """Points of the curve."""
+
+_LEVELS = 2**20
+"""Levels in which the points of a file are counted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +39,10 @@ class BearingCurve:
     height
         Height above the mean [m], falling.
     points
-        Heights of all points present above the mean [m], rising.
+        Heights of all points present above the mean [m], rising; of a file, mean heights of those
+        in each of 2^20 levels.
+    counts
+        Number of points that each of them stands for; None is one.
 
     Examples
     --------
@@ -47,6 +57,7 @@ class BearingCurve:
     ratio: NDArray[np.float64]
     height: NDArray[np.float64]
     points: NDArray[np.float64] = field(repr=False)
+    counts: NDArray[np.int64] | None = field(default=None, repr=False)
 
     def ratio_at(self, height: float) -> float:
         """Fraction of the surface above a height over the mean [m]."""
@@ -124,14 +135,20 @@ class BearingCurve:
         }
 
     def _above(self, height: float) -> float:
-        return float(np.maximum(self.points - height, 0.0).mean())
+        return float(np.average(np.maximum(self.points - height, 0.0), weights=self.counts))
 
     def _below(self, height: float) -> float:
-        return float(np.maximum(height - self.points, 0.0).mean())
+        return float(np.average(np.maximum(height - self.points, 0.0), weights=self.counts))
 
 
-def bearing_curve(hm: HeightMap) -> BearingCurve:
+def bearing_curve(hm: HeightMap | MapFile) -> BearingCurve:
     """Bearing curve of the points present of a levelled map.
+
+    Parameters
+    ----------
+    hm
+        The map, or a file of one as `surfaces.open` gives it, which is read three times and need
+        not fit into memory. The curve is the same.
 
     Examples
     --------
@@ -141,7 +158,9 @@ def bearing_curve(hm: HeightMap) -> BearingCurve:
     >>> bool(curve.height[0] > curve.height[-1])
     True
     """
-    require_map(hm)
+    require_source(hm)
+    if not isinstance(hm, HeightMap):
+        return _counted(hm, extent(hm))
     points = np.sort(hm.heights[np.isfinite(hm.heights)])
     points -= points.mean()
     ratio = np.linspace(0.0, 1.0, _RATIOS)
@@ -149,3 +168,45 @@ def bearing_curve(hm: HeightMap) -> BearingCurve:
     height = np.interp(1.0 - ratio, place, points)
     height[0], height[-1] = points[-1], points[0]
     return BearingCurve(ratio, height, points)
+
+
+def _counted(source: MapFile, found: Extent) -> BearingCurve:
+    """Bearing curve by counting: first how many points each level holds, then the points in order
+    in those levels where the curve is read."""
+    per_height = _LEVELS / (found.highest - found.lowest)
+
+    def level(z: NDArray[np.float64]) -> NDArray[np.int64]:
+        return np.minimum(((z - found.lowest) * per_height).astype(np.int64), _LEVELS - 1)
+
+    def counted(z: NDArray[np.float64]) -> tuple[NDArray[Any], NDArray[Any]]:
+        levels = level(z)
+        return (
+            np.bincount(levels, minlength=_LEVELS),
+            np.bincount(levels, z - found.mean, _LEVELS),
+        )
+
+    counts, sums = np.zeros(_LEVELS, np.int64), np.zeros(_LEVELS)
+    for more, part in over_present(counted, source):
+        counts += more
+        sums += part
+    ratio = np.linspace(0.0, 1.0, _RATIOS)
+    rank = np.clip((1.0 - ratio) * found.count - 0.5, 0.0, found.count - 1.0)
+    lower = rank.astype(np.int64)
+    ranks = np.stack([lower, np.minimum(lower + 1, found.count - 1)])
+    of_rank = np.searchsorted(np.cumsum(counts), ranks, side="right")
+    read = np.zeros(_LEVELS, np.bool_)
+    read[of_rank] = True
+
+    def held_in(z: NDArray[np.float64]) -> tuple[NDArray[Any], NDArray[Any]]:
+        values, times = np.unique(z[read[level(z)]], return_counts=True)
+        return values, times
+
+    values, times = (np.concatenate(v) for v in zip(*over_present(held_in, source), strict=True))
+    held, back = np.unique(values, return_inverse=True)
+    number = np.bincount(back, times).astype(np.int64)
+    skipped = np.cumsum(np.where(read, 0, counts))
+    low, high = held[np.searchsorted(np.cumsum(number), ranks - skipped[of_rank], side="right")]
+    height = low - found.mean + (rank - lower) * (high - low)
+    height[0], height[-1] = found.highest - found.mean, found.lowest - found.mean
+    some = counts > 0
+    return BearingCurve(ratio, height, sums[some] / counts[some], counts[some])

@@ -6,30 +6,30 @@ import csv
 import json
 import math
 import os
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from surfaces.checks import tilt_warning
+from surfaces.checks import tilt_of_lines, tilt_warning
 from surfaces.errors import SurfaceError, as_path
-from surfaces.heightmap import HeightMap, require_map
+from surfaces.heightmap import HeightMap
+from surfaces.numerics.memory import MEMORY
 from surfaces.roughness import unit_warning
 
 from .bearing import bearing_curve
 from .correlation import Texture, autocorrelation, texture
+from .density import density_of
+from .differences import differences
+from .direction import texture_direction
 from .features import FEATURES, features
+from .heights import extent, height_parameters, line_means
 from .parameters import PARAMETERS
-from .spectrum import SpectralMoments, power_spectrum, texture_direction
+from .rows import MapFile, Source, require_source
+from .spectrum import SpectralMoments, spectrum_of
 from .spectrum_fit import SpectrumFit, fit_spectrum
 
-__all__ = ["Statistics", "describe", "gradients"]
+__all__ = ["Statistics", "describe"]
 
 _RESOLVED = 0.1  # relative difference of finite differences and spectrum that is warned of
 _TILTED = 0.01  # share of the height variance in the tilt that is warned of
-_BLOCK = 200_000  # points
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Statistics:
         Spd, Svd [1/m^2], Spc, Svc [1/m], S5p, S5v, S10z [m], Sha, Sda [m^2], Shv, Sdv [m^3]
         (clause 5), see `features.features`; NaN if points are missing.
     texture
-        Sal, Str and the lay.
+        Sal, Str and the lay; None of a map read by blocks.
     moments
         Spectral moments (slope, curvature and Nayak parameter among them); None if points are
         missing.
@@ -75,7 +75,7 @@ class Statistics:
     hybrid: dict[str, float]
     functional: dict[str, float]
     features: dict[str, float]
-    texture: Texture
+    texture: Texture | None
     moments: SpectralMoments | None
     fit: SpectrumFit | None
     missing: float
@@ -136,16 +136,23 @@ class Statistics:
     __repr__ = __str__
 
 
-def describe(hm: HeightMap, *, wolf: float = 5.0) -> Statistics:
+def describe(hm: HeightMap | MapFile, *, wolf: float = 5.0, memory: float = MEMORY) -> Statistics:
     """Roughness statistics of a map as it is; it should be levelled first.
 
     Parameters
     ----------
     hm
-        The map. With missing points the spectral and the feature parameters are left out.
+        The map. With missing points the spectral and the feature parameters are left out. Of a
+        file, as `surfaces.open` gives it, no more than some blocks are held in memory, and the
+        numbers are those of the map in memory, but for rounding; volumes of the functional
+        parameters to the share of points between two of 2^20 levels times their distance. Texture
+        and feature parameters are left out, and spectral ones if it is not periodic.
     wolf
         Smallest height of a hill above its saddle, and depth of a dale, in percent of Sz, for the
         feature parameters (Wolf pruning, 5 % in ISO 25178-3).
+    memory
+        For a file: largest memory of the whole program [bytes], if that held nothing before. A
+        temporary file takes 8 bytes per point.
 
     Raises
     ------
@@ -164,46 +171,38 @@ def describe(hm: HeightMap, *, wolf: float = 5.0) -> Statistics:
     >>> f"{found.heights['Sq'] / hm.rms_height:.3f}"
     '1.000'
     """
-    require_map(hm)
-    z = hm.heights[np.isfinite(hm.heights)]
-    if np.ptp(z) == 0.0:
-        raise SurfaceError("the map is constant; it has no roughness")
-    z = z - z.mean()
-    square = z * z
-    sq = float(np.sqrt(np.mean(square)))
-    heights = {
-        "Sq": sq,
-        "Sa": float(np.mean(np.abs(z))),
-        "Ssk": float(np.mean(square * z)) / sq**3,
-        "Sku": float(np.mean(square * square)) / sq**4,
-        "Sp": float(z.max()),
-        "Sv": float(-z.min()),
-        "Sz": float(np.ptp(z)),
-    }
-    slope, curvature = gradients(hm)
-    hybrid = {"Sdq": slope, "Sdr": _developed(hm), "curvature": curvature}
-    curve = bearing_curve(hm)
-    found = texture(autocorrelation(hm))
-    spatial = {"Sal": found.shortest, "Str": found.aspect, "Std": math.nan}
-    spatial["lay"] = math.degrees(found.direction)
-    moments, fit, hills = None, None, dict.fromkeys(FEATURES, math.nan)
-    warnings = [*tilt_warning(hm, _TILTED), *unit_warning(slope)]
-    if hm.missing:
-        share = 100 * hm.missing / hm.heights.size
+    require_source(hm)
+    found = extent(hm)
+    heights, hybrid, curve = height_parameters(hm, found), differences(hm), bearing_curve(hm)
+    points = hm.shape[0] * hm.shape[1]
+    missing = (points - found.count) / points
+    moments, fit, lay, hills = None, None, None, dict.fromkeys(FEATURES, math.nan)
+    spatial = dict.fromkeys(("Sal", "Str", "Std", "lay"), math.nan)
+    warnings = [*_tilted(hm, heights["Sq"]), *unit_warning(hybrid["Sdq"])]
+    if missing:
         warnings.append(
-            f"{share:.3g} % of the points are missing: no spectrum and features; fill them"
+            f"{100 * missing:.3g} % of the points are missing: no spectrum and features; fill them"
         )
+    if isinstance(hm, HeightMap):
+        lay = texture(autocorrelation(hm))
+        spatial |= {"Sal": lay.shortest, "Str": lay.aspect, "lay": math.degrees(lay.direction)}
+        if not missing:
+            hills = features(hm, wolf)
     else:
-        spectrum = power_spectrum(hm)
+        warnings.append("read by blocks: no texture and features, which need all heights at once")
+    if not missing and (lay or hm.periodic):
+        with density_of(hm, memory) as waves:
+            spectrum = spectrum_of(waves)
+            spatial["Std"] = math.degrees(texture_direction(waves))
         moments = spectrum.moments
-        spatial["Std"] = math.degrees(texture_direction(hm))
-        hills = features(hm, wolf)
-        warnings += _resolution_warning(moments, slope, curvature)
+        warnings += _resolution_warning(moments, hybrid["Sdq"], hybrid["curvature"])
         try:
             fit = fit_spectrum(spectrum)
         except SurfaceError as error:
             warnings.append(f"no self-affine fit: {error}")
-    if found.bounded:
+    elif not missing:
+        warnings.append("read by blocks: no spectrum of a map that is not periodic")
+    if lay is not None and lay.bounded:
         warnings.append("the correlation does not fall off within half the map: Str is a bound")
     return Statistics(
         heights=heights,
@@ -211,82 +210,19 @@ def describe(hm: HeightMap, *, wolf: float = 5.0) -> Statistics:
         hybrid=hybrid,
         functional=curve.core() | curve.heights() | curve.volumes(),
         features=hills,
-        texture=found,
+        texture=lay,
         moments=moments,
         fit=fit,
-        missing=hm.missing / hm.heights.size,
+        missing=missing,
         warnings=tuple(warnings),
     )
 
 
-def gradients(hm: HeightMap) -> tuple[float, float]:
-    """Rms gradient [-] and rms mean curvature [1/m] by finite differences.
-
-    Parameters
-    ----------
-    hm
-        The map; differences that meet a missing point are left out.
-
-    Notes
-    -----
-    Forward differences, and (h_xx + h_yy) / 2 of second central differences; around the seam only
-    for a periodic map. Both fall below the spectral values where waves of a few pixels count.
-    """
-    dy, dx = hm.spacing
-    slopes_y, slopes_x, bends = _Mean(), _Mean(), _Mean()
-    for z in _blocks(hm):
-        middle = z[1:-1, 1:-1]
-        slopes_y.add(np.square((z[2:, 1:-1] - middle) / dy))
-        slopes_x.add(np.square((z[1:-1, 2:] - middle) / dx))
-        bend = (z[2:, 1:-1] + z[:-2, 1:-1] - 2.0 * middle) / dy**2
-        bend += (z[1:-1, 2:] + z[1:-1, :-2] - 2.0 * middle) / dx**2
-        bends.add(np.square(bend))
-    return math.sqrt(slopes_y.value + slopes_x.value), 0.5 * math.sqrt(bends.value)
-
-
-class _Mean:
-    """Mean of the numbers present in arrays that come one after the other."""
-
-    def __init__(self) -> None:
-        self.total, self.count = 0.0, 0
-
-    def add(self, values: NDArray[np.float64]) -> None:
-        self.total += float(np.nansum(values))
-        self.count += values.size - int(np.count_nonzero(np.isnan(values)))
-
-    @property
-    def value(self) -> float:
-        return self.total / self.count if self.count else math.nan
-
-
-def _blocks(hm: HeightMap) -> Iterator[NDArray[np.float64]]:
-    """Rows of the map in blocks that fit the cache, each with one more point on every side.
-
-    Beyond the border of a map that is not periodic there are missing points.
-    """
-    border: dict[str, Any] = {"mode": "wrap"} if hm.periodic else {"constant_values": np.nan}
-    above = hm.heights[-1:] if hm.periodic else np.full((1, hm.shape[1]), np.nan)
-    below = hm.heights[:1] if hm.periodic else above
-    rows = max(1, _BLOCK // hm.shape[1])
-    for start in range(0, hm.shape[0], rows):
-        stop = min(start + rows, hm.shape[0])
-        top = hm.heights[start - 1 : start] if start else above
-        bottom = hm.heights[stop : stop + 1] if stop < hm.shape[0] else below
-        block = np.vstack([top, hm.heights[start:stop], bottom])
-        yield np.pad(block, ((0, 0), (1, 1)), **border)
-
-
-def _developed(hm: HeightMap) -> float:
-    """Additional area of the triangulated surface over its projection, Sdr [-]."""
-    dy, dx = hm.spacing
-    area = _Mean()
-    for z in _blocks(hm):
-        step_y, step_x = np.diff(z[1:, 1:], axis=0) / dy, np.diff(z[1:, 1:]) / dx
-        step_y, step_x = np.square(step_y) + 1.0, np.square(step_x)
-        ends = (slice(None, -1), slice(1, None))
-        corners = [np.sqrt(step_y[:, one] + step_x[other]) for one in ends for other in ends]
-        area.add(np.mean(corners, axis=0))
-    return area.value - 1.0
+def _tilted(source: Source, rms_height: float) -> list[str]:
+    """A plane that makes up too much of the heights; `tilt_warning`, of files too."""
+    if isinstance(source, HeightMap):
+        return tilt_warning(source, _TILTED)
+    return [] if source.periodic else tilt_of_lines(line_means(source), rms_height**2, _TILTED)
 
 
 def _resolution_warning(moments: SpectralMoments, slope: float, curvature: float) -> list[str]:

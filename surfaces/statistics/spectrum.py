@@ -8,16 +8,21 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from surfaces.heightmap import HeightMap, require_full
-from surfaces.preparation.levelling import level
+from surfaces.heightmap import HeightMap
+from surfaces.numerics.memory import MEMORY
+
+from .density import Density, density_of, over_sections, wave_numbers
+from .rows import MapFile
 
 __all__ = [
     "SpectralMoments",
     "Spectrum",
     "power_spectrum",
     "power_spectrum_2d",
-    "texture_direction",
+    "spectrum_of",
 ]
+
+Array = NDArray[np.float64]
 
 _RING = 1.12  # outer over inner wave number of a ring
 _HANN_MODES = (18.0 / 35.0) ** 2  # mean square of the window squared, over its mean fourth power
@@ -152,13 +157,16 @@ class Spectrum:
     window: str
 
 
-def power_spectrum(hm: HeightMap) -> Spectrum:
+def power_spectrum(hm: HeightMap | MapFile, *, memory: float = MEMORY) -> Spectrum:
     """Power spectral density around rings and along the axes, and its moments.
 
     Parameters
     ----------
     hm
-        The map, without missing points.
+        The map, without missing points; or a file of a periodic one, as `surfaces.open` gives it,
+        which may be larger than memory. A temporary file then takes 8 bytes per point.
+    memory
+        For a file: largest memory of the whole program [bytes], if that held nothing before.
 
     Notes
     -----
@@ -179,31 +187,55 @@ def power_spectrum(hm: HeightMap) -> Spectrum:
     >>> f"{spectrum.moments.m00:.3f}"
     '0.500'
     """
-    heights, hann = _ready(hm)
-    qy, qx, density = _density(hm, heights, hann)
-    weight = np.full(len(qx), 2.0)
-    weight[0] = 1.0
-    if hm.shape[1] % 2 == 0:
-        weight[-1] = 1.0
-    q = np.hypot(qy[:, None], qx[None, :])
-    nyquist = np.pi / max(hm.spacing)
-    edges = _ring_edges(2.0 * np.pi / max(hm.size), nyquist)
-    ring = np.digitize(q, edges).ravel()
-    half = np.broadcast_to(0.5 * weight, q.shape).ravel()
-    count = np.bincount(ring, half, len(edges) + 1)[1:-1].astype(np.float64)
-    power = np.bincount(ring, half * density.ravel(), len(edges) + 1)[1:-1]
-    logs = np.log(np.maximum(q, 0.5 * edges[0])).ravel()
-    place = np.bincount(ring, half * logs, len(edges) + 1)[1:-1]
+    with density_of(hm, memory) as waves:
+        return spectrum_of(waves)
+
+
+def spectrum_of(waves: Density) -> Spectrum:
+    """As `power_spectrum`, of a density."""
+    (ny, nx), (dy, dx) = waves.source.shape, waves.source.spacing
+    size = ny * dy, nx * dx
+    nyquist = np.pi / max(dy, dx)
+    edges = _ring_edges(2.0 * np.pi / max(size), nyquist)
+    rings = np.zeros((3, len(edges) + 1))
+    table, rows, columns = np.zeros((4, 4)), np.zeros(ny), np.zeros(nx // 2 + 1)
+
+    def ring_sums(part: slice, density: Array) -> tuple[Array, Array, Array, slice, Array]:
+        qy, qx = wave_numbers(waves, part)
+        column = np.arange(nx // 2 + 1)[part]
+        weight = np.where((column == 0) | (2 * column == nx), 1.0, 2.0)
+        q = np.hypot(qy[:, None], qx[None, :])
+        ring = np.digitize(q, edges).ravel()
+        half = np.broadcast_to(0.5 * weight, q.shape).ravel()
+        logs = np.log(np.maximum(q, 0.5 * edges[0])).ravel()
+        values = half, half * density.ravel(), half * logs
+        rings = np.array([np.bincount(ring, v, len(edges) + 1) for v in values], np.float64)
+        table = _moment_table(qy, qx, density * weight / (size[0] * size[1]))
+        return rings, table, np.asarray(density @ weight), part, density.sum(axis=0)
+
+    for more, moments, along_y, part, along_x in over_sections(ring_sums, waves):
+        rings += more
+        table += moments
+        rows += along_y
+        columns[part] = along_x
+    count, power, place = rings[:, 1:-1]
     full = count > 0
+    density_y, density_x = waves.along(0), waves.along(1)
+    if density_y is None or density_x is None:
+        opposite = rows[-np.arange(ny)]
+        density_y, density_x = 0.5 * (rows + opposite) / size[1], columns / size[0]
     return Spectrum(
         q=np.exp(place[full] / count[full]),
         density=power[full] / count[full],
-        modes=count[full] * (_HANN_MODES if hann else 1.0),
-        **_profiles(hm, heights, hann),
-        moments=_moments(qy, qx, density * weight / hm.area),
-        edge=_edge(q, density, 2.0 * np.pi / min(hm.size), nyquist),
+        modes=count[full] * (_HANN_MODES if waves.hann else 1.0),
+        qx=2.0 * np.pi * fft.rfftfreq(nx, dx)[1:],
+        density_x=density_x[1:],
+        qy=2.0 * np.pi * fft.rfftfreq(ny, dy)[1:],
+        density_y=density_y[1 : ny // 2 + 1],
+        moments=_moments(table),
+        edge=_edge(waves, 2.0 * np.pi / min(size), nyquist),
         nyquist=float(nyquist),
-        window="hann" if hann else "none",
+        window="hann" if waves.hann else "none",
     )
 
 
@@ -227,76 +259,50 @@ def power_spectrum_2d(
     >>> density.shape
     (32, 25)
     """
-    return _density(hm, *_ready(hm))
+    with density_of(hm, MEMORY) as waves:
+        (((part, density),),) = waves.sections()
+        return *wave_numbers(waves, part), density
 
 
-def _ready(hm: HeightMap) -> tuple[NDArray[np.float64], bool]:
-    """Heights of zero mean, and whether they need a window."""
-    require_full(hm, "a power spectrum")
-    if hm.periodic:
-        return hm.heights - hm.heights.mean(), False
-    return level(hm, "plane").heights, True
-
-
-def _density(
-    hm: HeightMap, heights: NDArray[np.float64], hann: bool
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    (ny, nx), (dy, dx) = hm.shape, hm.spacing
-    if hann:
-        window = _hann(ny)[:, None] * _hann(nx)[None, :]
-        heights = (heights - np.sum(window * heights) / np.sum(window)) * window
-    modes = fft.rfft2(heights)
-    density = np.square(modes.real) + np.square(modes.imag)
-    density *= (dy * dx) ** 2 / hm.area
-    return 2.0 * np.pi * fft.fftfreq(ny, dy), 2.0 * np.pi * fft.rfftfreq(nx, dx), density
-
-
-def _edge(
-    q: NDArray[np.float64], density: NDArray[np.float64], width: float, nyquist: float
-) -> float:
+def _edge(waves: Density, width: float, nyquist: float) -> float:
     """Where the density falls by a thousand within six rings of `width` and stays there."""
-    ring = (q / width).astype(np.int64).ravel()
     count = max(1, int(nyquist / width))
-    power = np.bincount(ring, density.ravel())[:count] / np.maximum(np.bincount(ring)[:count], 1)
+
+    def rings(part: slice) -> tuple[Array, NDArray[np.int64]]:
+        qy, qx = wave_numbers(waves, part)
+        q = np.hypot(qy[:, None], qx[None, :])
+        return q, (q / width).astype(np.int64)
+
+    def sums(part: slice, density: Array) -> Array:
+        ring = rings(part)[1].ravel()
+        found = np.bincount(ring, density.ravel(), count), np.bincount(ring, minlength=count)
+        return np.stack([found[0][:count], found[1][:count]])
+
+    power, number = sum(over_sections(sums, waves), np.zeros((2, count)))
+    power /= np.maximum(number, 1)
     beyond = np.maximum.accumulate(power[::-1])[::-1]
-    for cliff in range(6, count - 3):
-        if beyond[cliff + 3] < 1e-3 * power[cliff - 3]:
-            last = cliff - 3 + np.flatnonzero(power[cliff - 3 :] > 0.05 * power[cliff - 3])[-1]
-            inside = (ring <= last).reshape(q.shape) & (density > 0.05 * power[cliff - 3])
-            return float(q[inside].max())
-    return float(nyquist)
+    cliffs = np.flatnonzero(beyond[9:] < 1e-3 * power[3:-6]) + 6
+    if not cliffs.size:
+        return float(nyquist)
+    before = cliffs[0] - 3
+    least = 0.05 * power[before]
+    last = before + np.flatnonzero(power[before:] > least)[-1]
+
+    def largest(part: slice, density: Array) -> float:
+        q, ring = rings(part)
+        return float(np.max(q, where=(ring <= last) & (density > least), initial=0.0))
+
+    return max(over_sections(largest, waves))
 
 
-def _profiles(
-    hm: HeightMap, heights: NDArray[np.float64], hann: bool
-) -> dict[str, NDArray[np.float64]]:
-    """Mean densities of the profiles along each axis, the mean of each profile taken out."""
-    found = {}
-    for name, axis in (("x", 1), ("y", 0)):
-        count, step = hm.shape[axis], hm.spacing[axis]
-        lines = np.moveaxis(heights, axis, -1)
-        if hann:
-            window = _hann(count)
-            lines = (lines - (lines @ window / window.sum())[:, None]) * window
-        modes = np.abs(fft.rfft(lines, axis=-1)) ** 2
-        found[f"q{name}"] = 2.0 * np.pi * fft.rfftfreq(count, step)[1:]
-        found[f"density_{name}"] = modes.mean(axis=0)[1:] * step / count
-    return found
-
-
-def _hann(count: int) -> NDArray[np.float64]:
-    """Periodic Hann window of mean square one."""
-    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * (np.arange(count) + 0.5) / count)
-    return np.asarray(window / np.sqrt(np.mean(window**2)))
-
-
-def _moments(
-    qy: NDArray[np.float64], qx: NDArray[np.float64], power: NDArray[np.float64]
-) -> SpectralMoments:
-    """Sums of powers of the wave numbers over the variance of each mode."""
+def _moment_table(qy: Array, qx: Array, power: Array) -> Array:
+    """Sums of powers 0, 1, 2, 4 of the wave numbers along y and x over the variances of modes."""
     columns = np.stack([np.ones_like(qx), qx, qx**2, qx**4], axis=1)
     rows = np.stack([np.ones_like(qy), qy, qy**2, qy**4], axis=0)
-    table = rows @ power @ columns
+    return np.asarray(rows @ power @ columns)
+
+
+def _moments(table: Array) -> SpectralMoments:
     return SpectralMoments(
         m00=float(table[0, 0]),
         m20=float(table[0, 2]),
@@ -315,32 +321,3 @@ def _ring_edges(lowest: float, nyquist: float) -> NDArray[np.float64]:
         edges.append(max(edges[-1] * _RING, edges[-1] + lowest))
     edges[-1] = nyquist * (1.0 + 1e-9)
     return np.array(edges)
-
-
-def texture_direction(hm: HeightMap) -> float:
-    """Texture direction Std [rad], 0 to pi: where the angular amplitude spectrum is largest.
-
-    Parameters
-    ----------
-    hm
-        The map, without missing points.
-
-    Notes
-    -----
-    ISO 25178-2:2021, 4.3: amplitudes of all waves up to the largest full ring, summed over sectors
-    of one degree; the mean direction in the largest. It is that of the wave vectors, ccw from +x
-    to +y, across the lay; NaN of a plane.
-    """
-    qy, qx, density = power_spectrum_2d(hm)
-    q, angle = np.hypot(qy[:, None], qx), np.arctan2(qy[:, None], qx) % np.pi
-    amplitude = np.sqrt(density) * (q <= np.pi / max(hm.spacing))
-    amplitude[:, 0] *= 0.5  # holds both of two opposite waves
-    amplitude[0, 0] = 0.0
-    sector = np.round(np.degrees(angle)).astype(np.int64)
-    angle -= np.radians(sector)
-    total = np.bincount(sector.ravel() % 180, amplitude.ravel())
-    moment = np.bincount(sector.ravel() % 180, (amplitude * angle).ravel())
-    most = int(np.argmax(total))
-    if total[most] == 0.0:
-        return np.nan
-    return float((np.radians(most) + moment[most] / total[most]) % np.pi)

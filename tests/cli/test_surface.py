@@ -34,6 +34,16 @@ def test_info_on_a_glob(folder: Path, capsys: pytest.CaptureFixture[str]) -> Non
     assert out.count("20 x 31 (y, x), 1 missing") == 3
 
 
+def test_info_by_blocks(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("info", folder / "map0.h5") == 0
+    whole = capsys.readouterr().out
+    assert run("info", folder / "map0.h5", "--memory", "1GiB") == 0
+    blocks = capsys.readouterr().out
+    for name in ("points", "pixel", "periodic", "heights", "hybrid", "functional", "history"):
+        told = [line for line in whole.splitlines() if line.startswith(f"  {name}")]
+        assert told == [line for line in blocks.splitlines() if line.startswith(f"  {name}")]
+
+
 @pytest.mark.parametrize("action", ["info", "validate", "convert"])
 def test_a_batch_goes_on_past_a_bad_file(
     folder: Path, action: str, capsys: pytest.CaptureFixture[str]
@@ -81,6 +91,10 @@ def test_generate(tmp_path: Path) -> None:
     hm = surfaces.read(tmp_path / "g.h5")
     assert hm.shape == (64, 96) and hm.size == (1e-3, 1e-3) and hm.periodic
     assert surfaces.validate(tmp_path / "g.h5") == []
+    words += ["--cutoff", "6e-5", "--seed", "3", "--memory", "1GiB"]
+    assert run("generate", *words, "-o", tmp_path / "blocks.h5") == 0
+    found = surfaces.read(tmp_path / "blocks.h5").heights
+    np.testing.assert_allclose(found, hm.heights, rtol=0, atol=1e-12 * hm.rms_height)
 
 
 @pytest.mark.parametrize(
@@ -106,12 +120,21 @@ def test_generate_textures(tmp_path: Path, words: str) -> None:
         (["generate", "-o", "a.h5"], "give either rms_slope or rms_height"),
         (["generate", "--feed", "1", "-o", "a.h5"], "--feed does not belong to self-affine"),
         (["generate", "--texture", "turned", "-o", "a.h5"], "turned needs --feed"),
+        (
+            ["generate", "--texture", "ground", "--memory", "1GiB", "-o", "a.h5"],
+            "--memory does not belong to ground",
+        ),
+        (
+            ["generate", "--memory", "100MiB", "--rms-slope", "1", "-o", "a.h5"],
+            "takes 389 MiB of memory or more, not 100 MiB",
+        ),
         (["info", "none.h5"], "none.h5: no such file"),
         (["info", "none*.h5"], "none*.h5: no such file"),
         (["convert", "{0}/map0.h5", "-o", "a.xyz"], "not as .xyz"),
         (["convert", "{0}/map0.h5", "-o", "{0}"], "would replace the input"),
         (["info", "{0}/map0.h5", "--spacing", "1", "2", "3"], "one number or two"),
         (["info", "{0}/map0.h5", "--unit", "um"], "leave out"),
+        (["info", "{0}/map0.h5", "--memory", "1GiB", "--report", "a.html"], "leave out --memory"),
         (["info", "{0}/map0.h5", "--dataset", "z"], "the file holds heights (20, 31) float64"),
         (["peaks", "{0}/map0.h5"], "missing (1 of 620 points)"),
         (["peaks", "{0}/map0.h5", "--fill", "harmonic", "--plot", "a.xyz"], "cannot be written"),

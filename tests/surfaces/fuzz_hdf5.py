@@ -30,7 +30,7 @@ VALUES = (
 
 def write_seeds(folder: Path) -> dict[str, Path]:
     """Files to mutate: ours, and foreign ones in old layouts without checksums."""
-    heights = np.random.default_rng(0).normal(0.0, 1e-7, (37, 52))
+    heights = np.random.default_rng(0).normal(0.0, 1e-7, (300, 52))
     heights[3, 4] = np.nan
     seeds = {name: folder / f"{name}.h5" for name in ("ours", "packed", "plain")}
     history = ({"step": "read", "file": "a.sur", "unit": "um"},)

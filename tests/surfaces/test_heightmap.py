@@ -149,3 +149,11 @@ def test_a_map_is_drawn_on_axes_and_in_a_notebook() -> None:
     assert ax.images[0].get_cmap().name == "gray"
     page = ramp()._repr_html_()
     assert "&lt;ramp&gt;" in page and "<ramp>" not in page and "data:image/png;base64" in page
+
+
+def test_only_what_nobody_can_change_is_kept_without_a_copy() -> None:
+    heights = np.eye(4, 5)
+    assert not np.shares_memory(surfaces.HeightMap(heights, 1.0).heights, heights)
+    heights.setflags(write=False)
+    assert surfaces.HeightMap(heights, 1.0).heights is heights
+    assert surfaces.HeightMap(heights[1:], 1.0).heights.flags.owndata

@@ -10,7 +10,7 @@ import pytest
 
 import surfaces
 from surfaces.errors import SurfaceError
-from surfaces.statistics.describe import gradients
+from surfaces.statistics.differences import differences
 
 SIZE = (1e-3, 2e-3)
 
@@ -41,8 +41,8 @@ def test_curvature_of_a_paraboloid() -> None:
     """Away from the border, second differences of a paraboloid are exact."""
     hm = surfaces.HeightMap(np.zeros((20, 31)), (1e-6, 2e-6))
     y, x = hm.y[:, None], hm.x[None, :]
-    _, curvature = gradients(hm.replace(heights=-(300.0 * x**2 + 100.0 * y**2) / 2))
-    assert curvature == pytest.approx(200.0)
+    found = differences(hm.replace(heights=-(300.0 * x**2 + 100.0 * y**2) / 2))
+    assert found["curvature"] == pytest.approx(200.0)
 
 
 @pytest.mark.parametrize("factor", [1e-3, 7.0])
@@ -168,4 +168,67 @@ def test_measured_maps_have_the_slopes_of_their_table(measured: Path) -> None:
     table = {"afm_10um_grains": 0.223, "optical_rubber_missing": 0.136, "wli_milled_a": 0.161}
     for name, slope in table.items():
         hm = surfaces.prepare(surfaces.read(measured / f"{name}.h5"), fill=None)
-        assert gradients(hm)[0] == pytest.approx(slope, rel=0.005)
+        assert differences(hm)["Sdq"] == pytest.approx(slope, rel=0.005)
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+@pytest.mark.parametrize("gaps", [0, 50])
+def test_a_file_in_blocks_has_the_numbers_of_the_map(tmp_path, monkeypatch, periodic, gaps) -> None:
+    heights = surfaces.plateau_honed((300, 270), SIZE, rms_slope=0.1, cutoff=3e-5).heights.copy()
+    heights[heights > 0.5 * heights.std()] = 0.5 * heights.std()  # many points of one height
+    rng = np.random.default_rng(0)
+    heights[rng.integers(300, size=gaps), rng.integers(270, size=gaps)] = np.nan
+    hm = surfaces.HeightMap(heights, (1e-6, 2e-6), periodic=periodic)
+    surfaces.write(hm, tmp_path / "a.h5")
+    monkeypatch.setattr("surfaces.files.hdf5._BLOCK_BYTES", 1)  # one row of chunks
+    whole = surfaces.describe(hm)
+    with surfaces.open(tmp_path / "a.h5") as file:
+        least = 384 * 2**20 + 4 * 120 * 300
+        found = surfaces.describe(file, memory=least)
+        curve = surfaces.bearing_curve(file)
+    for group in ("heights", "hybrid", "functional"):
+        for name, value in getattr(whole, group).items():
+            assert getattr(found, group)[name] == pytest.approx(value, rel=1e-9, abs=1e-18), name
+    exact = surfaces.bearing_curve(hm).height
+    np.testing.assert_allclose(curve.height, exact, rtol=0, atol=1e-12 * hm.rms_height)
+    assert found.missing == whole.missing
+    for told in ("plane", "missing"):
+        assert [w for w in found.warnings if told in w] == [w for w in whole.warnings if told in w]
+    assert any("no texture and features" in warning for warning in found.warnings)
+    assert (found.moments is None) == (gaps > 0 or not periodic)
+
+
+@pytest.mark.parametrize("shape", [(300, 271), (259, 304)])
+def test_a_file_in_sections_has_the_spectrum_of_the_map(tmp_path, shape) -> None:
+    """Both parities of both axes; four columns in a section at least."""
+    hm = surfaces.self_affine(shape, SIZE, hurst=0.7, rms_slope=0.1, anisotropy=3.0, cutoff=5e-5)
+    surfaces.write(hm, tmp_path / "a.h5")
+    least = 384 * 2**20 + 4 * 120 * shape[0]
+    with surfaces.open(tmp_path / "a.h5") as file:
+        one, other = surfaces.power_spectrum(hm), surfaces.power_spectrum(file, memory=least)
+        whole, found = surfaces.describe(hm), surfaces.describe(file, memory=least)
+        with pytest.raises(surfaces.InputError, match="385 MiB of memory or more, not"):
+            surfaces.power_spectrum(file, memory=least - 1)
+    for name in ("q", "density", "modes", "qx", "density_x", "qy", "density_y", "edge", "nyquist"):
+        value = getattr(one, name)
+        np.testing.assert_allclose(
+            getattr(other, name), value, rtol=1e-9, atol=1e-20 * np.max(value)
+        )
+    assert vars(other.moments) == pytest.approx(vars(one.moments), rel=1e-10)
+    assert found.spatial["Std"] == pytest.approx(whole.spatial["Std"], rel=1e-10)
+    assert found.fit.hurst == pytest.approx(whole.fit.hurst, rel=1e-6)
+
+
+@pytest.mark.parametrize("changes", [{"periodic": False}, {"gap": True}])
+def test_a_file_that_has_no_spectrum_is_told(tmp_path, changes) -> None:
+    heights = rough().heights.copy()
+    if changes.pop("gap", False):
+        heights[3, 4] = np.nan
+    surfaces.write(
+        surfaces.HeightMap(heights, 1e-6, **{"periodic": True} | changes), tmp_path / "a.h5"
+    )
+    with (
+        surfaces.open(tmp_path / "a.h5") as file,
+        pytest.raises(SurfaceError, match=r"is not periodic, and|1 points are missing"),
+    ):
+        surfaces.power_spectrum(file)

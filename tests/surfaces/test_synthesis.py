@@ -128,3 +128,25 @@ def test_redistribute_gives_the_heights_and_keeps_the_spectrum():
     assert np.corrcoef(old.ravel(), new.ravel())[0, 1] > 0.98
     with pytest.raises(surfaces.InputError, match="periodic map"):
         surfaces.redistribute(hm.replace(periodic=False), np.sort)
+
+
+@pytest.mark.parametrize("shape", [(700, 33), (601, 64), (40, 903)])
+@pytest.mark.parametrize("anisotropy", [1.0, 5.0])
+def test_a_map_in_blocks_is_the_map_in_memory(tmp_path, monkeypatch, shape, anisotropy):
+    """Both parities of both axes; several blocks of columns and of rows."""
+    waves = {"hurst": 0.6, "rms_slope": 0.2, "rolloff": 0.3, "anisotropy": anisotropy, "seed": 7}
+    whole = surfaces.self_affine(shape, (1.0, 1.3), angle=0.4, **waves)
+    monkeypatch.setattr("surfaces.numerics.memory._PROGRAM", 0)
+    monkeypatch.setattr("surfaces.random_waves._TILE", 200)
+    assert surfaces.self_affine(shape, (1.0, 1.3), angle=0.4, **waves).digest == whole.digest
+    least = max(16 * shape[0], 40 * min(shape[0], 256) * shape[1])
+    path = tmp_path / "map.h5"
+    surfaces.write_self_affine(path, shape, (1.0, 1.3), angle=0.4, memory=least, **waves)
+    found = surfaces.read(path)
+    assert_allclose(found.heights, whole.heights, rtol=0, atol=1e-12 * whole.rms_height)
+    assert found.history == whole.history and found.periodic and found.spacing == whole.spacing
+    with pytest.raises(surfaces.InputError, match="MiB of memory or more, not"):
+        surfaces.write_self_affine(path, shape, (1.0, 1.3), memory=least - 1, **waves)
+    with pytest.raises(surfaces.InputError, match="not nan MiB"):
+        surfaces.write_self_affine(path, shape, (1.0, 1.3), memory=np.nan, **waves)
+    assert surfaces.read(path).digest == found.digest and list(tmp_path.iterdir()) == [path]

@@ -1,0 +1,64 @@
+"""Height maps in Zarr: an array with the attributes of schema 1, or a group that holds one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surfaces.errors import AsperityError, FileFormatError
+
+from ._container import HEIGHTS
+from ._schema import DAMAGED, Fault, Header, array_faults, brief, header_of
+
+__all__ = ["is_zarr", "read_zarr"]
+
+_MARKS = ("zarr.json", ".zarray", ".zgroup")
+
+
+def is_zarr(path: Path) -> bool:
+    """Whether a folder is a Zarr array or group."""
+    return any((path / mark).is_file() for mark in _MARKS)
+
+
+def read_zarr(
+    path: Path, dataset: str | None, unit: str | None, spacing: tuple[float, float] | None
+) -> tuple[Any, Header | None, list[Fault]]:
+    """The array, its header, which is None if a fault is fatal, and all its faults.
+
+    Raises
+    ------
+    FileFormatError
+        If the library is missing, or what it opens is damaged or holds no such array.
+    """
+    try:
+        import zarr
+    except (ImportError, RuntimeError, OSError) as error:
+        raise FileFormatError(
+            f"{path}: Zarr needs a library ({brief(error)}): python -m pip install 'asperity[zarr]'"
+        ) from error
+    try:
+        found: Any = zarr.open(path, mode="r")
+        if isinstance(found, zarr.Group):
+            names = ", ".join(sorted(found.array_keys())) or "no array"
+            wanted = HEIGHTS if dataset is None else dataset
+            found = found.get(wanted)
+            if not isinstance(found, zarr.Array):
+                raise FileFormatError(
+                    f"{path}: no array {wanted!r}; the group holds {names}; name the heights with "
+                    "--dataset (dataset=...)"
+                )
+        faults = list(array_faults(found))
+        stored, fill = found.nchunks_initialized, found.fill_value
+        if stored != found.nchunks and not (found.dtype.kind == "f" and np.isnan(fill)):
+            faults.append(
+                Fault(f"dataset {found.name} holds {stored} of its {found.nchunks} chunks")
+            )
+        return found, *header_of(found, dict(found.attrs), faults, unit=unit, spacing=spacing)
+    except AsperityError:
+        raise
+    except DAMAGED as error:
+        raise FileFormatError(
+            f"{path}: damaged Zarr ({brief(error)}); copy the folder again from its source"
+        ) from error

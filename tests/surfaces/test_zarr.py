@@ -1,0 +1,96 @@
+"""Zarr arrays are read as HDF5 datasets are: in parts, in metres, each fault told."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import surfaces
+from surfaces.errors import FileFormatError
+
+HEIGHTS = np.random.default_rng(2).normal(size=(70, 53)).astype(np.float32)
+
+
+@pytest.fixture
+def stored(tmp_path: Path) -> Path:
+    zarr = pytest.importorskip("zarr", reason="the extra for Zarr is not installed")
+    array = zarr.create_array(tmp_path / "scan.zarr", data=HEIGHTS, chunks=(16, 32))
+    array.attrs.update({"schema": "surface/1", "spacing": [1e-6, 2e-6], "unit": "um"})
+    array.attrs["periodic"] = True
+    return tmp_path / "scan.zarr"
+
+
+def edit(path: Path, **attributes: object) -> Path:
+    zarr = pytest.importorskip("zarr")
+    array = zarr.open(path, mode="r+")
+    for name, value in attributes.items():
+        del array.attrs[name]
+        if value is not None:
+            array.attrs[name] = value
+    return path
+
+
+def test_an_array_is_a_map(stored: Path) -> None:
+    hm = surfaces.read(stored)
+    np.testing.assert_array_equal(hm.heights, HEIGHTS.astype(np.float64) * 1e-6)
+    assert (hm.spacing, hm.periodic, hm.name) == ((1e-6, 2e-6), True, "scan")
+    assert surfaces.validate(stored) == []
+    part = surfaces.read(stored, rows=(3, 40), columns=(10, 50))
+    np.testing.assert_array_equal(part.heights, hm.heights[3:40, 10:50])
+
+
+def test_blocks_cover_the_map_once(stored: Path) -> None:
+    with surfaces.open(stored) as file:
+        starts, blocks = zip(*file.blocks(rows=32), strict=True)
+        found = surfaces.describe(file)
+    assert starts == (0, 32, 64)
+    np.testing.assert_array_equal(np.vstack(blocks), surfaces.read(stored).heights)
+    assert found.heights["Sq"] == pytest.approx(surfaces.read(stored).rms_height)
+
+
+def test_a_group_holds_heights(tmp_path: Path) -> None:
+    zarr = pytest.importorskip("zarr", reason="the extra for Zarr is not installed")
+    group = zarr.create_group(tmp_path / "scans.zarr")
+    for name in ("heights", "other"):
+        group.create_array(name, data=HEIGHTS)
+    options = {"unit": "nm", "spacing": 1e-6}
+    assert surfaces.read(tmp_path / "scans.zarr", **options).shape == HEIGHTS.shape
+    assert surfaces.read(tmp_path / "scans.zarr", dataset="other", **options).shape == HEIGHTS.shape
+    with pytest.raises(FileFormatError, match="no array 'z'; the group holds heights, other"):
+        surfaces.open(tmp_path / "scans.zarr", dataset="z")
+
+
+@pytest.mark.parametrize(
+    ("attributes", "message"),
+    [
+        ({"unit": None}, "no attribute unit; pass --unit"),
+        ({"spacing": [1e-6, -1.0]}, "two positive lengths"),
+        ({"schema": "surface/9"}, "schema 'surface/9'"),
+    ],
+)
+def test_each_bad_attribute_has_its_sentence(stored: Path, attributes, message) -> None:
+    edit(stored, **attributes)
+    with pytest.raises(FileFormatError, match=message):
+        surfaces.read(stored)
+    assert any(fault.fatal and message in str(fault) for fault in surfaces.validate(stored))
+
+
+def test_damage_is_told(stored: Path) -> None:
+    (stored / "c" / "1" / "0").write_bytes(b"garbage")
+    with pytest.raises(FileFormatError, match="are damaged"):
+        surfaces.read(stored)
+    (stored / "c" / "1" / "0").unlink()
+    with pytest.raises(FileFormatError, match="holds 9 of its 10 chunks"):
+        surfaces.read(stored)
+    (stored / "zarr.json").write_text("{")
+    with pytest.raises(FileFormatError, match="damaged Zarr"):
+        surfaces.read(stored)
+
+
+def test_without_the_library_it_is_named(stored: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "zarr", None)
+    with pytest.raises(FileFormatError, match=r"pip install 'asperity\[zarr\]'"):
+        surfaces.read(stored)
