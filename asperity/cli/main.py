@@ -26,6 +26,7 @@ COMMANDS = {
     "curve": "load-separation and contact area from the sum of microcontacts",
     "bem": "the same curves from the full boundary-element solution",
     "compare": "both models, their differences and run times; results and report",
+    "sweep": "many maps, materials and settings on many workers, and one index of all",
     "plan": "what a run would do, need and leave out, and why; nothing is run",
     "indent": "one microcontact: force, area, contour and pressure against approach",
     "surface": "height maps: info, generate, prepare, convert, validate, peaks",
