@@ -32,10 +32,10 @@ WIDEST = 44
 """Most characters of a cell on the terminal."""
 
 
-def add_files(parser: argparse.ArgumentParser) -> None:
-    """The inputs."""
+def add_files(parser: argparse.ArgumentParser, count: str = "+") -> None:
+    """The inputs; with the count "*" there may be none."""
     parser.add_argument(
-        "files", nargs="+", metavar="FILE", help="files and globs, which may be quoted"
+        "files", nargs=count, metavar="FILE", help="files and globs, which may be quoted"
     )
 
 

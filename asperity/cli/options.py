@@ -37,9 +37,9 @@ __all__ = [
 ]
 
 
-def add_surface_options(parser: argparse.ArgumentParser) -> None:
+def add_surface_options(parser: argparse.ArgumentParser, count: str = "+") -> None:
     """Options that name the files and say how the maps are read and prepared."""
-    batch.add_files(parser)
+    batch.add_files(parser, count)
     add_reading(parser)
     add_preparation(parser, fill="none")
     parser.add_argument(

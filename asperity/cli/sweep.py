@@ -48,17 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(reparse=parser.parse_args)
     options.add_surface_options(parser)
     options.add_material_options(parser, nargs="+")
-    options.add_load_options(parser)
-    parser.add_argument(
-        "--method",
-        choices=["curve", "bem", "solve"],
-        default="curve",
-        help="what solves: the microcontact model, boundary elements, or the cheaper of both to "
-        "an accuracy (default curve)",
-    )
-    options.add_model_options(parser)
-    options.add_tolerance_option(parser)
-    add_accuracy_options(parser)
+    add_solving_options(parser)
     add_worker_options(parser)
     parser.add_argument(
         "-o",
@@ -70,6 +60,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     targets.add_force(parser)
     batch.add_json(parser)
+
+
+def add_solving_options(parser: argparse.ArgumentParser) -> None:
+    """Options that say what is solved, and how."""
+    options.add_load_options(parser)
+    parser.add_argument(
+        "--method",
+        choices=["curve", "bem", "solve"],
+        default="curve",
+        help="what solves: the microcontact model, boundary elements, or the cheaper of both to "
+        "an accuracy (default curve)",
+    )
+    options.add_model_options(parser)
+    options.add_tolerance_option(parser)
+    add_accuracy_options(parser)
 
 
 def add_worker_options(parser: argparse.ArgumentParser) -> None:

@@ -5,9 +5,12 @@ from __future__ import annotations
 import functools
 import os
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from asperity.compilation import compile_ahead
 from asperity.halfspace.material import HalfSpace
@@ -19,7 +22,7 @@ from .jobs import METHODS, Job, Jobs
 from .pool import Workers, opened, outcomes
 from .work import Outcome, finished, run_jobs
 
-__all__ = ["run", "run_sweep", "sweep"]
+__all__ = ["row_of", "run", "run_sweep", "sweep"]
 
 RESULTS = "results"
 """Folder of the results files, inside that of the sweep."""
@@ -110,14 +113,18 @@ def sweep(
 
 
 def run(
-    jobs: Sequence[Job], folder: Path, on: Workers, force: bool = False
-) -> Iterator[tuple[Job, Outcome]]:
-    """Tell of each job as it ends, those that an earlier run finished first."""
+    jobs: Sequence[Job],
+    folder: Path,
+    on: Workers,
+    force: bool = False,
+    at: NDArray[np.float64] | None = None,
+) -> Generator[tuple[Job, Outcome]]:
+    """Tell of each job as it ends, those that an earlier run finished first; see `run_jobs`."""
     results = Path(os.path.abspath(folder)) / RESULTS
     make_folder(results)
     left = []
     for job in jobs:
-        known = None if force else finished(job, results)
+        known = None if force else finished(job, results, at)
         if known is None:
             left.append(job)
         else:
@@ -127,7 +134,7 @@ def run(
             part for name in {job.settings["method"] for job in left} for part in METHODS[name]
         ]
         compile_ahead(*dict.fromkeys(parts))
-        work = functools.partial(run_jobs, folder=results, threads=on.threads, force=force)
+        work = functools.partial(run_jobs, folder=results, threads=on.threads, force=force, at=at)
         with opened(on) as pool:
             yield from outcomes(left, work, pool)
 
@@ -144,7 +151,7 @@ def run_sweep(
     found: dict[str, Outcome] = {}
 
     def index() -> Sweep:
-        return Sweep.of_rows(folder, [_row(job, found.get(job.file)) for job in jobs])
+        return Sweep.of_rows(folder, [row_of(job, found.get(job.file)) for job in jobs])
 
     distinct = {job.file: job for job in jobs}
     next_write = time.monotonic() + SECONDS_BETWEEN_WRITES
@@ -153,7 +160,7 @@ def run_sweep(
             for job, outcome in run(list(distinct.values()), folder, on, force):
                 found[job.file] = outcome
                 if tell is not None:
-                    tell(_row(job, outcome))
+                    tell(row_of(job, outcome))
                 if (begun := time.monotonic()) > next_write:
                     index().write()
                     spent = time.monotonic() - begun
@@ -164,10 +171,11 @@ def run_sweep(
     return whole
 
 
-def _row(job: Job, outcome: Outcome | None) -> dict[str, str | float]:
+def row_of(job: Job, outcome: Outcome | None) -> dict[str, str | float]:
     """What the index tells of a job."""
     found = {"state": "waiting", "reason": ""} if outcome is None else outcome
     told = {"state": found["state"], "reason": found["reason"], **found}
+    told.pop("values", None)
     kept = found["state"] in ("done", "not converged")
     return {
         **job.row,
