@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import os
 import signal
@@ -82,8 +83,15 @@ class Workers:
 
 
 @contextmanager
-def opened(on: Workers) -> Iterator[Pool]:
+def opened(on: Workers, jobs: int) -> Iterator[Pool]:
     """Workers on Dask, or in a pool of processes where it is not installed.
+
+    Parameters
+    ----------
+    on
+        Those asked for.
+    jobs
+        What they have to do: none more is started here.
 
     Raises
     ------
@@ -93,7 +101,7 @@ def opened(on: Workers) -> Iterator[Pool]:
     for name, number in (("workers", on.count), ("threads", on.threads)):
         if number is not None and as_number(f"the number of {name}", number) < 1:
             raise InputError(f"the number of {name} is {number}; give at least 1")
-    count = on.count or max(1, available() // on.threads)
+    count = min(on.count or max(1, available() // on.threads), jobs)
     try:
         import distributed
     except (ImportError, OSError, RuntimeError):
@@ -107,11 +115,19 @@ def opened(on: Workers) -> Iterator[Pool]:
             yield pool
         return
     with ExitStack() as stack:
-        where = on.scheduler or stack.enter_context(
-            distributed.LocalCluster(
-                n_workers=count, threads_per_worker=1, dashboard_address="127.0.0.1:0"
-            )
-        )
+        log = logging.getLogger("distributed.client")  # tells a lost scheduler with its traceback
+        stack.callback(log.setLevel, log.level)
+        log.setLevel(logging.CRITICAL)
+        where: Any = on.scheduler
+        if where is None:
+            with _uninterrupted():
+                where = distributed.LocalCluster(
+                    n_workers=count,
+                    threads_per_worker=1,
+                    dashboard_address="127.0.0.1:0",
+                    silence_logs=logging.ERROR,
+                )
+            stack.enter_context(where)
         try:
             client = stack.enter_context(distributed.Client(where))
         except (OSError, ValueError) as error:
@@ -120,6 +136,19 @@ def opened(on: Workers) -> Iterator[Pool]:
                 "one by `dask scheduler`, and workers by `dask worker ADDRESS --nthreads 1`"
             ) from error
         yield _Dask(client)
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Let Ctrl-C not reach the processes that are started here: this one ends them."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 class _Dask:

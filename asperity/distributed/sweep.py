@@ -28,7 +28,7 @@ RESULTS = "results"
 """Folder of the results files, inside that of the sweep."""
 
 SECONDS_BETWEEN_WRITES = 5.0
-"""Least time between two writes of the index; writing takes at most a twentieth of the time."""
+"""Least time between two writes of the index; writing takes at most a fiftieth of the time."""
 
 
 def sweep(
@@ -135,7 +135,7 @@ def run(
         ]
         compile_ahead(*dict.fromkeys(parts))
         work = functools.partial(run_jobs, folder=results, threads=on.threads, force=force, at=at)
-        with opened(on) as pool:
+        with opened(on, len(left)) as pool:
             yield from outcomes(left, work, pool)
 
 
@@ -164,7 +164,7 @@ def run_sweep(
                 if (begun := time.monotonic()) > next_write:
                     index().write()
                     spent = time.monotonic() - begun
-                    next_write = begun + max(SECONDS_BETWEEN_WRITES, 20.0 * spent)
+                    next_write = begun + max(SECONDS_BETWEEN_WRITES, 50.0 * spent)
         finally:
             whole = index()
             whole.write()

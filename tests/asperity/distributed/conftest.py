@@ -58,7 +58,7 @@ def here(monkeypatch: pytest.MonkeyPatch) -> None:
     """Jobs run in this process: no other is started."""
 
     @contextmanager
-    def opened(on: object) -> Iterator[Here]:
+    def opened(on: object, jobs: int) -> Iterator[Here]:
         yield Here()
 
     monkeypatch.setattr("asperity.distributed.sweep.opened", opened)
