@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import threading
 import time
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from asperity.threads import set_threads
 from surfaces.heightmap import HeightMap
 
 from .bands import QUANTITIES
-from .jobs import Job, method
+from .jobs import Job, Surface, method
 
 __all__ = ["Outcome", "failure", "finished", "load_map", "run_jobs"]
 
@@ -57,8 +58,10 @@ def run_jobs(
         warnings.simplefilter("ignore", ContactWarning)  # results hold them
         set_threads(threads)
         try:
+            loaded = functools.lru_cache(maxsize=1)(_load)  # of the bodies of one surface
             return [
-                (not force and finished(job, folder, at)) or _run(job, folder, at) for job in jobs
+                (not force and finished(job, folder, at)) or _run(job, folder, at, loaded)
+                for job in jobs
             ]
         finally:
             set_threads(None)
@@ -79,10 +82,13 @@ def finished(job: Job, folder: Path, at: NDArray[np.float64] | None = None) -> O
         return None
 
 
-def load_map(job: Job) -> HeightMap:
+def _load(surface: Surface) -> HeightMap:
+    return surface.load()
+
+
+def load_map(job: Job, load: Callable[[Surface], HeightMap] = _load) -> HeightMap:
     """The surface of a job, prepared."""
-    hm = job.surface.load()
-    preparation = job.settings.get("prepare")
+    hm, preparation = load(job.surface), job.settings.get("prepare")
     return hm if preparation is None else surfaces.prepare(hm, **preparation)
 
 
@@ -91,12 +97,17 @@ def failure(error: BaseException) -> Outcome:
     return {"state": "failed", "reason": " ".join(str(error).split()) or type(error).__name__}
 
 
-def _run(job: Job, folder: Path, at: NDArray[np.float64] | None) -> Outcome:
+def _run(
+    job: Job,
+    folder: Path,
+    at: NDArray[np.float64] | None,
+    load: Callable[[Surface], HeightMap],
+) -> Outcome:
     """Solve one job and write its results file."""
     begun = time.perf_counter()
     settings = {k: v for k, v in job.settings.items() if k not in ("method", "prepare")}
     try:
-        hm = load_map(job)
+        hm = load_map(job, load)
         if "loads" in settings:
             settings["pressures"] = np.asarray(settings.pop("loads"), float) / hm.area
         curve = method(job.settings["method"])(hm, job.material, **settings)
