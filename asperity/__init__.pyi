@@ -10,6 +10,10 @@ from .contacts.run import ContactRun as ContactRun
 from .contacts.run import solve_contacts as solve_contacts
 from .contacts.sizes import size_distribution as size_distribution
 from .curve import contact_curve as contact_curve
+from .distributed.bands import Ensemble as Ensemble
+from .distributed.ensemble import ensemble as ensemble
+from .distributed.index import Sweep as Sweep
+from .distributed.sweep import sweep as sweep
 from .engine.solve import solve as solve
 from .errors import AsperityError as AsperityError
 from .errors import ContactWarning as ContactWarning

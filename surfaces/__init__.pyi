@@ -5,12 +5,12 @@ from .errors import InputError as InputError
 from .errors import SurfaceError as SurfaceError
 from .files.formats import read as read
 from .files.formats import write as write
-from .files.hdf5 import Fault as Fault
 from .files.hdf5 import SurfaceFile as SurfaceFile
 from .files.hdf5 import open as open
-from .files.hdf5 import validate as validate
 from .files.hdf5_write import write_blocks as write_blocks
 from .files.synthetic import write_self_affine as write_self_affine
+from .files.validation import Fault as Fault
+from .files.validation import validate as validate
 from .heightmap import HeightMap as HeightMap
 from .peaks.peaks import Peaks as Peaks
 from .peaks.profiles import Profiles as Profiles

@@ -19,7 +19,7 @@ from . import targets
 from .exit_codes import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
 from .messages import tell, told, warn, warnings_told
 
-__all__ = ["Work", "add_files", "add_json", "add_table", "each", "expand"]
+__all__ = ["Work", "add_files", "add_json", "add_table", "each", "expand", "table_text"]
 
 Work = Callable[[argparse.Namespace], Mapping[str, Any]]
 """Does the work on the input ``file`` of the options and returns what it found, by name.
@@ -32,10 +32,10 @@ WIDEST = 44
 """Most characters of a cell on the terminal."""
 
 
-def add_files(parser: argparse.ArgumentParser) -> None:
-    """The inputs."""
+def add_files(parser: argparse.ArgumentParser, count: str = "+") -> None:
+    """The inputs; with the count "*" there may be none."""
     parser.add_argument(
-        "files", nargs="+", metavar="FILE", help="files and globs, which may be quoted"
+        "files", nargs=count, metavar="FILE", help="files and globs, which may be quoted"
     )
 
 
@@ -85,7 +85,7 @@ def each(args: argparse.Namespace, work: Work) -> int:
             sys.stdout.flush()
     args.document = rows
     if several:
-        tell(_text(rows))
+        tell(table_text(rows))
     if args.table:
         from asperity.results.storage import write_csv
 
@@ -123,7 +123,7 @@ def _columns(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     return [*dict.fromkeys(name for name in names if name != "reason"), "reason"]
 
 
-def _text(rows: Sequence[Mapping[str, Any]]) -> str:
+def table_text(rows: Sequence[Mapping[str, Any]]) -> str:
     """The table in columns, words to the left and numbers to the right."""
     names = _columns(rows)
     if not any(row["reason"] for row in rows):

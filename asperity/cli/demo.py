@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from asperity.progress import bar
+from surfaces.files.atomic import make_folder
 
 from . import output, targets
 from .messages import tell
@@ -50,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
     made = surface, results, report = [
         folder / name for name in ("surface.h5", "results.h5", "report.html")
     ]
-    targets.make_folder(folder)
+    make_folder(folder)
     for file in made:
         targets.require_place(file, args.force)
     hm = surfaces.self_affine(

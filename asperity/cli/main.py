@@ -27,6 +27,8 @@ COMMANDS = {
     "curve": "load-separation and contact area from the sum of microcontacts",
     "bem": "the same curves from the full boundary-element solution",
     "compare": "both models, their differences and run times; results and report",
+    "sweep": "many maps, materials and settings on many workers, and one index of all",
+    "ensemble": "mean curve of seeds, windows or repeats, its scatter and how well it is known",
     "plan": "what a run would do, need and leave out, and why; nothing is run",
     "indent": "one microcontact: force, area, contour and pressure against approach",
     "surface": "height maps: info, generate, prepare, convert, validate, peaks",

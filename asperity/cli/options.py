@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -26,14 +28,16 @@ __all__ = [
     "load_surface",
     "loads",
     "material",
+    "materials",
     "model",
     "of_map",
+    "surface_choices",
 ]
 
 
-def add_surface_options(parser: argparse.ArgumentParser) -> None:
+def add_surface_options(parser: argparse.ArgumentParser, count: str = "+") -> None:
     """Options that name the files and say how the maps are read and prepared."""
-    batch.add_files(parser)
+    batch.add_files(parser, count)
     add_reading(parser)
     add_preparation(parser, fill="none")
     parser.add_argument(
@@ -48,32 +52,26 @@ def add_surface_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_material_options(parser: argparse.ArgumentParser) -> None:
-    """Options of the elastic half-space."""
+def add_material_options(parser: argparse.ArgumentParser, **how: Any) -> None:
+    """Options of the elastic half-space; `how` with ``nargs`` lets each take several values."""
     group = parser.add_argument_group("material")
     number, pressure = quantities.of("plain number"), quantities.of("pressure")
-    group.add_argument(
-        "--E", type=pressure, metavar="P", help="Young's modulus [Pa], or 210GPa; E0 if graded"
-    )
-    group.add_argument("--nu", type=number, help="Poisson's ratio (default 0.3)")
-    group.add_argument("--m", type=number, default=0.0, help="exponent of E(z) = E z^m (default 0)")
-    group.add_argument(
-        "--modulus", type=pressure, metavar="P", help="composite modulus E* [Pa] in place of E, nu"
-    )
-    group.add_argument(
-        "--hardness",
-        type=pressure,
-        default=math.inf,
-        metavar="P",
-        help="largest contact pressure that the body bears [Pa] (default: no limit)",
-    )
-    group.add_argument(
-        "--E2", type=pressure, metavar="E", help="Young's modulus of a second body [Pa]"
-    )
-    group.add_argument("--nu2", type=number, help="its Poisson's ratio (default 0.3)")
-    group.add_argument(
-        "--hardness2", type=pressure, metavar="P", help="its hardness [Pa] (default: no limit)"
-    )
+    for name, kind, settings, text in (
+        ("--E", pressure, {"metavar": "P"}, "Young's modulus [Pa], or 210GPa; E0 if graded"),
+        ("--nu", number, {}, "Poisson's ratio (default 0.3)"),
+        ("--m", number, {"default": 0.0}, "exponent of E(z) = E z^m (default 0)"),
+        ("--modulus", pressure, {"metavar": "P"}, "composite modulus E* [Pa] in place of E, nu"),
+        (
+            "--hardness",
+            pressure,
+            {"metavar": "P", "default": math.inf},
+            "largest contact pressure that the body bears [Pa] (default: no limit)",
+        ),
+        ("--E2", pressure, {"metavar": "E"}, "Young's modulus of a second body [Pa]"),
+        ("--nu2", number, {}, "its Poisson's ratio (default 0.3)"),
+        ("--hardness2", pressure, {"metavar": "P"}, "its hardness [Pa] (default: no limit)"),
+    ):
+        group.add_argument(name, type=kind, help=text, **settings, **how)
 
 
 def add_model_options(parser: argparse.ArgumentParser) -> None:
@@ -182,6 +180,30 @@ def model(args: argparse.Namespace) -> dict[str, Any]:
         "boundary": args.boundary,
         "scales": args.scales,
     }
+
+
+def materials(args: argparse.Namespace) -> list[HalfSpace]:
+    """Half-spaces of all values of the options of a material with each other."""
+    names = vars(_defaults(add_material_options)).keys()
+    given = {name: getattr(args, name) for name in names}
+    lists = [value if isinstance(value, list) else [value] for value in given.values()]
+    return [
+        material(argparse.Namespace(**vars(args) | dict(zip(given, values, strict=True))))
+        for values in itertools.product(*lists)
+    ]
+
+
+def surface_choices(args: argparse.Namespace) -> argparse.Namespace:
+    """The options that say how maps are read and prepared, alone."""
+    names = vars(_defaults(add_surface_options, "-")).keys() - {"files"}
+    return argparse.Namespace(**{name: getattr(args, name) for name in sorted(names)})
+
+
+def _defaults(add: Callable[..., None], *words: str) -> argparse.Namespace:
+    """Options of one kind as they are where none is given."""
+    parser = argparse.ArgumentParser()
+    add(parser)
+    return parser.parse_args(words)
 
 
 def loads(args: argparse.Namespace) -> dict[str, Any]:

@@ -8,11 +8,10 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from asperity import __version__
 from asperity.progress import bar
 from asperity.results.curve import ContactCurve
+from asperity.results.headline import at_heaviest
 
 from . import batch, derived, targets
 from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK
@@ -33,17 +32,6 @@ __all__ = [
     "request_of",
     "solve_and_keep",
 ]
-
-AT_HEAVIEST = (
-    "mean_pressure",
-    "area_fraction",
-    "separation",
-    "mean_contact_pressure",
-    "contacts",
-    "error_estimate",
-    "stiffness",
-)
-"""Columns of a curve that a table with a row per file tells, of the heaviest point converged."""
 
 
 def add_output_options(parser: argparse.ArgumentParser, *, report: bool = False) -> None:
@@ -171,16 +159,12 @@ def finish(
         ]
         silent = replace(curve, settings={**curve.settings, "warnings": []})  # told before
         tell("\n".join([args.file, str(silent), *lines, f"results         {args.output}"]))
-    heaviest = np.argmax(np.where(curve.converged, curve.mean_pressure, -np.inf))
     return {
-        **{name: columns[name][heaviest] for name in AT_HEAVIEST},
-        "converged": bool(curve.converged.all()),
-        "points": len(curve),
+        **at_heaviest(curve),
         **facts_of(hm),
         "seconds": sum(curve.seconds.values()),
         "model": curve.model,
         "output": args.output,
-        "reason": next(filter(None, curve.reasons), ""),
         "curve": columns,
         "settings": curve.settings,
         "seconds_by_stage": curve.seconds,

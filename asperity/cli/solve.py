@@ -30,6 +30,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_surface_options(parser)
     options.add_material_options(parser)
     options.add_load_options(parser)
+    add_accuracy_options(parser)
+    output.add_output_options(parser)
+    derived.add_derived_options(parser)
+
+
+def add_accuracy_options(parser: argparse.ArgumentParser) -> None:
+    """Options of the answer that is asked for."""
     group = parser.add_argument_group("accuracy")
     group.add_argument(
         "--accuracy",
@@ -51,8 +58,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="auto: the cheaper one; bem: boundary elements at every load; anchored: the "
         "microcontact model, anchored by boundary elements at a few loads (default auto)",
     )
-    output.add_output_options(parser)
-    derived.add_derived_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -70,15 +75,19 @@ def _solve(
     from asperity.engine.solve import solve
     from asperity.results.storage import ResultFile, write_results
 
-    settings: dict[str, Any] = {
-        name: getattr(args, name) for name in ("accuracy", "area_accuracy", "boundary", "engine")
-    }
+    settings = settings_of(args)
     request = output.request_of(hm, material, args, settings)
     judge = _Resumable(args, request)
     curve = solve(hm, material, **loads, **settings, judge=judge)
     curves = {one.model: one.to_record() for one in (judge.solved, curve) if one is not None}
     write_results(args.output, ResultFile(curves=curves, about={"request": request}))
     return output.finish(curve, hm, material, args)
+
+
+def settings_of(args: argparse.Namespace) -> dict[str, Any]:
+    """What is asked of the answer, as keyword arguments."""
+    names = ("accuracy", "area_accuracy", "boundary", "engine")
+    return {name: getattr(args, name) for name in names}
 
 
 class _Resumable:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import functools
 import inspect
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from .exit_codes import EXIT_OK
 from .messages import tell
 from .surface_options import PARAMETERS, add_arguments
 
-__all__ = ["add_arguments", "prepared", "read_map", "run"]
+__all__ = ["add_arguments", "generator", "prepared", "read_map", "run"]
 
 
 def run(args: argparse.Namespace) -> int:
@@ -182,10 +183,10 @@ def prepared(hm: surfaces.HeightMap, args: argparse.Namespace) -> surfaces.Heigh
     return surfaces.make_periodic(hm, args.periodic) if args.periodic else hm
 
 
-def _generate(args: argparse.Namespace) -> int:
+def generator(args: argparse.Namespace) -> Callable[..., surfaces.HeightMap]:
+    """What makes the surface of the options of `add_generation`, with all its arguments."""
     if len(args.shape) > 2 or len(args.size) > 2:
         raise InputError("--shape and --size take one number or two (y and x)")
-    targets.require(args)
     make = getattr(surfaces, args.texture.replace("-", "_"))
     takes = inspect.signature(make).parameters
     if args.memory is not None and make is not surfaces.self_affine:
@@ -200,6 +201,7 @@ def _generate(args: argparse.Namespace) -> int:
         if parameter.default is parameter.empty and name not in (*given, "shape", "size"):
             raise InputError(f"{args.texture} needs --{name.replace('_', '-')}")
     shape, size = (args.shape[0], args.shape[-1]), (args.size[0], args.size[-1])
+<<<<<<< HEAD
     dtype = "float32" if args.float32 else "float64"
     if args.memory is not None:
         given |= {"memory": args.memory, "name": args.name or "", "dtype": dtype}
@@ -207,6 +209,15 @@ def _generate(args: argparse.Namespace) -> int:
         tell(f"{args.output}: {shape[0]} x {shape[1]} points")
         return EXIT_OK
     hm = make(shape, size, **given)
+=======
+    return functools.partial(make, shape, size, **given)
+
+
+def _generate(args: argparse.Namespace) -> int:
+    make = generator(args)
+    targets.require(args)
+    hm = make()
+>>>>>>> sweep
     if args.name:
         hm = hm.replace(name=args.name)
     surfaces.write(hm, args.output, dtype=dtype)

@@ -199,7 +199,8 @@ def _outputs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--float32", action="store_true", help="half the size, 7 digits")
 
 
-def _generation(parser: argparse.ArgumentParser) -> None:
+def add_generation(parser: Any) -> None:
+    """Options that say what surface is made."""
     parser.add_argument("--texture", choices=TEXTURES, default="self-affine")
     parser.add_argument("--shape", type=int, nargs="+", default=[512, 512], metavar="N")
     parser.add_argument(
@@ -209,6 +210,10 @@ def _generation(parser: argparse.ArgumentParser) -> None:
         kind = "length" if "[m]" in text else "angle" if name == "angle" else "plain number"
         number: Any = int if name == "seed" else quantities.of(kind)
         parser.add_argument(f"--{name.replace('_', '-')}", type=number, metavar="X", help=text)
+
+
+def _generation(parser: argparse.ArgumentParser) -> None:
+    add_generation(parser)
     parser.add_argument("--name", help="name kept in the file")
     parser.add_argument(
         "--memory",

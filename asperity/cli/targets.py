@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from asperity.errors import InputError
-from surfaces.files.atomic import replacing, require_replaceable
+from surfaces.files.atomic import make_folder, replacing, require_replaceable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,7 +21,6 @@ __all__ = [
     "add_target",
     "beside",
     "fill_in",
-    "make_folder",
     "of_input",
     "require",
     "require_place",
@@ -166,14 +165,6 @@ def require_place(
             pass
     except OSError as error:
         raise InputError(f"{file}: cannot be written ({error.strerror})") from error
-
-
-def make_folder(folder: str | Path) -> None:
-    """Make a folder for results, with those around it, where it does not exist."""
-    try:
-        Path(folder).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be made ({error.strerror})") from error
 
 
 def save_figure(figure: Figure, target: str) -> None:

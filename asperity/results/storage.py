@@ -12,6 +12,7 @@ headers.  Text has a fixed length; of any length it would lie in a heap without 
 from __future__ import annotations
 
 import csv
+import functools
 import json
 import math
 import os
@@ -19,6 +20,7 @@ import platform
 import shlex
 import sys
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -41,6 +43,7 @@ __all__ = [
     "columns",
     "flat_columns",
     "provenance",
+    "read_about",
     "read_results",
     "structured",
     "write_csv",
@@ -122,15 +125,21 @@ class ResultFile:
 
 def provenance() -> dict[str, str]:
     """Date (UTC), command line or name of the script, and versions, as text."""
+    return {
+        "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "command": _command(),
+        "versions": _versions(),
+    }
+
+
+@functools.cache
+def _versions() -> str:
+    """Versions of the package and what it computes with; looking them up takes 5 ms."""
     from importlib.metadata import version
 
     versions = {name: version(name) for name in LIBRARIES}
     versions = {"asperity": __version__, "Python": platform.python_version()} | versions
-    return {
-        "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        "command": _command(),
-        "versions": ", ".join(f"{name} {version}" for name, version in versions.items()),
-    }
+    return ", ".join(f"{name} {version}" for name, version in versions.items())
 
 
 def _command() -> str:
@@ -170,6 +179,27 @@ def read_results(path: str | os.PathLike[str]) -> ResultFile:
     FileFormatError
         If the file is absent, damaged, or of another schema.
     """
+    with _results(path) as (file, about):
+        return ResultFile(
+            curves={
+                name: _read_curve(group, f"{path}: curve {name!r}")
+                for name, group in _members(file, "curves")
+            },
+            tables={k: _plain(d[()]) for k, d in _members(file, "tables")},
+            maps={k: d[()] for k, d in _members(file, "maps")},
+            about=about,
+        )
+
+
+def read_about(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """The facts about the input of a results file alone, see `ResultFile`; errors as there."""
+    with _results(path) as (_, about):
+        return about
+
+
+@contextmanager
+def _results(path: str | os.PathLike[str]) -> Iterator[tuple[h5py.File, dict[str, Any]]]:
+    """A results file, opened, and the facts about its input."""
     import h5py
 
     if not Path(path).is_file():
@@ -184,15 +214,7 @@ def read_results(path: str | os.PathLike[str]) -> ResultFile:
                     f"{path} is {held}, no results file of schema {SCHEMA!r}; make one with "
                     "asperity compare, curve or bem"
                 )
-            return ResultFile(
-                curves={
-                    name: _read_curve(group, f"{path}: curve {name!r}")
-                    for name, group in _members(file, "curves")
-                },
-                tables={k: _plain(d[()]) for k, d in _members(file, "tables")},
-                maps={k: d[()] for k, d in _members(file, "maps")},
-                about=dict(json.loads(text.get("about", "{}"))),
-            )
+            yield file, dict(json.loads(text.get("about", "{}")))
     except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
         if isinstance(error, FileFormatError):
             raise

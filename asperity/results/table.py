@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.axes import Axes
 
-__all__ = ["POINT_FIELDS", "CurveTable"]
+__all__ = ["POINT_FIELDS", "CurveTable", "axis"]
 
 POINT_FIELDS = (
     "separation",
@@ -287,7 +287,7 @@ class CurveTable:
 
             ax = pyplot.subplots(layout="constrained")[1]
         order = np.argsort(self._rising(), kind="stable")
-        across, up = (held[name].astype(float)[order] / _axis(name)[1] for name in (x, y))
+        across, up = (held[name].astype(float)[order] / axis(name)[1] for name in (x, y))
         look: dict[str, Any] = {"marker": "o", "markersize": 4, "label": self.model} | style
         (line,) = ax.plot(across, up, **look)
         shade: dict[str, Any] = {"color": line.get_color(), "alpha": 0.2, "linewidth": 0}
@@ -297,7 +297,7 @@ class CurveTable:
         elif band and BANDS.get((x, y)) in held:
             off = held[BANDS[x, y]][order]
             ax.fill_betweenx(up, across * np.maximum(1 - off, 0), across * (1 + off), **shade)
-        ax.set(xlabel=_axis(x)[0], ylabel=_axis(y)[0])
+        ax.set(xlabel=axis(x)[0], ylabel=axis(y)[0])
         if _spans_decades(across):
             ax.set_xscale("log")
         if _spans_decades(up):
@@ -339,7 +339,7 @@ class CurveTable:
         )
 
 
-def _axis(name: str) -> tuple[str, float]:
+def axis(name: str) -> tuple[str, float]:
     """Text and unit of the axis of a column."""
     return AXES.get(name, (name.replace("_", " "), 1.0))
 

@@ -1,4 +1,4 @@
-"""Files that appear only when they are complete."""
+"""Files that appear only when they are complete, and folders for them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 
 from surfaces.errors import InputError
 
-__all__ = ["replacing", "require_replaceable"]
+__all__ = ["make_folder", "replacing", "require_replaceable"]
 
 
 def require_replaceable(path: str | os.PathLike[str]) -> Path:
@@ -56,3 +56,17 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     finally:
         with contextlib.suppress(OSError):
             part.unlink()
+
+
+def make_folder(folder: str | os.PathLike[str]) -> None:
+    """Make a folder for results, with those around it, where it does not exist.
+
+    Raises
+    ------
+    InputError
+        If it cannot be made.
+    """
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made ({error.strerror})") from error

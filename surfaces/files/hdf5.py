@@ -1,4 +1,4 @@
-"""Height maps in HDF5, schema 1: open, read in parts, validate.
+"""Height maps in HDF5, schema 1: open, read in parts.
 
 The layout is described in ``docs/formats.md``.
 """
@@ -16,7 +16,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces.errors import AsperityError, FileFormatError, InputError, SurfaceError, as_path
+from surfaces.errors import FileFormatError, InputError, SurfaceError, as_path
 from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import available_bytes, require_memory
@@ -28,7 +28,7 @@ from ._schema import DAMAGED, Fault, Header, brief, plain, read_header
 from .stored_map import StoredMap
 from .zarr_array import is_zarr, read_zarr
 
-__all__ = ["Fault", "SurfaceFile", "open", "validate"]
+__all__ = ["SurfaceFile", "open", "opened_parts"]
 
 _BLOCK_BYTES = 32 << 20  # read at a time
 
@@ -175,14 +175,14 @@ class SurfaceFile:
         top, bottom = _bounds(rows, self.shape[0], "rows")
         left, right = _bounds(columns, self.shape[1], "columns")
         whole = (bottom - top, right - left) == self.shape
-        if whole and BYTES_OF_WORK * self.shape[0] * self.shape[1] > available_bytes():
-            return self.on_disk()
-        history = list(self.history)
-        if not whole:
-            history.append({"step": "crop", "rows": [top, bottom], "columns": [left, right]})
-        heights = self.heights((top, bottom), (left, right))
-        heights.setflags(write=False)
         try:
+            if whole and BYTES_OF_WORK * self.shape[0] * self.shape[1] > available_bytes():
+                return self.on_disk()
+            history = list(self.history)
+            if not whole:
+                history.append({"step": "crop", "rows": [top, bottom], "columns": [left, right]})
+            heights = self.heights((top, bottom), (left, right))
+            heights.setflags(write=False)  # or the map would hold a copy
             return HeightMap(
                 heights,
                 self.spacing,
@@ -191,25 +191,16 @@ class SurfaceFile:
                 history=tuple(history),
             )
         except SurfaceError as error:
-            raise SurfaceError(f"{self.path}: {error}") from error
+            text = str(error).removeprefix(f"{self.path}: ")
+            raise SurfaceError(f"{self.path}: {text}") from error
 
     def on_disk(self) -> StoredMap:
-        """The map with its heights in a temporary file, which is read in parts.
-
-        Raises
-        ------
-        SurfaceError, FileFormatError
-            If there is no room for the file, or the heights are damaged.
-        """
+        """The map with its heights in a temporary file, read in parts; refused as by `read`, and
+        where there is no room for the file."""
         narrow = self._dataset.dtype == np.float32 and metres_per(self.unit) == 1.0
         facts = {"periodic": self.periodic, "name": self.name, "history": self.history}
         kind = np.float32 if narrow else np.float64
-        try:
-            return StoredMap.of_blocks(self.blocks(), self.shape, kind, self.spacing, **facts)
-        except SurfaceError as error:
-            raise SurfaceError(
-                f"{self.path}: {str(error).removeprefix(f'{self.path}: ')}"
-            ) from error
+        return StoredMap.of_blocks(self.blocks(), self.shape, kind, self.spacing, **facts)
 
     def _stored(self, rows: _Span, columns: _Span) -> NDArray[Any]:
         """Heights in the unit of the file; of no more than one chunk, if the chunks are ours."""
@@ -269,14 +260,14 @@ def open(
     (32, 48) (1e-06, 1e-06)
     """
     path = as_path(path)
-    file, found, header, faults = _opened(path, dataset, unit, _pair(spacing))
+    file, found, header, faults = opened_parts(path, dataset, unit, _pair(spacing))
     if header is None:
         file.close()
         raise FileFormatError(f"{path}: {next(f.text for f in faults if f.fatal)}")
     return SurfaceFile(path, file, found, header)
 
 
-def _opened(
+def opened_parts(
     path: Path,
     dataset: str | None = None,
     unit: str | None = None,
@@ -294,52 +285,6 @@ def _opened(
     except BaseException:
         file.close()
         raise
-
-
-def validate(path: str | os.PathLike[str], *, dataset: str | None = None) -> list[Fault]:
-    """Every fault of a height-map file, heights included; an empty list if there is none.
-
-    Parameters
-    ----------
-    path
-        An HDF5 file.
-    dataset
-        Name of the heights inside it; ``/heights`` by default.
-
-    Notes
-    -----
-    The heights are read block by block, so that the file may be larger than memory.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> import surfaces
-    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     surfaces.write(hm, f"{folder}/scan.h5")
-    ...     print(surfaces.validate(f"{folder}/scan.h5"))
-    []
-    """
-    path = as_path(path)
-    try:
-        file, found, header, faults = _opened(path, dataset)
-        with file:
-            if header is not None:
-                faults += _height_faults(SurfaceFile(path, file, found, header))
-    except AsperityError as error:
-        return [Fault(str(error).removeprefix(f"{path}: "))]
-    return faults
-
-
-def _height_faults(file: SurfaceFile) -> Iterator[Fault]:
-    infinite = present = 0
-    for _, block in file.blocks():
-        infinite += int(np.count_nonzero(np.isinf(block)))
-        present += int(np.count_nonzero(np.isfinite(block)))
-    if infinite:
-        yield Fault(f"{infinite} heights are infinite; mark missing points with NaN")
-    if not present:
-        yield Fault("every point of the height map is missing (NaN)")
 
 
 def _parts(start: int, stop: int, side: int) -> list[_Span]:

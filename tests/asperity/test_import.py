@@ -18,6 +18,7 @@ HEAVY = (
     "tqdm",
     "pandas",
     "shtab",
+    "distributed",
 )
 
 

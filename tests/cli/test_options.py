@@ -18,8 +18,11 @@ import asperity
 import surfaces
 from asperity.cli.main import COMMANDS, build_parser, main
 
-OWN = {"--shape", "--law", "-o", "--output"}
-"""A body or points along the axes; one law or several; a file, or the folder of the demo."""
+OWN = {"--shape", "--law", "-o", "--output"} | {
+    *("--E", "--nu", "--m", "--modulus", "--hardness", "--E2", "--nu2", "--hardness2")
+}
+"""A body or points along the axes; one law or several; a file, or the folder of a demo or a sweep;
+one material or, in a sweep, several."""
 
 LONG = {"stress", "warmup", "completion"}
 """Commands whose examples are only understood here, or are lines of a shell."""
@@ -69,6 +72,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name in ("scan", "scans/a", "scans/b", "raw/c"):
         Path(name).parent.mkdir(exist_ok=True)
         surfaces.write(hm, f"{name}.h5")
+    Path("plan.toml").write_text('files = "scans/*.h5"\n[[material]]\nE = ["70GPa", "210GPa"]\n')
     np.savetxt("heights.csv", 1e6 * hm.heights, delimiter=",")
     turn = 2 * np.pi * np.arange(32) / 32
     with h5py.File("profile.h5", "w") as file:

@@ -1,0 +1,216 @@
+"""``asperity sweep``: many maps, materials and settings on many workers, and one index of all."""
+
+from __future__ import annotations
+
+import argparse
+import copy
+import csv
+import itertools
+import tomllib
+from collections.abc import Iterator, Mapping
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from asperity.errors import InputError
+from asperity.progress import bar
+
+from . import batch, options, targets
+from .exit_codes import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
+from .messages import tell
+from .solve import add_accuracy_options, settings_of
+
+if TYPE_CHECKING:
+    from asperity.distributed.index import Sweep
+    from asperity.distributed.jobs import Job
+    from asperity.distributed.pool import Workers
+
+EPILOG = """examples:
+  asperity sweep 'scans/*.h5' --E 210GPa 70GPa --hardness 1GPa 2GPa --workers 2 -o sweep/
+  asperity sweep plan.toml --fill harmonic -o planned/ --json
+"""
+
+FILES = """A .toml file is a plan: its keys are options, written without dashes, with one value or a
+list; each table [[material]] and [[settings]] is a set of them, and all sets are combined. A .csv
+file with a column "file" is a table: a row is a job, its other columns are options. Their files lie
+beside them."""
+
+MOST_ROWS = 40
+"""Most rows of an index that are shown on the terminal."""
+
+TABLES = ("material", "settings")
+"""Tables of a plan."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of ``asperity sweep``."""
+    parser.epilog = f"{EPILOG}\n{FILES}\n"
+    parser.set_defaults(reparse=parser.parse_args)
+    options.add_surface_options(parser)
+    options.add_material_options(parser, nargs="+")
+    add_solving_options(parser)
+    add_worker_options(parser)
+    parser.add_argument(
+        "-o",
+        "--output",
+        default="sweep/",
+        metavar="DIR",
+        help="folder of index.csv, index.h5 and results/; what is finished there is not run again "
+        "(default sweep/)",
+    )
+    targets.add_force(parser)
+    batch.add_json(parser)
+
+
+def add_solving_options(parser: argparse.ArgumentParser) -> None:
+    """Options that say what is solved, and how."""
+    options.add_load_options(parser)
+    parser.add_argument(
+        "--method",
+        choices=["curve", "bem", "solve"],
+        default="curve",
+        help="what solves: the microcontact model, boundary elements, or the cheaper of both to "
+        "an accuracy (default curve)",
+    )
+    options.add_model_options(parser)
+    options.add_tolerance_option(parser)
+    add_accuracy_options(parser)
+
+
+def add_worker_options(parser: argparse.ArgumentParser) -> None:
+    """Options that say where jobs run."""
+    group = parser.add_argument_group("workers")
+    group.add_argument(
+        "--workers", type=int, metavar="N", help="processes (default: as many as processors)"
+    )
+    group.add_argument(
+        "--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://node:8786, with its workers"
+    )
+    group.add_argument(
+        "--threads", type=int, default=1, metavar="N", help="threads of each job (default 1)"
+    )
+
+
+def workers(args: argparse.Namespace) -> Workers:
+    """The workers that the options ask for."""
+    from asperity.distributed.pool import Workers
+
+    if args.workers is not None and args.scheduler is not None:
+        raise InputError("--workers are processes here, and --scheduler has its own: give one")
+    return Workers(args.workers, args.scheduler, args.threads)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run what is not finished, write the index and tell it."""
+    from asperity.distributed.jobs import Jobs
+    from asperity.distributed.sweep import run_sweep
+
+    folder, on = Path(args.output), workers(args)
+    maker = Jobs(folder)
+    jobs = [job for one in _expanded(args) for job in _jobs(one, maker)]
+    with bar(len(jobs), "jobs") as advance:
+        found = run_sweep(jobs, folder, on, force=args.force, progress=advance)
+    return told(found, args)
+
+
+def told(found: Sweep, args: argparse.Namespace) -> int:
+    """Tell the index of a sweep, and return the exit code."""
+    args.document = list(found.rows())
+    if len(found) <= MOST_ROWS:
+        tell(batch.table_text(_shown(args.document)) + "\n")
+    tell(str(found))
+    if found.failed.size:
+        return EXIT_BAD_INPUT
+    return EXIT_OK if found.converged else EXIT_NOT_CONVERGED
+
+
+def _shown(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows without what is the same in all, and without names for programs."""
+    kept = [
+        name
+        for name in rows[0]
+        if name in ("surface", "state", "reason")
+        or (name not in ("digest", "file") and len({repr(row[name]) for row in rows}) > 1)
+    ]
+    return [{name: row[name] for name in kept} for row in rows]
+
+
+def _jobs(args: argparse.Namespace, maker: Any) -> Iterator[Job]:
+    """Jobs of all files with all materials."""
+    from asperity.distributed.jobs import Surface
+
+    how, settings = options.surface_choices(args), settings_for(args)
+    bodies = options.materials(args)
+    for file in batch.expand(args.files):
+        surface = Surface(str(file), partial(options.load_surface, str(file.absolute()), how))
+        yield from (maker.job(surface, body, settings) for body in bodies)
+
+
+def settings_for(args: argparse.Namespace) -> dict[str, Any]:
+    """Method and its keyword arguments."""
+    chosen: dict[str, Any] = {"boundary": args.boundary}
+    if args.method == "curve":
+        chosen = options.model(args)
+    elif args.method == "bem":
+        chosen["tolerance"] = args.tolerance
+    else:
+        chosen = settings_of(args)
+    return {"method": args.method, **chosen, **options.loads(args)}
+
+
+def _expanded(args: argparse.Namespace) -> Iterator[argparse.Namespace]:
+    """Options of the command line, with those of each plan and each row of a table."""
+    maps = []
+    for file in batch.expand(args.files):
+        sets = _plan(file) if file.suffix == ".toml" else _table(file)
+        if sets is None:
+            maps.append(str(file))
+            continue
+        for words in sets:
+            own = copy.copy(args)
+            del own.files
+            yield args.reparse(words, own)
+    if maps:
+        yield argparse.Namespace(**vars(args) | {"files": maps})
+
+
+def _plan(file: Path) -> Iterator[list[str]]:
+    """Words of each combination of the tables of a plan."""
+    try:
+        content = tomllib.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(f"{file}: no plan in TOML ({error})") from error
+    sets = [content.pop(name, [{}]) for name in TABLES]
+    for chosen in itertools.product(*sets):
+        merged = dict(content)
+        for one in chosen:
+            merged |= one
+        yield _words(merged, file)
+
+
+def _table(file: Path) -> Iterator[list[str]] | None:
+    """Words of each row of a table; None if the file is none."""
+    if file.suffix != ".csv" or not file.is_file():
+        return None
+    with open(file, newline="", encoding="utf-8", errors="replace") as text:
+        rows = csv.DictReader(text)
+        if "file" not in (rows.fieldnames or ()):
+            return None
+        cells = [{k: v for k, v in row.items() if k and v} for row in rows]
+    return (_words(row, file) for row in cells)
+
+
+def _words(given: Mapping[str, Any], file: Path) -> list[str]:
+    """Options as words of a command line, the files last; files lie beside the plan."""
+    given = dict(given)
+    named = [given.pop(name) for name in ("file", "files") if name in given]
+    words = []
+    for name, value in given.items():
+        if value is False:
+            continue
+        values = [] if value is True else value if isinstance(value, list) else [value]
+        words += [f"--{name.replace('_', '-')}", *map(str, values)]
+    files = [word for one in named for word in (one if isinstance(one, list) else [one])]
+    if not files:
+        raise InputError(f'{file}: names no file; give files = ["maps/*.h5"], or a column file')
+    return [*words, "--", *(str(file.parent / word) for word in files)]

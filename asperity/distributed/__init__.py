@@ -1,0 +1,1 @@
+"""Many maps, materials and settings: jobs on Dask or a pool of processes, and their index."""

@@ -1,0 +1,278 @@
+"""Where jobs run: Dask, or a pool of processes; batches of jobs, workers that are lost."""
+
+from __future__ import annotations
+
+import logging
+import math
+import os
+import signal
+import sys
+import threading
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from multiprocessing import get_context, parent_process
+from typing import Any, Protocol
+
+from asperity.errors import AsperityError, InputError
+from surfaces.errors import as_number
+from surfaces.numerics.parallel import available
+
+from .jobs import Job
+from .work import Outcome, failure
+
+__all__ = ["Pool", "Workers", "opened", "outcomes"]
+
+SECONDS_OF_A_BATCH = 1.0
+"""Work that goes to a worker at once: sending it takes some milliseconds."""
+
+LEAST_SECONDS = 1e-3
+"""Least time of a job, for the size of a batch."""
+
+IN_FLIGHT = 2
+"""Batches sent for each worker: one that is run, and one that waits."""
+
+INSTALL = "pip install 'asperity[distributed]'"
+
+Work = Callable[[Sequence[Job]], list[Outcome]]
+
+
+class Pool(Protocol):
+    """What runs calls in other processes.
+
+    Attributes
+    ----------
+    workers
+        How many run at a time.
+    """
+
+    @property
+    def workers(self) -> int: ...
+
+    def submit(self, *call: Any) -> Future[Any]:
+        """Run a function with its arguments."""
+
+
+@dataclass(frozen=True)
+class Workers:
+    """What workers a sweep asks for.
+
+    Attributes
+    ----------
+    count
+        Number of processes; as many as the threads of their jobs leave processors for if None.
+    scheduler
+        Address of a Dask scheduler whose workers run the jobs; None starts workers here.
+    threads
+        Threads of each job.
+    """
+
+    count: int | None = None
+    scheduler: str | None = None
+    threads: int = 1
+
+
+@contextmanager
+def opened(on: Workers, jobs: int) -> Iterator[Pool]:
+    """Workers on Dask, or in a pool of processes where it is not installed.
+
+    Parameters
+    ----------
+    on
+        Those asked for.
+    jobs
+        What they have to do: none more is started here.
+
+    Raises
+    ------
+    InputError
+        If no scheduler answers, or Dask is needed and not installed.
+    """
+    for name, number in (("workers", on.count), ("threads", on.threads)):
+        if number is not None and as_number(f"the number of {name}", number) < 1:
+            raise InputError(f"the number of {name} is {number}; give at least 1")
+    count = min(on.count or max(1, available() // on.threads), jobs)
+    try:
+        import distributed
+    except (ImportError, OSError, RuntimeError):
+        if on.scheduler is not None:
+            raise InputError(
+                f"jobs run on the scheduler {on.scheduler} by dask.distributed, which is not "
+                f"installed; {INSTALL}"
+            ) from None
+        _tell(f"dask.distributed is not installed: a pool of {count} processes; {INSTALL}")
+        with _Processes(count) as pool:
+            yield pool
+        return
+    with ExitStack() as stack:
+        log = logging.getLogger("distributed.client")  # tells a lost scheduler with its traceback
+        stack.callback(log.setLevel, log.level)
+        log.setLevel(logging.CRITICAL)
+        where: Any = on.scheduler
+        if where is None:
+            with _uninterrupted():
+                where = distributed.LocalCluster(
+                    n_workers=count,
+                    threads_per_worker=1,
+                    dashboard_address="127.0.0.1:0",
+                    silence_logs=logging.ERROR,
+                )
+            stack.enter_context(where)
+        try:
+            client = stack.enter_context(distributed.Client(where))
+        except (OSError, ValueError) as error:
+            raise InputError(
+                f"no Dask scheduler answers at {where} ({' '.join(str(error).split())}); start "
+                "one by `dask scheduler`, and workers by `dask worker ADDRESS --nthreads 1`"
+            ) from error
+        yield _Dask(client)
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Let Ctrl-C not reach the processes that are started here: this one ends them."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+class _Dask:
+    """Workers of a Dask scheduler, which runs again what a lost one was at."""
+
+    def __init__(self, client: Any) -> None:
+        self._client, self._executor = client, client.get_executor(pure=False)
+        _tell(f"dashboard {client.dashboard_link}")
+
+    @property
+    def workers(self) -> int:
+        """Workers that are there now; they may come and go."""
+        return max(1, len(self._client.nthreads()))
+
+    def submit(self, *call: Any) -> Future[Any]:
+        future: Future[Any] = self._executor.submit(*call)
+        return future
+
+
+class _Processes:
+    """A pool of processes, made anew where one of them was lost."""
+
+    def __init__(self, count: int) -> None:
+        self.workers = count
+        self._executor = self._new()
+
+    def _new(self) -> Executor:
+        return ProcessPoolExecutor(self.workers, get_context("spawn"), initializer=_end_with_parent)
+
+    def submit(self, *call: Any) -> Future[Any]:
+        try:
+            return self._executor.submit(*call)
+        except BrokenExecutor:
+            self._executor = self._new()
+            return self._executor.submit(*call)
+
+    def __enter__(self) -> _Processes:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._executor.shutdown(cancel_futures=True)
+
+
+def _end_with_parent() -> None:
+    """Let this process end with the one that started it, and without a traceback at Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+    def watch() -> None:
+        parent = parent_process()
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def outcomes(jobs: Sequence[Job], work: Work, pool: Pool) -> Iterator[tuple[Job, Outcome]]:
+    """Run jobs in batches and tell of each as it ends.
+
+    Parameters
+    ----------
+    jobs
+        Jobs, begun in this order.
+    work
+        Runs a batch of them; goes to the workers.
+    pool
+        The workers.
+
+    Raises
+    ------
+    AsperityError
+        If the scheduler is lost.
+
+    Notes
+    -----
+    Jobs of a batch that did not come back, as its worker was lost or by an error that nobody
+    foresaw, are run one by one while no other runs, so that the one to blame is known; it fails.
+    """
+    waiting, suspects = deque(jobs), deque[Job]()
+    flying: dict[Future[list[Outcome]], list[Job]] = {}
+    fitting = 1
+    while waiting or suspects or flying:
+        while waiting and not suspects and len(flying) < IN_FLIGHT * pool.workers:
+            share = math.ceil(len(waiting) / (IN_FLIGHT * pool.workers))
+            batch = [waiting.popleft() for _ in range(min(share, fitting))]
+            flying[pool.submit(work, batch)] = batch
+        if not flying:
+            job = suspects.popleft()
+            yield job, _alone(job, work, pool)
+            continue
+        for future in wait(flying, return_when=FIRST_COMPLETED).done:
+            batch = flying.pop(future)
+            if _error(future) is not None:
+                suspects.extend(batch)
+                continue
+            found = future.result()
+            yield from zip(batch, found, strict=True)
+            seconds = sum(outcome.get("seconds", 0.0) for outcome in found) / len(found)
+            fitting = max(1, int(SECONDS_OF_A_BATCH / max(seconds, LEAST_SECONDS)))
+
+
+def _alone(job: Job, work: Work, pool: Pool) -> Outcome:
+    """Run a job while no other runs; whatever ends its worker is its own fault."""
+    future = pool.submit(work, [job])
+    error = _error(future)
+    if error is None:
+        return future.result()[0]  # type: ignore[no-any-return]
+    if isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker":
+        return failure(AsperityError("its worker ended each time, perhaps for want of memory"))
+    return failure(AsperityError(f"{type(error).__name__}: {error}"))
+
+
+def _error(future: Future[Any]) -> BaseException | None:
+    """Why a batch did not come back."""
+    try:
+        return future.exception()
+    except CancelledError:
+        raise AsperityError(
+            "the Dask scheduler was lost; run the same again, which goes on where this ended"
+        ) from None
+
+
+def _tell(text: str) -> None:
+    """A line about the run on standard error."""
+    from tqdm import tqdm
+
+    tqdm.write(f"asperity: {text}", file=sys.stderr)

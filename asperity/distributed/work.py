@@ -1,0 +1,145 @@
+"""What a worker does: jobs one after the other, each to its results file."""
+
+from __future__ import annotations
+
+import functools
+import threading
+import time
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import surfaces
+from asperity.errors import AsperityError, ContactWarning
+from asperity.results.curve import ContactCurve
+from asperity.results.headline import at_heaviest
+from asperity.results.storage import ResultFile, read_about, write_results
+from asperity.threads import set_threads
+from surfaces.heightmap import HeightMap
+
+from .bands import QUANTITIES
+from .jobs import Job, Surface, method
+
+__all__ = ["Outcome", "failure", "finished", "load_map", "run_jobs"]
+
+Outcome = Mapping[str, Any]
+"""What the index tells of a job that was run: ``state``, ``reason`` and numbers."""
+
+_one_at_a_time = threading.Lock()
+
+
+def run_jobs(
+    jobs: Sequence[Job],
+    folder: Path,
+    threads: int,
+    force: bool,
+    at: NDArray[np.float64] | None = None,
+) -> list[Outcome]:
+    """Run jobs in this process; what has its results file already is read from there.
+
+    Parameters
+    ----------
+    jobs
+        Jobs, run in turn. A process runs one at a time.
+    folder
+        Folder of the results files.
+    threads
+        Threads of each job. The number changes the order of some sums, and so the last digits.
+    force
+        Whether finished jobs are run again.
+    at
+        Pressures [Pa] asked for, at which the outcome holds the ``values`` of the curve too.
+    """
+    with _one_at_a_time, warnings.catch_warnings():
+        warnings.simplefilter("ignore", ContactWarning)  # results hold them
+        set_threads(threads)
+        try:
+            loaded = functools.lru_cache(maxsize=1)(_load)  # of the bodies of one surface
+            return [
+                (not force and finished(job, folder, at)) or _run(job, folder, at, loaded)
+                for job in jobs
+            ]
+        finally:
+            set_threads(None)
+
+
+def finished(job: Job, folder: Path, at: NDArray[np.float64] | None = None) -> Outcome | None:
+    """What an earlier run found, None if it did not finish the job."""
+    path = folder / job.file
+    try:
+        found = read_about(path)
+        if found.get("job") != job.digest:
+            return None
+        return {
+            **found["outcome"],
+            **_values(None if at is None else ContactCurve.from_hdf5(path), at),
+        }
+    except AsperityError:
+        return None
+
+
+def _load(surface: Surface) -> HeightMap:
+    return surface.load()
+
+
+def load_map(job: Job, load: Callable[[Surface], HeightMap] = _load) -> HeightMap:
+    """The surface of a job, prepared."""
+    hm, preparation = load(job.surface), job.settings.get("prepare")
+    return hm if preparation is None else surfaces.prepare(hm, **preparation)
+
+
+def failure(error: BaseException) -> Outcome:
+    """Outcome of a job without a result."""
+    return {"state": "failed", "reason": " ".join(str(error).split()) or type(error).__name__}
+
+
+def _run(
+    job: Job,
+    folder: Path,
+    at: NDArray[np.float64] | None,
+    load: Callable[[Surface], HeightMap],
+) -> Outcome:
+    """Solve one job and write its results file."""
+    begun = time.perf_counter()
+    settings = {k: v for k, v in job.settings.items() if k not in ("method", "prepare")}
+    try:
+        hm = load_map(job, load)
+        if "loads" in settings:
+            settings["pressures"] = np.asarray(settings.pop("loads"), float) / hm.area
+        curve = method(job.settings["method"])(hm, job.material, **settings)
+        outcome = _outcome(at_heaviest(curve), curve.settings)
+        outcome["seconds"] = time.perf_counter() - begun
+        content = ResultFile(
+            curves={curve.model: curve.to_record()},
+            about={"job": job.digest, "surface": job.surface.name, "outcome": outcome},
+        )
+        write_results(folder / job.file, content)
+        return {**outcome, **_values(curve, at)}
+    except (AsperityError, MemoryError) as error:
+        return failure(error)
+
+
+def _values(curve: ContactCurve | None, at: NDArray[np.float64] | None) -> dict[str, Any]:
+    """Columns of a curve at the pressures asked for, NaN where a point did not converge."""
+    if curve is None or at is None:
+        return {}
+    good = curve.converged
+    read = curve.at(pressure=at[good]) if np.count_nonzero(good) > 1 else curve.select(good)
+    values = {name: np.full(at.shape, np.nan) for name in QUANTITIES}
+    for name, column in values.items():
+        column[good] = getattr(read, name)
+    return {"values": values}
+
+
+def _outcome(found: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
+    """What the index tells of a curve, as plain numbers and texts."""
+    state = "done" if found.pop("converged") else "not converged"
+    rough = {name: settings["map"][name] for name in ("rms_height", "rms_slope")}
+    numbers = {
+        name: value if isinstance(value, str) else float(value) for name, value in found.items()
+    }
+    return {"state": state, **numbers, **rough, "warnings": float(len(settings["warnings"]))}

@@ -1,0 +1,194 @@
+"""Ensembles: bands of known members, stops that no worker changes, windows read one by one."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy import stats
+
+import asperity
+import surfaces
+from asperity.cli.main import main
+from asperity.distributed.bands import Confidence
+from asperity.distributed.ensemble import windows_of
+
+from .conftest import LOADS, MAKE, STEEL
+
+HEIGHTS = st.floats(-1e3, 1e3).map(lambda x: round(x, 3))
+
+
+@given(arrays(float, st.tuples(st.integers(2, 12), st.just(3)), elements=HEIGHTS))
+def test_the_interval_is_that_of_student(curves):
+    mean = Confidence(3)
+    for curve in curves:
+        mean.add(curve)
+    np.testing.assert_allclose(mean.mean, curves.mean(axis=0), atol=1e-9)
+    np.testing.assert_allclose(mean.deviation, curves.std(axis=0, ddof=1), atol=1e-7)
+    for column, half in zip(curves.T, mean.half_width, strict=True):
+        if np.ptp(column) > 1e-3:
+            low, high = stats.t.interval(
+                0.95, len(column) - 1, loc=column.mean(), scale=stats.sem(column)
+            )
+            assert half == pytest.approx(0.5 * (high - low), rel=1e-6)
+
+
+def test_points_that_did_not_converge_are_left_out():
+    mean = Confidence(2)
+    for curve in ([1.0, np.nan], [3.0, 5.0], [np.nan, 7.0]):
+        mean.add(np.array(curve))
+    assert mean.mean.tolist() == [2.0, 6.0] and mean.count.tolist() == [2.0, 2.0]
+    mean = Confidence(1)
+    mean.add(np.array([np.nan]))
+    assert mean.relative == np.inf and np.isnan(mean.half_width[0])
+
+
+def test_the_mean_is_that_of_the_curves(here, tmp_path):
+    found = asperity.ensemble(MAKE, STEEL, LOADS, folder=tmp_path, seeds=5)
+    for name in ("separation", "area_fraction", "contacts"):
+        curves = [getattr(found.sweep.curve(row), name) for row in range(5)]
+        np.testing.assert_allclose(found.table[name], np.mean(curves, axis=0), rtol=1e-3)
+        np.testing.assert_allclose(
+            found.table[f"{name}_p90"], np.quantile(curves, 0.9, axis=0), rtol=1e-3
+        )
+    frame = found.to_dataframe()
+    assert frame.members.tolist() == [5, 5]
+    assert (frame.area_fraction_p10 < frame.area_fraction_p90).all()
+    assert {"ensemble.csv", "convergence.csv", "ensemble.h5", "index.csv"} <= {
+        path.name for path in tmp_path.iterdir()
+    }
+
+
+def test_members_are_added_until_the_mean_is_known(here, tmp_path):
+    every = asperity.ensemble(MAKE, STEEL, LOADS, folder=tmp_path, seeds=30)
+    until = float(every.convergence[14])
+    first = 10 + int(np.argmax(every.convergence[9:] <= until))
+    some = asperity.ensemble(MAKE, STEEL, LOADS, folder=tmp_path / "some", seeds=30, until=until)
+    assert len(some) == first < 30 and some.met
+    assert np.array_equal(some.convergence, every.convergence[:first])
+    never = asperity.ensemble(MAKE, STEEL, LOADS, folder=tmp_path, seeds=30, until=1e-9)
+    assert not never.met and np.array_equal(never.table, every.table)
+
+
+def test_which_members_are_taken_does_not_depend_on_the_workers(without_dask, request, tmp_path):
+    run = partial(asperity.ensemble, MAKE, STEEL, LOADS, seeds=30, until=0.35)
+    found = run(folder=tmp_path / "two", workers=2)
+    request.getfixturevalue("here")
+    alone = run(folder=tmp_path / "alone")
+    assert found.met and 10 <= len(found) < 30
+    assert found.table.tobytes() == alone.table.tobytes()
+    assert found.convergence.tobytes() == alone.convergence.tobytes()
+
+
+def test_a_member_that_fails_is_left_out_and_told(here, maps, tmp_path):
+    files = maps(3)
+    files[1].write_text("no map")
+    found = asperity.ensemble(files, STEEL, LOADS, folder=tmp_path / "out")
+    assert len(found) == 2 and found.sweep.failed.tolist() == [1]
+    assert "m1.h5" in str(found) and "2 members, 1 failed" in str(found)
+    with pytest.raises(asperity.ConvergenceError, match=r"1 of 2 members have a curve: .*HDF5"):
+        asperity.ensemble(files[:2], STEEL, LOADS, folder=tmp_path / "out")
+
+
+@given(st.integers(3, 60), st.integers(3, 60), st.integers(3, 70), st.integers(3, 70))
+def test_windows_cut_a_map_without_overlap(ny, nx, high, wide):
+    if high > ny or wide > nx:
+        with pytest.raises(asperity.InputError, match="do not fit"):
+            windows_of((ny, nx), (high, wide))
+        return
+    seen = np.zeros((ny, nx), int)
+    places = windows_of((ny, nx), (high, wide))
+    for rows, columns in places:
+        seen[slice(*rows), slice(*columns)] += 1
+    assert len(places) == (ny // high) * (nx // wide) and seen.max() == 1
+    assert seen.sum() == len(places) * high * wide
+
+
+def test_windows_of_a_large_map_are_read_one_by_one(here, tmp_path, monkeypatch):
+    hm = surfaces.self_affine((96, 80), (96e-6, 80e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
+    surfaces.write(hm, tmp_path / "large.h5")
+    read, asked = surfaces.read, []
+    heights = surfaces.SurfaceFile.heights
+
+    def noted(self, rows=None, columns=None):
+        asked.append((rows[1] - rows[0], columns[1] - columns[0]))
+        return heights(self, rows, columns)
+
+    monkeypatch.setattr(surfaces.SurfaceFile, "heights", noted)
+    settings = {**LOADS, "prepare": {"level": "plane"}}
+    found = asperity.ensemble(
+        tmp_path / "large.h5", STEEL, settings, folder=tmp_path / "out", windows=(48, 40)
+    )
+    assert len(found) == 4 and set(asked) == {(48, 40)}
+    rows, columns = windows_of(hm.shape, (48, 40))[0]
+    first = surfaces.prepare(read(tmp_path / "large.h5", rows=rows, columns=columns))
+    assert found.sweep.curve(0).settings["input"] == first.digest
+
+
+@pytest.mark.parametrize(
+    ("change", "match"),
+    [
+        ({"seeds": 3, "windows": 8}, "seeds or windows"),
+        ({"until": 0.0, "seeds": 3}, "until is 0.0; give a relative half width"),
+        ({"windows": 8}, "windows are of an HDF5 file"),
+        ({"settings": {"loads": [1.0]}, "seeds": 3}, "leave out loads"),
+        ({"settings": {"pressures": [0.0, 1e8]}, "seeds": 3}, "must be positive"),
+        ({"seeds": []}, "at least one surface"),
+    ],
+)
+def test_bad_arguments_are_refused_in_one_sentence(change, match, tmp_path):
+    given = {"settings": LOADS} | change
+    with pytest.raises(asperity.InputError, match=match):
+        asperity.ensemble(MAKE, STEEL, given.pop("settings"), folder=tmp_path / "out", **given)
+    with pytest.raises(asperity.InputError, match="seeds need a function of seed"):
+        asperity.ensemble("map.h5", STEEL, folder=tmp_path, seeds=3)
+
+
+def test_the_command(here, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    body = ["--E", "210GPa", "--pressure", "100MPa,1GPa"]
+    made = [
+        "--shape",
+        "48",
+        "64",
+        "--size",
+        "48um",
+        "64um",
+        "--rms-slope",
+        "0.1",
+        "--cutoff",
+        "8um",
+    ]
+    call = ["ensemble", "--seeds", "12", *made, *body, "-o", "out", "--plot", "mean.png"]
+    assert main([*call, "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)["results"]
+    alone = asperity.ensemble(MAKE, STEEL, LOADS, folder=tmp_path / "alone", seeds=12)
+    np.testing.assert_array_equal(
+        [row["area_fraction"] for row in rows], alone.table["area_fraction"]
+    )
+    assert (tmp_path / "mean.png").read_bytes().startswith(b"\x89PNG")
+    assert main([*call, "--until", "0.1%", "--force"]) == 1
+    assert "NOT MET" in capsys.readouterr().out
+    hm = surfaces.self_affine((96, 80), (96e-6, 80e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
+    surfaces.write(hm, "large.h5")
+    assert main(["ensemble", "large.h5", "--windows", "48", "40", *body, "-o", "w"]) == 0
+    assert "4 members" in capsys.readouterr().out
+    for words, told in (
+        (["large.h5", "--seeds", "3"], "name no file"),
+        (["large.h5", "--windows", "8", "--crop", "0", "9", "0", "9"], "no --crop"),
+        ([], "at least one surface"),
+    ):
+        assert main(["ensemble", *words, *body]) == 2
+        assert told in capsys.readouterr().err
+
+
+def test_a_picture_of_the_mean(here, tmp_path):
+    found = asperity.ensemble(partial(MAKE), STEEL, LOADS, folder=tmp_path, seeds=3)
+    assert found.plot("separation").get_ylabel() == "separation [µm]"
+    with pytest.raises(asperity.InputError, match="no column 'speed'; there are separation"):
+        found.plot("speed")

@@ -1,0 +1,284 @@
+"""A sweep: one result per job, whatever the workers; what is finished is not run again."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import asperity
+import surfaces
+from asperity.cli.main import main
+
+from .conftest import LOADS, MAKE, STEEL
+
+ALUMINIUM = asperity.HalfSpace(70e9, 0.33, hardness=1e9)
+
+
+def deadly(marker: str, seed: int) -> surfaces.HeightMap:
+    """A map, but for the seed 2: that ends its worker, once if there is a marker to leave."""
+    if seed == 2 and not (marker and Path(marker).exists()):
+        if marker:
+            Path(marker).touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return MAKE(seed=seed)
+
+
+def faulty(seed: int) -> surfaces.HeightMap:
+    """A map, but for the seed 1: an error that nobody foresaw."""
+    if seed == 1:
+        raise ZeroDivisionError("one over none")
+    return MAKE(seed=seed)
+
+
+@pytest.fixture(params=["dask", "processes"])
+def engine(request: pytest.FixtureRequest) -> str:
+    """Each engine in turn."""
+    if request.param == "dask":
+        pytest.importorskip("distributed", reason="dask.distributed is not installed")
+    else:
+        request.getfixturevalue("without_dask")
+    return str(request.param)
+
+
+def same_but_seconds(one: asperity.Sweep, two: asperity.Sweep) -> bool:
+    frames = [found.to_dataframe().drop(columns="seconds") for found in (one, two)]
+    return bool(frames[0].equals(frames[1]))
+
+
+def test_results_are_those_of_a_loop_to_the_last_bit(engine, maps, tmp_path, capfd):
+    files, bodies = maps(3), [STEEL, ALUMINIUM]
+    found = asperity.sweep(files, bodies, LOADS, folder=tmp_path, workers=2)
+    asperity.set_threads(1)
+    try:
+        for row in range(6):
+            hm, body = surfaces.read(files[row // 2]), bodies[row % 2]
+            alone = asperity.contact_curve(hm, body, **LOADS).columns()
+            for name, column in found.curve(row).columns().items():
+                np.testing.assert_array_equal(column, alone[name], name)
+    finally:
+        asperity.set_threads(None)
+    told = capfd.readouterr().err
+    if engine == "dask":
+        assert re.search(r"dashboard http://127\.0\.0\.1:\d+/status", told)
+    else:
+        assert "dask.distributed is not installed: a pool of 2 processes; pip install" in told
+
+
+def test_what_is_finished_is_not_run_again_and_what_changed_is(here, maps, tmp_path):
+    files, folder = maps(3), tmp_path / "out"
+    first = asperity.sweep(files, STEEL, LOADS, folder=folder, workers=1)
+    surfaces.write(MAKE(seed=9), files[1])
+    told: list[dict[str, object]] = []
+    second = asperity.sweep(
+        str(tmp_path / "maps" / "*.h5"),
+        STEEL,
+        LOADS,
+        folder=folder,
+        workers=1,
+        progress=told.append,
+    )
+    assert len(told) == 3
+    same = first.table["digest"] == second.table["digest"]
+    assert same.tolist() == [True, False, True]
+    assert (first.table["seconds"] == second.table["seconds"]).tolist() == same.tolist()
+    assert second.table["area_fraction"][1] != first.table["area_fraction"][1]
+    both = [LOADS, {**LOADS, "law": "hertz"}]
+    third = asperity.sweep(files, STEEL, both, folder=folder, workers=1)
+    assert third.table["law"].tolist() == ["", "hertz"] * 3
+    assert third.table["seconds"][::2].tolist() == second.table["seconds"].tolist()
+    again = asperity.sweep(files, STEEL, LOADS, folder=folder, workers=1, force=True)
+    assert not (again.table["seconds"] == second.table["seconds"]).any()
+    assert same_but_seconds(again, second)
+
+
+def test_nothing_is_started_where_all_is_finished(here, maps, tmp_path, monkeypatch):
+    files = maps(2)
+    first = asperity.sweep(files, STEEL, LOADS, folder=tmp_path, workers=1)
+    monkeypatch.setattr("asperity.distributed.sweep.opened", None)
+    second = asperity.sweep(files, STEEL, LOADS, folder=tmp_path)
+    assert (
+        second.table.tobytes()
+        == first.table.tobytes()
+        == asperity.Sweep.read(tmp_path).table.tobytes()
+    )
+
+
+def test_a_damaged_result_is_made_again(here, maps, tmp_path):
+    first = asperity.sweep(maps(2), STEEL, LOADS, folder=tmp_path, workers=1)
+    (tmp_path / str(first.table["file"][0])).write_bytes(b"half a fi")
+    second = asperity.sweep(tmp_path / "maps/*.h5", STEEL, LOADS, folder=tmp_path, workers=1)
+    assert second.converged and same_but_seconds(first, second)
+
+
+def test_a_job_that_fails_is_named_and_the_others_go_on(without_dask, maps, tmp_path):
+    (good,) = maps(1)
+    bad = tmp_path / "bad.h5"
+    bad.write_text("no map")
+    given = [bad, tmp_path / "none.h5", *(partial(faulty, seed=seed) for seed in range(3)), good]
+    found = asperity.sweep(given, STEEL, LOADS, folder=tmp_path / "out", workers=2)
+    assert found.failed.tolist() == [0, 1, 3]
+    reasons = found.table["reason"]
+    assert "HDF5" in reasons[0] and "no such file" in reasons[1]
+    assert reasons[3] == "ZeroDivisionError: one over none"
+    assert "faulty seed 1: ZeroDivisionError" in str(found)
+    with pytest.raises(asperity.InputError, match=r"has no curve: .*no such file"):
+        found.curve(1)
+
+
+def test_a_lost_worker_costs_nothing_that_is_finished(engine, tmp_path):
+    marker = str(tmp_path / "marker")
+    given = [partial(deadly, marker, seed) for seed in range(6)]
+    found = asperity.sweep(given, STEEL, LOADS, folder=tmp_path / "out", workers=2)
+    assert Path(marker).exists() and found.converged
+
+
+def test_a_job_that_ends_every_worker_fails_alone(engine, tmp_path):
+    given = [partial(deadly, "", seed) for seed in range(5)]
+    found = asperity.sweep(given, STEEL, LOADS, folder=tmp_path / "out", workers=2)
+    assert found.failed.tolist() == [2]
+    assert found.table["reason"][2] == "its worker ended each time, perhaps for want of memory"
+
+
+def test_a_killed_run_goes_on_to_the_same_table(engine, here, maps, tmp_path):
+    files = maps(8)
+    script = tmp_path / "run.py"
+    hide = "sys.modules['distributed'] = None" if engine == "processes" else "pass"
+    script.write_text(
+        "import sys, asperity\n"
+        'if __name__ == "__main__":\n'
+        f"    {hide}\n"
+        f"    asperity.sweep({[str(f) for f in files]}, asperity.HalfSpace(210e9, 0.3),\n"
+        f"        {LOADS}, folder={str(tmp_path / 'out')!r}, workers=1)\n"
+    )
+    place = {**os.environ, "PYTHONPATH": str(Path(asperity.__file__).parents[1])}
+    run = subprocess.Popen([sys.executable, script], env=place, stderr=subprocess.DEVNULL)
+    results = tmp_path / "out" / "results"
+    while not (results.is_dir() and any(results.glob("*.h5"))):
+        assert run.poll() is None
+        time.sleep(0.01)
+    run.kill()
+    run.wait()
+    finished = {file.name: file.stat().st_mtime_ns for file in results.glob("m*.h5")}
+    assert 0 < len(finished) < 8
+    found = asperity.sweep(files, STEEL, LOADS, folder=tmp_path / "out")
+    for name, changed in finished.items():
+        assert (results / name).stat().st_mtime_ns == changed
+    whole = asperity.sweep(files, STEEL, LOADS, folder=tmp_path / "whole")
+    assert same_but_seconds(found, whole)
+
+
+def test_a_scheduler_that_runs_already(maps, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    files = maps(3)
+    here = asperity.sweep(files, STEEL, LOADS, folder=tmp_path / "here", workers=1)
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=2, dashboard_address=":0") as it:
+        there = asperity.sweep(
+            files, STEEL, LOADS, folder=tmp_path / "there", scheduler=it.scheduler_address
+        )
+    assert same_but_seconds(here, there)
+
+
+def test_a_scheduler_that_is_not_there_or_not_possible(tmp_path, monkeypatch):
+    dask = pytest.importorskip("dask")
+    pytest.importorskip("distributed")
+    go = partial(asperity.sweep, partial(MAKE, seed=1), STEEL, LOADS, folder=tmp_path)
+    with dask.config.set({"distributed.comm.timeouts.connect": "300ms"}):
+        with pytest.raises(asperity.InputError, match="no Dask scheduler answers at tcp"):
+            go(scheduler="tcp://127.0.0.1:9")
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(asperity.InputError, match=r"pip install 'asperity\[distributed\]'"):
+        go(scheduler="tcp://127.0.0.1:9")
+
+
+def test_a_table_has_a_row_for_each_job(here, maps, tmp_path):
+    pandas = pytest.importorskip("pandas")
+    files = maps(2)
+    rows = [
+        {"surface": str(files[0]), "E": 210e9, "nu": 0.3},
+        {"surface": str(files[1]), "modulus": 1e11, "hardness": 2e9, "law": "hertz"},
+    ]
+    frame = pandas.DataFrame(rows)
+    found = asperity.sweep(frame, settings=LOADS, folder=tmp_path, workers=1).to_dataframe()
+    assert found.modulus.tolist() == [STEEL.modulus, 1e11]
+    assert found.hardness.tolist() == [np.inf, 2e9]
+    assert found.law.tolist() == ["", "hertz"]
+
+
+def test_maps_in_memory_loads_and_preparation(here, tmp_path):
+    hm = MAKE(seed=4).replace(name="mine")
+    settings = {"loads": np.array([0.1, 1.0]), "prepare": {"level": "mean"}}
+    found = asperity.sweep(hm, STEEL, settings, folder=tmp_path, workers=1)
+    assert found.table["surface"].tolist() == ["mine"]
+    np.testing.assert_allclose(found.curve(0).load, [0.1, 1.0], rtol=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("change", "match"),
+    [
+        ({"materials": {"E": 1e9, "G": 1.0}}, "a material is E and nu"),
+        ({"materials": 3.0}, "HalfSpace or its keywords, not float"),
+        ({"materials": None}, "needs materials, or a table"),
+        ({"surfaces": []}, "at least one surface"),
+        ({"surfaces": 7}, "a path, a glob, a HeightMap or a function that makes one, not int"),
+        ({"surfaces": lambda: None}, "cannot be told from another"),
+        ({"settings": {"speed": 1.0}}, "speed is no setting of the method curve; it takes"),
+        ({"settings": {"method": "magic"}}, "method is 'magic'; give one of curve, bem, solve"),
+        ({"workers": 0}, "the number of workers is 0"),
+        ({"threads": 0}, "the number of threads is 0"),
+    ],
+)
+def test_bad_arguments_are_refused_in_one_sentence(change, match, tmp_path):
+    given = {"surfaces": partial(MAKE, seed=1), "materials": STEEL, "settings": LOADS} | change
+    with pytest.raises(asperity.InputError, match=match):
+        asperity.sweep(given.pop("surfaces"), folder=tmp_path / "out", **given)
+
+
+def test_the_command_and_its_plans(here, maps, tmp_path, monkeypatch, capsys):
+    maps(2)
+    monkeypatch.chdir(tmp_path)
+    loads = ["--pressure", "100MPa,1GPa", "--workers", "1"]
+    call = ["sweep", "maps/*.h5", "--E", "210GPa", "70GPa", "-o", "out", *loads, "--json"]
+    assert main(call) == 0
+    (rows,) = [json.loads(capsys.readouterr().out)["results"]]
+    assert [row["E"] for row in rows] == [210e9, 70e9] * 2
+    Path("plan.toml").write_text(
+        'files = ["maps/*.h5"]\npressure = "100MPa,1GPa"\n[[material]]\nE = ["210GPa", "70GPa"]\n'
+    )
+    assert main(["sweep", "plan.toml", "-o", "out", "--workers", "1", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["results"] == rows
+    Path("jobs.csv").write_text(
+        'file,E,pressure\nmaps/m0.h5,210GPa,"100MPa,1GPa"\nmaps/no.h5,70GPa,\n'
+    )
+    assert main(["sweep", "jobs.csv", "-o", "out", "--workers", "1", "--json"]) == 2
+    good, bad = json.loads(capsys.readouterr().out)["results"]
+    assert good == rows[0] and "no such file" in bad["reason"]
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("files = ", "plan.toml: no plan in TOML"),
+        ('E = "210GPa"', "plan.toml: names no file"),
+        ('files = "maps/*.h5"\nE = "210um"', "argument --E: 210um"),
+        ('files = "maps/*.h5"\nspeed = 3', "unrecognized arguments: --speed"),
+    ],
+)
+def test_bad_plans_are_refused_in_one_sentence(text, match, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("plan.toml").write_text(text)
+    try:
+        code = main(["sweep", "plan.toml"])
+    except SystemExit as leaving:
+        code = leaving.code
+    err = capsys.readouterr().err
+    assert code == 2 and match in err and err.count("\n") == 1
