@@ -6,7 +6,7 @@ import argparse
 import functools
 import inspect
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -183,14 +183,12 @@ def prepared(hm: surfaces.HeightMap, args: argparse.Namespace) -> surfaces.Heigh
     return surfaces.make_periodic(hm, args.periodic) if args.periodic else hm
 
 
-def generator(args: argparse.Namespace) -> Callable[..., surfaces.HeightMap]:
+def generator(args: argparse.Namespace) -> functools.partial[surfaces.HeightMap]:
     """What makes the surface of the options of `add_generation`, with all its arguments."""
     if len(args.shape) > 2 or len(args.size) > 2:
         raise InputError("--shape and --size take one number or two (y and x)")
     make = getattr(surfaces, args.texture.replace("-", "_"))
     takes = inspect.signature(make).parameters
-    if args.memory is not None and make is not surfaces.self_affine:
-        raise InputError(f"--memory does not belong to {args.texture}")
     given = {name: getattr(args, name) for name in PARAMETERS if getattr(args, name) is not None}
     for name in sorted(given.keys() - takes.keys()):
         raise InputError(f"--{name.replace('_', '-')} does not belong to {args.texture}")
@@ -201,23 +199,20 @@ def generator(args: argparse.Namespace) -> Callable[..., surfaces.HeightMap]:
         if parameter.default is parameter.empty and name not in (*given, "shape", "size"):
             raise InputError(f"{args.texture} needs --{name.replace('_', '-')}")
     shape, size = (args.shape[0], args.shape[-1]), (args.size[0], args.size[-1])
-<<<<<<< HEAD
-    dtype = "float32" if args.float32 else "float64"
-    if args.memory is not None:
-        given |= {"memory": args.memory, "name": args.name or "", "dtype": dtype}
-        surfaces.write_self_affine(args.output, shape, size, **given)
-        tell(f"{args.output}: {shape[0]} x {shape[1]} points")
-        return EXIT_OK
-    hm = make(shape, size, **given)
-=======
     return functools.partial(make, shape, size, **given)
 
 
 def _generate(args: argparse.Namespace) -> int:
-    make = generator(args)
+    make, dtype = generator(args), "float32" if args.float32 else "float64"
+    if args.memory is not None and make.func is not surfaces.self_affine:
+        raise InputError(f"--memory does not belong to {args.texture}")
     targets.require(args)
+    if args.memory is not None:
+        facts = {"memory": args.memory, "name": args.name or "", "dtype": dtype}
+        surfaces.write_self_affine(args.output, *make.args, **make.keywords, **facts)
+        tell("{}: {} x {} points".format(args.output, *make.args[0]))
+        return EXIT_OK
     hm = make()
->>>>>>> sweep
     if args.name:
         hm = hm.replace(name=args.name)
     surfaces.write(hm, args.output, dtype=dtype)
