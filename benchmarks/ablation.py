@@ -42,7 +42,6 @@ import asperity
 import surfaces
 from asperity.contacts.run import solve_contacts
 from asperity.halfspace.scene import pressure_scale
-from asperity.model import law_factory
 from asperity.parameters import DEFAULTS, Corrections, Parameters
 from asperity.parameters.constants import PressedBasins
 from asperity.results.storage import write_csv
@@ -156,7 +155,8 @@ CORRECTIONS = {
         ("pressed_basins", "joined_pairs"),
         (
             "asperity.model.law_rows",
-            f"{LAWS}.pressed_basins",
+            f"{LAWS}.single_contacts.press_basins",
+            f"{LAWS}.single_contacts.pressed_slots",
             f"{LAWS}.joined_pairs",
             f"{PRESS}.press",
             f"{PRESS}._element_kernels",
@@ -193,7 +193,7 @@ CORRECTIONS = {
             "surfaces.peaks._climb.uphill",
         ),
     ),
-    "sharp tips": Correction("sharp_tips", (f"{LAWS}.sharp_tips",)),
+    "sharp tips": Correction("sharp_tips", (f"{LAWS}.single_contacts.mark_sharp_tips",)),
     "tips of other powers": Correction(
         _no_powers, ("asperity.microcontact.law_kernels._tip_exponents",)
     ),
@@ -214,13 +214,7 @@ CORRECTIONS = {
         ),
     ),
 }
-"""The corrections by name; one that is only a switch and a module gets its row below."""
-
-CORRECTIONS |= {
-    name.replace("_", " "): Correction(name, (f"{LAWS}.{name}",))
-    for name in law_factory.CORRECTIONS
-    if not any(f"{LAWS}.{name}" in known.objects for known in CORRECTIONS.values())
-}
+"""The corrections by name."""
 
 
 @contextmanager

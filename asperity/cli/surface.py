@@ -203,13 +203,13 @@ def generator(args: argparse.Namespace) -> functools.partial[surfaces.HeightMap]
 
 
 def _generate(args: argparse.Namespace) -> int:
-    make, dtype = generator(args), "float32" if args.float32 else "float64"
-    if args.memory is not None and make.func is not surfaces.self_affine:
+    if args.memory is not None and args.texture != "self-affine":
         raise InputError(f"--memory does not belong to {args.texture}")
+    make, dtype = generator(args), "float32" if args.float32 else "float64"
     targets.require(args)
     if args.memory is not None:
-        facts = {"memory": args.memory, "name": args.name or "", "dtype": dtype}
-        surfaces.write_self_affine(args.output, *make.args, **make.keywords, **facts)
+        facts: dict[str, Any] = make.keywords | {"memory": args.memory, "dtype": dtype}
+        surfaces.write_self_affine(args.output, *make.args, name=args.name or "", **facts)
         tell("{}: {} x {} points".format(args.output, *make.args[0]))
         return EXIT_OK
     hm = make()

@@ -115,7 +115,7 @@ def ascend(
 
 
 @inner()
-def _beside(p, k, shape, periodic):
+def beside(p, k, shape, periodic):
     """Neighbor k of pixel p; -1 beyond the border."""
     ny, nx = shape
     row, col = p // nx + _ROWS[k], p % nx + _COLS[k]
@@ -136,7 +136,7 @@ def _spread(flat, shape, periodic, link, queue, at, tail):
     while head < tail:
         p = queue[head]
         for k in range(8):
-            q = _beside(p, k, shape, periodic)
+            q = beside(p, k, shape, periodic)
             if q >= 0 and flat[q] == flat[p] and link[q] == FLAT:
                 link[q] = -2 - p
                 at[tail, 0] = at[head, 0] + _ROWS[k]
@@ -160,7 +160,7 @@ def drain_plateaus(flat, shape, periodic, link, flats):
     tail = 0
     for p in flats:
         for k in range(8):
-            q = _beside(p, k, shape, periodic)
+            q = beside(p, k, shape, periodic)
             if q >= 0 and flat[q] == flat[p] and link[q] != FLAT:
                 queue[tail] = p
                 found[tail] = q

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from surfaces.errors import InputError, SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel
+from surfaces.numerics.memory import each_block
 
 from . import _flood
 from .peaks import Peaks
+from .strips import Flooded, flood_strips, unique_pairs
 
 __all__ = ["segment"]
 
@@ -31,7 +33,8 @@ def segment(
     Parameters
     ----------
     hm
-        Height map without missing points; its border is crossed where it is periodic.
+        Height map without missing points; its border is crossed where it is periodic. A map that
+        stays on disk is flooded in strips, with labels on disk.
     above
         Flood only pixels at or above this height [m]; None: all.
     min_prominence
@@ -76,40 +79,31 @@ def segment(
     ((32, 48), True)
     """
     require_full(hm, "segmentation")
-    heights = hm.heights
-    if heights.size > _MOST_PIXELS:
-        raise SurfaceError(
-            f"the map has {heights.size} points, more than {_MOST_PIXELS}; crop or resample it"
-        )
-    limit = _limit(heights, min_prominence, wolf)
+    limit = _limit(hm, min_prominence, wolf)
     if above is not None and np.isnan(as_number("above", above)):
         raise InputError("above is not a number; give a height in m or None")
-    link, summit, runs, lowest = _links(heights, hm, -np.inf if above is None else float(above))
-    summit = np.sort(summit)
-    summit = summit[_falling(heights.ravel()[summit])]
-    link[summit] = np.arange(summit.size)
-    parallel.each(lambda some: _flood.follow(link, some), runs)
-    labels = link.reshape(hm.shape)
-    counts, keys, tops = _passes(heights, labels, hm.periodic, summit.size, runs)
-
-    height = heights.ravel()[summit]
+    level = -np.inf if above is None else float(above)
+    stored = not isinstance(hm.source, np.ndarray)
+    found = (flood_strips(hm, level) if stored else None) or _flood_all(hm, level)
+    summit, height, labels, counts, keys, tops, lowest = found
     both = (
-        lambda: _unique_pairs(keys, tops, summit.size),
+        lambda: unique_pairs(keys, tops, summit.size),
         lambda: _merged(height, keys, tops, lowest, limit),
     )
-    apart: Any = map if len(runs) == 1 else parallel.each  # as the map repaid a thread or not
+    single = len(parallel.lines(hm.shape[0], hm.shape[0] * hm.shape[1])) == 1
+    apart: Any = map if single else parallel.each  # as the map repaid a thread or not
     (pairs, passes), (saddle, parent, keeper) = apart(lambda part: part(), both)
     kept = np.flatnonzero(keeper == np.arange(summit.size))
     if kept.size < summit.size:
         place = np.full(summit.size + 1, -1, np.int32)
         place[kept] = np.arange(kept.size)
         renamed = np.append(place[keeper], np.int32(-1))
-        labels = np.take(renamed, labels)
+        labels = each_block(labels, lambda held: np.take(renamed, held))
         counts = np.bincount(renamed[:-1], weights=counts, minlength=kept.size)
         ends = np.sort(renamed[pairs].astype(np.int64), axis=1)
         apart = ends[:, 0] != ends[:, 1]
         keys = ends[apart, 0] * kept.size + ends[apart, 1]
-        pairs, passes = _unique_pairs(keys, passes[apart], kept.size)
+        pairs, passes = unique_pairs(keys, passes[apart], kept.size)
         parent = np.where(parent[kept] >= 0, renamed[parent[kept]], -1)
         saddle, summit, height = saddle[kept], summit[kept], height[kept]
     row, col = np.divmod(summit, hm.shape[1])
@@ -129,6 +123,23 @@ def segment(
         passes=passes,
         min_prominence=limit,
     )
+
+
+def _flood_all(hm: HeightMap, above: float) -> Flooded:
+    """Peaks, basins and passes of a map in memory, its pixels at or above a height [m]."""
+    heights = hm.heights
+    if heights.size > _MOST_PIXELS:
+        raise SurfaceError(
+            f"the map has {heights.size} points, more than {_MOST_PIXELS}; crop or resample it"
+        )
+    link, summit, runs, lowest = _links(heights, hm, above)
+    summit = np.sort(summit)
+    summit = summit[_falling(heights.ravel()[summit])]
+    link[summit] = np.arange(summit.size)
+    parallel.each(lambda some: _flood.follow(link, some), runs)
+    labels = link.reshape(hm.shape)
+    counts, keys, tops = _passes(heights, labels, hm.periodic, summit.size, runs)
+    return Flooded(summit, heights.ravel()[summit], labels, counts, keys, tops, lowest)
 
 
 def _merged(
@@ -169,14 +180,14 @@ def _falling(
     return order
 
 
-def _limit(heights: NDArray[np.float64], min_prominence: float, wolf: float | None) -> float:
+def _limit(hm: HeightMap, min_prominence: float, wolf: float | None) -> float:
     if not as_number("min_prominence", min_prominence) >= 0.0:
         raise InputError(f"min_prominence is {min_prominence}; it must be a height of at least 0 m")
     if wolf is None:
         return float(min_prominence)
     if not 0.0 <= as_number("wolf", wolf) <= 100.0:
         raise InputError(f"wolf is {wolf}; it must be a percentage from 0 to 100")
-    return max(float(min_prominence), wolf / 100.0 * float(heights.max() - heights.min()))
+    return max(float(min_prominence), wolf / 100.0 * (hm.roughness.highest - hm.roughness.lowest))
 
 
 def _links(
@@ -226,20 +237,6 @@ def _passes(
     )
     keys, passes = (np.concatenate(parts) for parts in zip(*found, strict=True))
     return np.sum(counts, axis=0), keys, passes
-
-
-def _unique_pairs(
-    keys: NDArray[np.int64], passes: NDArray[np.float64], n: int
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Pairs (k, 2) of the keys ``first * n + second``, each once and in order; highest passes."""
-    if not keys.size:
-        return np.empty((0, 2), np.int64), np.empty(0)
-    order = np.argsort(keys)
-    keys = keys[order]
-    first = np.flatnonzero(np.diff(keys, prepend=-1))
-    keys = keys[first]
-    low = keys // n
-    return np.column_stack([low, keys - low * n]), np.maximum.reduceat(passes[order], first)
 
 
 def _at_border(labels: NDArray[np.int32], n: int, periodic: bool) -> NDArray[np.bool_]:

@@ -17,7 +17,7 @@ from asperity.microcontact.basin_bem import press
 from asperity.microcontact.basin_bem.press import monotone
 from asperity.microcontact.hertz import elliptic_contact
 from asperity.microcontact.laws import tabulate
-from asperity.model.corrections import pressed_basins
+from asperity.model.corrections import single_contacts
 from asperity.model.corrections.joined_pairs import join
 from asperity.model.decomposition import Decomposition
 from asperity.model.law_rows import LawRows, LoadShares
@@ -174,7 +174,7 @@ def pressed_slots(summits, rows, table):
     """Slots of the laws that are pressed alone."""
     shares = LoadShares.of(summits)
     profiles = summits.rows(rows)
-    return pressed_basins.pressed_slots(
+    return single_contacts.pressed_slots(
         LawRows(table, rows, profiles, summits, shares, BODY, DEFAULTS)
     )
 

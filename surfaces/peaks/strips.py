@@ -1,0 +1,289 @@
+"""Flood of a map that stays on disk, strip by strip, with the peaks of the map in memory."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surfaces.numerics.compiled import compiled
+from surfaces.numerics.memory import BLOCK_BYTES, StoredArray, require_memory
+
+from . import _flood
+
+if TYPE_CHECKING:
+    from surfaces.heightmap import HeightMap
+
+__all__ = ["Flooded", "flood_strips", "unique_pairs"]
+
+Array = NDArray[np.float64]
+Pixels = NDArray[np.int64]
+
+HALO = 8
+"""Rows on both sides of a strip that tell where its plateaus lead, at first."""
+
+PEAK_BYTES = 400
+"""Memory of a peak with its passes while they are merged [bytes]."""
+
+
+class Flooded(NamedTuple):
+    """Peaks of a map, in descending height, before any is pruned.
+
+    Attributes
+    ----------
+    summit
+        Their pixels, shape (n,).
+    height
+        Heights of these [m], shape (n,).
+    labels
+        Peak whose basin holds each pixel, shape (ny, nx), in memory or on disk; -1: not flooded.
+    counts
+        Pixels of each basin, shape (n,).
+    keys, passes
+        Touching pairs as ``first * n + second``, some several times, and their passes [m].
+    lowest
+        Lowest height flooded [m].
+    """
+
+    summit: Pixels
+    height: Array
+    labels: Any
+    counts: Pixels
+    keys: Pixels
+    passes: Array
+    lowest: float
+
+
+class _Strip(NamedTuple):
+    """What is kept of a strip of rows.
+
+    Its labels are its peaks, in the order of their pixels, then the pixels of the row above it and
+    of the row below it, where ways end that lead out of the strip.
+
+    Attributes
+    ----------
+    summit, height
+        Pixels in the map, and heights [m], of its peaks.
+    labels
+        Label of each of its pixels, shape (rows, nx).
+    counts
+        Pixels of each label.
+    pairs, passes
+        Labels on both sides of each pass, shape (k, 2), and its height [m].
+    lowest
+        Lowest height flooded [m].
+    """
+
+    summit: Pixels
+    height: Array
+    labels: NDArray[np.int32]
+    counts: Pixels
+    pairs: Pixels
+    passes: Array
+    lowest: float
+
+
+def flood_strips(hm: HeightMap, above: float) -> Flooded | None:
+    """Peaks, basins and passes of a map, in strips of whole rows with a halo on both sides.
+
+    None if a plateau is as long as the map: then no strip tells where it leads.
+
+    Parameters
+    ----------
+    hm
+        A map on disk without missing points.
+    above
+        Flood only pixels at or above this height [m].
+
+    Raises
+    ------
+    SurfaceError
+        If the peaks, or a strip with the plateaus that cross its borders, do not fit into memory.
+    """
+    ny, nx = hm.shape
+    step = max(1, BLOCK_BYTES // (8 * nx))
+    firsts = range(0, ny, step)
+    labels = StoredArray((ny, nx), np.int32, np.int32)
+    strips, rims, found = [], [], 0
+    for number, first in enumerate(firsts):
+        strip = _flooded(hm, first, min(first + step, ny), above)
+        if strip is None:
+            return None
+        labels.write(first, strip.labels)
+        rims.append(strip.labels[[0, -1]])
+        strips.append(strip._replace(labels=rims[-1]))
+        found += strip.summit.size
+        require_memory(
+            PEAK_BYTES * found * (len(firsts) - number - 1) // (number + 1),
+            f"a map of {ny} x {nx} points with {found} peaks in its first {number + 1} strips",
+            "raise the limit of memory, or flood only the heights above some level (above=)",
+        )
+    summit = np.concatenate([strip.summit for strip in strips])
+    height = np.concatenate([strip.height for strip in strips])
+    order = np.argsort(-height, kind="stable")
+    rank = np.empty(summit.size, np.int64)
+    rank[order] = np.arange(summit.size)
+    counts, keys = np.zeros(summit.size, np.int64), []
+    for first, strip, name in zip(firsts, strips, _names(strips, rank, hm.periodic), strict=True):
+        held = strip.counts > 0
+        np.add.at(counts, name[held], strip.counts[held])
+        ends = np.sort(name[strip.pairs], axis=1)
+        keys.append(np.where(ends[:, 0] < ends[:, 1], ends[:, 0] * summit.size + ends[:, 1], -1))
+        rows = labels[first : first + step]
+        labels.write(first, np.append(name, -1)[rows])
+    key, passes = np.concatenate(keys), np.concatenate([strip.passes for strip in strips])
+    return Flooded(
+        summit[order],
+        height[order],
+        labels,
+        counts,
+        key[key >= 0],
+        passes[key >= 0],
+        min(strip.lowest for strip in strips),
+    )
+
+
+def _flooded(hm: HeightMap, first: int, last: int, above: float) -> _Strip | None:
+    """The rows from `first` to `last`, flooded; None if a plateau there is as long as the map."""
+    (ny, nx), (dy, dx) = hm.shape, hm.spacing
+    inverse, halo = (1.0 / dy, 1.0 / dx, 1.0 / np.hypot(dy, dx)), HALO
+    while True:
+        top, window = first - halo, _rows(hm, first - halo, last + halo)
+        above_all, below_all = not hm.periodic and top <= 0, not hm.periodic and last + halo >= ny
+        begin, end = -top if above_all else 1, ny - top if below_all else len(window) - 1
+        link = np.full(window.size, -1, np.int32)
+        peaks, flats = np.empty((2, window.size), np.int32)
+        runs = np.empty((len(window) * (nx // 2 + 1), 2), np.int32)
+        found = _flood.ascend(
+            *(window, hm.periodic, above, inverse, link, peaks, flats, runs, begin, end),
+            *(np.empty((3, nx + 2)), np.empty(nx, np.int32), np.full(nx, np.inf)),
+        )
+        flat = flats[: found[1]].astype(np.int64)
+        ends = [row for row, whole in ((begin, above_all), (end - 1, below_all)) if not whole]
+        cut = flat[np.isin(flat // nx, ends)]
+        rows = first - top - 1, last - top + 1
+        if not _reach(window.ravel(), window.shape, hm.periodic, link, cut, *rows):
+            break
+        halo *= 2
+        if halo > ny:
+            return None
+    order = np.argsort((flat // nx + top) % ny * nx + flat % nx)
+    level_tops = _flood.drain_plateaus(window.ravel(), window.shape, hm.periodic, link, flat[order])
+    start, stop = (first - top - 1) * nx, (last - top + 1) * nx
+    summit = np.sort(np.concatenate([peaks[: found[0]], level_tops])).astype(np.int64)
+    summit = summit[(summit >= start + nx) & (summit < stop - nx)] - start
+    inside = runs[: found[2]].astype(np.int64)
+    inside = inside[(inside[:, 0] >= start + nx) & (inside[:, 0] < stop - nx)] - start
+    heights = window[first - top - 1 : last - top + 1]
+    labels = link[start:stop].reshape(heights.shape)
+    labels[labels < -1] += np.int32(start)
+    for row, offset in ((0, 0), (-1, nx)):
+        flooded = (heights[row] >= above) & np.isfinite(heights[row])
+        labels[row] = np.where(flooded, summit.size + offset + np.arange(nx), -1)
+    labels.flat[summit] = np.arange(summit.size)
+    own = inside.astype(np.int32)
+    _flood.follow(labels.reshape(-1), own)
+    counts = np.zeros(summit.size + 2 * nx, np.int64)
+    keys, passes = _flood.touching(heights, labels, hm.periodic, counts, own)
+    pairs, passes = unique_pairs(keys, passes, counts.size)
+    held = heights[1:-1]
+    lowest = float(np.min(held, initial=np.inf, where=held >= above))
+    return _Strip(
+        summit + (first - 1) * nx,
+        heights.ravel()[summit],
+        labels[1:-1],
+        counts,
+        pairs,
+        passes,
+        lowest,
+    )
+
+
+@compiled()
+def _reach(
+    flat: Array,
+    shape: tuple[int, int],
+    periodic: bool,
+    link: NDArray[np.int32],
+    seeds: Pixels,
+    first: int,
+    last: int,
+) -> bool:
+    """Whether plateaus with pixels among the `seeds` have any in the rows [first, last)."""
+    nx = shape[1]
+    seen = np.zeros(flat.size, np.uint8)
+    queue = np.empty(flat.size, np.int32)
+    tail = 0
+    for p in seeds:
+        seen[p] = 1
+        queue[tail] = p
+        tail += 1
+    head = 0
+    while head < tail:
+        p = queue[head]
+        head += 1
+        if first * nx <= p < last * nx:
+            return True
+        for k in range(8):
+            q = _flood.beside(p, k, shape, periodic)
+            if q >= 0 and seen[q] == 0 and flat[q] == flat[p] and link[q] == _flood.FLAT:
+                seen[q] = 1
+                queue[tail] = q
+                tail += 1
+    return False
+
+
+def _rows(hm: HeightMap, top: int, bottom: int) -> Array:
+    """Rows of the map from `top` to `bottom`; beyond its border those across, or -inf."""
+    ny, nx = hm.shape
+    require_memory(
+        32 * nx * (bottom - top),
+        f"a strip of {bottom - top} rows with the plateaus that cross its borders",
+        "raise the limit of memory, or crop the map",
+    )
+    if hm.periodic:
+        return np.asarray(hm.source[np.arange(top, bottom) % ny])
+    held = hm.source[max(top, 0) : min(bottom, ny)]
+    ends = max(-top, 0), max(bottom - ny, 0)
+    return np.pad(held, (ends, (0, 0)), constant_values=-np.inf)
+
+
+def _names(strips: list[_Strip], rank: Pixels, periodic: bool) -> list[Pixels]:
+    """Peak in the map of each label of each strip, -1 if none.
+
+    A way that leaves a strip goes on from a pixel of the next one, whose label may lead on in turn.
+    """
+    nx = strips[0].labels.shape[1]
+    first = [0, *itertools.accumulate(strip.counts.size for strip in strips)]
+    lead = np.arange(first[-1] + 1)  # the last stands for none
+    peak = np.full(lead.size, -1)
+    held = 0
+    for number, strip in enumerate(strips):
+        count = strip.summit.size
+        peak[first[number] : first[number] + count] = rank[held : held + count]
+        held += count
+        for side, other in ((0, number - 1), (1, number + 1)):
+            at = first[number] + count + side * nx
+            if periodic or 0 <= other < len(strips):
+                label = strips[other % len(strips)].labels[1 - side]
+                lead[at : at + nx] = np.where(label >= 0, first[other % len(strips)] + label, -1)
+    lead[lead < 0] = first[-1]
+    while True:
+        further = lead[lead]
+        if np.array_equal(further, lead):
+            return [peak[lead[a:b]] for a, b in itertools.pairwise(first)]
+        lead = further
+
+
+def unique_pairs(keys: Pixels, passes: Array, n: int) -> tuple[Pixels, Array]:
+    """Pairs (k, 2) of the keys ``first * n + second``, each once and in order; highest passes."""
+    if not keys.size:
+        return np.empty((0, 2), np.int64), np.empty(0)
+    order = np.argsort(keys)
+    keys = keys[order]
+    first = np.flatnonzero(np.diff(keys, prepend=-1))
+    keys = keys[first]
+    low = keys // n
+    return np.column_stack([low, keys - low * n]), np.maximum.reduceat(passes[order], first)
