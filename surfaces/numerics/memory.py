@@ -214,11 +214,11 @@ class StoredArray:
     def __getitem__(self, index: Any) -> NDArray[Any]:
         rows, columns = (*(index if isinstance(index, tuple) else (index,)), slice(None))[:2]
         lines, places = np.arange(self.shape[0])[rows], np.arange(self.shape[1])[columns]
-        if isinstance(columns, slice):
+        if isinstance(rows, slice) or isinstance(columns, slice):
             found = np.empty((lines.size, places.size), self.dtype)
             for part in self._runs(lines.ravel()):
-                self._read(int(lines.ravel()[part.start]), places, found[part])
-            return found.reshape(*lines.shape, places.size)
+                self._read(int(lines.ravel()[part.start]), places.ravel(), found[part])
+            return found.reshape(*lines.shape, *places.shape)
         lines, places = np.broadcast_arrays(lines, places)
         points = np.empty(lines.shape, self.dtype)
         for line in np.unique(lines):
