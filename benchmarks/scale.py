@@ -31,7 +31,7 @@ import asperity
 import surfaces
 
 CUTOFF = 4.0
-MODULI = (1.0, 2.0, 4.0)
+MODULI = (210e9, 110e9, 70e9)
 
 SAMPLE = 100
 """Most maps of the loop."""

@@ -108,6 +108,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return EXIT_NOT_CONVERGED if isinstance(error, ConvergenceError) else EXIT_BAD_INPUT
     except KeyboardInterrupt:
         goes_on = "; --resume goes on from its results file" if "resume" in args else ""
+        goes_on = "; the same again goes on where this ended" if "workers" in args else goes_on
         warn(args, f"interrupted{goes_on}")
         return EXIT_INTERRUPTED
     except BrokenPipeError:

@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from functools import partial
+from functools import partial, wraps
 from pathlib import Path
 
 import numpy as np
@@ -262,6 +262,27 @@ def test_the_command_and_its_plans(here, maps, tmp_path, monkeypatch, capsys):
     assert main(["sweep", "jobs.csv", "-o", "out", "--workers", "1", "--json"]) == 2
     good, bad = json.loads(capsys.readouterr().out)["results"]
     assert good == rows[0] and "no such file" in bad["reason"]
+
+
+def test_an_interrupted_command_says_how_to_go_on(here, maps, tmp_path, monkeypatch, capsys):
+    maps(2)
+    monkeypatch.chdir(tmp_path)
+    call = ["sweep", "maps/*.h5", "--E", "210GPa", "--pressure", "100MPa,1GPa", "-o", "out"]
+    solve = asperity.contact_curve
+
+    @wraps(solve)
+    def interrupted(hm, *args, **kwargs):
+        if hm.name == "m1":
+            raise KeyboardInterrupt
+        return solve(hm, *args, **kwargs)
+
+    with monkeypatch.context() as once:
+        once.setattr("asperity.curve.contact_curve", interrupted)
+        assert main(call) == 130
+    assert "the same again goes on where this ended" in capsys.readouterr().err
+    assert asperity.Sweep.read("out").table["state"][1] == "waiting"
+    assert [file.name[:2] for file in Path("out/results").iterdir()] == ["m0"]
+    assert main(call) == 0
 
 
 @pytest.mark.parametrize(
