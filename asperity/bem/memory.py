@@ -9,16 +9,21 @@ from surfaces.numerics.memory import available_bytes
 __all__ = ["estimated_bytes", "fits", "require_memory"]
 
 _BYTES_PER_POINT = {"periodic": 60, "free": 70}
-"""Estimate of `estimated_bytes`, by boundary."""
+"""Estimate of `estimated_bytes` where the share in contact is not known, by boundary."""
+
+_OF_CONTACT = {"periodic": (22, 110), "free": (40, 60)}
+"""The same of one load: at light contact, and more by how much at full contact."""
 
 
-def estimated_bytes(shape: tuple[int, int], boundary: Boundary) -> int:
-    """Peak above the loaded map [bytes], at moderate contact.
+def estimated_bytes(shape: tuple[int, int], boundary: Boundary, share: float | None = None) -> int:
+    """Peak above the loaded map [bytes], at moderate contact or at a `share` of the area.
 
-    Measured with `benchmarks/bem.py`: 20 to 47 bytes per point (periodic) and 38 to 50 (free) at up
-    to 20 % of contact, 57 along a curve; a full contact takes about twice as much.
+    Measured: 21, 24 and 41 bytes per point at 0.2, 4 and 18 % of contact (periodic) and 40 at 3 %
+    (free); 57 along a curve.
     """
-    return _BYTES_PER_POINT[boundary] * shape[0] * shape[1]
+    least, most = _OF_CONTACT[boundary]
+    each = _BYTES_PER_POINT[boundary] if share is None else least + most * share
+    return int(each * shape[0] * shape[1])
 
 
 def fits(shape: tuple[int, int], boundary: Boundary, copies: int) -> bool:
@@ -26,15 +31,15 @@ def fits(shape: tuple[int, int], boundary: Boundary, copies: int) -> bool:
     return copies * estimated_bytes(shape, boundary) <= available_bytes()
 
 
-def require_memory(shape: tuple[int, int], boundary: Boundary) -> None:
-    """Refuse a grid that will not fit.
+def require_memory(shape: tuple[int, int], boundary: Boundary, share: float | None = None) -> None:
+    """Refuse a grid that will not fit, at moderate contact or at a `share` of the area.
 
     Raises
     ------
     InputError
         If the estimate exceeds the memory that is available.
     """
-    need, free = estimated_bytes(shape, boundary), available_bytes()
+    need, free = estimated_bytes(shape, boundary, share), available_bytes()
     if need > free:
         raise InputError(
             f"a {boundary} grid of {shape[0]} x {shape[1]} needs about {need / 2**30:.1f} GiB and "

@@ -65,6 +65,8 @@ class ContactProblem:
         As in `bem_solve`.
     threads
         Threads; by default the number in use.
+    share
+        Forecast of the contact area fraction, on which the memory depends; None if not known.
 
     Attributes
     ----------
@@ -86,6 +88,7 @@ class ContactProblem:
         tolerance: float = 1e-6,
         boundary: str | None = None,
         threads: int | None = None,
+        share: float | None = None,
     ) -> None:
         require_scene(hm, material)
         require_own_threads()
@@ -97,7 +100,8 @@ class ContactProblem:
         if not 1e-12 <= _number(tolerance) <= 0.1:
             raise InputError(f"tolerance is {tolerance!r}; give a number from 1e-12 to 0.1")
         self.boundary = chosen_boundary(hm, boundary)
-        require_memory(hm.shape, self.boundary)
+        heights = hm.heights
+        require_memory(hm.shape, self.boundary, share)
         self.hm, self.material, self.tolerance = hm, material, float(tolerance)
         self._threads = thread_count() if threads is None else threads
         exact = HalfSpaceOperator(
@@ -106,7 +110,7 @@ class ContactProblem:
         self.unit = _unit(hm.roughness.rms_height)
         self.compliance = exact.compliance / self.unit
         self.own = float(influence((1, 1), hm.spacing, exact.m)[0, 0])
-        heights = hm.heights if self.unit == 1.0 else hm.heights / self.unit
+        heights = heights if self.unit == 1.0 else heights / self.unit
         self.level = Level(heights, exact, material.hardness * self.compliance)
 
     def prescribed(

