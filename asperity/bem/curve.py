@@ -194,9 +194,14 @@ def bem_curve(
     together = len(chains) > 1 and thread_count() > 1 and fits(grid.shape, boundary, len(chains))
 
     def planned() -> ContactProblem:
-        threads = 1 if together else None
+        alone = kind == "pressure" and len(values) == 1
         return ContactProblem(
-            grid, material, tolerance=tolerance, boundary=boundary, threads=threads
+            grid,
+            material,
+            tolerance=tolerance,
+            boundary=boundary,
+            threads=1 if together else None,
+            share=expected_area_fraction(hm, material, values[0]) if alone else None,
         )
 
     problem = planned()

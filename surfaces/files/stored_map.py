@@ -88,8 +88,9 @@ class StoredMap(HeightMap):
         ny, nx = self.shape
         require_memory(
             8 * ny * nx,
-            f"{self.name or 'the map'}, {ny} x {nx} points, in memory as this step asks,",
-            "raise the limit of memory, crop the map, or resample it",
+            f"the map of {ny} x {nx} points, of which this step takes all at once,",
+            "raise the limit of memory (--memory), crop the map (--crop) or leave out what changes "
+            "all of it (--level none)",
         )
         heights = np.empty((ny, nx))
         for begin, end, rows, _ in windows(vars(self)["_source"]):
