@@ -121,8 +121,16 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(args: argparse.Namespace) -> int:
-    """Run the command; with ``--json`` what it prints goes to standard error, but for the JSON."""
+    """Run the command within its memory."""
     set_memory(getattr(args, "memory", None))
+    try:
+        return _told(args)
+    finally:
+        set_memory(None)
+
+
+def _told(args: argparse.Namespace) -> int:
+    """Run the command; with ``--json`` what it prints goes to standard error, but for the JSON."""
     if not getattr(args, "json", False):
         return int(_module(args.command).run(args))
     with contextlib.redirect_stdout(sys.stderr):

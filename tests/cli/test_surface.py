@@ -37,7 +37,7 @@ def test_info_on_a_glob(folder: Path, capsys: pytest.CaptureFixture[str]) -> Non
 def test_info_by_blocks(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run("info", folder / "map0.h5") == 0
     whole = capsys.readouterr().out
-    assert run("info", folder / "map0.h5", "--memory", "1GiB") == 0
+    assert run("info", folder / "map0.h5", "--memory", "8GiB") == 0
     blocks = capsys.readouterr().out
     for name in ("points", "pixel", "periodic", "heights", "hybrid", "functional", "history"):
         told = [line for line in whole.splitlines() if line.startswith(f"  {name}")]
@@ -91,7 +91,7 @@ def test_generate(tmp_path: Path) -> None:
     hm = surfaces.read(tmp_path / "g.h5")
     assert hm.shape == (64, 96) and hm.size == (1e-3, 1e-3) and hm.periodic
     assert surfaces.validate(tmp_path / "g.h5") == []
-    words += ["--cutoff", "6e-5", "--seed", "3", "--memory", "1GiB"]
+    words += ["--cutoff", "6e-5", "--seed", "3", "--memory", "8GiB"]
     assert run("generate", *words, "-o", tmp_path / "blocks.h5") == 0
     found = surfaces.read(tmp_path / "blocks.h5").heights
     np.testing.assert_allclose(found, hm.heights, rtol=0, atol=1e-12 * hm.rms_height)
