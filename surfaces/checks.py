@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from .numerics.memory import windows
 __all__ = [
     "fineness",
     "lay",
+    "line_means",
     "resolution_warning",
     "seam_warning",
     "spike_warning",
@@ -56,7 +58,8 @@ def tilt_warning(hm: HeightMap, least: float) -> list[str]:
     variance = hm.roughness.rms_height**2
     if hm.periodic or variance == 0.0:
         return []
-    return tilt_of_lines(_line_means(hm), variance, least)
+    blocks = (window[begin - top : end - top] for begin, end, window, top in windows(hm.source))
+    return tilt_of_lines(line_means(blocks), variance, least)
 
 
 def tilt_of_lines(means: Iterable[NDArray[np.float64]], variance: float, least: float) -> list[str]:
@@ -75,19 +78,22 @@ def tilt_of_lines(means: Iterable[NDArray[np.float64]], variance: float, least: 
     ]
 
 
-def _line_means(hm: HeightMap) -> tuple[Array, Array]:
-    """Means [m] of the points present in every row and every column; NaN where none are."""
-    sums, present = ([np.zeros(n) for n in hm.shape] for _ in range(2))
-    for begin, end, window, top in windows(hm.source):
-        held, count = window[begin - top : end - top], np.ones((end - begin, hm.shape[1]), bool)
-        if hm.missing:
-            count = ~np.isnan(held)
-            held = np.where(count, held, 0.0)
-        sums[0][begin:end], present[0][begin:end] = held.sum(1), count.sum(1)
-        sums[1] += held.sum(0)
-        present[1] += count.sum(0)
+def line_means(rows: Iterable[Array]) -> tuple[Array, Array]:
+    """Means [m] of the points present in every row and column, of a map in blocks of whole rows.
+
+    NaN where none is present.
+    """
+    along: list[Array] = []
+    across: Any = 0.0
+    present: Any = 0
     with np.errstate(invalid="ignore"):
-        return sums[0] / present[0], sums[1] / present[1]
+        for block in rows:
+            gaps = np.isnan(block)
+            held = np.where(gaps, 0.0, block) if gaps.any() else block
+            along.append(held.sum(1) / (block.shape[1] - gaps.sum(1)))
+            across = across + held.sum(0)
+            present = present + len(block) - gaps.sum(0)
+        return np.concatenate(along), across / present
 
 
 def fineness(hm: HeightMap) -> float:

@@ -8,7 +8,7 @@ import math
 import os
 from dataclasses import dataclass
 
-from surfaces.checks import tilt_of_lines, tilt_warning
+from surfaces.checks import line_means, tilt_of_lines, tilt_warning
 from surfaces.errors import SurfaceError, as_path
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import MEMORY
@@ -20,9 +20,9 @@ from .density import density_of
 from .differences import differences
 from .direction import texture_direction
 from .features import FEATURES, features
-from .heights import extent, height_parameters, line_means
+from .heights import extent, height_parameters
 from .parameters import PARAMETERS
-from .rows import MapFile, Source, require_source
+from .rows import MapFile, Source, require_source, rows_of
 from .spectrum import SpectralMoments, spectrum_of
 from .spectrum_fit import SpectrumFit, fit_spectrum
 
@@ -222,7 +222,11 @@ def _tilted(source: Source, rms_height: float) -> list[str]:
     """A plane that makes up too much of the heights; `tilt_warning`, of files too."""
     if isinstance(source, HeightMap):
         return tilt_warning(source, _TILTED)
-    return [] if source.periodic else tilt_of_lines(line_means(source), rms_height**2, _TILTED)
+    return (
+        []
+        if source.periodic
+        else tilt_of_lines(line_means(rows_of(source)), rms_height**2, _TILTED)
+    )
 
 
 def _resolution_warning(moments: SpectralMoments, slope: float, curvature: float) -> list[str]:

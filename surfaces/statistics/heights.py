@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from surfaces.errors import SurfaceError
 
-from .rows import Source, over_present, over_rows
+from .rows import Source, over_present
 
-__all__ = ["Extent", "extent", "height_parameters", "line_means"]
+__all__ = ["Extent", "extent", "height_parameters"]
 
 
 @dataclass(frozen=True)
@@ -72,17 +72,3 @@ def height_parameters(source: Source, found: Extent) -> dict[str, float]:
         "Sv": found.mean - found.lowest,
         "Sz": found.highest - found.lowest,
     }
-
-
-def line_means(source: Source) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Mean heights [m] of the points present in each row and in each column; NaN if none is."""
-
-    def lines(block: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        present = np.isfinite(block)
-        held = np.stack([np.where(present, block, 0.0), present])
-        return held.sum(axis=2), held.sum(axis=1)
-
-    along_x, along_y = zip(*over_rows(lines, source), strict=True)
-    rows, columns = np.concatenate(along_x, axis=1), sum(along_y, np.zeros((2, source.shape[1])))
-    with np.errstate(invalid="ignore"):
-        return rows[0] / rows[1], columns[0] / columns[1]
