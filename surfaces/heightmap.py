@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from surfaces.drawing import draw_heights, figure_height, image
 from surfaces.errors import SurfaceError, as_number, checked_heights, checked_spacing
-from surfaces.numerics.memory import Source, each_block, windows
+from surfaces.numerics.memory import Source, each_block, mapped, windows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -104,6 +104,13 @@ class HeightMap:
     def source(self) -> Source:
         """The heights where they are: in memory, or on disk for what can read them in parts."""
         return self.heights
+
+    @property
+    def mapped(self) -> NDArray[np.float64]:
+        """The heights [m] for loops that touch some of them, see `memory.mapped`."""
+        heights = mapped(self.source).view()
+        heights.setflags(write=False)
+        return heights
 
     @property
     def size(self) -> tuple[float, float]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.transforms import edge_weights, kappa
 from asperity.results.storage import structured
+from surfaces.numerics.memory import windows
 
 if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState
@@ -101,10 +102,14 @@ def ellipses(
     """
     hm, profiles = decomposition.solved, decomposition.summits
     major, minor = _semi_axes(decomposition, state)
-    labels = decomposition.peaks.labels
-    peak = np.where(labels >= 0, profiles.owner[labels], 0)
-    rows, cols = np.nonzero((labels >= 0) & (state.force[peak] > 0))
-    own = peak[rows, cols]
+    loaded = np.append((state.force > 0)[profiles.owner], False)
+    found = [
+        (np.array([[begin], [0]]) + np.nonzero(loaded[held]), held[loaded[held]])
+        for begin, end, part, at in windows(decomposition.peaks.labels)
+        for held in [part[begin - at : end - at]]
+    ]
+    (rows, cols), own = (np.concatenate(each, axis=-1) for each in zip(*found, strict=True))
+    own = profiles.owner[own]
     dy, dx = _offset(decomposition, hm.y[rows] - profiles.y[own], hm.x[cols] - profiles.x[own])
     distance = _scaled_distance(dy, dx, profiles.angle[own], major[own], minor[own])
     inside = distance < 1.0

@@ -14,6 +14,7 @@ from asperity.interaction.elongation import aspect_ratio
 from asperity.interaction.population import Population, PopulationState
 from asperity.microcontact.law_table import LawTable
 from surfaces.heightmap import HeightMap
+from surfaces.numerics.memory import mapped
 from surfaces.patches import points_at
 from surfaces.peaks.segmentation import segment
 from surfaces.peaks.summits import locate_summits
@@ -155,7 +156,7 @@ class Decomposition:
     def labels(self) -> NDArray[np.int32]:
         """Peak whose basin holds each pixel of the map, shape (ny, nx); -1 where not flooded."""
         if self.peaks.labels.shape == self.hm.shape:
-            return self.peaks.labels
+            return mapped(self.peaks.labels)
         rows, cols = (np.arange(n) for n in self.hm.shape)
         return self.labels_at(rows[:, None], cols)
 
@@ -164,7 +165,7 @@ class Decomposition:
 
         On a finer grid the middle of a pixel may lie between pixels: the highest of them counts.
         """
-        labels, heights = self.peaks.labels, self.solved.heights
+        labels, heights = self.peaks.labels, self.solved.source
         if labels.shape == self.hm.shape:
             return np.asarray(labels[rows, cols])
         (ny, my), (nx, mx) = zip(self.hm.shape, labels.shape, strict=True)

@@ -27,7 +27,6 @@ from asperity.parameters.constants import Segmentation
 from surfaces.checks import lay
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import available_bytes
-from surfaces.peaks.peaks import flat_share
 from surfaces.preparation.resampling import coarse_map
 
 if TYPE_CHECKING:
@@ -323,10 +322,8 @@ def _grid(hm: HeightMap, scales: str, parameters: Parameters) -> tuple[HeightMap
     held = coarse_map(hm) if corrections.coarser_grid else None
     if held is not None:
         return held, f"grid: {held.shape[0]} x {held.shape[1]} points hold the map of {shape}"
-    finer = None
-    clipped = parameters.segmentation.flat_share
-    if scales == "auto" and corrections.finer_grid and flat_share(hm) < clipped:
-        finer = refined_map(hm, parameters.pixel_waves)
+    wanted = scales == "auto" and corrections.finer_grid
+    finer = refined_map(hm, parameters) if wanted else None
     if isinstance(finer, HeightMap):
         if finer.roughness.rms_height < FLAT * hm.roughness.rms_height:
             raise ModelRangeError(

@@ -24,6 +24,7 @@ from asperity.parameters import DEFAULTS, Parameters
 from asperity.parameters.constants import PixelWaves
 from surfaces.checks import fineness
 from surfaces.heightmap import HeightMap
+from surfaces.peaks.peaks import flat_share
 from surfaces.preparation.resampling import resample
 
 from .spectrum_shells import Shells
@@ -55,26 +56,28 @@ def random_waves(hm: HeightMap, waves: PixelWaves = DEFAULTS.pixel_waves) -> boo
     return all(abs(value - 3.0) <= waves.kurtosis for value in hm.roughness.kurtosis)
 
 
-def refined_map(hm: HeightMap, waves: PixelWaves = DEFAULTS.pixel_waves) -> HeightMap | str | None:
+def refined_map(hm: HeightMap, parameters: Parameters = DEFAULTS) -> HeightMap | str | None:
     """A map whose finest waves are near the pixel on more points, by its own spectrum.
 
     Parameters
     ----------
     hm
         Height map without missing points.
-    waves
-        Which waves are near the pixel.
+    parameters
+        Which waves are near the pixel, and how much of the tops may be flat.
 
     Returns
     -------
     The map on the finer grid; why it was left where a finer one would take too long; None if its
-    own grid holds it.
+    own grid holds it, or its tops are flat.
     """
+    waves = parameters.pixel_waves
     if fineness(hm) < waves.to_the_pixel:
         return None
     for ratio, most in waves.finer:
         if ratio**2 * math.prod(hm.shape) <= most:
-            return resample(hm, np.asarray(hm.spacing) / ratio)
+            flat = flat_share(hm) >= parameters.segmentation.flat_share
+            return None if flat else resample(hm, np.asarray(hm.spacing) / ratio)
     return "a finer one would hold the waves near its pixels better, but takes long"
 
 

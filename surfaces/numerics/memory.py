@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import functools
+import mmap
 import os
 import tempfile
+import weakref
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -18,9 +21,12 @@ __all__ = [
     "MEMORY",
     "StoredArray",
     "available_bytes",
+    "drop_pages",
     "each_block",
+    "mapped",
     "require_memory",
     "room_within",
+    "rows_around",
     "set_memory",
     "windows",
 ]
@@ -38,6 +44,7 @@ included."""
 _MEMINFO = Path("/proc/meminfo")
 _CGROUP = Path("/sys/fs/cgroup")
 _limit: int | None = None
+_pages: weakref.WeakSet[mmap.mmap] = weakref.WeakSet()
 
 
 def set_memory(limit: int | None) -> None:
@@ -206,7 +213,20 @@ class StoredArray:
         """The array with every element changed as it is read."""
         other = object.__new__(type(self))
         vars(other).update(vars(self), _changes=(*self._changes, change))
+        vars(other).pop("mapped", None)
         return other
+
+    @functools.cached_property
+    def mapped(self) -> NDArray[Any]:
+        """The whole as an array whose pages are read when they are touched; see `drop_pages`."""
+        kept = self
+        if self._changes or self._kept != self.dtype:
+            kept = StoredArray(self.shape, self.dtype, self.dtype)
+            for begin, _, rows, _ in windows(self):
+                kept.write(begin, rows)
+        pages = mmap.mmap(kept._file.fileno(), 0)
+        _pages.add(pages)
+        return np.ndarray(self.shape, self.dtype, pages)
 
     def __sub__(self, number: float) -> StoredArray:
         return self.each(lambda values: values - number)
@@ -220,13 +240,14 @@ class StoredArray:
                 self._read(int(lines.ravel()[part.start]), places.ravel(), found[part])
             return found.reshape(*lines.shape, *places.shape)
         lines, places = np.broadcast_arrays(lines, places)
-        points = np.empty(lines.shape, self.dtype)
-        for line in np.unique(lines):
-            here = lines == line
-            row = np.empty((1, int(here.sum())), self.dtype)
-            self._read(int(line), places[here], row)
+        points = np.empty(lines.size, self.dtype)
+        order = np.argsort(lines, axis=None, kind="stable")
+        held, first = np.unique(lines.ravel()[order], return_index=True)
+        for line, here in zip(held.tolist(), np.split(order, first[1:]), strict=False):
+            row = np.empty((1, here.size), self.dtype)
+            self._read(line, places.ravel()[here], row)
             points[here] = row[0]
-        return points[()]
+        return points.reshape(lines.shape)[()]
 
     def _runs(self, lines: NDArray[np.int64]) -> Iterator[slice]:
         """Parts of a list of rows that follow each other, of `BLOCK_BYTES` at most."""
@@ -268,7 +289,7 @@ class StoredArray:
             view, at = view[done:], at + done
 
 
-Source = NDArray[np.float64] | StoredArray
+Source = NDArray[Any] | StoredArray
 
 
 def windows(
@@ -298,6 +319,27 @@ def windows(
         if end + below > count:
             window = np.concatenate([window, source[np.arange(count, end + below) % count]])
         yield begin, end, window, begin
+
+
+def rows_around(source: Source, top: int, bottom: int, periodic: bool) -> NDArray[Any]:
+    """Rows from `top` to `bottom` of an array that is repeated, or as many of them as there are."""
+    if periodic and (top < 0 or bottom > len(source)):
+        return source[np.arange(top, bottom) % len(source)]
+    return source[max(top, 0) : min(bottom, len(source))]
+
+
+def mapped(source: Source) -> NDArray[Any]:
+    """An array for loops that take it whole: itself, or its file as if it were in memory.
+
+    Loops over many parts keep to the memory that they may take if each part lies together.
+    """
+    return source.mapped if isinstance(source, StoredArray) else source
+
+
+def drop_pages() -> None:
+    """Give back the memory of all pages of mapped arrays that were touched; they stay on disk."""
+    for pages in list(_pages):
+        pages.madvise(mmap.MADV_DONTNEED)
 
 
 def each_block(source: Source, change: Callable[[Any], Any]) -> Any:

@@ -12,7 +12,19 @@ from typing import Any
 
 from surfaces.errors import InputError, as_number
 
-__all__ = ["aside", "available", "blocks", "each", "lines", "run", "set_threads", "threads"]
+from .memory import drop_pages
+
+__all__ = [
+    "aside",
+    "available",
+    "blocks",
+    "each",
+    "lines",
+    "parts",
+    "run",
+    "set_threads",
+    "threads",
+]
 
 _NAME = "row-blocks"
 _VARIABLE = "ASPERITY_THREADS"
@@ -78,6 +90,11 @@ def lines(count: int, points: int) -> list[tuple[int, int]]:
     return blocks(count, count * _POINTS // points)
 
 
+def parts(count: int, most: int) -> list[tuple[int, int]]:
+    """Split ``range(count)`` into contiguous parts of at most so many."""
+    return list(itertools.pairwise([*range(0, count, most), count]))
+
+
 def run(function: Callable[[int, int], Any], parts: list[tuple[int, int]]) -> list[Any]:
     """Call ``function(start, stop)`` for every block, at the same time; results in order."""
     return each(lambda part: function(*part), parts)
@@ -86,18 +103,25 @@ def run(function: Callable[[int, int], Any], parts: list[tuple[int, int]]) -> li
 def each(function: Callable[[Any], Any], parts: Sequence[Any]) -> list[Any]:
     """Call ``function(part)`` for every part, at the same time; results in order.
 
-    The other threads begin at the first parts. When this one has done its own, it takes those that
+    What a part touched of mapped arrays is given back when it ends (`memory.mapped`). The other
+    threads begin at the first parts. When this one has done its own, it takes those that
     nobody has begun from the end, so that many parts of unequal work keep all threads busy.
     """
+
+    def done(part: Any) -> Any:
+        found = function(part)
+        drop_pages()
+        return found
+
     if len(parts) < 2 or threads() == 1 or threading.current_thread().name.startswith(_NAME):
-        return [function(part) for part in parts]
+        return [done(part) for part in parts]
     pool = _pool(min(len(parts), threads()) - 1, os.getpid())
-    others = [pool.submit(function, part) for part in parts[1:]]
-    results = [function(parts[0])]
+    others = [pool.submit(done, part) for part in parts[1:]]
+    results = [done(parts[0])]
     own = []
     while others and others[-1].cancel():
         others.pop()
-        own.append(function(parts[len(others) + 1]))
+        own.append(done(parts[len(others) + 1]))
     return [*results, *(other.result() for other in others), *reversed(own)]
 
 

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from . import parallel
 from .compiled import BORROWING, compiled, inner
+from .memory import BLOCK_BYTES, Source, StoredArray, rows_around
 from .vectors import lane, loader, multiply_add, repeater, splatter, store, sums, total, transposer
 
 __all__ = [
@@ -50,6 +51,9 @@ PAD = 25
 
 LINES = 16
 """Lines filtered at a time."""
+
+HALO = 48
+"""Points from which on a border is no longer felt: the slower pole to this power is 1e-18."""
 
 _POLES = -0.43057534709997379, -0.043096288203264654
 _SUM, _PRODUCT = _POLES[0] + _POLES[1], _POLES[0] * _POLES[1]
@@ -245,18 +249,39 @@ def spline_expansion(flat, corner, width, t_y, t_x):
     )
 
 
-def coefficients(heights: NDArray[np.float64], periodic: bool) -> NDArray[np.float64]:
-    """Spline coefficients, shape (ny + 2 PAD, nx + 2 PAD), that interpolate `heights` exactly."""
+def coefficients(heights: Source, periodic: bool) -> NDArray[np.float64]:
+    """Spline coefficients, shape (ny + 2 PAD, nx + 2 PAD), that interpolate `heights` exactly.
+
+    Those of heights on disk are made in strips of rows, and are mapped.
+    """
+    if isinstance(heights, np.ndarray):
+        return _coefficients(heights, periodic, periodic)
+    ny, nx = heights.shape
+    out = StoredArray((ny + 2 * PAD, nx + 2 * PAD), np.float64)
+    step = max(4 * HALO, BLOCK_BYTES // (8 * nx))
+    for first in range(-PAD, ny + PAD, step):
+        last = min(first + step, ny + PAD)
+        top = first - HALO if periodic else max(first - HALO, 0)
+        window = rows_around(heights, top, last + HALO, periodic)
+        part = _coefficients(window, False, periodic)
+        out.write(first + PAD, part[first - top + PAD : last - top + PAD])
+    return out.mapped
+
+
+def _coefficients(
+    heights: NDArray[np.float64], around_y: bool, around_x: bool
+) -> NDArray[np.float64]:
+    """Those of heights that are repeated along an axis or continued beyond its border."""
     ny, nx = heights.shape
     heights = np.ascontiguousarray(heights)
     out = np.empty((ny + 2 * PAD, nx + 2 * PAD))
     flat = out.ravel()
 
     def columns(start: int, stop: int) -> None:
-        filter_columns(heights, periodic, flat, np.empty(len(out) * LINES), start, stop)
+        filter_columns(heights, around_y, flat, np.empty(len(out) * LINES), start, stop)
 
     def rows(start: int, stop: int) -> None:
-        filter_rows(flat, nx, periodic, np.empty(out.shape[1] * LINES), start, stop)
+        filter_rows(flat, nx, around_x, np.empty(out.shape[1] * LINES), start, stop)
 
     parallel.run(columns, parallel.lines(nx, out.size))
     parallel.run(rows, parallel.lines(len(out), out.size))

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.heightmap import HeightMap
+from surfaces.numerics.memory import windows
 
 __all__ = ["PLATEAU", "RIM", "SUMMIT", "Peaks", "SummitArrays", "flat_share", "flat_tops"]
 
@@ -49,7 +50,8 @@ class Peaks:
     border
         True where the basin touches the border of a map that is not periodic, shape (n,).
     labels
-        Peak whose basin holds the pixel, shape (ny, nx); -1 where not flooded.
+        Peak whose basin holds the pixel, shape (ny, nx); -1 where not flooded. Of a map that stays
+        on disk they do too (`surfaces.numerics.memory.mapped`).
     neighbors
         Pairs of peaks whose basins touch, shape (k, 2), the higher peak first.
     passes
@@ -162,17 +164,20 @@ def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[n
     middle
         Row and column of such a point that is nearest to the mean of them, (k, 2).
     """
-    heights, shape = hm.heights, np.array(hm.shape)
+    heights, shape = hm.source, np.array(hm.shape)
     tops = np.stack((peaks.row, peaks.col), axis=1)
-    line, level = heights.shape[1], heights.ravel()
-    at = peaks.row * line + peaks.col
-    here, beside = level.take(at), (level.take(at + k, mode="wrap") for k in (1, -1, line, -line))
+    around = np.array([[0, 0], [0, 1], [0, -1], [1, 0], [-1, 0]])[:, None]
+    here, *beside = heights[tuple(np.moveaxis((tops + around) % shape, -1, 0))]
     rows = np.flatnonzero(np.logical_or.reduce([height == here for height in beside]))
     if not rows.size:
         return rows, tops[:0]
     top, slot = np.full(len(peaks) + 1, np.inf), np.zeros(len(peaks) + 1, np.int64)
-    top[rows], slot[rows] = heights[tuple(tops[rows].T)], np.arange(rows.size)
-    points = np.argwhere(heights == top[peaks.labels])
+    top[rows], slot[rows] = here[rows], np.arange(rows.size)
+    found = [
+        np.add(np.argwhere(part[begin - at : end - at] == top[peaks.labels[begin:end]]), (begin, 0))
+        for begin, end, part, at in windows(heights)
+    ]
+    points = np.concatenate(found)
     points = points[_level_steps(hm, points).all(axis=1)]
     of = slot[peaks.labels[tuple(points.T)]]
     away = (points - tops[rows][of]).astype(float)
@@ -188,9 +193,9 @@ def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[n
 
 def flat_share(hm: HeightMap) -> float:
     """Share of the highest points whose eight neighbors have their height."""
-    heights = hm.heights
     if not hm.repeats:
         return 0.0
+    heights = hm.heights
     top = np.argwhere(heights >= np.quantile(heights, 1.0 - HIGHEST))
     return float(np.mean(_level_steps(hm, top).all(axis=1)))
 
@@ -201,5 +206,5 @@ def _level_steps(hm: HeightMap, points: NDArray[np.int64]) -> NDArray[np.bool_]:
     near, shape = points[:, None] + steps, np.array(hm.shape)
     inside = hm.periodic | ((near >= 0) & (near < shape)).all(axis=2)
     near %= shape
-    here = hm.heights[tuple(points.T)][:, None]
-    return np.asarray(inside & (hm.heights[near[:, :, 0], near[:, :, 1]] == here))
+    here = hm.source[tuple(points.T)][:, None]
+    return np.asarray(inside & (hm.source[near[:, :, 0], near[:, :, 1]] == here))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from surfaces.numerics import parallel
 from surfaces.numerics.compiled import compiled
+from surfaces.numerics.memory import mapped
 from surfaces.numerics.splines import LANES, PAD
 from surfaces.polar import PolarProfile
 
@@ -265,7 +266,7 @@ class Fans:
         tilt = of.tilt[peak]
         fall = tilt[:, :1] * way_y + tilt[:, 1:] * way_x
         given = (
-            of.spline.ravel(), self._cell, of.peaks.labels.ravel(), of.owner,
+            of.spline.ravel(), self._cell, mapped(of.peaks.labels).ravel(), of.owner,
             of.dip[peak], peak, y.copy(), x.copy(), of.height[peak], way_y, way_x, fall,
             pixel, limit, _RADII, self._shares, tip, slot, self.edge, self.q,
         )  # fmt: skip

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.numerics.compiled import compiled
-from surfaces.numerics.memory import BLOCK_BYTES, StoredArray, require_memory
+from surfaces.numerics.memory import BLOCK_BYTES, StoredArray, require_memory, rows_around
 
 from . import _flood
 
@@ -243,10 +243,8 @@ def _rows(hm: HeightMap, top: int, bottom: int) -> Array:
         f"a strip of {bottom - top} rows with the plateaus that cross its borders",
         "raise the limit of memory, or crop the map",
     )
-    if hm.periodic:
-        return np.asarray(hm.source[np.arange(top, bottom) % ny])
-    held = hm.source[max(top, 0) : min(bottom, ny)]
-    ends = max(-top, 0), max(bottom - ny, 0)
+    ends = (0, 0) if hm.periodic else (max(-top, 0), max(bottom - ny, 0))
+    held = rows_around(hm.source, top, bottom, hm.periodic)
     return np.pad(held, (ends, (0, 0)), constant_values=-np.inf)
 
 

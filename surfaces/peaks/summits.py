@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from surfaces.errors import InputError, SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel, splines
+from surfaces.numerics.memory import mapped
 
 from . import _climb
 from .peaks import PLATEAU, RIM, SUMMIT, Peaks, SummitArrays, flat_tops
@@ -19,6 +20,7 @@ from .profiles import PART, Fans, Profiles
 __all__ = ["Summits", "fit_profiles", "locate_summits"]
 
 _BAND = 32  # rows whose peaks are looked at together
+_TOGETHER = 512  # summits that a thread locates at a time
 _SAME = 0.2  # two summits nearer than this [pixels] are one
 _RING = 0.1  # of the height of a flat top, up to which the spline rings on it
 
@@ -72,18 +74,17 @@ class Summits(SummitArrays):
         own = {name: getattr(self, name).copy() for name in names}
         own["tilt"][index], own["dip"][index] = gradient * np.asarray(hm.spacing), dip
         row, col = peaks.row.copy(), peaks.col.copy()
-        _climb.uphill(
-            hm.heights, peaks.labels, self.owner, hm.periodic, own["tilt"], index, row, col
-        )
+        heights, labels = hm.mapped, mapped(peaks.labels)
+        _climb.uphill(heights, labels, self.owner, hm.periodic, own["tilt"], index, row, col)
         expansions = np.empty((len(self), 6))
         _climb.summits(
-            hm.heights, self.spline.ravel(), self.spline.shape[1], peaks.labels, hm.periodic, row,
+            heights, self.spline.ravel(), self.spline.shape[1], labels, hm.periodic, row,
             col, own["tilt"], index, own["places"], expansions, own["kinds"],
             np.empty(40), 0, len(index),
         )  # fmt: skip
         found = np.empty((len(index), 3)), np.empty((len(index), 2)), np.empty(len(index))
         _climb.frames(
-            hm.heights, hm.spacing, row[index], col[index], peaks.prominence[index],
+            heights, hm.spacing, row[index], col[index], peaks.prominence[index],
             self.pixels[index], own["places"][index], expansions[index], own["kinds"][index],
             *found,
         )  # fmt: skip
@@ -146,19 +147,20 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
     n = len(peaks)
     depth = peaks.prominence
     if not (depth > 0.0).all():  # the lowest peak of all has none; its basin is filled anyway
-        relief = float(np.ptp(hm.heights))
+        relief = hm.roughness.highest - hm.roughness.lowest
         if relief == 0.0:
             raise SurfaceError("the map is constant; there is no summit to fit")
         depth = np.maximum(depth, 1e-6 * relief)
-    spline = splines.coefficients(hm.heights, hm.periodic)
+    spline = splines.coefficients(hm.source, hm.periodic)
+    heights, labels = hm.mapped, mapped(peaks.labels)
     places, expansions, kinds = np.empty((n, 2)), np.empty((n, 6)), np.empty(n, np.int64)
     near, level = _near(peaks.row, peaks.col), np.zeros((n, 2))
     parallel.run(
         lambda a, b: _climb.summits(
-            hm.heights, spline.ravel(), spline.shape[1], peaks.labels, hm.periodic, peaks.row,
+            heights, spline.ravel(), spline.shape[1], labels, hm.periodic, peaks.row,
             peaks.col, level, near, places, expansions, kinds, np.empty(40), a, b,
         ),
-        parallel.blocks(n, 512),
+        parallel.parts(n, _TOGETHER),
     )  # fmt: skip
     dip = np.full(n, peaks.min_prominence)
     flat, middle = flat_tops(hm, peaks)
@@ -177,7 +179,7 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
     pixels[~own], border[~own] = counts[~own], peaks.border[~own]
     summit, curvature, angle = np.empty((n, 3)), np.empty((n, 2)), np.empty(n)
     _climb.frames(
-        hm.heights, hm.spacing, peaks.row, peaks.col, depth, pixels, places, expansions, kinds,
+        heights, hm.spacing, peaks.row, peaks.col, depth, pixels, places, expansions, kinds,
         summit, curvature, angle,
     )  # fmt: skip
     x, y, height = (np.ascontiguousarray(column) for column in summit.T)

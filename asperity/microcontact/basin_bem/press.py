@@ -20,6 +20,7 @@ from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.law_kernels import BLUNT
 from asperity.microcontact.law_table import LawTable
 from surfaces.numerics import parallel
+from surfaces.numerics.memory import mapped
 
 if TYPE_CHECKING:
     from surfaces.peaks.summits import Summits
@@ -86,7 +87,7 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
 
     hm, peaks = summits.hm, summits.peaks
     surface = (
-        hm.heights, peaks.labels, summits.owner, hm.periodic, summits.spline.ravel(),
+        hm.mapped, mapped(peaks.labels), summits.owner, hm.periodic, summits.spline.ravel(),
         summits.spline.shape[1], hm.spacing,
     )  # fmt: skip
     tops = (
