@@ -52,6 +52,10 @@ CLOSE = 4e-3
 TINY_LOAD = 0.2
 """Term of contacts smaller than a pixel from which on a load point is warned of."""
 
+OF_CONTACTS = "mean_pressure", "residual", "active", "filled_share"
+OF_SURFACE = "separation", "contact_area", "stiffness", "unloading"
+"""What a curve takes of the state of the contacts, and of the whole surface at it."""
+
 
 @cautious
 def contact_curve(
@@ -142,7 +146,8 @@ def contact_curve(
             scales=scales,
         )
     told: dict[str, Any] = {"progress": progress, "checkpoint": checkpoint}
-    return solve_loads(hm, material, plan, pressures=pressures, separations=separations, **told)[0]
+    asked: dict[str, Any] = {"pressures": pressures, "separations": separations}
+    return solve_loads(hm, material, plan, keep=False, **asked, **told)[0]
 
 
 def solve_loads(
@@ -155,11 +160,13 @@ def solve_loads(
     progress: Progress = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
     decomposition: Decomposition | None = None,
+    keep: bool = True,
 ) -> tuple[ContactCurve, Decomposition, tuple[LoadPoint, ...]]:
     """The curve of a plan with the decomposed surface and the load points behind it.
 
     Arguments are those of `contact_curve`; without a plan one is made with its defaults. A
-    decomposition of the plan that was made before is used as it is.
+    decomposition of the plan that was made before is used as it is. The load points, which take
+    most of the memory, are left out unless they are to be kept.
 
     The points are solved from light to heavy, so that each starts from the last. Where a contact
     comes near the height below which nothing was segmented, all are solved again on the whole map.
@@ -177,6 +184,7 @@ def solve_loads(
         plan.require_scene_of(hm.without_rounding, material)
         decomposition = Decomposition.of(hm.without_rounding, material, plan)
     rows: dict[int, _Row] = {}
+    points: dict[int, LoadPoint] = {}
 
     def curve_of(solved: Decomposition, points: list[int]) -> ContactCurve:
         asked, seconds = {f"asked_{kind}": values[points]}, time.perf_counter() - start
@@ -184,17 +192,19 @@ def solve_loads(
 
     with reported(progress, len(values), "load points") as tell:
         while True:
-            for i, row in _sweep(decomposition, kind, values, comparing):
+            for i, point, row in _sweep(decomposition, kind, values, comparing):
                 rows[i] = row
+                if keep:
+                    points[i] = point
                 if tell is not None:
-                    tell(row.point.state)
+                    tell(point.state)
                 if checkpoint is not None:
                     checkpoint(curve_of(decomposition, [*rows]))
             if len(rows) == len(values):
                 break
             decomposition, rows = decomposition.of_whole_map(), {}
     order = sorted(rows)
-    return curve_of(decomposition, order), decomposition, tuple(rows[i].point for i in order)
+    return curve_of(decomposition, order), decomposition, tuple(points[i] for i in sorted(points))
 
 
 class _Row(NamedTuple):
@@ -202,21 +212,19 @@ class _Row(NamedTuple):
 
     Attributes
     ----------
-    point
-        The load point.
-    spots
-        Number of separate contact spots.
+    numbers
+        Of the contacts, of the whole surface and of its spots, by name; with
+        ``interaction_difference``, the load of independent contacts over that of interacting ones,
+        less one, or NaN if not known, where both are compared.
     terms
         Terms of its error estimate.
-    interaction_difference
-        Load of independent contacts over that of interacting ones, less one; NaN if not known, None
-        if not compared.
+    reason
+        Why the load point cannot be used; empty if it can.
     """
 
-    point: LoadPoint
-    spots: int
+    numbers: dict[str, float]
     terms: dict[str, float]
-    interaction_difference: float | None
+    reason: str
 
 
 def _sweep(
@@ -224,8 +232,8 @@ def _sweep(
     kind: str,
     values: NDArray[np.float64],
     comparing: bool,
-) -> Iterator[tuple[int, _Row]]:
-    """Numbers and rows of the load points from light to heavy.
+) -> Iterator[tuple[int, LoadPoint, _Row]]:
+    """The load points from light to heavy, each with its number and its row.
 
     It ends early where a contact comes near the height below which nothing was segmented.
     """
@@ -233,7 +241,7 @@ def _sweep(
     bound, heaviest = (TOLERANCE, float(values.max())) if by_load else (CLOSE, None)
     nonrandom = nonrandomness(decomposition.hm)
     point: LoadPoint | None = None
-    interacting, difference = None, None
+    interacting = None
     for i in np.argsort(values if by_load else -values, kind="stable").tolist():
         last, value = point, float(values[i])
         if decomposition.plan.sub_contact_law is not None and not by_load:
@@ -253,10 +261,14 @@ def _sweep(
             interacting = decomposition.interacting.solve(
                 separation=point.state.separation, state=interacting, tolerance=CLOSE
             )
-            difference = load_difference(point, interacting)
-        state = point.state
+        state, whole = point.state, point.surface
         found = terms(decomposition, state, nonrandom) | outside_model_terms(decomposition, state)
-        yield i, _Row(point, spot_count(decomposition, point), found, difference)
+        numbers = {name: getattr(state, name) for name in OF_CONTACTS}
+        numbers |= {name: getattr(whole, name) for name in OF_SURFACE}
+        numbers["contacts"] = spot_count(decomposition, point)
+        if interacting is not None:
+            numbers["interaction_difference"] = load_difference(point, interacting)
+        yield i, point, _Row(numbers, found, point.reason)
 
 
 def _curve(
@@ -268,15 +280,10 @@ def _curve(
 ) -> ContactCurve:
     """The curve of some load points of a map, asked for so, `seconds` after the run began."""
     plan = decomposition.plan
-    states = [row.point.state for row in rows]
-    surfaces = [row.point.surface for row in rows]
-
-    def column(items: Sequence[object], name: str) -> NDArray[Any]:
-        return np.array([getattr(item, name) for item in items])
-
-    pressure, tangent = column(states, "mean_pressure"), column(surfaces, "stiffness")
-    converged = np.array([row.point.converged for row in rows])
-    area, separation = column(surfaces, "contact_area"), column(surfaces, "separation")
+    columns = {name: np.array([row.numbers[name] for row in rows]) for name in rows[0].numbers}
+    pressure, tangent = columns["mean_pressure"], columns["stiffness"]
+    converged = np.array([not row.reason for row in rows])
+    area, separation = columns["contact_area"], columns["separation"]
     weights = plan.parameters.error_estimate
     known = 0.0 if plan.law in CALIBRATED and plan.lay < weights.longest_lay else np.nan
     load_error, area_error = (
@@ -292,23 +299,21 @@ def _curve(
         )
     body, yielded = decomposition.material, {}
     if body.hardness < np.inf:
-        yielded["unloading_stiffness"] = column(surfaces, "unloading")
+        yielded["unloading_stiffness"] = columns["unloading"]
         yielded["plastic_share"] = plastic_share(pressure * hm.area, area, body.hardness)
         area_error = area_error * yielded_factor(yielded["plastic_share"], weights)
-    differences = {}
-    if rows[0].interaction_difference is not None:
-        differences["interaction_difference"] = column(rows, "interaction_difference")
-        load_error += np.abs(differences["interaction_difference"])
+    compared = {name: columns[name] for name in ("interaction_difference",) if name in columns}
+    load_error += sum(np.abs(values) for values in compared.values())
     return ContactCurve(
         separation=separation,
         mean_pressure=pressure,
         load=pressure * hm.area,
         area_fraction=area / hm.area,
         contact_area=area,
-        contacts=column(rows, "spots"),
+        contacts=columns["contacts"],
         stiffness=curve_stiffness(pressure, separation, tangent, converged),
         converged=converged,
-        residual=column(states, "residual"),
+        residual=columns["residual"],
         error_estimate=load_error,
         model="asperity",
         seconds={
@@ -333,13 +338,13 @@ def _curve(
         },
         extra={
             **asked,
-            "microcontacts": column(states, "active"),
-            "filled_share": column(states, "filled_share"),
+            "microcontacts": columns["active"],
+            "filled_share": columns["filled_share"],
             "tangent_stiffness": tangent,
             "area_error_estimate": area_error,
             **yielded,
-            **differences,
+            **compared,
             **{name: np.array([row.terms[name] for row in rows]) for name in rows[0].terms},
         },
-        reasons=tuple(row.point.reason for row in rows),
+        reasons=tuple(row.reason for row in rows),
     )

@@ -17,6 +17,9 @@ __all__ = ["LawTable", "joined"]
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
+TOGETHER = 4096
+"""Rows of a lazy table that are made at a time: their rays take more memory than their laws."""
+
 NO_FOOTPRINT = 0.0, 1.0
 """Factor and exponent of the variance of a force that is not spread."""
 
@@ -118,8 +121,11 @@ class LawTable:
     def ensure(self, rows: Rows) -> None:
         """Make the rows that are missing among `rows`."""
         missing = np.unique(rows[~self.ready[rows]])
-        if self.make is None or not missing.size:
-            return
+        for start in range(0, missing.size, TOGETHER):
+            self._make(missing[start : start + TOGETHER])
+
+    def _make(self, missing: Rows) -> None:
+        assert self.make is not None  # else all rows are ready
         block, first = self.make(missing), not self.ready.any()
         for column in fields(LawTable):
             values = getattr(block, column.name)

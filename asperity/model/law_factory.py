@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import time
 from typing import TYPE_CHECKING
 
@@ -83,8 +84,15 @@ class LawFactory:
         other.material, other.seconds = material, seconds
         return other
 
-    def table(self, rows: Rows) -> LawTable:
-        """Laws of the summits `rows`, in that order."""
+    @property
+    def laws(self) -> LawTable:
+        """The laws of all summits, made when they are needed."""
+        if self.material.hardness == math.inf:
+            return self._elastic
+        return LawTable.lazy(len(self.summits), self._with_hardness)
+
+    def _with_hardness(self, rows: Rows) -> LawTable:
+        """Laws with the hardness of the half-space of the summits `rows`, in that order."""
         elastic = self._elastic.rows(rows)
         begun = time.perf_counter()
         table = capped_table(elastic, self.material)

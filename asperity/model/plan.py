@@ -26,7 +26,8 @@ from asperity.parameters import DEFAULTS, Parameters
 from asperity.parameters.constants import Segmentation
 from surfaces.checks import lay
 from surfaces.heightmap import HeightMap
-from surfaces.numerics.memory import available_bytes
+from surfaces.numerics.memory import require_memory
+from surfaces.peaks.peaks import expected_peaks
 from surfaces.preparation.resampling import coarse_map
 
 if TYPE_CHECKING:
@@ -41,8 +42,11 @@ SCALES = ("auto", "all")
 FLAT = 1e-9
 """Rms height of a finer grid over that of the map below which the grid holds nothing of it."""
 
-MODEL_BYTES_PER_POINT = 64
-"""Peak memory of the microcontact model per grid point: heights, order, labels, ancestors."""
+POINT_BYTES = 64
+"""Peak memory of the model per grid point in memory: heights, order, labels, ancestors."""
+
+PEAK_BYTES = 10_000
+"""Peak memory of the model per peak of a map on disk: summit, contact law, near pairs."""
 
 SHALLOWEST = 3e-3
 """1 + m of the half-space below which the footprint of a force, which keeps 2 % of the compliance
@@ -154,9 +158,9 @@ def make_plan(
     Raises
     ------
     SurfaceError
-        If the map has missing points or is constant.
+        If the map has missing points or is constant, or the memory would not suffice.
     InputError
-        If the load points are not usable or the memory would not suffice.
+        If the load points are not usable.
 
     Examples
     --------
@@ -194,15 +198,20 @@ def make_plan(
         whys.append(holds)
     else:
         resampled = split.coarse
-    points = math.prod((hm if resampled is None else resampled).shape)
+    solved = hm if resampled is None else resampled
+    points = math.prod(solved.shape)
     above, why = None, "segmentation: the whole map, which has few points"
     if points > parameters.segmentation.whole_points:
         above, why = _lowest_height(hm, material, kind, values, parameters.segmentation)
     reasons.append(why)
     reasons += whys
     reasons += [f"warning: {why}" for why in warnings]
-    memory = MODEL_BYTES_PER_POINT * points
-    _require_memory(memory)
+    memory = POINT_BYTES * points
+    if not isinstance(solved.source, np.ndarray):
+        level = -np.inf if above is None else above + hm.roughness.mean
+        memory = PEAK_BYTES * expected_peaks(solved, level)
+    remedy = "take lighter loads, crop or resample the map, or raise the limit of memory (--memory)"
+    require_memory(memory, f"the model of {points} points", remedy)
     about = f"memory: about {memory / 2**20:.0f} MiB"
     reasons += [about, "fields: pressure and contours are made on request only"]
     seconds = time.perf_counter() - start
@@ -335,10 +344,3 @@ def _grid(hm: HeightMap, scales: str, parameters: Parameters) -> tuple[HeightMap
             "waves reach the pixel"
         )
     return None, f"grid: {shape} points, {finer or 'as given'}"
-
-
-def _require_memory(needed: int) -> None:
-    need, free = (size / 2**30 for size in (needed, available_bytes()))
-    if need > 0.9 * free:
-        text = f"the run needs about {need:.1f} GiB and {free:.1f} GiB are free"
-        raise InputError(f"{text}; crop or resample the map")

@@ -6,6 +6,7 @@ says nothing: it only rings on them.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,13 +15,25 @@ from numpy.typing import NDArray
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import windows
 
-__all__ = ["PLATEAU", "RIM", "SUMMIT", "Peaks", "SummitArrays", "flat_share", "flat_tops"]
+__all__ = [
+    "PLATEAU",
+    "RIM",
+    "SUMMIT",
+    "Peaks",
+    "SummitArrays",
+    "expected_peaks",
+    "flat_share",
+    "flat_tops",
+]
 
 
 SUMMIT, PLATEAU, RIM = 0, -1, -2
 """Kinds of summits: a maximum of the surface, none within reach, none at the border of the map."""
 
 Array = NDArray[np.float64]
+
+SAMPLE = 64
+"""Rows that tell how many peaks a map has."""
 
 HIGHEST = 0.02
 """Share of the points that count as the highest."""
@@ -145,6 +158,19 @@ class SummitArrays:
 
     def __len__(self) -> int:
         return int(self.x.size)
+
+
+def expected_peaks(hm: HeightMap, above: float = -np.inf) -> int:
+    """How many points of a map above a height [m] are higher than their neighbors, as some rows
+    tell."""
+    ny, nx = hm.shape
+    rows = np.arange(1, ny - 1, max(1, (ny - 2) // SAMPLE))
+    lines = [hm.source[rows + step] for step in (-1, 0, 1)]
+    peak = lines[1][:, 1:-1] > above
+    for line, step in itertools.product(lines, range(3)):
+        if (line is not lines[1]) or step != 1:
+            peak &= lines[1][:, 1:-1] >= line[:, step : nx - 2 + step]
+    return int(peak.mean() * ny * nx)
 
 
 def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

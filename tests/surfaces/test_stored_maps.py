@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 
 import surfaces
 from surfaces.files.stored_map import StoredMap
-from surfaces.numerics import memory
-from surfaces.numerics.memory import StoredArray, set_memory
+from surfaces.numerics import memory, splines
+from surfaces.numerics.memory import StoredArray, drop_pages, mapped, set_memory
 from surfaces.patches import points_at
 from surfaces.peaks import strips
+from surfaces.peaks.peaks import expected_peaks
 
 SHAPE = 101, 90
 
@@ -107,6 +108,31 @@ def test_peaks_are_equal_to_the_last_summit(
     for name, value in vars(known).items():
         other = getattr(found, name)
         np.testing.assert_array_equal(other[:] if name == "labels" else other, value, name)
+
+
+def test_some_rows_tell_how_many_peaks_there_are() -> None:
+    hm = surfaces.self_affine((600, 640), (6e-4, 6.4e-4), hurst=0.8, rms_slope=0.1, cutoff=6e-6)
+    for above in (-np.inf, float(np.quantile(hm.heights, 0.8))):
+        known = len(surfaces.segment(hm, above=above))
+        assert abs(expected_peaks(hm, above) / known - 1.0) < 0.25
+
+
+def test_pages_are_those_of_the_array(both: tuple[np.ndarray, StoredArray]) -> None:
+    values, kept = both
+    for one, two in ((values, kept), (values - 1.0, kept - 1.0)):
+        np.testing.assert_array_equal(mapped(two), one)
+        drop_pages()
+        np.testing.assert_array_equal(mapped(two), one)
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+def test_spline_in_strips(periodic: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    hm = surfaces.self_affine((500, 40), (500.0, 40.0), hurst=0.7, rms_slope=0.1)
+    monkeypatch.setattr(splines, "BLOCK_BYTES", 1)
+    known = splines.coefficients(hm.heights, periodic)
+    found = splines.coefficients(stored(hm).source, periodic)
+    inside = slice(splines.PAD, -splines.PAD)  # further out the one in memory feels its own ends
+    np.testing.assert_allclose(found[inside, inside], known[inside, inside], rtol=0.0, atol=1e-8)
 
 
 def test_a_plateau_as_long_as_the_map_is_flooded_in_memory(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -96,8 +96,8 @@ def test_loads_in_the_place_of_a_plan(rough):
 
 
 def test_what_does_not_fit_into_the_memory_is_refused(rough, monkeypatch):
-    monkeypatch.setattr("asperity.model.plan.available_bytes", lambda: 10_000)
-    with pytest.raises(InputError, match="crop or resample"):
+    monkeypatch.setattr("surfaces.numerics.memory.available_bytes", lambda: 10_000)
+    with pytest.raises(SurfaceError, match="crop or resample"):
         make_plan(rough, STEEL)
 
 
