@@ -38,7 +38,8 @@ def correct(
     field, R |g| over the contact radius, is large and the contact reaches beyond the paraboloid of
     its summit. If such contacts hold much of the area, each is pressed anew with its force on the
     next summit uphill of its basin, which the gradient has tilted
-    (docs/development/interaction.md).
+    (docs/development/interaction.md). With a hardness the contact radius is that of the elastic
+    contact of the same area: how far a basin is tilted is no matter of what has yielded.
     """
     if not (population.contact_shift and state.contact_area > 0.0):
         return state
@@ -46,8 +47,10 @@ def correct(
     closed = np.flatnonzero(force > 0.0)
     beyond = population.table.flags_at(state.rows[closed], approach[closed])
     closed = closed[(beyond & np.uint8(Flag.BEYOND_RADIUS)) > 0]
-    body, depth = population.footprints, approach[closed]
-    radius = (body.power * stiffness[closed] / (2.0 * body.modulus)) ** (1.0 / body.power)
+    body, depth, punch = population.footprints, approach[closed], stiffness[closed]
+    if population.material.hardness < np.inf:
+        punch = population.table.elastic_at(state.rows[closed], depth)[1]
+    radius = (body.power * punch / (2.0 * body.modulus)) ** (1.0 / body.power)
     shift = radius * np.hypot(*state.tilt[closed].T) / (body.power * depth)
     weight = _rise(shift, fitted.shift)
     tilted = weight * area[closed]
