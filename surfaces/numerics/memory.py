@@ -162,6 +162,8 @@ class StoredArray:
         Type of the numbers in the file.
     read_as
         Type of the numbers as they are read.
+    folder
+        Folder of the file; that of temporary files if None.
 
     Raises
     ------
@@ -171,19 +173,26 @@ class StoredArray:
 
     ndim = 2
 
-    def __init__(self, shape: tuple[int, int], dtype: Any, read_as: Any = np.float64) -> None:
+    def __init__(
+        self,
+        shape: tuple[int, int],
+        dtype: Any,
+        read_as: Any = np.float64,
+        folder: Path | None = None,
+    ) -> None:
         self.shape = shape
         self.dtype = np.dtype(read_as)
         self._kept = np.dtype(dtype)
         self._changes: tuple[Callable[[NDArray[Any]], NDArray[Any]], ...] = ()
-        needed, folder = shape[0] * shape[1] * self._kept.itemsize, tempfile.gettempdir()
-        self._file = tempfile.TemporaryFile(dir=folder, buffering=0)
+        needed, place = shape[0] * shape[1] * self._kept.itemsize, folder or tempfile.gettempdir()
+        self._file = tempfile.TemporaryFile(dir=place, buffering=0)
         try:
             os.posix_fallocate(self._file.fileno(), 0, needed)
         except OSError as error:
+            remedy = "set TMPDIR to a folder that has" if folder is None else "make room there"
             raise SurfaceError(
-                f"{folder} has no room for {needed / 1e9:.3g} GB of a map that does not fit into "
-                f"memory ({error.strerror}); set TMPDIR to a folder that has"
+                f"{place} has no room for {needed / 1e9:.3g} GB of a map that does not fit into "
+                f"memory ({error.strerror}); {remedy}"
             ) from error
 
     def __len__(self) -> int:

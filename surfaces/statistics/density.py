@@ -15,7 +15,7 @@ from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import room_within
-from surfaces.numerics.scratch import Scratch, spans
+from surfaces.numerics.sections import Sections, spans
 from surfaces.preparation.levelling import level
 
 from .heights import extent
@@ -93,9 +93,9 @@ def density_of(source: Source, memory: float) -> Iterator[Density]:
             "whole map with surfaces.read"
         )
     room = room_within(memory, 4 * _WORK * ny, f"the spectrum of {ny} x {nx} points")
-    with Scratch((ny, nx // 2 + 1), room // (_WORK * ny)) as scratch:
-        _transform_rows(source, scratch)
-        yield _InFile(source, scratch)
+    modes = Sections((ny, nx // 2 + 1), room // (_WORK * ny), np.complex128)
+    _transform_rows(source, modes)
+    yield _InFile(source, modes)
 
 
 @dataclass(frozen=True)
@@ -121,18 +121,17 @@ class _InMemory:
 @dataclass(frozen=True)
 class _InFile:
     source: MapFile
-    scratch: Scratch
+    modes: Sections
     hann: bool = False
 
     def sections(self) -> Iterator[list[tuple[slice, Array]]]:
         workers = parallel.threads()
-        for section in self.scratch.sections:
-            rows = self.scratch.read(section, (0, self.source.shape[0]))
+        for section, (left, _) in enumerate(self.modes.columns):
+            rows = self.modes.read(section)
             modes = fft.fft(rows, axis=0, overwrite_x=True, workers=workers)
             parts = spans(modes.shape[1], -(-modes.shape[1] // workers))
             yield [
-                (slice(section[0] + a, section[0] + b), _squared(modes[:, a:b], self.source))
-                for a, b in parts
+                (slice(left + a, left + b), _squared(modes[:, a:b], self.source)) for a, b in parts
             ]
 
     def along(self, axis: int) -> None:
@@ -150,16 +149,14 @@ def _whole(hm: HeightMap) -> _InMemory:
     return _InMemory(hm, hann, heights, _squared(fft.rfft2(windowed), hm))
 
 
-def _transform_rows(source: MapFile, scratch: Scratch) -> None:
+def _transform_rows(source: MapFile, stored: Sections) -> None:
     """Transform along x of a map less its mean."""
     found = extent(source)
     missing = source.shape[0] * source.shape[1] - found.count
     if missing:
         raise SurfaceError(f"{missing} points are missing; a power spectrum needs a full map")
     for row, block in source.blocks():
-        modes = fft.rfft(block - found.mean, workers=parallel.threads())
-        for section in scratch.sections:
-            scratch.write(section, row, modes[:, slice(*section)])
+        stored.write_rows(row, fft.rfft(block - found.mean, workers=parallel.threads()))
 
 
 def _squared(modes: NDArray[np.complex128], source: Source) -> Array:
