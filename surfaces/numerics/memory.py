@@ -15,12 +15,11 @@ from surfaces.errors import InputError, SurfaceError, as_number
 
 __all__ = [
     "BLOCK_BYTES",
-    "MEMORY",
     "StoredArray",
     "available_bytes",
     "each_block",
     "require_memory",
-    "room_within",
+    "room_for",
     "set_memory",
     "windows",
 ]
@@ -28,8 +27,8 @@ __all__ = [
 BLOCK_BYTES = 16 << 20
 """Part of an array on disk that one thread holds at a time [bytes]."""
 
-MEMORY = 2 << 30
-"""Memory of a program that works on a map in blocks, if nothing else is said [bytes]."""
+_USUAL = 2 << 30
+"""Memory of a program that works on a map in sections of columns, if nothing limits it [bytes]."""
 
 _PROGRAM = 384 << 20
 """What the program takes beside the arrays of a map that is worked on in blocks, libraries
@@ -127,25 +126,23 @@ def require_memory(needed: int, what: str, remedy: str) -> None:
         )
 
 
-def room_within(memory: float, least: int, what: str) -> int:
-    """Bytes for the arrays of a map in blocks, in a program that may take so much in all.
+def room_for(least: int, what: str) -> int:
+    """Bytes for the arrays of a map in sections, within the limit of `set_memory`; 2 GiB if none.
 
     Parameters
     ----------
-    memory
-        Bytes of the whole program.
     least
-        Bytes of arrays without which there is no block.
+        Bytes of arrays without which there is no section.
     what
         Subject of the sentence that refuses less.
     """
-    room = min(as_number("memory", memory), 2.0**62) - _PROGRAM
-    if not room >= least:
+    room = min((_USUAL if _limit is None else _limit) - _PROGRAM, available_bytes())
+    if room < least:
         raise InputError(
             f"{what} takes {-(-(_PROGRAM + least) >> 20)} MiB of memory or more, not "
-            f"{memory / 2**20:.4g} MiB"
+            f"{(_PROGRAM + room) / 2**20:.4g} MiB"
         )
-    return int(room)
+    return room
 
 
 class StoredArray:

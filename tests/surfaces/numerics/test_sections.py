@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from surfaces.errors import InputError
 from surfaces.numerics.sections import Sections, spans
 
 
@@ -28,3 +29,13 @@ def test_written_by_rows_and_read_by_sections_and_the_reverse(
             np.testing.assert_array_equal(stored.read(section, 3, 5), found[3:5])
     assert [*by_rows.columns] == spans(7, width)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.posix_fallocate", full)
+    for folder, remedy in ((tmp_path, "make room there"), (None, "set TMPDIR to a folder")):
+        with pytest.raises(InputError, match=rf"has no room for 0\.0016 GB.*{remedy}"):
+            Sections((1000, 100), 100, np.complex128, folder)
