@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -14,12 +13,10 @@ from .numerics.memory import windows
 __all__ = [
     "fineness",
     "lay",
-    "line_means",
     "resolution_warning",
     "seam_warning",
     "spike_warning",
     "straight_warning",
-    "tilt_of_lines",
     "tilt_warning",
 ]
 
@@ -58,14 +55,8 @@ def tilt_warning(hm: HeightMap, least: float) -> list[str]:
     variance = hm.roughness.rms_height**2
     if hm.periodic or variance == 0.0:
         return []
-    blocks = (window[begin - top : end - top] for begin, end, window, top in windows(hm.source))
-    return tilt_of_lines(line_means(blocks), variance, least)
-
-
-def tilt_of_lines(means: Iterable[NDArray[np.float64]], variance: float, least: float) -> list[str]:
-    """As `tilt_warning`, of the mean heights [m] of rows and of columns and the variance [m^2]."""
     share = 0.0
-    for line in means:
+    for line in _line_means(hm):
         place = np.linspace(-1.0, 1.0, len(line))
         held = np.isfinite(line)
         slope = np.polyfit(place[held], line[held], 1)[0] if held.sum() > 1 else 0.0
@@ -78,16 +69,14 @@ def tilt_of_lines(means: Iterable[NDArray[np.float64]], variance: float, least: 
     ]
 
 
-def line_means(rows: Iterable[Array]) -> tuple[Array, Array]:
-    """Means [m] of the points present in every row and column, of a map in blocks of whole rows.
-
-    NaN where none is present.
-    """
+def _line_means(hm: HeightMap) -> tuple[Array, Array]:
+    """Means [m] of the points present in every row and column, NaN where none is present."""
     along: list[Array] = []
     across: Any = 0.0
     present: Any = 0
     with np.errstate(invalid="ignore"):
-        for block in rows:
+        for begin, end, window, top in windows(hm.source):
+            block = window[begin - top : end - top]
             gaps = np.isnan(block)
             held = np.where(gaps, 0.0, block) if gaps.any() else block
             along.append(held.sum(1) / (block.shape[1] - gaps.sum(1)))

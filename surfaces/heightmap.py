@@ -337,8 +337,12 @@ def require_full(hm: HeightMap, what: str) -> None:
     """Refuse a map with missing points, and say how to fill them."""
     require_map(hm)
     if hm.missing:
-        row, column = np.argwhere(np.isnan(hm.heights))[0]
+        row, column = next(
+            (begin + row, column)
+            for begin, _, rows, _ in windows(hm.source)
+            for row, column in np.argwhere(np.isnan(rows))
+        )
         raise SurfaceError(
-            f"heights[{row}, {column}] is missing ({hm.missing} of {hm.heights.size} points); "
+            f"heights[{row}, {column}] is missing ({hm.missing} of {hm.source.size} points); "
             f'{what} needs a full map: pass fill="harmonic" (--fill harmonic)'
         )

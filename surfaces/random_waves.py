@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.numerics import parallel
-from surfaces.numerics.memory import require_memory, room_within
-from surfaces.numerics.scratch import Scratch, spans
+from surfaces.numerics.memory import require_memory, room_for
+from surfaces.numerics.sections import Sections, spans
 
 from .errors import LONGEST, SHORTEST, InputError, as_number
 
@@ -103,8 +103,8 @@ class RandomWaves:
         heights.setflags(write=False)
         return heights
 
-    def blocks(self, memory: float, folder: Path) -> Iterator[Array]:
-        """The map [m] in blocks of rows, made within so many bytes of memory.
+    def blocks(self, folder: Path) -> Iterator[Array]:
+        """The map [m] in blocks of rows, made within the limit of memory.
 
         The sums of the waves along y go through a file without a name in `folder`, of 8 bytes per
         point.
@@ -112,22 +112,22 @@ class RandomWaves:
         Raises
         ------
         InputError
-            If the memory does not hold a block.
+            If the memory does not hold a block, or the folder the file.
         """
         ny, nx = self.shape
         half, least = nx // 2 + 1, max(16 * ny, 40 * min(ny, _ROWS) * nx)
-        room = room_within(memory, least, f"a map of {ny} x {nx} points")
-        with Scratch((ny, half), room // (16 * ny), folder) as scratch:
-            scale = self._scale()
-            for section in scratch.sections:
-                scratch.write(section, 0, self._columns(section, scale))
-            for first, last in spans(ny, max(_ROWS, room // (40 * nx) // _ROWS * _ROWS)):
-                waves = np.empty((last - first, half), np.complex128)
-                for section in scratch.sections:
-                    waves[:, slice(*section)] = scratch.read(section, (first, last))
-                heights = np.empty((last - first, nx))
-                self._along_x(waves, heights)
-                yield heights
+        room = room_for(least, f"a map of {ny} x {nx} points")
+        stored = Sections((ny, half), room // (16 * ny), np.complex128, folder)
+        scale = self._scale()
+        for section, columns in enumerate(stored.columns):
+            stored.write(section, 0, self._columns(columns, scale))
+        for first, last in spans(ny, max(_ROWS, room // (40 * nx) // _ROWS * _ROWS)):
+            waves = np.empty((last - first, half), np.complex128)
+            for section, columns in enumerate(stored.columns):
+                waves[:, slice(*columns)] = stored.read(section, first, last)
+            heights = np.empty((last - first, nx))
+            self._along_x(waves, heights)
+            yield heights
 
     @property
     def _target(self) -> float:

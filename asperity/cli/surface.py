@@ -76,12 +76,11 @@ def _info(args: argparse.Namespace) -> Mapping[str, Any]:
         raise InputError("--report draws the map and needs all of it; leave out --memory")
     spacing = _pair(args.spacing, "--spacing")
     with surfaces.open(args.file, dataset=args.dataset, unit=args.unit, spacing=spacing) as file:
-        return _informed(args.file, file, surfaces.describe(file, memory=args.memory))
+        hm = file.on_disk()
+    return _informed(args.file, hm, surfaces.describe(hm))
 
 
-def _informed(
-    path: str, hm: surfaces.HeightMap | surfaces.SurfaceFile, found: surfaces.Statistics
-) -> Mapping[str, Any]:
+def _informed(path: str, hm: surfaces.HeightMap, found: surfaces.Statistics) -> Mapping[str, Any]:
     """Tell what a map is and how rough; returns its row of the table."""
     (ny, nx), (dy, dx) = hm.shape, hm.spacing
     missing = round(found.missing * ny * nx)
@@ -103,7 +102,7 @@ def _informed(
     }
 
 
-def _map_row(hm: surfaces.HeightMap | surfaces.SurfaceFile, missing: int) -> dict[str, Any]:
+def _map_row(hm: surfaces.HeightMap, missing: int) -> dict[str, Any]:
     (ny, nx), (dy, dx) = hm.shape, hm.spacing
     return {"ny": ny, "nx": nx, "dy": dy, "dx": dx} | {
         "missing": missing,
@@ -208,7 +207,7 @@ def _generate(args: argparse.Namespace) -> int:
     make, dtype = generator(args), "float32" if args.float32 else "float64"
     targets.require(args)
     if args.memory is not None:
-        facts: dict[str, Any] = make.keywords | {"memory": args.memory, "dtype": dtype}
+        facts: dict[str, Any] = make.keywords | {"dtype": dtype}
         surfaces.write_self_affine(args.output, *make.args, name=args.name or "", **facts)
         tell("{}: {} x {} points".format(args.output, *make.args[0]))
         return EXIT_OK

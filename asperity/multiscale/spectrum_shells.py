@@ -13,8 +13,9 @@ from scipy import fft
 
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.compiled import compiled
-from surfaces.numerics.memory import BLOCK_BYTES, StoredArray, windows
+from surfaces.numerics.memory import BLOCK_BYTES, windows
 from surfaces.numerics.parallel import blocks, lines, run, threads
+from surfaces.numerics.sections import Sections
 
 __all__ = ["Shells"]
 
@@ -116,26 +117,19 @@ def _waves(hm: HeightMap, count: int) -> Columns:
     if isinstance(source, np.ndarray):
         waves = _of_columns(hm, _of_rows(hm, source), 0)
         return lambda until: iter([(0, waves)])
-    step = min(count, max(1, 8 * BLOCK_BYTES // (16 * ny)))
-    firsts = range(0, count, step)
     kind = np.complex128 if hm.periodic else np.float64
-    stored = StoredArray((ny * len(firsts), step), kind, kind)
+    stored = Sections((ny, count), max(1, 8 * BLOCK_BYTES // (16 * ny)), kind)
 
     def part(first: int, last: int) -> None:
         for begin, _, rows, _ in windows(source, first, last):
-            waves = _of_rows(hm, rows)
-            for block, column in enumerate(firsts):
-                held = np.zeros((len(rows), step), kind)
-                held[:, : count - column] = waves[:, column : column + step]
-                stored.write(block * ny + begin, held)
+            stored.write_rows(begin, _of_rows(hm, rows))
 
     run(part, lines(ny, math.prod(hm.shape)))
 
     def columns(until: int) -> Iterator[tuple[int, Waves]]:
-        for block, column in enumerate(firsts):
-            if column < until:
-                rows = stored[block * ny : (block + 1) * ny]
-                yield column, _of_columns(hm, rows, column)[:, : count - column]
+        for section, (first, _) in enumerate(stored.columns):
+            if first < until:
+                yield first, _of_columns(hm, stored.read(section), first)
 
     return columns
 

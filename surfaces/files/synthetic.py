@@ -7,7 +7,6 @@ import os
 from typing import Any
 
 from surfaces.errors import as_path
-from surfaces.numerics.memory import MEMORY
 from surfaces.random_waves import RandomWaves
 
 from .hdf5_write import write_blocks
@@ -20,12 +19,13 @@ def write_self_affine(
     shape: tuple[int, int],
     size: tuple[float, float],
     *,
-    memory: float = MEMORY,
     name: str = "",
     dtype: str = "float64",
     **waves: Any,
 ) -> None:
     """Write the map that `surfaces.self_affine` makes, which may be larger than memory.
+
+    It is made within the limit of `asperity.set_memory`, and within 2 GiB if there is none.
 
     Parameters
     ----------
@@ -34,8 +34,6 @@ def write_self_affine(
         point must find room in its folder.
     shape, size
         Number of points (ny, nx) and lengths (Ly, Lx) [m].
-    memory
-        Largest memory of the whole program [bytes], if that held nothing before.
     name, dtype
         As in `surfaces.write_blocks`.
     waves
@@ -64,7 +62,7 @@ def write_self_affine(
         path,
         made.shape,
         made.spacing,
-        made.blocks(memory, as_path(path).parent),
+        made.blocks(as_path(path).parent),
         periodic=True,
         name=name,
         history=(step,),

@@ -18,14 +18,13 @@ from surfaces.errors import InputError, SurfaceError, as_number
 
 __all__ = [
     "BLOCK_BYTES",
-    "MEMORY",
     "StoredArray",
     "available_bytes",
     "drop_pages",
     "each_block",
     "mapped",
     "require_memory",
-    "room_within",
+    "room_for",
     "rows_around",
     "set_memory",
     "windows",
@@ -34,8 +33,8 @@ __all__ = [
 BLOCK_BYTES = 16 << 20
 """Part of an array on disk that one thread holds at a time [bytes]."""
 
-MEMORY = 2 << 30
-"""Memory of a program that works on a map in blocks, if nothing else is said [bytes]."""
+_USUAL = 2 << 30
+"""Memory of a program that works on a map in sections of columns, if nothing limits it [bytes]."""
 
 _PROGRAM = 384 << 20
 """What the program takes beside the arrays of a map that is worked on in blocks, libraries
@@ -134,25 +133,23 @@ def require_memory(needed: int, what: str, remedy: str) -> None:
         )
 
 
-def room_within(memory: float, least: int, what: str) -> int:
-    """Bytes for the arrays of a map in blocks, in a program that may take so much in all.
+def room_for(least: int, what: str) -> int:
+    """Bytes for the arrays of a map in sections, within the limit of `set_memory`; 2 GiB if none.
 
     Parameters
     ----------
-    memory
-        Bytes of the whole program.
     least
-        Bytes of arrays without which there is no block.
+        Bytes of arrays without which there is no section.
     what
         Subject of the sentence that refuses less.
     """
-    room = min(as_number("memory", memory), 2.0**62) - _PROGRAM
-    if not room >= least:
+    room = min((_USUAL if _limit is None else _limit) - _PROGRAM, available_bytes())
+    if room < least:
         raise InputError(
             f"{what} takes {-(-(_PROGRAM + least) >> 20)} MiB of memory or more, not "
-            f"{memory / 2**20:.4g} MiB"
+            f"{(_PROGRAM + room) / 2**20:.4g} MiB"
         )
-    return int(room)
+    return room
 
 
 class StoredArray:
@@ -169,6 +166,8 @@ class StoredArray:
         Type of the numbers in the file.
     read_as
         Type of the numbers as they are read.
+    folder
+        Folder of the file; that of temporary files if None.
 
     Raises
     ------
@@ -178,19 +177,26 @@ class StoredArray:
 
     ndim = 2
 
-    def __init__(self, shape: tuple[int, int], dtype: Any, read_as: Any = np.float64) -> None:
+    def __init__(
+        self,
+        shape: tuple[int, int],
+        dtype: Any,
+        read_as: Any = np.float64,
+        folder: Path | None = None,
+    ) -> None:
         self.shape = shape
         self.dtype = np.dtype(read_as)
         self._kept = np.dtype(dtype)
         self._changes: tuple[Callable[[NDArray[Any]], NDArray[Any]], ...] = ()
-        needed, folder = shape[0] * shape[1] * self._kept.itemsize, tempfile.gettempdir()
-        self._file = tempfile.TemporaryFile(dir=folder, buffering=0)
+        needed, place = shape[0] * shape[1] * self._kept.itemsize, folder or tempfile.gettempdir()
+        self._file = tempfile.TemporaryFile(dir=place, buffering=0)
         try:
             os.posix_fallocate(self._file.fileno(), 0, needed)
         except OSError as error:
+            remedy = "set TMPDIR to a folder that has" if folder is None else "make room there"
             raise SurfaceError(
-                f"{folder} has no room for {needed / 1e9:.3g} GB of a map that does not fit into "
-                f"memory ({error.strerror}); set TMPDIR to a folder that has"
+                f"{place} has no room for {needed / 1e9:.3g} GB of a map that does not fit into "
+                f"memory ({error.strerror}); {remedy}"
             ) from error
 
     def __len__(self) -> int:

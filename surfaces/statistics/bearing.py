@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.heightmap import HeightMap
+from surfaces.heightmap import HeightMap, require_map
 
 from .heights import Extent, extent
-from .rows import MapFile, over_present, require_source
+from .rows import in_memory, over_present
 
 __all__ = ["BearingCurve", "bearing_curve"]
 
@@ -25,7 +25,7 @@ _RATIOS = 2001
 """Points of the curve."""
 
 _LEVELS = 2**20
-"""Levels in which the points of a file are counted."""
+"""Levels in which the points of a map on disk are counted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +39,8 @@ class BearingCurve:
     height
         Height above the mean [m], falling.
     points
-        Heights of all points present above the mean [m], rising; of a file, mean heights of those
-        in each of 2^20 levels.
+        Heights of all points present above the mean [m], rising; of a map on disk, mean heights of
+        those in each of 2^20 levels.
     counts
         Number of points that each of them stands for; None is one.
 
@@ -141,14 +141,13 @@ class BearingCurve:
         return float(np.average(np.maximum(height - self.points, 0.0), weights=self.counts))
 
 
-def bearing_curve(hm: HeightMap | MapFile) -> BearingCurve:
+def bearing_curve(hm: HeightMap) -> BearingCurve:
     """Bearing curve of the points present of a levelled map.
 
     Parameters
     ----------
     hm
-        The map, or a file of one as `surfaces.open` gives it, which is read three times and need
-        not fit into memory. The curve is the same.
+        The map; one on disk is read three times by blocks. The curve is the same.
 
     Examples
     --------
@@ -158,8 +157,8 @@ def bearing_curve(hm: HeightMap | MapFile) -> BearingCurve:
     >>> bool(curve.height[0] > curve.height[-1])
     True
     """
-    require_source(hm)
-    if not isinstance(hm, HeightMap):
+    require_map(hm)
+    if not in_memory(hm):
         return _counted(hm, extent(hm))
     points = np.sort(hm.heights[np.isfinite(hm.heights)])
     points -= points.mean()
@@ -170,7 +169,7 @@ def bearing_curve(hm: HeightMap | MapFile) -> BearingCurve:
     return BearingCurve(ratio, height, points)
 
 
-def _counted(source: MapFile, found: Extent) -> BearingCurve:
+def _counted(hm: HeightMap, found: Extent) -> BearingCurve:
     """Bearing curve by counting: first how many points each level holds, then the points in order
     in those levels where the curve is read."""
     per_height = _LEVELS / (found.highest - found.lowest)
@@ -186,7 +185,7 @@ def _counted(source: MapFile, found: Extent) -> BearingCurve:
         )
 
     counts, sums = np.zeros(_LEVELS, np.int64), np.zeros(_LEVELS)
-    for more, part in over_present(counted, source):
+    for more, part in over_present(counted, hm):
         counts += more
         sums += part
     ratio = np.linspace(0.0, 1.0, _RATIOS)
@@ -201,7 +200,7 @@ def _counted(source: MapFile, found: Extent) -> BearingCurve:
         values, times = np.unique(z[read[level(z)]], return_counts=True)
         return values, times
 
-    values, times = (np.concatenate(v) for v in zip(*over_present(held_in, source), strict=True))
+    values, times = (np.concatenate(v) for v in zip(*over_present(held_in, hm), strict=True))
     held, back = np.unique(values, return_inverse=True)
     number = np.bincount(back, times).astype(np.int64)
     skipped = np.cumsum(np.where(read, 0, counts))

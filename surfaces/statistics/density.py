@@ -1,9 +1,8 @@
-"""Squared discrete Fourier transform of a map, in memory or by sections through a file."""
+"""Squared discrete Fourier transform of a map, in memory or by sections on disk."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Protocol, TypeVar
 
@@ -12,14 +11,14 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from surfaces.errors import SurfaceError
-from surfaces.heightmap import HeightMap, require_full
+from surfaces.heightmap import HeightMap, require_full, require_map
 from surfaces.numerics import parallel
-from surfaces.numerics.memory import room_within
-from surfaces.numerics.scratch import Scratch, spans
+from surfaces.numerics.memory import room_for
+from surfaces.numerics.sections import Sections, spans
 from surfaces.preparation.levelling import level
 
 from .heights import extent
-from .rows import MapFile, Source, require_source
+from .rows import in_memory, rows_of
 
 __all__ = ["Density", "density_of", "over_sections", "wave_numbers"]
 
@@ -34,7 +33,7 @@ class Density(Protocol):
     """Spectral density of the half of the waves with qx >= 0, in the order of the transform."""
 
     @property
-    def source(self) -> Source:
+    def source(self) -> HeightMap:
         """The map."""
         ...
 
@@ -64,38 +63,38 @@ def wave_numbers(waves: Density, columns: slice) -> tuple[Array, Array]:
     return 2.0 * np.pi * fft.fftfreq(ny, dy), 2.0 * np.pi * fft.rfftfreq(nx, dx)[columns]
 
 
-@contextmanager
-def density_of(source: Source, memory: float) -> Iterator[Density]:
+def density_of(hm: HeightMap) -> Density:
     """Density of a map, less its mean; windowed, less its plane, if it is not periodic.
 
     Parameters
     ----------
-    source
-        The map, without missing points; that of a file must be periodic.
-    memory
-        For a file: largest memory of the program [bytes], if that held nothing before.
+    hm
+        The map, without missing points; one on disk must be periodic.
 
     Raises
     ------
     SurfaceError
-        If points are missing, or a file is not periodic.
+        If points are missing, or a map on disk is not periodic.
     InputError
         If the memory is too little.
     """
-    require_source(source)
-    if isinstance(source, HeightMap):
-        yield _whole(source)
-        return
-    ny, nx = source.shape
-    if not source.periodic:
+    require_map(hm)
+    if in_memory(hm):
+        return _whole(hm)
+    if not hm.periodic:
         raise SurfaceError(
-            "the map is not periodic, and a spectrum by blocks needs a periodic one: read the "
-            "whole map with surfaces.read"
+            "the map is not periodic, and a spectrum by blocks needs a periodic one: raise the "
+            "limit of memory (--memory), or crop the map"
         )
-    room = room_within(memory, 4 * _WORK * ny, f"the spectrum of {ny} x {nx} points")
-    with Scratch((ny, nx // 2 + 1), room // (_WORK * ny)) as scratch:
-        _transform_rows(source, scratch)
-        yield _InFile(source, scratch)
+    require_full(hm, "a power spectrum")
+    (ny, nx), mean = hm.shape, extent(hm).mean
+    room = room_for(4 * _WORK * ny, f"the spectrum of {ny} x {nx} points")
+    modes = Sections((ny, nx // 2 + 1), room // (_WORK * ny), np.complex128)
+    row = 0
+    for block in rows_of(hm):
+        modes.write_rows(row, fft.rfft(block - mean, workers=parallel.threads()))
+        row += len(block)
+    return _OnDisk(hm, modes)
 
 
 @dataclass(frozen=True)
@@ -119,20 +118,19 @@ class _InMemory:
 
 
 @dataclass(frozen=True)
-class _InFile:
-    source: MapFile
-    scratch: Scratch
+class _OnDisk:
+    source: HeightMap
+    modes: Sections
     hann: bool = False
 
     def sections(self) -> Iterator[list[tuple[slice, Array]]]:
         workers = parallel.threads()
-        for section in self.scratch.sections:
-            rows = self.scratch.read(section, (0, self.source.shape[0]))
+        for section, (left, _) in enumerate(self.modes.columns):
+            rows = self.modes.read(section)
             modes = fft.fft(rows, axis=0, overwrite_x=True, workers=workers)
             parts = spans(modes.shape[1], -(-modes.shape[1] // workers))
             yield [
-                (slice(section[0] + a, section[0] + b), _squared(modes[:, a:b], self.source))
-                for a, b in parts
+                (slice(left + a, left + b), _squared(modes[:, a:b], self.source)) for a, b in parts
             ]
 
     def along(self, axis: int) -> None:
@@ -150,21 +148,9 @@ def _whole(hm: HeightMap) -> _InMemory:
     return _InMemory(hm, hann, heights, _squared(fft.rfft2(windowed), hm))
 
 
-def _transform_rows(source: MapFile, scratch: Scratch) -> None:
-    """Transform along x of a map less its mean."""
-    found = extent(source)
-    missing = source.shape[0] * source.shape[1] - found.count
-    if missing:
-        raise SurfaceError(f"{missing} points are missing; a power spectrum needs a full map")
-    for row, block in source.blocks():
-        modes = fft.rfft(block - found.mean, workers=parallel.threads())
-        for section in scratch.sections:
-            scratch.write(section, row, modes[:, slice(*section)])
-
-
-def _squared(modes: NDArray[np.complex128], source: Source) -> Array:
+def _squared(modes: NDArray[np.complex128], hm: HeightMap) -> Array:
     """Density [m^4] of the modes of a map."""
-    (ny, nx), (dy, dx) = source.shape, source.spacing
+    (ny, nx), (dy, dx) = hm.shape, hm.spacing
     density: Array = np.square(modes.real) + np.square(modes.imag)
     density *= (dy * dx) ** 2 / (ny * dy * nx * dx)
     return density

@@ -8,10 +8,9 @@ import math
 import os
 from dataclasses import dataclass
 
-from surfaces.checks import line_means, tilt_of_lines, tilt_warning
+from surfaces.checks import tilt_warning
 from surfaces.errors import SurfaceError, as_path
-from surfaces.heightmap import HeightMap
-from surfaces.numerics.memory import MEMORY
+from surfaces.heightmap import HeightMap, require_map
 from surfaces.roughness import unit_warning
 
 from .bearing import bearing_curve
@@ -22,7 +21,7 @@ from .direction import texture_direction
 from .features import FEATURES, features
 from .heights import extent, height_parameters
 from .parameters import PARAMETERS
-from .rows import MapFile, Source, require_source, rows_of
+from .rows import in_memory
 from .spectrum import SpectralMoments, spectrum_of
 from .spectrum_fit import SpectrumFit, fit_spectrum
 
@@ -51,7 +50,7 @@ class Statistics:
         Spd, Svd [1/m^2], Spc, Svc [1/m], S5p, S5v, S10z [m], Sha, Sda [m^2], Shv, Sdv [m^3]
         (clause 5), see `features.features`; NaN if points are missing.
     texture
-        Sal, Str and the lay; None of a map read by blocks.
+        Sal, Str and the lay; None of a map on disk.
     moments
         Spectral moments (slope, curvature and Nayak parameter among them); None if points are
         missing.
@@ -136,23 +135,20 @@ class Statistics:
     __repr__ = __str__
 
 
-def describe(hm: HeightMap | MapFile, *, wolf: float = 5.0, memory: float = MEMORY) -> Statistics:
+def describe(hm: HeightMap, *, wolf: float = 5.0) -> Statistics:
     """Roughness statistics of a map as it is; it should be levelled first.
 
     Parameters
     ----------
     hm
-        The map. With missing points the spectral and the feature parameters are left out. Of a
-        file, as `surfaces.open` gives it, no more than some blocks are held in memory, and the
-        numbers are those of the map in memory, but for rounding; volumes of the functional
+        The map. With missing points the spectral and the feature parameters are left out. Of a map
+        on disk (`surfaces.SurfaceFile.on_disk`) no more than some blocks are held in memory, and
+        the numbers are those of the map in memory, but for rounding; volumes of the functional
         parameters to the share of points between two of 2^20 levels times their distance. Texture
         and feature parameters are left out, and spectral ones if it is not periodic.
     wolf
         Smallest height of a hill above its saddle, and depth of a dale, in percent of Sz, for the
         feature parameters (Wolf pruning, 5 % in ISO 25178-3).
-    memory
-        For a file: largest memory of the whole program [bytes], if that held nothing before. A
-        temporary file takes 8 bytes per point.
 
     Raises
     ------
@@ -171,19 +167,19 @@ def describe(hm: HeightMap | MapFile, *, wolf: float = 5.0, memory: float = MEMO
     >>> f"{found.heights['Sq'] / hm.rms_height:.3f}"
     '1.000'
     """
-    require_source(hm)
+    require_map(hm)
     found = extent(hm)
     heights, hybrid, curve = height_parameters(hm, found), differences(hm), bearing_curve(hm)
     points = hm.shape[0] * hm.shape[1]
     missing = (points - found.count) / points
     moments, fit, lay, hills = None, None, None, dict.fromkeys(FEATURES, math.nan)
     spatial = dict.fromkeys(("Sal", "Str", "Std", "lay"), math.nan)
-    warnings = [*_tilted(hm, heights["Sq"]), *unit_warning(hybrid["Sdq"])]
+    warnings = [*tilt_warning(hm, _TILTED), *unit_warning(hybrid["Sdq"])]
     if missing:
         warnings.append(
             f"{100 * missing:.3g} % of the points are missing: no spectrum and features; fill them"
         )
-    if isinstance(hm, HeightMap):
+    if in_memory(hm):
         lay = texture(autocorrelation(hm))
         spatial |= {"Sal": lay.shortest, "Str": lay.aspect, "lay": math.degrees(lay.direction)}
         if not missing:
@@ -191,9 +187,9 @@ def describe(hm: HeightMap | MapFile, *, wolf: float = 5.0, memory: float = MEMO
     else:
         warnings.append("read by blocks: no texture and features, which need all heights at once")
     if not missing and (lay or hm.periodic):
-        with density_of(hm, memory) as waves:
-            spectrum = spectrum_of(waves)
-            spatial["Std"] = math.degrees(texture_direction(waves))
+        waves = density_of(hm)
+        spectrum = spectrum_of(waves)
+        spatial["Std"] = math.degrees(texture_direction(waves))
         moments = spectrum.moments
         warnings += _resolution_warning(moments, hybrid["Sdq"], hybrid["curvature"])
         try:
@@ -215,17 +211,6 @@ def describe(hm: HeightMap | MapFile, *, wolf: float = 5.0, memory: float = MEMO
         fit=fit,
         missing=missing,
         warnings=tuple(warnings),
-    )
-
-
-def _tilted(source: Source, rms_height: float) -> list[str]:
-    """A plane that makes up too much of the heights; `tilt_warning`, of files too."""
-    if isinstance(source, HeightMap):
-        return tilt_warning(source, _TILTED)
-    return (
-        []
-        if source.periodic
-        else tilt_of_lines(line_means(rows_of(source)), rms_height**2, _TILTED)
     )
 
 

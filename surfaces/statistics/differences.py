@@ -10,21 +10,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel
 
-from .rows import Source, heights_of, rows_of
+from .rows import rows_of
 
 __all__ = ["differences"]
 
 _BLOCK = 200_000  # points
 
 
-def differences(source: Source) -> dict[str, float]:
+def differences(hm: HeightMap) -> dict[str, float]:
     """Sdq, rms gradient [-], Sdr, additional area [-], and ``curvature``, rms mean curvature [1/m].
 
     Parameters
     ----------
-    source
+    hm
         The map; differences that meet a missing point are left out.
 
     Notes
@@ -33,7 +34,7 @@ def differences(source: Source) -> dict[str, float]:
     for a periodic map. Both fall below the spectral values where waves of a few pixels count. The
     additional area is that of the triangulated surface over its projection.
     """
-    dy, dx = source.spacing
+    dy, dx = hm.spacing
 
     def squares(z: NDArray[np.float64]) -> list[tuple[float, int]]:
         middle = z[1:-1, 1:-1]
@@ -48,7 +49,7 @@ def differences(source: Source) -> dict[str, float]:
         return [(float(np.nansum(v)), int(np.count_nonzero(v == v))) for v in found]
 
     totals = np.zeros((4, 2))
-    parts = _bordered(source)
+    parts = _bordered(hm)
     while batch := list(itertools.islice(parts, 4 * parallel.threads())):
         for part in parallel.each(squares, batch):
             totals += part
@@ -61,23 +62,21 @@ def differences(source: Source) -> dict[str, float]:
     }
 
 
-def _bordered(source: Source) -> Iterator[NDArray[np.float64]]:
+def _bordered(hm: HeightMap) -> Iterator[NDArray[np.float64]]:
     """Rows of the map in blocks that fit the cache, each with one more point on every side.
 
     Beyond the border of a map that is not periodic there are missing points.
     """
-    ny, nx = source.shape
+    nx = hm.shape[1]
     outside = np.full((1, nx), np.nan)
-    border: dict[str, Any] = {"mode": "wrap"} if source.periodic else {"constant_values": np.nan}
+    border: dict[str, Any] = {"mode": "wrap"} if hm.periodic else {"constant_values": np.nan}
     rows = max(1, _BLOCK // nx)
     parts = (
-        block[first : first + rows]
-        for block in rows_of(source)
-        for first in range(0, len(block), rows)
+        block[first : first + rows] for block in rows_of(hm) for first in range(0, len(block), rows)
     )
-    above = heights_of(source, (ny - 1, ny)) if source.periodic else outside
+    above = hm.source[-1:] if hm.periodic else outside
     here = next(parts)
-    end = here[:1].copy() if source.periodic else outside
+    end = here[:1].copy() if hm.periodic else outside
     for below in itertools.chain(parts, [end]):
         yield np.pad(np.vstack([above, here, below[:1]]), ((0, 0), (1, 1)), **border)
         above, here = here[-1:], below

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.errors import SurfaceError
+from surfaces.heightmap import HeightMap
 
-from .rows import Source, over_present
+from .rows import over_present
 
 __all__ = ["Extent", "extent", "height_parameters"]
 
@@ -25,7 +26,7 @@ class Extent:
     highest: float
 
 
-def extent(source: Source) -> Extent:
+def extent(hm: HeightMap) -> Extent:
     """Extent of a map that is not constant.
 
     Raises
@@ -34,7 +35,7 @@ def extent(source: Source) -> Extent:
         If the map is constant, or no point is present.
     """
     count, total, low, high = 0, 0.0, math.inf, -math.inf
-    for more, part, least, most in over_present(_summed, source):
+    for more, part, least, most in over_present(_summed, hm):
         count, total, low, high = count + more, total + part, min(low, least), max(high, most)
     if not count:
         raise SurfaceError("every point of the height map is missing (NaN)")
@@ -50,7 +51,7 @@ def _summed(z: NDArray[np.float64]) -> tuple[int, float, float, float]:
     return z.size, float(z.sum()), float(z.min()), float(z.max())
 
 
-def height_parameters(source: Source, found: Extent) -> dict[str, float]:
+def height_parameters(hm: HeightMap, found: Extent) -> dict[str, float]:
     """Sq, Sa, Sp, Sv, Sz [m], Ssk, Sku [-] about the mean (ISO 25178-2:2021, 4.2)."""
 
     def powers(heights: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -60,7 +61,7 @@ def height_parameters(source: Source, found: Extent) -> dict[str, float]:
             [np.abs(z).sum(), square.sum(), (square * z).sum(), (square * square).sum()]
         )
 
-    sums = sum(over_present(powers, source), np.zeros(4))
+    sums = sum(over_present(powers, hm), np.zeros(4))
     mean, variance, third, fourth = (sums / found.count).tolist()
     sq = math.sqrt(variance)
     return {

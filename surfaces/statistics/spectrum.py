@@ -8,11 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from surfaces.heightmap import HeightMap
-from surfaces.numerics.memory import MEMORY
+from surfaces.heightmap import HeightMap, require_map
 
 from .density import Density, density_of, over_sections, wave_numbers
-from .rows import MapFile
 
 __all__ = [
     "SpectralMoments",
@@ -157,16 +155,14 @@ class Spectrum:
     window: str
 
 
-def power_spectrum(hm: HeightMap | MapFile, *, memory: float = MEMORY) -> Spectrum:
+def power_spectrum(hm: HeightMap) -> Spectrum:
     """Power spectral density around rings and along the axes, and its moments.
 
     Parameters
     ----------
     hm
-        The map, without missing points; or a file of a periodic one, as `surfaces.open` gives it,
-        which may be larger than memory. A temporary file then takes 8 bytes per point.
-    memory
-        For a file: largest memory of the whole program [bytes], if that held nothing before.
+        The map, without missing points; one on disk (`surfaces.SurfaceFile.on_disk`) must be
+        periodic, and its waves take 8 bytes per point in a temporary file.
 
     Notes
     -----
@@ -187,8 +183,7 @@ def power_spectrum(hm: HeightMap | MapFile, *, memory: float = MEMORY) -> Spectr
     >>> f"{spectrum.moments.m00:.3f}"
     '0.500'
     """
-    with density_of(hm, memory) as waves:
-        return spectrum_of(waves)
+    return spectrum_of(density_of(hm))
 
 
 def spectrum_of(waves: Density) -> Spectrum:
@@ -259,9 +254,10 @@ def power_spectrum_2d(
     >>> density.shape
     (32, 25)
     """
-    with density_of(hm, MEMORY) as waves:
-        (((part, density),),) = waves.sections()
-        return *wave_numbers(waves, part), density
+    require_map(hm)
+    waves = density_of(hm.replace(heights=hm.heights))
+    (((part, density),),) = waves.sections()
+    return *wave_numbers(waves, part), density
 
 
 def _edge(waves: Density, width: float, nyquist: float) -> float:
