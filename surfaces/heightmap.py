@@ -6,7 +6,7 @@ import dataclasses
 import functools
 import hashlib
 import html
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.drawing import draw_heights, figure_height, image
-from surfaces.errors import SurfaceError, as_number, checked_heights, checked_spacing
+from surfaces.errors import SurfaceError, as_number, checked_heights, checked_spacing, checked_span
 from surfaces.numerics.memory import Source, each_block, windows
 
 if TYPE_CHECKING:
@@ -207,6 +207,21 @@ class HeightMap:
             changes["history"] = (*changes.get("history", self.history), step)
         return dataclasses.replace(self, **changes)
 
+    def with_rows(
+        self,
+        blocks: Iterable[tuple[int, NDArray[np.float64]]],
+        shape: tuple[int, int] | None = None,
+        **changes: Any,
+    ) -> HeightMap:
+        """Copy, of another shape or the same, with the heights [m] of blocks of whole rows, each
+        with the number of its first row; on disk if this map is. `changes` are those of `replace`.
+        """
+        heights = np.empty(shape or self.shape)
+        for first, rows in blocks:
+            heights[first : first + len(rows)] = rows
+        heights.setflags(write=False)
+        return self.replace(heights=heights, **changes)
+
     def crop(
         self, *, x: tuple[float, float] | None = None, y: tuple[float, float] | None = None
     ) -> HeightMap:
@@ -229,11 +244,22 @@ class HeightMap:
         >>> hm.crop(x=(8e-6, 40e-6), y=(0.0, 16e-6)).shape
         (16, 32)
         """
-        rows = _pixels("y", y, self.y, self.size[0])
-        columns = _pixels("x", x, self.x, self.size[1])
-        step = {"step": "crop", "rows": list(rows), "columns": list(columns)}
-        heights = self.heights[slice(*rows), slice(*columns)]
-        return self.replace(heights=heights, periodic=False, step=step)
+        rows = checked_span("y", y, self.y, self.size[0])
+        columns = checked_span("x", x, self.x, self.size[1])
+        return self.cut(rows, columns)
+
+    def cut(self, rows: tuple[int, int], columns: tuple[int, int]) -> HeightMap:
+        """The pixels between two rows and two columns, each the first and one past the last."""
+        blocks = (
+            (begin - rows[0], window[begin - top : end - top, slice(*columns)])
+            for begin, end, window, top in windows(self.source, *rows)
+        )
+        return self.with_rows(
+            blocks,
+            (rows[1] - rows[0], columns[1] - columns[0]),
+            periodic=False,
+            step={"step": "crop", "rows": list(rows), "columns": list(columns)},
+        )
 
     def __add__(self, other: HeightMap | float) -> HeightMap:
         """Heights of both maps together, or an offset [m]; missing where one of them is."""
@@ -303,20 +329,6 @@ class HeightMap:
         return f"<HeightMap{label} {ny} x {nx}, pixel {dy:.4g} x {dx:.4g} m, {border}{gaps}>"
 
 
-def _pixels(
-    name: str, span: tuple[float, float] | None, places: NDArray[np.float64], length: float
-) -> tuple[int, int]:
-    """First pixel whose centre lies in a span [m], and one past the last."""
-    low, high = (0.0, length) if span is None else (as_number(name, end) for end in span)
-    slack = 1e-9 * length
-    if not -slack <= low < high <= length + slack:
-        raise SurfaceError(f"{name} is {span}; give two places from 0 to {length:.6g} m, rising")
-    first, last = np.searchsorted(places, (low, high))
-    if last - first < 3:
-        raise SurfaceError(f"{name} is {span} m, which holds fewer than three pixels")
-    return int(first), int(last)
-
-
 def require_map(hm: object) -> None:
     """Refuse what is no height map, such as a bare array, and say how to make one."""
     if not isinstance(hm, HeightMap):
@@ -330,8 +342,9 @@ def require_full(hm: HeightMap, what: str) -> None:
     """Refuse a map with missing points, and say how to fill them."""
     require_map(hm)
     if hm.missing:
-        row, column = np.argwhere(np.isnan(hm.heights))[0]
+        row = next(row for row in range(hm.shape[0]) if np.isnan(hm.source[row]).any())
+        column = int(np.argmax(np.isnan(hm.source[row])))
         raise SurfaceError(
-            f"heights[{row}, {column}] is missing ({hm.missing} of {hm.heights.size} points); "
+            f"heights[{row}, {column}] is missing ({hm.missing} of {hm.source.size} points); "
             f'{what} needs a full map: pass fill="harmonic" (--fill harmonic)'
         )

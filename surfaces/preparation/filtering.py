@@ -122,9 +122,7 @@ def crop(hm: HeightMap, rows: tuple[int, int], columns: tuple[int, int]) -> Heig
                 f"{what} {span} are not inside 0 to {count}; give two whole numbers, first and "
                 "one past last"
             )
-    step = {"step": "crop", "rows": list(rows), "columns": list(columns)}
-    heights = hm.heights[slice(*rows), slice(*columns)]
-    return hm.replace(heights=heights, periodic=False, step=step)
+    return hm.cut(rows, columns)
 
 
 def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> HeightMap:
