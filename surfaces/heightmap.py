@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from surfaces.drawing import draw_heights, figure_height, image
 from surfaces.errors import SurfaceError, as_number, checked_heights, checked_spacing, checked_span
-from surfaces.numerics.memory import Source, each_block, windows
+from surfaces.numerics.memory import Source, array_of, each_block, windows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -216,11 +216,7 @@ class HeightMap:
         """Copy, of another shape or the same, with the heights [m] of blocks of whole rows, each
         with the number of its first row; on disk if this map is. `changes` are those of `replace`.
         """
-        heights = np.empty(shape or self.shape)
-        for first, rows in blocks:
-            heights[first : first + len(rows)] = rows
-        heights.setflags(write=False)
-        return self.replace(heights=heights, **changes)
+        return self.replace(heights=array_of(blocks, shape or self.shape, self.source), **changes)
 
     def crop(
         self, *, x: tuple[float, float] | None = None, y: tuple[float, float] | None = None

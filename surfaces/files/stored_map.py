@@ -103,16 +103,6 @@ class StoredMap(HeightMap):
         """Root-mean-square height about the mean of the points present [m]."""
         return self.roughness.rms_height
 
-    def with_rows(
-        self,
-        blocks: Iterable[tuple[int, NDArray[np.float64]]],
-        shape: tuple[int, int] | None = None,
-        **changes: Any,
-    ) -> HeightMap:
-        """Copy with the heights [m] of blocks of whole rows, which stay on disk."""
-        made = self.of_blocks(blocks, shape or self.shape, np.float64, self.spacing)
-        return self.replace(heights=vars(made)["_source"], **changes)
-
     def replace(self, *, step: Mapping[str, Any] | None = None, **changes: Any) -> HeightMap:
         """Copy with some fields changed, and `step` appended to the history."""
         if step is not None:

@@ -13,7 +13,9 @@ from scipy.sparse.linalg import LinearOperator, cg, splu
 
 from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
-from surfaces.numerics.memory import available_bytes, require_memory, windows
+from surfaces.numerics.memory import Source, array_of, available_bytes, require_memory, windows
+
+from .blocks import middle, replaced
 
 __all__ = ["fill_missing", "quick_fill"]
 
@@ -89,15 +91,7 @@ def fill_missing(hm: HeightMap, *, limit: float = 0.1) -> HeightMap:
         return hm.replace(step=step)
     places, filled, step["largest_gap"] = _harmonic(hm)
 
-    def blocks() -> Iterator[tuple[int, Array]]:
-        for begin, end, window, top in windows(hm.source):
-            rows = window[begin - top : end - top].copy()
-            first = begin * rows.shape[1]
-            low, high = np.searchsorted(places, (first, first + rows.size))
-            rows.flat[places[low:high] - first] = filled[low:high]
-            yield begin, rows
-
-    return hm.with_rows(blocks(), step=step)
+    return hm.with_rows(replaced(hm.source, places, filled), step=step)
 
 
 def _harmonic(hm: HeightMap) -> tuple[Index, Array, int]:
@@ -107,14 +101,11 @@ def _harmonic(hm: HeightMap) -> tuple[Index, Array, int]:
     of their points have been met.
     """
     places, around = np.empty(0, np.int64), np.empty((len(_STEPS), 0))
-    medians: list[float] = []
+    level = middle(hm.source)
     solved: list[tuple[Index, Array]] = []
     largest = 0
     for begin, end, window, top in windows(hm.source, below=1):
-        rows = window[begin - top : end - top]
-        missing = np.isnan(rows)
-        if not missing.all():
-            medians.append(float(np.median(rows[~missing])))
+        missing = np.isnan(window[begin - top : end - top])
         found = np.flatnonzero(missing) + begin * hm.shape[1]
         places = np.append(places, found)
         if not places.size:
@@ -126,8 +117,7 @@ def _harmonic(hm: HeightMap) -> tuple[Index, Array, int]:
             "missing (--fill none)",
         )
         around = np.hstack([around, _heights_about(hm, found, window, begin, top)])
-        middle = float(np.median(medians)) if medians else 0.0
-        matrix, right, unmet = _equations(hm, places, around, middle)
+        matrix, right, unmet = _equations(hm, places, around, level)
         gaps, gap = connected_components(matrix, directed=False)
         waits = np.zeros(gaps, bool)
         waits[gap[unmet]] = True
@@ -138,9 +128,7 @@ def _harmonic(hm: HeightMap) -> tuple[Index, Array, int]:
             direct = most <= _DIRECT and _DIRECT_BYTES * ready.size <= available_bytes()
             solve = _directly if direct else _by_gradients
             part, place = matrix[ready][:, ready], places[ready]
-            solved.append(
-                (place, solve(part, right[ready], np.divmod(place, hm.shape[1])) + middle)
-            )
+            solved.append((place, solve(part, right[ready], np.divmod(place, hm.shape[1])) + level))
         waiting = waits[gap]
         places, around = places[waiting], around[:, waiting]
     places, filled = (np.concatenate(part) for part in zip(*solved, strict=True))
@@ -165,9 +153,9 @@ def _heights_about(hm: HeightMap, places: Index, window: Array, begin: int, top:
 
 
 def _equations(
-    hm: HeightMap, places: Index, around: Array, middle: float
+    hm: HeightMap, places: Index, around: Array, level: float
 ) -> tuple[csc_matrix, Array, NDArray[np.bool_]]:
-    """Matrix and right side, heights about `middle`, of the Laplace equation on missing points, and
+    """Matrix and right side, heights about a level, of the Laplace equation on missing points, and
     which of them have a missing neighbor that is not among them."""
     (ny, nx), count = hm.shape, len(places)
     rows, columns = np.divmod(places, nx)
@@ -178,7 +166,7 @@ def _equations(
         weight = ratio if dr else 1 / ratio
         total[~np.isinf(values)] += weight
         known = np.isfinite(values)
-        right[known] += weight * (values[known] - middle)
+        right[known] += weight * (values[known] - level)
         unknown = np.flatnonzero(np.isnan(values))
         wanted = (rows[unknown] + dr) % ny * nx + (columns[unknown] + dc) % nx
         other = np.minimum(np.searchsorted(places, wanted), count - 1)
@@ -223,16 +211,31 @@ def _by_gradients(matrix: csc_matrix, right: Array, points: tuple[Index, Index])
     return np.asarray(filled)
 
 
-def quick_fill(z: NDArray[np.float64], present: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Quick fill by averages over ever coarser blocks: a start, and a stand-in for medians."""
-    if present.all():
+def quick_fill(z: Source) -> Source:
+    """Quick fill by averages over ever coarser blocks, a stand-in for medians; NaN is missing."""
+    if not any(np.isnan(window).any() for _, _, window, _ in windows(z)):
         return z
     ny, nx = z.shape
-    even = ((0, ny % 2), (0, nx % 2))
-    weight = np.pad(present.astype(np.float64), even)
-    weighted = np.pad(np.where(present, z, 0.0), even)
-    blocks = (weight.shape[0] // 2, 2, weight.shape[1] // 2, 2)
-    count = weight.reshape(blocks).sum(axis=(1, 3))
-    mean = weighted.reshape(blocks).sum(axis=(1, 3)) / np.maximum(count, 1.0)
-    coarse = quick_fill(mean, count > 0)
-    return np.where(present, z, np.kron(coarse, np.ones((2, 2)))[:ny, :nx])
+    coarse = quick_fill(array_of(_halved(z), (-(-ny // 2), -(-nx // 2)), z))
+
+    def filled() -> Iterator[tuple[int, Array]]:
+        for begin, end, rows, _ in windows(z):
+            fine = coarse[begin // 2 : -(-end // 2)].repeat(2, axis=0).repeat(2, axis=1)
+            fine = fine[begin % 2 :][: len(rows), :nx]
+            yield begin, np.where(np.isnan(rows), fine, rows)
+
+    return array_of(filled(), z.shape, z)
+
+
+def _halved(z: Source) -> Iterator[tuple[int, Array]]:
+    """Means over 2 x 2 points, where some are present, in blocks of rows."""
+    ny, nx = z.shape
+    for begin, end, window, top in windows(z, below=1):
+        first = begin + begin % 2
+        rows = window[first - top : min(end + end % 2, ny) - top]
+        even = np.pad(rows, ((0, len(rows) % 2), (0, nx % 2)), constant_values=np.nan)
+        blocks = even.reshape(len(even) // 2, 2, even.shape[1] // 2, 2)
+        present = ~np.isnan(blocks)
+        count = present.sum(axis=(1, 3))
+        total = np.where(present, blocks, 0.0).sum(axis=(1, 3))
+        yield first // 2, np.where(count > 0, total / np.maximum(count, 1.0), np.nan)

@@ -13,6 +13,8 @@ from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics.memory import Source, each_block, windows
 
+from .blocks import extremes
+
 __all__ = ["FORMS", "level"]
 
 _ORDERS = ("mean", "plane", "quadratic", "cubic", "quartic", "quintic")
@@ -92,7 +94,7 @@ def level(hm: HeightMap, form: str = "plane") -> HeightMap:
         raise SurfaceError(f"{present} points are present; too few to fit a {form}")
     stride, sample = _sample(hm.source)
     shift = float(np.median(sample[~np.isnan(sample)]))
-    low, high = _range(hm.source)
+    low, high = extremes(hm.source)
     scale = max(high - shift, shift - low) or 1.0
     z, sample = each_block(hm.source, lambda h: (h - shift) / scale), (sample - shift) / scale
     aspect = hm.size[0] / hm.size[1]
@@ -108,13 +110,10 @@ def level(hm: HeightMap, form: str = "plane") -> HeightMap:
             break
         kept = found
     levelled = hm.with_rows(
-        (
-            begin,
-            (window[begin - top : end - top] - _evaluate(coefficients, v[begin:end], u)) * scale,
-        )
-        for begin, end, window, top in windows(z)
+        (begin, (rows - _evaluate(coefficients, v[begin:end], u)) * scale)
+        for begin, end, rows, _ in windows(z)
     )
-    low, high = _range(levelled.source)
+    low, high = extremes(levelled.source)
     if max(high, -low) <= _ROUNDING * max(abs(shift), scale):
         levelled = levelled.replace(
             heights=each_block(levelled.source, lambda h: np.where(np.isnan(h), h, 0.0))
@@ -150,16 +149,6 @@ def _evaluate(
     return form
 
 
-def _range(heights: Source) -> tuple[float, float]:
-    """The lowest and the highest of the heights present."""
-    low, high = np.nan, np.nan
-    for begin, end, window, top in windows(heights):
-        rows = window[begin - top : end - top]
-        low = np.fmin(low, np.fmin.reduce(rows, axis=None))
-        high = np.fmax(high, np.fmax.reduce(rows, axis=None))
-    return float(low), float(high)
-
-
 def _sample(heights: Source) -> tuple[int, NDArray[np.float64]]:
     """Stride and heights of some hundred thousand points, evenly spread, some of them present."""
     stride = max(1, math.isqrt(heights.size // 200_000))
@@ -191,8 +180,7 @@ def _sums(
     powers_u, powers_v = (np.vander(w, 2 * most + 1, increasing=True) for w in (u, v))
     moments, right = np.zeros((2 * most + 1,) * 2), np.zeros((most + 1,) * 2)
     left_out, places = 0, hashlib.sha256()
-    for begin, end, window, top in windows(z):
-        rows = window[begin - top : end - top]
+    for begin, end, rows, _ in windows(z):
         distance = np.abs(rows - _evaluate(coefficients, v[begin:end], u) - center)
         inside = distance <= limit
         outside = np.flatnonzero(distance > limit) + begin * len(u)

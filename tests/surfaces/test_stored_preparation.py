@@ -121,6 +121,24 @@ def test_crop(data: st.DataObject) -> None:
     is_equal(stored(hm).crop(y=y), hm.crop(y=y), 0.0)
 
 
+@SOME
+@given(seed=st.integers(0, 2**31), gaps=st.integers(0, 3), periodic=st.booleans())
+def test_outliers(seed: int, gaps: int, periodic: bool) -> None:
+    """The same points; limits follow heights that single precision rounds about a median."""
+    hm = measured(seed, gaps, periodic)
+    known, found = (surfaces.mark_outliers(each, 4.0) for each in (hm, stored(hm)))
+    assert known.history[-1]["count"] > 0
+    is_equal(found.replace(history=()), known.replace(history=()), 0.0)
+    for key in ("limit", "count"):
+        assert found.history[-1][key] == pytest.approx(known.history[-1][key], rel=1e-4)
+
+
+@pytest.mark.parametrize("how", ["mirror", "taper", "wrap"])
+def test_periodic(how: str) -> None:
+    hm = measured(4)
+    is_equal(surfaces.make_periodic(stored(hm), how), surfaces.make_periodic(hm, how), 1e-11)
+
+
 def test_what_is_prepared_by_default(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a file, and of a part of it, both too large for the memory."""
     surfaces.write(measured(3, 5), tmp_path / "scan.h5", dtype="float32")
