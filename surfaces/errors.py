@@ -23,7 +23,9 @@ __all__ = [
     "as_number",
     "as_path",
     "checked_heights",
+    "checked_range",
     "checked_spacing",
+    "checked_span",
 ]
 
 SHORTEST, LONGEST = 1e-40, 1e40
@@ -127,3 +129,17 @@ def checked_spacing(spacing: Any) -> tuple[float, float]:
             f"{SLIMMEST:g} times the other: give both in m"
         )
     return float(pair[0]), float(pair[1])
+
+
+def checked_span(
+    name: str, span: tuple[float, float] | None, places: NDArray[np.float64], length: float
+) -> tuple[int, int]:
+    """First pixel whose centre lies in a span [m], and one past the last."""
+    low, high = (0.0, length) if span is None else (as_number(name, end) for end in span)
+    slack = 1e-9 * length
+    if not -slack <= low < high <= length + slack:
+        raise SurfaceError(f"{name} is {span}; give two places from 0 to {length:.6g} m, rising")
+    first, last = np.searchsorted(places, (low, high))
+    if last - first < 3:
+        raise SurfaceError(f"{name} is {span} m, which holds fewer than three pixels")
+    return int(first), int(last)

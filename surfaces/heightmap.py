@@ -6,7 +6,7 @@ import dataclasses
 import functools
 import hashlib
 import html
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.drawing import draw_heights, figure_height, image
-from surfaces.errors import SurfaceError, as_number, checked_heights, checked_spacing
-from surfaces.numerics.memory import Source, each_block, mapped, windows
+from surfaces.errors import SurfaceError, as_number, checked_heights, checked_spacing, checked_span
+from surfaces.numerics.memory import Source, array_of, each_block, mapped, windows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -214,6 +214,17 @@ class HeightMap:
             changes["history"] = (*changes.get("history", self.history), step)
         return dataclasses.replace(self, **changes)
 
+    def with_rows(
+        self,
+        blocks: Iterable[tuple[int, NDArray[np.float64]]],
+        shape: tuple[int, int] | None = None,
+        **changes: Any,
+    ) -> HeightMap:
+        """Copy, of another shape or the same, with the heights [m] of blocks of whole rows, each
+        with the number of its first row; on disk if this map is. `changes` are those of `replace`.
+        """
+        return self.replace(heights=array_of(blocks, shape or self.shape, self.source), **changes)
+
     def crop(
         self, *, x: tuple[float, float] | None = None, y: tuple[float, float] | None = None
     ) -> HeightMap:
@@ -236,11 +247,22 @@ class HeightMap:
         >>> hm.crop(x=(8e-6, 40e-6), y=(0.0, 16e-6)).shape
         (16, 32)
         """
-        rows = _pixels("y", y, self.y, self.size[0])
-        columns = _pixels("x", x, self.x, self.size[1])
-        step = {"step": "crop", "rows": list(rows), "columns": list(columns)}
-        heights = self.heights[slice(*rows), slice(*columns)]
-        return self.replace(heights=heights, periodic=False, step=step)
+        rows = checked_span("y", y, self.y, self.size[0])
+        columns = checked_span("x", x, self.x, self.size[1])
+        return self.cut(rows, columns)
+
+    def cut(self, rows: tuple[int, int], columns: tuple[int, int]) -> HeightMap:
+        """The pixels between two rows and two columns, each the first and one past the last."""
+        blocks = (
+            (begin - rows[0], window[begin - top : end - top, slice(*columns)])
+            for begin, end, window, top in windows(self.source, *rows)
+        )
+        return self.with_rows(
+            blocks,
+            (rows[1] - rows[0], columns[1] - columns[0]),
+            periodic=False,
+            step={"step": "crop", "rows": list(rows), "columns": list(columns)},
+        )
 
     def __add__(self, other: HeightMap | float) -> HeightMap:
         """Heights of both maps together, or an offset [m]; missing where one of them is."""
@@ -308,20 +330,6 @@ class HeightMap:
         border = "periodic" if self.periodic else "not periodic"
         gaps = f", {self.missing} missing" if self.missing else ""
         return f"<HeightMap{label} {ny} x {nx}, pixel {dy:.4g} x {dx:.4g} m, {border}{gaps}>"
-
-
-def _pixels(
-    name: str, span: tuple[float, float] | None, places: NDArray[np.float64], length: float
-) -> tuple[int, int]:
-    """First pixel whose centre lies in a span [m], and one past the last."""
-    low, high = (0.0, length) if span is None else (as_number(name, end) for end in span)
-    slack = 1e-9 * length
-    if not -slack <= low < high <= length + slack:
-        raise SurfaceError(f"{name} is {span}; give two places from 0 to {length:.6g} m, rising")
-    first, last = np.searchsorted(places, (low, high))
-    if last - first < 3:
-        raise SurfaceError(f"{name} is {span} m, which holds fewer than three pixels")
-    return int(first), int(last)
 
 
 def require_map(hm: object) -> None:

@@ -115,8 +115,7 @@ class SurfaceFile:
         FileFormatError
             If the stored data are damaged.
         """
-        top, bottom = _bounds(rows, self.shape[0], "rows")
-        left, right = _bounds(columns, self.shape[1], "columns")
+        (top, bottom), (left, right) = self._bounds(rows, columns)
         shape = (bottom - top, right - left)
         require_memory(
             8 * shape[0] * shape[1],
@@ -160,7 +159,7 @@ class SurfaceFile:
     ) -> HeightMap:
         """The map, or a region of it as a map that is not periodic.
 
-        A map so large that no work on it would fit into memory stays on disk (`on_disk`).
+        What is so large that no work on it would fit into memory stays on disk (`on_disk`).
 
         Parameters
         ----------
@@ -172,35 +171,48 @@ class SurfaceFile:
         SurfaceError, FileFormatError
             If the region is not inside the map, or the heights are damaged.
         """
-        top, bottom = _bounds(rows, self.shape[0], "rows")
-        left, right = _bounds(columns, self.shape[1], "columns")
-        whole = (bottom - top, right - left) == self.shape
+        (top, bottom), (left, right) = self._bounds(rows, columns)
         try:
-            if whole and BYTES_OF_WORK * self.shape[0] * self.shape[1] > available_bytes():
-                return self.on_disk()
-            history = list(self.history)
-            if not whole:
-                history.append({"step": "crop", "rows": [top, bottom], "columns": [left, right]})
-            heights = self.heights((top, bottom), (left, right))
+            if BYTES_OF_WORK * (bottom - top) * (right - left) > available_bytes():
+                return self.on_disk(rows, columns)
+            heights = self.heights(rows, columns)
             heights.setflags(write=False)  # or the map would hold a copy
-            return HeightMap(
-                heights,
-                self.spacing,
-                periodic=self.periodic and whole,
-                name=self.name,
-                history=tuple(history),
-            )
+            return HeightMap(heights, self.spacing, **self._facts(rows, columns))
         except SurfaceError as error:
             text = str(error).removeprefix(f"{self.path}: ")
             raise SurfaceError(f"{self.path}: {text}") from error
 
-    def on_disk(self) -> StoredMap:
-        """The map with its heights in a temporary file, read in parts; refused as by `read`, and
-        where there is no room for the file."""
+    def on_disk(
+        self, rows: tuple[int, int] | None = None, columns: tuple[int, int] | None = None
+    ) -> StoredMap:
+        """As `read`, with the heights in a temporary file, read in parts; refused where there is
+        no room for it."""
+        (top, bottom), (left, right) = self._bounds(rows, columns)
         narrow = self._dataset.dtype == np.float32 and metres_per(self.unit) == 1.0
-        facts = {"periodic": self.periodic, "name": self.name, "history": self.history}
-        kind = np.float32 if narrow else np.float64
-        return StoredMap.of_blocks(self.blocks(), self.shape, kind, self.spacing, **facts)
+        step = self._rows_per_block(right - left)
+        blocks = (
+            (first - top, self.heights((first, min(first + step, bottom)), columns))
+            for first in range(top, bottom, step)
+        )
+        return StoredMap.of_blocks(
+            blocks,
+            (bottom - top, right - left),
+            np.float32 if narrow else np.float64,
+            self.spacing,
+            **self._facts(rows, columns),
+        )
+
+    def _facts(self, rows: _Span | None, columns: _Span | None) -> dict[str, Any]:
+        """What a map of a region is made of beside its heights and spacing."""
+        spans = self._bounds(rows, columns)
+        whole = spans == ((0, self.shape[0]), (0, self.shape[1]))
+        step = {"step": "crop", "rows": [*spans[0]], "columns": [*spans[1]]}
+        history = (*self.history, *(() if whole else (step,)))
+        return {"periodic": self.periodic and whole, "name": self.name, "history": history}
+
+    def _bounds(self, rows: _Span | None, columns: _Span | None) -> tuple[_Span, _Span]:
+        ny, nx = self.shape
+        return _bounds(rows, ny, "rows"), _bounds(columns, nx, "columns")
 
     def _stored(self, rows: _Span, columns: _Span) -> NDArray[Any]:
         """Heights in the unit of the file; of no more than one chunk, if the chunks are ours."""

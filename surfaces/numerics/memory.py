@@ -7,7 +7,7 @@ import mmap
 import os
 import tempfile
 import weakref
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from surfaces.errors import InputError, SurfaceError, as_number
 __all__ = [
     "BLOCK_BYTES",
     "StoredArray",
+    "array_of",
     "available_bytes",
     "drop_pages",
     "each_block",
@@ -351,3 +352,20 @@ def drop_pages() -> None:
 def each_block(source: Source, change: Callable[[Any], Any]) -> Any:
     """An array with every element changed, at once or as it is read."""
     return source.each(change) if isinstance(source, StoredArray) else change(source)
+
+
+def array_of(
+    blocks: Iterable[tuple[int, NDArray[np.float64]]], shape: tuple[int, int], like: Source
+) -> Source:
+    """An array of blocks of whole rows, each with the number of its first row; on disk if another
+    is."""
+    if isinstance(like, StoredArray):
+        kept = StoredArray(shape, np.float64)
+        for first, rows in blocks:
+            kept.write(first, rows)
+        return kept
+    array = np.empty(shape)
+    for first, rows in blocks:
+        array[first : first + len(rows)] = rows
+    array.setflags(write=False)
+    return array

@@ -2,21 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix, diags
+from scipy.sparse import coo_matrix, csc_matrix, csr_matrix, diags
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import LinearOperator, cg, splu
 
 from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
+from surfaces.numerics.memory import Source, array_of, available_bytes, require_memory, windows
+
+from .blocks import middle, replaced
 
 __all__ = ["fill_missing", "quick_fill"]
 
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
 _DIRECT = 400_000
 """Largest gap [pixels] that is solved directly, not by conjugate gradients."""
+
+_BYTES, _DIRECT_BYTES = 400, 2000
+"""Memory that a missing point takes while it is filled by conjugate gradients, and directly."""
+
+_SIDE = 8
+"""Side [pixels] of the blocks on which conjugate gradients are preconditioned."""
+
+_STEPS = ((1, 0), (-1, 0), (0, 1), (0, -1))
+"""Rows and columns from a point to its neighbors."""
 
 
 def fill_missing(hm: HeightMap, *, limit: float = 0.1) -> HeightMap:
@@ -37,13 +53,15 @@ def fill_missing(hm: HeightMap, *, limit: float = 0.1) -> HeightMap:
     Raises
     ------
     SurfaceError
-        If more points are missing than the limit allows.
+        If more points are missing than the limit allows, or a gap is too large for the memory.
 
     Notes
     -----
     Solves Laplace's equation on the missing points (five-point stencil with the true pixel sizes;
     no flux across the border of a map that is not periodic). The filled heights lie between those
-    around them: no summit is invented.
+    around them: no summit is invented. Each gap is a system of its own; one of more than 400 000
+    pixels is solved by conjugate gradients, to 1e-12 of its heights. A map on disk is filled gap by
+    gap.
 
     Examples
     --------
@@ -56,12 +74,11 @@ def fill_missing(hm: HeightMap, *, limit: float = 0.1) -> HeightMap:
     0
     """
     require_map(hm)
-    missing = np.isnan(hm.heights)
-    count = int(np.count_nonzero(missing))
-    fraction = count / missing.size
+    count, size = hm.missing, hm.source.size
+    fraction = count / size
     if fraction > as_number("limit", limit):
         raise SurfaceError(
-            f"{count} of {missing.size} points are missing ({100 * fraction:.3g} %), more than the "
+            f"{count} of {size} points are missing ({100 * fraction:.3g} %), more than the "
             f"fill limit of {100 * limit:.3g} %; crop the map or raise fill_limit (--fill-limit)"
         )
     step: dict[str, Any] = {
@@ -72,73 +89,153 @@ def fill_missing(hm: HeightMap, *, limit: float = 0.1) -> HeightMap:
     }
     if count == 0:
         return hm.replace(step=step)
-    gaps = cv2.connectedComponentsWithStats(missing.astype(np.uint8), connectivity=4)[2]
-    step["largest_gap"] = int(gaps[1:, cv2.CC_STAT_AREA].max())
-    heights = hm.heights.copy()
-    direct = step["largest_gap"] <= _DIRECT
-    heights[missing] = _harmonic(heights, missing, hm.spacing, hm.periodic, direct)
-    return hm.replace(heights=heights, step=step)
+    places, filled, step["largest_gap"] = _harmonic(hm)
+
+    return hm.with_rows(replaced(hm.source, places, filled), step=step)
 
 
-def _harmonic(
-    heights: NDArray[np.float64],
-    missing: NDArray[np.bool_],
-    spacing: tuple[float, float],
-    periodic: bool,
-    direct: bool,
-) -> NDArray[np.float64]:
-    """Solution of the discrete Laplace equation on the missing points, in scan order."""
-    ny, nx = heights.shape
-    rows, columns = np.nonzero(missing)
-    count = len(rows)
-    number = np.full(heights.shape, -1, dtype=np.int64)
-    number[missing] = np.arange(count)
-    middle = float(np.nanmedian(heights))
-    total, right = np.zeros(count), np.zeros(count)
-    pairs: list[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]] = []
-    ratio = spacing[1] / spacing[0]
-    for dr, dc, weight in ((1, 0, ratio), (-1, 0, ratio), (0, 1, 1 / ratio), (0, -1, 1 / ratio)):
+def _harmonic(hm: HeightMap) -> tuple[Index, Array, int]:
+    """Places of the missing points, their heights, and the largest gap [pixels].
+
+    A place is a number in scan order. The map is gone through once; gaps are solved as soon as all
+    of their points have been met.
+    """
+    places, around = np.empty(0, np.int64), np.empty((len(_STEPS), 0))
+    level = middle(hm.source)
+    solved: list[tuple[Index, Array]] = []
+    largest = 0
+    for begin, end, window, top in windows(hm.source, below=1):
+        missing = np.isnan(window[begin - top : end - top])
+        found = np.flatnonzero(missing) + begin * hm.shape[1]
+        places = np.append(places, found)
+        if not places.size:
+            continue
+        require_memory(
+            _BYTES * places.size,
+            f"filling {places.size} missing points, of gaps that reach into rows {begin} to {end},",
+            "raise the limit of memory (--memory), crop the map (--crop) or leave the points "
+            "missing (--fill none)",
+        )
+        around = np.hstack([around, _heights_about(hm, found, window, begin, top)])
+        matrix, right, unmet = _equations(hm, places, around, level)
+        gaps, gap = connected_components(matrix, directed=False)
+        waits = np.zeros(gaps, bool)
+        waits[gap[unmet]] = True
+        ready = np.flatnonzero(~waits[gap])
+        if ready.size:
+            most = int(np.bincount(gap[ready]).max())
+            largest = max(largest, most)
+            direct = most <= _DIRECT and _DIRECT_BYTES * ready.size <= available_bytes()
+            solve = _directly if direct else _by_gradients
+            part, place = matrix[ready][:, ready], places[ready]
+            solved.append((place, solve(part, right[ready], np.divmod(place, hm.shape[1])) + level))
+        waiting = waits[gap]
+        places, around = places[waiting], around[:, waiting]
+    places, filled = (np.concatenate(part) for part in zip(*solved, strict=True))
+    order = np.argsort(places)
+    return places[order], filled[order], largest
+
+
+def _heights_about(hm: HeightMap, places: Index, window: Array, begin: int, top: int) -> Array:
+    """Heights of the neighbors of points of a window, shape (4, points): NaN where they are missing
+    too, infinite beyond the border of a map that is not periodic."""
+    (ny, nx), before = hm.shape, hm.source[begin - 1]
+    rows, columns = np.divmod(places, nx)
+    around = np.empty((len(_STEPS), places.size))
+    for values, (dr, dc) in zip(around, _STEPS, strict=True):
         r, c = rows + dr, columns + dc
-        inside = (
-            np.ones(count, dtype=bool) if periodic else (r >= 0) & (r < ny) & (c >= 0) & (c < nx)
-        )
-        r, c = r % ny, c % nx
-        total[inside] += weight
-        unknown = inside & missing[r, c]
-        known = inside & ~missing[r, c]
-        right[known] += weight * (heights[r[known], c[known]] - middle)
-        pairs.append(
-            (
-                np.flatnonzero(unknown),
-                number[r[unknown], c[unknown]],
-                np.full(unknown.sum(), -weight),
-            )
-        )
+        values[:] = window[(r - top) % len(window), c % nx]
+        above = r < begin
+        values[above] = before[c[above]]
+        if not hm.periodic:
+            values[(r < 0) | (r >= ny) | (c < 0) | (c >= nx)] = np.inf
+    return around
+
+
+def _equations(
+    hm: HeightMap, places: Index, around: Array, level: float
+) -> tuple[csc_matrix, Array, NDArray[np.bool_]]:
+    """Matrix and right side, heights about a level, of the Laplace equation on missing points, and
+    which of them have a missing neighbor that is not among them."""
+    (ny, nx), count = hm.shape, len(places)
+    rows, columns = np.divmod(places, nx)
+    total, right, unmet = np.zeros(count), np.zeros(count), np.zeros(count, bool)
+    pairs: list[tuple[Index, Index, Array]] = []
+    ratio = hm.spacing[1] / hm.spacing[0]
+    for values, (dr, dc) in zip(around, _STEPS, strict=True):
+        weight = ratio if dr else 1 / ratio
+        total[~np.isinf(values)] += weight
+        known = np.isfinite(values)
+        right[known] += weight * (values[known] - level)
+        unknown = np.flatnonzero(np.isnan(values))
+        wanted = (rows[unknown] + dr) % ny * nx + (columns[unknown] + dc) % nx
+        other = np.minimum(np.searchsorted(places, wanted), count - 1)
+        met = places[other] == wanted
+        unmet[unknown[~met]] = True
+        pairs.append((unknown[met], other[met], np.full(int(met.sum()), -weight)))
     i, j, w = (np.concatenate(part) for part in zip(*pairs, strict=True))
-    matrix = (coo_matrix((w, (i, j)), shape=(count, count)) + diags(total)).tocsc()
-    if direct:
-        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0)
-        return np.asarray(factors.solve(right) + middle)
-    start = quick_fill(np.where(missing, 0.0, heights - middle), ~missing)[missing]
-    jacobi = LinearOperator((count, count), matvec=lambda x: x / total)
-    filled, status = cg(matrix.tocsr(), right, x0=start, rtol=1e-8, maxiter=4000, M=jacobi)
+    matrix = coo_matrix((w, (i, j)), shape=(count, count)) + diags(total)
+    return matrix.tocsc(), right, unmet
+
+
+def _directly(matrix: csc_matrix, right: Array, _: tuple[Index, Index]) -> Array:
+    """Solution of the equations."""
+    factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0)
+    return np.asarray(factors.solve(right))
+
+
+def _by_gradients(matrix: csc_matrix, right: Array, points: tuple[Index, Index]) -> Array:
+    """Solution by conjugate gradients, of points in some rows and columns.
+
+    Notes
+    -----
+    Preconditioned by the points alone and by their sums over square blocks of `_SIDE` pixels, which
+    takes some hundred rounds for a gap of any size.
+    """
+    rows, columns = (axis // _SIDE for axis in points)
+    block = np.unique(rows * (columns.max() + 1) + columns, return_inverse=True)[1]
+    spread = csr_matrix((np.ones(len(right)), block, np.arange(len(right) + 1)))
+    coarse = splu((spread.T @ matrix @ spread).tocsc(), permc_spec="MMD_AT_PLUS_A")
+    diagonal = matrix.diagonal()
+
+    def smooth(values: Array) -> Array:
+        return np.asarray(spread @ coarse.solve(spread.T @ values))
+
+    guess = LinearOperator(matrix.shape, matvec=lambda values: values / diagonal + smooth(values))
+    filled, status = cg(matrix.tocsr(), right, x0=smooth(right), rtol=1e-12, maxiter=4000, M=guess)
     if status != 0:
         raise SurfaceError(
-            f"filling {count} missing points did not converge; crop the map to the measured part"
+            f"filling {len(right)} missing points did not converge; crop the map to the measured "
+            "part"
         )
-    return np.asarray(filled + middle)
+    return np.asarray(filled)
 
 
-def quick_fill(z: NDArray[np.float64], present: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Quick fill by averages over ever coarser blocks: a start, and a stand-in for medians."""
-    if present.all():
+def quick_fill(z: Source) -> Source:
+    """Quick fill by averages over ever coarser blocks, a stand-in for medians; NaN is missing."""
+    if not any(np.isnan(window).any() for _, _, window, _ in windows(z)):
         return z
     ny, nx = z.shape
-    even = ((0, ny % 2), (0, nx % 2))
-    weight = np.pad(present.astype(np.float64), even)
-    weighted = np.pad(np.where(present, z, 0.0), even)
-    blocks = (weight.shape[0] // 2, 2, weight.shape[1] // 2, 2)
-    count = weight.reshape(blocks).sum(axis=(1, 3))
-    mean = weighted.reshape(blocks).sum(axis=(1, 3)) / np.maximum(count, 1.0)
-    coarse = quick_fill(mean, count > 0)
-    return np.where(present, z, np.kron(coarse, np.ones((2, 2)))[:ny, :nx])
+    coarse = quick_fill(array_of(_halved(z), (-(-ny // 2), -(-nx // 2)), z))
+
+    def filled() -> Iterator[tuple[int, Array]]:
+        for begin, end, rows, _ in windows(z):
+            fine = coarse[begin // 2 : -(-end // 2)].repeat(2, axis=0).repeat(2, axis=1)
+            fine = fine[begin % 2 :][: len(rows), :nx]
+            yield begin, np.where(np.isnan(rows), fine, rows)
+
+    return array_of(filled(), z.shape, z)
+
+
+def _halved(z: Source) -> Iterator[tuple[int, Array]]:
+    """Means over 2 x 2 points, where some are present, in blocks of rows."""
+    ny, nx = z.shape
+    for begin, end, window, top in windows(z, below=1):
+        first = begin + begin % 2
+        rows = window[first - top : min(end + end % 2, ny) - top]
+        even = np.pad(rows, ((0, len(rows) % 2), (0, nx % 2)), constant_values=np.nan)
+        blocks = even.reshape(len(even) // 2, 2, even.shape[1] // 2, 2)
+        present = ~np.isnan(blocks)
+        count = present.sum(axis=(1, 3))
+        total = np.where(present, blocks, 0.0).sum(axis=(1, 3))
+        yield first // 2, np.where(count > 0, total / np.maximum(count, 1.0), np.nan)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from scipy import fft
 
 from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_full, require_map
+from surfaces.numerics.memory import Source, windows
 
 from .spline_filter import spline
 
@@ -122,9 +124,7 @@ def crop(hm: HeightMap, rows: tuple[int, int], columns: tuple[int, int]) -> Heig
                 f"{what} {span} are not inside 0 to {count}; give two whole numbers, first and "
                 "one past last"
             )
-    step = {"step": "crop", "rows": list(rows), "columns": list(columns)}
-    heights = hm.heights[slice(*rows), slice(*columns)]
-    return hm.replace(heights=heights, periodic=False, step=step)
+    return hm.cut(rows, columns)
 
 
 def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> HeightMap:
@@ -166,10 +166,10 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
     if how not in PERIODIC:
         raise SurfaceError(f"periodic is {how!r}; it must be None or one of {', '.join(PERIODIC)}")
     require_full(hm, "a periodic map")
-    heights, changed = hm.heights, 0.0
+    made, changed = hm, 0.0
     step: dict[str, object] = {"step": "periodic", "how": how, "rms_before": hm.rms_height}
     if how == "mirror":
-        heights = np.block([[heights, heights[:, ::-1]], [heights[::-1], heights[::-1, ::-1]]])
+        made = hm.with_rows(_mirrored(hm.source), (2 * hm.shape[0], 2 * hm.shape[1]))
     elif how == "taper":
         strip = 0.1 * min(hm.size) if width is None else as_number("width", width)
         if not 0.0 < strip <= 0.5 * min(hm.size):
@@ -177,23 +177,52 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
                 f"the tapered strip is {strip:g} m wide; it must be at most half of "
                 f"{min(hm.size):g} m"
             )
-        window = _window(hm.y, hm.size[0], strip)[:, None] * _window(hm.x, hm.size[1], strip)
-        mean = float(heights.mean())
-        heights = mean + (heights - mean) * window
-        changed = float(np.mean(window < 1.0))
+        across, along = _window(hm.y, hm.size[0], strip), _window(hm.x, hm.size[1], strip)
+        made = hm.with_rows(_faded(hm.source, across, along))
+        kept = np.count_nonzero(across == 1.0) * np.count_nonzero(along == 1.0)
+        changed = (hm.source.size - kept) / hm.source.size
         step["width"] = strip
     elif how == "smooth":
-        heights = heights - _seam_carrier(heights)
+        made = hm.replace(heights=hm.heights - _seam_carrier(hm.heights))
         changed = 1.0
-    seam = _rms(np.concatenate([heights[0] - heights[-1], heights[:, 0] - heights[:, -1]]))
-    inner = _rms(np.concatenate([np.diff(heights, axis=0).ravel(), np.diff(heights).ravel()]))
+    seam, inner = _steps(made.source)
     step |= {
-        "rms_after": float(np.std(heights)),
+        "rms_after": made.rms_height,
         "seam_step": seam,
         "inner_step": inner,
         "area_changed": changed,
     }
-    return hm.replace(heights=heights, periodic=True, step=step)
+    return made.replace(periodic=True, step=step)
+
+
+def _mirrored(source: Source) -> Iterator[tuple[int, NDArray[np.float64]]]:
+    """Blocks of rows of an array and its mirror images."""
+    for begin, end, rows, _ in windows(source):
+        rows = np.hstack([rows, rows[:, ::-1]])
+        yield begin, rows
+        yield 2 * source.shape[0] - end, rows[::-1]
+
+
+def _faded(
+    source: Source, across: NDArray[np.float64], along: NDArray[np.float64]
+) -> Iterator[tuple[int, NDArray[np.float64]]]:
+    """Blocks of rows of an array that fades to its mean along y and x."""
+    total = sum(float(rows.sum()) for _, _, rows, _ in windows(source))
+    mean = total / source.size
+    for begin, end, rows, _ in windows(source):
+        yield begin, mean + (rows - mean) * (across[begin:end, None] * along)
+
+
+def _steps(source: Source) -> tuple[float, float]:
+    """Rms steps across the seam of an array, and inside it."""
+    total, count = 0.0, 0
+    for begin, end, window, top in windows(source, below=1):
+        rows = window[begin - top : min(end + 1, len(source)) - top]
+        along = np.diff(rows[: end - begin])
+        steps = np.concatenate([np.diff(rows, axis=0).ravel(), along.ravel()])
+        total, count = total + float(np.sum(np.square(steps))), count + steps.size
+    ends = np.concatenate([source[0] - source[-1], source[:, 0] - source[:, -1]])
+    return float(np.sqrt(np.mean(np.square(ends)))), float(np.sqrt(total / count))
 
 
 def _seam_carrier(heights: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -264,7 +293,3 @@ def _window(places: NDArray[np.float64], length: float, strip: float) -> NDArray
     """Raised cosine: 0 at the border, 1 from `strip` inwards."""
     inward = np.minimum(places, length - places)
     return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.minimum(inward / strip, 1.0)))
-
-
-def _rms(values: NDArray[np.float64]) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_map
+from surfaces.numerics.memory import Source, each_block, windows
+
+from .blocks import extremes
 
 __all__ = ["FORMS", "level"]
 
@@ -84,33 +89,45 @@ def level(hm: HeightMap, form: str = "plane") -> HeightMap:
         form = "mean"
     terms = _TERMS[form]
     u, v = _axis(hm.shape[1]), _axis(hm.shape[0])
-    present = np.isfinite(hm.heights)
-    if np.count_nonzero(present) <= 2 * terms:
-        raise SurfaceError(
-            f"{np.count_nonzero(present)} points are present; too few to fit a {form}"
-        )
-    shift = float(np.median(_sample(hm.heights, present)))
-    z = np.where(present, hm.heights - shift, 0.0)
-    scale = float(max(z.max(), -z.min())) or 1.0
-    z /= scale
+    present = hm.source.size - hm.missing
+    if present <= 2 * terms:
+        raise SurfaceError(f"{present} points are present; too few to fit a {form}")
+    stride, sample = _sample(hm.source)
+    shift = float(np.median(sample[~np.isnan(sample)]))
+    low, high = extremes(hm.source)
+    scale = max(high - shift, shift - low) or 1.0
+    z, sample = each_block(hm.source, lambda h: (h - shift) / scale), (sample - shift) / scale
     aspect = hm.size[0] / hm.size[1]
-    coefficients = _solve(*_block_medians(z, present, v, u), form, aspect)
-    kept = present
+    coefficients = _solve(*_block_medians(z, v, u), form, aspect)
+    kept = _Kept(0, hashlib.sha256().digest())
     for _ in range(_ROUNDS):
-        inside = _inliers(z - _evaluate(coefficients, v, u), present)
-        if np.count_nonzero(inside) <= 2 * terms:
+        limits = _limits(sample - _evaluate(coefficients, v[::stride], u[::stride]))
+        found, moments, right = _sums(z, coefficients, limits, v, u, form)
+        if present - found.left_out <= 2 * terms:
             break
-        coefficients = _fit(z, inside.astype(np.float64), v, u, form, aspect)
-        if np.array_equal(inside, kept):
+        coefficients = _fit(moments, right, form, aspect)
+        if found == kept:
             break
-        kept = inside
-    levelled = (z - _evaluate(coefficients, v, u)) * scale
-    levelled[~present] = np.nan
-    if np.nanmax(np.abs(levelled)) <= _ROUNDING * max(abs(shift), scale):
-        levelled[present] = 0.0
-    step = {"step": "level", "form": form, "left_out": int(present.sum() - kept.sum())}
+        kept = found
+    levelled = hm.with_rows(
+        (begin, (rows - _evaluate(coefficients, v[begin:end], u)) * scale)
+        for begin, end, rows, _ in windows(z)
+    )
+    low, high = extremes(levelled.source)
+    if max(high, -low) <= _ROUNDING * max(abs(shift), scale):
+        levelled = levelled.replace(
+            heights=each_block(levelled.source, lambda h: np.where(np.isnan(h), h, 0.0))
+        )
+    step = {"step": "level", "form": form, "left_out": kept.left_out}
     step |= _described(coefficients * scale, shift, hm.size, form)
-    return hm.replace(heights=levelled, step=step)
+    return levelled.replace(step=step)
+
+
+class _Kept(NamedTuple):
+    """Points that a fit leaves out: their number, and the hash of their places."""
+
+    left_out: int
+    places: bytes
 
 
 def _axis(count: int) -> NDArray[np.float64]:
@@ -132,36 +149,58 @@ def _evaluate(
     return form
 
 
-def _inliers(residual: NDArray[np.float64], present: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    sample = _sample(residual, present)
+def _sample(heights: Source) -> tuple[int, NDArray[np.float64]]:
+    """Stride and heights of some hundred thousand points, evenly spread, some of them present."""
+    stride = max(1, math.isqrt(heights.size // 200_000))
+    while np.isnan(sample := heights[::stride, ::stride]).all():
+        stride = max(1, stride // 2)
+    return stride, sample
+
+
+def _limits(residual: NDArray[np.float64]) -> tuple[float, float]:
+    """Center of the residuals of a sample, and how far from it points are kept."""
+    sample = residual[~np.isnan(residual)]
     center = float(np.median(sample))
     sigma = _MAD_TO_SIGMA * float(np.median(np.abs(sample - center)))
-    if sigma == 0.0:
-        return present
-    return present & (np.abs(residual - center) <= _REJECT * sigma)
+    return center, _REJECT * sigma or math.inf
 
 
-def _sample(values: NDArray[np.float64], present: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Some hundred thousand of the values present, evenly spread; all of them on a small map."""
-    step = max(1, math.isqrt(values.size // 200_000))
-    sample = values[::step, ::step][present[::step, ::step]]
-    return sample if sample.size else values[present]
-
-
-def _fit(
-    z: NDArray[np.float64],
-    weight: NDArray[np.float64],
+def _sums(
+    z: Source,
+    coefficients: NDArray[np.float64],
+    limits: tuple[float, float],
     v: NDArray[np.float64],
     u: NDArray[np.float64],
     form: str,
-    aspect: float,
-) -> NDArray[np.float64]:
-    """Weighted least squares from the moments of the grid, one matrix product each."""
-    powers = _POWERS[: max(_FEWEST, _TERMS[form])]
-    most = max(powers[-1])
+) -> tuple[_Kept, NDArray[np.float64], NDArray[np.float64]]:
+    """Moments of the places, and of the heights, within limits about a form: one matrix product
+    each."""
+    center, limit = limits
+    most = max(_powers(form)[-1])
     powers_u, powers_v = (np.vander(w, 2 * most + 1, increasing=True) for w in (u, v))
-    moments = powers_v.T @ (weight @ powers_u)
-    right = powers_v[:, : most + 1].T @ ((weight * z) @ powers_u[:, : most + 1])
+    moments, right = np.zeros((2 * most + 1,) * 2), np.zeros((most + 1,) * 2)
+    left_out, places = 0, hashlib.sha256()
+    for begin, end, rows, _ in windows(z):
+        distance = np.abs(rows - _evaluate(coefficients, v[begin:end], u) - center)
+        inside = distance <= limit
+        outside = np.flatnonzero(distance > limit) + begin * len(u)
+        left_out += outside.size
+        places.update(outside.data)
+        along = powers_v[begin:end].T
+        moments += along @ (inside.astype(np.float64) @ powers_u)
+        right += along[: most + 1] @ (np.where(inside, rows, 0.0) @ powers_u[:, : most + 1])
+    return _Kept(left_out, places.digest()), moments, right
+
+
+def _powers(form: str) -> list[tuple[int, int]]:
+    return _POWERS[: max(_FEWEST, _TERMS[form])]
+
+
+def _fit(
+    moments: NDArray[np.float64], right: NDArray[np.float64], form: str, aspect: float
+) -> NDArray[np.float64]:
+    """Least squares from the moments of the grid."""
+    powers = _powers(form)
     matrix = np.array([[moments[b + d, a + c] for c, d in powers] for a, b in powers])
     return _constrained(matrix, np.array([right[b, a] for a, b in powers]), form, aspect)
 
@@ -174,8 +213,7 @@ def _solve(
     aspect: float,
 ) -> NDArray[np.float64]:
     """Least absolute deviations of scattered values, by reweighting."""
-    powers = _POWERS[: max(_FEWEST, _TERMS[form])]
-    columns = np.stack([u**a * v**b for a, b in powers], axis=1)
+    columns = np.stack([u**a * v**b for a, b in _powers(form)], axis=1)
     weight = np.ones(z.size)
     for _ in range(_ROUNDS):
         weighted = columns * weight[:, None]
@@ -214,28 +252,25 @@ def _constrained(
 
 
 def _block_medians(
-    z: NDArray[np.float64],
-    present: NDArray[np.bool_],
-    v: NDArray[np.float64],
-    u: NDArray[np.float64],
+    z: Source, v: NDArray[np.float64], u: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Median height and mean place of the present points of a coarse grid of blocks."""
-    rows = np.array_split(np.arange(len(v)), min(_BLOCKS, len(v)))
     columns = np.array_split(np.arange(len(u)), min(_BLOCKS, len(u)))
     found = []
-    for row in rows:
-        step_v = max(1, len(row) // 16)
+    for row in np.array_split(np.arange(len(v)), min(_BLOCKS, len(v))):
+        row = row[:: max(1, len(row) // 16)]
+        lines = z[row]
         for column in columns:
-            step_u = max(1, len(column) // 16)
-            block = np.ix_(row[::step_v], column[::step_u])
-            mask = present[block]
+            column = column[:: max(1, len(column) // 16)]
+            block = lines[:, column]
+            mask = ~np.isnan(block)
             if mask.any():
                 inside_v, inside_u = np.nonzero(mask)
                 found.append(
                     (
-                        float(np.median(z[block][mask])),
-                        float(v[row[::step_v]][inside_v].mean()),
-                        float(u[column[::step_u]][inside_u].mean()),
+                        float(np.median(block[mask])),
+                        float(v[row][inside_v].mean()),
+                        float(u[column][inside_u].mean()),
                     )
                 )
     medians, place_v, place_u = np.array(found).T

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import NamedTuple
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -9,14 +12,20 @@ from scipy.ndimage import median_filter
 
 from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
+from surfaces.numerics.memory import Source, array_of, each_block, windows
 
+from .blocks import extremes, middle, replaced
 from .filling import quick_fill
 
 __all__ = ["mark_outliers"]
 
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
 _NINE_TENTHS = 1.6449  # nine tenths of a normal variable lie within this many deviations
 _MEAN = 0.7979  # mean absolute value of a normal variable, in deviations
 _AROUND = 11  # side [pixels] of the surroundings of a point
+_REACH = 4  # rows about a point that its roughness takes: twice half a median filter
 _ROUNDS = 5  # searches for spikes, at most
 
 
@@ -61,31 +70,87 @@ def mark_outliers(hm: HeightMap, threshold: float = 6.0) -> HeightMap:
     require_map(hm)
     if not as_number("outliers", threshold) >= 3.0:
         raise SurfaceError(f"outliers is {threshold}; use 3 or more robust standard deviations")
-    present = np.isfinite(hm.heights)
-    middle = float(np.median(hm.heights[present]))
-    scale = float(np.max(np.abs(hm.heights[present] - middle))) or 1.0
-    z = quick_fill(np.where(present, (hm.heights - middle) / scale, 0.0), present)
-    spikes = np.zeros(hm.shape, dtype=bool)
-    limit = 0.0
+    level = middle(hm.source)
+    low, high = extremes(hm.source)
+    scale = max(high - level, level - low) or 1.0
+    z = quick_fill(each_block(hm.source, lambda heights: (heights - level) / scale))
+    spikes: Index = np.empty(0, np.int64)
+    limit = threshold * _ninth_decile(hm, z) / _NINE_TENTHS + 1e-7
     for _ in range(_ROUNDS):
-        median = _median(z, hm.periodic)
-        rough = z - median
-        rough = np.abs(rough - _median(rough, hm.periodic))
-        if limit == 0.0:
-            limit = threshold * float(np.quantile(rough[present], 0.9)) / _NINE_TENTHS + 1e-7
-        around = cv2.blur(np.minimum(rough, limit), (_AROUND, _AROUND)) / _MEAN
-        found = present & ~spikes & (rough > np.maximum(limit, threshold * around))
-        if not found.any():
+        found = [_spikes(strip, limit, threshold) for strip in _strips(hm, z)]
+        places, medians = (np.concatenate(part) for part in zip(*found, strict=True))
+        fresh = ~np.isin(places, spikes)
+        places, medians = places[fresh], medians[fresh]
+        if not places.size:
             break
-        spikes |= found
-        z[found] = median[found]
+        spikes = np.union1d(spikes, places)
+        z = array_of(replaced(z, places, medians), z.shape, z)
     step = {
         "step": "outliers",
         "threshold": threshold,
         "limit": limit * scale,
-        "count": int(np.count_nonzero(spikes)),
+        "count": len(spikes),
     }
-    return hm.replace(heights=np.where(spikes, np.nan, hm.heights), step=step)
+    gaps = np.full(len(spikes), np.nan)
+    return hm.with_rows(replaced(hm.source, spikes, gaps), step=step)
+
+
+class _Strip(NamedTuple):
+    """Roughness of a block of rows, and of those about it that belong to the map.
+
+    Attributes
+    ----------
+    begin, rows
+        Number of the first row of the block, and its heights.
+    block
+        Rows of the block in what follows.
+    rough, median
+        Roughness and medians.
+    """
+
+    begin: int
+    rows: Array
+    block: slice
+    rough: Array
+    median: Array
+
+
+def _strips(hm: HeightMap, z: Source) -> Iterator[_Strip]:
+    """The map in parts; `z` are its heights without gaps and spikes."""
+    ny = hm.shape[0]
+    for begin, end, rows, _ in windows(hm.source):
+        low, high = max(0, begin - _AROUND // 2), min(ny, end + _AROUND // 2)
+        first, last = low - _REACH, high + _REACH
+        if not hm.periodic or end - begin == ny:
+            first, last = max(0, first), min(ny, last)
+        part = z[np.arange(first, last) % ny]
+        median = _median(part, hm.periodic)
+        rough = part - median
+        rough = np.abs(rough - _median(rough, hm.periodic))
+        inner = slice(low - first, high - first)
+        block = slice(begin - low, end - low)
+        yield _Strip(begin, rows, block, rough[inner], median[inner])
+
+
+def _ninth_decile(hm: HeightMap, z: Source) -> float:
+    """Ninth decile of the roughness of the points present, the upper tenth of which is kept."""
+    place = 0.9 * (z.size - hm.missing - 1)
+    upper = np.empty(0)
+    for strip in _strips(hm, z):
+        upper = np.append(upper, strip.rough[strip.block][~np.isnan(strip.rows)])
+        below = max(0, len(upper) - z.size + hm.missing + int(place))
+        upper = np.partition(upper, below)[below:]
+    low, high = np.partition(upper, [0, min(1, len(upper) - 1)])[:2][[0, -1]]
+    share = place - int(place)
+    return float(low + share * (high - low) if share < 0.5 else high - (1 - share) * (high - low))
+
+
+def _spikes(strip: _Strip, limit: float, threshold: float) -> tuple[Index, Array]:
+    """Places of the points of a block that stand out, and the medians about them."""
+    around = cv2.blur(np.minimum(strip.rough, limit), (_AROUND, _AROUND)) / _MEAN
+    stand_out = strip.rough > np.maximum(limit, threshold * around)
+    places = np.flatnonzero(stand_out[strip.block] & ~np.isnan(strip.rows))
+    return places + strip.begin * strip.rows.shape[1], strip.median[strip.block].ravel()[places]
 
 
 def _median(z: NDArray[np.float64], periodic: bool) -> NDArray[np.float64]:

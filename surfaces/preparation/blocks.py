@@ -1,0 +1,45 @@
+"""What the steps of a preparation ask of a map in blocks of rows: one block in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surfaces.numerics.memory import Source, windows
+
+__all__ = ["extremes", "middle", "replaced"]
+
+Array = NDArray[np.float64]
+
+
+def extremes(heights: Source) -> tuple[float, float]:
+    """The lowest and the highest of the heights present."""
+    low, high = np.nan, np.nan
+    for _, _, rows, _ in windows(heights):
+        low = np.fmin(low, np.fmin.reduce(rows, axis=None))
+        high = np.fmax(high, np.fmax.reduce(rows, axis=None))
+    return float(low), float(high)
+
+
+def middle(heights: Source) -> float:
+    """Median over the blocks of the medians of the heights present."""
+    medians = []
+    for _, _, rows, _ in windows(heights):
+        present = rows[~np.isnan(rows)]
+        if present.size:
+            medians.append(float(np.median(present)))
+    return float(np.median(medians))
+
+
+def replaced(
+    source: Source, places: NDArray[np.int64], heights: Array
+) -> Iterator[tuple[int, Array]]:
+    """Blocks of rows with other heights at some places, numbers in scan order that rise."""
+    for begin, _, window, _ in windows(source):
+        rows = window.copy()
+        start = begin * rows.shape[1]
+        part = slice(*np.searchsorted(places, (start, start + rows.size)))
+        rows.flat[places[part] - start] = heights[part]
+        yield begin, rows
