@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .heightmap import HeightMap
-from .numerics.memory import windows
+from .numerics.stored_array import windows
 
 __all__ = [
     "fineness",

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from surfaces.drawing import draw_heights, figure_height, image
 from surfaces.errors import SurfaceError, as_number, checked_heights, checked_spacing, checked_span
-from surfaces.numerics.memory import Source, array_of, each_block, mapped, windows
+from surfaces.numerics.stored_array import Source, array_of, each_block, mapped, windows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from surfaces.roughness import Roughness
 
 __all__ = ["HeightMap", "require_full", "require_map"]
-
 
 _LINES = 64
 """Rows that tell of all of a map whether it repeats heights."""
@@ -107,7 +106,7 @@ class HeightMap:
 
     @property
     def mapped(self) -> NDArray[np.float64]:
-        """The heights [m] for loops that touch some of them, see `memory.mapped`."""
+        """The heights [m] for loops that touch some of them, see `stored_array.mapped`."""
         heights = mapped(self.source).view()
         heights.setflags(write=False)
         return heights
@@ -163,8 +162,7 @@ class HeightMap:
     def about_mean(self) -> HeightMap:
         """The map with its heights about their mean; itself where that is below the rms height.
 
-        Sums over heights lose the digits that an offset takes; the difference of two heights does
-        not.
+        Sums over heights lose the digits that an offset takes; their differences do not.
         """
         mean = self.roughness.mean
         if abs(mean) <= self.roughness.rms_height:
@@ -220,9 +218,8 @@ class HeightMap:
         shape: tuple[int, int] | None = None,
         **changes: Any,
     ) -> HeightMap:
-        """Copy, of another shape or the same, with the heights [m] of blocks of whole rows, each
-        with the number of its first row; on disk if this map is. `changes` are those of `replace`.
-        """
+        """Copy with the heights [m] of blocks of whole rows, each with the number of its first row,
+        of another shape or the same; on disk if this map is. `changes` are those of `replace`."""
         return self.replace(heights=array_of(blocks, shape or self.shape, self.source), **changes)
 
     def crop(
@@ -325,11 +322,11 @@ class HeightMap:
         return f"<div><p>{html.escape(f'{self!r}, {told}')}</p>{image(figure, 100)}</div>"
 
     def __repr__(self) -> str:
-        (ny, nx), (dy, dx) = self.shape, self.spacing
         label = f" {self.name!r}" if self.name else ""
+        grid = "{} x {}, pixel {:.4g} x {:.4g} m".format(*self.shape, *self.spacing)
         border = "periodic" if self.periodic else "not periodic"
         gaps = f", {self.missing} missing" if self.missing else ""
-        return f"<HeightMap{label} {ny} x {nx}, pixel {dy:.4g} x {dx:.4g} m, {border}{gaps}>"
+        return f"<HeightMap{label} {grid}, {border}{gaps}>"
 
 
 def require_map(hm: object) -> None:
@@ -345,11 +342,8 @@ def require_full(hm: HeightMap, what: str) -> None:
     """Refuse a map with missing points, and say how to fill them."""
     require_map(hm)
     if hm.missing:
-        row, column = next(
-            (begin + row, column)
-            for begin, _, rows, _ in windows(hm.source)
-            for row, column in np.argwhere(np.isnan(rows))
-        )
+        row = next(row for row in range(hm.shape[0]) if np.isnan(hm.source[row]).any())
+        column = int(np.argmax(np.isnan(hm.source[row])))
         raise SurfaceError(
             f"heights[{row}, {column}] is missing ({hm.missing} of {hm.source.size} points); "
             f'{what} needs a full map: pass fill="harmonic" (--fill harmonic)'

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .numerics import parallel
 from .numerics.compiled import compiled, inner
-from .numerics.memory import Source, windows
+from .numerics.stored_array import Source, windows
 
 __all__ = ["label_patches", "points_at", "root"]
 

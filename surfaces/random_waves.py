@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import require_memory, room_for
-from surfaces.numerics.sections import Sections, spans
+from surfaces.numerics.stored_array import Sections, spans
 
 from .errors import LONGEST, SHORTEST, InputError, as_number
 

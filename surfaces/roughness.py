@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from surfaces.numerics import parallel
 from surfaces.numerics.compiled import SUMS, compiled, inner
-from surfaces.numerics.memory import Source, windows
+from surfaces.numerics.stored_array import Source, windows
 
 __all__ = ["Roughness", "digits_warning", "line_power", "roughness", "unit_warning"]
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.transforms import edge_weights, kappa
 from asperity.results.storage import structured
-from surfaces.numerics.memory import windows
+from surfaces.numerics.stored_array import windows
 
 if TYPE_CHECKING:
     from asperity.interaction.population import PopulationState

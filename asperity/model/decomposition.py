@@ -14,7 +14,7 @@ from asperity.interaction.elongation import aspect_ratio
 from asperity.interaction.population import Population, PopulationState
 from asperity.microcontact.law_table import LawTable
 from surfaces.heightmap import HeightMap
-from surfaces.numerics.memory import mapped
+from surfaces.numerics.stored_array import mapped
 from surfaces.patches import points_at
 from surfaces.peaks.segmentation import segment
 from surfaces.peaks.summits import locate_summits

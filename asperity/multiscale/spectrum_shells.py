@@ -13,9 +13,8 @@ from scipy import fft
 
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.compiled import compiled
-from surfaces.numerics.memory import BLOCK_BYTES, windows
 from surfaces.numerics.parallel import blocks, lines, run, threads
-from surfaces.numerics.sections import Sections
+from surfaces.numerics.stored_array import BLOCK_BYTES, Sections, windows
 
 __all__ = ["Shells"]
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from surfaces.errors import checked_range, checked_spacing
 from surfaces.heightmap import HeightMap
-from surfaces.numerics.memory import Source, StoredArray, require_memory, windows
+from surfaces.numerics.memory import require_memory
+from surfaces.numerics.stored_array import Source, StoredArray, windows
 
 __all__ = ["StoredMap"]
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from surfaces.errors import InputError, as_number
 
-from .memory import drop_pages
+from .stored_array import drop_pages
 
 __all__ = [
     "aside",
@@ -103,8 +103,8 @@ def run(function: Callable[[int, int], Any], parts: list[tuple[int, int]]) -> li
 def each(function: Callable[[Any], Any], parts: Sequence[Any]) -> list[Any]:
     """Call ``function(part)`` for every part, at the same time; results in order.
 
-    What a part touched of mapped arrays is given back when it ends (`memory.mapped`). The other
-    threads begin at the first parts. When this one has done its own, it takes those that
+    What a part touched of mapped arrays is given back when it ends (`stored_array.mapped`). The
+    other threads begin at the first parts. When this one has done its own, it takes those that
     nobody has begun from the end, so that many parts of unequal work keep all threads busy.
     """
 

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from . import parallel
 from .compiled import BORROWING, compiled, inner
-from .memory import BLOCK_BYTES, Source, StoredArray, rows_around
+from .stored_array import BLOCK_BYTES, Source, StoredArray, rows_around
 from .vectors import lane, loader, multiply_add, repeater, splatter, store, sums, total, transposer
 
 __all__ = [

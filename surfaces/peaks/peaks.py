@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.heightmap import HeightMap
-from surfaces.numerics.memory import windows
+from surfaces.numerics.stored_array import windows
 
 __all__ = [
     "PLATEAU",
@@ -64,7 +64,7 @@ class Peaks:
         True where the basin touches the border of a map that is not periodic, shape (n,).
     labels
         Peak whose basin holds the pixel, shape (ny, nx); -1 where not flooded. Of a map that stays
-        on disk they do too (`surfaces.numerics.memory.mapped`).
+        on disk they do too (`surfaces.numerics.stored_array.mapped`).
     neighbors
         Pairs of peaks whose basins touch, shape (k, 2), the higher peak first.
     passes

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from surfaces.numerics import parallel
 from surfaces.numerics.compiled import compiled
-from surfaces.numerics.memory import mapped
 from surfaces.numerics.splines import LANES, PAD
+from surfaces.numerics.stored_array import mapped
 from surfaces.polar import PolarProfile
 
 from . import _rays

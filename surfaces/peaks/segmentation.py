@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from surfaces.errors import InputError, SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel
-from surfaces.numerics.memory import each_block
+from surfaces.numerics.stored_array import each_block
 
 from . import _flood
 from .peaks import Peaks

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.numerics.compiled import compiled
-from surfaces.numerics.memory import BLOCK_BYTES, StoredArray, require_memory, rows_around
+from surfaces.numerics.memory import require_memory
+from surfaces.numerics.stored_array import BLOCK_BYTES, StoredArray, rows_around
 
 from . import _flood
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from surfaces.errors import InputError, SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel, splines
-from surfaces.numerics.memory import mapped
+from surfaces.numerics.stored_array import mapped
 
 from . import _climb
 from .peaks import PLATEAU, RIM, SUMMIT, Peaks, SummitArrays, flat_tops

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.numerics.memory import Source, windows
+from surfaces.numerics.stored_array import Source, windows
 
 __all__ = ["extremes", "middle", "replaced"]
 

@@ -13,7 +13,8 @@ from scipy.sparse.linalg import LinearOperator, cg, splu
 
 from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
-from surfaces.numerics.memory import Source, array_of, available_bytes, require_memory, windows
+from surfaces.numerics.memory import available_bytes, require_memory
+from surfaces.numerics.stored_array import Source, array_of, windows
 
 from .blocks import middle, replaced
 

@@ -11,7 +11,7 @@ from scipy import fft
 
 from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_full, require_map
-from surfaces.numerics.memory import Source, windows
+from surfaces.numerics.stored_array import Source, windows
 
 from .spline_filter import spline
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_map
-from surfaces.numerics.memory import Source, each_block, windows
+from surfaces.numerics.stored_array import Source, each_block, windows
 
 from .blocks import extremes
 

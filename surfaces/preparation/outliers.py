@@ -12,7 +12,7 @@ from scipy.ndimage import median_filter
 
 from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
-from surfaces.numerics.memory import Source, array_of, each_block, windows
+from surfaces.numerics.stored_array import Source, array_of, each_block, windows
 
 from .blocks import extremes, middle, replaced
 from .filling import quick_fill

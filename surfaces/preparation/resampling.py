@@ -11,7 +11,8 @@ from scipy import fft
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel, splines
-from surfaces.numerics.memory import Source, require_memory
+from surfaces.numerics.memory import require_memory
+from surfaces.numerics.stored_array import Source
 from surfaces.roughness import BANDS
 
 __all__ = ["coarse_map", "resample", "resample_waves", "shortest_wave"]

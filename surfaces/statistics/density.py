@@ -14,7 +14,7 @@ from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_full, require_map
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import room_for
-from surfaces.numerics.sections import Sections, spans
+from surfaces.numerics.stored_array import Sections, spans
 from surfaces.preparation.levelling import level
 
 from .heights import extent

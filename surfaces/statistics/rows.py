@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel
-from surfaces.numerics.memory import windows
+from surfaces.numerics.stored_array import windows
 
 __all__ = ["in_memory", "over_present", "rows_of"]
 

@@ -9,7 +9,7 @@ import asperity
 import surfaces
 from asperity.multiscale import spectrum_shells
 from surfaces.files.stored_map import StoredMap
-from surfaces.numerics import memory, splines
+from surfaces.numerics import splines, stored_array
 from surfaces.peaks import strips
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
@@ -38,7 +38,7 @@ def scene(kind: str) -> surfaces.HeightMap:
 )
 def test_curve_from_disk(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     hm = scene(kind)
-    monkeypatch.setattr(memory, "BLOCK_BYTES", 8 * hm.shape[1] * 50)
+    monkeypatch.setattr(stored_array, "BLOCK_BYTES", 8 * hm.shape[1] * 50)
     monkeypatch.setattr(spectrum_shells, "BLOCK_BYTES", 2 * hm.shape[0] * 40)
     monkeypatch.setattr(strips, "BLOCK_BYTES", 8 * hm.shape[1] * 30)
     monkeypatch.setattr(splines, "BLOCK_BYTES", 8 * hm.shape[1])

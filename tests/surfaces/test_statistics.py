@@ -180,7 +180,7 @@ def test_a_file_in_blocks_has_the_numbers_of_the_map(tmp_path, monkeypatch, peri
     heights[rng.integers(300, size=gaps), rng.integers(270, size=gaps)] = np.nan
     hm = surfaces.HeightMap(heights, (1e-6, 2e-6), periodic=periodic)
     surfaces.write(hm, tmp_path / "a.h5")
-    monkeypatch.setattr("surfaces.numerics.memory.BLOCK_BYTES", 80_000)  # 37 rows
+    monkeypatch.setattr("surfaces.numerics.stored_array.BLOCK_BYTES", 80_000)  # 37 rows
     monkeypatch.setattr("surfaces.numerics.memory._USUAL", 384 * 2**20 + 4 * 120 * 300)
     whole = surfaces.describe(hm)
     with surfaces.open(tmp_path / "a.h5") as file:

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 
 import surfaces
 from surfaces.files.stored_map import StoredMap
-from surfaces.numerics import memory, splines
-from surfaces.numerics.memory import StoredArray, drop_pages, mapped, set_memory
+from surfaces.numerics import memory, splines, stored_array
+from surfaces.numerics.memory import set_memory
+from surfaces.numerics.stored_array import StoredArray, drop_pages, mapped
 from surfaces.patches import points_at
 from surfaces.peaks import strips
 from surfaces.peaks.peaks import expected_peaks
@@ -70,7 +71,7 @@ def test_one_pass_finds_the_same(
     heights = waves(1).heights.copy()
     heights.flat[[0, 900, 901][:gaps]] = np.nan
     hm = surfaces.HeightMap(heights + 1.0, (1e-6, 2e-6), periodic=periodic)
-    monkeypatch.setattr(memory, "BLOCK_BYTES", 8 * SHAPE[1] * 5)
+    monkeypatch.setattr(stored_array, "BLOCK_BYTES", 8 * SHAPE[1] * 5)
     kept = stored(hm)
     for name in ("mean", "rms_height", "slope", "curvature", "kurtosis", "missing", "rows"):
         found, known = (getattr(each.roughness, name) for each in (kept, hm))

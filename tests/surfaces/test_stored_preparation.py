@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 import surfaces
 from surfaces.files import hdf5
 from surfaces.files.stored_map import StoredMap
-from surfaces.numerics import memory
-from surfaces.numerics.memory import windows
+from surfaces.numerics import memory, stored_array
+from surfaces.numerics.stored_array import windows
 from surfaces.preparation import filling
 from surfaces.preparation.levelling import FORMS
 
@@ -23,7 +23,7 @@ SOME = settings(max_examples=25, deadline=None, derandomize=True)
 
 @pytest.fixture(autouse=True)
 def _blocks_of_seven_rows(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(memory, "BLOCK_BYTES", 8 * SHAPE[1] * 7)
+    monkeypatch.setattr(stored_array, "BLOCK_BYTES", 8 * SHAPE[1] * 7)
 
 
 def stored(hm: surfaces.HeightMap) -> StoredMap:

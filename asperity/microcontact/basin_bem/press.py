@@ -20,7 +20,7 @@ from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.law_kernels import BLUNT
 from asperity.microcontact.law_table import LawTable
 from surfaces.numerics import parallel
-from surfaces.numerics.memory import mapped
+from surfaces.numerics.stored_array import mapped
 
 if TYPE_CHECKING:
     from surfaces.peaks.summits import Summits

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from surfaces.errors import InputError
-from surfaces.numerics.sections import Sections, spans
+from surfaces.numerics.stored_array import Sections, spans
 
 
 @pytest.mark.parametrize("kind", [np.complex128, np.float32])
