@@ -20,11 +20,11 @@ from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.scene import Boundary, checked_loads, chosen_boundary
 from asperity.model.plan import make_plan
 from asperity.progress import Progress, reported
+from asperity.trust.verified import JUDGE_SHARE, LEAST_LOADS, Accuracy, exact, verified
 from surfaces.errors import as_number
 
 from .cost import forecast
 from .resolution import UNTOLD, LightestLoad, Resolution, resolution
-from .verified import LEAST_LOADS, Accuracy, verified
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -42,9 +42,6 @@ ENGINES = ("auto", "bem", "anchored")
 ACCURACIES = 0.004, 0.1
 """Least and largest accuracy in load that can be asked for."""
 
-JUDGE_SHARE = 0.15
-"""Error of boundary elements at anchors over the accuracy asked for."""
-
 
 @cautious
 def solve(
@@ -53,7 +50,7 @@ def solve(
     *,
     pressures: ArrayLike | None = None,
     separations: ArrayLike | None = None,
-    accuracy: float = 0.05,
+    accuracy: float = Accuracy.load,
     area_accuracy: float | None = None,
     verify: str | bool = "auto",
     engine: str = "auto",
@@ -259,17 +256,8 @@ class _Scene:
 
     def exact(self, values: Array, error: float) -> ContactCurve:
         """Boundary elements on the grid of the map, within an error of the area."""
-        pressures, separations = self.loads(values)
-        return self.judge(
-            self.hm,
-            self.material,
-            pressures=pressures,
-            separations=separations,
-            accuracy=error,
-            coarsen=False,
-            boundary=self.boundary,
-            progress=self.lightest,
-        )
+        scene = self.judge, self.hm, self.material, self.kind
+        return exact(*scene, values, error, boundary=self.boundary, progress=self.lightest)
 
     def resolution(self, curve: ContactCurve, values: Array) -> Resolution:
         """What the pixels leave open of a curve."""

@@ -15,9 +15,8 @@ from asperity.halfspace.footprint import Footprints, at_origin, pair_table, smoo
 from surfaces.numerics.parallel import each
 
 from . import _list_kernels, _mesh_kernels, _pair_kernels
+from .cells import TwoLevelPreconditioner, chunks, long_enough, near_pairs, run, split_length, total
 from .mesh import Mesh, mesh_of
-from .near_pairs import chunks, long_enough, near_pairs, run, split_length, total
-from .two_level import TwoLevelPreconditioner
 
 __all__ = ["CAP", "Field", "Interaction"]
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _mesh_kernels, _tangent_kernels
-from .near_pairs import run, total
+from .cells import run, total
 from .operator import BEADS, CAP, Interaction
 
 __all__ = ["Tangent"]

@@ -13,7 +13,7 @@ from asperity.contacts.run import solve_contacts
 from asperity.halfspace.scene import pressure_scale
 from asperity.interaction import candidates as module
 from asperity.interaction.candidates import SKIN
-from asperity.interaction.ewald import near_pairs
+from asperity.interaction.ewald import cells
 
 BODY = asperity.HalfSpace.from_modulus(1.0)
 
@@ -25,7 +25,7 @@ def light():
     size = (96.0, 96.0)
     hm = surfaces.self_affine((96, 96), size, hurst=0.8, rms_slope=0.1, cutoff=3.0, seed=2)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(near_pairs, "PAIRS", 0)
+        patch.setattr(cells, "PAIRS", 0)
         run = solve_contacts(hm, BODY, pressures=3e-3 * pressure_scale(hm, BODY))
     population = run.decomposition.population
     last = run.points[0].state.continuation

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from oracles import dense_matrix, periodic_interaction, self_image
 
 from asperity.halfspace.footprint import FLOOR, Footprints
+from asperity.interaction.ewald.cells import PAIRS, RUNG
 from asperity.interaction.ewald.mesh import Mesh
-from asperity.interaction.ewald.near_pairs import PAIRS, RUNG
 from asperity.interaction.ewald.operator import Interaction
 from asperity.interaction.ewald.tangent import Tangent
 

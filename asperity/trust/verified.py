@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,15 +14,21 @@ from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import spline_stiffness
 from surfaces.heightmap import HeightMap
 
-from .misfit import between, halved
+from .error_estimate import between, halved
 
-__all__ = ["LEAST_LOADS", "Accuracy", "Judge", "verified"]
+if TYPE_CHECKING:
+    from asperity.halfspace.material import HalfSpace
+
+__all__ = ["JUDGE_SHARE", "LEAST_LOADS", "Accuracy", "Judge", "anchored", "exact", "verified"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 Judge = Callable[[Array], ContactCurve]
 """Solves load points by boundary elements."""
+
+JUDGE_SHARE = 0.15
+"""Error of boundary elements at anchors over the accuracy asked for."""
 
 LEAST_LOADS = 5
 """Load points from which on some can be left to the model."""
@@ -70,13 +76,38 @@ class Accuracy:
         Of the contact area at equal load [-].
     """
 
-    load: float
-    area: float
+    load: float = 0.05
+    area: float = 0.1
 
     def met(self, curve: ContactCurve) -> NDArray[np.bool_]:
         """Load points of a curve whose bounds are within it, shape (n,)."""
         area = curve.extra["area_error_estimate"]
         return np.asarray((curve.error_estimate <= self.load) & (area <= self.area))
+
+
+def exact(
+    engine: Callable[..., ContactCurve],
+    hm: HeightMap,
+    material: HalfSpace,
+    kind: str,
+    values: Array,
+    error: float,
+    **told: Any,
+) -> ContactCurve:
+    """Boundary elements on the grid of the map, within an error of the area."""
+    asked = {f"{kind}s": values}
+    return engine(hm, material, **asked, accuracy=error, coarsen=False, **told)
+
+
+def anchored(
+    hm: HeightMap, material: HalfSpace, model: ContactCurve, engine: Callable[..., ContactCurve]
+) -> ContactCurve:
+    """The curve of the model as `verified` by an engine such as `bem_curve`."""
+    ((name, values),) = model.asked.items()
+    kind, asked = name.removeprefix("asked_"), Accuracy()
+    scene, part = (engine, hm, material, kind), JUDGE_SHARE * asked.area
+    told = {"boundary": model.settings["boundary"]}
+    return verified(hm, model, kind, values, lambda at: exact(*scene, at, part, **told), asked)
 
 
 def verified(

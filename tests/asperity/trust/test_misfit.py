@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from asperity.engine.misfit import between, halved
+from asperity.trust.error_estimate import between, halved
 
 POSITION = np.linspace(-3.0, 2.0, 11)
 ANCHORS = np.array([0, 3, 5, 10])

@@ -1,0 +1,42 @@
+"""The curve of the model, checked by boundary elements where it is asked to be."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asperity
+import surfaces
+from asperity.errors import InputError
+
+STEEL = asperity.HalfSpace(210e9, 0.3)
+LOADS = np.geomspace(3e7, 2e9, 7)
+
+
+@pytest.fixture(scope="module")
+def rough():
+    return surfaces.self_affine(
+        (64, 64), (64e-6, 64e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6, seed=2
+    )
+
+
+def test_the_verified_curve_is_within_its_bounds(rough):
+    """Without interaction the model alone is far off."""
+    settings = {"pressures": LOADS, "interaction": False}
+    model = asperity.contact_curve(rough, STEEL, **settings)
+    curve = asperity.contact_curve(rough, STEEL, **settings, verify=asperity.bem_curve)
+    tight = asperity.bem_curve(rough, STEEL, pressures=LOADS, accuracy=1e-3, coarsen=False)
+
+    def off(found):
+        rate = tight.stiffness / tight.mean_pressure
+        return np.abs(rate * (found.separation - tight.separation))
+
+    assert off(model).max() > 0.1
+    assert (off(curve) <= curve.error_estimate + tight.error_estimate).all()
+    assert curve.extra["anchor"][[0, -1]].all()
+    np.testing.assert_array_equal(curve.extra["prior_error_estimate"], model.error_estimate)
+
+
+def test_verify_is_a_function(rough):
+    with pytest.raises(InputError, match="verify is True; give"):
+        asperity.contact_curve(rough, STEEL, pressures=LOADS, verify=True)
