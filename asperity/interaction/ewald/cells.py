@@ -1,7 +1,6 @@
-"""The points by cells: the near pairs that are listed, and cells as a second level of
-preconditioning.
+"""The points by cells: their near pairs, and cells as a second level of conjugate gradients.
 
-The near pairs of points: how far they reach, their lists, and the threads that share the work.
+Of the near pairs: how far they reach, their lists, and the threads that share the work.
 
 The split length of the Ewald sum says how far near pairs reach, and what is left to the mesh.
 """
@@ -71,7 +70,7 @@ CELLS = 10
 CROWD = 100
 """Points of a cell, on average."""
 
-FEW = 1_000
+FEWEST = 1_000
 """Points up to which cells do not pay."""
 
 FINER = 8
@@ -239,7 +238,7 @@ class TwoLevelPreconditioner:
     ) -> None:
         n = len(y)
         self.body, self.wrap, self.sides = footprints, wrap, sides
-        self.count = min(CELLS, math.isqrt(n // CROWD)) if n >= FEW else 1
+        self.count = min(CELLS, math.isqrt(n // CROWD)) if n >= FEWEST else 1
         self.cell = np.zeros(n, np.int32)
         if self.count > 1:
             row, column = (
