@@ -126,7 +126,7 @@ def test_generate_textures(tmp_path: Path, words: str) -> None:
         ),
         (
             ["generate", "--memory", "386MiB", "--rms-slope", "1", "-o", "a.h5"],
-            "takes 389 MiB of memory or more, not 38",
+            "takes 389 MiB of memory or more, not 386 MiB",
         ),
         (["info", "none.h5"], "none.h5: no such file"),
         (["info", "none*.h5"], "none*.h5: no such file"),

@@ -43,7 +43,7 @@ def test_the_band_asked_for_holds_the_mean_as_often_as_it_says(members):
     """4000 ensembles of scatter 0.3, of which about so many members tell enough."""
     until, draws, mean = 1.96 * 0.3 / members**0.5, np.random.default_rng(0), Confidence(4000)
     widths, means = [], []
-    for _ in range(2 * members + 10):
+    for _ in range(2 * members + 20):
         mean.add(1.0 + 0.3 * draws.standard_normal(4000))
         widths.append(mean.half_width / mean.mean)
         means.append(mean.mean.copy())
