@@ -99,10 +99,11 @@ def checked_range(low: float, high: float, heights: Any) -> None:
     if math.isnan(low):
         raise SurfaceError("every point of the height map is missing (NaN)")
     if math.isinf(low) or math.isinf(high):
-        places = [(i, j) for i in range(len(heights)) for j in np.flatnonzero(np.isinf(heights[i]))]
-        row, col = places[0]
+        counts = [np.count_nonzero(np.isinf(heights[row])) for row in range(len(heights))]
+        row = int(np.argmax(np.greater(counts, 0)))
+        col = int(np.argmax(np.isinf(heights[row])))
         raise SurfaceError(
-            f"heights[{row}, {col}] is infinite ({len(places)} of {heights.size} points); mark "
+            f"heights[{row}, {col}] is infinite ({sum(counts)} of {heights.size} points); mark "
             "missing points with NaN"
         )
     if max(abs(low), abs(high)) > LONGEST or 0.0 < high - low < SHORTEST:

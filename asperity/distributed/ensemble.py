@@ -27,10 +27,14 @@ from .pool import Workers
 from .sweep import row_of, run
 from .work import Outcome, load_map
 
-__all__ = ["ensemble", "run_ensemble", "windows_of"]
+__all__ = ["enough", "ensemble", "run_ensemble", "windows_of"]
 
 LEAST = 10
 """Least members before the band is narrow enough: fewer tell too little of their scatter."""
+
+FURTHER = 4
+"""Members after the first with which the band is narrow enough: of normal members the band asked
+for then holds the mean in 95 % of ensembles or more, with none in 94 %, with 8 in up to 99 %."""
 
 
 def ensemble(
@@ -86,8 +90,13 @@ def ensemble(
     Notes
     -----
     Whether the band is narrow enough is asked in the order of the members, from the tenth on:
-    which of them are taken does not depend on the workers. As the mean is looked at again with
-    each member, its interval holds the truth somewhat less often than stated.
+    which of them are taken does not depend on the workers. A band that is looked at again with each
+    member is narrow too early where the scatter is small by chance; as many members more as no
+    scatter changes make up for it (Simons 1968), here four.
+
+    References
+    ----------
+    G. Simons, Ann. Math. Stat. 39 (1968) 1946-1952.
 
     Examples
     --------
@@ -146,7 +155,7 @@ def run_ensemble(
                 curves.append([outcome["values"][name] for name in QUANTITIES])
                 confidence.add(np.array(curves[-1][QUANTITIES.index(DECIDES)]))
                 widths.append(confidence.relative)
-                if until is not None and len(curves) >= LEAST and widths[-1] <= until:
+                if until is not None and enough(widths, until):
                     break
     index = Sweep.of_rows(maker.folder, rows)
     index.write()
@@ -157,6 +166,12 @@ def run_ensemble(
     whole = Ensemble(index, pressures, values, np.array(widths), until)
     whole.write()
     return whole
+
+
+def enough(widths: Sequence[float], until: float) -> bool:
+    """Whether no further member is added, from the widths of the band with one and more members."""
+    narrow = widths[-1] <= until
+    return narrow and sum(width <= until for width in widths[LEAST - 1 :]) > FURTHER
 
 
 def windows_of(

@@ -21,14 +21,13 @@ from asperity.halfspace.scene import (
     require_scene,
     slope_scale,
 )
-from asperity.multiscale.wave_split import Split, refined_map, split_scales
+from asperity.multiscale.wave_split import Split, solved_grid, split_scales
 from asperity.parameters import DEFAULTS, Parameters
 from asperity.parameters.constants import Segmentation
 from surfaces.checks import lay
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
 from surfaces.peaks.peaks import expected_peaks
-from surfaces.preparation.resampling import coarse_map
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -39,14 +38,15 @@ __all__ = ["SCALES", "Plan", "interaction_needed", "make_plan"]
 SCALES = ("auto", "all")
 """What may become of the finest waves of a map."""
 
-FLAT = 1e-9
-"""Rms height of a finer grid over that of the map below which the grid holds nothing of it."""
-
 POINT_BYTES = 64
 """Peak memory of the model per grid point in memory: heights, order, labels, ancestors."""
 
-PEAK_BYTES = 10_000
-"""Peak memory of the model per peak of a map on disk: summit, contact law, near pairs."""
+STRIPS = 2**27
+PEAK_BYTES, CONTACT_BYTES = 1_000, {"periodic": 6_000, "free": 16_000}
+"""Memory of the model of a map on disk: of its strips, per summit, and more per contact."""
+
+DEEP = 4.0
+"""Share of the heights above the lowest flat, over that of the area in contact."""
 
 SHALLOWEST = 3e-3
 """1 + m of the half-space below which the footprint of a force, which keeps 2 % of the compliance
@@ -194,7 +194,7 @@ def make_plan(
     reasons.append(why)
     split, whys = _split(hm, material, coupled, scales, parameters)
     if split is None:
-        resampled, holds = _grid(hm, scales, parameters)
+        resampled, holds = solved_grid(hm, scales, parameters)
         whys.append(holds)
     else:
         resampled = split.coarse
@@ -208,8 +208,8 @@ def make_plan(
     reasons += [f"warning: {why}" for why in warnings]
     memory = POINT_BYTES * points
     if not isinstance(solved.source, np.ndarray):
-        level = -np.inf if above is None else above + hm.roughness.mean
-        memory = PEAK_BYTES * expected_peaks(solved, level)
+        flat = _lowest_flat(hm, material, kind, values)
+        memory = STRIPS + PEAK_BYTES * _peaks(hm, above) + CONTACT_BYTES[edge] * _peaks(hm, flat)
     remedy = "take lighter loads, crop or resample the map, or raise the limit of memory (--memory)"
     require_memory(memory, f"the model of {points} points", remedy)
     about = f"memory: about {memory / 2**20:.0f} MiB"
@@ -288,6 +288,19 @@ def _lowest_height(
     return candidate, f"segmentation: only the top {100 * top:.0f} % of the heights"
 
 
+def _lowest_flat(hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarray) -> float:
+    """Separation [m] to which the load points may go at most."""
+    if kind != "pressure":
+        return float(values.min())
+    share = DEEP * expected_area_fraction(hm, material, float(values.max()))
+    return float(np.quantile(_sample(hm), max(0.0, 1.0 - share)))
+
+
+def _peaks(hm: HeightMap, above: float | None) -> int:
+    """Peaks of a map above a height [m] relative to the mean plane; None counts all."""
+    return expected_peaks(hm, -np.inf if above is None else above + hm.roughness.mean)
+
+
 def _sample(hm: HeightMap) -> NDArray[np.float64]:
     """Heights [m] above the mean plane of so many points that they tell a quantile."""
     step = max(1, int(np.sqrt(math.prod(hm.shape) / SAMPLE)))
@@ -322,25 +335,3 @@ def _split(
         f"the others; they hold {100 * law.ratio / (1 + law.ratio):.0f} % of the squared slope",
         f"grid: {ny} x {nx} points hold the longer waves of {hm.shape[0]} x {hm.shape[1]}",
     ]
-
-
-def _grid(hm: HeightMap, scales: str, parameters: Parameters) -> tuple[HeightMap | None, str]:
-    """Map on another grid to solve, with all its waves, and why."""
-    shape = f"{hm.shape[0]} x {hm.shape[1]}"
-    corrections = parameters.corrections
-    held = coarse_map(hm) if corrections.coarser_grid else None
-    if held is not None:
-        return held, f"grid: {held.shape[0]} x {held.shape[1]} points hold the map of {shape}"
-    wanted = scales == "auto" and corrections.finer_grid
-    finer = refined_map(hm, parameters) if wanted else None
-    if isinstance(finer, HeightMap):
-        if finer.roughness.rms_height < FLAT * hm.roughness.rms_height:
-            raise ModelRangeError(
-                "all heights are waves of two pixels, which tell no summits between them; use "
-                "boundary elements"
-            )
-        return finer, (
-            f"grid: {finer.shape[0]} x {finer.shape[1]} points show the summits of {shape}, whose "
-            "waves reach the pixel"
-        )
-    return None, f"grid: {shape} points, {finer or 'as given'}"

@@ -19,13 +19,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.errors import ModelRangeError
 from asperity.halfspace.footprint import Footprints
 from asperity.parameters import DEFAULTS, Parameters
 from asperity.parameters.constants import PixelWaves
 from surfaces.checks import fineness
 from surfaces.heightmap import HeightMap
 from surfaces.peaks.peaks import flat_share
-from surfaces.preparation.resampling import resample
+from surfaces.preparation.resampling import coarse_map, resample
 
 from .spectrum_shells import Shells
 from .sub_contact_law import SubContactLaw
@@ -33,10 +34,13 @@ from .sub_contact_law import SubContactLaw
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
 
-__all__ = ["Split", "random_waves", "refined_map", "split_scales"]
+__all__ = ["Split", "random_waves", "refined_map", "solved_grid", "split_scales"]
 
 
 Array = NDArray[np.float64]
+
+FLAT = 1e-9
+"""Rms height of a finer grid over that of the map below which the grid holds nothing of it."""
 
 SURELY = 0.9
 """Share of the breadth at which waves are taken out, up to which some lines of a map can tell that
@@ -79,6 +83,28 @@ def refined_map(hm: HeightMap, parameters: Parameters = DEFAULTS) -> HeightMap |
             flat = flat_share(hm) >= parameters.segmentation.flat_share
             return None if flat else resample(hm, np.asarray(hm.spacing) / ratio)
     return "a finer one would hold the waves near its pixels better, but takes long"
+
+
+def solved_grid(hm: HeightMap, scales: str, parameters: Parameters) -> tuple[HeightMap | None, str]:
+    """Map on another grid to solve, with all its waves, and why."""
+    shape = f"{hm.shape[0]} x {hm.shape[1]}"
+    corrections = parameters.corrections
+    held = coarse_map(hm) if corrections.coarser_grid else None
+    if held is not None:
+        return held, f"grid: {held.shape[0]} x {held.shape[1]} points hold the map of {shape}"
+    wanted = scales == "auto" and corrections.finer_grid
+    finer = refined_map(hm, parameters) if wanted else None
+    if isinstance(finer, HeightMap):
+        if finer.roughness.rms_height < FLAT * hm.roughness.rms_height:
+            raise ModelRangeError(
+                "all heights are waves of two pixels, which tell no summits between them; use "
+                "boundary elements"
+            )
+        return finer, (
+            f"grid: {finer.shape[0]} x {finer.shape[1]} points show the summits of {shape}, whose "
+            "waves reach the pixel"
+        )
+    return None, f"grid: {shape} points, {finer or 'as given'}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -163,7 +163,7 @@ def logarithm(x):
 
 @inner(fastmath=QUOTIENTS)
 def sine_cosine(x):
-    """Sine and cosine for |x| < 2."""
+    """Sine and cosine, to rounding for |x| < 1.2 and to 1e-12 for |x| < 2."""
     h = 0.5 * x
     q = h * h
     s, c = splat(0.0), splat(0.0)

@@ -118,10 +118,11 @@ def room_for(least: int, what: str) -> int:
     what
         Subject of the sentence that refuses less.
     """
-    room = min((_USUAL if _limit is None else _limit) - _PROGRAM, available_bytes())
-    if room < least:
+    bound = _USUAL if _limit is None else _limit
+    if bound - _PROGRAM < least:
         raise InputError(
             f"{what} takes {-(-(_PROGRAM + least) >> 20)} MiB of memory or more, not "
-            f"{(_PROGRAM + room) / 2**20:.4g} MiB"
+            f"{bound / 2**20:.4g} MiB"
         )
-    return room
+    require_memory(least, what, "raise the limit of memory, or free some")
+    return min(bound - _PROGRAM, available_bytes())

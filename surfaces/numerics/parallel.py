@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import math
 import os
 import threading
 from collections.abc import Callable, Sequence
@@ -20,7 +21,6 @@ __all__ = [
     "blocks",
     "each",
     "lines",
-    "parts",
     "run",
     "set_threads",
     "threads",
@@ -76,9 +76,10 @@ def set_threads(count: int | None) -> None:
     _chosen = None if count is None else min(int(count), available())
 
 
-def blocks(count: int, least: int = 1) -> list[tuple[int, int]]:
-    """Split ``range(count)`` into one contiguous block per processor, none below `least`."""
-    parts = min(threads(), count // max(1, least))
+def blocks(count: int, least: int = 1, most: float = math.inf) -> list[tuple[int, int]]:
+    """Split ``range(count)`` into one contiguous block per processor, none below `least`; into as
+    many as it takes for none to be above `most`."""
+    parts = max(min(threads(), count // max(1, least)), math.ceil(count / most))
     if parts < 2:
         return [(0, count)]
     bounds = [count * part // parts for part in range(parts + 1)]
@@ -88,11 +89,6 @@ def blocks(count: int, least: int = 1) -> list[tuple[int, int]]:
 def lines(count: int, points: int) -> list[tuple[int, int]]:
     """Split the `count` lines of a map of so many points into blocks that repay a thread."""
     return blocks(count, count * _POINTS // points)
-
-
-def parts(count: int, most: int) -> list[tuple[int, int]]:
-    """Split ``range(count)`` into contiguous parts of at most so many."""
-    return list(itertools.pairwise([*range(0, count, most), count]))
 
 
 def run(function: Callable[[int, int], Any], parts: list[tuple[int, int]]) -> list[Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import math
 import mmap
 import os
 import tempfile
@@ -26,6 +27,7 @@ __all__ = [
     "drop_pages",
     "each_block",
     "mapped",
+    "most_together",
     "rows_around",
     "spans",
     "windows",
@@ -33,6 +35,10 @@ __all__ = [
 
 BLOCK_BYTES = 16 << 20
 """Part of an array on disk that one thread holds at a time [bytes]."""
+
+_SCATTERED = 16
+"""Places, far from each other, that a loop over a mapped array touches before it gives back what it
+touched: about each the system maps 64 kB of every row."""
 
 _pages: weakref.WeakSet[mmap.mmap] = weakref.WeakSet()
 
@@ -227,6 +233,11 @@ def mapped(source: Source) -> NDArray[Any]:
     Loops over many parts keep to the memory that they may take if each part lies together.
     """
     return source.mapped if isinstance(source, StoredArray) else source
+
+
+def most_together(source: Source) -> float:
+    """So many places of an array may one part of a loop touch, see `parallel.blocks`."""
+    return _SCATTERED if isinstance(source, StoredArray) else math.inf
 
 
 def drop_pages() -> None:

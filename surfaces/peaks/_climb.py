@@ -262,16 +262,15 @@ def _frame(a, b, c):
 
 
 @compiled()
-def frames(
-    heights, spacing, row, col, depth, pixels, places, expansions, kinds, summit, curvature, angle
-):
+def frames(height, spacing, depth, pixels, places, expansions, kinds, summit, curvature, angle):
     """Place and height (n, 3), principal curvatures (n, 2) and direction (n,) of all peaks.
 
-    Without a summit: the round paraboloid that fills the basin down to its `depth`. A tip such as
-    that of r^4 is round as well: all that it has of a curvature is rounding, which has no axis.
+    Without a summit: the `height` of the pixel, and the round paraboloid that fills the basin down
+    to its `depth`. A tip such as that of r^4 is round as well: all that it has of a curvature is
+    rounding, which has no axis.
     """
     dy, dx = spacing
-    for n in range(row.size):
+    for n in range(height.size):
         found = kinds[n] == SUMMIT
         filled = 2.0 * math.pi * depth[n] / (pixels[n] * dy * dx)
         a, b, c = filled, 0.0, filled
@@ -283,4 +282,4 @@ def frames(
                 a, b, c = 0.5 * (a + c), 0.0, 0.5 * (a + c)
         curvature[n, 0], curvature[n, 1], angle[n] = _frame(a, b, c)
         summit[n, 0], summit[n, 1] = (places[n, 1] + 0.5) * dx, (places[n, 0] + 0.5) * dy
-        summit[n, 2] = expansions[n, 0] if found else heights[row[n], col[n]]
+        summit[n, 2] = expansions[n, 0] if found else height[n]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from surfaces.numerics import parallel
 from surfaces.numerics.compiled import compiled
 from surfaces.numerics.splines import LANES, PAD
-from surfaces.numerics.stored_array import mapped
+from surfaces.numerics.stored_array import mapped, most_together
 from surfaces.polar import PolarProfile
 
 from . import _rays
@@ -274,7 +274,7 @@ class Fans:
         size = self.phi.shape[1], self._shares.size
         parallel.run(
             lambda a, b: _rays.fit(*given, *_rays.scratch(*size), a, b),
-            parallel.blocks(peak.size, 64),
+            parallel.blocks(peak.size, 64, most_together(of.hm.source)),
         )
         blunt = slot[of.kinds[peak] != SUMMIT]
         self.q[blunt, :, 0] = self.q[blunt, :, 1]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from surfaces.errors import InputError, SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel, splines
-from surfaces.numerics.stored_array import mapped
+from surfaces.numerics.stored_array import mapped, most_together
 
 from . import _climb
 from .peaks import PLATEAU, RIM, SUMMIT, Peaks, SummitArrays, flat_tops
@@ -20,7 +20,6 @@ from .profiles import PART, Fans, Profiles
 __all__ = ["Summits", "fit_profiles", "locate_summits"]
 
 _BAND = 32  # rows whose peaks are looked at together
-_TOGETHER = 512  # summits that a thread locates at a time
 _SAME = 0.2  # two summits nearer than this [pixels] are one
 _RING = 0.1  # of the height of a flat top, up to which the spline rings on it
 
@@ -84,7 +83,7 @@ class Summits(SummitArrays):
         )  # fmt: skip
         found = np.empty((len(index), 3)), np.empty((len(index), 2)), np.empty(len(index))
         _climb.frames(
-            heights, hm.spacing, row[index], col[index], peaks.prominence[index],
+            hm.source[row[index], col[index]], hm.spacing, peaks.prominence[index],
             self.pixels[index], own["places"][index], expansions[index], own["kinds"][index],
             *found,
         )  # fmt: skip
@@ -160,7 +159,7 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
             heights, spline.ravel(), spline.shape[1], labels, hm.periodic, peaks.row,
             peaks.col, level, near, places, expansions, kinds, np.empty(40), a, b,
         ),
-        parallel.parts(n, _TOGETHER),
+        parallel.blocks(n, 512, most_together(hm.source)),
     )  # fmt: skip
     dip = np.full(n, peaks.min_prominence)
     flat, middle = flat_tops(hm, peaks)
@@ -179,7 +178,7 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
     pixels[~own], border[~own] = counts[~own], peaks.border[~own]
     summit, curvature, angle = np.empty((n, 3)), np.empty((n, 2)), np.empty(n)
     _climb.frames(
-        heights, hm.spacing, peaks.row, peaks.col, depth, pixels, places, expansions, kinds,
+        peaks.height, hm.spacing, depth, pixels, places, expansions, kinds,
         summit, curvature, angle,
     )  # fmt: skip
     x, y, height = (np.ascontiguousarray(column) for column in summit.T)

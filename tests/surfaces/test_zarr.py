@@ -45,7 +45,7 @@ def test_an_array_is_a_map(stored: Path) -> None:
 def test_blocks_cover_the_map_once(stored: Path) -> None:
     with surfaces.open(stored) as file:
         starts, blocks = zip(*file.blocks(rows=32), strict=True)
-        found = surfaces.describe(file)
+        found = surfaces.describe(file.on_disk())
     assert starts == (0, 32, 64)
     np.testing.assert_array_equal(np.vstack(blocks), surfaces.read(stored).heights)
     assert found.heights["Sq"] == pytest.approx(surfaces.read(stored).rms_height)

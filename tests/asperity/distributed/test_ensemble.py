@@ -16,7 +16,7 @@ import asperity
 import surfaces
 from asperity.cli.main import main
 from asperity.distributed.bands import Confidence
-from asperity.distributed.ensemble import windows_of
+from asperity.distributed.ensemble import enough, windows_of
 
 from .conftest import LOADS, MAKE, STEEL
 
@@ -36,6 +36,22 @@ def test_the_interval_is_that_of_student(curves):
                 0.95, len(column) - 1, loc=column.mean(), scale=stats.sem(column)
             )
             assert half == pytest.approx(0.5 * (high - low), rel=1e-6)
+
+
+@pytest.mark.parametrize("members", [12, 25, 50])
+def test_the_band_asked_for_holds_the_mean_as_often_as_it_says(members):
+    """4000 ensembles of scatter 0.3, of which about so many members tell enough."""
+    until, draws, mean = 1.96 * 0.3 / members**0.5, np.random.default_rng(0), Confidence(4000)
+    widths, means = [], []
+    for _ in range(2 * members + 20):
+        mean.add(1.0 + 0.3 * draws.standard_normal(4000))
+        widths.append(mean.half_width / mean.mean)
+        means.append(mean.mean.copy())
+    held = 0
+    for of_one, mean_of_one in zip(np.transpose(widths), np.transpose(means), strict=True):
+        last = next(n for n in range(10, len(of_one) + 1) if enough(of_one[:n], until))
+        held += abs(mean_of_one[last - 1] - 1.0) <= until * mean_of_one[last - 1]
+    assert held >= 0.95 * 4000
 
 
 def test_points_that_did_not_converge_are_left_out():
@@ -67,10 +83,10 @@ def test_the_mean_is_that_of_the_curves(here, tmp_path):
 def test_members_are_added_until_the_mean_is_known(here, tmp_path):
     every = asperity.ensemble(MAKE, STEEL, LOADS, folder=tmp_path, seeds=30)
     until = float(every.convergence[14])
-    first = 10 + int(np.argmax(every.convergence[9:] <= until))
+    narrow = 10 + np.flatnonzero(every.convergence[9:] <= until)
     some = asperity.ensemble(MAKE, STEEL, LOADS, folder=tmp_path / "some", seeds=30, until=until)
-    assert len(some) == first < 30 and some.met
-    assert np.array_equal(some.convergence, every.convergence[:first])
+    assert len(some) == narrow[4] < 30 and some.met
+    assert np.array_equal(some.convergence, every.convergence[: narrow[4]])
     never = asperity.ensemble(MAKE, STEEL, LOADS, folder=tmp_path, seeds=30, until=1e-9)
     assert not never.met and np.array_equal(never.table, every.table)
 
