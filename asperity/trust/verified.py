@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -106,8 +107,10 @@ def anchored(
     ((name, values),) = model.asked.items()
     kind, asked = name.removeprefix("asked_"), Accuracy()
     scene, part = (engine, hm, material, kind), JUDGE_SHARE * asked.area
-    told = {"boundary": model.settings["boundary"]}
-    return verified(hm, model, kind, values, lambda at: exact(*scene, at, part, **told), asked)
+    told, begun = {"boundary": model.settings["boundary"]}, time.perf_counter()
+    curve = verified(hm, model, kind, values, lambda at: exact(*scene, at, part, **told), asked)
+    seconds = {**model.seconds, "verification": time.perf_counter() - begun}
+    return replace(curve, seconds=seconds)
 
 
 def verified(
