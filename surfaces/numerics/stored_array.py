@@ -142,9 +142,10 @@ class StoredArray:
         points = np.empty(lines.size, self.dtype)
         order = np.argsort(lines, axis=None, kind="stable")
         held, first = np.unique(lines.ravel()[order], return_index=True)
+        along = places.ravel()
         for line, here in zip(held.tolist(), np.split(order, first[1:]), strict=False):
             row = np.empty((1, here.size), self.dtype)
-            self._read(line, places.ravel()[here], row)
+            self._read(line, along[here], row)
             points[here] = row[0]
         return points.reshape(lines.shape)[()]
 
