@@ -91,7 +91,7 @@ class Decomposition:
             law_factory=factory,
             curvature=curvature,
             angle=angle,
-            table=factory.laws,
+            table=factory.all_laws(),
             seconds=seconds,
         )
 
@@ -112,7 +112,7 @@ class Decomposition:
             material=material,
             plan=replace(self.plan, sub_contact_law=law),
             law_factory=factory,
-            table=factory.laws,
+            table=factory.all_laws(),
             seconds=seconds,
         )
 

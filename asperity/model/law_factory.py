@@ -84,9 +84,8 @@ class LawFactory:
         other.material, other.seconds = material, seconds
         return other
 
-    @property
-    def laws(self) -> LawTable:
-        """The laws of all summits, made when they are needed."""
+    def all_laws(self) -> LawTable:
+        """A table of the laws of all summits, which are made when they are needed."""
         if self.material.hardness == math.inf:
             return self._elastic
         return LawTable.lazy(len(self.summits), self._with_hardness)

@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 
 from asperity.multiscale.wave_split import random_waves
 from asperity.results.curve import ContactCurve
-from asperity.results.interpolation import spline_stiffness
+from asperity.results.interpolation import (
+    halved_intervals,
+    interpolated_misfit,
+    spline_stiffness,
+)
 from surfaces.heightmap import HeightMap
-
-from .error_estimate import between, halved
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -169,8 +171,8 @@ def verified(
         known = _misfit(model, kind, points[anchors], solved)
         broken = float(np.max(np.abs(known[:2]) / prior[:, anchors]))
         floors = prior * np.maximum(share, broken if broken > 1.0 else 0.0)
-        load, load_bound = between(position, anchors, known[0], floors[0])
-        area, area_bound = between(position, anchors, known[1], floors[1])
+        load, load_bound = interpolated_misfit(position, anchors, known[0], floors[0])
+        area, area_bound = interpolated_misfit(position, anchors, known[1], floors[1])
         rest = np.array(
             [
                 np.interp(position, position[anchors], _judged(solved, points[anchors], name))
@@ -182,7 +184,7 @@ def verified(
         over[anchors], bounds[1, anchors] = 0.0, rest[1, anchors]
         if len(anchors) == count or over.max() <= 1.0:
             break
-        anchors = np.arange(count) if len(anchors) > count // 2 else halved(anchors, over)
+        anchors = np.arange(count) if len(anchors) > count // 2 else halved_intervals(anchors, over)
     spots = np.interp(position, position[anchors], known[2])
     misfit = np.array([load, area, spots])
     return _curve(hm, model, kind, points, misfit, bounds, solved)

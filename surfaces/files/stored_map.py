@@ -29,8 +29,9 @@ class StoredMap(HeightMap):
 
     Notes
     -----
-    Statistics of one pass, the plan of a run, the split of waves and coarser grids read `source`
-    in parts. All else takes `heights`, which are loaded then, or refused in a sentence.
+    Preparation but for band-pass filters, statistics of one pass, the plan of a run, the split of
+    waves, coarser grids, peaks and summits read `source` in parts. All else takes `heights`, which
+    are loaded then, or refused in a sentence.
     """
 
     def __init__(

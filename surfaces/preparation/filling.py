@@ -91,7 +91,6 @@ def fill_missing(hm: HeightMap, *, limit: float = 0.1) -> HeightMap:
     if count == 0:
         return hm.replace(step=step)
     places, filled, step["largest_gap"] = _harmonic(hm)
-
     return hm.with_rows(replaced(hm.source, places, filled), step=step)
 
 

@@ -12,7 +12,7 @@ from scipy.ndimage import median_filter
 
 from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
-from surfaces.numerics.stored_array import Source, array_of, each_block, windows
+from surfaces.numerics.stored_array import Source, array_of, each_block, rows_around, windows
 
 from .blocks import extremes, middle, replaced
 from .filling import quick_fill
@@ -123,7 +123,7 @@ def _strips(hm: HeightMap, z: Source) -> Iterator[_Strip]:
         first, last = low - _REACH, high + _REACH
         if not hm.periodic or end - begin == ny:
             first, last = max(0, first), min(ny, last)
-        part = z[np.arange(first, last) % ny]
+        part = rows_around(z, first, last, hm.periodic)
         median = _median(part, hm.periodic)
         rough = part - median
         rough = np.abs(rough - _median(rough, hm.periodic))
