@@ -224,7 +224,7 @@ def put(grid: Grid, start: NDArray[np.int64], columns: NDArray[np.int32], values
 def multiply(parts: Grid, symbol: Grid) -> None:
     """Scale a half spectrum, seen as its real and imaginary parts, in place.
 
-    `symbol` is real and even: its first ny // 2 + 1 rows are given, or all.
+    `symbol` is real and even: its first ny // 2 + 1 rows are given.
     """
     ny = parts.shape[0]
     for y in prange(ny):
@@ -237,7 +237,7 @@ def multiply(parts: Grid, symbol: Grid) -> None:
 
 @compiled()
 def load_columns(
-    spectrum: NDArray[np.complex128], first: int, count: int, lines: NDArray[np.complex128]
+    spectrum: NDArray[np.complexfloating[Any]], first: int, count: int, lines: NDArray[np.complexfloating[Any]]
 ) -> None:
     """Columns of a spectrum as lines, with zeros behind."""
     ny = spectrum.shape[0]
@@ -261,7 +261,7 @@ def scale_columns(symbol: Grid, first: int, count: int, parts: Grid) -> None:
 
 @compiled()
 def store_columns(
-    spectrum: NDArray[np.complex128], first: int, count: int, lines: NDArray[np.complex128]
+    spectrum: NDArray[np.complexfloating[Any]], first: int, count: int, lines: NDArray[np.complexfloating[Any]]
 ) -> None:
     """Put lines back as columns, without what lies behind the spectrum."""
     for y in range(spectrum.shape[0]):

@@ -17,6 +17,8 @@ from ._stencil_kernels import tile as stencil_of_tile
 _SHORTEST = 4
 _BLOCK = 64
 _ROWS = 16
+_COARSE_ROWS = 32
+_KEPT = 32
 _DENSE = 4
 COARSENING = 4
 TAPS = 4
@@ -120,6 +122,53 @@ def near(
         result[points[m, 1]] = found[3]
 
 
+@compiled(fastmath=SUMS)
+def _spread_row(
+    columns: NDArray[np.int32],
+    values: Single,
+    first_x: Index,
+    weight_x: Single,
+    whole: bool,
+    dense: Single,
+    wide: Single,
+    row: Single,
+) -> None:
+    """Spread the points of one row along x; `dense` and `wide` are scratch."""
+    nxc = row.size
+    if whole and columns.size * _DENSE > nxc:
+        width = nxc + 2 * TAPS
+        dense[:] = np.float32(0.0)
+        for k in range(columns.size):
+            place = np.uint64(columns[k])
+            place = (place % _FOUR) * np.uint64(width) + place // _FOUR + np.uint64(TAPS)
+            dense[place] = values[k]
+        wide[:] = np.float32(0.0)
+        for phase in range(COARSENING):
+            a, b = weight_x[phase, 0], weight_x[phase, 1]
+            c, d = weight_x[phase, 2], weight_x[phase, 3]
+            own = dense[phase * width :]
+            for x in range(nxc + TAPS):
+                wide[x] += a * own[x + 4] + b * own[x + 3] + c * own[x + 2] + d * own[x + 1]
+        shift = first_x[0]
+        for x in range(nxc - shift):
+            row[shift + x] = wide[x]
+        for x in range(shift):
+            row[x] = wide[nxc - shift + x]
+        for x in range(TAPS):
+            row[(nxc + x + shift) % nxc] += wide[nxc + x]
+        return
+    row[:] = np.float32(0.0)
+    for k in range(columns.size):
+        x = columns[k]
+        first, value = first_x[x], values[k]
+        if first + TAPS <= nxc:
+            for t in range(TAPS):
+                row[first + t] += weight_x[x, t] * value
+        else:
+            for t in range(TAPS):
+                row[(first + t) % nxc] += weight_x[x, t] * value
+
+
 @compiled(parallel=True, fastmath=SUMS)
 def spread(
     start: Index,
@@ -130,64 +179,34 @@ def spread(
     rows_of: Index,
     weight_of: Single,
     whole: bool,
-    rows: Single,
     coarse: Single,
 ) -> None:
     """Spread the listed values on the coarse grid by B-splines, first along x, then along y.
 
-    `rows` (ny, nxc) is scratch; `rows_of`, `weight_of` (nyc, k) list the fine rows of each coarse
-    row, filled up with weights of zero. `whole` says that there are just 4 fine columns to a
-    coarse one: then the weights repeat, and a row with many points is spread phase by phase.
+    `rows_of`, `weight_of` (nyc, k) list the fine rows of each coarse row, filled up with weights of
+    zero. `whole` says that there are just 4 fine columns to a coarse one: then the weights repeat,
+    and a row with many points is spread phase by phase. A row is kept while coarse rows that follow
+    want it.
     """
-    ny = start.size - 1
-    nyc, nxc = rows_of.shape[0], rows.shape[1]
-    width = nxc + 2 * TAPS
-    for block in prange((ny + _ROWS - 1) // _ROWS):
-        dense = np.zeros(COARSENING * width, np.float32)
+    nyc, nxc = coarse.shape
+    for block in prange((nyc + _COARSE_ROWS - 1) // _COARSE_ROWS):
+        dense = np.empty(COARSENING * (nxc + 2 * TAPS), np.float32)
         wide = np.empty(nxc + TAPS, np.float32)
-        for y in range(block * _ROWS, min(ny, (block + 1) * _ROWS)):
-            n = start[y + 1] - start[y]
-            if n == 0:
-                continue
-            row = rows[y]
-            if whole and n * _DENSE > nxc:
-                dense[:] = np.float32(0.0)
-                for k in range(start[y], start[y + 1]):
-                    place = np.uint64(columns[k])
-                    place = (place % _FOUR) * np.uint64(width) + place // _FOUR + np.uint64(TAPS)
-                    dense[place] = values[k]
-                wide[:] = np.float32(0.0)
-                for phase in range(COARSENING):
-                    a, b = weight_x[phase, 0], weight_x[phase, 1]
-                    c, d = weight_x[phase, 2], weight_x[phase, 3]
-                    own = dense[phase * width :]
-                    for x in range(nxc + TAPS):
-                        wide[x] += a * own[x + 4] + b * own[x + 3] + c * own[x + 2] + d * own[x + 1]
-                shift = first_x[0]
-                for x in range(nxc - shift):
-                    row[shift + x] = wide[x]
-                for x in range(shift):
-                    row[x] = wide[nxc - shift + x]
-                for x in range(TAPS):
-                    row[(nxc + x + shift) % nxc] += wide[nxc + x]
-                continue
-            row[:] = np.float32(0.0)
-            for k in range(start[y], start[y + 1]):
-                x = columns[k]
-                first, value = first_x[x], values[k]
-                if first + TAPS <= nxc:
-                    for t in range(TAPS):
-                        row[first + t] += weight_x[x, t] * value
-                else:
-                    for t in range(TAPS):
-                        row[(first + t) % nxc] += weight_x[x, t] * value
-    for y in prange(nyc):
-        target = coarse[y]
-        target[:nxc] = np.float32(0.0)
-        for k in range(rows_of.shape[1]):
-            source, weight = rows_of[y, k], weight_of[y, k]
-            if weight != 0.0 and start[source + 1] > start[source]:
-                row = rows[source]
+        kept = np.empty((_KEPT, nxc), np.float32)
+        place = np.full(_KEPT, -1)
+        for y in range(block * _COARSE_ROWS, min(nyc, (block + 1) * _COARSE_ROWS)):
+            target = coarse[y]
+            target[:] = np.float32(0.0)
+            for k in range(rows_of.shape[1]):
+                source, weight = rows_of[y, k], weight_of[y, k]
+                first, last = start[source], start[source + 1]
+                if weight == 0.0 or last == first:
+                    continue
+                row = kept[source % _KEPT]
+                if place[source % _KEPT] != source:
+                    place[source % _KEPT] = source
+                    own, held = columns[first:last], values[first:last]
+                    _spread_row(own, held, first_x, weight_x, whole, dense, wide, row)
                 for x in range(nxc):
                     target[x] += weight * row[x]
 
@@ -201,24 +220,22 @@ def gather(
     weight_y: Single,
     first_x: Index,
     weight_x: Single,
+    nxc: int,
     whole: bool,
-    rows: Single,
     result: Single,
 ) -> None:
-    """Add the coarse field, interpolated by B-splines, to the result at the listed points.
+    """Add the coarse field (nyc, nxc), interpolated by B-splines, to the result at the points.
 
-    `rows` and `whole` as in `spread`.
+    `coarse` may be wider; `whole` as in `spread`.
     """
-    ny = start.size - 1
-    nyc, nxc = coarse.shape[0], rows.shape[1]
+    ny, nyc = start.size - 1, coarse.shape[0]
     for block in prange((ny + _ROWS - 1) // _ROWS):
         dense = np.empty(COARSENING * nxc, np.float32)
-        wide = np.empty(nxc + TAPS, np.float32)
+        wide, row = np.empty(nxc + TAPS, np.float32), np.empty(nxc, np.float32)
         for y in range(block * _ROWS, min(ny, (block + 1) * _ROWS)):
             n = start[y + 1] - start[y]
             if n == 0:
                 continue
-            row = rows[y]
             first = first_y[y]
             a, b, c, d = weight_y[y, 0], weight_y[y, 1], weight_y[y, 2], weight_y[y, 3]
             c0, c1 = coarse[first], coarse[(first + 1) % nyc]

@@ -1,4 +1,4 @@
-"""Convolution of the whole grid with an even kernel by Fourier transforms, in float64.
+"""Convolution of the whole grid with an even kernel by Fourier transforms.
 
 A large grid is transformed in blocks that fit in the cache: rows, then, for a few columns at a
 time, forward transform, multiplication and backward transform in one pass, then rows again. Rows of
@@ -22,10 +22,10 @@ __all__ = ["Convolution", "plan"]
 _ROWS = 16
 """Rows transformed at a time."""
 
-_COLUMNS = 16
+_COLUMNS = 32
 """Columns transformed at a time."""
 
-_LARGEST_WHOLE = {False: 1400 * 1400, True: 200 * 200}
+_LARGEST_WHOLE = {False: 1400 * 1400, True: 440 * 440}
 """Points up to which one whole transform is faster than blocks, by whether the grid is padded."""
 
 
@@ -42,11 +42,11 @@ class Convolution(Protocol):
         The contiguous memory of `grid`.
     """
 
-    values: NDArray[np.float64]
-    grid: NDArray[np.float64]
+    values: NDArray[Any]
+    grid: NDArray[Any]
     output: NDArray[Any]
 
-    def apply(self, symbol: NDArray[np.float64]) -> None:
+    def apply(self, symbol: NDArray[Any]) -> None:
         """Convolve `values` into `grid`.
 
         `symbol` is real and even, divided by the number of points of the transform; its quadrant
@@ -58,34 +58,42 @@ def plan(
     shape: tuple[int, int],
     padded: tuple[int, int],
     *,
+    dtype: Any = np.float64,
     threads: int = 1,
     scratch: Scratch | None = None,
 ) -> Convolution:
-    """The convolution that is faster for a grid (ny, nx) and its padded shape.
+    """The convolution that is faster for a grid (ny, nx) and its padded shape, by float64 or 32.
 
     The limits come from single passes timed on two cores: whole transforms are faster below
-    1400 x 1400; padded, blocks are from 200 x 200 on, and take half the memory. Of lengths that
+    1400 x 1400; padded, blocks are from 440 x 440 on, and take half the memory. Of lengths that
     FFTW is slow at, whole transforms (by scipy) are as fast as blocks at any size.
     """
     whole = shape[0] * shape[1] <= _LARGEST_WHOLE[padded != shape]
     if whole or not transform.prefers_fftw(padded):
-        return _Whole(shape, padded, threads, scratch or Scratch())
-    return _Blocked(shape, padded, threads, scratch or Scratch())
+        return _Whole(shape, padded, np.dtype(dtype), threads, scratch or Scratch())
+    return _Blocked(shape, padded, np.dtype(dtype), threads, scratch or Scratch())
 
 
 class _Whole:
     """One transform pair of the padded grid."""
 
     def __init__(
-        self, shape: tuple[int, int], padded: tuple[int, int], threads: int, scratch: Scratch
+        self,
+        shape: tuple[int, int],
+        padded: tuple[int, int],
+        dtype: np.dtype[Any],
+        threads: int,
+        scratch: Scratch,
     ) -> None:
-        self._pair = transform.plan(padded, rows=shape[0], threads=threads, scratch=scratch)
+        self._pair = transform.plan(
+            padded, rows=shape[0], dtype=dtype, threads=threads, scratch=scratch
+        )
         self.values, self.grid = self._pair.values, self._pair.grid
         self.output = self._pair.output
 
-    def apply(self, symbol: NDArray[np.float64]) -> None:
+    def apply(self, symbol: NDArray[Any]) -> None:
         self._pair.forward()
-        _grid_kernels.multiply(self._pair.spectrum.view(np.float64), symbol)
+        _grid_kernels.multiply(self._pair.spectrum.view(self.values.dtype), symbol)
         self._pair.backward()
 
 
@@ -93,16 +101,21 @@ class _Blocked:
     """Rows and columns in blocks, on as many threads as asked for."""
 
     def __init__(
-        self, shape: tuple[int, int], padded: tuple[int, int], threads: int, scratch: Scratch
+        self,
+        shape: tuple[int, int],
+        padded: tuple[int, int],
+        dtype: np.dtype[Any],
+        threads: int,
+        scratch: Scratch,
     ) -> None:
         ny, nx = self._shape = shape
         self._half = padded[1] // 2 + 1
-        self.values = scratch.zeros((ny, nx))
-        self.output = self._spectrum = scratch.zeros((ny, self._half), np.complex128)
-        self.grid = self._spectrum.view(np.float64)
-        self._lines = [_Lines(padded) for _ in range(threads)]
+        self.values = scratch.zeros((ny, nx), dtype)
+        self._lines = [_Lines(padded, dtype) for _ in range(threads)]
+        self.output = self._spectrum = scratch.zeros((ny, self._half), self._lines[0].half.dtype)
+        self.grid = self._spectrum.view(dtype)
 
-    def apply(self, symbol: NDArray[np.float64]) -> None:
+    def apply(self, symbol: NDArray[Any]) -> None:
         ny = self._shape[0]
         self._each(self._forward_rows, -(-ny // _ROWS))
         self._each(lambda *part: self._columns(symbol, *part), -(-self._half // _COLUMNS))
@@ -123,12 +136,12 @@ class _Blocked:
             lines.forward_rows()
             self._spectrum[y : y + _ROWS] = lines.half[: len(block)]
 
-    def _columns(self, symbol: NDArray[np.float64], lines: _Lines, start: int, stop: int) -> None:
+    def _columns(self, symbol: NDArray[Any], lines: _Lines, start: int, stop: int) -> None:
         for x in range(start * _COLUMNS, min(stop * _COLUMNS, self._half), _COLUMNS):
             count = min(_COLUMNS, self._half - x)
             _grid_kernels.load_columns(self._spectrum, x, count, lines.columns)
             lines.forward_columns()
-            _grid_kernels.scale_columns(symbol, x, count, lines.columns.view(np.float64))
+            _grid_kernels.scale_columns(symbol, x, count, lines.columns.view(symbol.dtype))
             lines.backward_columns()
             _grid_kernels.store_columns(self._spectrum, x, count, lines.columns)
 
@@ -147,13 +160,14 @@ class _Lines:
     Rows go from `rows` to `half` and back, which destroys `half`; columns stay in their place.
     """
 
-    def __init__(self, padded: tuple[int, int]) -> None:
+    def __init__(self, padded: tuple[int, int], dtype: np.dtype[Any]) -> None:
         import pyfftw
 
         ny, nx = padded
-        self.rows = pyfftw.zeros_aligned((_ROWS, nx))
-        self.half = pyfftw.zeros_aligned((_ROWS, nx // 2 + 1), np.complex128)
-        self.columns = pyfftw.zeros_aligned((_COLUMNS, ny), np.complex128)
+        complex_type = np.result_type(dtype, np.complex64)
+        self.rows = pyfftw.zeros_aligned((_ROWS, nx), dtype)
+        self.half = pyfftw.zeros_aligned((_ROWS, nx // 2 + 1), complex_type)
+        self.columns = pyfftw.zeros_aligned((_COLUMNS, ny), complex_type)
 
         def planned(a: Any, b: Any, direction: str) -> Any:
             flags = ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")

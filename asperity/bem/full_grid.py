@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.halfspace.influence import symbol
+from asperity.halfspace.influence import symbol_quadrant
 
-from . import _grid_kernels, transform
+from . import convolution
 from .active_set import ContactList
 from .operator import HalfSpaceOperator
 from .transform import Scratch
@@ -34,19 +34,17 @@ class FullGridOperator:
         ny, nx = self._shape = exact.shape
         threads = exact.threads
         scratch = Scratch(exact.pressure)
-        self._forward = transform.plan(
-            exact.padded, rows=ny, dtype=np.float32, threads=threads, scratch=scratch
+        self._forward = self._backward = convolution.plan(
+            exact.shape, exact.padded, dtype=np.float32, threads=threads, scratch=scratch
         )
-        same = exact.padded == exact.shape
-        self._backward = self._forward
-        if not same:
-            self._backward = transform.plan(
-                exact.shape, dtype=np.float32, threads=threads, scratch=scratch
+        if exact.padded != exact.shape:
+            self._backward = convolution.plan(
+                exact.shape, exact.shape, dtype=np.float32, threads=threads, scratch=scratch
             )
         self._symbol = exact.symbol.astype(np.float32)
-        inverse = symbol(exact.shape, exact.spacing, 1.0 - exact.m)
+        inverse = symbol_quadrant(exact.shape, exact.spacing, 1.0 - exact.m, 1.0 / (ny * nx))
         inverse[0, 0] = 0.5 * min(inverse[0, 1], inverse[1, 0])
-        self._inverse = (inverse / (ny * nx)).astype(np.float32)
+        self._inverse = inverse.astype(np.float32)
         self._rows = self._columns = np.empty(0, np.int64)
 
     def bind(self, points: ContactList) -> None:
@@ -58,15 +56,14 @@ class FullGridOperator:
 
     def _filtered(
         self,
-        pair: transform.RealTransform,
+        whole: convolution.Convolution,
         factor: NDArray[np.float32],
         values: NDArray[np.float32],
     ) -> NDArray[np.float32]:
-        pair.values[self._rows, self._columns] = values
-        pair.forward()
-        _grid_kernels.multiply(pair.spectrum.view(np.float32), factor)
-        pair.backward()
-        return pair.grid[self._rows, self._columns]
+        whole.values[self._rows, self._columns] = values
+        whole.apply(factor)
+        found: NDArray[np.float32] = whole.grid[self._rows, self._columns]
+        return found
 
     def apply(self, pressure: NDArray[np.float32]) -> NDArray[np.float32]:
         """Displacement at the points of a pressure p~ on them."""

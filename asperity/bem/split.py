@@ -12,7 +12,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from . import _grid_kernels, _split_kernels, transform
+from . import _split_kernels, convolution
 from ._split_kernels import COARSENING, TAPS
 from ._stencil_kernels import LANES, RADIUS
 from .active_set import ContactList
@@ -51,10 +51,9 @@ class SplitOperator:
         scratch = Scratch(exact.pressure)
         self._grid = scratch.zeros((ny + 2 * RADIUS + 1, nx + 2 * LANES), np.float32)
         nyc, nxc = (scipy.fft.next_fast_len(-(-n // COARSENING), real=True) for n in exact.padded)
-        self._transform = transform.plan(
-            (nyc, nxc), dtype=np.float32, threads=exact.threads, scratch=scratch
+        self._remainder = convolution.plan(
+            (nyc, nxc), (nyc, nxc), dtype=np.float32, threads=exact.threads, scratch=scratch
         )
-        self._rows = scratch.zeros((ny, nxc), np.float32)
         self._first_y, self._weight_y = _taps(ny, exact.padded[0], nyc)
         self._first_x, self._weight_x = _taps(nx, exact.padded[1], nxc)
         self._whole = exact.padded[1] == COARSENING * nxc
@@ -96,7 +95,7 @@ class SplitOperator:
     def apply(self, pressure: NDArray[np.float32]) -> NDArray[np.float32]:
         """Displacement at the points of a pressure p~ on them, nearly."""
         result = self._stencil(pressure, self._near, False)
-        pair, points = self._transform, self._list
+        coarse, points = self._remainder, self._list
         _split_kernels.spread(
             points.start,
             points.columns,
@@ -106,22 +105,19 @@ class SplitOperator:
             self._rows_of,
             self._weight_of,
             self._whole,
-            self._rows,
-            pair.values,
+            coarse.values,
         )
-        pair.forward()
-        _grid_kernels.multiply(pair.spectrum.view(np.float32), self._symbol)
-        pair.backward()
+        coarse.apply(self._symbol)
         _split_kernels.gather(
             points.start,
             points.columns,
-            pair.grid,
+            coarse.grid,
             self._first_y,
             self._weight_y,
             self._first_x,
             self._weight_x,
+            coarse.values.shape[1],
             self._whole,
-            self._rows,
             result,
         )
         return result
@@ -167,13 +163,12 @@ def _transposed(
 def _remainder(
     exact: HalfSpaceOperator, stencil: NDArray[np.float64], coarse: tuple[int, int]
 ) -> NDArray[np.float32]:
-    """Symbol of the coarse grid: what the stencil leaves, over the transfer of the splines."""
-    ky = np.rint(np.fft.fftfreq(coarse[0]) * coarse[0]).astype(int)
-    kx = np.arange(coarse[1] // 2 + 1)
+    """Quadrant of the coarse symbol: what the stencil leaves, over the transfer of the splines."""
+    ky, kx = np.arange(coarse[0] // 2 + 1), np.arange(coarse[1] // 2 + 1)
     points = exact.padded[0] * exact.padded[1]
     near = stencil_symbol(stencil, ky / exact.padded[0], kx / exact.padded[1]) / points
-    left = exact.symbol[np.ix_(np.abs(ky), kx)] - near
+    left = exact.symbol[: ky.size, : kx.size] - near
     left /= (np.sinc(ky / coarse[0])[:, None] * np.sinc(kx / coarse[1])[None, :]) ** (2 * TAPS)
-    left[2 * np.abs(ky) == coarse[0], :] = 0.0
+    left[2 * ky == coarse[0], :] = 0.0
     left[:, 2 * kx == coarse[1]] = 0.0
     return np.asarray(left, np.float32)
