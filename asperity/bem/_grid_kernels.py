@@ -237,7 +237,10 @@ def multiply(parts: Grid, symbol: Grid) -> None:
 
 @compiled()
 def load_columns(
-    spectrum: NDArray[np.complexfloating[Any]], first: int, count: int, lines: NDArray[np.complexfloating[Any]]
+    spectrum: NDArray[np.complexfloating[Any]],
+    first: int,
+    count: int,
+    lines: NDArray[np.complexfloating[Any]],
 ) -> None:
     """Columns of a spectrum as lines, with zeros behind."""
     ny = spectrum.shape[0]
@@ -261,7 +264,10 @@ def scale_columns(symbol: Grid, first: int, count: int, parts: Grid) -> None:
 
 @compiled()
 def store_columns(
-    spectrum: NDArray[np.complexfloating[Any]], first: int, count: int, lines: NDArray[np.complexfloating[Any]]
+    spectrum: NDArray[np.complexfloating[Any]],
+    first: int,
+    count: int,
+    lines: NDArray[np.complexfloating[Any]],
 ) -> None:
     """Put lines back as columns, without what lies behind the spectrum."""
     for y in range(spectrum.shape[0]):

@@ -18,7 +18,7 @@ from .load_search import LoadSearch
 from .operator import HalfSpaceOperator
 from .split import SplitOperator
 
-__all__ = ["Level", "Outcome"]
+__all__ = ["Level", "Outcome", "PoorPredictionError"]
 
 _FIRST_BAND = 0.15
 """Gap over the length scale below which points are candidates in the first correction, times the
@@ -29,6 +29,10 @@ _BAND = 2.0
 
 _WIDEST_BAND = 0.05
 """Bound of the band of later corrections."""
+
+_LONGEST_LIST = 0.2
+"""Share of the grid by which the candidates of a predicted pressure may outnumber the points that
+it presses: a longer list costs more than a start from coarser grids."""
 
 _MAX_CORRECTIONS = 60
 """Corrections of one load at most."""
@@ -47,6 +51,10 @@ _ONE_THREAD = 256 * 256
 
 _FULL_SHARE = 0.4
 """Share of the grid on the list above which the whole grid is transformed."""
+
+
+class PoorPredictionError(Exception):
+    """A predicted pressure is so far off that a start from coarser grids costs less."""
 
 
 @dataclass
@@ -130,6 +138,11 @@ class Level:
         prolonged
             The pressure comes from a coarser grid: it is corrected in any case, as points about the
             contact that carry next to nothing make its area too large.
+
+        Raises
+        ------
+        PoorPredictionError
+            If a predicted pressure is too far off; the pressure is then as it was predicted.
         """
         search, fixed = (load, None) if isinstance(load, LoadSearch) else (None, load)
         iterations = 0
@@ -165,16 +178,17 @@ class Level:
                     mean = search.update(reading.level, error * reading.scale)
                 error = max(error, reading.certificate.load)
             offset = search.offset if search and mean is None else None
-            iterations += self._correct(
-                mean, offset, displacement, reading, error, outer == 0, tolerance
-            )
+            listed = self._listed(mean, offset, displacement, reading, error, outer == 0)
+            if known and len(listed[0]) - reading.points > _LONGEST_LIST * self.heights.size:
+                raise PoorPredictionError
+            iterations += self._correct(listed, mean, offset, reading.scale, error, tolerance)
         reason = (
             f"the error stopped falling at {best:.1e}, above the tolerance {tolerance:.1e}, "
             f"after {outer} corrections"
         )
         return Outcome(reading, iterations, tolerance, False, reason)
 
-    def _correct(
+    def _listed(
         self,
         mean: float | None,
         offset: float | None,
@@ -182,9 +196,8 @@ class Level:
         reading: Reading,
         error: float,
         first: bool,
-        tolerance: float,
-    ) -> int:
-        """One solve on the list of candidates; returns the iterations spent."""
+    ) -> tuple[ContactList, NDArray[np.float64], NDArray[np.float64]]:
+        """The candidates, their pressures and their gaps."""
         width = _FIRST_BAND * min(1.0, error) if first else min(_WIDEST_BAND, _BAND * error)
         level = reading.level if offset is None else max(reading.level, offset)
         threshold = level + width * reading.scale
@@ -196,7 +209,19 @@ class Level:
             rank = min(least, gaps.size) - 1
             threshold = max(threshold, float(np.partition(gaps, rank)[rank]))
             start, columns, values, gap = self._candidates(displacement, reading, threshold)
-        points = ContactList(start, columns)
+        return ContactList(start, columns), values, gap
+
+    def _correct(
+        self,
+        listed: tuple[ContactList, NDArray[np.float64], NDArray[np.float64]],
+        mean: float | None,
+        offset: float | None,
+        scale: float,
+        error: float,
+        tolerance: float,
+    ) -> int:
+        """One solve on the list of candidates; returns the iterations spent."""
+        points, values, gap = listed
         operator = self.operator(len(points))
         operator.bind(points)
         if offset is not None:
@@ -205,13 +230,13 @@ class Level:
             operator,
             values,
             gap,
-            scale=reading.scale,
+            scale=scale,
             tolerance=_next_error(error, 0.5 * tolerance, operator.aim),
             longest=_MAX_INNER,
-            total=total,
+            total=None if mean is None else mean * self.heights.size,
             cap=self.cap,
         )
-        _grid_kernels.put(self.exact.pressure, start, columns, values)
+        _grid_kernels.put(self.exact.pressure, points.start, points.columns, values)
         return spent
 
     def _candidates(

@@ -6,6 +6,7 @@ share nothing.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import threading
 from collections.abc import Callable, Sequence
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._grid_kernels import extrapolate
-from .correction import Level, Outcome
+from .correction import Level, Outcome, PoorPredictionError
 from .load_search import LoadSearch
 from .problem import ContactProblem
 
@@ -115,7 +116,7 @@ class LoadPath:
     The older state is kept in single precision.
     The state of no load, p = u = 0, is the first support of the secant while the contact has few
     points; a secant so long costs more on many than a start from the coarser grids. So does a step
-    to more than four times the load.
+    to more than four times the load, and any whose prediction turns out to be poor.
     """
 
     def __init__(self, problem: ContactProblem, accuracy: float = math.inf) -> None:
@@ -137,14 +138,17 @@ class LoadPath:
             return level.solve(search or load, problem.tolerance)
         last = self._means[1]
         mean = load if offset is None else self._forecast(offset)
-        if 0.0 < mean <= _LARGEST_RATIO * last and self._two_known():
+        outcome = search = None
+        near = 0.0 < mean <= _LARGEST_RATIO * last
+        if near and self._two_known():
             self._predict(level, mean)
-            search = None
             if offset is not None:
                 search = LoadSearch(offset, mean, self._stiffness, largest=level.cap)
-            outcome = level.solve(search or load, problem.tolerance, predicted=True)
+            with contextlib.suppress(PoorPredictionError):
+                outcome = level.solve(search or load, problem.tolerance, predicted=True)
         else:
-            self._old = self._copied() if 0.0 < mean <= _LARGEST_RATIO * last else None
+            self._old = self._copied() if near else None
+        if outcome is None:
             spent, search = problem.start(load, offset)
             outcome = level.solve(search or load, problem.tolerance, prolonged=True)
             outcome.iterations += spent

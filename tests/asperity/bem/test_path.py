@@ -55,3 +55,19 @@ def test_a_failing_callback_ends_the_curve(monkeypatch):
     with pytest.raises(RuntimeError, match="enough"):
         bem_curve(rough((30, 40)), BODY, pressures=[0.1, 0.2, 0.3, 0.4], progress=progress)
     assert len(seen) <= 2
+
+
+@pytest.mark.parametrize(("ratio", "cold"), [(1.1, (1, 2)), (3.2, (4, 5, 6))])
+def test_a_load_starts_from_the_last_where_its_prediction_is_good(monkeypatch, ratio, cold):
+    """All six loads, or nearly so, start from coarser grids where they are far apart."""
+    starts = []
+    start = path.ContactProblem.start
+    monkeypatch.setattr(
+        path.ContactProblem, "start", lambda *given: starts.append(given) or start(*given)
+    )
+    hm, loads = rough((128, 128), seed=6), 0.2 * ratio ** np.arange(-5.0, 1.0)
+    found = bem_curve(hm, BODY, pressures=loads, tolerance=1e-7)
+    assert found.converged.all() and len(starts) in cold
+    alone = bem_curve(hm, BODY, pressures=loads[-1:], tolerance=1e-7)
+    assert found.separation[-1] == pytest.approx(alone.separation[0], rel=1e-6)
+    assert found.contact_area[-1] == pytest.approx(alone.contact_area[0], rel=1e-6)
