@@ -54,9 +54,10 @@ def add_accuracy_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--engine",
         default="auto",
-        choices=["auto", "bem", "anchored"],
-        help="auto: the cheaper one; bem: boundary elements at every load; anchored: the "
-        "microcontact model, anchored by boundary elements at a few loads (default auto)",
+        choices=["auto", "bem", "anchored", "sampled"],
+        help="auto: the cheapest; bem: boundary elements at every load; anchored: the microcontact "
+        "model, anchored by boundary elements at a few loads; sampled: checked on parts of the map "
+        "(default auto)",
     )
 
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
+
+from .parts import LOADS, SIDE
 
 if TYPE_CHECKING:
     from asperity.model.plan import Plan
     from surfaces.heightmap import HeightMap
 
-__all__ = ["ANCHORS", "forecast"]
+__all__ = ["forecast"]
 
 ANCHORS = 4
 """Load points that are expected to be anchored."""
@@ -16,23 +19,34 @@ ANCHORS = 4
 MODEL_SECONDS = 0.1, 1.0e-6
 """Seconds of a curve of the model: in any case, and per point of the grid that is solved."""
 
-BEM_SECONDS = 1.1e-7, 1.0e-7
+BEM_SECONDS = 1.0e-7, 0.5e-7
 """Seconds of boundary elements per point of a map of 512 x 512: of a curve, times the root of the
 number of its loads; and of one load without a neighbor to start from."""
 
-GROWTH = 0.3
+PARTS = 9
+"""Parts that are expected to be solved, some of them at few loads."""
+
+GROWTH = 0.4
 """Power of the number of points over 512 x 512 with which the seconds per point grow."""
 
 
-def forecast(hm: HeightMap, plan: Plan, loads: int) -> tuple[float, float]:
-    """Seconds of boundary elements at all loads, and of the model with a few anchors.
+def forecast(hm: HeightMap, plan: Plan, loads: int) -> dict[str, float]:
+    """Seconds of boundary elements at all loads ("bem"), and of the model with a few anchors
+    ("anchored") or checked on parts of the map ("sampled").
 
     Notes
     -----
-    Measured on two cores (docs/development/verification.md); only the ratio decides.
+    Measured on two cores (docs/development/verification.md); only the ratios decide.
     """
-    points = hm.heights.size
-    unit = points * max(1.0, points / 512**2) ** GROWTH
-    grid = (plan.resampled or hm).heights.size
-    model = MODEL_SECONDS[0] + MODEL_SECONDS[1] * grid
-    return BEM_SECONDS[0] * unit * loads**0.5, model + BEM_SECONDS[1] * unit * ANCHORS
+    points = math.prod(hm.shape)
+    model = MODEL_SECONDS[0] + MODEL_SECONDS[1] * math.prod((plan.resampled or hm).shape)
+    return {
+        "bem": BEM_SECONDS[0] * _unit(points) * loads**0.5,
+        "anchored": model + BEM_SECONDS[1] * _unit(points) * ANCHORS,
+        "sampled": 2.0 * model + BEM_SECONDS[0] * PARTS * _unit(points / SIDE**2) * LOADS**0.5,
+    }
+
+
+def _unit(points: float) -> float:
+    """Points of a grid, each weighted by what it costs over those of 512 x 512."""
+    return points * float(max(1.0, points / 512**2) ** GROWTH)

@@ -14,16 +14,24 @@ from asperity.bem.curve import bem_curve
 from asperity.bem.memory import fits
 from asperity.bem.problem import AREA_OVER_LOAD_ERROR
 from asperity.compilation import CURVE, compile_ahead
-from asperity.contacts.run import solve_contacts
+from asperity.contacts.run import ContactRun, solve_contacts
 from asperity.errors import InputError, ModelRangeError, cautious, warn_once
 from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.scene import Boundary, checked_loads, chosen_boundary
 from asperity.model.plan import make_plan
 from asperity.progress import Progress, reported
-from asperity.trust.verified import JUDGE_SHARE, LEAST_LOADS, Accuracy, exact, verified
+from asperity.trust.verified import (
+    JUDGE_SHARE,
+    LEAST_LOADS,
+    Accuracy,
+    anchors_suffice,
+    exact,
+    verified,
+)
 from surfaces.errors import as_number
 
 from .cost import forecast
+from .parts import can_sample, sampled
 from .resolution import UNTOLD, LightestLoad, Resolution, resolution
 
 if TYPE_CHECKING:
@@ -36,8 +44,15 @@ __all__ = ["ENGINES", "solve"]
 
 Array = NDArray[np.float64]
 
-ENGINES = ("auto", "bem", "anchored")
+ENGINES = ("auto", "bem", "anchored", "sampled")
 """What `solve` can be told to use, the default first."""
+
+WAYS = {
+    "bem": "of boundary elements",
+    "anchored": "of the model anchored at a few loads",
+    "sampled": "of the model checked on parts of the map",
+}
+"""How the engines are told apart in the reason of a choice."""
 
 ACCURACIES = 0.004, 0.1
 """Least and largest accuracy in load that can be asked for."""
@@ -61,8 +76,9 @@ def solve(
     """Load, separation and real contact area, as accurate as asked for, by the cheaper engine.
 
     Either boundary elements solve every load point, or the microcontact model gives the curve and
-    boundary elements anchor it at a few of its loads. Which one is decided from the map, the loads
-    and a measured model of run times.
+    boundary elements anchor it at a few of its loads or, on large maps of random waves, check it on
+    parts of the map. Which one is decided from the map, the loads and a measured model of run
+    times.
 
     Parameters
     ----------
@@ -80,7 +96,7 @@ def solve(
         "auto" anchors the model as far as the accuracy asks for. False leaves boundary elements
         out: the model answers with its a-priori estimate, which is no bound.
     engine
-        "auto" chooses; "bem" or "anchored" settles it.
+        "auto" chooses; "bem", "anchored" or "sampled" settles it.
     boundary
         "periodic" or "free"; as the map says if None.
     progress
@@ -140,28 +156,31 @@ def solve(
             LightestLoad(tell),
         )
         clock = _Clock(begun)
-        choice = scene.choice(values, engine, bool(verify))
+        choice = scene.choice(values, engine, bool(verify), asked)
         known = scene_warnings(hm, material) if choice.plan is None else choice.plan.warnings
         warn_once(known)
         clock.stage("choice")
         if choice.plan is not None and choice.engine != "bem":
             try:
-                model = scene.model(choice.plan, values)
+                run = scene.model(choice.plan, values)
             except ModelRangeError as error:
                 choice = choice._replace(
                     engine="bem", reason=f"the microcontact model has no answer: {error}"
                 )
             clock.stage("model")
-        if choice.engine == "bem":
+        curve = None
+        if choice.engine == "model":
+            none = np.zeros(len(values), bool)
+            curve = replace(run.curve, extra={**run.curve.extra, "anchor": none})
+        elif choice.engine != "bem":
+            curve = scene.checked(choice, run, values, asked)
+        anchors = np.arange(len(values))
+        if curve is None:
             curve = scene.exact(values, min(asked.area, AREA_OVER_LOAD_ERROR * asked.load))
-        elif choice.engine == "model":
-            curve = replace(model, extra={**model.extra, "anchor": np.zeros(len(values), bool)})
-        else:
-            part = JUDGE_SHARE * asked.area
-            curve = verified(hm, model, kind, values, lambda at: scene.exact(at, part), asked)
-        anchors = np.flatnonzero(curve.extra.get("anchor", np.ones(len(values))))
-        if choice.engine == "anchored" and len(anchors) == len(values):
-            why = f"{choice.reason}; but the model did not hold between anchors"
+        elif "anchor" in curve.extra:
+            anchors = np.flatnonzero(curve.extra["anchor"])
+        if choice.engine in ("anchored", "sampled") and len(anchors) == len(values):
+            why = f"{choice.reason}; but the model did not hold so well"
             choice = choice._replace(engine="bem", reason=why)
         clock.stage("boundary elements")
         left = UNTOLD if choice.engine == "model" else scene.resolution(curve, values)
@@ -182,7 +201,7 @@ def solve(
 
 
 class _Choice(NamedTuple):
-    """Engine ("bem", "anchored" or "model"), why, and the plan of the model if one was made."""
+    """Engine, one of `ENGINES` or "model", why, and the plan of the model if one was made."""
 
     engine: str
     reason: str
@@ -217,7 +236,7 @@ class _Scene:
         """Load points as pressures or as separations."""
         return (values, None) if self.kind == "pressure" else (None, values)
 
-    def choice(self, values: Array, engine: str, verify: bool) -> _Choice:
+    def choice(self, values: Array, engine: str, verify: bool, asked: Accuracy) -> _Choice:
         """The engine, from the forecast of run times."""
         if engine == "bem":
             return _Choice("bem", "as asked", None)
@@ -236,23 +255,52 @@ class _Scene:
             return _Choice("bem", f"the microcontact model has no answer: {error}", None)
         if not verify:
             return _Choice("model", "not to be verified", plan)
-        if not fits(self.hm.shape, self.boundary, 1):
-            return _Choice("model", "boundary elements do not fit into memory", plan)
-        if engine == "anchored":
-            return _Choice("anchored", "as asked", plan)
-        alone, anchored = forecast(self.hm, plan, len(values))
-        reason = f"forecast {alone:.2g} s of boundary elements, {anchored:.2g} s anchored"
-        if alone <= anchored:
-            return _Choice("bem", reason, plan)
-        return _Choice("anchored", reason, plan)
+        sampling = can_sample(self.hm, asked)
+        if engine == "sampled" and not sampling:
+            raise InputError(
+                "engine is 'sampled', but parts of the map do not tell of the whole: it is too "
+                "small, its waves are not random, or the accuracy is too high; give 'auto'"
+            )
+        if not self.fits:
+            why = "boundary elements do not fit into memory"
+            return _Choice("sampled" if sampling else "model", why, plan)
+        if engine != "auto":
+            return _Choice(engine, "as asked", plan)
+        seconds = forecast(self.hm, plan, len(values))
+        if not sampling:
+            del seconds["sampled"]
+        each = (f"{value:.2g} s {WAYS[name]}" for name, value in seconds.items())
+        return _Choice(
+            min(seconds, key=lambda name: seconds[name]), f"forecast {', '.join(each)}", plan
+        )
 
-    def model(self, plan: Plan, values: Array) -> ContactCurve:
-        """The curve of the microcontact model."""
+    @property
+    def fits(self) -> bool:
+        """Whether boundary elements of the whole map fit into memory."""
+        return fits(self.hm.shape, self.boundary, 1)
+
+    def model(self, plan: Plan, values: Array) -> ContactRun:
+        """What the microcontact model finds."""
         pressures, separations = self.loads(values)
-        run = solve_contacts(
+        return solve_contacts(
             self.hm, self.material, plan, pressures=pressures, separations=separations
         )
-        return run.curve
+
+    def checked(
+        self, choice: _Choice, run: ContactRun, values: Array, asked: Accuracy
+    ) -> ContactCurve | None:
+        """The curve of the model, corrected and bounded as chosen; None where that is of no use."""
+        scene, part = (self.kind, values), JUDGE_SHARE * asked.area
+
+        def judge(at: Array) -> ContactCurve:
+            return self.exact(at, part)
+
+        if choice.engine == "anchored" or choice.plan is None:
+            if not anchors_suffice(run.curve, asked):
+                return None
+            return verified(self.hm, run.curve, *scene, judge, asked)
+        whole = judge if self.fits else None
+        return sampled(self.hm, choice.plan, run, *scene, whole, asked, self.lightest)
 
     def exact(self, values: Array, error: float) -> ContactCurve:
         """Boundary elements on the grid of the map, within an error of the area."""

@@ -22,7 +22,21 @@ from surfaces.heightmap import HeightMap
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
 
-__all__ = ["JUDGE_SHARE", "LEAST_LOADS", "Accuracy", "Judge", "anchored", "exact", "verified"]
+__all__ = [
+    "JUDGE_SHARE",
+    "LEAST_LOADS",
+    "Accuracy",
+    "Judge",
+    "anchored",
+    "anchors_suffice",
+    "answered",
+    "corrected",
+    "exact",
+    "pixel_scatter",
+    "prior_estimates",
+    "solved_points",
+    "verified",
+]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -50,17 +64,7 @@ single summits, and the misfit does not vary slowly."""
 YIELDED_COLUMNS = "plastic_share", "unloading_stiffness"
 """Columns of the model that a curve with a hardness keeps."""
 
-KEPT = (
-    "law",
-    "boundary",
-    "modulus",
-    "m",
-    "hardness",
-    "input",
-    "map",
-    "pressure_scale",
-    "warnings",
-)
+KEPT = "law", "boundary", "modulus", "m", "hardness", "input", "map", "pressure_scale", "warnings"
 """Settings of the model that a verified curve keeps."""
 
 UNKNOWN = 0.05, 0.15
@@ -147,30 +151,22 @@ def verified(
     (docs/development/verification.md). Points where the model has no answer are solved by boundary
     elements.
     """
-    points = np.flatnonzero(
-        model.converged
-        & (model.mean_pressure > 0)
-        & (model.contact_area > 0)
-        & (model.stiffness > 0)
-    )
-    points = points[np.argsort(model.mean_pressure[points], kind="stable")]
+    points = answered(model)
     others = np.setdiff1d(np.arange(len(model)), points)
-    if len(points) < LEAST_LOADS:
+    if (count := len(points)) < LEAST_LOADS:
         return judge(values)
-    count = len(points)
     position = np.log(model.mean_pressure[points])
-    prior = _prior(model)[:, points]
-    share = PRIOR_SHARE + YIELDED_SHARE * _plastic(model)[points]
+    prior, plastic = prior_estimates(model, points)
     first = FIRST_ANCHORS[not random_waves(hm)]
-    grain = _grain(hm, model)[points]
+    grain = pixel_scatter(hm, model)[points]
     anchors = np.unique(np.linspace(0, count - 1, first).astype(np.int64))
-    solved: dict[int, ContactCurve] = _solved(judge, values, others)
+    solved: dict[int, ContactCurve] = solved_points(judge, values, others)
     while True:
         new = [i for i in points[anchors] if i not in solved]
-        solved |= _solved(judge, values, np.array(new))
+        solved |= solved_points(judge, values, np.array(new))
         known = _misfit(model, kind, points[anchors], solved)
         broken = float(np.max(np.abs(known[:2]) / prior[:, anchors]))
-        floors = prior * np.maximum(share, broken if broken > 1.0 else 0.0)
+        floors = prior * np.maximum(PRIOR_SHARE + plastic, broken if broken > 1.0 else 0.0)
         load, load_bound = interpolated_misfit(position, anchors, known[0], floors[0])
         area, area_bound = interpolated_misfit(position, anchors, known[1], floors[1])
         rest = np.array(
@@ -187,10 +183,21 @@ def verified(
         anchors = np.arange(count) if len(anchors) > count // 2 else halved_intervals(anchors, over)
     spots = np.interp(position, position[anchors], known[2])
     misfit = np.array([load, area, spots])
-    return _curve(hm, model, kind, points, misfit, bounds, solved)
+    return corrected(hm, model, kind, points, misfit, bounds, solved)
 
 
-def _grain(hm: HeightMap, model: ContactCurve) -> Array:
+def answered(model: ContactCurve) -> Indices:
+    """Load points at which the model has an answer, by rising load."""
+    points = np.flatnonzero(
+        model.converged
+        & (model.mean_pressure > 0)
+        & (model.contact_area > 0)
+        & (model.stiffness > 0)
+    )
+    return points[np.argsort(model.mean_pressure[points], kind="stable")]
+
+
+def pixel_scatter(hm: HeightMap, model: ContactCurve) -> Array:
     """Relative scatter of an area counted in pixels, which the model does not share, shape (n,).
 
     The number of pixels in a disc of radius R pixels scatters by about the root of R about its
@@ -201,7 +208,7 @@ def _grain(hm: HeightMap, model: ContactCurve) -> Array:
     return np.asarray(scatter / np.maximum(pixels, 1e-300))
 
 
-def _solved(judge: Judge, values: Array, new: Indices) -> dict[int, ContactCurve]:
+def solved_points(judge: Judge, values: Array, new: Indices) -> dict[int, ContactCurve]:
     """Curves of one point each, by the number of the load point."""
     if not new.size:
         return {}
@@ -209,20 +216,24 @@ def _solved(judge: Judge, values: Array, new: Indices) -> dict[int, ContactCurve
     return {int(i): curve.select([at]) for at, i in enumerate(new)}
 
 
-def _prior(model: ContactCurve) -> Array:
-    """A-priori estimates of load and area, shape (2, n)."""
+def anchors_suffice(model: ContactCurve, accuracy: Accuracy) -> bool:
+    """Whether some anchors can bound at least half of the load points within an accuracy."""
+    prior, plastic = prior_estimates(model, answered(model))
+    left = prior * (PRIOR_SHARE + plastic) > np.array([[accuracy.load], [accuracy.area]])
+    return bool(np.count_nonzero(left.any(axis=0)) <= len(model) // 2)
+
+
+def prior_estimates(model: ContactCurve, points: Indices) -> tuple[Array, Array]:
+    """A-priori estimates of load and area, and the share of them that yielding leaves, (2, n)."""
     stated = model.error_estimate, model.extra["area_error_estimate"]
-    return np.array(
+    prior = np.array(
         [
-            np.where(np.isfinite(error), error, unknown)
+            np.where(np.isfinite(error), error, unknown)[points]
             for error, unknown in zip(stated, UNKNOWN, strict=True)
         ]
     )
-
-
-def _plastic(model: ContactCurve) -> Array:
-    """Share of the contact area at the hardness, shape (n,)."""
-    return np.asarray(model.extra.get("plastic_share", np.zeros(len(model))))
+    plastic = np.asarray(model.extra.get("plastic_share", np.zeros(len(model))))[points]
+    return prior, YIELDED_SHARE * plastic
 
 
 def _judged(solved: dict[int, ContactCurve], points: Indices, name: str) -> Array:
@@ -259,8 +270,7 @@ def _rate(model: ContactCurve, points: Indices) -> Array:
 
 def _growth(model: ContactCurve, points: Indices) -> Array:
     """Slope of the logarithm of the area over that of the load at some points, shape (k,)."""
-    usable = np.flatnonzero((model.mean_pressure > 0) & (model.contact_area > 0) & model.converged)
-    usable = usable[np.argsort(model.mean_pressure[usable], kind="stable")]
+    usable = answered(model)
     x, y = np.log(model.mean_pressure[usable]), np.log(model.contact_area[usable])
     rising = np.diff(x, prepend=-np.inf) > 1e-9
     x, y = x[rising], y[rising]
@@ -269,7 +279,7 @@ def _growth(model: ContactCurve, points: Indices) -> Array:
     return np.asarray(np.interp(np.log(model.mean_pressure[points]), x, np.gradient(y, x)))
 
 
-def _curve(
+def corrected(
     hm: HeightMap,
     model: ContactCurve,
     kind: str,

@@ -1,0 +1,243 @@
+"""The curve of the model on a large map of random waves, checked on parts of it.
+
+What the model leaves out is a matter of neighbors, and repeats itself over a random surface: some
+parts tell it, at a fraction of the cost. The longest waves, which no part holds, are few.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.bem.curve import bem_curve
+from asperity.curve import contact_curve
+from asperity.multiscale.wave_split import random_waves
+from asperity.trust.verified import (
+    JUDGE_SHARE,
+    answered,
+    corrected,
+    pixel_scatter,
+    prior_estimates,
+    solved_points,
+)
+from surfaces.preparation.filtering import bandpass, make_periodic
+from surfaces.preparation.resampling import resample
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from asperity.bem.curve import SolvedLoad
+    from asperity.contacts.run import ContactRun
+    from asperity.halfspace.material import HalfSpace
+    from asperity.model.plan import Plan
+    from asperity.results.curve import ContactCurve
+    from asperity.trust.verified import Accuracy, Judge
+    from surfaces.heightmap import HeightMap
+
+__all__ = ["can_sample", "sampled"]
+
+Array = NDArray[np.float64]
+
+SIDE = 4
+"""Parts along each side of a map."""
+
+SOLVED = 4
+"""Parts that are solved at each load point."""
+
+LOADS = 5
+"""Load points at which they are solved; between them the misfit is interpolated."""
+
+LEAST_SHARE = 0.02
+"""Load on a part over its share of the area from which on it is solved at a load point."""
+
+LEAST_POINTS = 1536
+"""Points of the shorter side of a map from which on parts of it are representative."""
+
+FLOOR = 0.02, 0.04
+"""Bound of load and area beside the scatter over four parts that carry alike
+(docs/development/verification.md)."""
+
+SPARE = 1.5
+"""Accuracies over these floors from which on parts are worth a try."""
+
+
+def can_sample(hm: HeightMap, accuracy: Accuracy) -> bool:
+    """Whether parts of a map can tell of the whole of it as accurately as asked."""
+    enough = min(accuracy.load / FLOOR[0], accuracy.area / FLOOR[1]) >= SPARE
+    return enough and min(hm.shape) >= LEAST_POINTS and random_waves(hm)
+
+
+def sampled(
+    hm: HeightMap,
+    plan: Plan,
+    run: ContactRun,
+    kind: str,
+    values: Array,
+    judge: Judge | None,
+    accuracy: Accuracy,
+    progress: Callable[[SolvedLoad], object],
+) -> ContactCurve | None:
+    """Correct and bound a curve of the model by its misfit on parts of the map.
+
+    None where they leave more open than asked at more than half of the load points.
+
+    Parameters
+    ----------
+    hm
+        The map, for which `can_sample` holds.
+    plan, run
+        Plan of the model and what it found, n load points.
+    kind, values
+        "pressure" or "separation", and the load points asked for, shape (n,).
+    judge
+        Boundary elements on the whole map, for load points where the parts leave more open than
+        asked; None: these keep their bounds.
+    accuracy
+        Errors allowed.
+    progress
+        Called with every load point that boundary elements have solved on a part.
+
+    Notes
+    -----
+    The bounds are the scatter of the misfit over the parts and a floor, larger where few of them
+    carry the load, and where contacts bear the hardness (docs/development/verification.md).
+    """
+    model = run.curve
+    points = answered(model)
+    error = JUDGE_SHARE * accuracy.area
+    judged = _Judged(run.decomposition.material, error, progress)
+    misfit, bounds = _misfit(judged, hm, plan, model, points, _load_shares(run)[:, points])
+    prior, plastic = prior_estimates(model, points)
+    bounds += prior * plastic
+    bounds[1] += error + pixel_scatter(hm, model)[points]
+    bounds, misfit = np.where(np.isfinite(bounds), bounds, prior), np.nan_to_num(misfit)
+    solved: dict[int, ContactCurve] = {}
+    if judge is not None:
+        met = (bounds[0] <= accuracy.load) & (bounds[1] <= accuracy.area)
+        left = np.setdiff1d(np.arange(len(model)), points[met])
+        if len(left) > len(model) // 2:
+            return None
+        solved = solved_points(judge, values, left)
+    return corrected(hm, model, kind, points, misfit, bounds, solved)
+
+
+@dataclass(frozen=True)
+class _Judged:
+    """Sets the model against boundary elements, of this error of the area."""
+
+    material: HalfSpace
+    error: float
+    progress: Callable[[SolvedLoad], object]
+
+    def __call__(self, hm: HeightMap, plan: Plan, pressures: Array, *, tell: bool = False) -> Array:
+        """Model less boundary elements, shape (3, n): separation [m], and the logarithms of contact
+        area and number of spots; NaN where the model has no answer."""
+        scene = replace(plan, scene=(hm.without_rounding, self.material))
+        model = contact_curve(hm, self.material, pressures=pressures, plan=scene)
+        exact = bem_curve(
+            hm,
+            self.material,
+            pressures=pressures,
+            accuracy=self.error,
+            coarsen=False,
+            boundary=plan.boundary,
+            progress=self.progress if tell else None,
+        )
+        area = np.log(model.contact_area / exact.contact_area)
+        spots = np.log(np.maximum(model.contacts, 1.0) / np.maximum(exact.contacts, 1.0))
+        return np.array([model.separation - exact.separation, area, spots])
+
+
+def _load_shares(run: ContactRun) -> Array:
+    """Share of the load that each part of the map carries, shape (parts, n)."""
+    hm, summits = run.decomposition.hm, run.decomposition.summits
+    row, column = (
+        np.floor(place * (SIDE / length)).astype(np.int64) % SIDE
+        for place, length in zip((summits.y, summits.x), hm.size, strict=True)
+    )
+    forces = [np.bincount(row * SIDE + column, each.state.force, SIDE**2) for each in run.points]
+    return np.array([force / max(force.sum(), 1e-300) for force in forces]).T
+
+
+def _misfit(
+    judged: _Judged,
+    hm: HeightMap,
+    plan: Plan,
+    model: ContactCurve,
+    points: NDArray[np.int64],
+    shares: Array,
+) -> tuple[Array, Array]:
+    """Misfit of the model on the map, from parts of it that carry these shares of the load.
+
+    Returns the logarithms of load, area and number of spots of the model over boundary elements,
+    shape (3, n), and bounds of the first two, shape (2, n): their standard deviation over the parts
+    and the floor, larger where few parts carry the load; NaN where no part tells them.
+
+    A part is loaded as the model loads it on the whole map, and solved by the plan of the whole
+    map: of those no heavier than the heaviest load point these that carry most. Where the finest
+    waves act as a law of the contacts of the others, and the others are a map so coarse that it
+    costs no more than one part, the whole of that is solved too, and the parts add to it what the
+    finest waves change in the separation: they do not hold the longest waves.
+    """
+    chosen = np.unique(np.linspace(0, len(points) - 1, LOADS).astype(np.int64))
+    shares, at = shares[:, chosen], points[chosen]
+    pressure = model.mean_pressure[at]
+    local = SIDE**2 * shares * pressure
+    usable = (SIDE**2 * shares > LEAST_SHARE) & (local <= pressure[-1])
+    best = np.argsort(-np.where(usable, shares, 0.0).sum(axis=1), kind="stable")
+    taken = np.empty_like(usable)
+    taken[best] = usable[best] & (np.cumsum(usable[best], axis=0) <= SOLVED)
+    alone = replace(plan, above=None, resampled=None, sub_contact_law=None)
+    grid = plan.resampled if plan.sub_contact_law is not None else None
+    if grid is not None and math.prod(grid.shape) * SIDE**2 > math.prod(hm.shape):
+        grid = None
+    found = np.full((*shares.shape, 3), np.nan)
+    for place in np.flatnonzero(taken.any(axis=1)).tolist():
+        here, part = taken[place], _part(hm, place)
+        loads, cell = local[place, here], replace(alone, boundary="periodic")
+        waves = _resampled(part, plan)
+        own = replace(
+            cell,
+            sub_contact_law=plan.sub_contact_law,
+            resampled=None if waves is part else waves,
+        )
+        found[place, here] = judged(part, own, loads, tell=True).T
+        if grid is not None:
+            found[place, here, 0] -= judged(waves, cell, loads)[0]
+    weights = np.where(np.isnan(found).any(axis=-1), 0.0, shares)[..., None]
+    found, total = np.nan_to_num(found), weights.sum(axis=0)
+    with np.errstate(invalid="ignore"):
+        misfit = (weights * found).sum(axis=0) / total
+        scatter = np.sqrt((weights * (found - misfit) ** 2).sum(axis=0) / total)
+        number = total**2 / (weights**2).sum(axis=0)
+    if grid is not None:
+        misfit[:, 0] += judged(grid, alone, pressure)[0]
+    for each in (misfit, scatter):
+        each[:, 0] *= model.stiffness[at] / pressure
+    bounds = scatter[:, :2] + np.sqrt(SOLVED / number) * FLOOR
+    position = np.log(model.mean_pressure[points])
+    misfit, bounds = (
+        np.array([np.interp(position, position[chosen], column) for column in each.T])
+        for each in (misfit, bounds)
+    )
+    return misfit, bounds
+
+
+def _part(hm: HeightMap, place: int) -> HeightMap:
+    """One part of a map about its mean height, made periodic."""
+    rows, columns = (
+        (n * k // SIDE, n * (k + 1) // SIDE)
+        for n, k in zip(hm.shape, divmod(place, SIDE), strict=True)
+    )
+    return make_periodic(hm.cut(rows, columns), "smooth").about_mean
+
+
+def _resampled(part: HeightMap, plan: Plan) -> HeightMap:
+    """The waves of a part that a plan solves, on pixels of the size of its grid."""
+    law, grid = plan.sub_contact_law, plan.resampled
+    kept = part if law is None else bandpass(part, law.shortest, None)
+    return kept if grid is None else resample(kept, grid.spacing)

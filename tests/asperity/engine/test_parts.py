@@ -1,0 +1,136 @@
+"""The curve of the model on large maps, checked on parts of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asperity
+import surfaces
+from asperity.engine import parts
+from asperity.halfspace.scene import default_pressures
+from asperity.trust.verified import Accuracy
+
+BODY = asperity.HalfSpace.from_modulus(1.0)
+
+
+@pytest.fixture(autouse=True)
+def small_maps_count(monkeypatch):
+    """Maps of 512 points along a side are taken for large ones."""
+    monkeypatch.setattr(parts, "LEAST_POINTS", 512)
+
+
+def waves(**recipe: object) -> surfaces.HeightMap:
+    recipe = {"hurst": 0.8, "rms_slope": 0.1, "cutoff": 5.0, "rolloff": 40.0, "seed": 8} | recipe
+    return surfaces.self_affine((512, 512), (512.0, 512.0), **recipe)
+
+
+def truth(hm, body, loads, boundary=None):
+    return asperity.bem_curve(
+        hm, body, pressures=loads, accuracy=0.01, coarsen=False, boundary=boundary
+    )
+
+
+def off(curve, true):
+    """Errors of load at equal separation and of area at equal load, shape (2, n)."""
+    load = true.stiffness / true.mean_pressure * (curve.separation - true.separation)
+    return np.abs([load, np.log(curve.contact_area / true.contact_area)])
+
+
+def bounds(curve):
+    return np.array([curve.error_estimate, curve.extra["area_error_estimate"]])
+
+
+SCENES = {
+    "periodic": (waves(), BODY, None),
+    "broad": (
+        surfaces.self_affine((1536, 1536), (1536.0,) * 2, hurst=0.8, rms_slope=0.1, seed=8),
+        BODY,
+        None,
+    ),
+    "free": (waves(seed=9), BODY, "free"),
+    "graded": (waves(seed=10), asperity.HalfSpace.from_modulus(1.0, 0.3), None),
+    "metal": (waves(seed=11), asperity.HalfSpace.from_modulus(1.0, hardness=0.02), None),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_bounds_hold(name):
+    hm, body, boundary = SCENES[name]
+    loads = default_pressures(hm, body, 5)
+    curve = asperity.solve(hm, body, pressures=loads, engine="sampled", boundary=boundary)
+    assert curve.converged.all() and curve.verification["met"]
+    true = truth(hm, body, loads, boundary)
+    assert (off(curve, true) <= bounds(curve) + bounds(true)).all()
+
+
+def test_an_error_of_the_model_is_found_and_corrected():
+    """Summits taken for round paraboloids that go on for ever."""
+    hm = waves(seed=12)
+    loads = default_pressures(hm, BODY, 6)
+    plan = asperity.make_plan(hm, BODY, pressures=loads, law="hertz")
+    run, true = asperity.solve_contacts(hm, BODY, plan, pressures=loads), truth(hm, BODY, loads)
+    assert off(run.curve, true)[0].max() > 0.15
+    asked = "pressure", loads, None, Accuracy()
+    curve = parts.sampled(hm, plan, run, *asked, progress=lambda _: None)
+    assert (off(curve, true) <= bounds(curve) + bounds(true)).all()
+    assert off(curve, true)[0].max() < 0.4 * off(run.curve, true)[0].max()
+
+
+def test_separations_are_answered_as_pressures_are():
+    hm = waves()
+    loads = default_pressures(hm, BODY, 6)
+    by_load = asperity.solve(hm, BODY, pressures=loads, engine="sampled")
+    again = asperity.solve(hm, BODY, separations=by_load.separation, engine="sampled")
+    np.testing.assert_allclose(again.mean_pressure, loads, rtol=0.05)
+    np.testing.assert_allclose(again.contact_area, by_load.contact_area, rtol=0.1)
+
+
+def test_the_answer_scales():
+    """Another unit of length and another modulus: the same numbers."""
+    hm = waves(seed=13)
+    loads = default_pressures(hm, BODY, 5)
+    scaled = surfaces.HeightMap(1e-6 * hm.heights, (1e-6, 1e-6), periodic=True)
+    steel = asperity.HalfSpace.from_modulus(3e11)
+    one = asperity.solve(hm, BODY, pressures=loads, engine="sampled")
+    two = asperity.solve(scaled, steel, pressures=3e11 * loads, engine="sampled")
+    np.testing.assert_allclose(two.separation, 1e-6 * one.separation, rtol=1e-4)
+    np.testing.assert_allclose(two.area_fraction, one.area_fraction, rtol=1e-3)
+    np.testing.assert_allclose(two.error_estimate, one.error_estimate, rtol=1e-2)
+
+
+def test_where_boundary_elements_of_the_whole_do_not_fit(monkeypatch):
+    """The bounds are those of the parts, met or not."""
+    monkeypatch.setattr("asperity.engine.solve.fits", lambda *_: False)
+    hm = waves()
+    loads = default_pressures(hm, BODY, 6)
+    curve = asperity.solve(hm, BODY, pressures=loads)
+    assert curve.verification["engine"] == "sampled" and curve.verification["anchors"] == []
+    assert (off(curve, true := truth(hm, BODY, loads)) <= bounds(curve) + bounds(true)).all()
+
+
+def test_loads_are_shared_out():
+    """The shares of the parts make up the load; a map whose hill is in one part puts all there."""
+    hm = waves()
+    y, x = np.meshgrid(hm.y, hm.x, indexing="ij")
+    bump = 60.0 * np.exp(-((y - 192.0) ** 2 + (x - 320.0) ** 2) / 40.0**2)
+    hill = surfaces.HeightMap(hm.heights + bump, (1.0, 1.0), periodic=True)
+    for each, lone in ((hm, False), (hill, True)):
+        run = asperity.solve_contacts(each, BODY, pressures=default_pressures(each, BODY, 3))
+        shares = parts._load_shares(run)
+        np.testing.assert_allclose(shares.sum(axis=0), 1.0, rtol=1e-12)
+        assert (shares[4 * 1 + 2, 0] == pytest.approx(1.0)) == lone
+
+
+@pytest.mark.parametrize(
+    "hm",
+    [
+        surfaces.self_affine((256, 512), (256.0, 512.0), hurst=0.8, rms_slope=0.1),
+        surfaces.HeightMap(np.maximum(waves().heights, 0.0), (1.0, 1.0), periodic=True),
+    ],
+    ids=["small", "worn"],
+)
+def test_parts_of_other_maps_do_not_tell_of_the_whole(hm):
+    with pytest.raises(asperity.InputError, match="engine is 'sampled', but parts of the map"):
+        asperity.solve(hm, BODY, engine="sampled")
+    assert asperity.solve(hm, BODY).verification["engine"] != "sampled"
