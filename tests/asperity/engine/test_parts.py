@@ -10,6 +10,8 @@ import surfaces
 from asperity.engine import parts
 from asperity.halfspace.scene import default_pressures
 from asperity.trust.verified import Accuracy
+from surfaces.files.stored_map import StoredMap
+from surfaces.numerics import stored_array
 
 BODY = asperity.HalfSpace.from_modulus(1.0)
 
@@ -107,6 +109,21 @@ def test_where_boundary_elements_of_the_whole_do_not_fit(monkeypatch):
     curve = asperity.solve(hm, BODY, pressures=loads)
     assert curve.verification["engine"] == "sampled" and curve.verification["anchors"] == []
     assert (off(curve, true := truth(hm, BODY, loads)) <= bounds(curve) + bounds(true)).all()
+
+
+def test_a_map_on_disk_stays_there(monkeypatch):
+    """Its parts are read, the whole never is, and the answer is that of the map in memory."""
+    monkeypatch.setattr("asperity.engine.solve.fits", lambda *_: False)
+    monkeypatch.setattr("asperity.engine.resolution.TILE", 256)
+    monkeypatch.setattr(stored_array, "BLOCK_BYTES", 8 * 512 * 60)
+    hm = waves(cutoff=None, rolloff=None)
+    blocks = ((row, hm.heights[row : row + 64]) for row in range(0, 512, 64))
+    kept = StoredMap.of_blocks(blocks, hm.shape, np.float64, hm.spacing, periodic=True)
+    loads = default_pressures(hm, BODY, 5)
+    known, found = (asperity.solve(each, BODY, pressures=loads) for each in (hm, kept))
+    assert "heights" not in vars(kept) and found.verification["engine"] == "sampled"
+    for name in ("separation", "contact_area", "error_estimate"):
+        np.testing.assert_allclose(getattr(found, name), getattr(known, name), rtol=1e-4)
 
 
 def test_loads_are_shared_out():
