@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 
 from asperity.bem.curve import bem_curve
 from asperity.curve import contact_curve
+from asperity.halfspace.checks import model_warnings
 from asperity.multiscale.wave_split import random_waves
+from asperity.parameters import DEFAULTS
 from asperity.trust.verified import (
     JUDGE_SHARE,
     answered,
@@ -68,7 +70,9 @@ SPARE = 1.5
 def can_sample(hm: HeightMap, accuracy: Accuracy) -> bool:
     """Whether parts of a map can tell of the whole of it as accurately as asked."""
     enough = min(accuracy.load / FLOOR[0], accuracy.area / FLOOR[1]) >= SPARE
-    return enough and min(hm.shape) >= LEAST_POINTS and random_waves(hm)
+    large = min(hm.shape) >= LEAST_POINTS
+    doubts = model_warnings(hm, DEFAULTS.error_estimate.longest_lay) if enough and large else []
+    return enough and large and not doubts and random_waves(hm)
 
 
 def sampled(
