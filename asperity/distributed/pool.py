@@ -19,7 +19,7 @@ from concurrent.futures import (
     ProcessPoolExecutor,
     wait,
 )
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing import get_context, parent_process
 from typing import Any, Protocol
@@ -41,6 +41,9 @@ LEAST_SECONDS = 1e-3
 
 IN_FLIGHT = 2
 """Batches sent for each worker: one that is run, and one that waits."""
+
+SECONDS_TO_ANSWER = 2.0
+"""Longest wait for a scheduler to tell its workers; those that it told before are taken then."""
 
 INSTALL = "pip install 'asperity[distributed]'"
 
@@ -156,12 +159,19 @@ class _Dask:
 
     def __init__(self, client: Any) -> None:
         self._client, self._executor = client, client.get_executor(pure=False)
+        self._known = 1
         _tell(f"dashboard {client.dashboard_link}")
 
     @property
     def workers(self) -> int:
         """Workers that are there now; they may come and go."""
-        return max(1, len(self._client.nthreads()))
+        if self._client.status == "running":
+            with suppress(OSError):  # it is busy, or lost: the client is about to notice
+                there = self._client.nthreads(callback_timeout=SECONDS_TO_ANSWER)
+                self._known = max(1, len(there))
+        if self._client.status != "running":
+            raise _lost()
+        return self._known
 
     def submit(self, *call: Any) -> Future[Any]:
         future: Future[Any] = self._executor.submit(*call)
@@ -231,8 +241,9 @@ def outcomes(jobs: Sequence[Job], work: Work, pool: Pool) -> Iterator[tuple[Job,
     flying: dict[Future[list[Outcome]], list[Job]] = {}
     fitting = 1
     while waiting or suspects or flying:
-        while waiting and not suspects and len(flying) < IN_FLIGHT * pool.workers:
-            share = math.ceil(len(waiting) / (IN_FLIGHT * pool.workers))
+        most = IN_FLIGHT * pool.workers
+        while waiting and not suspects and len(flying) < most:
+            share = math.ceil(len(waiting) / most)
             batch = [waiting.popleft() for _ in range(min(share, fitting))]
             flying[pool.submit(work, batch)] = batch
         if not flying:
@@ -266,9 +277,13 @@ def _error(future: Future[Any]) -> BaseException | None:
     try:
         return future.exception()
     except CancelledError:
-        raise AsperityError(
-            "the Dask scheduler was lost; run the same again, which goes on where this ended"
-        ) from None
+        raise _lost() from None
+
+
+def _lost() -> AsperityError:
+    return AsperityError(
+        "the Dask scheduler was lost; run the same again, which goes on where this ended"
+    )
 
 
 def _tell(text: str) -> None:

@@ -19,7 +19,7 @@ import asperity
 import surfaces
 from asperity.cli.main import main
 
-from .conftest import LOADS, MAKE, STEEL
+from .conftest import LOADS, MAKE, STEEL, same_but_seconds
 
 ALUMINIUM = asperity.HalfSpace(70e9, 0.33, hardness=1e9)
 
@@ -48,11 +48,6 @@ def engine(request: pytest.FixtureRequest) -> str:
     else:
         request.getfixturevalue("without_dask")
     return str(request.param)
-
-
-def same_but_seconds(one: asperity.Sweep, two: asperity.Sweep) -> bool:
-    frames = [found.to_dataframe().drop(columns="seconds") for found in (one, two)]
-    return bool(frames[0].equals(frames[1]))
 
 
 def test_results_are_those_of_a_loop_to_the_last_bit(engine, maps, tmp_path, capfd):
