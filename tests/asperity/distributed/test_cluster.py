@@ -70,16 +70,12 @@ def cluster() -> Iterator[Cluster]:
         it.end()
 
 
-@pytest.mark.parametrize("seconds", [0.0, 0.2])
-def test_a_killed_scheduler_costs_nothing_that_is_finished(
-    cluster, maps, tmp_path, request, seconds
-):
+def test_a_killed_scheduler_costs_nothing_that_is_finished(cluster, maps, tmp_path, request):
     files, out = maps(JOBS), tmp_path / "out"
 
     def kill(row: object) -> None:
         cluster.scheduler.kill()
-        cluster.scheduler.wait()
-        time.sleep(seconds)  # the client notices meanwhile, or not
+        cluster.scheduler.wait()  # the client may be asked for workers before it notices
 
     begun = time.monotonic()
     with pytest.raises(asperity.AsperityError, match=r"^the Dask scheduler was lost; run the same"):
