@@ -60,8 +60,8 @@ LEAST_POINTS = 1536
 """Points of the shorter side of a map from which on parts of it are representative."""
 
 FLOOR = 0.02, 0.04
-"""Bound of load and area beside the scatter over four parts that carry alike
-(docs/development/verification.md)."""
+"""Bound of load and area beside the scatter over four parts that carry alike; half of its square is
+common to all parts (docs/development/verification.md)."""
 
 SPARE = 1.5
 """Accuracies over these floors from which on parts are worth a try."""
@@ -222,7 +222,7 @@ def _misfit(
         misfit[:, 0] += judged(grid, alone, pressure)[0]
     for each in (misfit, scatter):
         each[:, 0] *= model.stiffness[at] / pressure
-    bounds = scatter[:, :2] + np.sqrt(SOLVED / number) * FLOOR
+    bounds = scatter[:, :2] + np.sqrt(0.5 + 0.5 * SOLVED / number) * FLOOR
     position = np.log(model.mean_pressure[points])
     misfit, bounds = (
         np.array([np.interp(position, position[chosen], column) for column in each.T])
