@@ -56,6 +56,10 @@ LOADS = 5
 LEAST_SHARE = 0.02
 """Load on a part over its share of the area from which on it is solved at a load point."""
 
+LEAST_COVER = 0.1
+"""Share of the load that the parts solved at a load point carry, below which they do not tell of
+the whole."""
+
 LEAST_POINTS = 1536
 """Points of the shorter side of a map from which on parts of it are representative."""
 
@@ -103,7 +107,8 @@ def sampled(
     accuracy
         Errors allowed.
     progress
-        Called with every load point that boundary elements have solved on a part.
+        Called with every load point that boundary elements have solved on the part that carries
+        most of the lightest load.
 
     Notes
     -----
@@ -200,6 +205,7 @@ def _misfit(
     if grid is not None and math.prod(grid.shape) * SIDE**2 > math.prod(hm.shape):
         grid = None
     found = np.full((*shares.shape, 3), np.nan)
+    lightest = int(np.argmax(np.where(taken.any(axis=1), shares[:, 0], -1.0)))
     for place in np.flatnonzero(taken.any(axis=1)).tolist():
         here, part = taken[place], _part(hm, place)
         loads, cell = local[place, here], replace(alone, boundary="periodic")
@@ -209,11 +215,12 @@ def _misfit(
             sub_contact_law=plan.sub_contact_law,
             resampled=None if waves is part else waves,
         )
-        found[place, here] = judged(part, own, loads, tell=True).T
+        found[place, here] = judged(part, own, loads, tell=place == lightest).T
         if grid is not None:
             found[place, here, 0] -= judged(waves, cell, loads)[0]
     weights = np.where(np.isnan(found).any(axis=-1), 0.0, shares)[..., None]
     found, total = np.nan_to_num(found), weights.sum(axis=0)
+    total[total < LEAST_COVER] = np.nan
     with np.errstate(invalid="ignore"):
         misfit = (weights * found).sum(axis=0) / total
         scatter = np.sqrt((weights * (found - misfit) ** 2).sum(axis=0) / total)

@@ -311,6 +311,8 @@ class _Scene:
         """What the pixels leave open of a curve."""
         pressure = curve.mean_pressure
         if self.lightest.point is None and (pressure > 0.0).any():  # all were solved before
+            if not self.fits:
+                return UNTOLD
             first = int(np.argmin(np.where(pressure > 0.0, pressure, np.inf)))
             self.exact(values[[first]], 2.0 * ACCURACIES[1])
         heaviest = float(pressure[curve.converged].max(initial=0.0))

@@ -79,6 +79,14 @@ def test_an_error_of_the_model_is_found_and_corrected():
     assert off(curve, true)[0].max() < 0.4 * off(run.curve, true)[0].max()
 
 
+def test_the_lightest_contact_is_that_of_the_part_that_carries_most():
+    """One that next to nothing presses would stand for no load point of the whole."""
+    hm, seen = waves(), []
+    loads = default_pressures(hm, BODY, 5)
+    asperity.solve(hm, BODY, pressures=loads, engine="sampled", progress=seen.append)
+    assert seen and min(point.mean_pressure for point in seen) >= 0.99 * loads[0]
+
+
 def test_separations_are_answered_as_pressures_are():
     hm = waves()
     loads = default_pressures(hm, BODY, 6)
@@ -126,13 +134,27 @@ def test_a_map_on_disk_stays_there(monkeypatch):
         np.testing.assert_allclose(getattr(found, name), getattr(known, name), rtol=1e-4)
 
 
-def test_loads_are_shared_out():
-    """The shares of the parts make up the load; a map whose hill is in one part puts all there."""
+def test_a_hill_within_one_part_is_not_told_by_the_others(monkeypatch):
+    """All of the load is on one part, which would be pressed harder than the whole ever is."""
+    monkeypatch.setattr("asperity.engine.solve.fits", lambda *_: False)
+    loads = default_pressures(hill(), BODY, 5)[-2:]
+    curve = asperity.solve(hill(), BODY, pressures=np.geomspace(*loads, 5))
+    prior = asperity.contact_curve(hill(), BODY, pressures=np.geomspace(*loads, 5))
+    assert (bounds(curve)[0] >= 0.999 * prior.error_estimate).all()
+    assert not curve.verification["met"]
+
+
+def hill() -> surfaces.HeightMap:
+    """Waves, and a hill of the size of a part in one of them."""
     hm = waves()
     y, x = np.meshgrid(hm.y, hm.x, indexing="ij")
     bump = 60.0 * np.exp(-((y - 192.0) ** 2 + (x - 320.0) ** 2) / 40.0**2)
-    hill = surfaces.HeightMap(hm.heights + bump, (1.0, 1.0), periodic=True)
-    for each, lone in ((hm, False), (hill, True)):
+    return surfaces.HeightMap(hm.heights + bump, (1.0, 1.0), periodic=True)
+
+
+def test_loads_are_shared_out():
+    """The shares of the parts make up the load; a map whose hill is in one part puts all there."""
+    for each, lone in ((waves(), False), (hill(), True)):
         run = asperity.solve_contacts(each, BODY, pressures=default_pressures(each, BODY, 3))
         shares = parts._load_shares(run)
         np.testing.assert_allclose(shares.sum(axis=0), 1.0, rtol=1e-12)
