@@ -71,8 +71,14 @@ SPARE = 1.5
 """Accuracies over these floors from which on parts are worth a try."""
 
 
-def can_sample(hm: HeightMap, accuracy: Accuracy) -> bool:
-    """Whether parts of a map can tell of the whole of it as accurately as asked."""
+def can_sample(hm: HeightMap, material: HalfSpace, accuracy: Accuracy) -> bool:
+    """Whether parts of a map can tell of the whole of it as accurately as asked.
+
+    Not with a hardness: the load then follows single summits, and the part on which the highest
+    one stands need not be the one on which the model sees it.
+    """
+    if material.hardness < math.inf:
+        return False
     enough = min(accuracy.load / FLOOR[0], accuracy.area / FLOOR[1]) >= SPARE
     large = min(hm.shape) >= LEAST_POINTS
     doubts = model_warnings(hm, DEFAULTS.error_estimate.longest_lay) if enough and large else []
@@ -113,15 +119,14 @@ def sampled(
     Notes
     -----
     The bounds are the scatter of the misfit over the parts and a floor, larger where few of them
-    carry the load, and where contacts bear the hardness (docs/development/verification.md).
+    carry the load (docs/development/verification.md).
     """
     model = run.curve
     points = answered(model)
     error = JUDGE_SHARE * accuracy.area
     judged = _Judged(run.decomposition.material, error, progress)
     misfit, bounds = _misfit(judged, hm, plan, model, points, _load_shares(run)[:, points])
-    prior, plastic = prior_estimates(model, points)
-    bounds += prior * plastic
+    prior, _ = prior_estimates(model, points)
     bounds[1] += error + pixel_scatter(hm, model)[points]
     bounds, misfit = np.where(np.isfinite(bounds), bounds, prior), np.nan_to_num(misfit)
     solved: dict[int, ContactCurve] = {}

@@ -52,7 +52,6 @@ SCENES = {
     ),
     "free": (waves(seed=9), BODY, "free"),
     "graded": (waves(seed=10), asperity.HalfSpace.from_modulus(1.0, 0.3), None),
-    "metal": (waves(seed=11), asperity.HalfSpace.from_modulus(1.0, hardness=0.02), None),
 }
 
 
@@ -173,3 +172,9 @@ def test_parts_of_other_maps_do_not_tell_of_the_whole(hm):
     with pytest.raises(asperity.InputError, match="engine is 'sampled', but parts of the map"):
         asperity.solve(hm, BODY, engine="sampled")
     assert asperity.solve(hm, BODY).verification["engine"] != "sampled"
+
+
+def test_parts_do_not_tell_of_a_body_that_yields():
+    metal = asperity.HalfSpace.from_modulus(1.0, hardness=0.02)
+    with pytest.raises(asperity.InputError, match="the body yields"):
+        asperity.solve(waves(), metal, engine="sampled")
