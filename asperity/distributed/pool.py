@@ -45,6 +45,13 @@ IN_FLIGHT = 2
 SECONDS_TO_ANSWER = 2.0
 """Longest wait for a scheduler to tell its workers; those that it told before are taken then."""
 
+LEAN = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": 1 << 30,
+}
+"""Configuration of Dask for workers that are started here: by its defaults they sample their own
+stack every 10 ms and give freed memory back at once, which costs jobs 5 to 8 % of their time."""
+
 INSTALL = "pip install 'asperity[distributed]'"
 
 Work = Callable[[Sequence[Job]], list[Outcome]]
@@ -106,6 +113,7 @@ def opened(on: Workers, jobs: int) -> Iterator[Pool]:
             raise InputError(f"the number of {name} is {number}; give at least 1")
     count = min(on.count or max(1, available() // on.threads), jobs)
     try:
+        import dask
         import distributed
     except (ImportError, OSError, RuntimeError):
         if on.scheduler is not None:
@@ -123,7 +131,7 @@ def opened(on: Workers, jobs: int) -> Iterator[Pool]:
         log.setLevel(logging.CRITICAL)
         where: Any = on.scheduler
         if where is None:
-            with _uninterrupted():
+            with _uninterrupted(), dask.config.set(LEAN):
                 where = distributed.LocalCluster(
                     n_workers=count,
                     threads_per_worker=1,

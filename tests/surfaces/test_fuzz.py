@@ -48,3 +48,21 @@ def test_a_heap_that_hangs_the_library_is_refused(
     with pytest.raises(FileFormatError, match="hang or crash the HDF5 library"):
         surfaces.read(path)
     assert "hang or crash" in str(surfaces.validate(path)[0])
+
+
+def test_our_own_files_are_read_without_a_child_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Their metadata have checksums, and the heaps of their texts end where they say."""
+
+    def refused() -> int:
+        raise AssertionError("a process was forked")
+
+    monkeypatch.setattr(os, "fork", refused, raising=False)
+    for length in (1, 2, 3, 5, 8, 4000, 70_000):
+        history = ({"step": "note", "text": "µ" * length}, {"step": "stylus", "source": "a stylus"})
+        hm = surfaces.HeightMap(np.eye(5, 7), 1e-6, name="Å" * length, history=history)
+        surfaces.write(hm, tmp_path / "a.h5")
+        found = surfaces.read(tmp_path / "a.h5")
+        assert (found.name, found.history[: len(history)]) == (hm.name, history)
+        assert found.digest == hm.digest
