@@ -195,7 +195,8 @@ Source = NDArray[Any] | StoredArray
 def windows(
     source: Source, first: int = 0, last: int | None = None, below: int = 0
 ) -> Iterator[tuple[int, int, NDArray[np.float64], int]]:
-    """The rows from `first` to `last` of an array in parts: one part if it is in memory.
+    """The rows from `first` to `last` of an array in parts, the same in memory and on disk: sums
+    over them are equal to the last digit.
 
     Yields
     ------
@@ -209,9 +210,6 @@ def windows(
     """
     count = source.shape[0]
     last = count if last is None else last
-    if isinstance(source, np.ndarray):
-        yield first, last, source, 0
-        return
     step = max(1, BLOCK_BYTES // (8 * source.shape[1]))
     for begin in range(first, last, step):
         end = min(begin + step, last)

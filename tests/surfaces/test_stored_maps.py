@@ -13,7 +13,7 @@ import surfaces
 from surfaces.files.stored_map import StoredMap
 from surfaces.numerics import memory, splines, stored_array
 from surfaces.numerics.memory import set_memory
-from surfaces.numerics.stored_array import StoredArray, drop_pages, mapped
+from surfaces.numerics.stored_array import StoredArray, drop_pages, mapped, windows
 from surfaces.patches import points_at
 from surfaces.peaks import strips
 from surfaces.peaks.peaks import expected_peaks
@@ -61,6 +61,22 @@ def test_parts_are_those_of_the_array(
     for one, two in ((values, kept), (2.0 * values - 1.0, kept.each(lambda z: 2.0 * z) - 1.0)):
         np.testing.assert_array_equal(two[rows], one[rows])  # type: ignore[index]
         np.testing.assert_array_equal(two[rows, columns], one[rows, columns])  # type: ignore[index]
+
+
+@pytest.mark.parametrize("below", [0, 2])
+def test_windows_of_memory_are_those_of_the_disk(
+    both: tuple[np.ndarray, StoredArray], below: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """So sums over them are equal to the last digit; together they are the rows asked for."""
+    values, kept = both
+    monkeypatch.setattr(stored_array, "BLOCK_BYTES", 8 * values.shape[1] * 4)
+    one, two = (list(windows(source, 3, below=below)) for source in (values, kept))
+    assert [part[:2] for part in one] == [part[:2] for part in two]
+    assert [part[0] for part in one] == [3, 7, 11, 15, 19]
+    for begin, end, window, top in one + two:
+        for row in range(begin, end + below):
+            found = window[(row - top) % len(window)]
+            np.testing.assert_array_equal(found, values[row % len(values)])
 
 
 @pytest.mark.parametrize("periodic", [True, False])
