@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -11,9 +11,11 @@ from scipy import fft
 
 from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_full, require_map
+from surfaces.numerics import parallel
 from surfaces.numerics.stored_array import Source, windows
 
-from .spline_filter import spline
+from .blocks import Blocks, along_both, blocks_of
+from .spline_filter import free_spline, spline_share
 
 __all__ = ["FILTERS", "bandpass", "crop", "make_periodic"]
 
@@ -84,21 +86,24 @@ def bandpass(
             f"bandpass keeps wavelengths {lower:g} to {upper:g} m; the first must be the shorter"
         )
     if filter == "sharp":
-        heights = _cut(hm, lower, upper)
+        made = hm.replace(heights=_cut(hm, lower, upper))
     else:
-        heights = _smooth(hm, lower, filter) if lower > 0.0 else hm.heights
+        made = hm.replace(heights=_smooth(hm, lower, filter)) if lower > 0.0 else hm
         if upper < np.inf:
-            long = _smooth(hm.replace(heights=heights), upper, filter)
-            heights = heights - long + hm.heights.mean()
+            long, mean = _smooth(made, upper, filter), hm.roughness.mean
+            made = hm.with_rows(
+                (begin, rows - long[begin:end] + mean)
+                for begin, end, rows, _ in windows(made.source)
+            )
     step = {
         "step": "bandpass",
         "filter": filter,
         "shortest": lower or None,
         "longest": upper if np.isfinite(upper) else None,
         "rms_before": hm.rms_height,
-        "rms_after": float(np.std(heights)),
+        "rms_after": made.rms_height,
     }
-    return hm.replace(heights=heights, step=step)
+    return made.replace(step=step)
 
 
 def crop(hm: HeightMap, rows: tuple[int, int], columns: tuple[int, int]) -> HeightMap:
@@ -183,7 +188,10 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
         changed = (hm.source.size - kept) / hm.source.size
         step["width"] = strip
     elif how == "smooth":
-        made = hm.replace(heights=hm.heights - _seam_carrier(hm.heights))
+        carrier = _seam_carrier(hm.source)
+        made = hm.with_rows(
+            (begin, rows - carrier[begin:end]) for begin, end, rows, _ in windows(hm.source)
+        )
         changed = 1.0
     seam, inner = _steps(made.source)
     step |= {
@@ -225,7 +233,7 @@ def _steps(source: Source) -> tuple[float, float]:
     return float(np.sqrt(np.mean(np.square(ends)))), float(np.sqrt(total / count))
 
 
-def _seam_carrier(heights: NDArray[np.float64]) -> NDArray[np.float64]:
+def _seam_carrier(source: Source) -> Source:
     """The smoothest surface whose steps across the seam are those of the map.
 
     Notes
@@ -233,52 +241,96 @@ def _seam_carrier(heights: NDArray[np.float64]) -> NDArray[np.float64]:
     Its discrete Laplacian is that of the steps alone, of a period, and its mean is zero (Moisan
     2011, Periodic plus smooth image decomposition, eqs. 10 and 11).
     """
-    steps = np.zeros_like(heights)
-    for axis in (0, 1):
-        lines = np.moveaxis(steps, axis, 0)
-        jump = np.moveaxis(heights, axis, 0)
-        jump = jump[-1] - jump[0]
-        lines[0] += jump
-        lines[-1] -= jump
-    ny, nx = heights.shape
-    turns = np.cos(2 * np.pi * fft.fftfreq(ny))[:, None] + np.cos(2 * np.pi * fft.rfftfreq(nx))
-    laplacian = 2.0 * turns - 4.0
-    laplacian[0, 0] = 1.0
-    spectrum = fft.rfft2(steps) / laplacian
-    spectrum[0, 0] = 0.0
-    return np.asarray(fft.irfft2(spectrum, s=heights.shape))
+    (ny, nx), down, across = source.shape, source[-1] - source[0], source[:, -1] - source[:, 0]
+
+    def steps() -> Iterator[tuple[int, NDArray[np.float64]]]:
+        for begin, end, _, _ in windows(source):
+            rows = np.zeros((end - begin, nx))
+            if begin == 0:
+                rows[0] += down
+            if end == ny:
+                rows[-1] -= down
+            rows[:, 0] += across[begin:end]
+            rows[:, -1] -= across[begin:end]
+            yield begin, rows
+
+    along_y, along_x = np.cos(2 * np.pi * fft.fftfreq(ny)), np.cos(2 * np.pi * fft.rfftfreq(nx))
+
+    def share(columns: slice) -> NDArray[np.float64]:
+        laplacian = 2.0 * (along_y[:, None] + along_x[columns]) - 4.0
+        if columns.start == 0:
+            laplacian[0, 0] = np.inf
+        return np.asarray(1.0 / laplacian)
+
+    return _passed(steps(), source, True, share)
 
 
-def _cut(hm: HeightMap, lower: float, upper: float) -> NDArray[np.float64]:
+def _cut(hm: HeightMap, lower: float, upper: float) -> Source:
     """Heights of the waves between two lengths, and the mean."""
     fy, fx = _frequencies(hm)
-    frequency = np.hypot(fy[:, None], fx[None, :])
-    keep = frequency >= (1.0 - 1e-12) / upper
-    if lower > 0.0:
-        keep &= frequency <= (1.0 + 1e-12) / lower
-    keep[0, 0] = True
-    if np.count_nonzero(keep) < 2:
+    passed = 0
+
+    def share(columns: slice) -> NDArray[np.bool_]:
+        nonlocal passed
+        frequency = np.hypot(fy[:, None], fx[None, columns])
+        keep = frequency >= (1.0 - 1e-12) / upper
+        if lower > 0.0:
+            keep &= frequency <= (1.0 + 1e-12) / lower
+        if columns.start == 0:
+            keep[0, 0] = True
+        passed += int(np.count_nonzero(keep))
+        return keep
+
+    found = _passed(blocks_of(hm.source), hm.source, hm.periodic, share)
+    if passed < 2:
         raise SurfaceError(
             f"no wavelength of the map lies between {lower:g} and {upper:g} m; the map has "
             f"{2 * max(hm.spacing):.4g} to {max(hm.size) * (1 if hm.periodic else 2):.4g} m"
         )
-    return _passed(hm, keep)
+    return found
 
 
-def _smooth(hm: HeightMap, cutoff: float, filter: str) -> NDArray[np.float64]:
+def _smooth(hm: HeightMap, cutoff: float, filter: str) -> Source:
     """Heights of the long waves of a Gaussian or spline filter."""
     fy, fx = _frequencies(hm)
     if filter == "spline":
-        return spline(hm, cutoff, (fy, fx))
-    across, along = (np.exp2(-np.square(cutoff * f)) for f in (fy, fx))
-    return _passed(hm, across[:, None] * along)
+        share = spline_share(hm, cutoff, (fy, fx))
+        if not hm.periodic:
+            return free_spline(hm, cutoff, share(slice(None)))
+    else:
+        across, along = (np.exp2(-np.square(cutoff * f)) for f in (fy, fx))
+
+        def share(columns: slice) -> NDArray[np.float64]:
+            return np.asarray(across[:, None] * along[columns])
+
+    return _passed(blocks_of(hm.source), hm.source, hm.periodic, share)
 
 
-def _passed(hm: HeightMap, share: NDArray[Any]) -> NDArray[np.float64]:
-    """Heights of which a share passes of every wave of the Fourier or cosine spectrum."""
-    if hm.periodic:
-        return np.asarray(fft.irfft2(fft.rfft2(hm.heights) * share, s=hm.shape))
-    return np.asarray(fft.idctn(fft.dctn(hm.heights) * share))
+def _passed(
+    blocks: Blocks, like: Source, periodic: bool, share: Callable[[slice], NDArray[Any]]
+) -> Source:
+    """Heights of which a share passes of every wave of the Fourier or cosine spectrum: that of the
+    waves in these columns of it."""
+    (ny, nx), workers = like.shape, parallel.threads()
+    width = nx // 2 + 1 if periodic else nx
+    there, here = (fft.fft, fft.ifft) if periodic else (fft.dct, fft.idct)
+
+    def rows(heights: NDArray[Any]) -> NDArray[Any]:
+        return np.asarray((fft.rfft if periodic else fft.dct)(heights, axis=1, workers=workers))
+
+    def columns(place: slice, waves: NDArray[Any]) -> NDArray[Any]:
+        modes = there(waves, axis=0, workers=workers, overwrite_x=True) * share(place)
+        return np.asarray(here(modes, axis=0, workers=workers, overwrite_x=True))
+
+    def back(waves: NDArray[Any]) -> NDArray[Any]:
+        found = (
+            fft.irfft(waves, nx, axis=1, workers=workers)
+            if periodic
+            else fft.idct(waves, axis=1, workers=workers)
+        )
+        return np.asarray(found)
+
+    return along_both(blocks, ((ny, width), (ny, width), (ny, nx)), like, rows, columns, back)
 
 
 def _frequencies(hm: HeightMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,18 +14,21 @@ from scipy.sparse.linalg import LinearOperator, cg
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap
 
-__all__ = ["spline"]
+__all__ = ["free_spline", "spline_share"]
 
 Array = NDArray[np.float64]
 
 
-def spline(hm: HeightMap, cutoff: float, frequencies: tuple[Array, Array]) -> Array:
-    """Long waves of a map, heights [m] of shape (ny, nx).
+def spline_share(
+    hm: HeightMap, cutoff: float, frequencies: tuple[Array, Array]
+) -> Callable[[slice], Array]:
+    """Share of each wave that passes the filter of a map without a border, of those in the columns
+    of its spectrum asked for.
 
     Parameters
     ----------
     hm
-        The map, without missing points.
+        The map.
     cutoff
         Wavelength [m] of which half passes.
     frequencies
@@ -38,12 +42,11 @@ def spline(hm: HeightMap, cutoff: float, frequencies: tuple[Array, Array]) -> Ar
 
     Notes
     -----
-    w minimizes sum (z - w)^2 + sum (a_y^2 w_yy)^2 + 2 (a_y a_x w_yx)^2 + (a_x^2 w_xx)^2 over
-    second differences w_yy, w_yx, w_xx of the grid, with a = 1 / (2 sin(pi d / cutoff)) for the
-    pixel size d of each axis. A wave along an axis passes with 1 / (1 + (sin(pi d / wavelength) /
-    sin(pi d / cutoff))^4), as through the profile filter; one in another direction to the order
-    of the grid. A map that is not periodic has free ends (natural conditions), which keep planes:
-    conjugate gradients, preconditioned by the filter of the map mirrored at its border.
+    The filtered map w minimizes sum (z - w)^2 + sum (a_y^2 w_yy)^2 + 2 (a_y a_x w_yx)^2 +
+    (a_x^2 w_xx)^2 over second differences w_yy, w_yx, w_xx of the grid, with a = 1 / (2 sin(pi d /
+    cutoff)) for the pixel size d of each axis. A wave along an axis passes with 1 / (1 + (sin(pi d
+    / wavelength) / sin(pi d / cutoff))^4), as through the profile filter; one in another direction
+    to the order of the grid.
 
     References
     ----------
@@ -55,15 +58,33 @@ def spline(hm: HeightMap, cutoff: float, frequencies: tuple[Array, Array]) -> Ar
             f"a spline filter of {cutoff:g} m is shorter than two pixels; take "
             f"{2.0 * max(hm.spacing):g} m or more, or None"
         )
-    sines = [math.sin(math.pi * d / cutoff) for d in hm.spacing]
     (bend_y, bend_x) = (
-        np.square(np.sin(math.pi * d * frequency) / sine)
-        for d, frequency, sine in zip(hm.spacing, frequencies, sines, strict=True)
+        np.square(np.sin(math.pi * d * frequency) / math.sin(math.pi * d / cutoff))
+        for d, frequency in zip(hm.spacing, frequencies, strict=True)
     )
-    passed = 1.0 / (1.0 + np.square(bend_y[:, None] + bend_x))
-    if hm.periodic:
-        return np.asarray(fft.irfft2(fft.rfft2(hm.heights) * passed, s=hm.shape))
-    y, x = (0.25 / sine**2 for sine in sines)
+
+    def share(columns: slice) -> Array:
+        return np.asarray(1.0 / (1.0 + np.square(bend_y[:, None] + bend_x[columns])))
+
+    return share
+
+
+def free_spline(hm: HeightMap, cutoff: float, passed: Array) -> Array:
+    """Long waves of a map that is not periodic, heights [m] of shape (ny, nx).
+
+    Its ends are free (natural conditions), which keep planes: conjugate gradients, preconditioned
+    by the filter of the map mirrored at its border.
+
+    Parameters
+    ----------
+    hm
+        The map, without missing points.
+    cutoff
+        Wavelength [m] of which half passes.
+    passed
+        Share of each wave of its cosine spectrum that passes, see `spline_share`.
+    """
+    y, x = (0.25 / math.sin(math.pi * d / cutoff) ** 2 for d in hm.spacing)
     (slope_y, bend_y), (slope_x, bend_x) = (_differences(count) for count in hm.shape)
 
     def normal(flat: Array) -> Array:

@@ -14,7 +14,7 @@ from surfaces.files import hdf5
 from surfaces.files.stored_map import StoredMap
 from surfaces.numerics import memory, stored_array
 from surfaces.numerics.stored_array import windows
-from surfaces.preparation import filling
+from surfaces.preparation import blocks, filling
 from surfaces.preparation.levelling import FORMS
 
 SHAPE = 61, 84
@@ -139,10 +139,55 @@ def test_outliers(seed: int, gaps: int, periodic: bool) -> None:
         assert found.history[-1][key] == pytest.approx(known.history[-1][key], rel=1e-4)
 
 
-@pytest.mark.parametrize("how", ["mirror", "taper", "wrap"])
+@pytest.fixture
+def sections_of_eight_columns(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(blocks, "room_for", lambda least, _: 2 * least)
+
+
+def without_border(shape: tuple[int, int], periodic: bool) -> surfaces.HeightMap:
+    """Of an odd or even number of rows and columns."""
+    hm = measured(6).cut((0, shape[0]), (0, shape[1]))
+    return hm.replace(periodic=periodic)
+
+
+@pytest.mark.usefixtures("sections_of_eight_columns")
+@pytest.mark.parametrize("how", ["mirror", "taper", "smooth", "wrap"])
 def test_periodic(how: str) -> None:
-    hm = measured(4)
-    is_equal(surfaces.make_periodic(stored(hm), how), surfaces.make_periodic(hm, how), 1e-11)
+    for shape in (SHAPE, (60, 83)):
+        hm = without_border(shape, False)
+        is_equal(surfaces.make_periodic(stored(hm), how), surfaces.make_periodic(hm, how), 1e-11)
+
+
+@pytest.mark.usefixtures("sections_of_eight_columns")
+@pytest.mark.parametrize("kind", ["sharp", "gaussian", "spline"])
+@pytest.mark.parametrize("periodic", [True, False])
+def test_bands(kind: str, periodic: bool) -> None:
+    """S filter, L filter and both; a filter that keeps a free border takes the map whole."""
+    for shape in (SHAPE, (60, 83)):
+        hm = without_border(shape, periodic)
+        for band in ((9e-6, None), (None, 40e-6), (9e-6, 40e-6)):
+            known = surfaces.bandpass(hm, *band, filter=kind)
+            kept = stored(hm)
+            found = surfaces.bandpass(kept, *band, filter=kind)
+            assert ("heights" in vars(kept)) == (kind == "spline" and not periodic)
+            if kind != "spline" or periodic:
+                is_equal(found, known, 1e-11)
+
+
+@pytest.mark.usefixtures("sections_of_eight_columns")
+def test_no_wave_in_the_band() -> None:
+    for periodic in (True, False):
+        with pytest.raises(surfaces.SurfaceError, match="no wavelength of the map lies between"):
+            surfaces.bandpass(stored(without_border(SHAPE, periodic)), 50e-6, 50.01e-6)
+
+
+@pytest.mark.usefixtures("sections_of_eight_columns")
+def test_a_measured_map_through_all_steps(measured: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stored_array, "BLOCK_BYTES", 1 << 20)
+    hm = surfaces.read(measured / "wli_milled_a.h5")
+    steps = {"level": "plane", "bandpass": (8 * max(hm.spacing), None), "periodic": "smooth"}
+    whole, kept = (surfaces.prepare(each, fill_limit=0.5, **steps) for each in (hm, stored(hm)))
+    is_equal(kept, whole, 1e-11)
 
 
 def test_what_is_prepared_by_default(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
