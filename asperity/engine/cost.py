@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from .parts import LOADS, SIDE
+from .parts import LOADS, parts_along
 
 if TYPE_CHECKING:
     from asperity.model.plan import Plan
@@ -23,8 +23,8 @@ BEM_SECONDS = 1.0e-7, 0.5e-7
 """Seconds of boundary elements per point of a map of 512 x 512: of a curve, times the root of the
 number of its loads; and of one load without a neighbor to start from."""
 
-PARTS = 9
-"""Parts that are expected to be solved, some of them at few loads."""
+PARTS = 2.3
+"""Parts that are expected to be solved, some of them at few loads, over those along a side."""
 
 GROWTH = 0.4
 """Power of the number of points over 512 x 512 with which the seconds per point grow."""
@@ -38,12 +38,13 @@ def forecast(hm: HeightMap, plan: Plan, loads: int) -> dict[str, float]:
     -----
     Measured on two cores (docs/development/verification.md); only the ratios decide.
     """
-    points = math.prod(hm.shape)
+    points, side = math.prod(hm.shape), parts_along(hm, plan)
     model = MODEL_SECONDS[0] + MODEL_SECONDS[1] * math.prod((plan.resampled or hm).shape)
     return {
         "bem": BEM_SECONDS[0] * _unit(points) * loads**0.5,
         "anchored": model + BEM_SECONDS[1] * _unit(points) * ANCHORS,
-        "sampled": 2.0 * model + BEM_SECONDS[0] * PARTS * _unit(points / SIDE**2) * LOADS**0.5,
+        "sampled": 2.0 * model
+        + BEM_SECONDS[0] * PARTS * side * _unit(points / side**2) * LOADS**0.5,
     }
 
 

@@ -40,15 +40,16 @@ if TYPE_CHECKING:
     from asperity.trust.verified import Accuracy, Judge
     from surfaces.heightmap import HeightMap
 
-__all__ = ["can_sample", "sampled"]
+__all__ = ["can_sample", "parts_along", "sampled"]
 
 Array = NDArray[np.float64]
 
 SIDE = 4
-"""Parts along each side of a map."""
+"""Least parts along each side of a map; as many are solved at each load point."""
 
-SOLVED = 4
-"""Parts that are solved at each load point."""
+PART_POINTS, GRID_POINTS = 512, 75
+"""Points along the shorter side of a part, and of the grid that the model solves on it, of maps
+that have more than `SIDE` of such parts along a side."""
 
 LOADS = 5
 """Load points at which they are solved; between them the misfit is interpolated."""
@@ -56,16 +57,18 @@ LOADS = 5
 LEAST_SHARE = 0.02
 """Load on a part over its share of the area from which on it is solved at a load point."""
 
-LEAST_COVER = 0.1
-"""Share of the load that the parts solved at a load point carry, below which they do not tell of
-the whole."""
+LEAST_COVER = 0.4
+"""Load on the parts solved at a load point, over what as many would carry if all carried alike,
+below which they do not tell of the whole."""
 
 LEAST_POINTS = 1536
 """Points of the shorter side of a map from which on parts of it are representative."""
 
 FLOOR = 0.02, 0.04
-"""Bound of load and area beside the scatter over four parts that carry alike; half of its square is
-common to all parts (docs/development/verification.md)."""
+"""Bound of load and area beside the scatter over so many parts that carry alike; half of its square
+is common to all parts (docs/development/verification.md)."""
+
+ALIKE = 4
 
 SPARE = 1.5
 """Accuracies over these floors from which on parts are worth a try."""
@@ -125,7 +128,8 @@ def sampled(
     points = answered(model)
     error = JUDGE_SHARE * accuracy.area
     judged = _Judged(run.decomposition.material, error, progress)
-    misfit, bounds = _misfit(judged, hm, plan, model, points, _load_shares(run)[:, points])
+    shares = _load_shares(run, parts_along(hm, plan))[:, points]
+    misfit, bounds = _misfit(judged, hm, plan, model, points, shares)
     prior, _ = prior_estimates(model, points)
     bounds[1] += error + pixel_scatter(hm, model)[points]
     bounds, misfit = np.where(np.isfinite(bounds), bounds, prior), np.nan_to_num(misfit)
@@ -166,14 +170,20 @@ class _Judged:
         return np.array([model.separation - exact.separation, area, spots])
 
 
-def _load_shares(run: ContactRun) -> Array:
+def parts_along(hm: HeightMap, plan: Plan) -> int:
+    """Parts along each side of a map."""
+    grid = min((plan.resampled or hm).shape)
+    return max(SIDE, min(min(hm.shape) // PART_POINTS, grid // GRID_POINTS))
+
+
+def _load_shares(run: ContactRun, side: int) -> Array:
     """Share of the load that each part of the map carries, shape (parts, n)."""
     hm, summits = run.decomposition.hm, run.decomposition.summits
     row, column = (
-        np.floor(place * (SIDE / length)).astype(np.int64) % SIDE
+        np.floor(place * (side / length)).astype(np.int64) % side
         for place, length in zip((summits.y, summits.x), hm.size, strict=True)
     )
-    forces = [np.bincount(row * SIDE + column, each.state.force, SIDE**2) for each in run.points]
+    forces = [np.bincount(row * side + column, each.state.force, side**2) for each in run.points]
     return np.array([force / max(force.sum(), 1e-300) for force in forces]).T
 
 
@@ -197,22 +207,23 @@ def _misfit(
     costs no more than one part, the whole of that is solved too, and the parts add to it what the
     finest waves change in the separation: they do not hold the longest waves.
     """
+    side = math.isqrt(len(shares))
     chosen = np.unique(np.linspace(0, len(points) - 1, LOADS).astype(np.int64))
     shares, at = shares[:, chosen], points[chosen]
     pressure = model.mean_pressure[at]
-    local = SIDE**2 * shares * pressure
-    usable = (SIDE**2 * shares > LEAST_SHARE) & (local <= pressure[-1])
+    local = len(shares) * shares * pressure
+    usable = (len(shares) * shares > LEAST_SHARE) & (local <= pressure[-1])
     best = np.argsort(-np.where(usable, shares, 0.0).sum(axis=1), kind="stable")
     taken = np.empty_like(usable)
-    taken[best] = usable[best] & (np.cumsum(usable[best], axis=0) <= SOLVED)
+    taken[best] = usable[best] & (np.cumsum(usable[best], axis=0) <= side)
     alone = replace(plan, above=None, resampled=None, sub_contact_law=None)
     grid = plan.resampled if plan.sub_contact_law is not None else None
-    if grid is not None and math.prod(grid.shape) * SIDE**2 > math.prod(hm.shape):
+    if grid is not None and math.prod(grid.shape) * len(shares) > math.prod(hm.shape):
         grid = None
     found = np.full((*shares.shape, 3), np.nan)
     lightest = int(np.argmax(np.where(taken.any(axis=1), shares[:, 0], -1.0)))
     for place in np.flatnonzero(taken.any(axis=1)).tolist():
-        here, part = taken[place], _part(hm, place)
+        here, part = taken[place], _part(hm, place, side)
         loads, cell = local[place, here], replace(alone, boundary="periodic")
         waves = _resampled(part, plan)
         own = replace(
@@ -225,7 +236,7 @@ def _misfit(
             found[place, here, 0] -= judged(waves, cell, loads)[0]
     weights = np.where(np.isnan(found).any(axis=-1), 0.0, shares)[..., None]
     found, total = np.nan_to_num(found), weights.sum(axis=0)
-    total[total < LEAST_COVER] = np.nan
+    total[total < LEAST_COVER * side / len(shares)] = np.nan
     with np.errstate(invalid="ignore"):
         misfit = (weights * found).sum(axis=0) / total
         scatter = np.sqrt((weights * (found - misfit) ** 2).sum(axis=0) / total)
@@ -234,7 +245,7 @@ def _misfit(
         misfit[:, 0] += judged(grid, alone, pressure)[0]
     for each in (misfit, scatter):
         each[:, 0] *= model.stiffness[at] / pressure
-    bounds = scatter[:, :2] + np.sqrt(0.5 + 0.5 * SOLVED / number) * FLOOR
+    bounds = scatter[:, :2] + np.sqrt(0.5 + 0.5 * ALIKE / number) * FLOOR
     position = np.log(model.mean_pressure[points])
     misfit, bounds = (
         np.array([np.interp(position, position[chosen], column) for column in each.T])
@@ -243,11 +254,11 @@ def _misfit(
     return misfit, bounds
 
 
-def _part(hm: HeightMap, place: int) -> HeightMap:
+def _part(hm: HeightMap, place: int, side: int) -> HeightMap:
     """One part of a map about its mean height, made periodic."""
     rows, columns = (
-        (n * k // SIDE, n * (k + 1) // SIDE)
-        for n, k in zip(hm.shape, divmod(place, SIDE), strict=True)
+        (n * k // side, n * (k + 1) // side)
+        for n, k in zip(hm.shape, divmod(place, side), strict=True)
     )
     return make_periodic(hm.cut(rows, columns), "smooth").about_mean
 

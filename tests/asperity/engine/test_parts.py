@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -155,9 +157,38 @@ def test_loads_are_shared_out():
     """The shares of the parts make up the load; a map whose hill is in one part puts all there."""
     for each, lone in ((waves(), False), (hill(), True)):
         run = asperity.solve_contacts(each, BODY, pressures=default_pressures(each, BODY, 3))
-        shares = parts._load_shares(run)
-        np.testing.assert_allclose(shares.sum(axis=0), 1.0, rtol=1e-12)
+        for side in (4, 8):
+            shares = parts._load_shares(run, side)
+            assert shares.shape == (side**2, 3)
+            np.testing.assert_allclose(shares.sum(axis=0), 1.0, rtol=1e-12)
+        shares = parts._load_shares(run, 4)
         assert (shares[4 * 1 + 2, 0] == pytest.approx(1.0)) == lone
+
+
+def test_parts_hold_as_many_points_of_the_grid_whatever_the_map():
+    """A map that is solved on a coarse grid has no more parts than that grid can be cut into."""
+    for points, grid, side in (
+        (1536, None, 4),
+        (4096, None, 8),
+        (16384, None, 32),
+        (16384, 300, 4),
+        (16384, 1200, 16),
+        (4096, 1200, 8),
+    ):
+        hm = SimpleNamespace(shape=(points, 2 * points))
+        plan = SimpleNamespace(resampled=grid and SimpleNamespace(shape=(grid, 2 * grid)))
+        assert parts.parts_along(hm, plan) == side
+
+
+def test_bounds_hold_with_more_parts(monkeypatch):
+    monkeypatch.setattr(parts, "PART_POINTS", 100)
+    hm = waves(cutoff=4.0, rolloff=20.0)
+    loads = default_pressures(hm, BODY, 8)
+    curve = asperity.solve(hm, BODY, pressures=loads, engine="sampled")
+    true = truth(hm, BODY, loads)
+    assert parts.parts_along(hm, SimpleNamespace(resampled=None)) == 5
+    assert curve.verification["engine"] == "sampled"
+    assert (off(curve, true) <= bounds(curve) + bounds(true)).all()
 
 
 @pytest.mark.parametrize(
