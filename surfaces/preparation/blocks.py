@@ -28,6 +28,7 @@ def along_both(
     rows: Change,
     columns: Callable[[slice, NDArray[Any]], NDArray[Any]],
     back: Change,
+    tallest: int = 0,
 ) -> Source:
     """An array changed along its rows, then along its columns, then along its rows again; on disk
     if another is, and then by sections of columns.
@@ -44,6 +45,8 @@ def along_both(
         Change whole rows.
     columns
         Changes whole columns, those of the slice.
+    tallest
+        Elements of a column while it is changed, if more than before and after.
 
     Raises
     ------
@@ -57,7 +60,7 @@ def along_both(
         found = back(changed)
         found.setflags(write=False)
         return found
-    tall = _WORK * max(count, made)
+    tall = _WORK * max(count, made, tallest)
     room = room_for(4 * tall, f"a filter of {count} x {width} waves")
     before: Sections | None = None
     for first, block in blocks:

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_map
+from surfaces.numerics import parallel
+from surfaces.numerics.stored_array import Source, array_of, windows
+from surfaces.preparation.blocks import Blocks, along_both, blocks_of
+
+from .heights import extent
+from .rows import over_present
 
 __all__ = ["THRESHOLD", "Autocorrelation", "Texture", "autocorrelation", "texture"]
+
+Array = NDArray[np.float64]
 
 THRESHOLD = 0.2
 """Correlation at which Sal and Str are read (ISO 25178-2)."""
@@ -29,7 +38,7 @@ class Autocorrelation:
     lag_y, lag_x
         Shifts [m], shape (my,), (mx,), zero in the middle.
     value
-        Correlation, 1 without shift [-], shape (my, mx).
+        Correlation, 1 without shift [-], shape (my, mx); stays on disk if the map does.
 
     Examples
     --------
@@ -42,7 +51,7 @@ class Autocorrelation:
 
     lag_y: NDArray[np.float64]
     lag_x: NDArray[np.float64]
-    value: NDArray[np.float64]
+    value: Source
 
 
 @dataclass(frozen=True)
@@ -107,25 +116,29 @@ def autocorrelation(hm: HeightMap) -> Autocorrelation:
     ((33, 49), '1.00')
     """
     require_map(hm)
-    present = np.isfinite(hm.heights)
-    z = np.where(present, hm.heights - np.nanmean(hm.heights), 0.0)
-    variance = float(np.sum(z * z)) / np.count_nonzero(present)
-    if variance == 0.0:
-        raise SurfaceError("the map is constant; it has no autocorrelation")
+    found = extent(hm)
+    variance = sum(over_present(lambda z: float(np.sum((z - found.mean) ** 2)), hm)) / found.count
     shape = hm.shape if hm.periodic else tuple(fft.next_fast_len(2 * n, True) for n in hm.shape)
-    products = _correlated(z, shape)
-    half_y, half_x = hm.shape[0] // 2, hm.shape[1] // 2
-    rows, columns = np.arange(-half_y, half_y + 1), np.arange(-half_x, half_x + 1)
-    lag_y, lag_x = rows.astype(np.float64), columns.astype(np.float64)
-    inside = np.ix_(rows % shape[0], columns % shape[1])
-    if not present.all():
-        pairs = np.maximum(_correlated(present.astype(np.float64), shape)[inside], 1.0)
-    elif hm.periodic:
-        pairs = np.array(float(present.size))
-    else:
-        pairs = np.outer(hm.shape[0] - np.abs(rows), hm.shape[1] - np.abs(columns))
-    value = products[inside] / pairs / variance
-    return Autocorrelation(lag_y * hm.spacing[0], lag_x * hm.spacing[1], value)
+    lags = tuple(np.arange(-(n // 2), n // 2 + 1) for n in hm.shape)
+    products = _correlated(hm, lambda z: np.where(np.isfinite(z), z - found.mean, 0.0), shape, lags)
+    pairs: Source | None = None
+    if hm.missing:
+        pairs = _correlated(hm, lambda z: np.isfinite(z).astype(np.float64), shape, lags)
+    pairs_y, pairs_x = (
+        np.full(lag.size, float(n)) if hm.periodic else n - np.abs(lag)
+        for n, lag in zip(hm.shape, lags, strict=True)
+    )
+
+    def values() -> Blocks:
+        for begin, end, rows, _ in windows(products):
+            number = np.outer(pairs_y[begin:end], pairs_x)
+            if pairs is not None:
+                number = np.maximum(pairs[begin:end], 1.0)
+            yield begin, rows / (number * variance)
+
+    dy, dx = hm.spacing
+    value = array_of(values(), products.shape, products)
+    return Autocorrelation(lags[0].astype(np.float64) * dy, lags[1].astype(np.float64) * dx, value)
 
 
 def texture(correlation: Autocorrelation) -> Texture:
@@ -139,8 +152,6 @@ def texture(correlation: Autocorrelation) -> Texture:
     >>> found.shortest < found.longest
     True
     """
-    from scipy.ndimage import map_coordinates
-
     lag_y, lag_x, value = correlation.lag_y, correlation.lag_x, correlation.value
     dy, dx = lag_y[1] - lag_y[0], lag_x[1] - lag_x[0]
     reach = min(lag_y[-1], lag_x[-1])
@@ -148,7 +159,7 @@ def texture(correlation: Autocorrelation) -> Texture:
     angles = np.arange(_ANGLES) * np.pi / _ANGLES
     rows = (np.outer(np.sin(angles), steps) - lag_y[0]) / dy
     columns = (np.outer(np.cos(angles), steps) - lag_x[0]) / dx
-    along = map_coordinates(value, [rows, columns], order=1, mode="nearest")
+    along = _read_at(value, rows.ravel(), columns.ravel()).reshape(rows.shape)
     below = along <= THRESHOLD
     crossed = below.any(axis=1)
     first = np.maximum(below.argmax(axis=1), 1)
@@ -166,8 +177,44 @@ def texture(correlation: Autocorrelation) -> Texture:
     )
 
 
-def _correlated(z: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """Sum of the products of `z` with itself at every shift, padded to `shape`."""
-    modes = fft.rfft2(z, s=shape)
-    power = np.square(modes.real) + np.square(modes.imag)
-    return np.asarray(fft.irfft2(power, s=shape))
+def _read_at(value: Source, rows: Array, columns: Array) -> Array:
+    """Linear interpolation at points of an array, in units of its elements."""
+    from scipy.ndimage import map_coordinates
+
+    order = np.argsort(rows, kind="stable")
+    found = np.empty(rows.size)
+    for begin, end, window, _ in windows(value, below=1):
+        here = order[slice(*np.searchsorted(rows, (begin, end), sorter=order))]
+        places = [rows[here] - begin, columns[here]]
+        found[here] = map_coordinates(window, places, order=1, mode="nearest")
+    return found
+
+
+def _correlated(
+    hm: HeightMap,
+    change: Callable[[Array], Array],
+    shape: tuple[int, ...],
+    lags: tuple[NDArray[np.int64], ...],
+) -> Source:
+    """Sum of the products of the heights, changed and padded to `shape`, with themselves at these
+    lags, an array like the heights."""
+    workers = parallel.threads()
+
+    def products(_: slice, modes: NDArray[Any]) -> NDArray[Any]:
+        modes = fft.fft(modes, shape[0], axis=0, workers=workers)
+        power = np.square(modes.real) + np.square(modes.imag)
+        return np.asarray(fft.ifft(power, axis=0, workers=workers)[lags[0] % shape[0]])
+
+    return along_both(
+        blocks_of(hm.source),
+        (
+            (hm.shape[0], shape[1] // 2 + 1),
+            (lags[0].size, shape[1] // 2 + 1),
+            (lags[0].size, lags[1].size),
+        ),
+        hm.source,
+        lambda rows: fft.rfft(change(rows), shape[1], workers=workers),
+        products,
+        lambda modes: fft.irfft(modes, shape[1], workers=workers)[:, lags[1] % shape[1]],
+        tallest=shape[0],
+    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Protocol, TypeVar
 
@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_full, require_map
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import room_for
-from surfaces.numerics.stored_array import Sections, spans
+from surfaces.numerics.stored_array import Sections, spans, windows
 from surfaces.preparation.levelling import level
 
 from .heights import extent
@@ -69,39 +68,41 @@ def density_of(hm: HeightMap) -> Density:
     Parameters
     ----------
     hm
-        The map, without missing points; one on disk must be periodic.
+        The map, without missing points.
 
     Raises
     ------
     SurfaceError
-        If points are missing, or a map on disk is not periodic.
+        If points are missing, or the disk has no room for a map on disk.
     InputError
         If the memory is too little.
     """
     require_map(hm)
-    if in_memory(hm):
-        return _whole(hm)
-    if not hm.periodic:
-        raise SurfaceError(
-            "the map is not periodic, and a spectrum by blocks needs a periodic one: raise the "
-            "limit of memory (--memory), or crop the map"
-        )
     require_full(hm, "a power spectrum")
-    (ny, nx), mean = hm.shape, extent(hm).mean
-    room = room_for(4 * _WORK * ny, f"the spectrum of {ny} x {nx} points")
-    modes = Sections((ny, nx // 2 + 1), room // (_WORK * ny), np.complex128)
-    row = 0
-    for block in rows_of(hm):
-        modes.write_rows(row, fft.rfft(block - mean, workers=parallel.threads()))
-        row += len(block)
-    return _OnDisk(hm, modes)
+    hann = not hm.periodic
+    source = level(hm, "plane") if hann else hm
+    if in_memory(hm):
+        return _whole(source, hann)
+    (ny, nx), workers = hm.shape, parallel.threads()
+    modes = Sections((ny, nx // 2 + 1), _width(ny, nx), np.complex128)
+    mean, along_y, along_x = extent(hm).mean, np.ones(ny), np.ones(nx)
+    if hann:
+        along_y, along_x = _hann(ny), _hann(nx)
+        weighted = (
+            float(along_y[begin:end] @ (rows @ along_x))
+            for begin, end, rows, _ in windows(source.source)
+        )
+        mean = sum(weighted) / float(along_y.sum() * along_x.sum())
+    for begin, end, rows, _ in windows(source.source):
+        windowed = (rows - mean) * along_y[begin:end, None] * along_x
+        modes.write_rows(begin, fft.rfft(windowed, overwrite_x=True, workers=workers))
+    return _OnDisk(source, hann, modes)
 
 
 @dataclass(frozen=True)
 class _InMemory:
     source: HeightMap
     hann: bool
-    heights: Array = field(repr=False)
     density: Array = field(repr=False)
 
     def sections(self) -> Iterator[list[tuple[slice, Array]]]:
@@ -110,18 +111,14 @@ class _InMemory:
     def along(self, axis: int) -> Array | None:
         if not self.hann:
             return None
-        count, step = self.source.shape[axis], self.source.spacing[axis]
-        lines, window = np.moveaxis(self.heights, axis, -1), _hann(count)
-        lines = (lines - (lines @ window / window.sum())[:, None]) * window
-        modes = np.abs(fft.rfft(lines, axis=-1)) ** 2
-        return np.asarray(modes.mean(axis=0) * step / count)
+        return _along(axis, self.source, [np.moveaxis(self.source.heights, axis, -1)])
 
 
 @dataclass(frozen=True)
 class _OnDisk:
     source: HeightMap
+    hann: bool
     modes: Sections
-    hann: bool = False
 
     def sections(self) -> Iterator[list[tuple[slice, Array]]]:
         workers = parallel.threads()
@@ -133,19 +130,41 @@ class _OnDisk:
                 (slice(left + a, left + b), _squared(modes[:, a:b], self.source)) for a, b in parts
             ]
 
-    def along(self, axis: int) -> None:
-        return None
+    def along(self, axis: int) -> Array | None:
+        if not self.hann:
+            return None
+        if axis == 1:
+            return _along(axis, self.source, rows_of(self.source))
+        columns = Sections(self.source.shape, _width(*self.source.shape), np.float64)
+        for begin, _, rows, _ in windows(self.source.source):
+            columns.write_rows(begin, rows)
+        sections = (columns.read(section).T for section in range(len(columns.columns)))
+        return _along(axis, self.source, sections)
 
 
-def _whole(hm: HeightMap) -> _InMemory:
-    require_full(hm, "a power spectrum")
-    hann = not hm.periodic
-    heights = level(hm, "plane").heights if hann else hm.heights - hm.heights.mean()
-    windowed = heights
+def _whole(source: HeightMap, hann: bool) -> _InMemory:
+    heights = source.heights
     if hann:
-        window = _hann(hm.shape[0])[:, None] * _hann(hm.shape[1])[None, :]
+        window = _hann(source.shape[0])[:, None] * _hann(source.shape[1])[None, :]
         windowed = (heights - np.sum(window * heights) / np.sum(window)) * window
-    return _InMemory(hm, hann, heights, _squared(fft.rfft2(windowed), hm))
+    else:
+        windowed = heights - heights.mean()
+    return _InMemory(source, hann, _squared(fft.rfft2(windowed), source))
+
+
+def _width(ny: int, nx: int) -> int:
+    """Columns of a section of a map on disk."""
+    return room_for(4 * _WORK * ny, f"the spectrum of {ny} x {nx} points") // (_WORK * ny)
+
+
+def _along(axis: int, source: HeightMap, blocks: Iterable[Array]) -> Array:
+    """Mean density [m^3] of windowed profiles along an axis, the rows of some blocks."""
+    count, step = source.shape[axis], source.spacing[axis]
+    window, total = _hann(count), np.zeros(count // 2 + 1)
+    for block in blocks:
+        lines = (block - (block @ window / window.sum())[:, None]) * window
+        total += (np.abs(fft.rfft(lines, axis=-1)) ** 2).sum(axis=0)
+    return np.asarray(total * step / (count * source.shape[1 - axis]))
 
 
 def _squared(modes: NDArray[np.complex128], hm: HeightMap) -> Array:

@@ -21,7 +21,6 @@ from .direction import texture_direction
 from .features import FEATURES, features
 from .heights import extent, height_parameters
 from .parameters import PARAMETERS
-from .rows import in_memory
 from .spectrum import SpectralMoments, spectrum_of
 from .spectrum_fit import SpectrumFit, fit_spectrum
 
@@ -50,7 +49,7 @@ class Statistics:
         Spd, Svd [1/m^2], Spc, Svc [1/m], S5p, S5v, S10z [m], Sha, Sda [m^2], Shv, Sdv [m^3]
         (clause 5), see `features.features`; NaN if points are missing.
     texture
-        Sal, Str and the lay; None of a map on disk.
+        Sal, Str and the lay.
     moments
         Spectral moments (slope, curvature and Nayak parameter among them); None if points are
         missing.
@@ -74,7 +73,7 @@ class Statistics:
     hybrid: dict[str, float]
     functional: dict[str, float]
     features: dict[str, float]
-    texture: Texture | None
+    texture: Texture
     moments: SpectralMoments | None
     fit: SpectrumFit | None
     missing: float
@@ -144,8 +143,7 @@ def describe(hm: HeightMap, *, wolf: float = 5.0) -> Statistics:
         The map. With missing points the spectral and the feature parameters are left out. Of a map
         on disk (`surfaces.SurfaceFile.on_disk`) no more than some blocks are held in memory, and
         the numbers are those of the map in memory, but for rounding; volumes of the functional
-        parameters to the share of points between two of 2^20 levels times their distance. Texture
-        and feature parameters are left out, and spectral ones if it is not periodic.
+        parameters to the share of points between two of 2^20 levels times their distance.
     wolf
         Smallest height of a hill above its saddle, and depth of a dale, in percent of Sz, for the
         feature parameters (Wolf pruning, 5 % in ISO 25178-3).
@@ -172,22 +170,17 @@ def describe(hm: HeightMap, *, wolf: float = 5.0) -> Statistics:
     heights, hybrid, curve = height_parameters(hm, found), differences(hm), bearing_curve(hm)
     points = hm.shape[0] * hm.shape[1]
     missing = (points - found.count) / points
-    moments, fit, lay, hills = None, None, None, dict.fromkeys(FEATURES, math.nan)
-    spatial = dict.fromkeys(("Sal", "Str", "Std", "lay"), math.nan)
+    moments, fit, hills = None, None, dict.fromkeys(FEATURES, math.nan)
     warnings = [*tilt_warning(hm, _TILTED), *unit_warning(hybrid["Sdq"])]
     if missing:
         warnings.append(
             f"{100 * missing:.3g} % of the points are missing: no spectrum and features; fill them"
         )
-    if in_memory(hm):
-        lay = texture(autocorrelation(hm))
-        spatial |= {"Sal": lay.shortest, "Str": lay.aspect, "lay": math.degrees(lay.direction)}
-        if not missing:
-            hills = features(hm, wolf)
-    else:
-        warnings.append("read by blocks: no texture and features, which need all heights at once")
-    if not missing and (lay or hm.periodic):
-        waves = density_of(hm)
+    lay = texture(autocorrelation(hm))
+    spatial = {"Sal": lay.shortest, "Str": lay.aspect, "Std": math.nan}
+    spatial["lay"] = math.degrees(lay.direction)
+    if not missing:
+        hills, waves = features(hm, wolf), density_of(hm)
         spectrum = spectrum_of(waves)
         spatial["Std"] = math.degrees(texture_direction(waves))
         moments = spectrum.moments
@@ -196,9 +189,7 @@ def describe(hm: HeightMap, *, wolf: float = 5.0) -> Statistics:
             fit = fit_spectrum(spectrum)
         except SurfaceError as error:
             warnings.append(f"no self-affine fit: {error}")
-    elif not missing:
-        warnings.append("read by blocks: no spectrum of a map that is not periodic")
-    if lay is not None and lay.bounded:
+    if lay.bounded:
         warnings.append("the correlation does not fall off within half the map: Str is a bound")
     return Statistics(
         heights=heights,

@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from surfaces.heightmap import HeightMap, require_full
+from surfaces.numerics.stored_array import each_block, windows
 from surfaces.peaks.peaks import Peaks
 from surfaces.peaks.segmentation import segment
+
+from .heights import extent
 
 __all__ = ["FEATURES", "features"]
 
@@ -41,25 +44,30 @@ def features(hm: HeightMap, wolf: float) -> dict[str, float]:
     """
     require_full(hm, "feature parameters")
     density, curvature, height, area, volume = _motifs(hm, wolf)
-    pits, bend, depth, space, void = _motifs(hm.replace(heights=-hm.heights), wolf)
+    upside_down = hm.replace(heights=each_block(hm.source, np.negative))
+    pits, bend, depth, space, void = _motifs(upside_down, wolf)
     values = (density, pits, curvature, -bend, height, depth, height + depth)
     return dict(zip(FEATURES, (*values, area, space, volume, void), strict=True))
 
 
 def _motifs(hm: HeightMap, wolf: float) -> tuple[float, float, float, float, float]:
     """Density, mean curvature, mean of the highest five, and mean area and volume of the hills."""
-    peaks = segment(hm, wolf=wolf)
+    peaks, heights = segment(hm, wolf=wolf), extent(hm)
     closed = ~peaks.border
     saddle = np.full(len(peaks), -np.inf)
     np.maximum.at(saddle, peaks.neighbors, peaks.passes[:, None])
-    saddle[np.isinf(saddle)] = hm.heights.min()
-    above = np.maximum(hm.heights - saddle[peaks.labels], 0.0)
-    volume = np.bincount(peaks.labels.ravel(), above.ravel()) * (hm.area / hm.heights.size)
+    saddle[np.isinf(saddle)] = heights.lowest
+    volume = np.zeros(len(peaks))
+    for begin, end, rows, _ in windows(hm.source):
+        labels = peaks.labels[begin:end]
+        above = np.maximum(rows - saddle[labels], 0.0)
+        volume += np.bincount(labels.ravel(), above.ravel(), len(peaks))
+    volume *= hm.area / hm.source.size
     some = bool(closed.any())
     return (
         len(peaks) / hm.area,
         _curvature(hm, peaks),
-        float(peaks.height[:_TOP].mean() - hm.heights.mean()),
+        float(peaks.height[:_TOP].mean() - heights.mean),
         float(peaks.basin_area[closed].mean()) if some else np.nan,
         float(volume[closed].mean()) if some else np.nan,
     )
@@ -73,7 +81,7 @@ def _curvature(hm: HeightMap, peaks: Peaks) -> float:
         row, col = row[inside], col[inside]
     if not row.size:
         return np.nan
-    z = hm.heights
+    z = hm.source
     bend_y = 2.0 * z[row, col] - z[row - 1, col] - z[(row + 1) % ny, col]
     bend_x = 2.0 * z[row, col] - z[row, col - 1] - z[row, (col + 1) % nx]
     return float(0.5 * np.mean(bend_y / dy**2 + bend_x / dx**2))
