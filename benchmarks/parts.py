@@ -89,11 +89,12 @@ def judge(points: int, seed: int) -> list[np.ndarray]:
         bound = np.array([curve.error_estimate, curve.extra["area_error_estimate"]])
         bound += [true.error_estimate, true.extra["area_error_estimate"]]
         found.append(np.abs(off) / bound)
-        load, area = np.max(np.abs(off), axis=1)
-        anchors = len(curve.verification["anchors"])
-        print(
-            f"{name}: off by {load:.3f}, {area:.3f}; {anchors} points by boundary elements of all"
+        worst = " ".join(
+            f"{error:.3f} ({share:.2f} of its bound)"
+            for error, share in zip(np.abs(off).max(axis=1), found[-1].max(axis=1), strict=True)
         )
+        anchors = len(curve.verification["anchors"])
+        print(f"{name}: off by {worst}; {anchors} points by boundary elements of all", flush=True)
     return found
 
 

@@ -19,7 +19,6 @@ from asperity.halfspace.checks import model_warnings
 from asperity.multiscale.wave_split import random_waves
 from asperity.parameters import DEFAULTS
 from asperity.trust.verified import (
-    JUDGE_SHARE,
     answered,
     corrected,
     pixel_scatter,
@@ -51,7 +50,11 @@ PART_POINTS, GRID_POINTS = 512, 75
 """Points along the shorter side of a part, and of the grid that the model solves on it, of maps
 that have more than `SIDE` of such parts along a side."""
 
-LOADS = 5
+PART_SHARE = 0.05
+"""Error of the area by boundary elements on a part over the accuracy asked for: less than that of
+anchors, as it widens the bounds of all load points."""
+
+LOADS = 4
 """Load points at which they are solved; between them the misfit is interpolated."""
 
 LEAST_SHARE = 0.02
@@ -126,7 +129,7 @@ def sampled(
     """
     model = run.curve
     points = answered(model)
-    error = JUDGE_SHARE * accuracy.area
+    error = PART_SHARE * accuracy.area
     judged = _Judged(run.decomposition.material, error, progress)
     shares = _load_shares(run, parts_along(hm, plan))[:, points]
     misfit, bounds = _misfit(judged, hm, plan, model, points, shares)
