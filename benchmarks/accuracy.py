@@ -196,6 +196,14 @@ def rows_of(
     return table | {name: np.asarray(v).tolist() for name, v in same.extra.items()}
 
 
+def extend(table: dict[str, list], more: dict[str, list]) -> None:
+    """Add rows to a table; columns that one of them lacks (plastic shares of an elastic body, say)
+    are NaN there."""
+    held, new = (len(columns.get("seed", [])) for columns in (table, more))
+    for column in table | more:
+        table[column] = table.get(column, [np.nan] * held) + more.get(column, [np.nan] * new)
+
+
 def families(seed: int, args: argparse.Namespace) -> dict[str, Callable[[], Scene]]:
     """The families of one seed, or the maps that resemble measured ones."""
     if args.measured_like:
@@ -314,10 +322,8 @@ def main() -> None:
                 body = asperity.HalfSpace.from_modulus(1.0, m=m, hardness=hard)
             found = rows_of(name, seed, hm, body, boundary, args)
             found["hardness"] = [hardness] * len(found["seed"])
-            for column, values in found.items():
-                table.setdefault(column, []).extend(values)
-        for column, values in table.items():
-            collected.setdefault(column, []).extend(values)
+            extend(table, found)
+        extend(collected, table)
         light = np.array(table["area_fraction"]) < LIGHT
         lines = {
             column: np.array(table[column])
