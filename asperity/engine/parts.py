@@ -201,8 +201,9 @@ def _misfit(
     """Misfit of the model on the map, from parts of it that carry these shares of the load.
 
     Returns the logarithms of load, area and number of spots of the model over boundary elements,
-    shape (3, n), and bounds of the first two, shape (2, n): their standard deviation over the parts
-    and the floor, larger where few parts carry the load; NaN where no part tells them.
+    shape (3, n), and bounds of the first two, shape (2, n): their standard deviation over the
+    parts, the floor, larger where few parts carry the load, and the error of interpolation; NaN
+    where no part tells them.
 
     A part is loaded as the model loads it on the whole map, and solved by the plan of the whole
     map: of those no heavier than the heaviest load point these that carry most. Where the finest
@@ -250,11 +251,26 @@ def _misfit(
         each[:, 0] *= model.stiffness[at] / pressure
     bounds = scatter[:, :2] + np.sqrt(0.5 + 0.5 * ALIKE / number) * FLOOR
     position = np.log(model.mean_pressure[points])
+    bend = _bend(position, position[chosen], misfit[:, :2])
     misfit, bounds = (
         np.array([np.interp(position, position[chosen], column) for column in each.T])
         for each in (misfit, bounds)
     )
-    return misfit, bounds
+    return misfit, bounds + bend
+
+
+def _bend(position: Array, nodes: Array, values: Array) -> Array:
+    """Error of linear interpolation between nodes, shape (2, n): that of parabolas through three of
+    them; zero where too few have values, shape (nodes, 2)."""
+    if len(nodes) < 3:
+        return np.zeros((2, len(position)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slope = np.diff(values, axis=0) / np.diff(nodes)[:, None]
+        curvature = np.abs(np.diff(slope, axis=0)) / (nodes[2:] - nodes[:-2])[:, None]
+    curvature = np.pad(np.where(np.isfinite(curvature), curvature, 0.0), ((1, 1), (0, 0)), "edge")
+    after = np.clip(np.searchsorted(nodes, position, side="right"), 1, len(nodes) - 1)
+    steps = (position - nodes[after - 1]) * (nodes[after] - position)
+    return np.asarray((np.maximum(curvature[after - 1], curvature[after]) * steps[:, None]).T)
 
 
 def _part(hm: HeightMap, place: int, side: int) -> HeightMap:
