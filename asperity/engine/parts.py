@@ -68,10 +68,11 @@ LEAST_POINTS = 1536
 """Points of the shorter side of a map from which on parts of it are representative."""
 
 FLOOR = 0.02, 0.04
-"""Bound of load and area beside the scatter over so many parts that carry alike; half of its square
+"""Bound of load and area beside the scatter over `ALIKE` parts that carry alike; half of its square
 is common to all parts (docs/development/verification.md)."""
 
 ALIKE = 4
+"""Parts that carry alike, over whose scatter `FLOOR` is the bound."""
 
 SPARE = 1.5
 """Accuracies over these floors from which on parts are worth a try."""

@@ -131,8 +131,9 @@ def autocorrelation(hm: HeightMap) -> Autocorrelation:
 
     def values() -> Blocks:
         for begin, end, rows, _ in windows(products):
-            number = np.outer(pairs_y[begin:end], pairs_x)
-            if pairs is not None:
+            if pairs is None:
+                number = np.outer(pairs_y[begin:end], pairs_x)
+            else:
                 number = np.maximum(pairs[begin:end], 1.0)
             yield begin, rows / (number * variance)
 

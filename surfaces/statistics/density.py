@@ -13,10 +13,10 @@ from scipy import fft
 from surfaces.heightmap import HeightMap, require_full, require_map
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import room_for
-from surfaces.numerics.stored_array import Sections, spans, windows
+from surfaces.numerics.stored_array import Sections, spans
+from surfaces.preparation.blocks import blocks_of
 from surfaces.preparation.levelling import level
 
-from .heights import extent
 from .rows import in_memory, rows_of
 
 __all__ = ["Density", "density_of", "over_sections", "wave_numbers"]
@@ -85,16 +85,14 @@ def density_of(hm: HeightMap) -> Density:
         return _whole(source, hann)
     (ny, nx), workers = hm.shape, parallel.threads()
     modes = Sections((ny, nx // 2 + 1), _width(ny, nx), np.complex128)
-    mean, along_y, along_x = extent(hm).mean, np.ones(ny), np.ones(nx)
-    if hann:
-        along_y, along_x = _hann(ny), _hann(nx)
-        weighted = (
-            float(along_y[begin:end] @ (rows @ along_x))
-            for begin, end, rows, _ in windows(source.source)
-        )
-        mean = sum(weighted) / float(along_y.sum() * along_x.sum())
-    for begin, end, rows, _ in windows(source.source):
-        windowed = (rows - mean) * along_y[begin:end, None] * along_x
+    along_y, along_x = (_hann(n) if hann else np.ones(n) for n in hm.shape)
+    weighted = (
+        float(along_y[begin : begin + len(rows)] @ (rows @ along_x))
+        for begin, rows in blocks_of(source.source)
+    )
+    mean = sum(weighted) / float(along_y.sum() * along_x.sum())
+    for begin, rows in blocks_of(source.source):
+        windowed = (rows - mean) * along_y[begin : begin + len(rows), None] * along_x
         modes.write_rows(begin, fft.rfft(windowed, overwrite_x=True, workers=workers))
     return _OnDisk(source, hann, modes)
 
@@ -136,7 +134,7 @@ class _OnDisk:
         if axis == 1:
             return _along(axis, self.source, rows_of(self.source))
         columns = Sections(self.source.shape, _width(*self.source.shape), np.float64)
-        for begin, _, rows, _ in windows(self.source.source):
+        for begin, rows in blocks_of(self.source.source):
             columns.write_rows(begin, rows)
         sections = (columns.read(section).T for section in range(len(columns.columns)))
         return _along(axis, self.source, sections)
