@@ -9,8 +9,6 @@ from surfaces.numerics.stored_array import each_block, windows
 from surfaces.peaks.peaks import Peaks
 from surfaces.peaks.segmentation import segment
 
-from .heights import extent
-
 __all__ = ["FEATURES", "features"]
 
 FEATURES = ("Spd", "Svd", "Spc", "Svc", "S5p", "S5v", "S10z", "Sha", "Sda", "Shv", "Sdv")
@@ -52,7 +50,7 @@ def features(hm: HeightMap, wolf: float) -> dict[str, float]:
 
 def _motifs(hm: HeightMap, wolf: float) -> tuple[float, float, float, float, float]:
     """Density, mean curvature, mean of the highest five, and mean area and volume of the hills."""
-    peaks, heights = segment(hm, wolf=wolf), extent(hm)
+    peaks, heights = segment(hm, wolf=wolf), hm.roughness
     closed = ~peaks.border
     saddle = np.full(len(peaks), -np.inf)
     np.maximum.at(saddle, peaks.neighbors, peaks.passes[:, None])
