@@ -250,7 +250,8 @@ def _misfit(
         misfit[:, 0] += judged(grid, alone, pressure)[0]
     for each in (misfit, scatter):
         each[:, 0] *= model.stiffness[at] / pressure
-    bounds = scatter[:, :2] + np.sqrt(0.5 + 0.5 * ALIKE / number) * FLOOR
+    few = ALIKE / number
+    bounds = scatter[:, :2] + np.sqrt(0.5 + 0.5 * few * np.maximum(few, 1.0)) * FLOOR
     position = np.log(model.mean_pressure[points])
     bend = _bend(position, position[chosen], misfit[:, :2])
     misfit, bounds = (
