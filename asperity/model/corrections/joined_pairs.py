@@ -1,4 +1,4 @@
-"""Two contacts that join while they carry much of the load: they are pressed as one."""
+"""Contacts that join while they carry much of the load: they are pressed as one."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def join(
 ) -> tuple[Summits, Array, Array]:
     """Summits of which those whose contacts join while they carry much of the load are one.
 
-    Pairs that cannot be pressed as one, as they reach too far, stay apart.
+    Of a group that reaches too far to be pressed as one, the pairs that join last stay apart.
 
     Returns
     -------
@@ -37,17 +37,18 @@ def join(
         their moments.
     """
     pairs, approach, low = _joining(summits, shares, parameters)
-    if not len(pairs):
-        return summits, summits.curvature, summits.angle
-    one = summits.joined(pairs, low)
-    roots, slot = np.unique(one.owner[pairs[:, 0]], return_inverse=True)
-    depth = np.zeros(len(roots))
-    np.maximum.at(depth, slot, approach.max(axis=1))
-    found = press(one, roots, depth[:, None] * np.array([1.0, 2.0]), material)[:, -1]
-    pressed = found[:, 0] > 0.0
-    if not pressed.all():
-        one = summits.joined(pairs[pressed[slot]], low[pressed[slot]])
-    return one, *_forms(one, roots[pressed], found[pressed, 4:7].T)
+    while len(pairs):
+        one = summits.joined(pairs, low)
+        roots, slot = np.unique(one.owner[pairs[:, 0]], return_inverse=True)
+        depth = np.zeros(len(roots))
+        np.maximum.at(depth, slot, approach.max(axis=1))
+        found = press(one, roots, depth[:, None] * np.array([1.0, 2.0]), material)[:, -1]
+        far = found[:, 0] == 0.0
+        if not far.any():
+            return one, *_forms(one, roots, found[:, 4:7].T)
+        kept = ~far[slot] | (approach.max(axis=1) < depth[slot])
+        pairs, approach, low = pairs[kept], approach[kept], low[kept]
+    return summits, summits.curvature, summits.angle
 
 
 def _joining(

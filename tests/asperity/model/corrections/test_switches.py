@@ -45,7 +45,7 @@ CASES = {
     "joined_pairs": (rough, 1e-2),
     "tilted_basins": (
         lambda: self_affine(
-            (96, 120), (96.0, 120.0), hurst=1.0, rms_slope=0.1, cutoff=8.0, seed=12
+            (96, 120), (96.0, 120.0), hurst=0.8, rms_slope=0.1, cutoff=4.0, seed=12
         ),
         3e-2,
     ),
