@@ -4,7 +4,7 @@
     python benchmarks/accuracy.py --points 256 --seeds 11 12 --measured-like --out like.csv
     python benchmarks/accuracy.py --drawn --seeds 101 102 --out drawn.csv
     python benchmarks/accuracy.py --to-the-pixel --scales all --seeds 51 52
-    python benchmarks/accuracy.py --maps folder --out maps.csv
+    python benchmarks/accuracy.py --maps folder --border smooth --out maps.csv
     python benchmarks/accuracy.py --hardness 0.02 0.1 0.5 --points 256 --seeds 41 42 --out hard.csv
     python benchmarks/accuracy.py --seeds 21 22 --csv docs/development/data/families_512.csv
 
@@ -303,6 +303,9 @@ def main() -> None:
     source.add_argument("--drawn", action="store_true", help="maps drawn at random")
     source.add_argument("--to-the-pixel", action="store_true", help="maps rough to the pixel")
     source.add_argument("--maps", type=Path, help="folder of measured maps, in place of families")
+    parser.add_argument(
+        "--border", choices=["taper", "smooth", "mirror"], default="taper", help="of measured maps"
+    )
     parser.add_argument("--scales", choices=SCALES, default="auto", help="as of asperity curve")
     parser.add_argument(
         "--hardness", type=float, nargs="+", default=[np.inf], help="over E* times rms slope"
@@ -313,7 +316,7 @@ def main() -> None:
     parser.add_argument("--plasticity", type=Path, help="what boundary elements find, by hardness")
     args = parser.parse_args()
     collected: dict[str, list] = {}
-    for name, seed, hm, m, boundary in scenes(args, partial(families, args=args)):
+    for name, seed, hm, m, boundary in scenes(args, partial(families, args=args), args.border):
         table: dict[str, list] = {}
         for hardness in args.hardness:
             body = asperity.HalfSpace.from_modulus(1.0, m=m)

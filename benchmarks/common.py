@@ -30,16 +30,19 @@ Scene = tuple[surfaces.HeightMap, float, str | None]
 """A map, the exponent of the grading, and the boundary."""
 
 
-def measured(path: Path) -> surfaces.HeightMap:
-    """A measured map, filled and tapered."""
-    return surfaces.prepare(surfaces.read(path), fill="harmonic", periodic="taper")
+def measured(path: Path, border: str = "taper") -> surfaces.HeightMap:
+    """A measured map, filled, and made periodic this way."""
+    return surfaces.prepare(surfaces.read(path), fill="harmonic", periodic=border)
 
 
 def scenes(
-    args: argparse.Namespace, families: Callable[[int], dict[str, Callable[[], Scene]]]
+    args: argparse.Namespace,
+    families: Callable[[int], dict[str, Callable[[], Scene]]],
+    border: str = "taper",
 ) -> Iterator[tuple[str, int, surfaces.HeightMap, float, str | None]]:
     """Name, seed, map, exponent of the grading and boundary of everything asked for: the measured
-    `maps`, or of all `seeds` the `drawn` ones or those of `families`, a function of the seed."""
+    `maps`, made periodic by their `border`, or of all `seeds` the `drawn` ones or those of
+    `families`, a function of the seed."""
 
     def wanted(name: str) -> bool:
         return not args.families or any(part in name for part in args.families)
@@ -47,7 +50,7 @@ def scenes(
     if args.maps:
         for path in sorted(args.maps.glob("*.h5")):
             if wanted(path.stem):
-                yield path.stem, 0, measured(path), 0.0, None
+                yield path.stem, 0, measured(path, border), 0.0, None
         return
     for seed in args.seeds:
         random = {name: partial(drawn, name, seed) for name in FAMILIES}
