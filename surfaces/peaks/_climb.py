@@ -262,12 +262,15 @@ def _frame(a, b, c):
 
 
 @compiled()
-def frames(height, spacing, depth, pixels, places, expansions, kinds, summit, curvature, angle):
+def frames(
+    height, rows, spacing, depth, pixels, places, expansions, kinds, summit, curvature, angle
+):  # fmt: skip
     """Place and height (n, 3), principal curvatures (n, 2) and direction (n,) of all peaks.
 
     Without a summit: the `height` of the pixel, and the round paraboloid that fills the basin down
-    to its `depth`. A tip such as that of r^4 is round as well: all that it has of a curvature is
-    rounding, which has no axis.
+    to its `depth`, whose axis lies along the border if it stands there (of so many `rows`). A tip
+    such as that of r^4 is round as well: all that it has of a curvature is rounding, which has no
+    axis.
     """
     dy, dx = spacing
     for n in range(height.size):
@@ -281,5 +284,7 @@ def frames(height, spacing, depth, pixels, places, expansions, kinds, summit, cu
             if a + c < _LEVEL * filled:
                 a, b, c = 0.5 * (a + c), 0.0, 0.5 * (a + c)
         curvature[n, 0], curvature[n, 1], angle[n] = _frame(a, b, c)
+        if kinds[n] == RIM and (places[n, 0] == 0.0 or places[n, 0] == rows - 1.0):
+            angle[n] = 0.0
         summit[n, 0], summit[n, 1] = (places[n, 1] + 0.5) * dx, (places[n, 0] + 0.5) * dy
         summit[n, 2] = expansions[n, 0] if found else height[n]

@@ -83,7 +83,7 @@ class Summits(SummitArrays):
         )  # fmt: skip
         found = np.empty((len(index), 3)), np.empty((len(index), 2)), np.empty(len(index))
         _climb.frames(
-            hm.source[row[index], col[index]], hm.spacing, peaks.prominence[index],
+            hm.source[row[index], col[index]], hm.shape[0], hm.spacing, peaks.prominence[index],
             self.pixels[index], own["places"][index], expansions[index], own["kinds"][index],
             *found,
         )  # fmt: skip
@@ -178,7 +178,7 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
     pixels[~own], border[~own] = counts[~own], peaks.border[~own]
     summit, curvature, angle = np.empty((n, 3)), np.empty((n, 2)), np.empty(n)
     _climb.frames(
-        peaks.height, hm.spacing, depth, pixels, places, expansions, kinds,
+        peaks.height, hm.shape[0], hm.spacing, depth, pixels, places, expansions, kinds,
         summit, curvature, angle,
     )  # fmt: skip
     x, y, height = (np.ascontiguousarray(column) for column in summit.T)

@@ -166,3 +166,20 @@ def test_equivalent_runs_agree(seed):
     assert over.max() < 0.1 and np.mean(found < 1e-3) > 0.9
     found, over = np.transpose(alone)
     assert over.max() < 0.1 and np.mean(found < 1e-3) > 0.6
+
+
+@pytest.mark.parametrize("seed", [1, 7, 12])
+def test_a_free_map_with_contacts_at_its_border_answers_as_transposed(seed):
+    """Contacts that the border cuts have their axis along it."""
+    shape, size = (120, 100), (120.0, 125.0)
+    waves = [
+        surfaces.self_affine(shape, size, hurst=0.8, rms_slope=0.1, cutoff=cutoff, seed=seed + k)
+        for k, cutoff in enumerate((40.0, 8.0))
+    ]
+    z = waves[0].heights + 0.3 * waves[1].heights
+    hm = surfaces.HeightMap(z, waves[0].spacing)
+    loads = np.array([5e-3, 2e-2, 6e-2]) * pressure_scale(hm, BODY)
+    turned = surfaces.HeightMap(np.ascontiguousarray(z.T), hm.spacing[::-1])
+    curve, other = (asperity.contact_curve(h, BODY, pressures=loads) for h in (hm, turned))
+    assert curve.extra["at_border"].max() > 0.03
+    assert differences(curve, other)[0] < 1e-3
