@@ -218,3 +218,13 @@ def test_waves_of_two_pixels_are_left_to_boundary_elements():
         asperity.contact_curve(hm, body, pressures=loads)
     curve = asperity.solve(hm, body, pressures=loads, engine="anchored")
     assert curve.converged.all() and curve.verification["engine"] == "bem"
+
+
+def test_a_contact_without_a_stiffness_ends_in_a_reason():
+    """All contacts of a step are at the hardness from the first touch on."""
+    heights = np.where(np.arange(5) < 3, -5e-10, 5e-10) * np.ones((13, 1))
+    hm = surfaces.HeightMap(heights, (2.6e-4, 2.4e-5))
+    body = asperity.HalfSpace.from_modulus(1.6e7, hardness=3.4e-3)
+    curve = asperity.contact_curve(hm, body, pressures=[1.4e-9, 1.6e-8, 3.4e-3])
+    assert all(curve.reasons[i] for i in np.flatnonzero(~curve.converged))
+    assert np.isfinite(curve.separation[curve.converged]).all()

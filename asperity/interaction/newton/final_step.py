@@ -165,4 +165,5 @@ def tangent_of(state: State) -> Tangent:
 def shared(missing: float | None, compliance: Array, tangent: Tangent) -> Array:
     """A missing load [N] as the contacts will share it; per fall of the plane [N/m] if None."""
     shares = compliance[tangent.index] / tangent.compliance
-    return shares if missing is None else missing / float(shares.sum()) * shares
+    total = float(shares.sum()) or 1.0  # none of contacts without a stiffness
+    return shares if missing is None else missing / total * shares
