@@ -68,17 +68,21 @@ class SubContactLaw:
     number. Contacts about to open spread less than V: g = g0 + (1 - g0) P^2, with P the share of
     the nominal area in contact, here the mean of that with and without the fine waves; Wang &
     Mueser (2017) have g0 = 5/9, boundary elements give 0.50 to 0.63 (`fitted.spread`) and 0.4 to
-    0.66 for m = 0.3 to -0.3. To first order in the fine waves a load F lifts the flat by d(sum
-    Phi)/dF; boundary elements give the factor 1 + c (1 - P)^n, c = `fitted.lift`, n =
-    `fitted.lift_power`. All were found without microcontacts, from the pressures of solutions of
-    the longer waves, for Hurst exponents 0.5 to 0.9 and one to four octaves
-    (docs/development/sub_contact_roughness.md).
+    0.66 for m = 0.3 to -0.3. All were found without microcontacts, from the pressures of solutions
+    of the longer waves, for Hurst exponents 0.5 to 0.9 and one to four octaves
+    (docs/development/sub_contact_roughness.md). To first order in the fine waves a load F lifts the
+    flat by d(sum Phi)/dF; boundary elements give
+
+        (1 + c (1 - P)^n) d(sum Phi)/dF + c' max(z - z0, 0) (rms of all - rms of the longer waves),
+
+    where a normal variable exceeds z with the probability P: few, light contacts meet the fine
+    waves as heights. c = `fitted.lift`, n = `fitted.lift_power`, c' = `fitted.tops`, z0 =
+    `fitted.tops_from`.
 
     With a hardness H contacts keep p/H of their area at least, and c with 1 - c^3 = (1 - e^3)
     (1 - (p/H)^3) in all, e being the share above. Of the lift there remains that of elastic
     contacts of the same areas times the load over theirs; in place of the rest stands the lift of
-    the bearing curve of a random surface, z times the difference of both rms heights where a normal
-    variable exceeds z with the probability P.
+    the bearing curve of a random surface, z times the difference of both rms heights.
     """
 
     shortest: float
@@ -115,11 +119,15 @@ class SubContactLaw:
         root = self._opening(pressure, share)
         return np.asarray(self.energy * np.arcsinh(root) / root)
 
-    def lift(self, share: float) -> float:
-        """Factor over the first order of the lift where the share of area P is closed."""
+    def lift(self, first: float, share: float) -> float:
+        """Lift [m] of elastic contacts, `first` to first order, where the share P is closed."""
         fitted = self.fitted
         height = fitted.lift * (1.0 - fitted.graded_lift * self.m)
-        return float(1.0 + height * (1.0 - share) ** fitted.lift_power)
+        tops = fitted.tops * (1.0 - fitted.graded_tops * self.m)
+        light = max(float(ndtri(1.0 - share)) - fitted.tops_from, 0.0)
+        longer, whole = self.rms
+        more = height * (1.0 - share) ** fitted.lift_power
+        return (1.0 + more) * first + tops * light * (whole - longer)
 
     def bearing_lift(self, share: float) -> float:
         """Height [m] by which the fine waves raise the bearing curve where it is the share P."""
@@ -212,18 +220,20 @@ def surface_point(
         return float(np.sum(width * stored)), float(elastic.sum()), float(force.sum())
 
     low, middle, high = (twin(step) for step in (-fall, 0.0, fall))
+    gain = 0.5 * (high[2] - low[2]) / middle[2]
 
-    def raised(before: tuple[float, ...], after: tuple[float, ...]) -> float:
-        return law.lift(share) * (after[0] - before[0]) / (after[1] - before[1])
+    def raised(before: tuple[float, ...], after: tuple[float, ...], wider: float) -> float:
+        first = (after[0] - before[0]) / (after[1] - before[1])
+        return law.lift(first, min(share * (1.0 + wider), 1.0))
 
     elastic = middle[2] / middle[1]
-    lift = elastic * raised(low, high)
-    bend = raised(middle, high) - raised(low, middle)
+    lift = elastic * raised(low, high, 0.0)
+    bend = raised(middle, high, 0.5 * gain) - raised(low, middle, -0.5 * gain)
     change = elastic * bend
     if elastic < 1.0:
         part = state.contact_area / nominal
         lift += (1.0 - elastic) * law.bearing_lift(part)
-        wider = part * (1.0 + 0.5 * (high[2] - low[2]) / middle[2])
+        wider = part * (1.0 + gain)
         change += (1.0 - elastic) * (law.bearing_lift(wider) - law.bearing_lift(part))
     compliance = 1.0 / stiffness - change / (0.5 * (high[2] - low[2])) * nominal
     softer = 1.0 / unloading - bend / (0.5 * (high[1] - low[1])) * nominal

@@ -1,9 +1,8 @@
 """Constants that decide answers of the microcontact model, each with what it was fitted on.
 
-A run takes them from its plan (`make_plan(..., parameters=...)`). "25 %" says by how much a quarter
-more or less changes load and area at most, where that is a tenth of a percent and more on ten
-judged maps (``benchmarks/sensitivity.py``, docs/development/sensitivity.csv). Numerical tolerances
-stand where they act.
+"25 %" says by how much a quarter more or less changes load and area at most, where that is a tenth
+of a percent and more on ten judged maps (``benchmarks/sensitivity.py``,
+docs/development/sensitivity.csv). Numerical tolerances stand where they act.
 """
 
 from __future__ import annotations
@@ -139,13 +138,20 @@ class SubContact:
         c1, c2 [-]: on a graded body the share times 1 - c1 m - c2 m^2 (|m| <= 0.5). (25 %: load 0.1
         %, area 1.1 %.)
     lift
-        How far the flat is lifted at no contact, over the first-order value less one [-]. (25 %:
-        load 1.3 %, area 0.0 %.)
+        How far the flat is lifted at no contact, over the first-order value less one [-].
     lift_power
-        It falls with this power [-] of the share of the area that is not in contact. (25 %: load
-        0.2 %, area 0.0 %.)
+        It falls with this power [-] of the share of the area that is not in contact.
     graded_lift
-        `lift` on a graded body times 1 - c m [-]. (25 %: load 0.2 %, area 0.0 %.)
+        `lift` on a graded body times 1 - c m [-].
+    tops
+        Further lift over what the fine waves add to the rms height, per standard deviation of
+        height at which the share of area in contact is that above it [-]. Fitted with `lift` on 13
+        spectra, seeds 1 and 2, Hurst exponents -1 to 0.8, roll-offs at 5 to 64 pixels, 0.1 to 9 %
+        of contact: load 42 -> 3 % rms.
+    tops_from
+        Standard deviations of height [-] from which on it counts (14 % of the area).
+    graded_tops
+        `tops` on a graded body times 1 - c m [-] (m = -0.5, -0.3, 0.3, 0.5).
     seen
         Wave number times contact radius [-] at which half the pressure of the fine waves parts a
         contact: a longer wave only makes the summit higher or sharper. On seeds 1, 2 and 11 to 14
@@ -155,9 +161,12 @@ class SubContact:
     spread: float = 0.50
     more_spread: float = 0.13
     graded_spread: tuple[float, float] = (0.70, 0.55)
-    lift: float = 0.18
+    lift: float = 0.12
     lift_power: float = 5.0
-    graded_lift: float = 1.2
+    graded_lift: float = 2.3
+    tops: float = 0.69
+    tops_from: float = 1.1
+    graded_tops: float = 0.3
     seen: float = 1.0
 
 

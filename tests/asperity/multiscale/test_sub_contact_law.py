@@ -35,7 +35,7 @@ def test_closed_forms_are_means_over_rayleighs_distribution(pressure, share):
 def test_pressed_hard_all_is_closed_and_all_energy_stored():
     assert FINE.remaining(1e14, 0.1) == pytest.approx(1.0, abs=1e-8)
     assert FINE.stored(1e14, 0.1) == pytest.approx(FINE.energy, rel=1e-6)
-    assert FINE.lift(1.0) == 1.0
+    assert FINE.lift(3e-9, 1.0) == 3e-9
 
 
 @settings(deadline=None, derandomize=True, max_examples=20)
@@ -65,8 +65,9 @@ def test_more_pressure_closes_more_and_stores_more(pressure, share):
 @settings(deadline=None, derandomize=True, max_examples=20)
 @given(st.floats(-0.5, 0.5), st.floats(0.1, 50.0))
 def test_part_of_the_pressure_spreads(m, ratio):
-    law = dataclasses.replace(FINE, m=m, ratio=ratio)
-    assert 0 < law.spread < 1 <= law.lift(0.1)
+    law = dataclasses.replace(FINE, m=m, ratio=ratio, rms=(0.9e-8, 1e-8))
+    assert 0 < law.spread < 1
+    assert law.lift(1e-9, 0.01) > law.lift(1e-9, 0.2) > 0.95e-9
     assert law.spread <= dataclasses.replace(law, m=m - 0.01).spread
 
 
