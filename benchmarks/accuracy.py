@@ -218,7 +218,8 @@ def families(seed: int, args: argparse.Namespace) -> dict[str, Callable[[], Scen
 
 
 def families_table(rows: dict[str, list]) -> dict[str, list]:
-    """Errors family by family [%]: median and worst to LIGHT of contact, worst beyond."""
+    """Errors family by family [%]: median and worst to LIGHT of contact, worst beyond; of the points
+    that both solved."""
     families, light = np.array(rows["family"]), np.array(rows["area_fraction"]) < LIGHT
     table: dict[str, list] = {"family": list(dict.fromkeys(rows["family"]))}
     errors = {name: 100 * np.abs(rows[f"{name}_error"]) for name in ("load", "area")}
@@ -228,10 +229,10 @@ def families_table(rows: dict[str, list]) -> dict[str, list]:
         return [f"{statistic(values):.1f}" if len(values) else "" for values in chosen]
 
     for name, error in errors.items():
-        table[f"{name} error: median, %"] = column(error, light, np.median)
-        table[f"{name} error: worst, %"] = column(error, light, np.max)
+        table[f"{name} error: median, %"] = column(error, light, np.nanmedian)
+        table[f"{name} error: worst, %"] = column(error, light, np.nanmax)
     for name, error in errors.items():
-        table[f"{name} error beyond 8 %: worst, %"] = column(error, ~light, np.max)
+        table[f"{name} error beyond 8 %: worst, %"] = column(error, ~light, np.nanmax)
     return table
 
 

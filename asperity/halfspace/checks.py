@@ -33,9 +33,6 @@ HARDEST = 0.035
 SOFTEST = 1e3
 """Modulus [Pa] below which it is that of no solid: a soft gel has more."""
 
-LONG_LAY = 7.0
-"""Slopes across over those along a lay from which on ridges are warned of."""
-
 TILTED = 0.9
 """Share of a plane in the variance of heights from which on a tilt is warned of: parts of rough
 surfaces without a longest wave have up to 0.82."""
@@ -128,10 +125,9 @@ def _steep_warning(slope: float) -> list[str]:
 
 
 def _lay_warning(ratio: float, longest: float) -> list[str]:
-    if ratio < LONG_LAY:
+    if ratio < longest:
         return []
-    estimate = ", and its error is not estimated" if ratio >= longest else ""
     return [
         f"slopes across the lay are {ratio:.0f} times those along it: the microcontact model is "
-        f"doubtful on such ridges{estimate}; use boundary elements"
+        "doubtful on such ridges, and its error is not estimated; use boundary elements"
     ]

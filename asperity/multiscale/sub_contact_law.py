@@ -127,7 +127,7 @@ class SubContactLaw:
         light = max(float(ndtri(1.0 - share)) - fitted.tops_from, 0.0)
         longer, whole = self.rms
         more = height * (1.0 - share) ** fitted.lift_power
-        return (1.0 + more) * first + tops * light * (whole - longer)
+        return float((1.0 + more) * first + tops * light * (whole - longer))
 
     def bearing_lift(self, share: float) -> float:
         """Height [m] by which the fine waves raise the bearing curve where it is the share P."""
