@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from surfaces import HeightMap
 
+    from .options import SceneWork
+
 __all__ = [
     "add_fields_option",
     "add_output_options",
@@ -69,9 +71,16 @@ def add_output_options(parser: argparse.ArgumentParser, *, report: bool = False)
     batch.add_table(group, several="table.csv")
 
 
-def each(args: argparse.Namespace, work: batch.Work) -> int:
-    """As `batch.each`; then, where a report is asked for, one page about all results."""
-    code = batch.each(args, work)
+def each(args: argparse.Namespace, work: SceneWork, *, derivable: bool = False) -> int:
+    """Do the work on every map; then, where a report is asked for, write a page about all results.
+
+    With `derivable` options the material has to allow what is derived from the curve.
+    """
+    from . import options
+
+    if derivable:
+        derived.require_derivable(options.material(args), options.loads(args), args)
+    code = batch.each(args, options.on_scene(args, work))
     done = [row["output"] for row in args.document if "output" in row]
     if args.report and done:
         from asperity.comparison.report.build import write_report
