@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import InputError, SurfaceError
-from asperity.halfspace.influence import ElasticHalfSpace, influence
+from asperity.halfspace.influence import influence
+from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import chosen_boundary, require_scene
 from asperity.threads import require_own_threads
 from asperity.threads import threads as thread_count
@@ -79,7 +80,7 @@ class ContactProblem:
     def __init__(
         self,
         hm: HeightMap,
-        material: ElasticHalfSpace,
+        material: HalfSpace,
         *,
         tolerance: float = 1e-6,
         boundary: str | None = None,

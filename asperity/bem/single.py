@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import Flag, InputError, cautious, warn_once
 from asperity.halfspace.checks import modulus_warning
-from asperity.halfspace.influence import ElasticHalfSpace
-from asperity.halfspace.material import require_half_space
+from asperity.halfspace.material import HalfSpace, require_half_space
 from surfaces.errors import as_number
 
 from .certificate import Certificate
@@ -157,7 +156,7 @@ def _edge(
 @cautious
 def indent_bem(
     profile: Profile,
-    material: ElasticHalfSpace,
+    material: HalfSpace,
     approach: ArrayLike | None = None,
     *,
     load: ArrayLike | None = None,
@@ -232,7 +231,7 @@ def _shaped(values: list[Any], like: NDArray[np.float64]) -> Any:
 
 def _one(
     profile: Profile,
-    material: ElasticHalfSpace,
+    material: HalfSpace,
     name: str,
     value: float,
     grid: int,
@@ -273,7 +272,7 @@ def _one(
 
 
 def _coarse_solution(
-    profile: Profile, material: ElasticHalfSpace, approach: float
+    profile: Profile, material: HalfSpace, approach: float
 ) -> tuple[BemSolution, tuple[float, float]]:
     """Coarse solution in the box of {f < d}."""
     hm, summit = map_of(profile, section_box(profile, approach), _COARSE_POINTS, approach)
@@ -282,7 +281,7 @@ def _coarse_solution(
 
 
 def _coarse_solution_at_load(
-    profile: Profile, material: ElasticHalfSpace, load: float
+    profile: Profile, material: HalfSpace, load: float
 ) -> tuple[float, BemSolution, tuple[float, float]]:
     """Approach [m] and coarse solution that carry the load to 2 %, by secants in logarithms."""
     radius = getattr(profile, "radius", np.inf)

@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError, cautious, warn_once
 from asperity.halfspace.checks import scene_warnings
-from asperity.halfspace.influence import ElasticHalfSpace
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import expected_area_fraction, require_scene
 from surfaces.heightmap import HeightMap
@@ -24,7 +23,7 @@ __all__ = ["bem_solve"]
 @cautious
 def bem_solve(
     hm: HeightMap,
-    material: ElasticHalfSpace,
+    material: HalfSpace,
     *,
     pressure: float | None = None,
     separation: float | None = None,
