@@ -286,19 +286,15 @@ class ContactProblem:
 
     def settings(self) -> dict[str, Any]:
         """Everything needed to repeat a run."""
-        found = {
+        return {
             "model": "bem",
             "boundary": self.boundary,
             "tolerance": self.tolerance,
-            "modulus": float(self.material.modulus),
-            "m": float(self.material.m),
+            **self.material.facts,
             "shape": self.hm.shape,
             "spacing": self.hm.spacing,
             "threads": thread_count(),
         }
-        if math.isfinite(self.material.hardness):
-            found["hardness"] = float(self.material.hardness)
-        return found
 
 
 def _level_error(outcome: Outcome) -> float:

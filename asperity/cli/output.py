@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -140,9 +139,7 @@ def request_of(
         "command": args.command,
         "kind of load points": "pressure" if args.separation is None else "separation",
         "input": hm.digest,
-        "modulus": material.modulus,
-        "m": material.m,
-        **({"hardness": material.hardness} if material.hardness < math.inf else {}),
+        **material.facts,
         **settings,
     }
 
