@@ -15,7 +15,7 @@ from asperity.halfspace.material import HalfSpace, require_half_space
 from surfaces.errors import as_number
 
 from .certificate import Certificate
-from .profile_map import Profile, map_of, places, sampled, section_box
+from .profile_map import Profile, axes, map_of, sampled, section_box
 from .solution import BemSolution
 from .solve import bem_solve
 
@@ -98,14 +98,12 @@ class BemIndentation:
     @property
     def x(self) -> NDArray[np.float64]:
         """Columns of `pressure_map` from the summit [m]."""
-        dx, x0 = self.solutions[-1].spacing[1], self.summit[-1][0]
-        return np.asarray((np.arange(self.pressure_map.shape[1]) + 0.5) * dx - x0, np.float64)
+        return axes(self.pressure_map.shape, self.solutions[-1].spacing, self.summit[-1])[0]
 
     @property
     def y(self) -> NDArray[np.float64]:
         """Rows of `pressure_map` from the summit [m]."""
-        dy, y0 = self.solutions[-1].spacing[0], self.summit[-1][1]
-        return np.asarray((np.arange(self.pressure_map.shape[0]) + 0.5) * dy - y0, np.float64)
+        return axes(self.pressure_map.shape, self.solutions[-1].spacing, self.summit[-1])[1]
 
     def pressure(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Pressure [Pa] at places from the summit [m] (broadcast), bilinear between the pixels.
@@ -254,7 +252,7 @@ def _one(
         prescribed = {"pressure": value / hm.area}
         if name == "approach":
             prescribed = {"separation": -value - mean}
-        x, y = places(hm, summit)
+        x, y = np.meshgrid(*axes(hm.shape, hm.spacing, summit))
         first = sampled(coarse.pressure, coarse.spacing, place, x, y)
         solution = bem_solve(
             hm, material, **prescribed, tolerance=tolerance, boundary="free", guess=first
