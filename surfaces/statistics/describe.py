@@ -109,13 +109,7 @@ class Statistics:
         as_path(path).write_text(json.dumps(self.rows(), indent=1), encoding="utf-8")
 
     def _groups(self) -> dict[str, dict[str, float]]:
-        return {
-            "heights": self.heights,
-            "spatial": self.spatial,
-            "hybrid": self.hybrid,
-            "functional": self.functional,
-            "features": self.features,
-        }
+        return {name: held for name, held in vars(self).items() if isinstance(held, dict)}
 
     def __str__(self) -> str:
         rows = [(group, _listed(values)) for group, values in self._groups().items()]
