@@ -15,10 +15,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["draw_heights", "figure_height", "image", "suited", "thinning", "told"]
+__all__ = ["draw_heights", "figure_height", "image", "logarithmic", "suited", "thinning", "told"]
 
 PIXELS = 1200
 """Largest side of a picture."""
+
+DECADE = 10.0
+"""Ratio of the largest to the smallest value from which on an axis is logarithmic."""
 
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 
@@ -54,6 +57,12 @@ def draw_heights(
     for axis, label in ((axes.xaxis, "x"), (axes.yaxis, "y")):
         axis.set_major_formatter(EngFormatter(unit="m"))
         axis.set_label_text(label)
+
+
+def logarithmic(values: NDArray[np.float64]) -> bool:
+    """Whether an axis is better logarithmic: no value is negative, and they span a decade."""
+    shown = values[np.isfinite(values) & (values != 0.0)]
+    return bool(shown.size and shown.min() > 0.0 and shown.max() >= DECADE * shown.min())
 
 
 def thinning(shape: tuple[int, ...]) -> int:

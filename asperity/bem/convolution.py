@@ -7,6 +7,7 @@ padding exist in those blocks only.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Protocol
 
 import numpy as np
@@ -14,8 +15,8 @@ from numpy.typing import NDArray
 
 from surfaces.numerics import parallel
 
-from . import _grid_kernels, transform
-from .transform import Scratch
+from . import _grid_kernels
+from .transform import FFTWTransform, ScipyTransform, Scratch, prefers_fftw
 
 __all__ = ["Convolution", "plan"]
 
@@ -69,32 +70,9 @@ def plan(
     FFTW is slow at, whole transforms (by scipy) are as fast as blocks at any size.
     """
     whole = shape[0] * shape[1] <= _LARGEST_WHOLE[padded != shape]
-    if whole or not transform.prefers_fftw(padded):
-        return _Whole(shape, padded, np.dtype(dtype), threads, scratch or Scratch())
-    return _Blocked(shape, padded, np.dtype(dtype), threads, scratch or Scratch())
-
-
-class _Whole:
-    """One transform pair of the padded grid."""
-
-    def __init__(
-        self,
-        shape: tuple[int, int],
-        padded: tuple[int, int],
-        dtype: np.dtype[Any],
-        threads: int,
-        scratch: Scratch,
-    ) -> None:
-        self._pair = transform.plan(
-            padded, rows=shape[0], dtype=dtype, threads=threads, scratch=scratch
-        )
-        self.values, self.grid = self._pair.values, self._pair.grid
-        self.output = self._pair.output
-
-    def apply(self, symbol: NDArray[Any]) -> None:
-        self._pair.forward()
-        _grid_kernels.multiply(self._pair.spectrum.view(self.values.dtype), symbol)
-        self._pair.backward()
+    kind: Callable[..., Convolution] = FFTWTransform if whole else _Blocked
+    kind = kind if prefers_fftw(padded) else ScipyTransform
+    return kind(shape, padded, np.dtype(dtype), threads, scratch or Scratch())
 
 
 class _Blocked:

@@ -14,7 +14,6 @@ from . import _grid_kernels
 from .active_set import SPARE, ContactList, solve_on_list
 from .certificate import Reading, certify
 from .full_grid import FullGridOperator
-from .load_search import LoadSearch
 from .operator import HalfSpaceOperator
 from .split import SplitOperator
 
@@ -116,7 +115,8 @@ class Level:
 
     def solve(
         self,
-        load: float | LoadSearch,
+        load: float,
+        offset: float | None,
         tolerance: float,
         *,
         predicted: bool = False,
@@ -127,9 +127,9 @@ class Level:
         Parameters
         ----------
         load
-            Prescribed mean of p~ [m], positive; or a search for the load of a given level, which
-            is advanced by each correction. Under a cap the level itself is given to the list, as
-            the load jumps wherever a point reaches the cap, and the search only stands by.
+            Prescribed mean of p~ [m]; of no account if a level is given.
+        offset
+            Prescribed level u - h of the contact [m], or None.
         tolerance
             Bound on each entry of the certificate.
         predicted
@@ -144,7 +144,7 @@ class Level:
         PoorPredictionError
             If a predicted pressure is too far off; the pressure is then as it was predicted.
         """
-        search, fixed = (load, None) if isinstance(load, LoadSearch) else (None, load)
+        mean = load if offset is None else None
         iterations = 0
         best, idle = math.inf, 0
         self._careful = False
@@ -158,12 +158,10 @@ class Level:
                 self.heights,
                 self.rms_height,
                 cap=self.cap,
-                mean_pressure=fixed,
-                offset=search.offset if search else None,
+                mean_pressure=mean,
+                offset=offset,
             )
             worst = reading.certificate.worst
-            if search and math.isfinite(self.cap) and reading.total > 0.0:
-                search.mean = reading.total / self.heights.size
             if worst <= tolerance and not (known or (prolonged and outer == 0)):
                 return Outcome(reading, iterations, tolerance, True, "")
             idle = 0 if worst < 0.7 * best else idle + 1
@@ -171,13 +169,7 @@ class Level:
             best = min(best, worst)
             if idle >= _MAX_IDLE:
                 break
-            error = replace(reading.certificate, load=0.0).worst
-            mean = fixed
-            if search:
-                if math.isinf(self.cap) or self._careful:
-                    mean = search.update(reading.level, error * reading.scale)
-                error = max(error, reading.certificate.load)
-            offset = search.offset if search and mean is None else None
+            error = worst if mean is None else replace(reading.certificate, load=0.0).worst
             listed = self._listed(mean, offset, displacement, reading, error, outer == 0)
             if known and len(listed[0]) - reading.points > _LONGEST_LIST * self.heights.size:
                 raise PoorPredictionError

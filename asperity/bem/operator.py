@@ -9,7 +9,8 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from asperity.errors import InputError
-from asperity.halfspace.influence import ElasticHalfSpace, compliance, influence, symbol_quadrant
+from asperity.halfspace.influence import compliance, influence, symbol_quadrant
+from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import Boundary
 
 from . import convolution
@@ -48,7 +49,7 @@ class HalfSpaceOperator:
         self,
         shape: tuple[int, int],
         spacing: tuple[float, float],
-        material: ElasticHalfSpace,
+        material: HalfSpace,
         boundary: Boundary = "periodic",
         *,
         threads: int = 1,

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from ._grid_kernels import extrapolate
 from .correction import Level, Outcome, PoorPredictionError
-from .load_search import LoadSearch
 from .problem import ContactProblem
 
 __all__ = ["LoadPath", "follow_chains", "split_loads"]
@@ -134,29 +133,27 @@ class LoadPath:
         load, offset = problem.prescribed(pressure, separation)
         if not problem.touches(load, offset):
             self._old, self._means = None, (0.0, 0.0)
-            _, search = problem.start(load, offset)
-            return level.solve(search or load, problem.tolerance)
+            problem.start(load, offset)
+            return level.solve(load, offset, problem.tolerance)
         last = self._means[1]
         mean = load if offset is None else self._forecast(offset)
-        outcome = search = None
+        outcome = None
         near = 0.0 < mean <= _LARGEST_RATIO * last
         if near and self._two_known():
             self._predict(level, mean)
-            if offset is not None:
-                search = LoadSearch(offset, mean, self._stiffness, largest=level.cap)
             with contextlib.suppress(PoorPredictionError):
-                outcome = level.solve(search or load, problem.tolerance, predicted=True)
+                outcome = level.solve(load, offset, problem.tolerance, predicted=True)
         else:
             self._old = self._copied() if near else None
         if outcome is None:
-            spent, search = problem.start(load, offset)
-            outcome = level.solve(search or load, problem.tolerance, prolonged=True)
+            spent = problem.start(load, offset)
+            outcome = level.solve(load, offset, problem.tolerance, prolonged=True)
             outcome.iterations += spent
-        outcome = self._sharpened(outcome, search or load)
-        self._remember(outcome, search)
+        outcome = self._sharpened(outcome, load, offset)
+        self._remember(outcome)
         return outcome
 
-    def _sharpened(self, outcome: Outcome, load: LoadSearch | float) -> Outcome:
+    def _sharpened(self, outcome: Outcome, load: float, offset: float | None) -> Outcome:
         """Solve further until the area is known to the accuracy: mostly once, again where points
         open or close together."""
         for _ in range(_MOST_TIMES if self._accuracy < math.inf else 0):
@@ -168,7 +165,7 @@ class LoadPath:
             tolerance = max(_AIM * outcome.tolerance * allowed / (error - grain), _SHARPEST)
             if tolerance >= outcome.tolerance or not outcome.converged:
                 break
-            spent, outcome = outcome.iterations, self.problem.level.solve(load, tolerance)
+            spent, outcome = outcome.iterations, self.problem.level.solve(load, offset, tolerance)
             outcome.iterations += spent
         return outcome
 
@@ -203,14 +200,12 @@ class LoadPath:
         for field, old in zip(now, self._old, strict=True):
             extrapolate(field, old, *shares)
 
-    def _remember(self, outcome: Outcome, search: LoadSearch | None) -> None:
+    def _remember(self, outcome: Outcome) -> None:
         """Take the solution as the next support of the secant."""
         mean = outcome.reading.total / self.problem.hm.heights.size
         rise, growth = outcome.reading.level - self._level, mean - self._means[1]
-        if self._old is not None and rise > 0.0 and growth > 0.0:
+        if self._means[1] > 0.0 and rise > 0.0 and growth > 0.0:
             self._stiffness = growth / rise
-        if search and search.stiffness:
-            self._stiffness = search.stiffness
         self._means = (self._means[1] if self._old is not None else 0.0, mean)
         self._level = outcome.reading.level
         self._points = outcome.reading.points

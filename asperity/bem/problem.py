@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import InputError, SurfaceError
-from asperity.halfspace.influence import ElasticHalfSpace, influence
+from asperity.halfspace.influence import influence
+from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import chosen_boundary, require_scene
 from asperity.threads import require_own_threads
 from asperity.threads import threads as thread_count
@@ -18,7 +19,6 @@ from surfaces.heightmap import HeightMap
 from ._grid_kernels import undecided
 from .correction import Level, Outcome
 from .grids import CoarseMaps, level_shapes, prolong
-from .load_search import LoadSearch
 from .memory import require_memory
 from .operator import HalfSpaceOperator
 from .transform import Scratch
@@ -47,9 +47,6 @@ _COARSE_TOLERANCE = 1e-2
 _FIRST_LOAD = 1e-3
 """First mean of p~ tried for a prescribed separation, over the rms height; for a flat map this
 is at least the same part of how far it is pressed in."""
-
-_POWER = 1.5
-"""Exponent of load over approach that a given start assumes until two loads are known."""
 
 _PLAIN = 1e-9, 1e9
 """Rms heights [m] that the solver takes as they are: loops in single precision hold their squares,
@@ -83,7 +80,7 @@ class ContactProblem:
     def __init__(
         self,
         hm: HeightMap,
-        material: ElasticHalfSpace,
+        material: HalfSpace,
         *,
         tolerance: float = 1e-6,
         boundary: str | None = None,
@@ -150,40 +147,26 @@ class ContactProblem:
 
     def start(
         self, load: float, offset: float | None, given: NDArray[np.float64] | None = None
-    ) -> tuple[int, LoadSearch | None]:
+    ) -> int:
         """First pressure of the finest grid, from a given pressure or from the coarser grids.
 
-        Returns
-        -------
-        iterations
-            Spent on the coarser grids.
-        search
-            The search for the load, if a level is prescribed.
+        Returns the iterations spent on the coarser grids.
         """
-        pressure, search = self.level.pressure, None
-        if offset is not None:
-            length = max(self.level.rms_height, _FIRST_LOAD * (offset + self.level.highest))
-            cap = self.level.cap
-            search = LoadSearch(offset, min(_FIRST_LOAD * length, 0.1 * cap), largest=cap)
+        pressure = self.level.pressure
         if not self.touches(load, offset):
             pressure[:] = 0.0
-            return 0, search
+            return 0
         if given is None:
-            return self._nested(load, search), search
+            return self._nested(load, offset)
         np.clip(given, 0.0, self.material.hardness, out=pressure)
-        mean = float(pressure.mean())
-        if search and mean > 0.0:
-            search.mean = mean * self.compliance
-            search.stiffness = _POWER * search.mean / (search.offset + self.level.highest)
-        wanted = search.mean if search else load
-        if mean > 0.0:
-            pressure *= wanted / mean
-        else:
-            pressure[:] = wanted
-        return 0, search
+        pressure *= self.compliance if offset is not None else load / float(pressure.mean())
+        return 0
 
-    def _nested(self, load: float, search: LoadSearch | None) -> int:
+    def _nested(self, load: float, offset: float | None) -> int:
         """Start from the coarser grids; returns the iterations spent on them."""
+        if offset is not None:
+            length = max(self.level.rms_height, _FIRST_LOAD * (offset + self.level.highest))
+            load = min(_FIRST_LOAD * length, 0.1 * self.level.cap)
         shapes = level_shapes(self.hm.shape)[:-1]
         fine = self.level.exact
         maps = CoarseMaps(
@@ -210,24 +193,20 @@ class ContactProblem:
             heights = maps.level(index, (ny, nx))
             ratio = exact.compliance / fine.compliance
             level = Level(heights, exact, ratio * self.level.cap)
-            if search and -search.offset >= level.highest:
+            if offset is not None and -offset >= level.highest:
                 continue
-            if search:
-                search.rescale(ratio)
-            self._start(level, coarse, ratio * load, search)
+            self._start(level, coarse, ratio * load, offset)
             tolerance = max(_COARSE_TOLERANCE, self.tolerance)
-            iterations += level.solve(search or ratio * load, tolerance).iterations
-            if search:
-                search.rescale(1.0 / ratio)
+            outcome = level.solve(ratio * load, offset, tolerance)
+            iterations += outcome.iterations
+            if offset is not None:
+                load = outcome.reading.total / heights.size / ratio
             coarse = level
-        self._start(self.level, coarse, load, search)
+        self._start(self.level, coarse, load, offset)
         return iterations
 
-    def _start(
-        self, level: Level, coarse: Level | None, load: float, search: LoadSearch | None
-    ) -> None:
-        """First pressure of a grid, at its load: from the coarser grid if there is one."""
-        mean = search.mean if search else load
+    def _start(self, level: Level, coarse: Level | None, mean: float, offset: float | None) -> None:
+        """First pressure of a grid, of this mean: from the coarser grid if there is one."""
         if coarse is not None:
             prolong(
                 coarse.exact.pressure,
@@ -237,7 +216,7 @@ class ContactProblem:
                 self.boundary,
                 mean,
             )
-        elif search and math.isinf(level.cap):
+        elif offset is not None and math.isinf(level.cap):
             highest = np.unravel_index(level.heights.argmax(), level.heights.shape)
             level.pressure[highest] = mean * level.heights.size
         else:
@@ -307,19 +286,15 @@ class ContactProblem:
 
     def settings(self) -> dict[str, Any]:
         """Everything needed to repeat a run."""
-        found = {
+        return {
             "model": "bem",
             "boundary": self.boundary,
             "tolerance": self.tolerance,
-            "modulus": float(self.material.modulus),
-            "m": float(self.material.m),
+            **self.material.facts,
             "shape": self.hm.shape,
             "spacing": self.hm.spacing,
             "threads": thread_count(),
         }
-        if math.isfinite(self.material.hardness):
-            found["hardness"] = float(self.material.hardness)
-        return found
 
 
 def _level_error(outcome: Outcome) -> float:

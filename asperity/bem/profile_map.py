@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.errors import InputError
 from surfaces.heightmap import HeightMap
 
-__all__ = ["Profile", "map_of", "places", "sampled", "section_box"]
+__all__ = ["Profile", "axes", "map_of", "sampled", "section_box"]
 
 Profile = Callable[[Any, Any], Any]
 """Gap f(r, phi) [m] between a body and the tangent plane at its summit."""
@@ -27,14 +27,13 @@ _DEEPEST = 10.0
 around the contact of a paraboloid shows."""
 
 
-def places(
-    hm: HeightMap, summit: tuple[float, float]
+def axes(
+    shape: tuple[int, ...], spacing: tuple[float, float], summit: tuple[float, float]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Places (x, y) of the pixels from the summit [m], each of the map's shape."""
-    (dy, dx), (ny, nx) = hm.spacing, hm.shape
+    """Columns x and rows y of the pixels of a map from its summit [m]."""
+    (dy, dx), (ny, nx) = spacing, shape
     x, y = (np.arange(nx) + 0.5) * dx - summit[0], (np.arange(ny) + 0.5) * dy - summit[1]
-    px, py = np.meshgrid(x, y)
-    return px, py
+    return np.asarray(x), np.asarray(y)
 
 
 def sampled(
@@ -94,10 +93,8 @@ def map_of(
     which the certificate is relative to, would be that of the depth.
     """
     x0, x1, y0, y1 = box
-    spacing = ((y1 - y0) / grid, (x1 - x0) / grid)
-    x = x0 + (np.arange(grid) + 0.5) * spacing[1]
-    y = y0 + (np.arange(grid) + 0.5) * spacing[0]
-    px, py = np.meshgrid(x, y)
+    spacing, summit = ((y1 - y0) / grid, (x1 - x0) / grid), (-x0, -y0)
+    px, py = np.meshgrid(*axes((grid, grid), spacing, summit))
     gap = np.asarray(profile(np.hypot(px, py), np.arctan2(py, px)))
     heights = -np.minimum(gap, _DEEPEST * approach)
-    return HeightMap(heights, spacing, name="profile"), (-x0, -y0)
+    return HeightMap(heights, spacing, name="profile"), summit

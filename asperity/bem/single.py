@@ -11,12 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import Flag, InputError, cautious, warn_once
 from asperity.halfspace.checks import modulus_warning
-from asperity.halfspace.influence import ElasticHalfSpace
-from asperity.halfspace.material import require_half_space
+from asperity.halfspace.material import HalfSpace, require_half_space
 from surfaces.errors import as_number
 
 from .certificate import Certificate
-from .profile_map import Profile, map_of, places, sampled, section_box
+from .profile_map import Profile, axes, map_of, sampled, section_box
 from .solution import BemSolution
 from .solve import bem_solve
 
@@ -99,14 +98,12 @@ class BemIndentation:
     @property
     def x(self) -> NDArray[np.float64]:
         """Columns of `pressure_map` from the summit [m]."""
-        dx, x0 = self.solutions[-1].spacing[1], self.summit[-1][0]
-        return np.asarray((np.arange(self.pressure_map.shape[1]) + 0.5) * dx - x0, np.float64)
+        return axes(self.pressure_map.shape, self.solutions[-1].spacing, self.summit[-1])[0]
 
     @property
     def y(self) -> NDArray[np.float64]:
         """Rows of `pressure_map` from the summit [m]."""
-        dy, y0 = self.solutions[-1].spacing[0], self.summit[-1][1]
-        return np.asarray((np.arange(self.pressure_map.shape[0]) + 0.5) * dy - y0, np.float64)
+        return axes(self.pressure_map.shape, self.solutions[-1].spacing, self.summit[-1])[1]
 
     def pressure(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Pressure [Pa] at places from the summit [m] (broadcast), bilinear between the pixels.
@@ -157,7 +154,7 @@ def _edge(
 @cautious
 def indent_bem(
     profile: Profile,
-    material: ElasticHalfSpace,
+    material: HalfSpace,
     approach: ArrayLike | None = None,
     *,
     load: ArrayLike | None = None,
@@ -232,7 +229,7 @@ def _shaped(values: list[Any], like: NDArray[np.float64]) -> Any:
 
 def _one(
     profile: Profile,
-    material: ElasticHalfSpace,
+    material: HalfSpace,
     name: str,
     value: float,
     grid: int,
@@ -255,7 +252,7 @@ def _one(
         prescribed = {"pressure": value / hm.area}
         if name == "approach":
             prescribed = {"separation": -value - mean}
-        x, y = places(hm, summit)
+        x, y = np.meshgrid(*axes(hm.shape, hm.spacing, summit))
         first = sampled(coarse.pressure, coarse.spacing, place, x, y)
         solution = bem_solve(
             hm, material, **prescribed, tolerance=tolerance, boundary="free", guess=first
@@ -273,7 +270,7 @@ def _one(
 
 
 def _coarse_solution(
-    profile: Profile, material: ElasticHalfSpace, approach: float
+    profile: Profile, material: HalfSpace, approach: float
 ) -> tuple[BemSolution, tuple[float, float]]:
     """Coarse solution in the box of {f < d}."""
     hm, summit = map_of(profile, section_box(profile, approach), _COARSE_POINTS, approach)
@@ -282,7 +279,7 @@ def _coarse_solution(
 
 
 def _coarse_solution_at_load(
-    profile: Profile, material: ElasticHalfSpace, load: float
+    profile: Profile, material: HalfSpace, load: float
 ) -> tuple[float, BemSolution, tuple[float, float]]:
     """Approach [m] and coarse solution that carry the load to 2 %, by secants in logarithms."""
     radius = getattr(profile, "radius", np.inf)

@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError, cautious, warn_once
 from asperity.halfspace.checks import scene_warnings
-from asperity.halfspace.influence import ElasticHalfSpace
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import expected_area_fraction, require_scene
 from surfaces.heightmap import HeightMap
@@ -24,7 +23,7 @@ __all__ = ["bem_solve"]
 @cautious
 def bem_solve(
     hm: HeightMap,
-    material: ElasticHalfSpace,
+    material: HalfSpace,
     *,
     pressure: float | None = None,
     separation: float | None = None,
@@ -95,10 +94,10 @@ def bem_solve(
     prepared = time.perf_counter()
     touches = problem.touches(load, offset)
     start = _given(guess, hm.shape) if touches and guess is not None else None
-    coarse, search = problem.start(load, offset, start)
+    coarse = problem.start(load, offset, start)
     middle = time.perf_counter()
     prolonged = touches and start is None
-    outcome = problem.level.solve(search or load, problem.tolerance, prolonged=prolonged)
+    outcome = problem.level.solve(load, offset, problem.tolerance, prolonged=prolonged)
     exact, reading = problem.level.exact, outcome.reading
     level = reading.level if offset is None else offset
     gap = exact.displacement[:, : hm.shape[1]]
@@ -145,12 +144,12 @@ def bem_solve(
     )
 
 
-def _given(guess: BemSolution | ArrayLike, shape: tuple[int, int]) -> NDArray[np.float64]:
-    """Pressure of a guess, checked."""
+def _given(guess: BemSolution | ArrayLike, shape: tuple[int, int]) -> NDArray[np.float64] | None:
+    """Pressure of a guess, checked; None if nothing is pressed there."""
     try:
         given = guess.pressure if isinstance(guess, BemSolution) else np.asarray(guess, np.float64)
     except (TypeError, ValueError):  # no numbers
         given = np.empty(0)
     if given.shape != shape or not np.isfinite(given).all():
         raise InputError(f"guess has shape {given.shape}; give finite pressures of shape {shape}")
-    return given
+    return given if (given > 0.0).any() else None

@@ -1,15 +1,18 @@
-"""A real two-dimensional FFT pair, planned once, and idle memory that temporary arrays reuse."""
+"""Convolution by one real transform pair, planned once, and idle memory for temporary arrays."""
 
 from __future__ import annotations
 
 import math
-from typing import Any, Protocol
+from abc import ABC, abstractmethod
+from typing import Any
 
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-__all__ = ["RealTransform", "Scratch", "plan", "prefers_fftw"]
+from . import _grid_kernels
+
+__all__ = ["FFTWTransform", "ScipyTransform", "Scratch", "prefers_fftw"]
 
 _ALIGNMENT = 64
 """Bytes, one cache line."""
@@ -52,33 +55,6 @@ class Scratch:
         return made
 
 
-class RealTransform(Protocol):
-    """A planned pair of transforms.
-
-    Attributes
-    ----------
-    values
-        Input, shape (rows, nx); kept by `forward`.
-    spectrum
-        Half spectrum, shape (ny, nx // 2 + 1).
-    grid
-        Output, shape (rows, nx or more): the columns beyond nx are scratch.
-    output
-        The contiguous memory of `grid`.
-    """
-
-    values: NDArray[Any]
-    spectrum: NDArray[Any]
-    grid: NDArray[Any]
-    output: NDArray[Any]
-
-    def forward(self) -> None:
-        """Transform `values`, with zeros in the rows that it lacks, into `spectrum`."""
-
-    def backward(self) -> None:
-        """Transform `spectrum`, which is destroyed, into the first rows of `grid`."""
-
-
 def prefers_fftw(shape: tuple[int, int]) -> bool:
     """Whether FFTW (estimated plans) is faster than scipy on this shape.
 
@@ -98,61 +74,80 @@ def _largest_factor(n: int) -> int:
     return max(largest, n)
 
 
-def plan(
-    shape: tuple[int, int],
-    *,
-    rows: int | None = None,
-    dtype: Any = np.float64,
-    threads: int = 1,
-    scratch: Scratch | None = None,
-) -> RealTransform:
-    """Transform pair for a shape, by the library that is faster for it.
+class RealTransform(ABC):
+    """A planned pair of transforms that convolves, see `convolution.Convolution`.
 
     Parameters
     ----------
-    shape
-        Points (ny, nx) of the transform.
-    rows
-        Rows that hold values; the others are zero and not wanted back (padding).
+    shape, padded
+        Points (ny, nx) that hold values, and of the transform.
     dtype
         float64 or float32.
     threads
         Threads of the library; one is faster on small grids.
     scratch
         Where the buffers come from.
+
+    Attributes
+    ----------
+    values
+        Input, shape (ny, padded nx); kept by `forward`.
+    spectrum
+        Half spectrum, shape (padded ny, padded nx // 2 + 1).
     """
-    scratch = scratch or Scratch()
-    threads = threads if math.prod(shape) > _ONE_THREAD else 1
-    rows = shape[0] if rows is None else rows
-    kind = _FFTWTransform if prefers_fftw(shape) else _ScipyTransform
-    return kind(shape, rows, np.dtype(dtype), threads, scratch)
 
-
-class _FFTWTransform:
-    """FFTW pair whose output lies in the buffer of the spectrum."""
+    spectrum: NDArray[Any]
+    grid: NDArray[Any]
+    output: NDArray[Any]
 
     def __init__(
         self,
         shape: tuple[int, int],
-        rows: int,
+        padded: tuple[int, int],
         dtype: np.dtype[Any],
         threads: int,
         scratch: Scratch,
     ) -> None:
+        self._padded = padded
+        self._threads = threads if math.prod(padded) > _ONE_THREAD else 1
+        self.values = scratch.zeros((shape[0], padded[1]), dtype)
+        self._plan(np.result_type(dtype, np.complex64), scratch)
+
+    @abstractmethod
+    def _plan(self, complex_type: np.dtype[Any], scratch: Scratch) -> None:
+        """Make the other buffers and what transforms between them."""
+
+    @abstractmethod
+    def forward(self) -> None:
+        """Transform `values`, with zeros in the rows that it lacks, into `spectrum`."""
+
+    @abstractmethod
+    def backward(self) -> None:
+        """Transform `spectrum`, which is destroyed, into the first rows of `grid`."""
+
+    def apply(self, symbol: NDArray[Any]) -> None:
+        """Convolve `values` into `grid`."""
+        self.forward()
+        _grid_kernels.multiply(self.spectrum.view(self.values.dtype), symbol)
+        self.backward()
+
+
+class FFTWTransform(RealTransform):
+    """FFTW pair whose output lies in the buffer of the spectrum."""
+
+    def _plan(self, complex_type: np.dtype[Any], scratch: Scratch) -> None:
         import pyfftw
 
-        ny, nx = shape
-        complex_type = np.result_type(dtype, np.complex64)
-        self.values = scratch.zeros((rows, nx), dtype)
+        (ny, nx), rows = self._padded, len(self.values)
         self.output = self.spectrum = scratch.zeros((ny, nx // 2 + 1), complex_type)
-        self.grid = self.spectrum.view(dtype)[:rows]
+        self.grid = self.spectrum.view(self.values.dtype)[:rows]
         self._tail = self.spectrum[rows:]
 
         def planned(a: Any, b: Any, axes: tuple[int, ...], direction: str) -> Any:
-            flags = (
-                ("FFTW_ESTIMATE",) if a is self.values else ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")
+            flags = ("FFTW_ESTIMATE", *(() if a is self.values else ("FFTW_DESTROY_INPUT",)))
+            return pyfftw.FFTW(
+                a, b, axes=axes, direction=direction, flags=flags, threads=self._threads
             )
-            return pyfftw.FFTW(a, b, axes=axes, direction=direction, flags=flags, threads=threads)
 
         out, used = self.grid[:, :nx], self.spectrum[:rows]
         if rows == ny:
@@ -179,37 +174,20 @@ class _FFTWTransform:
             stage.execute()
 
 
-class _ScipyTransform:
-    """Forward and backward transform by scipy.fft."""
+class ScipyTransform(RealTransform):
+    """Pair of scipy.fft."""
 
-    def __init__(
-        self,
-        shape: tuple[int, int],
-        rows: int,
-        dtype: np.dtype[Any],
-        threads: int,
-        scratch: Scratch,
-    ) -> None:
-        self.values = scratch.zeros((rows, shape[1]), dtype)
-        self.output = self.grid = scratch.zeros((rows, shape[1]), dtype)
-        self.spectrum = np.empty((0, 0), np.result_type(dtype, np.complex64))
-        self._shape, self._rows, self._threads = shape, rows, threads
+    def _plan(self, complex_type: np.dtype[Any], scratch: Scratch) -> None:
+        self.output = self.grid = scratch.zeros(self.values.shape, self.values.dtype)
+        self.spectrum = np.empty((0, 0), complex_type)
 
     def forward(self) -> None:
         by_rows = scipy.fft.rfft(self.values, axis=1, workers=self._threads)
         self.spectrum = scipy.fft.fft(
-            by_rows, n=self._shape[0], axis=0, workers=self._threads, overwrite_x=True
+            by_rows, n=self._padded[0], axis=0, workers=self._threads, overwrite_x=True
         )
 
     def backward(self) -> None:
-        spectrum = scipy.fft.ifft(
-            self.spectrum, axis=0, workers=self._threads, overwrite_x=True, norm="forward"
-        )
-        self.grid[:] = scipy.fft.irfft(
-            spectrum[: self._rows],
-            n=self._shape[1],
-            axis=1,
-            workers=self._threads,
-            overwrite_x=True,
-            norm="forward",
-        )
+        how: Any = {"workers": self._threads, "overwrite_x": True, "norm": "forward"}
+        spectrum = scipy.fft.ifft(self.spectrum, axis=0, **how)[: len(self.grid)]
+        self.grid[:] = scipy.fft.irfft(spectrum, n=self._padded[1], axis=1, **how)

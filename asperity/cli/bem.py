@@ -11,6 +11,7 @@ from . import derived, options, output
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
+    from surfaces.heightmap import HeightMap
 
 EPILOG = """example:
   asperity bem scan.h5 --E 210GPa --nu 0.3 --pressure 1MPa:500MPa:10 --tolerance 1e-6
@@ -20,9 +21,7 @@ EPILOG = """example:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity bem``."""
     parser.epilog = EPILOG
-    options.add_surface_options(parser)
-    options.add_material_options(parser)
-    options.add_load_options(parser)
+    options.add_scene_options(parser)
     options.add_tolerance_option(parser)
     output.add_output_options(parser)
     output.add_fields_option(parser, "pressure and gap")
@@ -31,16 +30,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Solve every map, write its results file and print its curve."""
-    material, points = options.material(args), options.loads(args)
-    derived.require_derivable(material, points, args)
-    return output.each(args, partial(_solve, material, points))
+    return output.each(args, _solve, derivable=True)
 
 
 def _solve(
-    material: HalfSpace, points: dict[str, Any], args: argparse.Namespace
+    hm: HeightMap, material: HalfSpace, loads: dict[str, Any], args: argparse.Namespace
 ) -> Mapping[str, Any]:
-    hm = options.load_surface(args.file, args)
-    loads = options.of_map(points, hm)
     from asperity.bem.curve import bem_curve
 
     settings = {"tolerance": args.tolerance, "boundary": args.boundary}

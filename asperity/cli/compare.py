@@ -27,9 +27,7 @@ EPILOG = """examples:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity compare``."""
     parser.epilog = EPILOG
-    options.add_surface_options(parser)
-    options.add_material_options(parser)
-    options.add_load_options(parser)
+    options.add_scene_options(parser)
     options.add_model_options(parser)
     options.add_tolerance_option(parser)
     output.add_output_options(parser, report=True)
@@ -39,14 +37,12 @@ def run(args: argparse.Namespace) -> int:
     """Compare on each file; a bad file is named and the others go on."""
     if args.report is None and args.output is not None:
         args.report = targets.beside(args.output, "report.html")
-    return output.each(args, partial(_compare, options.material(args), options.loads(args)))
+    return output.each(args, _compare)
 
 
 def _compare(
-    material: HalfSpace, points: dict[str, Any], args: argparse.Namespace
+    hm: HeightMap, material: HalfSpace, loads: dict[str, Any], args: argparse.Namespace
 ) -> Mapping[str, Any]:
-    hm = options.load_surface(args.file, args)
-    loads = options.of_map(points, hm)
     from asperity.bem.curve import bem_curve
     from asperity.comparison.run import compare
     from asperity.results.resume import require_continuable

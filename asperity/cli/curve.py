@@ -12,6 +12,7 @@ from .messages import warn
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
+    from surfaces.heightmap import HeightMap
 
 EPILOG = """examples:
   asperity curve scan.h5 --E 210GPa --nu 0.3 --pressure 1MPa:500MPa:30 --plot curve.png
@@ -24,9 +25,7 @@ EPILOG = """examples:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity curve``."""
     parser.epilog = EPILOG
-    options.add_surface_options(parser)
-    options.add_material_options(parser)
-    options.add_load_options(parser)
+    options.add_scene_options(parser)
     options.add_model_options(parser)
     output.add_output_options(parser)
     for name, what in (
@@ -41,16 +40,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Solve every map, write its results file and print its curve."""
-    material, points = options.material(args), options.loads(args)
-    derived.require_derivable(material, points, args)
-    return output.each(args, partial(_solve, material, points))
+    return output.each(args, _solve, derivable=True)
 
 
 def _solve(
-    material: HalfSpace, points: dict[str, Any], args: argparse.Namespace
+    hm: HeightMap, material: HalfSpace, loads: dict[str, Any], args: argparse.Namespace
 ) -> Mapping[str, Any]:
-    hm = options.load_surface(args.file, args)
-    loads = options.of_map(points, hm)
     from asperity.compilation import CURVE, compile_ahead
     from asperity.curve import contact_curve
     from asperity.model.plan import make_plan

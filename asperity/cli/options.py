@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,7 @@ __all__ = [
     "add_load_options",
     "add_material_options",
     "add_model_options",
+    "add_scene_options",
     "add_surface_options",
     "add_tolerance_option",
     "load_surface",
@@ -30,9 +31,20 @@ __all__ = [
     "material",
     "materials",
     "model",
-    "of_map",
+    "on_scene",
     "surface_choices",
 ]
+
+
+SceneWork = Callable[[HeightMap, HalfSpace, dict[str, Any], argparse.Namespace], Mapping[str, Any]]
+"""As `batch.Work`, of a map, a half-space and load points as keyword arguments of the models."""
+
+
+def add_scene_options(parser: argparse.ArgumentParser) -> None:
+    """Options of maps, half-space and load points."""
+    add_surface_options(parser)
+    add_material_options(parser)
+    add_load_options(parser)
 
 
 def add_surface_options(parser: argparse.ArgumentParser, count: str = "+") -> None:
@@ -207,7 +219,7 @@ def _defaults(add: Callable[..., None], *words: str) -> argparse.Namespace:
 
 
 def loads(args: argparse.Namespace) -> dict[str, Any]:
-    """The load points asked for, by the name of `of_map`; empty for the default."""
+    """The load points asked for, "pressures", "loads" or "separations"; empty for the default."""
     for name, kind in (("pressure", "pressure"), ("load", "force"), ("separation", "length")):
         text, lengths = getattr(args, name), kind == "length"
         if text is None:
@@ -219,8 +231,14 @@ def loads(args: argparse.Namespace) -> dict[str, Any]:
     return {}
 
 
-def of_map(points: dict[str, Any], hm: HeightMap) -> dict[str, Any]:
-    """Load points as keyword arguments of the models: loads over the nominal area of the map."""
-    if "loads" in points:
-        return {"pressures": points["loads"] / math.prod(hm.size)}
-    return points
+def on_scene(args: argparse.Namespace, work: SceneWork) -> batch.Work:
+    """Work on every input, of its map, the half-space and the load points."""
+    body, points = material(args), loads(args)
+
+    def of_file(args: argparse.Namespace) -> Mapping[str, Any]:
+        hm, asked = load_surface(args.file, args), points
+        if "loads" in asked:
+            asked = {"pressures": asked["loads"] / math.prod(hm.size)}
+        return work(hm, body, asked, args)
+
+    return of_file

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -20,6 +19,8 @@ from .messages import tell, warn
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from surfaces import HeightMap
+
+    from .options import SceneWork
 
 __all__ = [
     "add_fields_option",
@@ -69,9 +70,16 @@ def add_output_options(parser: argparse.ArgumentParser, *, report: bool = False)
     batch.add_table(group, several="table.csv")
 
 
-def each(args: argparse.Namespace, work: batch.Work) -> int:
-    """As `batch.each`; then, where a report is asked for, one page about all results."""
-    code = batch.each(args, work)
+def each(args: argparse.Namespace, work: SceneWork, *, derivable: bool = False) -> int:
+    """Do the work on every map; then, where a report is asked for, write a page about all results.
+
+    With `derivable` options the material has to allow what is derived from the curve.
+    """
+    from . import options
+
+    if derivable:
+        derived.require_derivable(options.material(args), options.loads(args), args)
+    code = batch.each(args, options.on_scene(args, work))
     done = [row["output"] for row in args.document if "output" in row]
     if args.report and done:
         from asperity.comparison.report.build import write_report
@@ -131,9 +139,7 @@ def request_of(
         "command": args.command,
         "kind of load points": "pressure" if args.separation is None else "separation",
         "input": hm.digest,
-        "modulus": material.modulus,
-        "m": material.m,
-        **({"hardness": material.hardness} if material.hardness < math.inf else {}),
+        **material.facts,
         **settings,
     }
 

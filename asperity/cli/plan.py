@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from . import batch, options, output, targets
@@ -12,6 +11,7 @@ from .messages import tell
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
+    from surfaces.heightmap import HeightMap
 
 EPILOG = """example:
   asperity plan scan.h5 --E 210GPa --pressure 1MPa:500MPa:30
@@ -21,9 +21,7 @@ EPILOG = """example:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity plan``."""
     parser.epilog = EPILOG
-    options.add_surface_options(parser)
-    options.add_material_options(parser)
-    options.add_load_options(parser)
+    options.add_scene_options(parser)
     options.add_model_options(parser)
     targets.add_force(parser)
     batch.add_table(parser)
@@ -31,16 +29,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print the plan of every map."""
-    return batch.each(args, partial(_plan, options.material(args), options.loads(args)))
+    return batch.each(args, options.on_scene(args, _plan))
 
 
 def _plan(
-    material: HalfSpace, points: dict[str, Any], args: argparse.Namespace
+    hm: HeightMap, material: HalfSpace, loads: dict[str, Any], args: argparse.Namespace
 ) -> Mapping[str, Any]:
-    hm = options.load_surface(args.file, args)
     from asperity.model.plan import make_plan
 
-    plan = make_plan(hm, material, **options.of_map(points, hm), **options.model(args))
+    plan = make_plan(hm, material, **loads, **options.model(args))
     tell(f"{hm}\n{plan}")
     return {
         **output.facts_of(hm),

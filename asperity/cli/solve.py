@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Mapping
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,9 +26,7 @@ EPILOG = """examples:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity solve``."""
     parser.epilog = EPILOG
-    options.add_surface_options(parser)
-    options.add_material_options(parser)
-    options.add_load_options(parser)
+    options.add_scene_options(parser)
     add_accuracy_options(parser)
     output.add_output_options(parser)
     derived.add_derived_options(parser)
@@ -63,16 +60,12 @@ def add_accuracy_options(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Solve every map, write its results file and print its curve."""
-    material, points = options.material(args), options.loads(args)
-    derived.require_derivable(material, points, args)
-    return output.each(args, partial(_solve, material, points))
+    return output.each(args, _solve, derivable=True)
 
 
 def _solve(
-    material: HalfSpace, points: dict[str, Any], args: argparse.Namespace
+    hm: HeightMap, material: HalfSpace, loads: dict[str, Any], args: argparse.Namespace
 ) -> Mapping[str, Any]:
-    hm = options.load_surface(args.file, args)
-    loads = options.of_map(points, hm)
     from asperity.engine.solve import solve
     from asperity.results.storage import ResultFile, write_results
 

@@ -253,7 +253,5 @@ def _about(hm: HeightMap, material: HalfSpace) -> dict[str, Any]:
         "history": [dict(step) for step in hm.history],
         "input": hm.digest,
         "made": provenance(),
-        "modulus": material.modulus,
-        "m": material.m,
-        **({"hardness": material.hardness} if material.hardness < np.inf else {}),
+        **material.facts,
     }

@@ -16,7 +16,7 @@ from surfaces.checks import (
 from surfaces.heightmap import HeightMap
 from surfaces.roughness import digits_warning, unit_warning
 
-from .influence import ElasticHalfSpace
+from .material import HalfSpace
 from .scene import AREA_OVER_LOAD, pressure_scale, slope_scale
 
 __all__ = ["hardness_needed", "model_warnings", "modulus_warning", "scene_warnings"]
@@ -38,7 +38,7 @@ TILTED = 0.9
 surfaces without a longest wave have up to 0.82."""
 
 
-def scene_warnings(hm: HeightMap, material: ElasticHalfSpace) -> list[str]:
+def scene_warnings(hm: HeightMap, material: HalfSpace) -> list[str]:
     """One sentence for each reason why any answer about a contact may be wrong.
 
     Parameters
@@ -77,7 +77,7 @@ def model_warnings(hm: HeightMap, longest_lay: float) -> list[str]:
     return [*straight_warning(hm), *_lay_warning(lay(hm), longest_lay)]
 
 
-def modulus_warning(material: ElasticHalfSpace) -> list[str]:
+def modulus_warning(material: HalfSpace) -> list[str]:
     """A modulus that seems to be given in GPa; empty for one that a solid may have.
 
     A modulus of one is the unit of dimensionless work.
@@ -90,7 +90,7 @@ def modulus_warning(material: ElasticHalfSpace) -> list[str]:
     ]
 
 
-def hardness_needed(hm: HeightMap, material: ElasticHalfSpace) -> tuple[str, list[str]]:
+def hardness_needed(hm: HeightMap, material: HalfSpace) -> tuple[str, list[str]]:
     """What a hardness, given or not, means for the contacts of a map, in one line; and a warning
     where metals would not carry what elastic contacts do."""
     slope, _ = slope_scale(hm)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numba import prange
@@ -17,8 +17,9 @@ from scipy.special import hyp2f1
 
 from surfaces.numerics.compiled import compiled
 
+from .material import HalfSpace
+
 __all__ = [
-    "ElasticHalfSpace",
     "compliance",
     "influence",
     "near_influence",
@@ -37,23 +38,7 @@ _MIDDLE_CELLS = 100
 Grid = NDArray[np.floating[Any]]
 
 
-class ElasticHalfSpace(Protocol):
-    """What the solver needs to know of the material."""
-
-    @property
-    def modulus(self) -> float:
-        """E* [Pa], or E_m* [Pa m^-m] of a graded body."""
-
-    @property
-    def m(self) -> float:
-        """Exponent of the grading E(z) = E z**m."""
-
-    @property
-    def hardness(self) -> float:
-        """Largest pressure that the surface bears [Pa]; infinite if none limits it."""
-
-
-def compliance(spacing: tuple[float, float], material: ElasticHalfSpace) -> float:
+def compliance(spacing: tuple[float, float], material: HalfSpace) -> float:
     """Symbol at the wave number of one inverse pixel [m/Pa]: the unit of pressure inside.
 
     Notes

@@ -111,6 +111,12 @@ class HalfSpace:
         body._fill(self.E, self.nu, self.m, self.modulus, math.inf)
         return body
 
+    @property
+    def facts(self) -> dict[str, float]:
+        """What a result depends on: modulus, exponent and, where there is one, the hardness."""
+        known = {"modulus": self.modulus, "m": self.m}
+        return known | ({"hardness": self.hardness} if self.hardness < math.inf else {})
+
     def _fill(
         self, young: float | None, nu: float | None, m: float, modulus: float, hardness: float
     ) -> None:

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.errors import InputError
 from surfaces.heightmap import HeightMap, require_map
 
-from .influence import ElasticHalfSpace
 from .material import HalfSpace, require_half_space
 
 __all__ = [
@@ -93,7 +92,7 @@ def map_facts(hm: HeightMap) -> dict[str, Any]:
     }
 
 
-def pressure_scale(hm: HeightMap, material: ElasticHalfSpace) -> float:
+def pressure_scale(hm: HeightMap, material: HalfSpace) -> float:
     """Pressure E* h' [Pa] that flattens the roughness, with the modulus met at its own scale.
 
     A graded half-space answers a wave of number q like a homogeneous one of modulus proportional

@@ -127,25 +127,23 @@ class LawTable:
     def _make(self, missing: Rows) -> None:
         assert self.make is not None  # else all rows are ready
         block, first = self.make(missing), not self.ready.any()
-        for column in fields(LawTable):
-            values = getattr(block, column.name)
-            if isinstance(values, np.ndarray) and column.init:
-                if first:
-                    empty = np.zeros((len(self), *values.shape[1:]), values.dtype)
-                    setattr(self, column.name, empty)
-                getattr(self, column.name)[missing] = values
+        for name, values in block.columns().items():
+            if first:
+                setattr(self, name, np.zeros((len(self), *values.shape[1:]), values.dtype))
+            getattr(self, name)[missing] = values
         self.exponent, self.law, self.hardness = block.exponent, block.law, block.hardness
         self.ready[missing] = True
 
     def rows(self, index: Rows) -> LawTable:
         """The laws of the contacts `index`, which are made if they are missing."""
         self.ensure(index)
-        columns: dict[str, Any] = {"make": None}
-        for column in fields(LawTable):
-            values = getattr(self, column.name)
-            if isinstance(values, np.ndarray) and column.init:
-                columns[column.name] = values[index]
-        return replace(self, **columns)
+        found: dict[str, Any] = {name: values[index] for name, values in self.columns().items()}
+        return replace(self, make=None, **found)
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """What has a row for every contact, by name."""
+        held = {one.name: getattr(self, one.name) for one in fields(self) if one.init}
+        return {name: value for name, value in held.items() if isinstance(value, np.ndarray)}
 
     def approach(self) -> Array:
         """Approaches [m] of the nodes, shape (n, K + 1)."""
@@ -238,9 +236,8 @@ def joined(tables: Sequence[LawTable]) -> LawTable:
     """One table of the rows of several of one law."""
     if len(tables) == 1:
         return tables[0]
-    columns: dict[str, Any] = {}
-    for column in fields(LawTable):
-        values = [getattr(table, column.name) for table in tables]
-        if isinstance(values[0], np.ndarray) and column.init:
-            columns[column.name] = np.concatenate(values)
+    columns: dict[str, Any] = {
+        name: np.concatenate([getattr(table, name) for table in tables])
+        for name in tables[0].columns()
+    }
     return replace(tables[0], **columns)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from asperity import __version__
 from asperity.errors import InputError
-from surfaces.drawing import image
+from surfaces.drawing import image, logarithmic
 
 from .interpolation import READ_FIELDS, contact_pressure
 from .storage import flat_columns, write_csv
@@ -74,9 +74,6 @@ BANDS = {
 }
 """Which error is stated of a column where another is given: that of the load at equal separation,
 and that of the area at equal load."""
-
-DECADE = 10.0
-"""Ratio of the largest to the smallest value from which on an axis is logarithmic."""
 
 ROWS = 12
 """Rows of the table in a notebook."""
@@ -298,9 +295,9 @@ class CurveTable:
             off = held[BANDS[x, y]][order]
             ax.fill_betweenx(up, across * np.maximum(1 - off, 0), across * (1 + off), **shade)
         ax.set(xlabel=axis(x)[0], ylabel=axis(y)[0])
-        if _spans_decades(across):
+        if logarithmic(across):
             ax.set_xscale("log")
-        if _spans_decades(up):
+        if logarithmic(up):
             ax.set_yscale("log")
         return ax
 
@@ -342,9 +339,3 @@ class CurveTable:
 def axis(name: str) -> tuple[str, float]:
     """Text and unit of the axis of a column."""
     return AXES.get(name, (name.replace("_", " "), 1.0))
-
-
-def _spans_decades(values: NDArray[np.float64]) -> bool:
-    """Whether an axis is better logarithmic."""
-    loaded = values[values > 0.0]
-    return bool(loaded.size and not (values < 0).any() and loaded.max() > DECADE * loaded.min())

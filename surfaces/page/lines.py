@@ -11,15 +11,14 @@ import numpy as np
 from bokeh.models import ColumnDataSource, HoverTool, LogTicker, PrintfTickFormatter
 from numpy.typing import ArrayLike
 
+from surfaces.drawing import logarithmic
+
 from .figures import INK, bare_plot
 
 __all__ = ["Line", "line_figure"]
 
 HEIGHT = 360
 """Height of a figure of lines [CSS pixels]."""
-
-DECADE = 10.0
-"""Ratio of the largest to the smallest value from which on an axis is logarithmic."""
 
 SIDES: Any = ("right", "left", "below", "above")
 """Where a line tells of its points, in turn: beside those of lines that run along it."""
@@ -129,12 +128,7 @@ def line_figure(lines: Sequence[Line], x: str, y: str, *, linear: str = "") -> A
 
 def _axis_kind(lines: Sequence[Line], column: str) -> str:
     values = [np.asarray(line.columns[column], float) for line in lines]
-    all_values = np.concatenate([part[np.isfinite(part)] for part in values] or [np.empty(0)])
-    positive = all_values[all_values > 0.0]
-    if positive.size < len(all_values) and (all_values < 0.0).any():
-        return "linear"
-    wide = positive.size > 0 and positive.max() >= DECADE * positive.min()
-    return "log" if wide else "linear"
+    return "log" if logarithmic(np.concatenate([*values, np.empty(0)])) else "linear"
 
 
 def _source(line: Line, x: str, y: str, kinds: Mapping[str, str]) -> ColumnDataSource:

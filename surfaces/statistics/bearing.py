@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from surfaces.heightmap import HeightMap, require_map
 
-from .heights import Extent, extent
+from .heights import some_roughness
 from .rows import in_memory, over_present
 
 __all__ = ["BearingCurve", "bearing_curve"]
@@ -159,7 +159,7 @@ def bearing_curve(hm: HeightMap) -> BearingCurve:
     """
     require_map(hm)
     if not in_memory(hm):
-        return _counted(hm, extent(hm))
+        return _counted(hm)
     points = np.sort(hm.heights[np.isfinite(hm.heights)])
     points -= points.mean()
     ratio = np.linspace(0.0, 1.0, _RATIOS)
@@ -169,9 +169,10 @@ def bearing_curve(hm: HeightMap) -> BearingCurve:
     return BearingCurve(ratio, height, points)
 
 
-def _counted(hm: HeightMap, found: Extent) -> BearingCurve:
+def _counted(hm: HeightMap) -> BearingCurve:
     """Bearing curve by counting: first how many points each level holds, then the points in order
     in those levels where the curve is read."""
+    found, points = some_roughness(hm), hm.source.size - hm.missing
     per_height = _LEVELS / (found.highest - found.lowest)
 
     def level(z: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -189,9 +190,9 @@ def _counted(hm: HeightMap, found: Extent) -> BearingCurve:
         counts += more
         sums += part
     ratio = np.linspace(0.0, 1.0, _RATIOS)
-    rank = np.clip((1.0 - ratio) * found.count - 0.5, 0.0, found.count - 1.0)
+    rank = np.clip((1.0 - ratio) * points - 0.5, 0.0, points - 1.0)
     lower = rank.astype(np.int64)
-    ranks = np.stack([lower, np.minimum(lower + 1, found.count - 1)])
+    ranks = np.stack([lower, np.minimum(lower + 1, points - 1)])
     of_rank = np.searchsorted(np.cumsum(counts), ranks, side="right")
     read = np.zeros(_LEVELS, np.bool_)
     read[of_rank] = True

@@ -15,7 +15,7 @@ from surfaces.numerics import parallel
 from surfaces.numerics.stored_array import Source, array_of, windows
 from surfaces.preparation.blocks import Blocks, along_both, blocks_of
 
-from .heights import extent
+from .heights import some_roughness
 from .rows import over_present
 
 __all__ = ["THRESHOLD", "Autocorrelation", "Texture", "autocorrelation", "texture"]
@@ -116,11 +116,11 @@ def autocorrelation(hm: HeightMap) -> Autocorrelation:
     ((33, 49), '1.00')
     """
     require_map(hm)
-    found = extent(hm)
-    variance = sum(over_present(lambda z: float(np.sum((z - found.mean) ** 2)), hm)) / found.count
+    mean, count = some_roughness(hm).mean, hm.source.size - hm.missing
+    variance = sum(over_present(lambda z: float(np.sum((z - mean) ** 2)), hm)) / count
     shape = hm.shape if hm.periodic else tuple(fft.next_fast_len(2 * n, True) for n in hm.shape)
     lags = tuple(np.arange(-(n // 2), n // 2 + 1) for n in hm.shape)
-    products = _correlated(hm, lambda z: np.where(np.isfinite(z), z - found.mean, 0.0), shape, lags)
+    products = _correlated(hm, lambda z: np.where(np.isfinite(z), z - mean, 0.0), shape, lags)
     pairs: Source | None = None
     if hm.missing:
         pairs = _correlated(hm, lambda z: np.isfinite(z).astype(np.float64), shape, lags)

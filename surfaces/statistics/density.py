@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,26 +28,55 @@ _WORK = 120
 """Bytes for each wave of a section, those of what is found from it included."""
 
 
-class Density(Protocol):
-    """Spectral density of the half of the waves with qx >= 0, in the order of the transform."""
+@dataclass(frozen=True)
+class Density:
+    """Spectral density of the half of the waves with qx >= 0, in the order of the transform.
 
-    @property
-    def source(self) -> HeightMap:
-        """The map."""
-        ...
+    Attributes
+    ----------
+    source
+        The map, less its plane if it is windowed.
+    hann
+        Whether it is windowed.
+    whole
+        Density [m^4] of a map in memory, shape (ny, nx // 2 + 1).
+    rows
+        Transforms of the rows of a map on disk.
+    """
 
-    @property
-    def hann(self) -> bool:
-        """Whether the map is windowed."""
-        ...
+    source: HeightMap
+    hann: bool
+    whole: Array | None = field(default=None, repr=False)
+    rows: Sections | None = field(default=None, repr=False)
 
     def sections(self) -> Iterator[list[tuple[slice, Array]]]:
         """Columns of the half spectrum and their density [m^4], shape (ny, columns), in lists."""
-        ...
+        if self.whole is not None:
+            yield [(slice(0, self.whole.shape[1]), self.whole)]
+        if self.rows is None:
+            return
+        workers = parallel.threads()
+        for section, (left, _) in enumerate(self.rows.columns):
+            rows = self.rows.read(section)
+            modes = fft.fft(rows, axis=0, overwrite_x=True, workers=workers)
+            parts = spans(modes.shape[1], -(-modes.shape[1] // workers))
+            yield [
+                (slice(left + a, left + b), _squared(modes[:, a:b], self.source)) for a, b in parts
+            ]
 
     def along(self, axis: int) -> Array | None:
         """Mean density [m^3] of windowed profiles along an axis; None if there is no window."""
-        ...
+        if not self.hann:
+            return None
+        if axis == 1:
+            return _along(axis, self.source, rows_of(self.source))
+        if in_memory(self.source):
+            return _along(axis, self.source, [self.source.heights.T])
+        columns = Sections(self.source.shape, _width(*self.source.shape), np.float64)
+        for begin, rows in blocks_of(self.source.source):
+            columns.write_rows(begin, rows)
+        sections = (columns.read(section).T for section in range(len(columns.columns)))
+        return _along(axis, self.source, sections)
 
 
 def over_sections(function: Callable[[slice, Array], Result], waves: Density) -> Iterator[Result]:
@@ -81,11 +110,13 @@ def density_of(hm: HeightMap) -> Density:
     require_full(hm, "a power spectrum")
     hann = not hm.periodic
     source = level(hm, "plane") if hann else hm
+    along_y, along_x = (_hann(n) if hann else np.ones(n) for n in hm.shape)
     if in_memory(hm):
-        return _whole(source, hann)
+        window, heights = np.outer(along_y, along_x), source.heights
+        windowed = (heights - np.sum(window * heights) / np.sum(window)) * window
+        return Density(source, hann, _squared(fft.rfft2(windowed), source))
     (ny, nx), workers = hm.shape, parallel.threads()
     modes = Sections((ny, nx // 2 + 1), _width(ny, nx), np.complex128)
-    along_y, along_x = (_hann(n) if hann else np.ones(n) for n in hm.shape)
     weighted = (
         float(along_y[begin : begin + len(rows)] @ (rows @ along_x))
         for begin, rows in blocks_of(source.source)
@@ -94,60 +125,7 @@ def density_of(hm: HeightMap) -> Density:
     for begin, rows in blocks_of(source.source):
         windowed = (rows - mean) * along_y[begin : begin + len(rows), None] * along_x
         modes.write_rows(begin, fft.rfft(windowed, overwrite_x=True, workers=workers))
-    return _OnDisk(source, hann, modes)
-
-
-@dataclass(frozen=True)
-class _InMemory:
-    source: HeightMap
-    hann: bool
-    density: Array = field(repr=False)
-
-    def sections(self) -> Iterator[list[tuple[slice, Array]]]:
-        yield [(slice(0, self.density.shape[1]), self.density)]
-
-    def along(self, axis: int) -> Array | None:
-        if not self.hann:
-            return None
-        return _along(axis, self.source, [np.moveaxis(self.source.heights, axis, -1)])
-
-
-@dataclass(frozen=True)
-class _OnDisk:
-    source: HeightMap
-    hann: bool
-    modes: Sections
-
-    def sections(self) -> Iterator[list[tuple[slice, Array]]]:
-        workers = parallel.threads()
-        for section, (left, _) in enumerate(self.modes.columns):
-            rows = self.modes.read(section)
-            modes = fft.fft(rows, axis=0, overwrite_x=True, workers=workers)
-            parts = spans(modes.shape[1], -(-modes.shape[1] // workers))
-            yield [
-                (slice(left + a, left + b), _squared(modes[:, a:b], self.source)) for a, b in parts
-            ]
-
-    def along(self, axis: int) -> Array | None:
-        if not self.hann:
-            return None
-        if axis == 1:
-            return _along(axis, self.source, rows_of(self.source))
-        columns = Sections(self.source.shape, _width(*self.source.shape), np.float64)
-        for begin, rows in blocks_of(self.source.source):
-            columns.write_rows(begin, rows)
-        sections = (columns.read(section).T for section in range(len(columns.columns)))
-        return _along(axis, self.source, sections)
-
-
-def _whole(source: HeightMap, hann: bool) -> _InMemory:
-    heights = source.heights
-    if hann:
-        window = _hann(source.shape[0])[:, None] * _hann(source.shape[1])[None, :]
-        windowed = (heights - np.sum(window * heights) / np.sum(window)) * window
-    else:
-        windowed = heights - heights.mean()
-    return _InMemory(source, hann, _squared(fft.rfft2(windowed), source))
+    return Density(source, hann, rows=modes)
 
 
 def _width(ny: int, nx: int) -> int:

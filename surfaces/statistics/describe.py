@@ -19,7 +19,7 @@ from .density import density_of
 from .differences import differences
 from .direction import texture_direction
 from .features import FEATURES, features
-from .heights import extent, height_parameters
+from .heights import height_parameters
 from .parameters import PARAMETERS
 from .spectrum import SpectralMoments, spectrum_of
 from .spectrum_fit import SpectrumFit, fit_spectrum
@@ -109,13 +109,7 @@ class Statistics:
         as_path(path).write_text(json.dumps(self.rows(), indent=1), encoding="utf-8")
 
     def _groups(self) -> dict[str, dict[str, float]]:
-        return {
-            "heights": self.heights,
-            "spatial": self.spatial,
-            "hybrid": self.hybrid,
-            "functional": self.functional,
-            "features": self.features,
-        }
+        return {name: held for name, held in vars(self).items() if isinstance(held, dict)}
 
     def __str__(self) -> str:
         rows = [(group, _listed(values)) for group, values in self._groups().items()]
@@ -166,10 +160,8 @@ def describe(hm: HeightMap, *, wolf: float = 5.0) -> Statistics:
     '1.000'
     """
     require_map(hm)
-    found = extent(hm)
-    heights, hybrid, curve = height_parameters(hm, found), differences(hm), bearing_curve(hm)
-    points = hm.shape[0] * hm.shape[1]
-    missing = (points - found.count) / points
+    heights, hybrid, curve = height_parameters(hm), differences(hm), bearing_curve(hm)
+    missing = hm.missing / hm.source.size
     moments, fit, hills = None, None, dict.fromkeys(FEATURES, math.nan)
     warnings = [*tilt_warning(hm, _TILTED), *unit_warning(hybrid["Sdq"])]
     if missing:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import Flag
+from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.material import HalfSpace
 from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 
@@ -115,12 +116,6 @@ def _state(
     )
 
 
-def _punch_radius(stiffness: Array, material: HalfSpace) -> Array:
-    """Radius [m] of the flat round punch of a stiffness [N/m]."""
-    p = 1.0 + material.m
-    return np.asarray((p * stiffness / (2 * material.modulus)) ** (1 / p))
-
-
 def indent(
     profile: PowerSumProfile | PolarProfile,
     material: HalfSpace,
@@ -174,7 +169,7 @@ def indent(
         approach=approach,
         force=force,
         contact_area=shaped("area"),
-        radius=_punch_radius(np.maximum(stiffness, 0.0), material),
+        radius=Footprints(material.modulus, material.m).radius(np.maximum(stiffness, 0.0)),
         stiffness=stiffness,
         flags=flags,
         error_estimate=shaped("expected_error"),

@@ -163,9 +163,6 @@ def edge_rule(m: float) -> tuple[Array, Array]:
     return (1 + x) / 2, w * 2 ** (-q - 1)
 
 
-"""Harmonics with a punch of their own."""
-
-
 @dataclass(frozen=True, eq=False)
 class HistoryPressure:
     """Pressure of one contact by the history integral.
