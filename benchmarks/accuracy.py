@@ -218,8 +218,8 @@ def families(seed: int, args: argparse.Namespace) -> dict[str, Callable[[], Scen
 
 
 def families_table(rows: dict[str, list]) -> dict[str, list]:
-    """Errors family by family [%]: median and worst to LIGHT of contact, worst beyond; of the points
-    that both solved."""
+    """Errors family by family [%] of the points that both solved: median and worst to LIGHT of
+    contact, worst beyond."""
     families, light = np.array(rows["family"]), np.array(rows["area_fraction"]) < LIGHT
     table: dict[str, list] = {"family": list(dict.fromkeys(rows["family"]))}
     errors = {name: 100 * np.abs(rows[f"{name}_error"]) for name in ("load", "area")}
