@@ -287,7 +287,7 @@ def _curve(
     converged = np.array([not row.reason for row in rows])
     area, separation = columns["contact_area"], columns["separation"]
     weights = plan.parameters.error_estimate
-    known = 0.0 if plan.law in CALIBRATED and plan.lay < weights.longest_lay else np.nan
+    known = 0.0 if plan.law in CALIBRATED and plan.estimated else np.nan
     load_error, area_error = (
         known + np.array([estimate(row.terms, fitted, weights) for row in rows])
         for fitted in (weights.load_weights, weights.area_weights)

@@ -24,7 +24,7 @@ from asperity.halfspace.scene import (
 from asperity.multiscale.wave_split import Split, solved_grid, split_scales
 from asperity.parameters import DEFAULTS, Parameters
 from asperity.parameters.constants import Segmentation
-from surfaces.checks import lay
+from surfaces.checks import lay, seam_warning
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
 from surfaces.peaks.peaks import expected_peaks
@@ -78,8 +78,9 @@ class Plan:
         Law of the waves that the grid does not hold; None if it holds them all.
     warnings
         One line for each finding of the map checks: why any model of the map may be wrong.
-    lay
-        Slope across the lay of the map over that along it.
+    estimated
+        Whether errors are estimated: not on a long lay, nor where the sides of the cell do not
+        meet.
     seconds
         Time of the decisions [s].
     scene
@@ -105,7 +106,7 @@ class Plan:
     resampled: HeightMap | None = field(default=None, repr=False)
     sub_contact_law: SubContactLaw | None = field(default=None, repr=False)
     warnings: tuple[str, ...] = ()
-    lay: float = 1.0
+    estimated: bool = True
     seconds: float = field(default=0.0, compare=False)
     scene: tuple[HeightMap, HalfSpace] | None = field(default=None, repr=False, compare=False)
     parameters: Parameters = field(default=DEFAULTS, repr=False)
@@ -179,9 +180,11 @@ def make_plan(
     _require_usable(hm, material)
     kind, values = checked_loads(hm, material, pressures, separations)
     doubts = scene_warnings(hm, material)
-    warnings = (*doubts, *model_warnings(hm, parameters.error_estimate.longest_lay))
-    hm = hm.without_rounding
+    longest = parameters.error_estimate.longest_lay
+    warnings = (*doubts, *model_warnings(hm, longest))
     edge = chosen_boundary(hm, boundary)
+    estimated = lay(hm) < longest and not (edge == "periodic" and seam_warning(hm))
+    hm = hm.without_rounding
     source = "as the map says" if boundary is None else "as asked"
     body = f"graded, m = {material.m:g}" if material.m != 0.0 else "homogeneous"
     reasons = [f"boundary: {edge} ({source})", f"material: {body}"]
@@ -224,7 +227,7 @@ def make_plan(
         resampled=resampled,
         sub_contact_law=None if split is None else split.law,
         warnings=warnings,
-        lay=lay(hm),
+        estimated=estimated,
         seconds=seconds,
         scene=(hm, material),
         parameters=parameters,

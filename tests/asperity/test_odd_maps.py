@@ -199,13 +199,14 @@ def test_slopes_of_order_one_are_warned_of():
     assert any("small slopes" in text for text in curve.settings["warnings"])
 
 
-def test_a_cliff_at_the_seam_is_warned_of():
+def test_a_cliff_at_the_seam_is_warned_of_and_no_error_is_stated():
     whole = surfaces.self_affine((96, 96), (96.0, 96.0), hurst=0.8, rms_slope=0.1, cutoff=8.0)
     part = surfaces.HeightMap(whole.heights[:64, :64], (1.0, 1.0), periodic=True)
     body = asperity.HalfSpace.from_modulus(1.0)
     for hm, told in ((whole, 0), (part, 1), (surfaces.make_periodic(part, "smooth"), 0)):
-        warnings = asperity.contact_curve(hm, body).settings["warnings"]
-        assert sum("sides of the map" in text for text in warnings) == told
+        curve = asperity.contact_curve(hm, body)
+        assert sum("sides of the map" in text for text in curve.settings["warnings"]) == told
+        assert np.isnan(curve.error_estimate[curve.converged]).all() == bool(told)
 
 
 def test_waves_of_two_pixels_are_left_to_boundary_elements():
