@@ -1,4 +1,4 @@
-"""Maps drawn at random from 33 families (`accuracy.py --drawn`), for the error estimate.
+"""Maps drawn at random from 35 families (`accuracy.py --drawn`), for the error estimate.
 
 It was fitted on seeds 1, 2 and 11 to 16, and judged on 101 to 104. Family (kind and grid) and seed
 alone fix a map.
@@ -96,6 +96,19 @@ def isotropic(cutoff: float, draw: Draw) -> Heights:
     rolloff = draw.of(draw.side / 4, draw.side / 8, draw.side / 16, None)
     rolloff = rolloff and max(rolloff, 2 * cutoff)
     return draw.rough(hurst=hurst, rolloff=rolloff, cutoff=cutoff).heights
+
+
+def spectrum(draw: Draw) -> Heights:
+    """Random waves of any spectrum, white noise among them; not in the fit of the estimate."""
+    hurst, shortest = draw.rng.uniform(-1.0, 1.0), draw.rng.uniform(-4.0, 12.0) * draw.pixel
+    rolloff = draw.pixel * np.exp(draw.rng.uniform(np.log(5.0), np.log(128.0)))
+    longest, first = 2 * np.pi / rolloff, 2 * np.pi / max(shortest, 1e-3 * draw.pixel)
+
+    def amplitude(waves: Heights) -> Heights:
+        kept = (waves <= max(first, 1.25 * longest)) * np.maximum(waves, longest)
+        return np.where(kept > 0.0, np.maximum(kept, longest) ** (-1.0 - hurst), 0.0)
+
+    return draw.sloped(draw.filtered(amplitude))
 
 
 def lay(anisotropy: float, draw: Draw) -> Heights:
@@ -236,6 +249,7 @@ FAMILIES: dict[str, Callable[[Draw], Heights]] = {
     **{f"free:{grid}": partial(graded, longest=16, larger=1.25) for grid in ("256", "rect")},
     "heighttail:256": heighttail,
     "expocut:256": partial(expo, cutoffs=(4, 8)),
+    **{f"spectrum:{grid}": spectrum for grid in ("256", "rect")},
 }
 
 
