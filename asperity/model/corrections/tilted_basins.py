@@ -49,7 +49,7 @@ def correct(
     closed = closed[(beyond & np.uint8(Flag.BEYOND_RADIUS)) > 0]
     body, depth, punch = population.footprints, approach[closed], stiffness[closed]
     if population.material.hardness < np.inf:
-        punch = population.table.elastic_at(state.rows[closed], depth)[1]
+        punch = np.maximum(population.table.elastic_at(state.rows[closed], depth)[1], 0.0)
     radius = (body.power * punch / (2.0 * body.modulus)) ** (1.0 / body.power)
     shift = radius * np.hypot(*state.tilt[closed].T) / (body.power * depth)
     weight = _rise(shift, fitted.shift)

@@ -10,6 +10,7 @@ import asperity
 import surfaces
 from asperity.halfspace.scene import pressure_scale
 from asperity.microcontact import tabulate
+from asperity.model.corrections import tilted_basins
 from asperity.model.corrections.tilted_basins import area_under
 from asperity.parameters import DEFAULTS
 
@@ -54,3 +55,18 @@ def test_area_under_a_force_is_that_at_its_approach(m):
         force, _, area = table.evaluate(np.arange(2), table.reach * share)
         np.testing.assert_allclose(area_under(table, force), area, rtol=2e-3)
     assert (area_under(table, np.zeros(2)) == 0.0).all()
+
+
+def test_an_elastic_law_that_falls_tilts_no_basin(monkeypatch):
+    """Of steep gradings the law of a single contact may, here and there."""
+    hm = surfaces.self_affine(
+        (96, 120), (96.0, 120.0), hurst=0.8, rms_slope=0.1, cutoff=4.0, seed=12
+    )
+    scale = pressure_scale(hm, asperity.HalfSpace.from_modulus(1.0))
+    body = asperity.HalfSpace.from_modulus(1.0, hardness=0.5 * scale)
+    run = asperity.solve_contacts(hm, body, pressures=[0.03 * scale])
+    population, state = run.decomposition.population, run.points[0].state
+    falling = staticmethod(lambda rows, approach: 3 * (np.full(len(rows), -1.0),))
+    monkeypatch.setattr(type(population.table), "elastic_at", falling)
+    fitted = DEFAULTS.tilted_basins
+    assert tilted_basins.correct(population, run.decomposition.summits, state, fitted) is state
