@@ -63,7 +63,7 @@ def test_an_elastic_law_that_falls_tilts_no_basin(monkeypatch):
         (96, 120), (96.0, 120.0), hurst=0.8, rms_slope=0.1, cutoff=4.0, seed=12
     )
     scale = pressure_scale(hm, asperity.HalfSpace.from_modulus(1.0))
-    body = asperity.HalfSpace.from_modulus(1.0, hardness=0.5 * scale)
+    body = asperity.HalfSpace.from_modulus(1.0, 0.3, hardness=0.5 * scale)
     run = asperity.solve_contacts(hm, body, pressures=[0.03 * scale])
     population, state = run.decomposition.population, run.points[0].state
     falling = staticmethod(lambda rows, approach: 3 * (np.full(len(rows), -1.0),))
