@@ -113,7 +113,7 @@ def split_length(
     reach = max(reach, floor)
     if periodic:
         return _repeated(reach, floor, LARGEST_CUT * min(size)) / cut
-    return max(min(reach, 1.01 * math.hypot(*size)), 0.02 * math.hypot(*size), floor) / cut
+    return max(min(reach, 1.01 * math.hypot(*size)), floor) / cut
 
 
 def long_enough(
