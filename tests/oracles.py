@@ -70,7 +70,7 @@ class HertzTable:
     modulus: float = 1.0
     m: float = 0.0
     nodes: int = 12
-    centre = make = None
+    has_centres = False
     hardness = np.inf
 
     def __len__(self):

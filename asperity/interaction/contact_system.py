@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from bisect import bisect_left
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +19,7 @@ from .elongation import Elongation
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
-    from asperity.microcontact.law_table import LawTable
+    from asperity.microcontact.law_table import LawTable, LazyTable
 
 __all__ = ["ContactSystem"]
 
@@ -69,7 +70,7 @@ class ContactSystem:
         x: ArrayLike,
         y: ArrayLike,
         height: ArrayLike,
-        table: LawTable,
+        table: LawTable | LazyTable,
         cell: tuple[float, float],
         boundary: str,
         material: HalfSpace,
@@ -93,7 +94,7 @@ class ContactSystem:
         self.boundary, self.material = known_boundary(boundary), material
         self.table = table
         self.cell = (float(cell[0]), float(cell[1]))
-        self.interaction = interaction and (boundary == "periodic" or len(self.height) > 1)
+        self.interaction = interaction and self._can_interact
         self.contact_shift = contact_shift
         self.footprints = Footprints(material.modulus, material.m)
         self.elongation: Elongation | None = None
@@ -111,9 +112,20 @@ class ContactSystem:
         return len(self.height)
 
     @property
+    def _can_interact(self) -> bool:
+        """Whether a summit has another one, or its own images, beside it."""
+        return self.boundary == "periodic" or len(self) > 1
+
+    def coupled(self) -> Self:
+        """The same summits and laws, with interaction."""
+        other = copy.copy(self)
+        other.interaction = self._can_interact
+        return other
+
+    @property
     def has_centres(self) -> bool:
         """Whether contacts stand at the centres that their laws give."""
-        return self.contact_shift and self.table.centre is not None
+        return self.contact_shift and self.table.has_centres
 
     @property
     def nominal_area(self) -> float:

@@ -83,9 +83,9 @@ def solve_at(
     growth, spare = DEEPER, SPARE
     if pressure is not None and last.points and last.points[-1].pressure > 0:
         growth, spare = max(1.0, pressure / last.points[-1].pressure), NEW_LOAD
-    field, listed = last.field, last.candidates
+    field, listed, rise = last.field, last.candidates, last.rise(separation, values)
     if listed is not None:
-        lacks = listed.lacks(system, field, separation, growth)
+        lacks = listed.lacks(system, field, separation + rise, growth)
         listed = None if lacks else listed.recentred(system, rows, values, tolerance)
     good: tuple[CandidateList, Solution, Array] | None = None
     steps = products = 0
@@ -97,7 +97,7 @@ def solve_at(
                 rows,
                 values,
                 field=field,
-                separation=separation,
+                separation=separation + rise,
                 growth=growth,
                 spare=spare,
                 rounded=rounded,
@@ -136,7 +136,7 @@ def solve_at(
             break
         if solution.reason or placed == MAX_PLACED:
             break
-        growth = 1.0
+        growth, rise = 1.0, 0.0
         # those that only just touch carry less than their share of the load
         few = LACKING * tolerance * np.count_nonzero(values[0] > 0)
         again = not (listed.lacks(system, field, separation, growth, few) or blind)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -12,13 +12,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
 
-__all__ = ["LawTable", "joined"]
+__all__ = ["LawTable", "LazyTable", "joined"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 TOGETHER = 4096
 """Rows of a lazy table that are made at a time: their rays take more memory than their laws."""
+
+OF_NODES = "force", "stiffness", "area", "bearing"
+"""Columns that are read when a law has been made, and by no load point."""
 
 NO_FOOTPRINT = 0.0, 1.0
 """Factor and exponent of the variance of a force that is not spread."""
@@ -55,14 +58,6 @@ class LawTable:
     hardness
         Pressure [Pa] that the contacts bear at most; where it bounds their laws these need not be
         convex.
-    make
-        Table of the contacts whose rows are given, in that order, of a lazy table (`lazy`).
-
-    Attributes
-    ----------
-    ready
-        Rows that have been made, bool, shape (n,); of a lazy table those asked for (`ensure`), the
-        others being zero, as without a usable law.
 
     Notes
     -----
@@ -84,8 +79,6 @@ class LawTable:
     bearing: Array | None = None
     elastic: Array | None = None
     hardness: float = math.inf
-    make: Callable[[Rows], LawTable] | None = None
-    ready: NDArray[np.bool_] = field(init=False)
 
     def __post_init__(self) -> None:
         n, nodes = self.force.shape
@@ -98,17 +91,6 @@ class LawTable:
             raise InputError(f"reach must have the shape ({n},), got {self.reach.shape}")
         if self.centre is not None and self.centre.shape != (n, nodes, 2):
             raise InputError(f"centre must have the shape {(n, nodes, 2)}, got {self.centre.shape}")
-        self.ready = np.full(n, self.make is None)
-
-    @classmethod
-    def lazy(cls, count: int, make: Callable[[Rows], LawTable]) -> LawTable:
-        """A table of `count` contacts whose rows are made in blocks, when they are first needed.
-
-        At light loads most summits never touch; their laws would cost more than all the rest.
-        """
-        force, stiffness, area, spread = np.zeros((4, count, 3))
-        flags = np.zeros((count, 3), np.uint8)
-        return cls(np.zeros(count), force, stiffness, area, flags, spread, make=make)
 
     def __len__(self) -> int:
         return int(self.reach.size)
@@ -118,32 +100,21 @@ class LawTable:
         """Number K of intervals."""
         return int(self.force.shape[1]) - 1
 
-    def ensure(self, rows: Rows) -> None:
-        """Make the rows that are missing among `rows`."""
-        missing = np.unique(rows[~self.ready[rows]])
-        for start in range(0, missing.size, TOGETHER):
-            self._make(missing[start : start + TOGETHER])
-
-    def _make(self, missing: Rows) -> None:
-        assert self.make is not None  # else all rows are ready
-        block, first = self.make(missing), not self.ready.any()
-        for name, values in block.columns().items():
-            if first:
-                setattr(self, name, np.zeros((len(self), *values.shape[1:]), values.dtype))
-            getattr(self, name)[missing] = values
-        self.exponent, self.law, self.hardness = block.exponent, block.law, block.hardness
-        self.ready[missing] = True
+    @property
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Arrays over the contacts, by name."""
+        named = ((column.name, getattr(self, column.name)) for column in fields(self))
+        return {name: values for name, values in named if isinstance(values, np.ndarray)}
 
     def rows(self, index: Rows) -> LawTable:
-        """The laws of the contacts `index`, which are made if they are missing."""
-        self.ensure(index)
-        found: dict[str, Any] = {name: values[index] for name, values in self.columns().items()}
-        return replace(self, make=None, **found)
+        """The laws of the contacts `index`."""
+        taken: dict[str, Any] = {name: values[index] for name, values in self.columns.items()}
+        return replace(self, **taken)
 
-    def columns(self) -> dict[str, NDArray[Any]]:
-        """What has a row for every contact, by name."""
-        held = {one.name: getattr(self, one.name) for one in fields(self) if one.init}
-        return {name: value for name, value in held.items() if isinstance(value, np.ndarray)}
+    @property
+    def has_centres(self) -> bool:
+        """Whether contacts leave their summits."""
+        return self.centre is not None
 
     def approach(self) -> Array:
         """Approaches [m] of the nodes, shape (n, K + 1)."""
@@ -232,12 +203,118 @@ class LawTable:
         return rows, np.ceil(u * self.nodes).astype(np.int64)
 
 
+class LazyTable:
+    """The laws of n contacts, made in blocks when they are first needed.
+
+    At light loads most summits never touch; their laws would cost more than all the rest.
+
+    Parameters
+    ----------
+    count
+        Number n of contacts.
+    make
+        Table of the contacts whose rows are given, in that order.
+    whole
+        Whether all columns are kept; else the forces, stiffnesses and areas of the nodes, which
+        solvers keep in their own form, are told by `blocks` alone, and made anew if they are asked
+        for again.
+
+    Attributes
+    ----------
+    ready
+        Contacts whose laws have been made, bool, shape (n,).
+    held
+        What is kept of them: zeros, as without a usable law, and then the laws in the order in
+        which they were made.
+    place
+        Row of `held` of each contact, shape (n,).
+    """
+
+    def __init__(
+        self, count: int, make: Callable[[Rows], LawTable], *, whole: bool = False
+    ) -> None:
+        self.make, self.whole = make, whole
+        self.ready, self.place = np.zeros(count, bool), np.zeros(count, np.int64)
+        nothing = np.zeros((1, 3))
+        self.held = LawTable(
+            np.zeros(1), nothing, nothing, nothing, nothing.astype(np.uint8), nothing
+        )
+
+    def __len__(self) -> int:
+        return len(self.ready)
+
+    def blocks(self, rows: Rows) -> Iterator[tuple[Rows, LawTable]]:
+        """The laws of some contacts, `TOGETHER` at a time."""
+        for start in range(0, rows.size, TOGETHER):
+            part = rows[start : start + TOGETHER]
+            yield part, self._laws(part)
+
+    def _laws(self, rows: Rows) -> LawTable:
+        missing = rows[~self.ready[rows]] if self.whole else rows
+        if missing.size:
+            block = self.make(missing)
+            self._hold(missing, block)
+            if missing.size == rows.size:
+                return block
+        return self.held.rows(self.place[rows])
+
+    def _hold(self, rows: Rows, block: LawTable) -> None:
+        given, made = block.columns, int(np.count_nonzero(self.ready))
+        if not made:
+            # memory that is never touched costs nothing
+            rooms = {name: (len(self) + 1, *values.shape[1:]) for name, values in given.items()}
+            kept: dict[str, Any] = {
+                name: np.zeros(room, given[name].dtype)
+                if self._keeps(name)
+                else np.broadcast_to(np.nan, room)
+                for name, room in rooms.items()
+            }
+            self.held = replace(block, **kept)
+        new = np.flatnonzero(~self.ready[rows])
+        last = made + 1 + new.size
+        self.place[rows[new]] = np.arange(made + 1, last)
+        self.ready[rows] = True
+        for name, values in self.held.columns.items():
+            if self._keeps(name):
+                values[made + 1 : last] = given[name][new]
+
+    def _keeps(self, name: str) -> bool:
+        """Whether a column is kept."""
+        return self.whole or name not in OF_NODES
+
+    @property
+    def hardness(self) -> float:
+        """`LawTable.hardness`, once a law has been made."""
+        return self.held.hardness
+
+    @property
+    def has_centres(self) -> bool:
+        """`LawTable.has_centres`, once a law has been made."""
+        return self.held.has_centres
+
+    def centre_at(self, index: Rows, approach: Array) -> tuple[Array, Array]:
+        """`LawTable.centre_at`."""
+        return self.held.centre_at(self.place[index], approach)
+
+    def elastic_at(self, index: Rows, approach: Array) -> tuple[Array, Array]:
+        """`LawTable.elastic_at`."""
+        return self.held.elastic_at(self.place[index], approach)
+
+    def flags_at(self, index: Rows, approach: ArrayLike) -> NDArray[np.uint8]:
+        """`LawTable.flags_at`."""
+        return self.held.flags_at(self.place[index], approach)
+
+    def spread_at(self, index: Rows, approach: ArrayLike) -> Array:
+        """`LawTable.spread_at`."""
+        return self.held.spread_at(self.place[index], approach)
+
+
 def joined(tables: Sequence[LawTable]) -> LawTable:
     """One table of the rows of several of one law."""
     if len(tables) == 1:
         return tables[0]
     columns: dict[str, Any] = {
         name: np.concatenate([getattr(table, name) for table in tables])
-        for name in tables[0].columns()
+        for name in tables[0].columns
     }
     return replace(tables[0], **columns)

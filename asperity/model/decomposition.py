@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from asperity.interaction.elongation import aspect_ratio
 from asperity.interaction.population import Population, PopulationState
-from asperity.microcontact.law_table import LawTable
+from asperity.microcontact.law_table import LazyTable
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.stored_array import mapped
 from surfaces.patches import points_at
@@ -64,7 +64,7 @@ class Decomposition:
     law_factory: LawFactory
     curvature: Array
     angle: Array
-    table: LawTable
+    table: LazyTable
     seconds: dict[str, float]
 
     @classmethod
@@ -119,14 +119,6 @@ class Decomposition:
     @functools.cached_property
     def population(self) -> Population:
         """The contacts with their laws, and with interaction if the plan has it."""
-        return self._population(self.plan.interaction)
-
-    @functools.cached_property
-    def interacting(self) -> Population:
-        """The contacts with interaction, where the plan leaves it out."""
-        return self._population(True)
-
-    def _population(self, interaction: bool) -> Population:
         switches = self.plan.parameters.corrections
         return Population(
             x=self.summits.x,
@@ -136,11 +128,16 @@ class Decomposition:
             cell=self.hm.size,
             boundary=self.plan.boundary,
             material=self.material,
-            interaction=interaction,
+            interaction=self.plan.interaction,
             contact_shift=switches.contact_shift,
             curvature=self.curvature if switches.elongation else None,
             angle=self.angle if switches.elongation else None,
         )
+
+    @functools.cached_property
+    def interacting(self) -> Population:
+        """The contacts with interaction, where the plan leaves it out."""
+        return self.population.coupled()
 
     @property
     def solved(self) -> HeightMap:

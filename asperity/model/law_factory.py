@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from asperity.errors import ModelRangeError
 from asperity.microcontact.capped_table import capped_table
-from asperity.microcontact.law_table import LawTable
+from asperity.microcontact.law_table import LawTable, LazyTable, joined
 from asperity.microcontact.laws import elastic_table
 from surfaces.numerics import parallel
 
@@ -76,7 +76,9 @@ class LawFactory:
         self.material, self.law, self.parameters = material, law, parameters
         self.seconds = seconds
         self.without: set[int] = set()
-        self._elastic = LawTable.lazy(len(summits), self._without_hardness)
+        self._elastic = LazyTable(
+            len(summits), self._without_hardness, whole=material.hardness < math.inf
+        )
 
     def of_hardness(self, material: HalfSpace, seconds: dict[str, float]) -> LawFactory:
         """A factory for another hardness, which takes the elastic laws from here."""
@@ -84,15 +86,15 @@ class LawFactory:
         other.material, other.seconds = material, seconds
         return other
 
-    def all_laws(self) -> LawTable:
+    def all_laws(self) -> LazyTable:
         """A table of the laws of all summits, which are made when they are needed."""
         if self.material.hardness == math.inf:
             return self._elastic
-        return LawTable.lazy(len(self.summits), self._with_hardness)
+        return LazyTable(len(self.summits), self._with_hardness)
 
     def _with_hardness(self, rows: Rows) -> LawTable:
         """Laws with the hardness of the half-space of the summits `rows`, in that order."""
-        elastic = self._elastic.rows(rows)
+        elastic = joined([block for _, block in self._elastic.blocks(rows)])
         begun = time.perf_counter()
         table = capped_table(elastic, self.material)
         self.seconds["laws"] += time.perf_counter() - begun

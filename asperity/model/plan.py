@@ -42,8 +42,9 @@ POINT_BYTES = 64
 """Peak memory of the model per grid point in memory: heights, order, labels, ancestors."""
 
 STRIPS = 2**27
-PEAK_BYTES, CONTACT_BYTES = 1_000, {"periodic": 6_000, "free": 16_000}
-"""Memory of the model of a map on disk: of its strips, per summit, and more per contact."""
+PEAK_BYTES, CONTACT_BYTES = 800, {"periodic": 4_000, "free": 5_000}
+"""Memory of the model of a map on disk: of its strips, per summit, and more per contact (3.3 to 3.6
+kB on three maps, 3.9 to 4.6 kB free: docs/development/interaction.md)."""
 
 DEEP = 4.0
 """Share of the heights above the lowest flat, over that of the area in contact."""

@@ -29,9 +29,9 @@ class StoredMap(HeightMap):
 
     Notes
     -----
-    Preparation (but for the spline filter of a free border), statistics of one pass, the plan of a
-    run, the split of waves, coarser grids, peaks and summits read `source` in parts. All else takes
-    `heights`, which are loaded then, or refused in a sentence.
+    Preparation and resampling (but for the spline filter of a free border), statistics, the plan of
+    a run, the split of waves, coarser grids, peaks and summits read `source` in parts. All else
+    takes `heights`, which are loaded then, or refused in a sentence.
     """
 
     def __init__(

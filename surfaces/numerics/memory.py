@@ -1,13 +1,20 @@
-"""The memory that may be used: a limit, what is left of it, and refusals of what would not fit."""
+"""The memory that may be used: a limit, what is left of it, refusals of what would not fit, and
+changes of whole arrays within it."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from surfaces.errors import InputError, SurfaceError, as_number
+from surfaces.numerics.stored_array import Blocks, Sections, Source, array_of, spans
 
-__all__ = ["available_bytes", "require_memory", "room_for", "set_memory"]
+__all__ = ["Change", "along_both", "available_bytes", "require_memory", "room_for", "set_memory"]
 
 _USUAL = 2 << 30
 """Memory of a program that works on a map in sections of columns, if nothing limits it [bytes]."""
@@ -16,9 +23,15 @@ _PROGRAM = 384 << 20
 """What the program takes beside the arrays of a map that is worked on in blocks, libraries
 included."""
 
+_WORK = 96
+"""Bytes for each element of a section: as it is read, transformed, weighed and written."""
+
 _MEMINFO = Path("/proc/meminfo")
 _CGROUP = Path("/sys/fs/cgroup")
 _limit: int | None = None
+
+Array = NDArray[np.float64]
+Change = Callable[[NDArray[Any]], NDArray[Any]]
 
 
 def set_memory(limit: int | None) -> None:
@@ -126,3 +139,68 @@ def room_for(least: int, what: str) -> int:
         )
     require_memory(least, what, "raise the limit of memory, or free some")
     return min(bound - _PROGRAM, available_bytes())
+
+
+def along_both(
+    blocks: Blocks,
+    shapes: tuple[tuple[int, int], tuple[int, int], tuple[int, int]],
+    like: Source,
+    rows: Change,
+    columns: Callable[[slice, NDArray[Any]], NDArray[Any]],
+    back: Change,
+    tallest: int = 0,
+) -> Source:
+    """An array changed along its rows, then along its columns, then along its rows again; on disk
+    if another is, and then by sections of columns.
+
+    Parameters
+    ----------
+    blocks
+        Blocks of whole rows, each with the number of its first row.
+    shapes
+        Rows and columns after each of the three changes.
+    like
+        The other array.
+    rows, back
+        Change whole rows.
+    columns
+        Changes whole columns, those of the slice.
+    tallest
+        Elements of a column while it is changed, if more than before and after.
+
+    Raises
+    ------
+    InputError, SurfaceError
+        If memory or disk have no room.
+    """
+    (count, width), (made, _), _ = shapes
+    if isinstance(like, np.ndarray):
+        changed: NDArray[Any] | None = None
+        for first, block in blocks:
+            part = rows(block)
+            changed = np.empty((count, width), part.dtype) if changed is None else changed
+            changed[first : first + len(part)] = part
+        assert changed is not None
+        found = back(columns(slice(0, width), changed))
+        found.setflags(write=False)
+        return found
+    tall = _WORK * max(count, made, tallest)
+    room = room_for(4 * tall, f"a filter of {count} x {width} waves")
+    before: Sections | None = None
+    for first, block in blocks:
+        part = rows(block)
+        before = before or Sections((count, width), room // tall, part.dtype)
+        before.write_rows(first, part)
+    assert before is not None
+    after = Sections((made, width), room // tall, part.dtype)
+    for number, place in enumerate(before.columns):
+        after.write(number, 0, columns(slice(*place), before.read(number)))
+    del before
+    step = max(1, room // (_WORK * max(width, shapes[2][1])))
+
+    def changed_back() -> Iterator[tuple[int, Array]]:
+        for first, last in spans(made, step):
+            parts = [after.read(number, first, last) for number in range(len(after.columns))]
+            yield first, back(np.concatenate(parts, axis=1))
+
+    return array_of(changed_back(), shapes[2], like)

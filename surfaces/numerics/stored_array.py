@@ -20,10 +20,12 @@ from surfaces.errors import SurfaceError
 
 __all__ = [
     "BLOCK_BYTES",
+    "Blocks",
     "Sections",
     "Source",
     "StoredArray",
     "array_of",
+    "blocks_of",
     "drop_pages",
     "each_block",
     "mapped",
@@ -190,6 +192,7 @@ class StoredArray:
 
 
 Source = NDArray[Any] | StoredArray
+Blocks = Iterable[tuple[int, NDArray[np.float64]]]
 
 
 def windows(
@@ -217,6 +220,11 @@ def windows(
         if end + below > count:
             window = np.concatenate([window, source[np.arange(count, end + below) % count]])
         yield begin, end, window, begin
+
+
+def blocks_of(source: Source) -> Blocks:
+    """Blocks of whole rows, each with the number of its first row."""
+    return ((begin, rows) for begin, _, rows, _ in windows(source))
 
 
 def rows_around(source: Source, top: int, bottom: int, periodic: bool) -> NDArray[Any]:
@@ -250,9 +258,7 @@ def each_block(source: Source, change: Callable[[Any], Any]) -> Any:
     return source.each(change) if isinstance(source, StoredArray) else change(source)
 
 
-def array_of(
-    blocks: Iterable[tuple[int, NDArray[np.float64]]], shape: tuple[int, int], like: Source
-) -> Source:
+def array_of(blocks: Blocks, shape: tuple[int, int], like: Source) -> Source:
     """An array of blocks of whole rows, each with the number of its first row; on disk if another
     is."""
     if isinstance(like, StoredArray):

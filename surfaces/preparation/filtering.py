@@ -12,9 +12,9 @@ from scipy import fft
 from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_full, require_map
 from surfaces.numerics import parallel
-from surfaces.numerics.stored_array import Source, windows
+from surfaces.numerics.memory import along_both
+from surfaces.numerics.stored_array import Blocks, Source, blocks_of, windows
 
-from .blocks import Blocks, along_both, blocks_of
 from .spline_filter import free_spline, spline_share
 
 __all__ = ["FILTERS", "bandpass", "crop", "make_periodic"]

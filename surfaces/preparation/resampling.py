@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,8 +12,8 @@ from scipy import fft
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel, splines
-from surfaces.numerics.memory import require_memory
-from surfaces.numerics.stored_array import Source
+from surfaces.numerics.memory import Change, along_both, require_memory
+from surfaces.numerics.stored_array import Source, blocks_of
 from surfaces.roughness import BANDS
 
 __all__ = ["coarse_map", "resample", "resample_waves", "shortest_wave"]
@@ -80,14 +81,38 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
     ny, nx = (max(1, round(length / d)) for length, d in zip(hm.size, wanted, strict=True))
     if min(ny, nx) < 3:
         raise SurfaceError(f"pixels of {wanted[0]:g} x {wanted[1]:g} m leave {ny} x {nx} points")
-    needed = 24 * ny * nx + 8 * hm.shape[0] * (nx + hm.shape[1])
-    require_memory(needed, f"a map of {ny} x {nx} points", "take larger pixels")
-    if hm.periodic:
-        heights = resample_waves(hm.heights, ny, nx)
-    else:
-        heights = _resample_cosines(_resample_cosines(hm.heights, nx, 1), ny, 0)
+    if isinstance(hm.source, np.ndarray):
+        needed = 24 * ny * nx + 8 * hm.shape[0] * (nx + hm.shape[1])
+        require_memory(needed, f"a map of {ny} x {nx} points", "take larger pixels")
+    moved = (_waves if hm.periodic else _cosines)(hm.shape, (ny, nx))
+    shapes = (hm.shape[0], moved.width), (ny, moved.width), (ny, nx)
+    heights = along_both(
+        blocks_of(hm.source),
+        shapes,
+        hm.source,
+        moved.rows,
+        lambda _, waves: moved.columns(waves),
+        moved.back,
+    )
     step = {"step": "resample", "from": list(hm.shape), "to": [ny, nx]}
     return hm.replace(heights=heights, spacing=(hm.size[0] / ny, hm.size[1] / nx), step=step)
+
+
+class _Moved(NamedTuple):
+    """Interpolation to other cell centres along rows, columns and rows again.
+
+    Attributes
+    ----------
+    width
+        Waves along a row that are kept.
+    rows, columns, back
+        Waves of whole rows; waves along columns of these on other rows; heights of whole rows.
+    """
+
+    width: int
+    rows: Change
+    columns: Change
+    back: Change
 
 
 def resample_waves(
@@ -98,30 +123,65 @@ def resample_waves(
     Rows first; of the columns only those of waves that are kept are transformed. Of heights without
     waves that so few cannot hold, every `fewer`-th along y and x is enough, divisors of the shape.
     """
-    down, across = (
-        _moved(old, count, part)
-        for old, count, part in zip(heights.shape, (ny, nx), fewer, strict=True)
-    )
+    moved = _waves(heights.shape, (ny, nx), fewer)
     (first_y, first_x), (step_y, step_x) = ((part - 1) // 2 for part in fewer), fewer
     count, width = (n // step for n, step in zip(heights.shape, fewer, strict=True))
-    rows = np.empty((count, across.size), np.complex128)
+    rows = np.empty((count, moved.width), np.complex128)
 
     def part(begin: int, end: int) -> None:
         for start in range(begin, end, _ROWS):
             stop = min(start + _ROWS, end)
             lines = slice(first_y + start * step_y, first_y + (stop - 1) * step_y + 1, step_y)
-            waves = fft.rfft(heights[lines, first_x::step_x], axis=1)
-            np.multiply(waves[:, : across.size], across, out=rows[start:stop])
+            rows[start:stop] = moved.rows(heights[lines, first_x::step_x])
 
-    parts = parallel.lines(count, count * width)
-    parallel.run(part, parts)
-    workers = len(parts)
-    waves = fft.fft(rows, axis=0, workers=workers, overwrite_x=True)
-    kept = np.zeros((ny, across.size), np.complex128)
-    kept[: down.size] = waves[: down.size] * down[:, None]
-    kept[1 - down.size :] = waves[1 - down.size :] * down[:0:-1, None].conj()
-    kept = fft.ifft(kept, axis=0, workers=workers, overwrite_x=True)
-    return np.asarray(fft.irfft(kept, n=nx, axis=1, workers=workers))
+    parallel.run(part, parallel.lines(count, count * width))
+    return np.asarray(moved.back(moved.columns(rows)))
+
+
+def _waves(old: tuple[int, ...], new: tuple[int, int], fewer: tuple[int, int] = (1, 1)) -> _Moved:
+    """Interpolation by the waves of a periodic array of shape `old`, of which every `fewer`-th
+    element along y and x is given."""
+    down, across = (_factors(*each) for each in zip(old, new, fewer, strict=True))
+    workers = len(parallel.lines(old[0], math.prod(old)))
+
+    def rows(heights: NDArray[Any]) -> NDArray[Any]:
+        return np.asarray(fft.rfft(heights, axis=1)[:, : across.size] * across)
+
+    def columns(waves: NDArray[Any]) -> NDArray[Any]:
+        waves = fft.fft(waves, axis=0, workers=workers, overwrite_x=True)
+        kept = np.zeros((new[0], waves.shape[1]), np.complex128)
+        kept[: down.size] = waves[: down.size] * down[:, None]
+        kept[1 - down.size :] = waves[1 - down.size :] * down[:0:-1, None].conj()
+        return np.asarray(fft.ifft(kept, axis=0, workers=workers, overwrite_x=True))
+
+    def back(waves: NDArray[Any]) -> NDArray[Any]:
+        return np.asarray(fft.irfft(waves, n=new[1], axis=1, workers=workers))
+
+    return _Moved(across.size, rows, columns, back)
+
+
+def _cosines(old: tuple[int, ...], new: tuple[int, int]) -> _Moved:
+    """Interpolation by the cosines of an array that does not repeat, to cells of its length."""
+    kept = [min(pair) for pair in zip(old, new, strict=True)]
+
+    def there(values: NDArray[Any], axis: int) -> NDArray[Any]:
+        if old[axis] == new[axis]:
+            return values
+        waves = fft.dct(values, axis=axis, workers=parallel.threads())
+        return np.asarray(waves[: kept[0]] if axis == 0 else waves[:, : kept[1]])
+
+    def back(waves: NDArray[Any], axis: int) -> NDArray[Any]:
+        if old[axis] == new[axis]:
+            return waves
+        waves = waves * (new[axis] / old[axis])
+        return np.asarray(fft.idct(waves, n=new[axis], axis=axis, workers=parallel.threads()))
+
+    return _Moved(
+        kept[1],
+        lambda heights: there(heights, 1),
+        lambda waves: back(there(waves, 0), 0),
+        lambda waves: back(waves, 1),
+    )
 
 
 def coarse_map(hm: HeightMap) -> HeightMap | None:
@@ -211,19 +271,7 @@ def _highest(hm: HeightMap) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     return found.rows[band[:, None], cols].ravel(), cols.ravel()
 
 
-def _resample_cosines(heights: NDArray[np.float64], count: int, axis: int) -> NDArray[np.float64]:
-    """Interpolation by cosines to `count` cell centres of the same length."""
-    old = heights.shape[axis]
-    if count == old:
-        return heights
-    kept = min(old, count)
-    moved = np.moveaxis(heights, axis, -1)
-    spectrum = np.zeros((*moved.shape[:-1], count))
-    spectrum[..., :kept] = fft.dct(moved, axis=-1)[..., :kept] * (count / old)
-    return np.ascontiguousarray(np.moveaxis(fft.idct(spectrum, axis=-1), -1, axis))
-
-
-def _moved(all_points: int, count: int, fewer: int) -> NDArray[np.complex128]:
+def _factors(all_points: int, count: int, fewer: int) -> NDArray[np.complex128]:
     """Factors of the waves kept when every `fewer`-th of the cell centres becomes `count`."""
     old = all_points // fewer
     kept = min(old, count)

@@ -12,8 +12,8 @@ from scipy import fft
 
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel
-from surfaces.numerics.stored_array import Source, array_of, windows
-from surfaces.preparation.blocks import Blocks, along_both, blocks_of
+from surfaces.numerics.memory import along_both
+from surfaces.numerics.stored_array import Blocks, Source, array_of, blocks_of, windows
 
 from .heights import some_roughness
 from .rows import over_present

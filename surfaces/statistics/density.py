@@ -13,8 +13,7 @@ from scipy import fft
 from surfaces.heightmap import HeightMap, require_full, require_map
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import room_for
-from surfaces.numerics.stored_array import Sections, spans
-from surfaces.preparation.blocks import blocks_of
+from surfaces.numerics.stored_array import Sections, blocks_of, spans
 from surfaces.preparation.levelling import level
 
 from .rows import in_memory, rows_of

@@ -14,7 +14,7 @@ from surfaces.files import hdf5
 from surfaces.files.stored_map import StoredMap
 from surfaces.numerics import memory, stored_array
 from surfaces.numerics.stored_array import windows
-from surfaces.preparation import blocks, filling
+from surfaces.preparation import filling
 from surfaces.preparation.levelling import FORMS
 
 SHAPE = 61, 84
@@ -141,7 +141,7 @@ def test_outliers(seed: int, gaps: int, periodic: bool) -> None:
 
 @pytest.fixture
 def sections_of_eight_columns(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(blocks, "room_for", lambda least, _: 2 * least)
+    monkeypatch.setattr(memory, "room_for", lambda least, _: 2 * least)
 
 
 def without_border(shape: tuple[int, int], periodic: bool) -> surfaces.HeightMap:
@@ -172,6 +172,19 @@ def test_bands(kind: str, periodic: bool) -> None:
             assert ("heights" in vars(kept)) == (kind == "spline" and not periodic)
             if kind != "spline" or periodic:
                 is_equal(found, known, 1e-11)
+
+
+@pytest.mark.usefixtures("sections_of_eight_columns")
+@pytest.mark.parametrize("periodic", [True, False])
+def test_other_grids(periodic: bool) -> None:
+    """Fewer points, more, as many along one side, and the other way along each."""
+    for shape in (SHAPE, (60, 83)):
+        hm = without_border(shape, periodic)
+        for points in ((29, 40), (122, 126), (shape[0], 120), (31, 168)):
+            pixel = np.divide(hm.size, points)
+            found = surfaces.resample(stored(hm), pixel)
+            assert found.shape == points
+            is_equal(found, surfaces.resample(hm, pixel), 1e-11)
 
 
 @pytest.mark.usefixtures("sections_of_eight_columns")

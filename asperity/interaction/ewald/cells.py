@@ -113,7 +113,7 @@ def split_length(
     reach = max(reach, floor)
     if periodic:
         return _repeated(reach, floor, LARGEST_CUT * min(size)) / cut
-    return max(min(reach, 1.01 * math.hypot(*size)), 0.02 * math.hypot(*size), floor) / cut
+    return max(min(reach, 1.01 * math.hypot(*size)), floor) / cut
 
 
 def long_enough(
@@ -182,12 +182,20 @@ def near_pairs(
     if sum(most) > CROWDED * n:
         run(find, rows)
     else:
-        # memory that is never touched costs nothing
         room[:] = most
     if room.any():
         first[1:] = np.cumsum(room + SLACK)
-        col, pair = np.zeros(first[-1], np.int32), np.zeros((2, first[-1]), np.float32)
+        col, pair = np.empty(first[-1], np.int32), np.empty((2, first[-1]), np.float32)
         run(find, rows)
+        # of the room that the cells might take, pairs fill a third
+        found, begin = room - first[:-1], first.copy()
+        first[1:] = np.cumsum(found + SLACK)
+        wide, apart = col, pair
+        col, pair = np.zeros(first[-1], np.int32), np.zeros((2, first[-1]), np.float32)
+        for c, (top, bottom) in enumerate(rows * cells[1]):
+            here, there = (slice(at[c], at[c] + found[c]) for at in (first, begin))
+            col[here], pair[:, here] = wide[there], apart[:, there]
+            ptr[start[top] : start[bottom]] -= begin[c] - first[c]
     return ptr, col, pair
 
 

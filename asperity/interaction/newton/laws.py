@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +10,8 @@ from numpy.typing import NDArray
 from asperity.errors import InputError
 from asperity.halfspace.footprint import Footprints
 from asperity.microcontact import law_kernels
+from asperity.microcontact.law_table import LawTable, LazyTable
 from surfaces.numerics.parallel import blocks, run
-
-if TYPE_CHECKING:
-    from asperity.microcontact.law_table import LawTable
 
 __all__ = ["BLOCK", "FILLED", "STIFFEST", "Evaluated", "Laws"]
 
@@ -92,7 +89,7 @@ class Laws:
     what it exceeds the table by, beyond the reach, is carried at the hardness on more area.
     """
 
-    def __init__(self, nodes: LawTable, footprints: Footprints) -> None:
+    def __init__(self, nodes: LawTable | LazyTable, footprints: Footprints) -> None:
         self.footprints = footprints
         self.store = _Store(nodes, footprints)
         self.index = np.arange(len(self.store.reach))
@@ -194,7 +191,7 @@ class _Store:
     a large surface never touch, and memory that is never touched costs nothing.
     """
 
-    def __init__(self, nodes: LawTable, footprints: Footprints) -> None:
+    def __init__(self, nodes: LawTable | LazyTable, footprints: Footprints) -> None:
         self.footprints, self.nodes, n = footprints, nodes, len(nodes)
         self.reach, self.largest = np.zeros((2, n))
         self.usable, self.repaired, self.ready = np.ones(n, bool), *np.zeros((2, n), bool)
@@ -203,8 +200,8 @@ class _Store:
         self.place, self.made = np.zeros(n, np.int32), 0
         self.complete = False
         self.ahead: NDArray[np.int64] | None = None
-        if nodes.make is None:
-            self._add(np.arange(n))
+        if not isinstance(nodes, LazyTable):
+            self._add(np.arange(n), nodes)
 
     def need(self, rows: NDArray[np.int64]) -> None:
         """Make the rows that are missing, and with them those needed later (`ahead`)."""
@@ -214,12 +211,13 @@ class _Store:
             if self.ahead is not None:
                 rows = np.append(rows, self.ahead[~self.ready[self.ahead]])
             rows = left if len(left) <= WHOLE else np.unique(rows)
-            self.nodes.ensure(rows)
-            self._add(rows)
+            assert isinstance(self.nodes, LazyTable)  # the other kind is complete
+            for part, nodes in self.nodes.blocks(rows):
+                self._add(part, nodes)
 
-    def _add(self, rows: NDArray[np.int64]) -> None:
-        nodes, names = self.nodes, ("reach", "force", "stiffness", "area")
-        reach, force, stiffness, area = (np.asarray(getattr(nodes, a), float)[rows] for a in names)
+    def _add(self, rows: NDArray[np.int64], nodes: LawTable) -> None:
+        names = "reach", "force", "stiffness", "area"
+        reach, force, stiffness, area = (np.asarray(getattr(nodes, a), float) for a in names)
         for name, array in zip(names, (reach, force, stiffness, area), strict=True):
             if not np.isfinite(array).all():
                 raise InputError(f"law table: {name} holds values that are not finite")

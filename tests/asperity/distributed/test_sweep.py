@@ -18,6 +18,7 @@ import pytest
 import asperity
 import surfaces
 from asperity.cli.main import main
+from asperity.distributed.pool import Workers, opened
 
 from .conftest import LOADS, MAKE, STEEL, same_but_seconds
 
@@ -298,3 +299,16 @@ def test_bad_plans_are_refused_in_one_sentence(text, match, tmp_path, monkeypatc
         code = leaving.code
     err = capsys.readouterr().err
     assert code == 2 and match in err and err.count("\n") == 1
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="workers are forked on Linux only")
+@pytest.mark.parametrize("dask", [True, False])
+def test_workers_are_forked_from_a_process_without_threads(dask, monkeypatch):
+    """Threads would not be there after the fork, and what they hold would stay locked."""
+    if not dask:
+        monkeypatch.setitem(sys.modules, "distributed", None)
+    with opened(Workers(1), 1) as pool:
+        server = pool.submit(os.getppid).result()
+        assert pool.submit(os.getenv, "OMP_NUM_THREADS").result() == "1"
+        assert server != os.getpid()
+        assert len(os.listdir(f"/proc/{server}/task")) == 1

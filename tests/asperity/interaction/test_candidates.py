@@ -77,3 +77,20 @@ def test_more_contacts_may_stand_a_little_astray_under_a_wider_tolerance(light, 
 def test_a_plan_holds_until_footprints_outgrow_it(light):
     plan = light[1].problem.plan
     assert plan.holds((0.99 * plan.eta / 3) ** 2) and not plan.holds((1.01 * plan.eta / 3) ** 2)
+
+
+def test_summits_of_a_free_body_sink_with_it():
+    """Between two loads the whole body sinks by many times its roughness: what is listed is what
+    may touch, not all summits over the last field; all that overlap are listed."""
+    hm = surfaces.self_affine(
+        (512, 640), (512.0, 640.0), hurst=0.8, rms_slope=0.1, rolloff=20.0, cutoff=5.0, seed=3
+    )
+    loads = pressure_scale(hm, BODY) * np.geomspace(1e-3, 4e-2, 8)
+    plan = asperity.make_plan(hm, BODY, pressures=loads, boundary="free", scales="all")
+    states = [point.state for point in solve_contacts(hm, BODY, plan, pressures=loads).points]
+    assert states[-2].separation - states[-1].separation > 3.0 * hm.rms_height
+    for state in states:
+        assert state.active < len(state.rows) < 1.9 * state.active
+        last = state.continuation
+        found = last.field, state.separation, 1.0
+        assert not last.candidates.lacks(last.system, *found, 0.01 * state.active)

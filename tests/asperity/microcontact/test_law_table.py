@@ -8,12 +8,12 @@ from strategies import random_population
 
 from asperity.halfspace.material import HalfSpace
 from asperity.interaction.population import Population
-from asperity.microcontact.law_table import LawTable
+from asperity.microcontact.law_table import LawTable, LazyTable
 
 CELL = (1.0, 1.4)
 
 
-def tables(n, seed=0):
+def tables(n, seed=0, whole_rows=False):
     y, x, height, hertz = random_population(n, CELL, seed)
     zeros = np.zeros(hertz.force.shape)
     whole = LawTable(
@@ -26,17 +26,35 @@ def tables(n, seed=0):
         arrays = (getattr(whole, k)[rows] for k in ("reach", "force", "stiffness", "area"))
         return LawTable(*arrays, whole.flags[rows], whole.spread[rows])
 
-    return y, x, height, whole, LawTable.lazy(n, make), asked
+    return y, x, height, whole, LazyTable(n, make, whole=whole_rows), asked
 
 
 def test_rows_are_made_once_and_in_place():
-    *_, whole, lazy, asked = tables(50)
-    lazy.ensure(np.array([7, 3, 7]))
-    lazy.ensure(np.array([3, 9]))
-    np.testing.assert_array_equal(np.concatenate(asked), [3, 7, 9])
+    *_, whole, lazy, asked = tables(50, whole_rows=True)
+    for rows in np.array([7, 3]), np.array([3, 9]), np.array([9, 7]):
+        for part, laws in lazy.blocks(rows):
+            np.testing.assert_array_equal(part, rows)
+            for name, values in laws.columns.items():
+                np.testing.assert_array_equal(values, getattr(whole, name)[rows])
+    np.testing.assert_array_equal(np.concatenate(asked), [7, 3, 9])
     assert lazy.ready.sum() == 3 and len(lazy) == 50
-    np.testing.assert_array_equal(lazy.force[[3, 7, 9]], whole.force[[3, 7, 9]])
-    assert not lazy.reach[[0, 49]].any()
+
+
+def test_what_load_points_read_is_kept():
+    """Of contacts without a law it is nothing."""
+    whole = tables(50)[3]
+    whole.centre = np.random.default_rng(1).normal(size=(*whole.force.shape, 2))
+    whole.spread[:], whole.flags[:] = whole.centre[..., 0], 7
+    lazy = LazyTable(50, whole.rows)
+    for rows in np.array([7, 3]), np.array([12]):
+        assert [len(laws) for _, laws in lazy.blocks(rows)] == [len(rows)]
+    made, deep = np.array([12, 3, 7]), np.array([0.2, 0.7, 1.3]) * whole.reach[[12, 3, 7]]
+    for read in ("spread_at", "flags_at", "centre_at"):
+        np.testing.assert_array_equal(
+            getattr(lazy, read)(made, deep), getattr(whole, read)(made, deep)
+        )
+    assert not lazy.flags_at(np.array([0, 49]), np.ones(2)).any()
+    assert np.isnan(lazy.held.force).all() and lazy.held.force.strides == (0, 0)
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
@@ -90,7 +108,7 @@ def test_summits_without_a_law_stay_open():
         return LawTable(*arrays.values(), whole.flags[rows], whole.spread[rows])
 
     population = Population(
-        x=x, y=y, height=height, table=LawTable.lazy(100, make), cell=CELL, boundary="periodic",
+        x=x, y=y, height=height, table=LazyTable(100, make), cell=CELL, boundary="periodic",
         material=HalfSpace.from_modulus(1.0),
     )  # fmt: skip
     state = population.solve(separation=0.0)

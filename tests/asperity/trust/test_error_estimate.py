@@ -294,8 +294,8 @@ def test_one_contact_among_many_whose_law_tells_nothing_does_little_harm():
     hm = waves()
     run = asperity.solve_contacts(hm, BODY, pressures=default_pressures(hm, BODY, 2)[1:])
     force, table = run.points[0].state.force, run.decomposition.population.table
-    table.spread[:] = 0.0
-    table.spread[force.argmax()] = 1.0
+    table.held.spread[:] = 0.0
+    table.held.spread[table.place[force.argmax()]] = 1.0
     share = force.max() / force.sum()
     assert share < 0.8
     assert outside_model_terms(run.decomposition, run.points[0].state)["unsure"] == pytest.approx(

@@ -1,4 +1,4 @@
-"""The two-level preconditioner: it must not change what is solved."""
+"""The two-level preconditioner must not change what is solved; near pairs follow the points."""
 
 from __future__ import annotations
 
@@ -70,3 +70,14 @@ def test_solves_the_same_in_fewer_products(held, boundary, monkeypatch):
     assert helped.products < 0.8 * plain.products
     size = np.abs(plain.solution).max()
     np.testing.assert_allclose(helped.solution, plain.solution, atol=2e-3 * size)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_pairs_and_mesh_grow_with_the_points(boundary):
+    """No faster than their number: a few points or very many."""
+    for count in (4_000, 40_000, 160_000):
+        rng = np.random.default_rng(count)
+        y, x = (rng.uniform(0.0, side, count) for side in CELL)
+        plan = Interaction(y, x, CELL, boundary, Footprints(1.0, 0.0))
+        assert plan.pairs < 10 * count
+        assert np.prod(plan.mesh.shape) < 16 * count
