@@ -133,6 +133,7 @@ def _basins() -> None:
         angle=np.zeros(1),
         curvature=np.ones((1, 2)),
         floor=np.zeros(1),
+        tilt=np.zeros((1, 2)),
     )
     press(cast("Summits", summits), one, np.zeros((1, 1)), BODY)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from surfaces.numerics.compiled import inner
 
-__all__ = ["CHUNK", "MOST", "REACH", "solve"]
+__all__ = ["CHUNK", "LONGEST", "MOST", "REACH", "relieve", "solve"]
 
 REACH = 64
 """Largest number of elements along a side of the grid of one contact."""
@@ -24,7 +24,7 @@ LONGEST = 200
 
 
 @inner(fastmath=True)
-def _relieve(count, amounts, row, col, kernel, system, out):
+def relieve(count, amounts, row, col, kernel, system, out):
     """Take the displacements of all elements by the pressures `amounts` off `out`.
 
     Rows of the matrix are made when they are first needed: elements that stay open need none.
@@ -67,7 +67,7 @@ def solve(count, row, col, gap, kernel, tolerance, system, pressure, work):
     for i in range(count):
         pressure[i] = scale * math.sqrt(max(2.0 * gap[i] - 1.0, 0.0))
         left[i], way[i], made[i] = gap[i], 0.0, False
-    _relieve(count, pressure, row, col, kernel, system, left)
+    relieve(count, pressure, row, col, kernel, system, left)
     before, fresh = 1.0, True
     for _ in range(LONGEST):
         total, error, square = 0.0, 0.0, 0.0
@@ -83,7 +83,7 @@ def solve(count, row, col, gap, kernel, tolerance, system, pressure, work):
         for i in range(count):
             way[i] = left[i] + share * way[i] if pressure[i] > 0.0 else np.float32(0.0)
             change[i] = 0.0
-        _relieve(count, way, row, col, kernel, system, change)
+        relieve(count, way, row, col, kernel, system, change)
         above, below = 0.0, 0.0
         for i in range(count):
             below -= change[i] * way[i]
@@ -100,4 +100,4 @@ def solve(count, row, col, gap, kernel, tolerance, system, pressure, work):
                 fresh = True
         for i in range(count):
             left[i] += step * change[i]
-        _relieve(count, beside, row, col, kernel, system, left)
+        relieve(count, beside, row, col, kernel, system, left)

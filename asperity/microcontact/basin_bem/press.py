@@ -25,7 +25,7 @@ from surfaces.numerics.stored_array import mapped
 if TYPE_CHECKING:
     from surfaces.peaks.summits import Summits
 
-__all__ = ["monotone", "press", "put"]
+__all__ = ["areas_under", "monotone", "press", "put"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -85,15 +85,7 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
     """
     from ._element_kernels import press_levels
 
-    hm, peaks = summits.hm, summits.peaks
-    surface = (
-        hm.mapped, mapped(peaks.labels), summits.owner, hm.periodic, summits.spline.ravel(),
-        summits.spline.shape[1], hm.spacing,
-    )  # fmt: skip
-    tops = (
-        peaks.row, peaks.col, summits.places, summits.height, summits.angle, summits.curvature,
-        summits.floor,
-    )  # fmt: skip
+    surface, tops = _scene(summits, summits.peaks.row, summits.peaks.col)
     out = np.zeros((*depths.shape, 8))
     unit = compliance((1.0, 1.0), material)
     rules = unit, material.m, _kernels(material.m), POINTS, TOLERANCE
@@ -110,6 +102,59 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
     parallel.each(part, [(k, a) for k, a in parts if a == 0 or depths[k, a] > 0.0])
     out[np.logical_or.accumulate(out[:, :, 0] < 0.0, axis=1)] = 0.0
     return out
+
+
+def areas_under(summits: Summits, rows: Rows, force: Array, depth: Array, body: HalfSpace) -> Array:
+    """Areas [m^2] of basins pressed alone by forces under the hardness of a half-space, shape (n,).
+
+    Parameters
+    ----------
+    summits
+        Summits of a map, which may be tilted (`Summits.tilted`).
+    rows
+        Those to press, shape (n,).
+    force, depth
+        Force [N] and about the approach [m] of each, shape (n,).
+    body
+        Half-space with its hardness.
+
+    Returns
+    -------
+    Areas; zero where a basin reaches too far, or does not bear the force.
+    """
+    from ._loaded_kernels import area_under_load
+
+    row, col = (np.rint(place).astype(np.int64) for place in summits.places.T)
+    surface, tops = _scene(summits, row, col)
+    out = np.zeros(len(rows))
+    rules = (
+        compliance((1.0, 1.0), body), body.m, body.hardness, _kernels(body.m), POINTS, TOLERANCE,
+    )  # fmt: skip
+    spare: list[Any] = []
+
+    def part(slot: int) -> None:
+        space = spare.pop() if spare else _space()
+        area_under_load(
+            slot, rows[slot], force[slot], depth[slot], surface, tops, *rules, out, space
+        )
+        spare.append(space)
+
+    parallel.each(part, range(len(rows)))
+    return out
+
+
+def _scene(summits: Summits, row: Rows, col: Rows) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """Surface and summits as `press_levels` takes them, with the pixels of the summits."""
+    hm, peaks = summits.hm, summits.peaks
+    surface = (
+        hm.mapped, mapped(peaks.labels), summits.owner, hm.periodic, summits.spline.ravel(),
+        summits.spline.shape[1], hm.spacing,
+    )  # fmt: skip
+    tops = (
+        row, col, summits.places, summits.height, summits.angle, summits.curvature, summits.floor,
+        summits.tilt,
+    )  # fmt: skip
+    return surface, tops
 
 
 def _space() -> tuple[tuple[NDArray[Any], ...], ...]:

@@ -45,6 +45,8 @@ def correct(
         return state
     approach, force, stiffness, area = state.listed
     closed = np.flatnonzero(force > 0.0)
+    if population.material.hardness < np.inf and MODE:
+        return _exp(population, summits, state, fitted, closed)
     beyond = population.table.flags_at(state.rows[closed], approach[closed])
     closed = closed[(beyond & np.uint8(Flag.BEYOND_RADIUS)) > 0]
     body, depth, punch = population.footprints, approach[closed], stiffness[closed]
@@ -67,6 +69,46 @@ def correct(
     found = np.where(found > 0.0, found, area[own])
     listed = state.listed.copy()
     listed[3, own] += _rise(share, fitted.share) * weight * (found - area[own])
+    return replace(state, listed=listed, contact_area=float(listed[3].sum()))
+
+
+import os, time
+MODE = os.environ.get("EXP", "")
+STAT = [0, 0.0]
+
+
+def _exp(population, summits, state, fitted, closed):
+    from asperity.microcontact.basin_bem.press import areas_under
+    approach, force, stiffness, area = state.listed
+    t0 = time.perf_counter()
+    if "b" in MODE:
+        flags = population.table.flags_at(state.rows[closed], approach[closed])
+        closed = closed[(flags & np.uint8(Flag.BEYOND_RADIUS)) > 0]
+    body, depth = population.footprints, approach[closed]
+    punch = population.table.elastic_at(state.rows[closed], depth)[1]
+    radius = (body.power * punch / (2.0 * body.modulus)) ** (1.0 / body.power)
+    shift = radius * np.hypot(*state.tilt[closed].T) / (body.power * depth)
+    big = area[closed] > float(os.environ.get("SHARE", "0.003")) * state.contact_area
+    own, shift = closed[big], shift[big]
+    if not own.size:
+        return state
+    gradient = state.tilt[own] / (1.0 + shift[:, None])
+    if "0" in MODE:
+        gradient *= 0.0
+    rows = state.rows[own]
+    tilted = summits.tilted(rows, gradient, fitted.passed * approach[own])
+    ok = tilted.valid[rows]
+    if "j" not in MODE:
+        ok &= np.isinf(summits.floor[rows])
+    found = np.zeros(len(rows))
+    found[ok] = areas_under(tilted, rows[ok], force[own][ok], approach[own][ok], population.material)
+    n0 = int((found == 0).sum())
+    found = np.where(found > 0.0, found, area[own])
+    listed = state.listed.copy()
+    listed[3, own] = found
+    STAT[0] += len(own); STAT[1] += time.perf_counter() - t0
+    if "v" in MODE:
+        print("share %.4f" % (state.contact_area/population.nominal_area), "n", len(own), "lost", n0, "held %.2f" % (area[own].sum()/state.contact_area), "ratio %.3f" % (found.sum()/area[own].sum()), "ms %.1f" % (1e3*(time.perf_counter()-t0)))
     return replace(state, listed=listed, contact_area=float(listed[3].sum()))
 
 
