@@ -209,12 +209,16 @@ class TiltedBasins:
     passed
         Depth of a hollow under such a contact, over its approach [-], beyond which the contact ends
         there; 0.1 to 0.4 hardly differ.
+    pressed
+        Share [-] of the contact area from which on a contact under a hardness is pressed by its
+        force on its tilted basin.
     """
 
     shift: tuple[float, float] = (0.25, 0.35)
     share: tuple[float, float] = (0.22, 0.3)
     most: float = 0.95
     passed: float = 0.2
+    pressed: float = 0.003
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,9 @@ import numpy as np
 from surfaces.numerics.compiled import compiled, inner
 from surfaces.numerics.splines import expand
 
-from ._closing_kernels import MOST, REACH, solve
-from ._outline_kernels import NONE, contact_size
+from ._closing_kernels import MOST, NONE, REACH, bear, contact_size, solve
 
-__all__ = ["ASPECTS", "WINDOW", "elements", "press_levels"]
+__all__ = ["ASPECTS", "WINDOW", "area_under_load", "press_levels"]
 
 ASPECTS = np.array([1.0, 1.5, 2.25, 3.4, 5.0])
 """Ratios of the sides of the elements."""
@@ -31,6 +30,15 @@ FEW = 12
 
 TIP = 1.7
 """Half a side of the first box about a summit over the root of approach over curvature."""
+
+TRIES = 6
+"""Grids tried for one contact."""
+
+SPARE = 1.1
+"""Depth of the part of a basin that is looked at, over the approach of the contact."""
+
+SLACK = 0.35
+"""Part of that depth which the flat may stay short of: beyond, elements are too large."""
 
 
 @inner()
@@ -176,7 +184,7 @@ def _sample(
 
 
 @inner()
-def elements(peak, depth, surface, summits, points, stamp, space):
+def _elements(peak, depth, surface, summits, points, stamp, space):
     """Elements about a peak that overlap with a flat at `depth` [m] below its top.
 
     Arguments are those of `press_levels`. Fills rows, columns, overlaps over the depth and the
@@ -262,7 +270,7 @@ def press_levels(
         depth = depths[slot, level]
         if not depth > 0.0:
             break
-        total, nv, nu, hv, hu, kind, u0, v0, c, s = elements(
+        total, nv, nu, hv, hu, kind, u0, v0, c, s = _elements(
             peak, depth, surface, summits, points, level - first + 1, space
         )
         if total < 0:
@@ -292,3 +300,45 @@ def press_levels(
             out[slot, level, 4] += part * dy * dy
             out[slot, level, 5] += part * dx * dx
             out[slot, level, 6] += part * dy * dx
+
+
+@compiled()
+def area_under_load(
+    slot, peak, force, depth, surface, summits, unit, m, hardness, kernels, points, tolerance, out,
+    space,
+):  # fmt: skip
+    """Contact area [m^2] of a peak that carries a force [N] under a hardness [Pa], into `out`.
+
+    `depth` is about the approach [m]; the other arguments are those of `press_levels`. The area is
+    zero where the basin reaches too far or does not bear the force.
+    """
+    number, scratch, mark = space[1][3], space[2], space[0][0]
+    system, closed, overlap, work, row, col = scratch
+    edge = math.gamma(0.5 * (3.0 + m)) / math.gamma(0.5 * (5.0 - m))
+    mark[:] = 0
+    out[slot] = 0.0
+    depth *= SPARE
+    for attempt in range(TRIES):
+        total, nv, nu, hv, hu, kind, _, _, _, _ = _elements(
+            peak, depth, surface, summits, points, attempt + 1, space
+        )
+        if total < 0:
+            return
+        side = hu * hv
+        load = force * unit / (depth * side ** (0.5 * (1.0 + m)))
+        bound = np.float32(hardness * unit / (depth * side ** (0.5 * (m - 1.0))))
+        if total < 4 or load > 0.99 * total * bound:
+            depth *= 1.5
+            continue
+        level = bear(
+            total, row, col, overlap, kernels[kind], np.float32(load), bound, tolerance, system,
+            closed, work,
+        )  # fmt: skip
+        if level < 0.0 or (level > SLACK and attempt < TRIES - 1):
+            depth *= SPARE * (1.0 - level)
+            continue
+        size = contact_size(
+            number, nv, nu, math.sqrt(hv / hu), math.sqrt(hu / hv), closed, work[0], m, edge
+        )
+        out[slot] = max(side * size, force / hardness)
+        return

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import Flag
+from asperity.microcontact.basin_bem.press import areas_under
 from asperity.microcontact.laws import tabulate
 
 if TYPE_CHECKING:
@@ -45,71 +46,39 @@ def correct(
         return state
     approach, force, stiffness, area = state.listed
     closed = np.flatnonzero(force > 0.0)
-    if population.material.hardness < np.inf and MODE:
-        return _exp(population, summits, state, fitted, closed)
-    beyond = population.table.flags_at(state.rows[closed], approach[closed])
-    closed = closed[(beyond & np.uint8(Flag.BEYOND_RADIUS)) > 0]
-    body, depth, punch = population.footprints, approach[closed], stiffness[closed]
     if population.material.hardness < np.inf:
-        punch = population.table.elastic_at(state.rows[closed], depth)[1]
-    radius = (body.power * punch / (2.0 * body.modulus)) ** (1.0 / body.power)
-    shift = radius * np.hypot(*state.tilt[closed].T) / (body.power * depth)
-    weight = _rise(shift, fitted.shift)
-    tilted = weight * area[closed]
-    share = tilted.sum() / state.contact_area
-    if share <= fitted.share[0]:
-        return state
-    order = np.argsort(-tilted, kind="stable")
-    held = np.cumsum(tilted[order])
-    most = order[: np.searchsorted(held, fitted.most * held[-1]) + 1]
-    own, weight = closed[most], weight[most]
-    gradient = state.tilt[own] / (1.0 + shift[most, None])
-    rows, deepest = state.rows[own], fitted.passed * approach[own]
-    found = _areas(summits.tilted(rows, gradient, deepest), rows, force[own], population.material)
-    found = np.where(found > 0.0, found, area[own])
-    listed = state.listed.copy()
-    listed[3, own] += _rise(share, fitted.share) * weight * (found - area[own])
-    return replace(state, listed=listed, contact_area=float(listed[3].sum()))
-
-
-import os, time
-MODE = os.environ.get("EXP", "")
-STAT = [0, 0.0]
-
-
-def _exp(population, summits, state, fitted, closed):
-    from asperity.microcontact.basin_bem.press import areas_under
-    approach, force, stiffness, area = state.listed
-    t0 = time.perf_counter()
-    if "b" in MODE:
-        flags = population.table.flags_at(state.rows[closed], approach[closed])
-        closed = closed[(flags & np.uint8(Flag.BEYOND_RADIUS)) > 0]
-    body, depth = population.footprints, approach[closed]
-    punch = population.table.elastic_at(state.rows[closed], depth)[1]
-    radius = (body.power * punch / (2.0 * body.modulus)) ** (1.0 / body.power)
-    shift = radius * np.hypot(*state.tilt[closed].T) / (body.power * depth)
-    big = area[closed] > float(os.environ.get("SHARE", "0.003")) * state.contact_area
-    own, shift = closed[big], shift[big]
-    if not own.size:
-        return state
+        own = closed[area[closed] > fitted.pressed * state.contact_area]
+        punch = population.table.elastic_at(state.rows[own], approach[own])[1]
+        shift, share = _shifts(population, state, own, punch), np.ones(len(own))
+    else:
+        beyond = population.table.flags_at(state.rows[closed], approach[closed])
+        closed = closed[(beyond & np.uint8(Flag.BEYOND_RADIUS)) > 0]
+        shift = _shifts(population, state, closed, stiffness[closed])
+        weight = _rise(shift, fitted.shift)
+        tilted = weight * area[closed]
+        held = float(tilted.sum() / state.contact_area)
+        if held <= fitted.share[0]:
+            return state
+        order = np.argsort(-tilted, kind="stable")
+        first = np.cumsum(tilted[order])
+        most = order[: np.searchsorted(first, fitted.most * first[-1]) + 1]
+        own, shift, share = closed[most], shift[most], _rise(held, fitted.share) * weight[most]
     gradient = state.tilt[own] / (1.0 + shift[:, None])
-    if "0" in MODE:
-        gradient *= 0.0
-    rows = state.rows[own]
-    tilted = summits.tilted(rows, gradient, fitted.passed * approach[own])
-    ok = tilted.valid[rows]
-    if "j" not in MODE:
-        ok &= np.isinf(summits.floor[rows])
-    found = np.zeros(len(rows))
-    found[ok] = areas_under(tilted, rows[ok], force[own][ok], approach[own][ok], population.material)
-    n0 = int((found == 0).sum())
+    rows, deepest = state.rows[own], fitted.passed * approach[own]
+    tilted_summits = summits.tilted(rows, gradient, deepest)
+    found = _areas(tilted_summits, rows, force[own], approach[own], population.material)
     found = np.where(found > 0.0, found, area[own])
     listed = state.listed.copy()
-    listed[3, own] = found
-    STAT[0] += len(own); STAT[1] += time.perf_counter() - t0
-    if "v" in MODE:
-        print("share %.4f" % (state.contact_area/population.nominal_area), "n", len(own), "lost", n0, "held %.2f" % (area[own].sum()/state.contact_area), "ratio %.3f" % (found.sum()/area[own].sum()), "ms %.1f" % (1e3*(time.perf_counter()-t0)))
+    listed[3, own] += share * (found - area[own])
     return replace(state, listed=listed, contact_area=float(listed[3].sum()))
+
+
+def _shifts(population: Population, state: PopulationState, own: Rows, punch: Array) -> Array:
+    """Shift of some contacts by the gradient of the field over their radius, which the stiffness
+    `punch` [N/m] tells, shape (k,)."""
+    body, depth = population.footprints, state.listed[0, own]
+    radius = (body.power * punch / (2.0 * body.modulus)) ** (1.0 / body.power)
+    return np.asarray(radius * np.hypot(*state.tilt[own].T) / (body.power * depth))
 
 
 def area_under(table: LawTable, force: Array) -> Array:
@@ -130,14 +99,19 @@ def area_under(table: LawTable, force: Array) -> Array:
     return np.where(table.reach > 0, area, 0.0)
 
 
-def _areas(summits: Summits, rows: Rows, force: Array, material: HalfSpace) -> Array:
+def _areas(
+    summits: Summits, rows: Rows, force: Array, approach: Array, material: HalfSpace
+) -> Array:
     """Areas [m^2] of contacts on their tilted basins, shape (k,); zero where there is no summit."""
     area = np.zeros(len(rows))
-    alone = np.flatnonzero(summits.valid[rows] & np.isinf(summits.floor[rows]))
-    if alone.size:
-        profiles = summits.rows(rows[alone])
-        table = tabulate(profiles, material, law="ellipse")
-        area[alone] = area_under(table, force[alone])
+    some = np.flatnonzero(summits.valid[rows] & np.isinf(summits.floor[rows]))
+    if not some.size:
+        return area
+    if material.hardness < np.inf:
+        area[some] = areas_under(summits, rows[some], force[some], approach[some], material)
+    else:
+        table = tabulate(summits.rows(rows[some]), material, law="ellipse")
+        area[some] = area_under(table, force[some])
     return area
 
 

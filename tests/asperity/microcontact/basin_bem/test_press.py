@@ -14,8 +14,8 @@ import asperity
 from asperity.errors import Flag
 from asperity.interaction.elongation import Elongation
 from asperity.microcontact.basin_bem import press
-from asperity.microcontact.basin_bem.press import monotone
 from asperity.microcontact.hertz import elliptic_contact
+from asperity.microcontact.law_table import monotone
 from asperity.microcontact.laws import tabulate
 from asperity.model.corrections import single_contacts
 from asperity.model.corrections.joined_pairs import join
