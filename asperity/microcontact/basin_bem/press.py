@@ -40,6 +40,9 @@ STEPS_JOINED = np.array([0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 19, 23])
 POINTS = 300.0
 """Elements of the box about the part of a basin above the flat, of which contact takes a third."""
 
+POINTS_LOADED = 150.0
+"""The same where a force is given."""
+
 TOLERANCE = 1e-3
 """Work of the gaps that are left, over that of the pressures."""
 
@@ -127,9 +130,8 @@ def areas_under(summits: Summits, rows: Rows, force: Array, depth: Array, body: 
     row, col = (np.rint(place).astype(np.int64) for place in summits.places.T)
     surface, tops = _scene(summits, row, col)
     out = np.zeros(len(rows))
-    rules = (
-        compliance((1.0, 1.0), body), body.m, body.hardness, _kernels(body.m), POINTS, TOLERANCE,
-    )  # fmt: skip
+    unit, kernels = compliance((1.0, 1.0), body), _kernels(body.m)
+    rules = unit, body.m, body.hardness, kernels, POINTS_LOADED, TOLERANCE
     spare: list[Any] = []
 
     def part(slot: int) -> None:

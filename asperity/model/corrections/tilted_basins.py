@@ -1,4 +1,6 @@
-"""Contacts on basins that the field of the others tilts: they get the area of the tilted basin."""
+"""Contacts on basins that the field of the others tilts, or that have yielded: they get the area of
+the tilted basin under their force.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +12,10 @@ from numpy.typing import NDArray
 
 from asperity.errors import Flag
 from asperity.microcontact.basin_bem.press import areas_under
+from asperity.microcontact.capped_table import LEAST_YIELD
 from asperity.microcontact.laws import tabulate
 
 if TYPE_CHECKING:
-    from asperity.halfspace.material import HalfSpace
     from asperity.interaction.population import Population, PopulationState
     from asperity.microcontact.law_table import LawTable
     from asperity.parameters.constants import TiltedBasins
@@ -39,37 +41,65 @@ def correct(
     field, R |g| over the contact radius, is large and the contact reaches beyond the paraboloid of
     its summit. If such contacts hold much of the area, each is pressed anew with its force on the
     next summit uphill of its basin, which the gradient has tilted
-    (docs/development/interaction.md). With a hardness the contact radius is that of the elastic
-    contact of the same area: how far a basin is tilted is no matter of what has yielded.
+    (docs/development/interaction.md).
+
+    The elastic contact of the same area, from which the law of a yielded contact is made, may have
+    another shape. Where contacts have yielded, those of large area are therefore pressed by
+    elements under the hardness, the largest first, until their laws are confirmed
+    (docs/development/hardness.md). Their contact radius is that of the elastic contact of the same
+    area: how far a basin is tilted is no matter of what has yielded.
     """
     if not (population.contact_shift and state.contact_area > 0.0):
         return state
     approach, force, stiffness, area = state.listed
     closed = np.flatnonzero(force > 0.0)
     if population.material.hardness < np.inf:
-        own = closed[area[closed] > fitted.pressed * state.contact_area]
-        punch = population.table.elastic_at(state.rows[own], approach[own])[1]
-        shift, share = _shifts(population, state, own, punch), np.ones(len(own))
-    else:
-        beyond = population.table.flags_at(state.rows[closed], approach[closed])
-        closed = closed[(beyond & np.uint8(Flag.BEYOND_RADIUS)) > 0]
-        shift = _shifts(population, state, closed, stiffness[closed])
-        weight = _rise(shift, fitted.shift)
-        tilted = weight * area[closed]
-        held = float(tilted.sum() / state.contact_area)
-        if held <= fitted.share[0]:
-            return state
-        order = np.argsort(-tilted, kind="stable")
-        first = np.cumsum(tilted[order])
-        most = order[: np.searchsorted(first, fitted.most * first[-1]) + 1]
-        own, shift, share = closed[most], shift[most], _rise(held, fitted.share) * weight[most]
-    gradient = state.tilt[own] / (1.0 + shift[:, None])
-    rows, deepest = state.rows[own], fitted.passed * approach[own]
-    tilted_summits = summits.tilted(rows, gradient, deepest)
-    found = _areas(tilted_summits, rows, force[own], approach[own], population.material)
-    found = np.where(found > 0.0, found, area[own])
+        elastic = population.table.elastic_at(state.rows[closed], approach[closed])[0]
+        if (elastic < 1.0 - LEAST_YIELD).any():
+            return _yielding(population, summits, state, fitted)
+    beyond = population.table.flags_at(state.rows[closed], approach[closed])
+    closed = closed[(beyond & np.uint8(Flag.BEYOND_RADIUS)) > 0]
+    shift = _shifts(population, state, closed, stiffness[closed])
+    weight = _rise(shift, fitted.shift)
+    tilted = weight * area[closed]
+    share = tilted.sum() / state.contact_area
+    if share <= fitted.share[0]:
+        return state
+    order = np.argsort(-tilted, kind="stable")
+    held = np.cumsum(tilted[order])
+    most = order[: np.searchsorted(held, fitted.most * held[-1]) + 1]
+    own = closed[most]
+    found = _areas(population, summits, state, own, shift[most], fitted)
+    changed = _rise(share, fitted.share) * weight[most] * (found - area[own])
+    return _changed(state, own, changed)
+
+
+def _yielding(
+    population: Population, summits: Summits, state: PopulationState, fitted: TiltedBasins
+) -> PopulationState:
+    """State of which the contacts of large area are pressed under the hardness, the largest first,
+    until their laws are confirmed."""
+    approach, force, _, area = state.listed
+    own = np.flatnonzero((force > 0.0) & (area > fitted.pressed * state.contact_area))
+    own = own[np.argsort(-area[own], kind="stable")]
+    punch = population.table.elastic_at(state.rows[own], approach[own])[1]
+    shift = _shifts(population, state, own, punch)
+    first, last, changes = 0, fitted.probe, []
+    while first < len(own):
+        some = own[first:last]
+        found = _areas(population, summits, state, some, shift[first:last], fitted)
+        changes.append(found - area[some])
+        if abs(changes[-1].sum()) <= fitted.confirmed * area[some].sum():
+            break
+        first, last = last, 2 * last
+    changed = np.concatenate(changes) if changes else np.empty(0)
+    return _changed(state, own[: len(changed)], changed)
+
+
+def _changed(state: PopulationState, own: Rows, change: Array) -> PopulationState:
+    """State with other areas [m^2] of some contacts."""
     listed = state.listed.copy()
-    listed[3, own] += share * (found - area[own])
+    listed[3, own] += change
     return replace(state, listed=listed, contact_area=float(listed[3].sum()))
 
 
@@ -100,19 +130,26 @@ def area_under(table: LawTable, force: Array) -> Array:
 
 
 def _areas(
-    summits: Summits, rows: Rows, force: Array, approach: Array, material: HalfSpace
+    population: Population,
+    summits: Summits,
+    state: PopulationState,
+    own: Rows,
+    shift: Array,
+    fitted: TiltedBasins,
 ) -> Array:
-    """Areas [m^2] of contacts on their tilted basins, shape (k,); zero where there is no summit."""
-    area = np.zeros(len(rows))
-    some = np.flatnonzero(summits.valid[rows] & np.isinf(summits.floor[rows]))
-    if not some.size:
-        return area
-    if material.hardness < np.inf:
-        area[some] = areas_under(summits, rows[some], force[some], approach[some], material)
-    else:
-        table = tabulate(summits.rows(rows[some]), material, law="ellipse")
-        area[some] = area_under(table, force[some])
-    return area
+    """Areas [m^2] of contacts on their tilted basins, shape (k,); their own ones where there is no
+    summit."""
+    rows, approach, force, area = state.rows[own], *state.listed[:, own][[0, 1, 3]]
+    gradient = state.tilt[own] / (1.0 + shift[:, None])
+    tilted, body = summits.tilted(rows, gradient, fitted.passed * approach), population.material
+    found = np.zeros(len(own))
+    some = np.flatnonzero(tilted.valid[rows] & np.isinf(tilted.floor[rows]))
+    if some.size and body.hardness < np.inf:
+        found[some] = areas_under(tilted, rows[some], force[some], approach[some], body)
+    elif some.size:
+        table = tabulate(tilted.rows(rows[some]), body, law="ellipse")
+        found[some] = area_under(table, force[some])
+    return np.where(found > 0.0, found, area)
 
 
 def _rise(value: Array | float, ends: tuple[float, float]) -> Array:
