@@ -238,14 +238,14 @@ def bear(count, row, col, gap, kernel, load, bound, tolerance, system, pressure,
 
 
 @inner()
-def _way(inside, outside, side, closed, left, m, edge):
+def _way(inside, outside, side, closed, left, m, edge, bound):
     """Way from a closed element towards an open one, over their distance, to the edge of contact.
 
     Next to the edge of a smooth contact the pressure is c s^((1+m)/2) and the gap
     c edge s^((3-m)/2), both at the distance s and as lengths in units of the element: c follows
     from the distance `side` of the two elements.
     """
-    if outside < 0:
+    if outside < 0 or closed[inside] >= bound:
         return 0.5
     power, ratio = 2.0 / (3.0 - m), (3.0 - m) / (1.0 + m)
     a, b = float(closed[inside]), (max(-left[outside], 0.0) / edge) ** power
@@ -260,7 +260,7 @@ def _way(inside, outside, side, closed, left, m, edge):
 
 
 @inner()
-def contact_size(number, nv, nu, hv, hu, closed, left, m, edge):
+def contact_size(number, nv, nu, hv, hu, closed, left, m, edge, bound):
     """Area over that of an element within the contour of a contact.
 
     `number` is the element at each point of the grid, or `NONE`. The contour crosses the lines
@@ -297,9 +297,9 @@ def contact_size(number, nv, nu, hv, hu, closed, left, m, edge):
                     continue
                 side = hv if step_y != 0.0 else hu
                 if own:
-                    share = _way(here, there, side, closed, left, m, edge)
+                    share = _way(here, there, side, closed, left, m, edge, bound)
                 else:
-                    share = 1.0 - _way(there, here, side, closed, left, m, edge)
+                    share = 1.0 - _way(there, here, side, closed, left, m, edge, bound)
                 ways[count, 0], ways[count, 1] = y + share * step_y, x + share * step_x
                 count += 1
             twice = 0.0

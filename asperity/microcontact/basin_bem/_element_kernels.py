@@ -288,7 +288,7 @@ def press_levels(
         element = hu * hv
         out[slot, level, 0] = force * depth * element ** (0.5 * (1.0 + m)) / unit
         out[slot, level, 1] = element * contact_size(
-            number, nv, nu, math.sqrt(hv / hu), math.sqrt(hu / hv), closed, work[0], m, edge
+            number, nv, nu, math.sqrt(hv / hu), math.sqrt(hu / hv), closed, work[0], m, edge, np.inf
         )
         out[slot, level, 7] = total * element
         y /= force
@@ -338,7 +338,7 @@ def area_under_load(
             depth *= SPARE * (1.0 - level)
             continue
         size = contact_size(
-            number, nv, nu, math.sqrt(hv / hu), math.sqrt(hu / hv), closed, work[0], m, edge
+            number, nv, nu, math.sqrt(hv / hu), math.sqrt(hu / hv), closed, work[0], m, edge, bound
         )
         out[slot] = max(side * size, force / hardness)
         return
