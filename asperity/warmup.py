@@ -118,8 +118,8 @@ def _laws() -> None:
 
 
 def _basins() -> None:
-    """A basin pressed alone, at no approach, of a map that was not segmented."""
-    from asperity.microcontact.basin_bem.press import press
+    """A basin pressed alone, at no approach or force, of a map that was not segmented."""
+    from asperity.microcontact.basin_bem.press import areas_under, press
 
     one = np.zeros(1, np.int64)
     peaks = SimpleNamespace(labels=np.zeros((4, 4), np.int32), row=one, col=one)
@@ -133,8 +133,11 @@ def _basins() -> None:
         angle=np.zeros(1),
         curvature=np.ones((1, 2)),
         floor=np.zeros(1),
+        tilt=np.zeros((1, 2)),
     )
     press(cast("Summits", summits), one, np.zeros((1, 1)), BODY)
+    hard = HalfSpace.from_modulus(1.0, hardness=0.1)
+    areas_under(cast("Summits", summits), one, np.zeros(1), np.ones(1), hard)
 
 
 def _bem() -> None:

@@ -59,14 +59,12 @@ class PixelWaves:
     to_the_pixel
         Share [-] of the squared slope lost between one pixel and two (`wave_split.fineness`) from
         which on any map is solved on smaller pixels: on cut-off 3 pixels and shorter (also measured
-        maps: four of seven). All summits, seed 11, 256 x 320, H 0.8 and 0.5: load to 15 % of
-        contact -5 to -13 -> -0.5 to -4 %; four measured maps (0.1 to 25 %): -2 to -10 -> 0 to -5 %,
-        area no worse. Below, on cut-off 4 pixels, steps and lay with noise, load rises by 1 % and
+        maps: four of seven). All summits, seed 11, H 0.8 and 0.5: load to 15 % of contact -5 to -13
+        -> -0.5 to -4 %. Below, on cut-off 4 pixels, steps and lay with noise, load rises by 1 % and
         more whatever its error was. (25 %: load 0.2 %, area 0.6 %.)
     finer
-        Points of the finer grid per point of the map, along each axis, and how many it may have:
-        twice takes 2.5 times as long (1024 x 1024), 1.5 times 1.7 times, and mends two thirds as
-        much.
+        Points of the finer grid per point of the map, along each axis, and how many it may have: 2
+        takes 2.5 times as long, 1.5 takes 1.7 times and mends two thirds as much.
     kurtosis
         How far the kurtosis [-] of second differences may be from 3, that of random waves.
     """
@@ -97,8 +95,8 @@ class WaveSplit:
         hills carry the load, as on spectra without a roll-off, the law of the waves on each of them
         is rough.
     points
-        Grid points per shortest wave that is kept: with four the load is 1 to 2 % lower at 10 to 25
-        % of contact, with eight no more than 0.4 % higher. (25 %: load 6.0 %, area 1.7 %.)
+        Grid points per shortest wave that is kept: with four the load is 1 to 2 % lower, with eight
+        no more than 0.4 % higher. (25 %: load 6.0 %, area 1.7 %.)
     least_slope
         Share [-] of the squared slope that the finest waves hold at least, if they are taken out.
     lay
@@ -210,20 +208,26 @@ class TiltedBasins:
         Shift over the contact radius [-] between which a contact takes on the area of its tilted
         basin.
     share
-        Share [-] of the contact area in such contacts up to which they keep the law of the level
-        surface, and from which on all have that of the tilted one.
+        Share [-] of the contact area in such contacts up to which none, and from which on all have
+        the law of the tilted surface.
     most
-        Part [-] of the area of such contacts in those, the largest first, that are pressed anew:
-        the others are 30 % of their number and gain 0.1 % of all area.
+        Part [-] of the area of such contacts in those, the largest first, that are pressed anew.
     passed
-        Depth of a hollow under such a contact, over its approach [-], beyond which the contact ends
-        there; 0.1 to 0.4 hardly differ.
+        Depth of a hollow over the approach [-] beyond which a contact ends (0.1 to 0.4 are alike).
+    pressed
+        Share [-] of the contact area from which on a contact is pressed under the hardness.
+    probe, confirmed
+        Number of them pressed first; twice as many follow, and so on, until laws are confirmed to
+        this share [-] of the area pressed last (chosen on three measured maps).
     """
 
     shift: tuple[float, float] = (0.25, 0.35)
     share: tuple[float, float] = (0.22, 0.3)
     most: float = 0.95
     passed: float = 0.2
+    pressed: float = 0.003
+    probe: int = 8
+    confirmed: float = 0.05
 
 
 @dataclass(frozen=True)
@@ -234,8 +238,7 @@ class SharpTips:
     ----------
     ratio
         Ratio [-] of f/r^2 at a tip and at the first node of its rays from which on the rays do not
-        resolve it: 12 and 4 of r and r^1.5 on 256 points, at most 2.3 on nine measured and random
-        maps. (25 %: load 0.1 %, area 0.4 %.)
+        resolve it: 12 and 4 of r and r^1.5, at most 2.3 on nine maps. (25 %: load 0.1, area 0.4 %.)
     error
         Error [-] of its force by that from which on a tip is pressed alone as a contact
         of large load share may be.
@@ -256,8 +259,7 @@ class Spots:
         (boundary elements on double wells: 1.7 for two equal summits). (25 %: load 2.2 %, area 6.2
         %.)
     sag
-        How much deeper a pass lies than its pixels show, over the rms second difference of heights
-        [-].
+        How much deeper a pass lies than its pixels, over the rms second difference of heights [-].
     parted, crowding
         Spots that fine waves add per wave under the contacts: the factor [-] and the exponent [-]
         of the area fraction (boundary elements on the pixels of the map, 256 x 320, cut-off 2 and 4
@@ -293,10 +295,9 @@ class ErrorEstimate:
         others: of heights cut off at 0.3 rms heights, whose tops hang together, the load is up to
         80 % low.
     resolved_pixels
-        Pixels [-] of a contact from which on the points of the map tell its load: of smaller ones
-        they do not tell how high the summit between them is. Boundary elements on the map and
-        refined twice are 1.4 and 0.5 of the load off at a pixel for each contact (uniform heights,
-        128 x 128, seed 1).
+        Pixels [-] of a contact from which on the points of the map tell how high its summit is.
+        Boundary elements on the map and refined twice are 1.4 and 0.5 of the load off at a pixel
+        for each contact (uniform heights, 128 x 128, seed 1).
     fewest_pixels
         Pixels [-] of the smallest contact that counts as smaller.
     unsure_error
@@ -308,9 +309,8 @@ class ErrorEstimate:
         too small, loads of turned ones to four times too large.
     yielded
         Slope and least value [-] of the factor of the area's estimate over the share of the area
-        that is not plastic: the rest carries the hardness and is load over hardness, whatever the
-        model says. 98 of 100 errors over estimates are below it, at hardnesses of 0.02 to 1 E* h'
-        (seeds 31 and 32 of all families, docs/development/hardness.md).
+        that is not plastic: the rest is load over hardness. 98 of 100 errors over estimates are
+        below it, hardnesses of 0.02 to 1 E* h' (seeds 31 and 32, docs/development/hardness.md).
     """
 
     load_weights: tuple[float, ...] = (

@@ -9,9 +9,9 @@ import numpy as np
 from surfaces.numerics.compiled import compiled, inner
 from surfaces.numerics.splines import expand
 
-from ._closing_kernels import MOST, REACH, solve
+from ._closing_kernels import MOST, NONE, REACH, bear, contact_size, solve
 
-__all__ = ["ASPECTS", "WINDOW", "press_levels"]
+__all__ = ["ASPECTS", "WINDOW", "area_under_load", "press_levels"]
 
 ASPECTS = np.array([1.0, 1.5, 2.25, 3.4, 5.0])
 """Ratios of the sides of the elements."""
@@ -31,8 +31,14 @@ FEW = 12
 TIP = 1.7
 """Half a side of the first box about a summit over the root of approach over curvature."""
 
-NONE = -1
-"""Number of elements of other basins and of those that the flat does not reach."""
+TRIES = 6
+"""Grids tried for one contact."""
+
+SPARE = 1.1
+"""Depth of the part of a basin that is looked at, over the approach of the contact."""
+
+SLACK = 0.35
+"""Part of that depth which the flat may stay short of: beyond, elements are too large."""
 
 
 @inner()
@@ -46,8 +52,12 @@ def _wrapped(place, count):
 
 
 @inner()
-def _flood(heights, labels, owner, periodic, peak, row, col, level, mark, stamp, rows, cols):
+def _flood(
+    heights, labels, owner, periodic, tilt, peak, row, col, place, level, mark, stamp, rows, cols
+):  # fmt: skip
     """Pixels of a basin above `level` that hang together with the pixel (row, col).
+
+    The surface falls by `tilt` [m] per pixel along y and x from `place` on.
 
     Returns their number; 0 if they leave the window or reach points of no basin.
     """
@@ -69,7 +79,8 @@ def _flood(heights, labels, owner, periodic, peak, row, col, level, mark, stamp,
                 r, c = _wrapped(r, ny), _wrapped(c, nx)
             elif r < 0 or c < 0 or r >= ny or c >= nx:
                 return 0
-            if heights[r, c] < level:
+            fall = tilt[0] * (row + dr - place[0]) + tilt[1] * (col + dc - place[1])
+            if heights[r, c] - fall < level:
                 continue
             own = labels[r, c]
             if own < 0:
@@ -83,12 +94,13 @@ def _flood(heights, labels, owner, periodic, peak, row, col, level, mark, stamp,
 
 
 @inner()
-def _turn(heights, rows, cols, count, level, spacing):
+def _turn(heights, tilt, place, rows, cols, count, level, spacing):
     """Direction [rad] of the long axis of the pixels above `level`, weighted by their height."""
     ny, nx = heights.shape
     w = my = mx = yy = xx = yx = 0.0
     for k in range(count):
-        up = max(heights[_wrapped(rows[k], ny), _wrapped(cols[k], nx)] - level, 0.0)
+        fall = tilt[0] * (rows[k] - place[0]) + tilt[1] * (cols[k] - place[1])
+        up = max(heights[_wrapped(rows[k], ny), _wrapped(cols[k], nx)] - fall - level, 0.0)
         y, x = (rows[k] - rows[0]) * spacing[0], (cols[k] - cols[0]) * spacing[1]
         w += up
         my += up * y
@@ -103,8 +115,8 @@ def _turn(heights, rows, cols, count, level, spacing):
 
 @inner()
 def _sample(
-    heights, labels, owner, periodic, flat, width, peak, place, top, depth, below, spacing, turn,
-    box, points, gap, inside, stack,
+    heights, labels, owner, periodic, flat, width, tilt, peak, place, top, depth, below, spacing,
+    turn, box, points, gap, inside, stack,
 ):  # fmt: skip
     """Grid of about `points` elements over the box (u0, u1, v0, v1) [m], turned about the summit.
 
@@ -136,6 +148,7 @@ def _sample(
             k = i * nu + j
             gap[k], inside[k] = -np.inf, 0
             row, col = math.floor(y + 0.5), math.floor(x + 0.5)
+            fall = tilt[0] * (y - place[0]) + tilt[1] * (x - place[1])
             if periodic:
                 y, x = y - ny * math.floor(y / ny), x - nx * math.floor(x / nx)
                 row, col = _wrapped(row, ny), _wrapped(col, nx)
@@ -143,7 +156,7 @@ def _sample(
                 continue
             own = labels[row, col]
             if own >= 0 and owner[own] == peak:
-                gap[k] = depth - max(top - expand(flat, width, y, x)[0], 0.0)
+                gap[k] = depth - max(top - (expand(flat, width, y, x)[0] - fall), 0.0)
                 if gap[k] > best:
                     best, first = gap[k], k
     if first < 0:
@@ -171,76 +184,66 @@ def _sample(
 
 
 @inner()
-def _way(inside, outside, side, closed, left, m, edge):
-    """Way from a closed element towards an open one, over their distance, to the edge of contact.
+def _elements(peak, depth, surface, summits, points, stamp, space):
+    """Elements about a peak that overlap with a flat at `depth` [m] below its top.
 
-    Next to the edge of a smooth contact the pressure is c s^((1+m)/2) and the gap
-    c edge s^((3-m)/2), both at the distance s and as lengths in units of the element: c follows
-    from the distance `side` of the two elements.
+    Arguments are those of `press_levels`. Fills rows, columns, overlaps over the depth and the
+    numbers of the elements in `space`; `stamp` is another one for each call with this `space`.
+    Returns their number, -1 where the basin reaches too far, the shape of the grid, the sides of an
+    element [m], the row of `ASPECTS`, the first corner [m], and the cosine and sine of its turn.
     """
-    if outside < 0:
-        return 0.5
-    power, ratio = 2.0 / (3.0 - m), (3.0 - m) / (1.0 + m)
-    a, b = float(closed[inside]), (max(-left[outside], 0.0) / edge) ** power
-    a = a * a if m == 0.0 else a ** (2.0 / (1.0 + m))
-    w = (side / a) ** (1.0 / ratio)  # c^-power, at which both distances add up to `side`
-    if b * w > side:
-        w = side / b
-    for _ in range(4):
-        near = a * (w * w * w if m == 0.0 else w**ratio)
-        w -= (near + b * w - side) / (ratio * near + b * w) * w
-    return 1.0 - b * w / side
-
-
-@inner()
-def _area(number, nv, nu, hv, hu, closed, left, m, edge):
-    """Area over that of an element within the contour of a contact.
-
-    `number` is the element at each point of the grid, or `NONE`. The contour crosses the lines
-    between neighbors as `_way` says and is straight from one line to the next; where the next point
-    is none, it runs along the elements.
-    """
-    corners, ways = np.empty(4, np.int64), np.empty((8, 2))
-    total = 0.0
-    for i in range(-1, nv):
-        for j in range(-1, nu):
-            count = 0
-            for k in range(4):
-                row, col = i + (1 if k == 1 or k == 2 else 0), j + k // 2
-                corners[k] = NONE
-                if 0 <= row < nv and 0 <= col < nu:
-                    corners[k] = number[row * nu + col]
-                if corners[k] >= 0 and closed[corners[k]] > 0.0:
-                    count += 1
-            if count == 0 or count == 4:
-                total += 0.25 * count
-                continue
-            count = 0
-            for k in range(4):
-                here, there = corners[k], corners[(k + 1) % 4]
-                y, x = 1.0 if k == 1 or k == 2 else 0.0, float(k // 2)
-                step_y = 1.0 if k == 0 else -1.0 if k == 2 else 0.0
-                step_x = 1.0 if k == 1 else -1.0 if k == 3 else 0.0
-                own = here >= 0 and closed[here] > 0.0
-                if own:
-                    ways[count, 0], ways[count, 1] = y, x
-                    count += 1
-                other = there >= 0 and closed[there] > 0.0
-                if own == other:
-                    continue
-                side = hv if step_y != 0.0 else hu
-                if own:
-                    share = _way(here, there, side, closed, left, m, edge)
-                else:
-                    share = 1.0 - _way(there, here, side, closed, left, m, edge)
-                ways[count, 0], ways[count, 1] = y + share * step_y, x + share * step_x
-                count += 1
-            twice = 0.0
-            for k in range(count):
-                n = (k + 1) % count
-                twice += ways[k, 0] * ways[n, 1] - ways[n, 0] * ways[k, 1]
-            total += 0.5 * abs(twice)
-    return total
+    heights, labels, owner, periodic, flat, width, spacing = surface
+    peak_row, peak_col, places, tops, axes, curvature, floors, tilts = summits
+    (mark, pixel_rows, pixel_cols), (gap, inside, stack, number, box), scratch = space
+    overlap, row, col = scratch[2], scratch[4], scratch[5]
+    (ny, nx), rim = heights.shape, max(spacing[0], spacing[1])
+    top, tilt = tops[peak], tilts[peak]
+    place = places[peak]  # on the side of the seam where its pixel is
+    below = max(top - depth - floors[peak], 0.0)
+    wanted = 2.0 * points if floors[peak] < np.inf else points
+    count = _flood(
+        heights, labels, owner, periodic, tilt, peak, peak_row[peak], peak_col[peak], place,
+        top - depth - below, mark, stamp, pixel_rows, pixel_cols,
+    )  # fmt: skip
+    if count == 0:
+        return -1, 0, 0, 0.0, 0.0, 0, 0.0, 0.0, 1.0, 0.0
+    turn = axes[peak]
+    if count > FEW:
+        low = top - depth - below
+        turn = _turn(heights, tilt, place, pixel_rows, pixel_cols, count, low, spacing)
+    c, s = math.cos(turn), math.sin(turn)
+    box[0], box[1], box[2], box[3] = -rim, rim, -rim, rim
+    for k in range(count):
+        y, x = pixel_rows[k] - place[0], pixel_cols[k] - place[1]
+        high = heights[_wrapped(pixel_rows[k], ny), _wrapped(pixel_cols[k], nx)]
+        if high - (tilt[0] * y + tilt[1] * x) < top - depth:
+            continue
+        y, x = y * spacing[0], x * spacing[1]
+        u, v = c * x + s * y, c * y - s * x
+        box[0], box[1] = min(box[0], u - rim), max(box[1], u + rim)
+        box[2], box[3] = min(box[2], v - rim), max(box[3], v + rim)
+    if count <= FEW:
+        for k in range(4):
+            tip = TIP * math.sqrt(depth / curvature[peak, 1 - k // 2])
+            box[k] = min(max(box[k], -tip), tip)
+    for _ in range(FITS):
+        size = (box[1] - box[0]) * (box[3] - box[2])
+        nv, nu, hv, hu, kind, u0, v0 = _sample(
+            heights, labels, owner, periodic, flat, width, tilt, peak, place, top, depth,
+            below, spacing, turn, box, wanted, gap, inside, stack,
+        )  # fmt: skip
+        if (box[1] - box[0]) * (box[3] - box[2]) > TIGHT * size:
+            break
+    total = np.int64(0)
+    number[: nv * nu] = NONE
+    for k in range(nv * nu):
+        if inside[k] and gap[k] > 0.0 and total < MOST:
+            row[total], col[total], overlap[total] = k // nu, k % nu, gap[k] / depth
+            number[k] = total
+            total += 1
+    if total == MOST:
+        total = np.int64(-1)
+    return total, nv, nu, hv, hu, kind, u0, v0, c, s
 
 
 @compiled()
@@ -253,83 +256,39 @@ def press_levels(
 
     At the levels from `first` to before `last` of the row `slot` of `depths`. `surface` holds
     heights, labels, owners of labels, periodicity, spline, its width and the spacing; `summits` the
-    pixels, places [pixels], heights [m], axes [rad], curvatures [1/m] and floors [m] of all (finite
-    ones are of joined summits, which get twice the elements); `depths` the approaches [m],
-    (n, levels), rising, zero after the last; `unit` the compliance of an element of unit area;
-    `out` is (n, levels, 8): zero where too few elements overlap, its force negative where the basin
-    reaches too far, which ends it; `space` is scratch (`elements`).
+    pixels, places [pixels], heights [m], axes [rad], curvatures [1/m], floors [m] (finite ones are
+    of joined summits, which get twice the elements) and tilts [m per pixel] of all; `depths` the
+    approaches [m], (n, levels), rising, zero after the last; `unit` the compliance of an element of
+    unit area; `out` is (n, levels, 8): zero where too few elements overlap, its force negative
+    where the basin reaches too far, which ends it; `space` is scratch.
     """
-    heights, labels, owner, periodic, flat, width, spacing = surface
-    peak_row, peak_col, places, tops, axes, curvature, floors = summits
-    (mark, pixel_rows, pixel_cols), (gap, inside, stack, number, box), elements = space
-    system, closed, overlap, work, row, col = elements
+    (number, scratch), mark = (space[1][3], space[2]), space[0][0]
+    system, closed, overlap, work, row, col = scratch
     edge = math.gamma(0.5 * (3.0 + m)) / math.gamma(0.5 * (5.0 - m))
-    (ny, nx), rim, stamp = heights.shape, max(spacing[0], spacing[1]), 0
-    top = tops[peak]
-    place = places[peak]  # on the side of the seam where its pixel is
     mark[:] = 0
     for level in range(first, last):
         depth = depths[slot, level]
         if not depth > 0.0:
             break
-        stamp += 1
-        below = max(top - depth - floors[peak], 0.0)
-        wanted = 2.0 * points if floors[peak] < np.inf else points
-        count = _flood(
-            heights, labels, owner, periodic, peak, peak_row[peak], peak_col[peak],
-            top - depth - below, mark, stamp, pixel_rows, pixel_cols,
-        )  # fmt: skip
-        if count == 0:
-            out[slot, level, 0] = -1.0
-            break
-        turn = axes[peak]
-        if count > FEW:
-            turn = _turn(heights, pixel_rows, pixel_cols, count, top - depth - below, spacing)
-        c, s = math.cos(turn), math.sin(turn)
-        box[0], box[1], box[2], box[3] = -rim, rim, -rim, rim
-        for k in range(count):
-            if heights[_wrapped(pixel_rows[k], ny), _wrapped(pixel_cols[k], nx)] < top - depth:
-                continue
-            y = (pixel_rows[k] - place[0]) * spacing[0]
-            x = (pixel_cols[k] - place[1]) * spacing[1]
-            u, v = c * x + s * y, c * y - s * x
-            box[0], box[1] = min(box[0], u - rim), max(box[1], u + rim)
-            box[2], box[3] = min(box[2], v - rim), max(box[3], v + rim)
-        if count <= FEW:
-            for k in range(4):
-                tip = TIP * math.sqrt(depth / curvature[peak, 1 - k // 2])
-                box[k] = min(max(box[k], -tip), tip)
-        for _ in range(FITS):
-            size = (box[1] - box[0]) * (box[3] - box[2])
-            nv, nu, hv, hu, kind, u0, v0 = _sample(
-                heights, labels, owner, periodic, flat, width, peak, place, top, depth,
-                below, spacing, turn, box, wanted, gap, inside, stack,
-            )  # fmt: skip
-            if (box[1] - box[0]) * (box[3] - box[2]) > TIGHT * size:
-                break
-        total = np.int64(0)
-        for k in range(nv * nu):
-            if inside[k] and gap[k] > 0.0 and total < MOST:
-                row[total], col[total], overlap[total] = k // nu, k % nu, gap[k] / depth
-                total += 1
-        if total == MOST:
+        total, nv, nu, hv, hu, kind, u0, v0, c, s = _elements(
+            peak, depth, surface, summits, points, level - first + 1, space
+        )
+        if total < 0:
             out[slot, level, 0] = -1.0
             break
         if total < 4:
             continue
         solve(total, row, col, overlap, kernels[kind], tolerance, system, closed, work)
         force, y, x = 0.0, 0.0, 0.0
-        number[: nv * nu] = NONE
         for k in range(total):
-            number[row[k] * nu + col[k]] = k
             u, v = u0 + col[k] * hu, v0 + row[k] * hv
             force += closed[k]
             y += closed[k] * (s * u + c * v)
             x += closed[k] * (c * u - s * v)
         element = hu * hv
         out[slot, level, 0] = force * depth * element ** (0.5 * (1.0 + m)) / unit
-        out[slot, level, 1] = element * _area(
-            number, nv, nu, math.sqrt(hv / hu), math.sqrt(hu / hv), closed, work[0], m, edge
+        out[slot, level, 1] = element * contact_size(
+            number, nv, nu, math.sqrt(hv / hu), math.sqrt(hu / hv), closed, work[0], m, edge, np.inf
         )
         out[slot, level, 7] = total * element
         y /= force
@@ -341,3 +300,45 @@ def press_levels(
             out[slot, level, 4] += part * dy * dy
             out[slot, level, 5] += part * dx * dx
             out[slot, level, 6] += part * dy * dx
+
+
+@compiled()
+def area_under_load(
+    slot, peak, force, depth, surface, summits, unit, m, hardness, kernels, points, tolerance, out,
+    space,
+):  # fmt: skip
+    """Contact area [m^2] of a peak that carries a force [N] under a hardness [Pa], into `out`.
+
+    `depth` is about the approach [m]; the other arguments are those of `press_levels`. The area is
+    zero where the basin reaches too far or does not bear the force.
+    """
+    number, scratch, mark = space[1][3], space[2], space[0][0]
+    system, closed, overlap, work, row, col = scratch
+    edge = math.gamma(0.5 * (3.0 + m)) / math.gamma(0.5 * (5.0 - m))
+    mark[:] = 0
+    out[slot] = 0.0
+    depth *= SPARE
+    for attempt in range(TRIES):
+        total, nv, nu, hv, hu, kind, _, _, _, _ = _elements(
+            peak, depth, surface, summits, points, attempt + 1, space
+        )
+        if total < 0:
+            return
+        side = hu * hv
+        load = force * unit / (depth * side ** (0.5 * (1.0 + m)))
+        bound = np.float32(hardness * unit / (depth * side ** (0.5 * (m - 1.0))))
+        if total < 4 or load > 0.99 * total * bound:
+            depth *= 1.5
+            continue
+        level = bear(
+            total, row, col, overlap, kernels[kind], np.float32(load), bound, tolerance, system,
+            closed, work,
+        )  # fmt: skip
+        if level < 0.0 or (level > SLACK and attempt < TRIES - 1):
+            depth *= SPARE * (1.0 - level)
+            continue
+        size = contact_size(
+            number, nv, nu, math.sqrt(hv / hu), math.sqrt(hu / hv), closed, work[0], m, edge, bound
+        )
+        out[slot] = max(side * size, force / hardness)
+        return

@@ -12,7 +12,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from asperity.errors import Flag
 from asperity.halfspace.influence import compliance, near_influence
@@ -25,7 +25,7 @@ from surfaces.numerics.stored_array import mapped
 if TYPE_CHECKING:
     from surfaces.peaks.summits import Summits
 
-__all__ = ["monotone", "press", "put"]
+__all__ = ["areas_under", "press", "put"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -39,6 +39,9 @@ STEPS_JOINED = np.array([0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 19, 23])
 
 POINTS = 300.0
 """Elements of the box about the part of a basin above the flat, of which contact takes a third."""
+
+POINTS_LOADED = 150.0
+"""The same where a force is given."""
 
 TOLERANCE = 1e-3
 """Work of the gaps that are left, over that of the pressures."""
@@ -85,15 +88,7 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
     """
     from ._element_kernels import press_levels
 
-    hm, peaks = summits.hm, summits.peaks
-    surface = (
-        hm.mapped, mapped(peaks.labels), summits.owner, hm.periodic, summits.spline.ravel(),
-        summits.spline.shape[1], hm.spacing,
-    )  # fmt: skip
-    tops = (
-        peaks.row, peaks.col, summits.places, summits.height, summits.angle, summits.curvature,
-        summits.floor,
-    )  # fmt: skip
+    surface, tops = _scene(summits, summits.peaks.row, summits.peaks.col)
     out = np.zeros((*depths.shape, 8))
     unit = compliance((1.0, 1.0), material)
     rules = unit, material.m, _kernels(material.m), POINTS, TOLERANCE
@@ -110,6 +105,58 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
     parallel.each(part, [(k, a) for k, a in parts if a == 0 or depths[k, a] > 0.0])
     out[np.logical_or.accumulate(out[:, :, 0] < 0.0, axis=1)] = 0.0
     return out
+
+
+def areas_under(summits: Summits, rows: Rows, force: Array, depth: Array, body: HalfSpace) -> Array:
+    """Areas [m^2] of basins pressed alone by forces under the hardness of a half-space, shape (n,).
+
+    Parameters
+    ----------
+    summits
+        Summits of a map, which may be tilted (`Summits.tilted`).
+    rows
+        Those to press, shape (n,).
+    force, depth
+        Force [N] and about the approach [m] of each, shape (n,).
+    body
+        Half-space with its hardness.
+
+    Returns
+    -------
+    Areas; zero where a basin reaches too far, or does not bear the force.
+    """
+    from ._element_kernels import area_under_load
+
+    row, col = (np.rint(place).astype(np.int64) for place in summits.places.T)
+    surface, tops = _scene(summits, row, col)
+    out = np.zeros(len(rows))
+    unit, kernels = compliance((1.0, 1.0), body), _kernels(body.m)
+    rules = unit, body.m, body.hardness, kernels, POINTS_LOADED, TOLERANCE
+    spare: list[Any] = []
+
+    def part(slot: int) -> None:
+        space = spare.pop() if spare else _space()
+        area_under_load(
+            slot, rows[slot], force[slot], depth[slot], surface, tops, *rules, out, space
+        )
+        spare.append(space)
+
+    parallel.each(part, range(len(rows)))
+    return out
+
+
+def _scene(summits: Summits, row: Rows, col: Rows) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """Surface and summits as `press_levels` takes them, with the pixels of the summits."""
+    hm, peaks = summits.hm, summits.peaks
+    surface = (
+        hm.mapped, mapped(peaks.labels), summits.owner, hm.periodic, summits.spline.ravel(),
+        summits.spline.shape[1], hm.spacing,
+    )  # fmt: skip
+    tops = (
+        row, col, summits.places, summits.height, summits.angle, summits.curvature, summits.floor,
+        summits.tilt,
+    )  # fmt: skip
+    return surface, tops
 
 
 def _space() -> tuple[tuple[NDArray[Any], ...], ...]:
@@ -212,10 +259,17 @@ def _join(
 
     Of `values` (n, levels, 8) the first `count` are known.
     """
+    from scipy.interpolate import PchipInterpolator
+
     u = np.arange(table.nodes + 1) / table.nodes
     wanted = values[:, :, [1, 7, 3, 2]]
     wanted[:, :, :2] /= u[begin[:, None] + np.maximum(offsets, 0), None] ** 2
-    smooth = monotone(offsets, count, wanted, np.arange(table.nodes + 1))
+    smooth = np.empty((len(slots), table.nodes + 1, wanted.shape[2]))
+    kinds, kind = np.unique(offsets, axis=0, return_inverse=True)
+    for group, places in enumerate(kinds):
+        some, known = np.flatnonzero(kind == group), places >= 0
+        line = PchipInterpolator(places[known], wanted[some][:, known], axis=1)
+        smooth[some] = line(np.arange(table.nodes + 1))
     every, end = np.arange(len(slots)), count - 1
     last = offsets[every, end]
     _scale(table, slots, begin + last, values[every, end])
@@ -277,59 +331,3 @@ def _scale(table: LawTable, slots: Rows, end: Rows, values: Array) -> None:
         scaled.append((table.bearing, values[:, 7], table.bearing))
     for array, wanted, old in scaled:
         array[slots] *= np.where(later, (wanted / old[slots, end])[:, None], 1.0)
-
-
-def monotone(
-    places: NDArray[np.int64], count: NDArray[np.int64], values: Array, at: ArrayLike
-) -> Array:
-    """Values of monotone piecewise cubics (Fritsch and Butland 1984) through rows of points.
-
-    Parameters
-    ----------
-    places
-        Abscissae that rise along each row, shape (n, k).
-    count
-        Points of each row that count, the first ones, shape (n,), at least 3.
-    values
-        Ordinates, shape (n, k, columns).
-    at
-        Abscissae at which all rows are wanted, shape (m,); beyond its last point a row goes on as
-        its last piece.
-
-    Returns
-    -------
-    Array of shape (n, m, columns).
-
-    Notes
-    -----
-    As `scipy.interpolate.PchipInterpolator`, which takes one set of abscissae at a time and a third
-    of a millisecond for it.
-    """
-    row, last, at = np.arange(len(places)), count - 1, np.asarray(at, float)
-    known = np.arange(places.shape[1]) <= last[:, None]
-    x = np.where(known, places, 0.0)
-    step = np.where(known[:, 1:], np.diff(x, axis=1), 1.0)[:, :, None]
-    rise = np.diff(values, axis=1) / step
-    before, after = rise[:, :-1], rise[:, 1:]
-    one, two = 2.0 * step[:, 1:] + step[:, :-1], step[:, 1:] + 2.0 * step[:, :-1]
-    same = before * after > 0.0
-    mean = one / np.where(same, before, 1.0) + two / np.where(same, after, 1.0)
-    slope = np.zeros_like(values)
-    slope[:, 1:-1] = np.where(same, (one + two) / np.where(same, mean, 1.0), 0.0)
-    slope[:, 0] = _end(step[:, 0], step[:, 1], rise[:, 0], rise[:, 1])
-    near, far = (row, last - 1), (row, last - 2)
-    slope[row, last] = _end(step[near], step[far], rise[near], rise[far])
-    piece = np.sum((at[:, None] >= x[:, None, 1:]) & known[:, None, 1:], axis=2)
-    piece = np.minimum(piece, last[:, None] - 1)
-    here = row[:, None], piece
-    way, width = (at - x[here])[:, :, None], step[here]
-    bend = (3.0 * rise[here] - 2.0 * slope[here] - slope[row[:, None], piece + 1]) / width
-    twist = (slope[here] + slope[row[:, None], piece + 1] - 2.0 * rise[here]) / width**2
-    return np.asarray(values[here] + way * (slope[here] + way * (bend + way * twist)))
-
-
-def _end(near: Array, far: Array, rise: Array, next_rise: Array) -> Array:
-    """Slope at an end, from the lengths and the rises of the two pieces there."""
-    slope = ((2.0 * near + far) * rise - near * next_rise) / (near + far)
-    steep = (rise * next_rise <= 0.0) & (np.abs(slope) > 3.0 * np.abs(rise))
-    return np.where(slope * rise <= 0.0, 0.0, np.where(steep, 3.0 * rise, slope))

@@ -1,4 +1,6 @@
-"""Contacts on basins that the field of the others tilts: they get the area of the tilted basin."""
+"""Contacts on basins that the field of the others tilts, or that have yielded: they get the area of
+the tilted basin under their force.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import Flag
+from asperity.microcontact.basin_bem.press import areas_under
+from asperity.microcontact.capped_table import LEAST_YIELD
 from asperity.microcontact.laws import tabulate
 
 if TYPE_CHECKING:
-    from asperity.halfspace.material import HalfSpace
     from asperity.interaction.population import Population, PopulationState
     from asperity.microcontact.law_table import LawTable
     from asperity.parameters.constants import TiltedBasins
@@ -38,20 +41,25 @@ def correct(
     field, R |g| over the contact radius, is large and the contact reaches beyond the paraboloid of
     its summit. If such contacts hold much of the area, each is pressed anew with its force on the
     next summit uphill of its basin, which the gradient has tilted
-    (docs/development/interaction.md). With a hardness the contact radius is that of the elastic
-    contact of the same area: how far a basin is tilted is no matter of what has yielded.
+    (docs/development/interaction.md).
+
+    The elastic contact of the same area, from which the law of a yielded contact is made, may have
+    another shape. Where contacts have yielded, those of large area are therefore pressed by
+    elements under the hardness, the largest first, until their laws are confirmed
+    (docs/development/hardness.md). Their contact radius is that of the elastic contact of the same
+    area: how far a basin is tilted is no matter of what has yielded.
     """
     if not (population.contact_shift and state.contact_area > 0.0):
         return state
     approach, force, stiffness, area = state.listed
     closed = np.flatnonzero(force > 0.0)
+    if population.material.hardness < np.inf:
+        elastic = population.table.elastic_at(state.rows[closed], approach[closed])[0]
+        if (elastic < 1.0 - LEAST_YIELD).any():
+            return _yielding(population, summits, state, fitted)
     beyond = population.table.flags_at(state.rows[closed], approach[closed])
     closed = closed[(beyond & np.uint8(Flag.BEYOND_RADIUS)) > 0]
-    body, depth, punch = population.footprints, approach[closed], stiffness[closed]
-    if population.material.hardness < np.inf:
-        punch = np.maximum(population.table.elastic_at(state.rows[closed], depth)[1], 0.0)
-    radius = (body.power * punch / (2.0 * body.modulus)) ** (1.0 / body.power)
-    shift = radius * np.hypot(*state.tilt[closed].T) / (body.power * depth)
+    shift = _shifts(population, state, closed, stiffness[closed])
     weight = _rise(shift, fitted.shift)
     tilted = weight * area[closed]
     share = tilted.sum() / state.contact_area
@@ -60,14 +68,50 @@ def correct(
     order = np.argsort(-tilted, kind="stable")
     held = np.cumsum(tilted[order])
     most = order[: np.searchsorted(held, fitted.most * held[-1]) + 1]
-    own, weight = closed[most], weight[most]
-    gradient = state.tilt[own] / (1.0 + shift[most, None])
-    rows, deepest = state.rows[own], fitted.passed * approach[own]
-    found = _areas(summits.tilted(rows, gradient, deepest), rows, force[own], population.material)
-    found = np.where(found > 0.0, found, area[own])
+    own = closed[most]
+    found = _areas(population, summits, state, own, shift[most], fitted)
+    changed = _rise(share, fitted.share) * weight[most] * (found - area[own])
+    return _changed(state, own, changed)
+
+
+def _yielding(
+    population: Population, summits: Summits, state: PopulationState, fitted: TiltedBasins
+) -> PopulationState:
+    """State of which the contacts of large area are pressed under the hardness, the largest first,
+    until their laws are confirmed; unless the whole area is about the load over the hardness."""
+    approach, force, _, area = state.listed
+    least = float(force.sum()) / population.material.hardness
+    if state.contact_area <= (1.0 + fitted.confirmed) * least:
+        return state
+    own = np.flatnonzero((force > 0.0) & (area > fitted.pressed * state.contact_area))
+    own = own[np.argsort(-area[own], kind="stable")]
+    punch = population.table.elastic_at(state.rows[own], approach[own])[1]
+    shift = _shifts(population, state, own, punch)
+    first, last, changes = 0, fitted.probe, []
+    while first < len(own):
+        some = own[first:last]
+        found = _areas(population, summits, state, some, shift[first:last], fitted)
+        changes.append(found - area[some])
+        if abs(changes[-1].sum()) <= fitted.confirmed * area[some].sum():
+            break
+        first, last = last, 2 * last
+    changed = np.concatenate(changes) if changes else np.empty(0)
+    return _changed(state, own[: len(changed)], changed)
+
+
+def _changed(state: PopulationState, own: Rows, change: Array) -> PopulationState:
+    """State with other areas [m^2] of some contacts."""
     listed = state.listed.copy()
-    listed[3, own] += _rise(share, fitted.share) * weight * (found - area[own])
+    listed[3, own] += change
     return replace(state, listed=listed, contact_area=float(listed[3].sum()))
+
+
+def _shifts(population: Population, state: PopulationState, own: Rows, punch: Array) -> Array:
+    """Shift of some contacts by the gradient of the field over their radius, which the stiffness
+    `punch` [N/m] tells, shape (k,)."""
+    body, depth = population.footprints, state.listed[0, own]
+    radius = (body.power * np.maximum(punch, 0.0) / (2.0 * body.modulus)) ** (1.0 / body.power)
+    return np.asarray(radius * np.hypot(*state.tilt[own].T) / (body.power * depth))
 
 
 def area_under(table: LawTable, force: Array) -> Array:
@@ -88,15 +132,27 @@ def area_under(table: LawTable, force: Array) -> Array:
     return np.where(table.reach > 0, area, 0.0)
 
 
-def _areas(summits: Summits, rows: Rows, force: Array, material: HalfSpace) -> Array:
-    """Areas [m^2] of contacts on their tilted basins, shape (k,); zero where there is no summit."""
-    area = np.zeros(len(rows))
-    alone = np.flatnonzero(summits.valid[rows] & np.isinf(summits.floor[rows]))
-    if alone.size:
-        profiles = summits.rows(rows[alone])
-        table = tabulate(profiles, material, law="ellipse")
-        area[alone] = area_under(table, force[alone])
-    return area
+def _areas(
+    population: Population,
+    summits: Summits,
+    state: PopulationState,
+    own: Rows,
+    shift: Array,
+    fitted: TiltedBasins,
+) -> Array:
+    """Areas [m^2] of contacts on their tilted basins, shape (k,); their own ones where there is no
+    summit."""
+    rows, approach, force, area = state.rows[own], *state.listed[:, own][[0, 1, 3]]
+    gradient = state.tilt[own] / (1.0 + shift[:, None])
+    tilted, body = summits.tilted(rows, gradient, fitted.passed * approach), population.material
+    found = np.zeros(len(own))
+    some = np.flatnonzero(tilted.valid[rows] & np.isinf(tilted.floor[rows]))
+    if some.size and body.hardness < np.inf:
+        found[some] = areas_under(tilted, rows[some], force[some], approach[some], body)
+    elif some.size:
+        table = tabulate(tilted.rows(rows[some]), body, law="ellipse")
+        found[some] = area_under(table, force[some])
+    return np.where(found > 0.0, found, area)
 
 
 def _rise(value: Array | float, ends: tuple[float, float]) -> Array:

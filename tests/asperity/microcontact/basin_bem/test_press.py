@@ -6,17 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from scipy.interpolate import PchipInterpolator
 
 import asperity
 from asperity.errors import Flag
 from asperity.interaction.elongation import Elongation
 from asperity.microcontact.basin_bem import press
-from asperity.microcontact.basin_bem.press import monotone
 from asperity.microcontact.hertz import elliptic_contact
 from asperity.microcontact.laws import tabulate
+from asperity.microcontact.yielding import capped
 from asperity.model.corrections import single_contacts
 from asperity.model.corrections.joined_pairs import join
 from asperity.model.decomposition import Decomposition
@@ -71,6 +68,58 @@ def test_ellipsoid(m, ratio, angle):
         [long * s * s + short * c * c, long * c * c + short * s * s, (long - short) * s * c]
     )
     np.testing.assert_allclose(found[:, 4:7], moments.T, atol=0.02 * long.max())
+
+
+def areas(hm: HeightMap, force: float, depth: float, body: asperity.HalfSpace, tilt=None) -> float:
+    one, summits = np.zeros(1, np.int64), summits_of(hm)
+    if tilt is not None:
+        summits = summits.tilted(one, np.array([tilt]), np.array([0.1 * depth]))
+    return float(press.areas_under(summits, one, np.array([force]), np.array([depth]), body)[0])
+
+
+@pytest.mark.parametrize("m", [0.0, 0.4, -0.3])
+@pytest.mark.parametrize(("ratio", "angle"), [(1.0, 0.0), (6.0, 0.5)])
+def test_ellipsoid_by_a_force_under_a_hardness(m, ratio, angle):
+    """Its law before yield; the law of yielded ellipsoids; force over hardness at last."""
+    k2, depth = 0.01, 0.5
+    hm, elastic = ellipsoid(ratio * k2, k2, angle), asperity.HalfSpace.from_modulus(2.0, m=m)
+    exact = elliptic_contact(ratio * k2, k2, depth, elastic)
+    force, stiffness = float(exact.force), float(exact.stiffness)
+    area = float(np.pi * exact.semi_major * exact.semi_minor)
+    level = 0.5 * np.sqrt(ratio) * k2 * area / np.pi
+    for over, within in ((10.0, 0.04), (1.2, 0.04), (0.8, 0.04), (0.5, 0.04), (0.1, 0.01)):
+        body = asperity.HalfSpace.from_modulus(2.0, m=m, hardness=over * force / area)
+        law = capped(depth, force, area, stiffness, body, level=level)
+        found = areas(hm, float(law.force), float(law.approach), body)
+        assert found == pytest.approx(area, rel=within)
+        assert found >= law.force / body.hardness * (1.0 - 1e-9)
+
+
+@pytest.mark.parametrize("depth", [0.2, 0.5, 1.5])
+def test_about_the_approach_is_enough_for_an_area(depth):
+    body = asperity.HalfSpace.from_modulus(2.0, hardness=0.06)
+    hm = ellipsoid(0.03, 0.01, 0.5)
+    assert areas(hm, 2.0, depth, body) == pytest.approx(areas(hm, 2.0, 0.4, body), rel=0.03)
+
+
+def test_a_tilted_paraboloid_is_a_paraboloid():
+    body = asperity.HalfSpace.from_modulus(2.0, hardness=0.06)
+    hm = ellipsoid(0.03, 0.01, 0.5)
+    level = areas(hm, 2.0, 0.4, body)
+    assert areas(hm, 2.0, 0.4, body, tilt=(0.06, -0.05)) == pytest.approx(level, rel=0.03)
+
+
+def test_a_softer_body_has_a_larger_area():
+    hm, hardness = lumpy(60), np.geomspace(2.0, 0.1, 7)
+    bodies = [asperity.HalfSpace.from_modulus(2.0, hardness=h) for h in hardness]
+    found = np.array([areas(hm, 2e-3, 0.03, body) for body in bodies])
+    assert (np.diff(found) > -0.02 * found[1:]).all() and found[-1] > 1.5 * found[0]
+    assert (found >= 2e-3 / hardness * (1.0 - 1e-9)).all()
+
+
+def test_more_than_a_basin_bears_at_the_hardness_has_no_area():
+    body = asperity.HalfSpace.from_modulus(2.0, hardness=1e-3)
+    assert areas(ellipsoid(0.03, 0.01, 0.5), 1e6, 0.4, body) == 0.0
 
 
 def test_lobes_as_the_whole_map_pressed():
@@ -302,29 +351,3 @@ def test_joined_summits_have_the_form_of_their_contact():
     across, along, skew = decomposition.population.elongation.moments[0]
     assert along > 1.5 * highest.moments[0, 1] and across < highest.moments[0, 0]
     assert abs(skew) < 0.02 * along
-
-
-@settings(deadline=None, derandomize=True, max_examples=60)
-@given(st.integers(0, 2**32 - 1), st.integers(1, 8), st.booleans())
-def test_rows_are_those_of_scipy(seed, rows, level):
-    """With values that rise, fall and stand still, and rows of different lengths."""
-    random = np.random.default_rng(seed)
-    places = np.cumsum(random.integers(1, 5, (rows, 12)), axis=1)
-    count = random.integers(3, 13, rows)
-    values = random.normal(size=(rows, 12, 2))
-    if level:
-        values = np.round(values)
-    at = np.arange(50.0)
-    unknown = np.arange(12) >= count[:, None]
-    found = monotone(
-        np.where(unknown, -1, places), count, np.where(unknown[:, :, None], 0, values), at
-    )
-    for i, k in enumerate(count):
-        inside = (at >= places[i, 0]) & (at <= places[i, k - 1])
-        line = PchipInterpolator(places[i, :k], values[i, :k])(at[inside])
-        np.testing.assert_allclose(found[i, inside], line, atol=1e-12)
-
-
-def test_a_straight_line_goes_on():
-    line = monotone(np.array([[0, 2, 5]]), np.array([3]), np.array([[[1.0], [5.0], [11.0]]]), [7.0])
-    assert line[0, 0, 0] == pytest.approx(15.0)

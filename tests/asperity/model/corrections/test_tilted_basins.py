@@ -66,7 +66,8 @@ def test_an_elastic_law_that_falls_tilts_no_basin(monkeypatch):
     body = asperity.HalfSpace.from_modulus(1.0, 0.3, hardness=0.5 * scale)
     run = asperity.solve_contacts(hm, body, pressures=[0.03 * scale])
     population, state = run.decomposition.population, run.points[0].state
-    falling = staticmethod(lambda rows, approach: 3 * (np.full(len(rows), -1.0),))
+    falling = staticmethod(lambda rows, approach: tuple(np.full((2, len(rows)), [[0.5], [-1.0]])))
     monkeypatch.setattr(type(population.table), "elastic_at", falling)
     fitted = DEFAULTS.tilted_basins
-    assert tilted_basins.correct(population, run.decomposition.summits, state, fitted) is state
+    found = tilted_basins.correct(population, run.decomposition.summits, state, fitted)
+    assert found.contact_area == pytest.approx(state.contact_area, rel=0.1)
