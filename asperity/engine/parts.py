@@ -251,7 +251,7 @@ def _misfit(
     for each in (misfit, scatter):
         each[:, 0] *= model.stiffness[at] / pressure
     few = ALIKE / number
-    bounds = scatter[:, :2] + np.sqrt(0.5 + 0.5 * few * np.maximum(few, 1.0)) * FLOOR
+    bounds = scatter[:, :2] + np.sqrt(0.5 + 0.5 * np.maximum(few, few**1.5)) * FLOOR
     position = np.log(model.mean_pressure[points])
     bend = _bend(position, position[chosen], misfit[:, :2])
     misfit, bounds = (
