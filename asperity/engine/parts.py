@@ -74,6 +74,10 @@ is common to all parts (docs/development/verification.md)."""
 ALIKE = 4
 """Parts that carry alike, over whose scatter `FLOOR` is the bound."""
 
+FEW = 1.5, 1.0
+"""Powers of `ALIKE` over the number of parts with which the squares of `FLOOR` grow where that is
+less: the load follows the heights of few summits, the area does not."""
+
 SPARE = 1.5
 """Accuracies over these floors from which on parts are worth a try."""
 
@@ -251,7 +255,7 @@ def _misfit(
     for each in (misfit, scatter):
         each[:, 0] *= model.stiffness[at] / pressure
     few = ALIKE / number
-    bounds = scatter[:, :2] + np.sqrt(0.5 + 0.5 * np.maximum(few, few**1.5)) * FLOOR
+    bounds = scatter[:, :2] + np.sqrt(0.5 + 0.5 * np.maximum(few, few ** np.array(FEW))) * FLOOR
     position = np.log(model.mean_pressure[points])
     bend = _bend(position, position[chosen], misfit[:, :2])
     misfit, bounds = (
