@@ -73,7 +73,7 @@ def judge(points: int, seed: int) -> list[np.ndarray]:
     """Errors over bounds of load and area, shape (2, n) for each map that parts answer."""
     found = []
     for name, hm, body, border in scenes(points, seed):
-        if not can_sample(hm, body, Accuracy()):
+        if not can_sample(hm, body, asperity.make_plan(hm, body, boundary=border), Accuracy()):
             continue
         loads = default_pressures(hm, body, 8)
         true = asperity.bem_curve(

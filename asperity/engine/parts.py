@@ -74,21 +74,27 @@ is common to all parts (docs/development/verification.md)."""
 ALIKE = 4
 """Parts that carry alike, over whose scatter `FLOOR` is the bound."""
 
-FEW = 1.5, 1.0
+FEW = 2.0, 1.0
 """Powers of `ALIKE` over the number of parts with which the squares of `FLOOR` grow where that is
 less: the load follows the heights of few summits, the area does not."""
+
+COARSE = 0.87
+"""Rms height of the waves whose contacts are solved over that of all from which on the parts of a
+map tell of it: white noise on the pixels has 0.6, Hurst exponents above 0 more than 0.9."""
 
 SPARE = 1.5
 """Accuracies over these floors from which on parts are worth a try."""
 
 
-def can_sample(hm: HeightMap, material: HalfSpace, accuracy: Accuracy) -> bool:
+def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accuracy) -> bool:
     """Whether parts of a map can tell of the whole of it as accurately as asked.
 
-    Not with a hardness: the load then follows single summits, and the part on which the highest
-    one stands need not be the one on which the model sees it.
+    Not where the waves that act as a law hold much of the height: light contacts are then extremes
+    of the whole map. Nor with a hardness: the load then follows single summits, and the part on
+    which the highest one stands need not be the one on which the model sees it.
     """
-    if material.hardness < math.inf:
+    law = plan.sub_contact_law
+    if material.hardness < math.inf or (law is not None and law.rms[0] < COARSE * law.rms[1]):
         return False
     enough = min(accuracy.load / FLOOR[0], accuracy.area / FLOOR[1]) >= SPARE
     large = min(hm.shape) >= LEAST_POINTS

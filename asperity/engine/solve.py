@@ -255,12 +255,12 @@ class _Scene:
             return _Choice("bem", f"the microcontact model has no answer: {error}", None)
         if not verify:
             return _Choice("model", "not to be verified", plan)
-        sampling = can_sample(self.hm, self.material, asked)
+        sampling = can_sample(self.hm, self.material, plan, asked)
         if engine == "sampled" and not sampling:
             raise InputError(
                 "engine is 'sampled', but parts of the map do not tell of the whole: it is too "
-                "small, its waves are not random, the body yields, or the accuracy is too high; "
-                "give 'auto'"
+                "small, its waves are not random, or too fine, the body yields, or the accuracy is "
+                "too high; give 'auto'"
             )
         if not self.fits:
             why = "boundary elements do not fit into memory"
