@@ -78,10 +78,6 @@ FEW = 2.0, 1.0
 """Powers of `ALIKE` over the number of parts with which the squares of `FLOOR` grow where that is
 less: the load follows the heights of few summits, the area does not."""
 
-DOUBT = 0.5, 0.0
-"""Part of a correction of load and area that its bound holds besides: the load of one graded map
-was corrected by 7 % where the model was right."""
-
 COARSE = 0.87
 """Rms height of the waves whose contacts are solved over that of all from which on the parts of a
 map tell of it: white noise on the pixels has 0.6, Hurst exponents above 0 more than 0.9."""
@@ -95,10 +91,13 @@ def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accurac
 
     Not where the waves that act as a law hold much of the height: light contacts are then extremes
     of the whole map. Nor with a hardness: the load then follows single summits, and the part on
-    which the highest one stands need not be the one on which the model sees it.
+    which the highest one stands need not be the one on which the model sees it. Nor on a graded
+    body, whose parts misjudge how far the whole sinks.
     """
     law = plan.sub_contact_law
-    if material.hardness < math.inf or (law is not None and law.rms[0] < COARSE * law.rms[1]):
+    if material.hardness < math.inf or material.m != 0.0:
+        return False
+    if law is not None and law.rms[0] < COARSE * law.rms[1]:
         return False
     enough = min(accuracy.load / FLOOR[0], accuracy.area / FLOOR[1]) >= SPARE
     large = min(hm.shape) >= LEAST_POINTS
@@ -217,8 +216,8 @@ def _misfit(
 
     Returns the logarithms of load, area and number of spots of the model over boundary elements,
     shape (3, n), and bounds of the first two, shape (2, n): their standard deviation over the
-    parts, the floor, larger where few parts carry the load, the error of interpolation, and half of
-    the correction of the load; NaN where no part tells them.
+    parts, the floor, larger where few parts carry the load, and the error of interpolation; NaN
+    where no part tells them.
 
     A part is loaded as the model loads it on the whole map, and solved by the plan of the whole
     map: of those no heavier than the heaviest load point these that carry most. Where the finest
@@ -272,7 +271,7 @@ def _misfit(
         np.array([np.interp(position, position[chosen], column) for column in each.T])
         for each in (misfit, bounds)
     )
-    return misfit, bounds + bend + np.abs(misfit[:2]) * np.array(DOUBT)[:, None]
+    return misfit, bounds + bend
 
 
 def _bend(position: Array, nodes: Array, values: Array) -> Array:

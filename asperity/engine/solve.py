@@ -259,8 +259,8 @@ class _Scene:
         if engine == "sampled" and not sampling:
             raise InputError(
                 "engine is 'sampled', but parts of the map do not tell of the whole: it is too "
-                "small, its waves are not random, or too fine, the body yields, or the accuracy is "
-                "too high; give 'auto'"
+                "small, its waves are not random, or too fine, the body yields or is graded, or "
+                "the accuracy is too high; give 'auto'"
             )
         if not self.fits:
             why = "boundary elements do not fit into memory"

@@ -53,7 +53,6 @@ SCENES = {
         None,
     ),
     "free": (waves(seed=9), BODY, "free"),
-    "graded": (waves(seed=10), asperity.HalfSpace.from_modulus(1.0, 0.3), None),
 }
 
 
@@ -196,8 +195,9 @@ def test_bounds_hold_with_more_parts(monkeypatch):
     [
         surfaces.self_affine((256, 512), (256.0, 512.0), hurst=0.8, rms_slope=0.1),
         surfaces.HeightMap(np.maximum(waves().heights, 0.0), (1.0, 1.0), periodic=True),
+        surfaces.HeightMap(np.random.default_rng(1).normal(size=(1536, 1600)), 1.0, periodic=True),
     ],
-    ids=["small", "worn"],
+    ids=["small", "worn", "noise"],
 )
 def test_parts_of_other_maps_do_not_tell_of_the_whole(hm):
     with pytest.raises(asperity.InputError, match="engine is 'sampled', but parts of the map"):
@@ -205,7 +205,8 @@ def test_parts_of_other_maps_do_not_tell_of_the_whole(hm):
     assert asperity.solve(hm, BODY).verification["engine"] != "sampled"
 
 
-def test_parts_do_not_tell_of_a_body_that_yields():
-    metal = asperity.HalfSpace.from_modulus(1.0, hardness=0.02)
+@pytest.mark.parametrize("m", [0.0, 0.3])
+def test_parts_do_not_tell_of_a_body_that_yields_or_is_graded(m):
+    metal = asperity.HalfSpace.from_modulus(1.0, m, hardness=np.inf if m else 0.02)
     with pytest.raises(asperity.InputError, match="the body yields"):
         asperity.solve(waves(), metal, engine="sampled")
