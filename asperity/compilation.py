@@ -20,12 +20,22 @@ from pathlib import Path
 from surfaces.numerics.compiled import cache_folder, kept_sources, stamp
 from surfaces.numerics.parallel import available
 
-__all__ = ["CURVE", "compile_ahead", "compiling"]
+__all__ = ["CURVE", "HARD", "compile_ahead", "compiling", "curve_parts"]
 
 CURVE = ("contacts", "laws", "summits", "basins")
 """Parts of a contact curve."""
 
-SECONDS = {"bem": 18.0, "contacts": 15.0, "laws": 12.0, "summits": 9.0, "basins": 5.0}
+HARD = ("hardness",)
+"""Further parts of that of a half-space with a hardness."""
+
+SECONDS = {
+    "bem": 18.0,
+    "contacts": 15.0,
+    "laws": 13.0,
+    "summits": 10.0,
+    "basins": 5.0,
+    "hardness": 4.0,
+}
 """Time that each part takes [s] on a processor of its own, of 2.5 GHz."""
 
 _compiled: set[str] = set()
@@ -41,7 +51,8 @@ def compile_ahead(*parts: str) -> None:
     ----------
     parts
         Some of "contacts" (their interaction), "laws" (law tables of summits), "summits" (plan,
-        peaks and summits of a map), "basins" (basins pressed alone) and "bem" (boundary elements).
+        peaks and summits of a map), "basins" (basins pressed alone), "hardness" (contacts under
+        one) and "bem" (boundary elements).
     """
     if _missing(parts):
         with _alone():
@@ -51,10 +62,15 @@ def compile_ahead(*parts: str) -> None:
     _compiled.update(parts)
 
 
+def curve_parts(hardness: float) -> tuple[str, ...]:
+    """Parts of a contact curve of a half-space of this hardness [Pa]."""
+    return CURVE if hardness == math.inf else CURVE + HARD
+
+
 @contextmanager
 def compiling(part: str) -> Iterator[None]:
     """Compile a part within this process, which starts no other, and note that it is done."""
-    _compiled.update({part, *CURVE})
+    _compiled.update({part, *CURVE, *HARD})
     yield
     stamps = {str(source): stamp(source) for source in kept_sources()}
     _note(part).write_text(json.dumps(stamps), encoding="utf-8")
@@ -87,11 +103,14 @@ def _alone() -> Iterator[None]:
 
 
 def _shared(parts: list[str], processors: int) -> list[list[str]]:
-    """Parts for each processor, so that all end at about the same time."""
+    """Parts for each processor, so that all end at about the same time.
+
+    The shortest come first: of loops that two parts need, the second then finds the code on disk.
+    """
     shares: list[list[str]] = [[] for _ in range(min(len(parts), processors))]
     for part in sorted(parts, key=_time, reverse=True):
         min(shares, key=lambda share: sum(map(_time, share))).append(part)
-    return shares
+    return [sorted(share, key=_time) for share in shares]
 
 
 def _time(part: str) -> float:

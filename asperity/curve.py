@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.compilation import CURVE, compile_ahead
+from asperity.compilation import compile_ahead, curve_parts
 from asperity.errors import cautious
+from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.halfspace.scene import checked_loads, map_facts, pressure_scale
 from asperity.model.decomposition import Decomposition
 from asperity.model.load_point import (
@@ -37,9 +38,6 @@ from asperity.trust.verified import anchored
 from surfaces.heightmap import HeightMap
 
 from .errors import InputError
-
-if TYPE_CHECKING:
-    from asperity.halfspace.material import HalfSpace
 
 __all__ = ["contact_curve", "solve_loads"]
 
@@ -145,7 +143,8 @@ def contact_curve(
     """
     if verify is not None and not callable(verify):
         raise InputError(f"verify is {verify!r}; give asperity.bem_curve, or None for no check")
-    compile_ahead(*CURVE)
+    require_half_space(material)
+    compile_ahead(*curve_parts(material.hardness))
     asked: dict[str, Any] = {"pressures": pressures, "separations": separations}
     if plan is None:
         law_of: dict[str, Any] = {"law": law, "interaction": interaction, "scales": scales}
@@ -176,12 +175,12 @@ def solve_loads(
     The points are solved from light to heavy, so that each starts from the last. Where a contact
     comes near the height below which nothing was segmented, all are solved again on the whole map.
     """
-    compile_ahead(*CURVE)
+    kind, values = checked_loads(hm, material, pressures, separations)
+    compile_ahead(*curve_parts(material.hardness))
     if plan is None:
         plan = make_plan(hm, material, pressures=pressures, separations=separations)
     elif not isinstance(plan, Plan):
         raise InputError(f"plan is a {type(plan).__name__}; make one with asperity.make_plan")
-    kind, values = checked_loads(hm, material, pressures, separations)
     start = time.perf_counter() - plan.seconds
     scene = hm, material, kind, values, plan.parameters
     comparing = not plan.interaction and interaction_needed(*scene)[0]

@@ -94,9 +94,16 @@ def _laws() -> None:
     """Law tables of paraboloids, by every law that "auto" can take."""
     from asperity.microcontact.laws import tabulate
 
+    profiles = _paraboloids()
+    for law in ("ellipse", "ritz"):
+        table = tabulate(profiles, BODY, law=law)
+        table.evaluate(np.arange(len(profiles)), table.reach)
+
+
+def _paraboloids() -> Profiles:
     rays, nodes, count = 16, 17, 2
     turn = 2 * np.pi * np.arange(rays) / rays
-    profiles = Profiles(
+    return Profiles(
         x=np.zeros(count),
         y=np.zeros(count),
         height=np.ones(count),
@@ -112,18 +119,30 @@ def _laws() -> None:
         valid=np.ones(count, bool),
         owner=np.arange(count),
     )
-    for law in ("ellipse", "ritz"):
-        table = tabulate(profiles, HalfSpace.from_modulus(1.0, hardness=0.1), law=law)
-        table.evaluate(np.arange(count), table.reach)
 
 
 def _basins() -> None:
     """A basin pressed alone, at no approach or force, of a map that was not segmented."""
-    from asperity.microcontact.basin_bem.press import areas_under, press
+    from asperity.microcontact.basin_bem.press import press
 
     one = np.zeros(1, np.int64)
+    press(_summit(), one, np.zeros((1, 1)), BODY)
+
+
+def _hardness() -> None:
+    """Hertzian laws, and a basin pressed alone, under a hardness."""
+    from asperity.microcontact.basin_bem.press import areas_under
+    from asperity.microcontact.laws import tabulate
+
+    hard = HalfSpace.from_modulus(1.0, hardness=0.1)
+    tabulate(_paraboloids(), hard, law="hertz")
+    areas_under(_summit(), np.zeros(1, np.int64), np.zeros(1), np.ones(1), hard)
+
+
+def _summit() -> Summits:
+    one = np.zeros(1, np.int64)
     peaks = SimpleNamespace(labels=np.zeros((4, 4), np.int32), row=one, col=one)
-    summits = SimpleNamespace(
+    summit = SimpleNamespace(
         hm=HeightMap(np.eye(4), (1.0, 1.0)),
         peaks=peaks,
         owner=one,
@@ -135,9 +154,7 @@ def _basins() -> None:
         floor=np.zeros(1),
         tilt=np.zeros((1, 2)),
     )
-    press(cast("Summits", summits), one, np.zeros((1, 1)), BODY)
-    hard = HalfSpace.from_modulus(1.0, hardness=0.1)
-    areas_under(cast("Summits", summits), one, np.zeros(1), np.ones(1), hard)
+    return cast("Summits", summit)
 
 
 def _bem() -> None:
@@ -157,6 +174,7 @@ PARTS = {
     "laws": _laws,
     "summits": _summits,
     "basins": _basins,
+    "hardness": _hardness,
     "bem": _bem,
 }
 """Each part with its scene."""

@@ -46,11 +46,11 @@ def run(args: argparse.Namespace) -> int:
 def _solve(
     hm: HeightMap, material: HalfSpace, loads: dict[str, Any], args: argparse.Namespace
 ) -> Mapping[str, Any]:
-    from asperity.compilation import CURVE, compile_ahead
+    from asperity.compilation import compile_ahead, curve_parts
     from asperity.curve import contact_curve
     from asperity.model.plan import make_plan
 
-    compile_ahead(*CURVE)
+    compile_ahead(*curve_parts(material.hardness))
     plan = make_plan(hm, material, **loads, **options.model(args))
     solve = partial(contact_curve, hm, material, plan=plan)
     request = output.request_of(hm, material, args, options.model(args))

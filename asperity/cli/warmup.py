@@ -17,9 +17,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Compile what the disk does not hold, and name the folder that keeps it."""
     from asperity.cli.exit_codes import EXIT_OK
-    from asperity.compilation import CURVE, compile_ahead
+    from asperity.compilation import CURVE, HARD, compile_ahead
     from surfaces.numerics.compiled import cache_folder
 
-    compile_ahead(*CURVE, "bem")
+    compile_ahead(*CURVE, *HARD, "bem")
     print(f"compiled code   {cache_folder()}")
     return EXIT_OK

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.bem.curve import bem_curve
 from asperity.bem.solve import bem_solve
-from asperity.compilation import CURVE, compile_ahead
+from asperity.compilation import compile_ahead, curve_parts
 from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import microcontacts
 from asperity.curve import solve_loads
@@ -107,7 +107,7 @@ def compare(
     with reported(progress, None, "compare") as tell:
         say = tell or (lambda label: None)
         say("compilation")
-        compile_ahead(*CURVE, "bem")
+        compile_ahead(*curve_parts(material.hardness), "bem")
         first = make_plan(hm, material, **chosen) if plan is None else plan
         warn_once(first.warnings)
         _compile(material, first)

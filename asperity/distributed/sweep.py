@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import os
 import time
 from collections.abc import Generator, Mapping, Sequence
@@ -12,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.compilation import compile_ahead
+from asperity.compilation import HARD, compile_ahead
 from asperity.halfspace.material import HalfSpace
 from asperity.progress import Progress, reported
 from surfaces.files.atomic import make_folder
@@ -133,6 +134,8 @@ def run(
         parts = [
             part for name in {job.settings["method"] for job in left} for part in METHODS[name]
         ]
+        if any(job.material.hardness < math.inf for job in left):
+            parts += HARD
         compile_ahead(*dict.fromkeys(parts))
         work = functools.partial(run_jobs, folder=results, threads=on.threads, force=force, at=at)
         with opened(on, len(left)) as pool:

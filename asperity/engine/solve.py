@@ -13,10 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.bem.curve import bem_curve
 from asperity.bem.memory import fits
 from asperity.bem.problem import AREA_OVER_LOAD_ERROR
-from asperity.compilation import CURVE, compile_ahead
+from asperity.compilation import compile_ahead, curve_parts
 from asperity.contacts.run import ContactRun, solve_contacts
 from asperity.errors import InputError, ModelRangeError, cautious, warn_once
 from asperity.halfspace.checks import scene_warnings
+from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.halfspace.scene import Boundary, checked_loads, chosen_boundary
 from asperity.model.plan import make_plan
 from asperity.progress import Progress, reported
@@ -35,7 +36,6 @@ from .parts import can_sample, sampled
 from .resolution import UNTOLD, LightestLoad, Resolution, resolution
 
 if TYPE_CHECKING:
-    from asperity.halfspace.material import HalfSpace
     from asperity.model.plan import Plan
     from asperity.results.curve import ContactCurve
     from surfaces.heightmap import HeightMap
@@ -139,7 +139,8 @@ def solve(
     ('bem', True)
     """
     begun = time.perf_counter()
-    compile_ahead(*CURVE, "bem")
+    require_half_space(material)
+    compile_ahead(*curve_parts(material.hardness), "bem")
     asked = _accuracy(accuracy, area_accuracy)
     if engine not in ENGINES:
         raise InputError(f"engine is {engine!r}; give one of {', '.join(ENGINES)}")

@@ -260,8 +260,9 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, coupled, ta
             d1 = stiffness[r, j + 1] * width * v / _power(v, power) - power * s1 / v
             table[r, j + 1, AREA] = area[r, j + 1] / (v * v)
             if j == 0 and abs(d1) > BLUNT * s1 and 0.0 < force[r, 1] < force[r, 2]:
-                tips[r] = _tip_exponents(force[r, 1], force[r, 2], power, exponent)
-                rise, wide = tips[r, 0], tips[r, 2]
+                rise, spot, wide = _tip_exponents(force[r, 1], force[r, 2], power, exponent)
+                # one by one: a row filled by a tuple takes 1 s more to compile
+                tips[r, 0], tips[r, 1], tips[r, 2] = rise, spot, wide
                 variance = _power(factor * rise * s1 / width, exponent)
                 moment[1] = variance * rise / (rise + wide)
                 bend[1] = (variance - moment[1]) * rise

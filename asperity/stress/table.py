@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
-from asperity.compilation import CURVE, compile_ahead
+from asperity.compilation import CURVE, HARD, compile_ahead
 from asperity.errors import AsperityError, ContactWarning
 
 from .case import Case
@@ -61,7 +61,7 @@ def cases(theme: str | None = None) -> list[Case]:
 
 def run(chosen: Iterable[Case]) -> Iterator[Row]:
     """Rows of some cases, in their order; loops are compiled before the first."""
-    compile_ahead(*CURVE, "bem")
+    compile_ahead(*CURVE, *HARD, "bem")
     return map(_row, chosen)
 
 
