@@ -30,6 +30,18 @@ NONE = -1
 
 
 @inner(fastmath=True)
+def _forget(count, row, col, system):
+    """Begin with no row of the matrix made; note where elements that follow each other end."""
+    _, made, ends = system
+    first = 0
+    for i in range(count):
+        made[i] = False
+        if i + 1 == count or row[i + 1] != row[first] or col[i + 1] - col[first] != i + 1 - first:
+            ends[first] = i + 1
+            first = i + 1
+
+
+@inner(fastmath=True)
 def _relieve(count, amounts, row, col, kernel, system, out):
     """Take the displacements of all elements by the pressures `amounts` off `out`.
 
@@ -62,17 +74,12 @@ def solve(count, row, col, gap, kernel, tolerance, system, pressure, work):
     pressures of a paraboloid of this depth. `gap` is the overlap over its largest value. Leaves the
     overlap that remains in the first row of `work`; `system` is scratch (`elements`).
     """
-    made, ends = system[1], system[2]
-    first = 0
-    for i in range(1, count + 1):
-        if i == count or row[i] != row[first] or col[i] - col[first] != i - first:
-            ends[first] = i
-            first = i
+    _forget(count, row, col, system)
     left, way, change, beside = work[0], work[1], work[2], work[3]
     scale = 4.0 / math.pi * math.sqrt(2.0 * math.pi / count)
     for i in range(count):
         pressure[i] = scale * math.sqrt(max(2.0 * gap[i] - 1.0, 0.0))
-        left[i], way[i], made[i] = gap[i], 0.0, False
+        left[i], way[i] = gap[i], 0.0
     _relieve(count, pressure, row, col, kernel, system, left)
     before, fresh = 1.0, True
     for _ in range(LONGEST):
@@ -156,16 +163,11 @@ def bear(count, row, col, gap, kernel, load, bound, tolerance, system, pressure,
     Keer 1999). Leaves the overlap that remains, over its level, in the first row of `work` and
     returns this level. `system` is scratch.
     """
-    made, ends = system[1], system[2]
-    first = 0
-    for i in range(1, count + 1):
-        if i == count or row[i] != row[first] or col[i] - col[first] != i - first:
-            ends[first] = i
-            first = i
+    _forget(count, row, col, system)
     left, way, change, beside = work[0], work[1], work[2], work[3]
     low, high = 0.0, 2.0 * max(bound, load)
     for i in range(count):
-        made[i], way[i] = False, 0.0
+        way[i] = 0.0
     for _ in range(40):  # pressures of a paraboloid, cut at the bound
         scale, total = 0.5 * (low + high), 0.0
         for i in range(count):
