@@ -12,18 +12,25 @@ from typing import Any
 
 import numba
 from drawn import FAMILIES, drawn
+from grids import Heights
 
 import surfaces
 
 
 def rough(
-    shape: tuple[int, int], cutoff: float | None, seed: int, **more: float
+    shape: tuple[int, int], cutoff: float | None, seed: int, **more: float | None
 ) -> surfaces.HeightMap:
     """Self-affine map of unit pixels; H 0.8, rms slope 0.1 and a roll-off at an eighth of the
     shorter side unless `more` says otherwise."""
     size = (float(shape[0]), float(shape[1]))
     recipe = {"hurst": 0.8, "rms_slope": 0.1, "rolloff": min(shape) / 8} | more
     return surfaces.self_affine(shape, size, cutoff=cutoff, seed=seed, **recipe)
+
+
+def rough_heights(shape: tuple[int, int], seed: int, **recipe: float | None) -> Heights:
+    """Heights of a `rough` map, cut off at six pixels and without roll-off unless `recipe` says
+    otherwise."""
+    return rough(shape, seed=seed, **({"cutoff": 6.0, "rolloff": None} | recipe)).heights
 
 
 Scene = tuple[surfaces.HeightMap, float, str | None]

@@ -17,7 +17,8 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from grids import Heights, axes, squared_distance
+from numpy.typing import ArrayLike
 from scipy import stats
 
 import surfaces
@@ -29,8 +30,6 @@ GRIDS = {
 }
 ANGLES = (0.0, np.pi / 6, np.pi / 4, np.pi / 2)
 HURST = (0.3, 0.5, 0.7, 0.8, 0.9, 1.0)
-
-Heights = NDArray[np.float64]
 
 
 class Draw:
@@ -52,15 +51,13 @@ class Draw:
 
     def angles(self) -> tuple[Heights, Heights]:
         """Phases of a wave as long as the map, along rows and columns."""
-        y, x = ((np.arange(n) + 0.5) / n * 2 * np.pi for n in self.shape)
-        return y[:, None], x
+        y, x = axes(self.shape)
+        return y * 2 * np.pi, x * 2 * np.pi
 
     def distance(self, centre: ArrayLike | None = None) -> Heights:
         """Squared distance from a point of the periodic map, any one by default."""
         centre = self.rng.random(2) * self.size if centre is None else centre
-        grid = zip(self.shape, self.spacing, self.size, centre, strict=True)
-        dy, dx = (((np.arange(n) + 0.5) * d - c + s / 2) % s - s / 2 for n, d, s, c in grid)
-        return dy[:, None] ** 2 + dx**2
+        return squared_distance(self.shape, centre, self.spacing)
 
     def filtered(self, amplitude: Callable[[Heights], Heights]) -> Heights:
         """White noise times an amplitude over the wave number, of unit rms."""

@@ -5,21 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy import ndimage, stats
+from common import rough_heights
+from grids import Heights, axes, smoothed, squared_distance
+from scipy import stats
 
 import surfaces
 
 __all__ = ["TEXTURES"]
 
-Heights = NDArray[np.float64]
-
 
 def _waves(points: int, seed: int, **recipe: float | None) -> Heights:
-    """Self-affine heights of rms slope 0.1."""
-    shape, size = (points, points), (float(points), float(points))
-    recipe = {"hurst": 0.8, "rms_slope": 0.1, "cutoff": 6.0} | recipe
-    return surfaces.self_affine(shape, size, seed=seed, **recipe).heights
+    """Self-affine heights on a square grid."""
+    return rough_heights((points, points), seed, **recipe)
 
 
 def _fine(points: int, seed: int, rms: float, cutoff: float = 4.0) -> Heights:
@@ -28,15 +25,10 @@ def _fine(points: int, seed: int, rms: float, cutoff: float = 4.0) -> Heights:
     return waves * rms / waves.std()
 
 
-def _axes(points: int) -> tuple[Heights, Heights]:
-    x = (np.arange(points) + 0.5) / points
-    return x[:, None], x
-
-
 def round_hill(points: int, seed: int) -> Heights:
     """One round hill with roughness of 1 to 3 % of its height."""
     rng = np.random.default_rng(seed)
-    y, x = _axes(points)
+    y, x = axes((points, points))
     hill = points / 40 * np.exp(-8 * ((y - 0.5) ** 2 + (x - 0.5) ** 2) / rng.uniform(0.3, 1.0))
     return hill + _fine(points, seed, rng.uniform(0.01, 0.03) * np.ptp(hill))
 
@@ -44,7 +36,7 @@ def round_hill(points: int, seed: int) -> Heights:
 def wavy_hill(points: int, seed: int) -> Heights:
     """A wave as long as the map in both directions, with fine roughness."""
     rng = np.random.default_rng(seed)
-    y, x = _axes(points)
+    y, x = axes((points, points))
     wave = points / 80 * (np.cos(2 * np.pi * y) + np.cos(2 * np.pi * x))
     return wave + _fine(
         points, seed, rng.uniform(0.01, 0.03) * np.ptp(wave), rng.choice([4, 8, 16])
@@ -62,9 +54,7 @@ def terraces(points: int, seed: int) -> Heights:
     rng = np.random.default_rng(seed)
     waves = _waves(points, seed, cutoff=16.0)
     step = rng.uniform(0.3, 1.0) * waves.std()
-    return ndimage.gaussian_filter(
-        step * np.round(waves / step), rng.uniform(0.7, 1.5), mode="wrap"
-    )
+    return smoothed(step * np.round(waves / step), rng.uniform(0.7, 1.5))
 
 
 def turned(points: int, seed: int) -> Heights:
@@ -121,24 +111,21 @@ def skewed(points: int, seed: int) -> Heights:
 def beads(points: int, seed: int) -> Heights:
     """Spherical grains of scattered size and height."""
     rng = np.random.default_rng(seed)
-    y, x = np.meshgrid(np.arange(points) + 0.5, np.arange(points) + 0.5, indexing="ij")
     heights = np.full((points, points), -1e9)
     for _ in range(80):
-        cy, cx = rng.random(2) * points
+        r2 = squared_distance(heights.shape, rng.random(2) * points)
         radius, top = points / 16 * rng.uniform(0.7, 1.3), rng.normal() * points / 400
-        dy, dx = ((a - c + points / 2) % points - points / 2 for a, c in ((y, cy), (x, cx)))
-        r2 = dy**2 + dx**2
         cap = np.where(r2 < radius**2, np.sqrt(np.maximum(radius**2 - r2, 0)) - radius + top, -1e9)
         heights = np.maximum(heights, cap)
     floor = -points / 40
-    return ndimage.gaussian_filter(np.maximum(heights, floor), 1.0, mode="wrap")
+    return smoothed(np.maximum(heights, floor), 1.0)
 
 
 def scratches(points: int, seed: int) -> Heights:
     """Fine random waves crossed by grooves."""
     rng = np.random.default_rng(seed)
     waves = _waves(points, seed, rolloff=points / 8)
-    y, x = _axes(points)
+    y, x = axes((points, points))
     for _ in range(8):
         turns, start = rng.integers(-3, 4), rng.random()
         away = np.abs((y + turns * x - start + 0.5) % 1.0 - 0.5) * points
@@ -155,10 +142,9 @@ def dimples(points: int, seed: int) -> Heights:
     """A fine random surface with round holes."""
     rng = np.random.default_rng(seed)
     waves = _waves(points, seed, rolloff=points / 16)
-    y, x = _axes(points)
-    for cy, cx in rng.random((12, 2)):
-        dy, dx = ((a - c + 0.5) % 1 - 0.5 for a, c in ((y, cy), (x, cx)))
-        waves = waves - 5 * waves.std() * np.exp(-(dy**2 + dx**2) / 0.002)
+    for centre in rng.random((12, 2)):
+        r2 = squared_distance(waves.shape, centre, (1 / points, 1 / points))
+        waves = waves - 5 * waves.std() * np.exp(-r2 / 0.002)
     return waves
 
 
