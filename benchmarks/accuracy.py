@@ -3,6 +3,8 @@
     python benchmarks/accuracy.py --points 512 --seeds 11 12 --out rows.csv
     python benchmarks/accuracy.py --points 256 --seeds 11 12 --measured-like --out like.csv
     python benchmarks/accuracy.py --drawn --seeds 101 102 --out drawn.csv
+    python benchmarks/accuracy.py --made --seeds 3 4 --out made.csv
+    python benchmarks/accuracy.py --textures --points 256 --seeds 3 4 --out textures.csv
     python benchmarks/accuracy.py --to-the-pixel --scales all --seeds 51 52
     python benchmarks/accuracy.py --maps folder --border smooth --out maps.csv
     python benchmarks/accuracy.py --hardness 0.02 0.1 0.5 --points 256 --seeds 41 42 --out hard.csv
@@ -12,10 +14,11 @@ Families: isotropic with the cut-off at 4, 8, 16, 32 pixels and Hurst exponents 
 anisotropic 4:1, plateau-honed, and graded m = +-0.3. Those with --measured-like resemble measured
 maps: spectra to the pixel, noise, spikes, lay on a form, steps, few summits (smooth, steep, blunt),
 tapered borders. Ten mean pressures from about 0.1 % to 15 % of contact. Those with --drawn are
-drawn at random (drawn.py): eight mean pressures to about 30 % of contact, reference to 1e-4. Those
-with --to-the-pixel are isotropic, graded m = +-0.3, and of lay 2:1 and 4:1: six mean pressures to
-about 25 %, reference to 1e-4. With --hardness each map is pressed with these hardnesses over E*
-times its rms slope, to the same contact areas.
+drawn at random (drawn.py), those with --textures and --made are textures (textures.py,
+made_surfaces.py): eight mean pressures to about 30 % of contact, reference to 1e-4. Those with
+--to-the-pixel are isotropic, graded m = +-0.3, and of lay 2:1 and 4:1: six mean pressures to about
+25 %, reference to 1e-4. With --hardness each map is pressed with these hardnesses over E* times its
+rms slope, to the same contact areas.
 
 The reference is solved on the map refined twice by its own Fourier series: the surface that the
 model sees, too. Columns: family, seed, area_fraction (reference, corrected), load_error at equal
@@ -36,7 +39,9 @@ from pathlib import Path
 
 import numpy as np
 from common import Scene, rough, scenes
+from made_surfaces import made_surfaces
 from numpy.typing import NDArray
+from textures import textures
 
 import asperity
 import surfaces
@@ -47,8 +52,8 @@ from asperity.results.storage import write_csv
 
 TOLERANCE = 1e-6
 LOADS = np.geomspace(5e-4, 8e-2, 10)
-TOLERANCE_DRAWN = 1e-4
-LOADS_DRAWN = np.geomspace(2.5e-4, 0.16, 8)
+TOLERANCE_MANY = 1e-4
+LOADS_MANY = np.geomspace(2.5e-4, 0.16, 8)
 LIGHT = 0.08
 """Area fraction up to which the errors of families are stated apart."""
 METAL = 0.0045, 0.11
@@ -139,8 +144,10 @@ def curves(
 ) -> tuple[asperity.ContactCurve, asperity.ContactCurve]:
     """Boundary elements on the refined map and on the map itself; kept and read back."""
     loads, tolerance = LOADS, TOLERANCE
-    if args.drawn or args.to_the_pixel:
-        loads, tolerance = LOADS_DRAWN if args.drawn else LOADS_PIXEL, TOLERANCE_DRAWN
+    if args.to_the_pixel:
+        loads, tolerance = LOADS_PIXEL, TOLERANCE_MANY
+    elif args.drawn or args.textures or args.made:
+        loads, tolerance = LOADS_MANY, TOLERANCE_MANY
     kept = args.references
     fine = surfaces.resample(hm, np.asarray(hm.spacing) / 2)
     out = []
@@ -205,7 +212,11 @@ def extend(table: dict[str, list], more: dict[str, list]) -> None:
 
 
 def families(seed: int, args: argparse.Namespace) -> dict[str, Callable[[], Scene]]:
-    """The families of one seed, or the maps that resemble measured ones."""
+    """The families or textures of one seed, or the maps that resemble measured ones."""
+    if args.textures:
+        return textures(seed, [args.points])
+    if args.made:
+        return made_surfaces(seed)
     if args.measured_like:
         maps = measured_like(args.points, seed)
         return {name: partial(tuple, (hm, 0.0, None)) for name, hm in maps.items()}
@@ -302,6 +313,8 @@ def main() -> None:
     source = parser.add_mutually_exclusive_group()
     source.add_argument("--measured-like", action="store_true", help="maps like measured ones")
     source.add_argument("--drawn", action="store_true", help="maps drawn at random")
+    source.add_argument("--textures", action="store_true", help="textures of textures.py")
+    source.add_argument("--made", action="store_true", help="made_surfaces.py, on its own grids")
     source.add_argument("--to-the-pixel", action="store_true", help="maps rough to the pixel")
     source.add_argument("--maps", type=Path, help="folder of measured maps, in place of families")
     parser.add_argument(

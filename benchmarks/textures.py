@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
-from common import rough_heights
+from common import Scene, rough_heights
 from grids import Heights, axes, smoothed, squared_distance
 from scipy import stats
 
 import surfaces
 
-__all__ = ["TEXTURES"]
+__all__ = ["TEXTURES", "textures"]
 
 
 def _waves(points: int, seed: int, **recipe: float | None) -> Heights:
@@ -175,3 +176,13 @@ TEXTURES: dict[str, Callable[[int, int], Heights]] = {
         random_waves,
     )
 }
+
+
+def textures(seed: int, sizes: list[int]) -> dict[str, Callable[[], Scene]]:
+    """The textures of one seed, of all sizes."""
+
+    def scene(name: str, points: int) -> Scene:
+        heights = TEXTURES[name](points, seed)
+        return surfaces.HeightMap(heights, (1.0, 1.0), periodic=True), 0.0, None
+
+    return {f"{name} {n}": partial(scene, name, n) for name in TEXTURES for n in sizes}

@@ -3,7 +3,11 @@
     python benchmarks/verification.py --points 512 --seeds 1 2 --out rows.csv
     python benchmarks/verification.py --points 1024 2048 --families "random waves" --engines auto
     python benchmarks/verification.py --drawn --seeds 201 --out rows.csv
+    python benchmarks/verification.py --made --seeds 3 --engines auto anchored --out rows.csv
     python benchmarks/verification.py --maps MEASURED
+
+The maps are the textures of textures.py with all --points; or families drawn at random (--drawn),
+the further textures of made_surfaces.py (--made), measured maps (--maps).
 
 Every map is solved by boundary elements to a bound of 0.1 % in load, and by `solve` at the
 accuracies named. A row is one load point: error and bound of load at equal separation and of area
@@ -16,30 +20,18 @@ from __future__ import annotations
 import argparse
 import csv
 import time
-from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 
 import numpy as np
-from common import Scene, scenes
-from textures import TEXTURES
+from common import scenes
+from made_surfaces import made_surfaces
+from textures import textures
 
 import asperity
-import surfaces
 from asperity.halfspace.scene import default_pressures
 
 TRUTH = 0.003
 """Accuracy in area of the reference: its load is known to a third of that."""
-
-
-def textures(seed: int, sizes: list[int]) -> dict[str, Callable[[], Scene]]:
-    """The textures of one seed, of all sizes."""
-
-    def scene(name: str, points: int) -> Scene:
-        heights = TEXTURES[name](points, seed)
-        return surfaces.HeightMap(heights, (1.0, 1.0), periodic=True), 0.0, None
-
-    return {f"{name} {n}": partial(scene, name, n) for name in TEXTURES for n in sizes}
 
 
 def rows_of(name, seed, hm, m, boundary, args) -> list[dict]:
@@ -161,15 +153,17 @@ def main() -> None:
     parser.add_argument("--families", nargs="+", default=[])
     parser.add_argument("--engines", nargs="+", default=["anchored"])
     parser.add_argument("--accuracies", type=float, nargs="+", default=[0.05, 0.02])
-    parser.add_argument("--drawn", action="store_true")
-    parser.add_argument("--maps", type=Path)
+    source = parser.add_mutually_exclusive_group()
+    source.add_argument("--drawn", action="store_true", help="maps drawn at random")
+    source.add_argument("--made", action="store_true", help="made_surfaces.py, on its own grids")
+    source.add_argument("--maps", type=Path, help="folder of measured maps")
     parser.add_argument("--table", type=Path, nargs="+", help="files of rows to sum up")
     parser.add_argument("--out", type=Path)
     args = parser.parse_args()
     if args.table:
         write(args.out, [line for path in args.table for line in table(read(path), path.stem)])
         return
-    maps = scenes(args, lambda seed: textures(seed, args.points))
+    maps = scenes(args, made_surfaces if args.made else lambda seed: textures(seed, args.points))
     rows = [row for scene in maps for row in rows_of(*scene, args)]
     summary(rows)
     for line in table(rows, "all"):
