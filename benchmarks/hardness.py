@@ -1,6 +1,7 @@
 """Boundary elements under a hardness: transform pairs against the elastic solve at the same area.
 
     python benchmarks/hardness.py --size 512 1024
+    python benchmarks/hardness.py --model --size 512 1024   # time of the model over the elastic one
     python benchmarks/hardness.py --peers /path/to/peers/bin/python --size 256
 
 x is the hardness over E* times the rms slope. With --peers (an environment with Tamaas) both are
@@ -27,6 +28,8 @@ import surfaces
 MODULUS, SLOPE, PIXEL = 1e11, 0.1, 1e-6
 SHARES = 0.02, 0.05, 0.1, 0.2, 0.5, 1.0
 AREAS = 0.005, 0.02, 0.08, 0.2
+ROUNDS = 5
+"""Curves of the model of which the quickest counts; those of all x alternate."""
 
 TAMAAS = """
 import sys, time, numpy as np, tamaas as tm
@@ -146,14 +149,41 @@ def against_tamaas(python, sizes, most):
                 )
 
 
+def model_times(sizes, seeds):
+    """Table of the time of the model over the elastic one, ten loads of the same areas each."""
+    scale, wanted = MODULUS * SLOPE, np.log(np.geomspace(0.005, 0.1, 10))
+    print("   n seed  elastic [ms]  " + "".join(f"x {share:<5}" for share in SHARES))
+    for n in sizes:
+        for seed in seeds:
+            hm, tasks = rough(n, seed), []
+            for share in (np.inf, *SHARES):
+                mat = asperity.HalfSpace.from_modulus(MODULUS, hardness=share * scale)
+                most = min(0.12, 0.5 * share) * scale
+                curve = asperity.contact_curve(hm, mat, pressures=np.geomspace(0.01, 1, 14) * most)
+                at = np.log(curve.area_fraction)
+                tasks.append((mat, np.exp(np.interp(wanted, at, np.log(curve.mean_pressure)))))
+            seconds = np.empty((ROUNDS, len(tasks)))
+            for turn in range(ROUNDS):
+                for k, (mat, loads) in enumerate(tasks):
+                    begun = time.perf_counter()
+                    asperity.contact_curve(hm, mat, pressures=loads)
+                    seconds[turn, k] = time.perf_counter() - begun
+            best = seconds.min(axis=0)
+            ratios = "".join(f"{ratio:5.2f}  " for ratio in best[1:] / best[0])
+            print(f"{n:4} {seed:4} {1e3 * best[0]:13.0f}  {ratios}", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--size", type=int, nargs="+", default=[512])
     parser.add_argument("--seeds", type=int, nargs="+", default=[1])
+    parser.add_argument("--model", action="store_true", help="time of the model")
     parser.add_argument("--peers", help="python of an environment with Tamaas")
     parser.add_argument("--iterations", type=int, default=300, help="of Tamaas")
     args = parser.parse_args()
-    if args.peers:
+    if args.model:
+        model_times(args.size, args.seeds)
+    elif args.peers:
         against_tamaas(args.peers, args.size, args.iterations)
     else:
         pairs(args.size, args.seeds)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.numerics import parallel
 from surfaces.numerics.compiled import compiled
 
 from ._ray_kernels import lagrange
@@ -22,6 +23,10 @@ if TYPE_CHECKING:
 __all__ = ["capped_table"]
 
 Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+TOGETHER = 256
+"""Contacts that one thread takes at a time: their arrays stay in its cache."""
 
 FINER = 2
 """Elastic approaches, over the nodes of a table, of which the capped contacts are found first."""
@@ -63,54 +68,61 @@ def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
     """
     if material.hardness == math.inf:
         return table
-    assert table.bearing is not None
-    centre = None if table.centre is None else table.centre.copy()
     result = replace(
         table,
         reach=table.reach.copy(),
         force=table.force.copy(),
         stiffness=table.stiffness.copy(),
         area=table.area.copy(),
-        centre=centre,
+        centre=None if table.centre is None else table.centre.copy(),
         bearing=None,
         elastic=np.stack((np.ones(table.force.shape), table.stiffness), axis=2),
         hardness=material.hardness,
     )
-    rows, nodes = np.flatnonzero((table.reach > 0) & (table.force[:, -1] > 0)), table.nodes
-    u = np.arange(1, FINER * nodes + 1) / (FINER * nodes)
+    rows = np.flatnonzero((table.reach > 0) & (table.force[:, -1] > 0))
+    parts = np.split(rows, range(TOGETHER, rows.size, TOGETHER))
+    parallel.each(lambda part: _cap(table, part, material, result), parts)
+    return result
+
+
+def _cap(table: LawTable, rows: Rows, material: HalfSpace, result: LawTable) -> None:
+    """Put the capped laws of some rows of a table into `result`, which holds the elastic ones."""
+    assert table.bearing is not None
+    nodes = table.nodes
+    levels = FINER * nodes
+    u = np.append(np.arange(1, levels + 1) / levels, (1.0 + BEYOND) ** 0.5)
     elastic = table.reach[rows, None] * np.square(u)
     force, stiffness, area = table.evaluate(rows[:, None], elastic)
     level = area.copy()
     depths_of(table.bearing[rows], table.approach()[rows], level)
     found = capped(elastic, force, area, stiffness, material, level=level)
-    late = np.flatnonzero((found.force < (1.0 - LEAST_YIELD) * force).any(axis=1))
+    filled = (found.force[:, -1] - found.force[:, -2]) / (BEYOND * table.reach[rows])
+    elastic, approach, capped_force, force, stiffness, area = (
+        column[:, :-1] for column in (elastic, found.approach, found.force, force, stiffness, area)
+    )
+    late = np.flatnonzero((capped_force < (1.0 - LEAST_YIELD) * force).any(axis=1))
     if not late.size:
-        return result
-    rows, approach = rows[late], found.approach[late]
-    columns = [np.maximum.accumulate(found.force[late], axis=1), area[late], stiffness[late]]
+        return
+    rows, approach = rows[late], approach[late]
+    columns = [np.maximum.accumulate(capped_force[late], axis=1), area[late], stiffness[late]]
     columns.append(columns[0] / force[late] * approach)
-    if centre is not None:
-        node = np.arange(FINER * nodes) // FINER
-        share = u * nodes - node
-        for old in np.moveaxis(centre[rows], 2, 0):
+    if table.centre is not None:
+        node = np.arange(levels) // FINER
+        share = u[:-1] * nodes - node
+        for old in np.moveaxis(table.centre[rows], 2, 0):
             columns.append(approach * (old[:, node] * (1 - share) + old[:, node + 1] * share))
     values = np.zeros((len(columns), len(rows), nodes + 1))
     reach, slope = np.zeros(len(rows)), np.zeros((len(rows), nodes + 1))
     resample(elastic[late], approach, np.stack(columns), reach, values, slope)
-    over = BEYOND * table.reach[rows]
-    deeper = table.reach[rows] + over
-    force, stiffness, area = table.evaluate(rows, deeper)
-    filled = capped(deeper, force, area, stiffness, material, level=level[late, -1])
-    slope[:, -1] = np.minimum(slope[:, -1], (filled.force - found.force[late, -1]) / over)
+    slope[:, -1] = np.minimum(slope[:, -1], filled[late])
     result.reach[rows], result.force[rows], result.stiffness[rows] = reach, values[0], slope
     result.area[rows] = np.maximum(values[1], values[0] / material.hardness)
     places = reach[:, None] * (np.arange(1, nodes + 1) / nodes) ** 2
     assert result.elastic is not None
     result.elastic[rows, 1:, 0] = values[3, :, 1:] / places
     result.elastic[rows, :, 1] = values[2]
-    if centre is not None:
-        centre[rows, 1:] = np.moveaxis(values[4:, :, 1:] / places, 0, 2)
-    return result
+    if result.centre is not None:
+        result.centre[rows, 1:] = np.moveaxis(values[4:, :, 1:] / places, 0, 2)
 
 
 @compiled()

@@ -8,6 +8,7 @@ fitted (docs/development/laws.md).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
@@ -18,6 +19,7 @@ from scipy.special import gamma, hyp2f1
 
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.transforms import kappa
+from surfaces.numerics.compiled import compiled
 
 __all__ = ["Capped", "capped"]
 
@@ -192,29 +194,9 @@ class _PowerBody:
 
         At least that of the elastic contact of the same area.
         """
-        rim, first, goal = self.rim, self.first, self.slope * mean
-        value = rim.slope(first) - self.slope * (1 - first)
-        change = rim.slope_change(first) + self.slope * first
-        quadratic, linear = change - value, 2 * value - change
-        low, high = np.full(mean.shape, np.log(_THINNEST)), np.log(first)
-        at = high.copy()
-        left = np.arange(mean.size)
-        for _ in range(_STEPS):
-            y, lin, quad = at[left], linear[left], quadratic[left]
-            x = np.exp(y)
-            share = x / first[left]
-            error = rim.slope(x) - share * (lin + quad * share) - goal[left]
-            rate = rim.slope_change(x) - share * (lin + 2 * quad * share)
-            low[left] = np.where(error > 0, y, low[left])
-            high[left] = np.where(error > 0, high[left], y)
-            newton = y + np.divide(error, -rate, out=np.full_like(y, np.inf), where=rate < 0)
-            inside = (newton > low[left]) & (newton < high[left])
-            at[left] = np.where(inside, newton, (low[left] + high[left]) / 2)
-            left = left[np.abs(at[left] - y) > _CLOSE]
-            if left.size == 0:
-                break
-        found = np.where(goal < rim.slope(np.full_like(at, _THINNEST)), np.exp(at), 0.0)
-        return np.maximum(found, 1 - mean)
+        found = np.empty(mean.shape)
+        _deficits(mean, self.slope, self.first, self.rim.law, found)
+        return found
 
     def displacement(self, deficit: Array) -> Array:
         """Displacement of the edge over H A / (dF/dd) of bodies that have yielded."""
@@ -238,6 +220,41 @@ class _PowerBody:
         return np.asarray(np.clip(1 - 2 * deficit - (1 - 2 * self.first) * share**2, 0.0, 1.0))
 
 
+@compiled()
+def _deficits(mean: Array, slope: Array, first: Array, law: Array, out: Array) -> None:
+    """Fill `out` with the deficits x of bodies: the root of S(x) - c0 x - c1 x^2 = slope mean, or
+    zero below `_THINNEST`, by Newton steps for its logarithm within an interval that holds it.
+
+    `law` is that of the rim: S = s + r (x^-m - 1).
+    """
+    s, r, m = law
+    for i in range(mean.size):
+        goal = slope[i] * mean[i]
+        if not goal < s + r * math.expm1(-m * math.log(_THINNEST)):
+            out[i] = max(0.0, 1.0 - mean[i])
+            continue
+        low, high = math.log(_THINNEST), math.log(first[i])
+        power = math.expm1(-m * high)
+        value = s + r * power - slope[i] * (1.0 - first[i])
+        change = slope[i] * first[i] - m * r * (1.0 + power)
+        y = high
+        for _ in range(_STEPS):
+            power, share = math.expm1(-m * y), math.exp(y) / first[i]
+            linear, quadratic = 2.0 * value - change, (change - value) * share
+            error = s + r * power - share * (linear + quadratic) - goal
+            rate = -m * r * (1.0 + power) - share * (linear + 2.0 * quadratic)
+            if error > 0.0:
+                low = y
+            else:
+                high = y
+            before, y = y, y - error / rate if rate < 0.0 else high
+            if not low < y < high:
+                y = 0.5 * (low + high)
+            if abs(y - before) <= _CLOSE:
+                break
+        out[i] = max(math.exp(y), 1.0 - mean[i])
+
+
 class _Rim:
     """Disc at the hardness with a thin elastic rim, whose pressure lacks the share x of the load.
 
@@ -253,6 +270,7 @@ class _Rim:
         self._rise = 2 * half * cosine * spread * gamma(m) / (gamma(half) * gamma(1 + half))
         flat = 2 * half * cosine * gamma(-m) / (middle * gamma((1 - m) / 2))
         self._slope = flat + self._rise
+        self.law = np.array([self._slope, self._rise, m])
         disc = cosine / (np.pi * half)
         self._full = disc * gamma(1 - m) / middle**2
         self._bend = disc * 2 ** (1 - m) * gamma(m - 1) / gamma(half) ** 2

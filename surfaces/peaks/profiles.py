@@ -139,7 +139,10 @@ class Profiles:
         Along a ray the root of f is linear between the nodes; no area lies beyond its end.
         """
         area = np.zeros(depths.shape)
-        bearing_areas(self.q, self.t, self.edge, self.weight, depths, area)
+        parallel.run(
+            lambda *rows: bearing_areas(rows, self.q, self.t, self.edge, self.weight, depths, area),
+            parallel.blocks(len(area), 64),
+        )
         return area
 
     def profile(self, i: int) -> PolarProfile:
@@ -318,15 +321,22 @@ class Fans:
 
 @compiled()
 def bearing_areas(
-    q: Array, t: Array, edge: Array, weight: Array, depths: Array, area: Array
+    rows: tuple[int, int],
+    q: Array,
+    t: Array,
+    edge: Array,
+    weight: Array,
+    depths: Array,
+    area: Array,
 ) -> None:
-    """Add the areas above the flats at `depths` (n, levels), rising, to `area`.
+    """Add the areas above the flats at `depths` (n, levels), rising, to `area`, from the first to
+    before the last of two rows.
 
     Each ray, of which `weight` is the angle, adds half its squared length up to f = depth; the root
     of f is linear between its nodes.
     """
     last = t.size - 1
-    for i in range(depths.shape[0]):
+    for i in range(rows[0], rows[1]):
         for k in range(edge.shape[1]):
             end, share = edge[i, k], 0.5 * weight[i, k]
             j, below, above = 0, 0.0, math.sqrt(max(q[i, k, 1], 0.0)) * t[1] * end

@@ -16,7 +16,7 @@ def test_powers_of_the_radius_to_the_edge_of_their_basin(k):
     q = np.tile(radii ** (k - 2), (1, rays, 1))
     weight = np.full((1, rays), 2 * np.pi / rays)
     depths, area = np.array([[0.0, 0.01, 0.1, 0.3, 1.0, 3.0, 20.0]]), np.zeros((1, 7))
-    bearing_areas(q, t, np.full((1, rays), edge), weight, depths, area)
+    bearing_areas((0, 1), q, t, np.full((1, rays), edge), weight, depths, area)
     exact = np.pi * np.minimum(depths ** (2 / k), edge**2)
     np.testing.assert_allclose(area, exact, rtol=1e-9 if k == 2 else 5e-2, atol=2e-3)
 
