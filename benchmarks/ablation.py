@@ -21,6 +21,7 @@ from __future__ import annotations
 import argparse
 import csv
 import inspect
+import math
 import time
 import types
 from collections.abc import Callable, Iterator
@@ -64,6 +65,14 @@ class Scene(NamedTuple):
     m: float = 0.0
     boundary: str | None = None
     refined: bool = True
+    hardness: float = math.inf
+
+    @property
+    def body(self) -> asperity.HalfSpace:
+        """Half-space of unit modulus; its hardness is told over E* times the rms slope."""
+        elastic = asperity.HalfSpace.from_modulus(1.0, m=self.m)
+        scale = pressure_scale(self.hm, elastic)
+        return asperity.HalfSpace.from_modulus(1.0, m=self.m, hardness=self.hardness * scale)
 
 
 class Correction(NamedTuple):
@@ -342,10 +351,11 @@ def reference(scene: Scene, kept: Path | None) -> asperity.ContactCurve:
     grid = scene.hm
     if scene.refined:
         grid = surfaces.resample(grid, np.asarray(grid.spacing) / 2)
-    path = kept and kept / f"{grid.digest}_{scene.m:g}.h5"
+    plastic = f"_{scene.hardness:g}" if scene.hardness < math.inf else ""
+    path = kept and kept / f"{grid.digest}_{scene.m:g}{plastic}.h5"
     if path and path.exists():
         return asperity.ContactCurve.from_hdf5(path)
-    body = asperity.HalfSpace.from_modulus(1.0, m=scene.m)
+    body = scene.body
     pressures = LOADS * pressure_scale(scene.hm, body)
     solved = {"pressures": pressures, "tolerance": TOLERANCE, "boundary": scene.boundary}
     curve = asperity.bem_curve(grid, body, **solved)
@@ -359,7 +369,7 @@ def errors(
 ) -> tuple[Array, Array, float]:
     """Errors of load at equal separation and area at equal load, NaN where a point does not come
     out, and seconds of the processor for the second."""
-    body = asperity.HalfSpace.from_modulus(1.0, m=scene.m)
+    body = scene.body
     chosen = {"boundary": scene.boundary, "parameters": parameters}
     hm = surfaces.HeightMap(scene.hm.heights, scene.hm.spacing, periodic=scene.hm.periodic)
     plan = asperity.make_plan(hm, body, separations=exact.separation, **chosen)

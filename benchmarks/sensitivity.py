@@ -3,6 +3,7 @@ r"""What a quarter more or less of each constant of the model changes in the jud
     python benchmarks/sensitivity.py --references folder --out docs/development/sensitivity.csv
     python benchmarks/sensitivity.py --rows docs/development/sensitivity.csv \
         --csv docs/development/data/sensitivity.csv
+    python benchmarks/sensitivity.py --hardness 0.2 0.5 --only tilted_basins
 
 Every field of `asperity.parameters` that is a number, or a tuple of numbers, is scaled by 0.75 and
 1.25 alone, but for the weights of the error estimate, which change no load and no area. The maps
@@ -114,6 +115,9 @@ def summary(rows: list[dict[str, Any]]) -> list[dict[str, str]]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--references", type=Path, help="folder of boundary-element curves")
+    parser.add_argument(
+        "--hardness", type=float, nargs="+", default=[math.inf], help="over E* times rms slope"
+    )
     parser.add_argument("--only", nargs="*", default=(), help="parts of names of constants")
     parser.add_argument("--out", type=Path, help="CSV that takes all rows")
     parser.add_argument("--rows", type=Path, help="CSV of all rows, made before: measure nothing")
@@ -134,9 +138,11 @@ def main() -> None:
 def measure(args: argparse.Namespace) -> list[dict[str, Any]]:
     """Rows of the table: the constants as they are, and each of them scaled."""
     judged: list[tuple[Scene, asperity.ContactCurve]] = []
-    for scene in scenes(None):
-        if scene.family in FAMILIES and scene.family not in {s.family for s, _ in judged}:
-            judged.append((scene, reference(scene, args.references)))
+    for first in scenes(None):
+        if first.family in FAMILIES and first.family not in {s.family for s, _ in judged}:
+            for hardness in args.hardness:
+                scene = first._replace(hardness=hardness)
+                judged.append((scene, reference(scene, args.references)))
     table = []
     for name, factor, parameters in variants():
         if name and args.only and not any(part in name for part in args.only):
