@@ -22,7 +22,6 @@ from asperity.trust.verified import (
     answered,
     corrected,
     pixel_scatter,
-    prior_estimates,
     solved_points,
 )
 from surfaces.preparation.filtering import bandpass, make_periodic
@@ -59,6 +58,11 @@ LOADS = 4
 
 LEAST_SHARE = 0.02
 """Load on a part over its share of the area from which on it is solved at a load point."""
+
+HEAVIEST = 4.0
+"""Load on a part, over that of as large a part of the map at the heaviest load point, up to which
+it is solved: those that carry most of it are loaded above the mean. One where the long waves are
+solved alone, too: they touch on more of the area, beyond what the model tells."""
 
 LEAST_COVER = 0.4
 """Load on the parts solved at a load point, over what as many would carry if all carried alike,
@@ -129,7 +133,7 @@ def sampled(
         "pressure" or "separation", and the load points asked for, shape (n,).
     judge
         Boundary elements on the whole map, for load points where the parts leave more open than
-        asked; None: these keep their bounds.
+        asked; None: these keep their bounds, NaN where no part tells anything.
     accuracy
         Errors allowed.
     progress
@@ -147,17 +151,16 @@ def sampled(
     judged = _Judged(run.decomposition.material, error, progress)
     shares = _load_shares(run, parts_along(hm, plan))[:, points]
     misfit, bounds = _misfit(judged, hm, plan, model, points, shares)
-    prior, _ = prior_estimates(model, points)
     bounds[1] += error + pixel_scatter(hm, model)[points]
-    bounds, misfit = np.where(np.isfinite(bounds), bounds, prior), np.nan_to_num(misfit)
     solved: dict[int, ContactCurve] = {}
     if judge is not None:
+        # where no part tells anything the bounds are NaN
         met = (bounds[0] <= accuracy.load) & (bounds[1] <= accuracy.area)
         left = np.setdiff1d(np.arange(len(model)), points[met])
         if len(left) > len(model) // 2:
             return None
         solved = solved_points(judge, values, left)
-    return corrected(hm, model, kind, points, misfit, bounds, solved)
+    return corrected(hm, model, kind, points, np.nan_to_num(misfit), bounds, solved)
 
 
 @dataclass(frozen=True)
@@ -220,24 +223,25 @@ def _misfit(
     where no part tells them.
 
     A part is loaded as the model loads it on the whole map, and solved by the plan of the whole
-    map: of those no heavier than the heaviest load point these that carry most. Where the finest
-    waves act as a law of the contacts of the others, and the others are a map so coarse that it
-    costs no more than one part, the whole of that is solved too, and the parts add to it what the
-    finest waves change in the separation: they do not hold the longest waves.
+    map: those that carry most. Where the finest waves act as a law of the contacts of the others,
+    and the others are a map so coarse that it costs no more than one part, the whole of that is
+    solved too, and the parts add to it what the finest waves change in the separation: they do not
+    hold the longest waves.
     """
     side = math.isqrt(len(shares))
     chosen = np.unique(np.linspace(0, len(points) - 1, LOADS).astype(np.int64))
     shares, at = shares[:, chosen], points[chosen]
     pressure = model.mean_pressure[at]
     local = len(shares) * shares * pressure
-    usable = (len(shares) * shares > LEAST_SHARE) & (local <= pressure[-1])
-    best = np.argsort(-np.where(usable, shares, 0.0).sum(axis=1), kind="stable")
-    taken = np.empty_like(usable)
-    taken[best] = usable[best] & (np.cumsum(usable[best], axis=0) <= side)
     alone = replace(plan, above=None, resampled=None, sub_contact_law=None)
     grid = plan.resampled if plan.sub_contact_law is not None else None
     if grid is not None and math.prod(grid.shape) * len(shares) > math.prod(hm.shape):
         grid = None
+    most = HEAVIEST if grid is None else 1.0
+    usable = (len(shares) * shares > LEAST_SHARE) & (local <= most * pressure[-1])
+    best = np.argsort(-np.where(usable, shares, 0.0).sum(axis=1), kind="stable")
+    taken = np.empty_like(usable)
+    taken[best] = usable[best] & (np.cumsum(usable[best], axis=0) <= side)
     found = np.full((*shares.shape, 3), np.nan)
     lightest = int(np.argmax(np.where(taken.any(axis=1), shares[:, 0], -1.0)))
     for place in np.flatnonzero(taken.any(axis=1)).tolist():

@@ -33,7 +33,6 @@ __all__ = [
     "corrected",
     "exact",
     "pixel_scatter",
-    "prior_estimates",
     "solved_points",
     "verified",
 ]
@@ -156,7 +155,7 @@ def verified(
     if (count := len(points)) < LEAST_LOADS:
         return judge(values)
     position = np.log(model.mean_pressure[points])
-    prior, plastic = prior_estimates(model, points)
+    prior, plastic = _prior_estimates(model, points)
     first = FIRST_ANCHORS[not random_waves(hm)]
     grain = pixel_scatter(hm, model)[points]
     anchors = np.unique(np.linspace(0, count - 1, first).astype(np.int64))
@@ -218,12 +217,12 @@ def solved_points(judge: Judge, values: Array, new: Indices) -> dict[int, Contac
 
 def anchors_suffice(model: ContactCurve, accuracy: Accuracy) -> bool:
     """Whether some anchors can bound at least half of the load points within an accuracy."""
-    prior, plastic = prior_estimates(model, answered(model))
+    prior, plastic = _prior_estimates(model, answered(model))
     left = prior * (PRIOR_SHARE + plastic) > np.array([[accuracy.load], [accuracy.area]])
     return bool(np.count_nonzero(left.any(axis=0)) <= len(model) // 2)
 
 
-def prior_estimates(model: ContactCurve, points: Indices) -> tuple[Array, Array]:
+def _prior_estimates(model: ContactCurve, points: Indices) -> tuple[Array, Array]:
     """A-priori estimates of load and area, and the share of them that yielding leaves, (2, n)."""
     stated = model.error_estimate, model.extra["area_error_estimate"]
     prior = np.array(
