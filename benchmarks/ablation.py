@@ -249,7 +249,7 @@ def group_of(family: str) -> str:
         "graded": ("graded",),
         "worn": ("plateau",),
         "lay": ("anisotropic", "an1.5", "an2", "an3", "an4", "an6", "ground", "lay"),
-        "to the pixel": ("to the pixel", "cut-off 3 px", "iso2:", "iso3:", "expo:"),
+        "to the pixel": ("to the pixel", "cut-off 3 px", "iso2:", "iso3:", "expo:", "spectrum"),
         "few hills": ("few summits", "bumps", "caps", "iso24", "iso32"),
         "regular": ("lattice", "hexlat", "spheres", "weier", "bands"),
         "disturbed": ("noise", "spikes", "steps", "heighttail"),
