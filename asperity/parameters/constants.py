@@ -215,12 +215,10 @@ class TiltedBasins:
     passed
         Depth of a hollow over the approach [-] beyond which a contact ends (0.1 to 0.4 are alike).
     pressed
-        Share [-] of the contact area from which on a contact is pressed under the hardness. (25 %:
-        area 0.4 %.)
+        Share [-] of the contact area from which on a contact is pressed. (25 %: area 0.4 %.)
     probe, confirmed
-        Number of them pressed first; twice as many follow, and so on, until laws are confirmed to
-        this share [-] of the area pressed last (chosen on three measured maps). (25 %: area of a
-        point 2.1 and 3.1 %, root mean square of all 0.04 %.)
+        Number of them pressed first, twice as many next, until laws are confirmed to this share [-]
+        of the area pressed last (from three measured maps). (25 %: area 2.1 and 3.1 %, rms 0.04 %.)
     """
 
     shift: tuple[float, float] = (0.25, 0.35)

@@ -139,10 +139,9 @@ class Profiles:
         Along a ray the root of f is linear between the nodes; no area lies beyond its end.
         """
         area = np.zeros(depths.shape)
-        parallel.run(
-            lambda *rows: bearing_areas(rows, self.q, self.t, self.edge, self.weight, depths, area),
-            parallel.blocks(len(area), 64),
-        )
+        rays = self.q, self.t, self.edge, self.weight
+        blocks = parallel.blocks(len(area), 64)
+        parallel.run(lambda *rows: bearing_areas(rows, *rays, depths, area), blocks)
         return area
 
     def profile(self, i: int) -> PolarProfile:
@@ -329,8 +328,7 @@ def bearing_areas(
     depths: Array,
     area: Array,
 ) -> None:
-    """Add the areas above the flats at `depths` (n, levels), rising, to `area`, from the first to
-    before the last of two rows.
+    """Add the areas above the flats at `depths` (n, levels), rising, to `area` in the rows [a, b).
 
     Each ray, of which `weight` is the angle, adds half its squared length up to f = depth; the root
     of f is linear between its nodes.
