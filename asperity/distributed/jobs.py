@@ -19,6 +19,7 @@ import numpy as np
 
 import surfaces
 from asperity import __version__
+from asperity.compilation import CURVE
 from asperity.errors import InputError
 from asperity.halfspace.material import HalfSpace, require_half_space
 from surfaces.heightmap import HeightMap
@@ -26,9 +27,9 @@ from surfaces.heightmap import HeightMap
 __all__ = ["METHODS", "Job", "Jobs", "Surface", "method"]
 
 METHODS = {
-    "curve": ("contacts", "laws", "summits", "basins"),
+    "curve": CURVE,
     "bem": ("bem",),
-    "solve": ("contacts", "laws", "summits", "basins", "bem"),
+    "solve": (*CURVE, "bem"),
 }
 """What solves a job, the default first: `contact_curve`, `bem_curve` or `solve`; and the parts that
 are compiled for it (`asperity.compilation`)."""

@@ -267,23 +267,14 @@ class _Rim:
         half, cosine = (1 + m) / 2, np.cos(m * np.pi / 2)
         middle = gamma((3 - m) / 2)
         spread = gamma((1 - m) / 2) * gamma(1 + m / 2) / np.sqrt(np.pi)
-        self._rise = 2 * half * cosine * spread * gamma(m) / (gamma(half) * gamma(1 + half))
+        rise = 2 * half * cosine * spread * gamma(m) / (gamma(half) * gamma(1 + half))
         flat = 2 * half * cosine * gamma(-m) / (middle * gamma((1 - m) / 2))
-        self._slope = flat + self._rise
-        self.law = np.array([self._slope, self._rise, m])
+        self.law = np.array([flat + rise, rise, m])
         disc = cosine / (np.pi * half)
         self._full = disc * gamma(1 - m) / middle**2
         self._bend = disc * 2 ** (1 - m) * gamma(m - 1) / gamma(half) ** 2
         self._bend *= middle * gamma(1 + m) / gamma(half)
         self._linear = self._full * (half**2 / m - 1) + self._bend
-
-    def slope(self, x: Array) -> Array:
-        """E a^m f'(a) / H of the profile."""
-        return np.asarray(self._slope + self._rise * self._power(x))
-
-    def slope_change(self, x: Array) -> Array:
-        """x times the derivative of `slope`."""
-        return np.asarray(-self._m * self._rise * (1 + self._power(x)))
 
     def displacement(self, x: Array) -> Array:
         """Displacement of the edge over H A / (dF/dd)."""
