@@ -118,7 +118,10 @@ def main() -> int:
             if fault or seconds > args.seconds:
                 failures += 1
                 print(f"seed {seed}, {name}, {seconds:.1f} s: {fault or 'too slow'}", flush=True)
-    print(f"{args.maps} maps, {counts}, {failures} failures, slowest {slowest:.1f} s")
+        done = seed + 1 - args.first
+        if done % 100 == 0 or done == args.maps:
+            told_so_far = f"{counts}, {failures} failures, slowest {slowest:.1f} s"
+            print(f"{done} maps, {told_so_far}", flush=True)
     return min(failures, 99)
 
 

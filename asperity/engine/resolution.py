@@ -139,7 +139,8 @@ def resolution(
     if not fits(finer.shape, boundary, 1):
         why = f"{held}, and a finer grid does not fit into memory"
         return Resolution(np.nan, np.nan, why, (CURE.format("an unknown part"),))
-    heaviest = max(heaviest, point.mean_pressure)
+    # a mean pressure that was found may exceed the hardness by rounding
+    heaviest = min(max(heaviest, point.mean_pressure), material.hardness)
     loads = np.geomspace(
         point.mean_pressure, heaviest, LOADS if heaviest > point.mean_pressure else 1
     )

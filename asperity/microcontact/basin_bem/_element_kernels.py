@@ -40,15 +40,14 @@ SPARE = 1.1
 SLACK = 0.35
 """Part of that depth which the flat may stay short of: beyond, elements are too large."""
 
+LEAST = 1e-4
+"""Least depth of the next try over that of the last one: single precision tells no smaller part."""
+
 
 @inner()
 def _wrapped(place, count):
-    """A place in a periodic row of so many, which lies not far outside: no division is needed."""
-    while place < 0:
-        place += count
-    while place >= count:
-        place -= count
-    return place
+    """A place in a periodic row of so many; most lie inside, and need no division."""
+    return place if 0 <= place < count else place % count
 
 
 @inner()
@@ -335,7 +334,7 @@ def area_under_load(
             closed, work,
         )  # fmt: skip
         if level < 0.0 or (level > SLACK and attempt < TRIES - 1):
-            depth *= SPARE * (1.0 - level)
+            depth *= SPARE * max(1.0 - level, LEAST)
             continue
         size = contact_size(
             number, nv, nu, math.sqrt(hv / hu), math.sqrt(hu / hv), closed, work[0], m, edge, bound

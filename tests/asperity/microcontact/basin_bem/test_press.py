@@ -102,6 +102,17 @@ def test_about_the_approach_is_enough_for_an_area(depth):
     assert areas(hm, 2.0, depth, body) == pytest.approx(areas(hm, 2.0, 0.4, body), rel=0.03)
 
 
+def test_a_far_too_large_approach_does_not_go_on_for_ever():
+    """Saw teeth, whose spline lies above their highest pixels, and a flat that hardly enters them:
+    the next approach was zero, and the grid of elements without size. Cells of 37 x 32 points."""
+    heights = np.tile(np.arange(32.0) % 4, (37, 1))
+    hm = HeightMap(heights, (1e-4, 1.7e-3), periodic=True)
+    body = asperity.HalfSpace.from_modulus(1.0, hardness=1.3e-9)
+    curve = asperity.contact_curve(hm, body, pressures=[2.5e-17])
+    assert curve.converged.all()
+    assert curve.contact_area[0] >= curve.load[0] / body.hardness
+
+
 def test_a_tilted_paraboloid_is_a_paraboloid():
     body = asperity.HalfSpace.from_modulus(2.0, hardness=0.06)
     hm = ellipsoid(0.03, 0.01, 0.5)
