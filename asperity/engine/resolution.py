@@ -139,11 +139,11 @@ def resolution(
     if not fits(finer.shape, boundary, 1):
         why = f"{held}, and a finer grid does not fit into memory"
         return Resolution(np.nan, np.nan, why, (CURE.format("an unknown part"),))
-    # a mean pressure that was found may exceed the hardness by rounding
-    heaviest = min(max(heaviest, point.mean_pressure), material.hardness)
+    heaviest = max(heaviest, point.mean_pressure)
     loads = np.geomspace(
         point.mean_pressure, heaviest, LOADS if heaviest > point.mean_pressure else 1
     )
+    loads = np.minimum(loads, material.hardness)  # which those found may exceed by rounding
     own, fine = (
         bem_curve(
             grid,
