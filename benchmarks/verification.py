@@ -4,6 +4,7 @@
     python benchmarks/verification.py --points 1024 2048 --families "random waves" --engines auto
     python benchmarks/verification.py --drawn --seeds 201 --out rows.csv
     python benchmarks/verification.py --made --seeds 3 --engines auto anchored --out rows.csv
+    python benchmarks/verification.py --made --seeds 3 --hardness 0.2
     python benchmarks/verification.py --maps MEASURED
 
 The maps are the textures of textures.py with all --points; or families drawn at random (--drawn),
@@ -36,12 +37,13 @@ TRUTH = 0.003
 
 def rows_of(name, seed, hm, m, boundary, args) -> list[dict]:
     """Rows of one map."""
-    body = asperity.HalfSpace.from_modulus(1.0, m)
+    body = asperity.HalfSpace.from_modulus(1.0, m, args.hardness * hm.roughness.rms_slope)
     loads = default_pressures(hm, body, args.loads)
     truth = asperity.bem_curve(
         hm, body, pressures=loads, accuracy=TRUTH, coarsen=False, boundary=boundary
     )
-    rate = truth.load / truth.extra["elastic_energy"]
+    work = truth.extra["elastic_energy"] + truth.extra.get("plastic_work", 0.0)
+    rate = truth.load / work
     found = []
     for engine in args.engines:
         for accuracy in args.accuracies:
@@ -152,6 +154,7 @@ def main() -> None:
     parser.add_argument("--loads", type=int, default=10)
     parser.add_argument("--families", nargs="+", default=[])
     parser.add_argument("--engines", nargs="+", default=["anchored"])
+    parser.add_argument("--hardness", type=float, default=np.inf, help="over E* times rms slope")
     parser.add_argument("--accuracies", type=float, nargs="+", default=[0.05, 0.02])
     source = parser.add_mutually_exclusive_group()
     source.add_argument("--drawn", action="store_true", help="maps drawn at random")
