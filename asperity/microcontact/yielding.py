@@ -247,11 +247,11 @@ def _deficits(mean: Array, slope: Array, first: Array, law: Array, out: Array) -
                 low = y
             else:
                 high = y
-            before, y = y, y - error / rate if rate < 0.0 else high
-            if not low < y < high:
-                y = 0.5 * (low + high)
-            if abs(y - before) <= _CLOSE:
+            step = -error / rate if rate < 0.0 else math.inf
+            if abs(step) <= _CLOSE:
+                y += step
                 break
+            y = y + step if low < y + step < high else 0.5 * (low + high)
         out[i] = max(math.exp(y), 1.0 - mean[i])
 
 

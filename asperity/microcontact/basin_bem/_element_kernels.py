@@ -11,7 +11,7 @@ from surfaces.numerics.splines import expand
 
 from ._closing_kernels import MOST, NONE, REACH, bear, contact_size, solve
 
-__all__ = ["ASPECTS", "WINDOW", "area_under_load", "press_levels"]
+__all__ = ["ASPECTS", "WINDOW", "areas_under_load", "press_levels"]
 
 ASPECTS = np.array([1.0, 1.5, 2.25, 3.4, 5.0])
 """Ratios of the sides of the elements."""
@@ -302,42 +302,44 @@ def press_levels(
 
 
 @compiled()
-def area_under_load(
-    slot, peak, force, depth, surface, summits, unit, m, hardness, kernels, points, tolerance, out,
-    space,
+def areas_under_load(
+    first, last, peaks, forces, depths, surface, summits, unit, m, hardness, kernels, points,
+    tolerance, out, space,
 ):  # fmt: skip
-    """Contact area [m^2] of a peak that carries a force [N] under a hardness [Pa], into `out`.
+    """Contact areas [m^2] of peaks that carry forces [N] under a hardness [Pa], into `out`.
 
-    `depth` is about the approach [m]; the other arguments are those of `press_levels`. The area is
-    zero where the basin reaches too far or does not bear the force.
+    Those from `first` to before `last`. `depths` are about the approaches [m]; the other arguments
+    are those of `press_levels`. An area is zero where the basin reaches too far or does not bear
+    the force.
     """
     number, scratch, mark = space[1][3], space[2], space[0][0]
     system, closed, overlap, work, row, col = scratch
     edge = math.gamma(0.5 * (3.0 + m)) / math.gamma(0.5 * (5.0 - m))
-    mark[:] = 0
-    out[slot] = 0.0
-    depth *= SPARE
-    for attempt in range(TRIES):
-        total, nv, nu, hv, hu, kind, _, _, _, _ = _elements(
-            peak, depth, surface, summits, points, attempt + 1, space
-        )
-        if total < 0:
-            return
-        side = hu * hv
-        load = force * unit / (depth * side ** (0.5 * (1.0 + m)))
-        bound = np.float32(hardness * unit / (depth * side ** (0.5 * (m - 1.0))))
-        if total < 4 or load > 0.99 * total * bound:
-            depth *= 1.5
-            continue
-        level = bear(
-            total, row, col, overlap, kernels[kind], np.float32(load), bound, tolerance, system,
-            closed, work,
-        )  # fmt: skip
-        if level < 0.0 or (level > SLACK and attempt < TRIES - 1):
-            depth *= SPARE * max(1.0 - level, LEAST)
-            continue
-        size = contact_size(
-            number, nv, nu, math.sqrt(hv / hu), math.sqrt(hu / hv), closed, work[0], m, edge, bound
-        )
-        out[slot] = max(side * size, force / hardness)
-        return
+    mark[:], stamp = 0, 0
+    for slot in range(first, last):
+        out[slot] = 0.0
+        force, depth = forces[slot], SPARE * depths[slot]
+        for attempt in range(TRIES):
+            stamp += 1
+            total, nv, nu, hv, hu, kind, _, _, _, _ = _elements(
+                peaks[slot], depth, surface, summits, points, stamp, space
+            )
+            if total < 0:
+                break
+            side = hu * hv
+            load = force * unit / (depth * side ** (0.5 * (1.0 + m)))
+            bound = np.float32(hardness * unit / (depth * side ** (0.5 * (m - 1.0))))
+            if total < 4 or load > 0.99 * total * bound:
+                depth *= 1.5
+                continue
+            level = bear(
+                total, row, col, overlap, kernels[kind], np.float32(load), bound, tolerance,
+                system, closed, work,
+            )  # fmt: skip
+            if level < 0.0 or (level > SLACK and attempt < TRIES - 1):
+                depth *= SPARE * max(1.0 - level, LEAST)
+                continue
+            sides, left = (math.sqrt(hv / hu), math.sqrt(hu / hv)), work[0]
+            size = contact_size(number, nv, nu, *sides, closed, left, m, edge, bound)
+            out[slot] = max(side * size, force / hardness)
+            break

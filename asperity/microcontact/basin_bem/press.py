@@ -55,6 +55,9 @@ BEFORE = 4
 TOGETHER = 8
 """Levels of a basin that one thread presses: some basins take ten times as long as others."""
 
+LEAST = 3
+"""Basins under a force that repay a thread."""
+
 FEWEST = 3
 """Nodes pressed with less than which a law stays as it is."""
 
@@ -125,23 +128,18 @@ def areas_under(summits: Summits, rows: Rows, force: Array, depth: Array, body: 
     -------
     Areas; zero where a basin reaches too far, or does not bear the force.
     """
-    from ._element_kernels import area_under_load
+    from ._element_kernels import areas_under_load
 
     row, col = (np.rint(place).astype(np.int64) for place in summits.places.T)
     surface, tops = _scene(summits, row, col)
     out = np.zeros(len(rows))
     unit, kernels = compliance((1.0, 1.0), body), _kernels(body.m)
     rules = unit, body.m, body.hardness, kernels, POINTS_LOADED, TOLERANCE
-    spare: list[Any] = []
 
-    def part(slot: int) -> None:
-        space = spare.pop() if spare else _space()
-        area_under_load(
-            slot, rows[slot], force[slot], depth[slot], surface, tops, *rules, out, space
-        )
-        spare.append(space)
+    def part(first: int, last: int) -> None:
+        areas_under_load(first, last, rows, force, depth, surface, tops, *rules, out, _space())
 
-    parallel.each(part, range(len(rows)))
+    parallel.run(part, parallel.blocks(len(rows), LEAST))
     return out
 
 

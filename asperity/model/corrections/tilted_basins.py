@@ -46,14 +46,18 @@ def correct(
     The elastic contact of the same area, from which the law of a yielded contact is made, may have
     another shape. Where contacts have yielded, those of large area are therefore pressed by
     elements under the hardness, the largest first, until their laws are confirmed
-    (docs/development/hardness.md). Their contact radius is that of the elastic contact of the same
-    area: how far a basin is tilted is no matter of what has yielded.
+    (docs/development/hardness.md); none where the area of all is about the load over the hardness.
+    Their contact radius is that of the elastic contact of the same area: how far a basin is tilted
+    is no matter of what has yielded.
     """
     if not (population.contact_shift and state.contact_area > 0.0):
         return state
     approach, force, stiffness, area = state.listed
     closed = np.flatnonzero(force > 0.0)
     if population.material.hardness < np.inf:
+        least = float(force.sum()) / population.material.hardness
+        if state.contact_area <= (1.0 + fitted.confirmed) * least:
+            return state
         elastic = population.table.elastic_at(state.rows[closed], approach[closed])[0]
         if (elastic < 1.0 - LEAST_YIELD).any():
             return _yielding(population, summits, state, fitted)
@@ -78,11 +82,8 @@ def _yielding(
     population: Population, summits: Summits, state: PopulationState, fitted: TiltedBasins
 ) -> PopulationState:
     """State of which the contacts of large area are pressed under the hardness, the largest first,
-    until their laws are confirmed; unless the whole area is about the load over the hardness."""
+    until their laws are confirmed."""
     approach, force, _, area = state.listed
-    least = float(force.sum()) / population.material.hardness
-    if state.contact_area <= (1.0 + fitted.confirmed) * least:
-        return state
     own = np.flatnonzero((force > 0.0) & (area > fitted.pressed * state.contact_area))
     own = own[np.argsort(-area[own], kind="stable")]
     punch = population.table.elastic_at(state.rows[own], approach[own])[1]
