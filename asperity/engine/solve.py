@@ -268,7 +268,7 @@ class _Scene:
             return _Choice("sampled" if sampling else "model", why, plan)
         if engine != "auto":
             return _Choice(engine, "as asked", plan)
-        seconds = forecast(self.hm, plan, len(values))
+        seconds = forecast(self.hm, self.material, plan, len(values))
         if not sampling:
             del seconds["sampled"]
         each = (f"{value:.2g} s {WAYS[name]}" for name, value in seconds.items())

@@ -121,11 +121,22 @@ def test_boundary_elements_alone_where_they_are_cheaper():
     """Small maps, and few loads; many loads of a large map are left to the model."""
     hm = waves()
     plan = make_plan(hm, BODY)
-    seconds = forecast(hm, plan, 10)
+    seconds = forecast(hm, BODY, plan, 10)
     assert seconds["bem"] < seconds["anchored"] and solve(hm, BODY).verification["engine"] == "bem"
     large = waves(1024, cutoff=None, rolloff=256.0)
-    seconds = forecast(large, make_plan(large, BODY), 60)
+    seconds = forecast(large, BODY, make_plan(large, BODY), 60)
     assert seconds["bem"] > seconds["anchored"] > seconds["sampled"]
+
+
+def test_forecast_knows_what_makes_boundary_elements_dearer():
+    """Padded transforms on free maps, more steps under a hardness; parts are spared both."""
+    hm, hard = waves(), HalfSpace.from_modulus(1.0, hardness=0.02)
+    plans = [make_plan(hm, BODY, boundary=boundary) for boundary in ("periodic", "free")]
+    plain, free = (forecast(hm, BODY, plan, 10) for plan in plans)
+    both = forecast(hm, hard, plans[1], 10)
+    assert 1.5 < free["bem"] / plain["bem"] < 2.5 and 1.2 < both["bem"] / free["bem"] < 2.0
+    assert plain["anchored"] < free["anchored"] < both["anchored"]
+    assert plain["sampled"] == free["sampled"] == both["sampled"]
 
 
 def test_a_model_without_an_answer_leaves_all_to_boundary_elements():
