@@ -182,8 +182,10 @@ class LawTable:
         reach = np.where(self.reach[index] > 0, self.reach[index], np.inf)
         u = np.sqrt(np.clip(approach / reach, 0.0, 1.0)) * self.nodes
         low = np.minimum(u.astype(np.int64), self.nodes - 1)
-        share = (u - low)[:, None]
-        return np.asarray(((1 - share) * pairs[index, low] + share * pairs[index, low + 1]).T)
+        share, node = (u - low)[:, None], index * (self.nodes + 1) + low
+        flat = pairs.reshape(-1, 2)  # one number per pair is twice as fast as two
+        before, after = flat.take(node, axis=0), flat.take(node + 1, axis=0)
+        return np.asarray(((1 - share) * before + share * after).T)
 
     def flags_at(self, index: ArrayLike, approach: ArrayLike) -> NDArray[np.uint8]:
         """Flags of the node at or above `approach`; the last node's beyond the reach."""

@@ -117,17 +117,17 @@ def capped(
     shape = parts[0].shape
     d, f, a, k, line = (np.array(part, dtype=float).ravel() for part in parts)
     saturated, peak = np.zeros((2, d.size))
-    known = (d > 0) & (f > 0) & (a > 0) & (k > 0) & np.isfinite(material.hardness)
+    known = np.flatnonzero((d > 0) & (f > 0) & (a > 0) & (k > 0) & np.isfinite(material.hardness))
     if np.isfinite(material.hardness):
         f[np.isnan(d + f + a + k)] = np.nan
     full = material.hardness * a[known]
     growth = d[known] * k[known] / f[known] - 1
-    body = _PowerBody.of(material.m, growth)
+    exponent, largest = _exponents(material.m, growth)
     mean = f[known] / full
-    peak[known] = mean * body.peak
-    late = peak > 1
-    late[known] &= mean > _LIGHT
-    body, mean, full = body.rows(late[known]), mean[late[known]], full[late[known]]
+    peak[known] = mean * largest
+    some = np.flatnonzero((peak[known] > 1) & (mean > _LIGHT))
+    late, mean, full = known[some], mean[some], full[some]
+    body = _PowerBody.of(material.m, exponent[some], largest[some])
     deficit = body.deficit(mean)
     f[late] = np.minimum(f[late], full * (1 - deficit))
     edge = d[late] - full * body.edge * mean / k[late]
@@ -162,27 +162,15 @@ class _PowerBody:
     edge: Array
 
     @classmethod
-    def of(cls, m: float, growth: Array) -> _PowerBody:
-        """From the growth (1+m)/k of the stiffness.
-
-        Bodies steeper than the one of the most even pressure yield at their edge and then inwards;
-        they are taken for that one: their area hardly changes with their load.
-        """
-        exponents, ratios = _peaks(m)
-        steepest = exponents[np.argmin(ratios * _centre(m, exponents))]
-        k = np.clip((1 + m) / np.maximum(growth, 1e-12), _SHARPEST, steepest)
-        peak = _centre(m, k) * np.interp(k, exponents, ratios)
+    def of(cls, m: float, k: Array, peak: Array) -> _PowerBody:
+        """From the exponents k and the largest pressures."""
         depth = kappa(m, k)
         return cls(
             _Rim(m),
-            peak=np.where(k > 1 - m, peak, np.inf),
+            peak,
             slope=np.pi / 2 * (1 + m) * (k + 1 + m) / depth,
             edge=(1 - 1 / depth) * (1 + (1 + m) / k),
         )
-
-    def rows(self, chosen: NDArray[np.bool_]) -> _PowerBody:
-        """Some of the bodies."""
-        return _PowerBody(self.rim, self.peak[chosen], self.slope[chosen], self.edge[chosen])
 
     @property
     def first(self) -> Array:
@@ -288,6 +276,20 @@ class _Rim:
     def _power(self, x: Array) -> Array:
         """x^-m - 1."""
         return np.asarray(np.expm1(-self._m * np.log(x)))
+
+
+def _exponents(m: float, growth: Array) -> tuple[Array, Array]:
+    """Exponents k of bodies r^k by the growth (1+m)/k of their stiffness, and their largest elastic
+    pressure over the mean one; infinite at k <= 1 - m.
+
+    Bodies steeper than the one of the most even pressure yield at their edge and then inwards;
+    they are taken for that one: their area hardly changes with their load.
+    """
+    exponents, ratios = _peaks(m)
+    steepest = exponents[np.argmin(ratios * _centre(m, exponents))]
+    k = np.clip((1 + m) / np.maximum(growth, 1e-12), _SHARPEST, steepest)
+    peak = _centre(m, k) * np.interp(k, exponents, ratios)
+    return k, np.where(k > 1 - m, peak, np.inf)
 
 
 def _centre(m: float, k: Array) -> Array:
