@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from asperity.errors import InputError
 from asperity.interaction.newton.laws import BLOCK
 
 from .contact_system import ContactSystem
-from .coupled_solve import CROWDED, solve_at
+from .coupled_solve import CROWDED, handed_on, solve_at
 from .population_state import Continuation, PopulationState
 
 __all__ = ["Population", "PopulationState", "solve_under"]
@@ -121,6 +122,28 @@ class Population(ContactSystem):
             growth = heaviest / state.mean_pressure if heaviest > pressure else 0.0
             self.laws.foresee(self.by_height[: int(state.active * growth**SPREADING)])
         return self._judged(solve_under(last, pressure, tolerance, state))
+
+    def handed_on(
+        self,
+        state: PopulationState,
+        *,
+        separation: float | None = None,
+        pressure: float | None = None,
+        tolerance: float = 2e-3,
+    ) -> PopulationState:
+        """A state to `solve` the next point from that holds no memory which that does not use.
+
+        It leads to the same point as `state`, of which the list of candidates may go meanwhile.
+
+        Parameters
+        ----------
+        state
+            The last point.
+        separation, pressure, tolerance
+            As `solve` will be given them.
+        """
+        last = handed_on(state.continuation, separation, pressure, tolerance)
+        return replace(state, continuation=last)
 
     def _judged(self, state: PopulationState) -> PopulationState:
         share = state.contact_area / self.nominal_area

@@ -14,7 +14,7 @@ from asperity.interaction.ewald.tangent import Tangent
 from asperity.interaction.newton.step import conjugate_gradients
 
 if TYPE_CHECKING:
-    from asperity.interaction.ewald.operator import Interaction
+    from asperity.interaction.ewald.mesh import SmoothField
     from asperity.interaction.newton.final_step import Solution
 
     from .candidates import CandidateList
@@ -122,7 +122,9 @@ class Continuation:
     system
         Summits, laws and half-space.
     candidates
-        Summits listed for the last point; None before the first, and of independent contacts.
+        Summits listed for the last point, if any that last for the next.
+    field
+        The smooth part of the last field, if any.
     points
         Points to predict the next from, the last one last.
     heaviest
@@ -133,19 +135,18 @@ class Continuation:
 
     system: ContactSystem
     candidates: CandidateList | None = None
+    field: SmoothField | None = None
     points: tuple[Point, ...] = ()
     heaviest: tuple[float, float] | None = None
     solution: Solution | None = None
 
-    def __getstate__(self) -> dict[str, Any]:
-        """Without the candidates, which the next solve lists anew, and with the tangent solved."""
+    def without_candidates(self) -> Continuation:
+        """The continuation with the tangent solved; the next solve lists its candidates anew."""
         solution = None if self.solution is None else self.solution.without_matrix()
-        return vars(self) | {"candidates": None, "solution": solution}
+        return replace(self, candidates=None, solution=solution)
 
-    @property
-    def field(self) -> Interaction | None:
-        """The interaction that holds the last field."""
-        return None if self.candidates is None else self.candidates.problem.plan
+    def __getstate__(self) -> dict[str, Any]:
+        return vars(self.without_candidates())
 
     def after(self, solution: Solution, candidates: CandidateList, values: Array) -> Continuation:
         """The continuation from a solution on, with its `Point.values`."""
@@ -157,6 +158,7 @@ class Continuation:
         return Continuation(
             system=self.system,
             candidates=candidates,
+            field=candidates.problem.plan.smooth,
             points=(*self.points[1 - MEMORY :], point),
             heaviest=heaviest,
             solution=solution,
@@ -164,7 +166,7 @@ class Continuation:
 
     def independent(self, solution: Solution) -> Continuation:
         """The continuation from a solution of independent contacts on."""
-        return replace(self, candidates=None, solution=solution)
+        return replace(self, candidates=None, field=None, solution=solution)
 
     def predicted(self, separation: float, pressure: float | None) -> tuple[Rows, Array]:
         """Summits to start from, and `Point.values` of each, at a separation or mean pressure."""
