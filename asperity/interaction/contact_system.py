@@ -92,7 +92,6 @@ class ContactSystem:
         if not (len(cell) == 2 and min(cell) > 0 and math.isfinite(max(cell))):
             raise InputError(f"cell must be two positive lengths, got {cell!r}")
         self.boundary, self.material = known_boundary(boundary), material
-        self.table = table
         self.cell = (float(cell[0]), float(cell[1]))
         self.interaction = interaction and self._can_interact
         self.contact_shift = contact_shift
@@ -103,6 +102,7 @@ class ContactSystem:
                 np.asarray(curvature, float), np.asarray(angle, float), self.footprints
             )
         self.laws = Laws(table, self.footprints)
+        self.table = self.laws.table
         usable = np.flatnonzero(self.laws.usable)
         if len(usable) == 0:
             raise InputError("no summit of the population has a usable contact law")

@@ -49,9 +49,10 @@ def test_what_load_points_read_is_kept():
     for rows in np.array([7, 3]), np.array([12]):
         assert [len(laws) for _, laws in lazy.blocks(rows)] == [len(rows)]
     made, deep = np.array([12, 3, 7]), np.array([0.2, 0.7, 1.3]) * whole.reach[[12, 3, 7]]
+    complete = LazyTable.of(whole)
     for read in ("spread_at", "flags_at", "centre_at"):
         np.testing.assert_array_equal(
-            getattr(lazy, read)(made, deep), getattr(whole, read)(made, deep)
+            getattr(lazy, read)(made, deep), getattr(complete, read)(made, deep)
         )
     assert not lazy.flags_at(np.array([0, 49]), np.ones(2)).any()
     assert np.isnan(lazy.held.force).all() and lazy.held.force.strides == (0, 0)
