@@ -14,13 +14,11 @@ from asperity.interaction.newton.contact_shift import widened
 from asperity.interaction.newton.state import Problem
 
 if TYPE_CHECKING:
-    from asperity.halfspace.footprint import Footprints
     from asperity.interaction.ewald.mesh import SmoothField
     from asperity.interaction.newton.final_step import Solution
     from asperity.interaction.newton.laws import Evaluated
 
     from .contact_system import ContactSystem
-    from .elongation import Elongation
 
 __all__ = ["CandidateList"]
 
@@ -115,7 +113,6 @@ class CandidateList:
         rounded
             Whether all footprints are taken as round.
         """
-        elongation = None if rounded else system.elongation
         closed = values[0] > 0
         closed, approach = rows[closed], values[0, closed]
         near, overlap = _overlaps(system, system.by_height, field, separation, growth)
@@ -140,7 +137,7 @@ class CandidateList:
             system.cell,
             system.boundary,
             system.footprints,
-            widest=_widest(system.footprints, elongation, closed[some], law),
+            widest=_widest(system, closed[some], law, rounded),
         )
         index = index[plan.order]
         problem = Problem(
@@ -148,7 +145,7 @@ class CandidateList:
             laws=system.laws.rows(index),
             plan=plan,
             contact_shift=system.contact_shift,
-            elongation=None if elongation is None else elongation.rows(index),
+            elongation=None if rounded else system.elongation(index),
         )
         others = np.ones(len(system), bool)
         others[index] = False
@@ -184,9 +181,8 @@ class CandidateList:
         laws = system.laws.rows(rows[some])
         laws.make()
         law = laws(values[0, some])
-        elongation = None if self.problem.elongation is None else system.elongation
-        plan = self.problem.plan
-        if not plan.holds(_widest(plan.footprints, elongation, rows[some], law)):
+        plan, rounded = self.problem.plan, self.problem.elongation is None
+        if not plan.holds(_widest(system, rows[some], law, rounded)):
             return None
         many = min(1.0, len(touches) / MANY)
         bound = max(ASTRAY, many * ALLOWED * tolerance)
@@ -256,15 +252,14 @@ def _overlaps(
     return rows, overlap - np.minimum(smooth, growth * smooth)
 
 
-def _widest(
-    footprints: Footprints, elongation: Elongation | None, closed: Rows, law: Evaluated
-) -> float:
-    """Variance [m^2] that few footprints of the contacts `closed` exceed."""
+def _widest(system: ContactSystem, closed: Rows, law: Evaluated, rounded: bool) -> float:
+    """Variance [m^2] that few footprints of the contacts `closed` exceed; all are round
+    if `rounded`."""
     if not len(closed):
         return 0.0
-    variance = footprints.variance(law.stiffness)
+    variance = system.footprints.variance(law.stiffness)
+    elongation = None if rounded else system.elongation(closed)
     if elongation is not None:
-        along = elongation.rows(closed).along
-        variance = variance * np.maximum(1.0, LONG * along)
+        variance = variance * np.maximum(1.0, LONG * elongation.along)
     most = int(0.98 * (len(variance) - 1))
     return float(np.partition(variance, most)[most])

@@ -96,11 +96,9 @@ class ContactSystem:
         self.interaction = interaction and self._can_interact
         self.contact_shift = contact_shift
         self.footprints = Footprints(material.modulus, material.m)
-        self.elongation: Elongation | None = None
+        self.shape: tuple[Array, Array] | None = None
         if curvature is not None and angle is not None:
-            self.elongation = Elongation.of(
-                np.asarray(curvature, float), np.asarray(angle, float), self.footprints
-            )
+            self.shape = np.asarray(curvature, float), np.asarray(angle, float)
         self.laws = Laws(table, self.footprints)
         self.table = self.laws.table
         usable = np.flatnonzero(self.laws.usable)
@@ -126,6 +124,13 @@ class ContactSystem:
     def has_centres(self) -> bool:
         """Whether contacts stand at the centres that their laws give."""
         return self.contact_shift and self.table.has_centres
+
+    def elongation(self, rows: Rows) -> Elongation | None:
+        """How the footprints of the contacts `rows` differ from round ones; None if not."""
+        if self.shape is None:
+            return None
+        curvature, angle = self.shape
+        return Elongation.of(curvature[rows], angle[rows], self.footprints)
 
     @property
     def nominal_area(self) -> float:

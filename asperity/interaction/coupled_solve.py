@@ -202,7 +202,7 @@ def handed_on(
     if separation is None:
         return last
     listed = _start(last, separation, pressure, tolerance).listed
-    return last.without_candidates() if listed is None else replace(last, candidates=listed)
+    return last.without_contacts() if listed is None else replace(last, candidates=listed)
 
 
 def _along(index: Rows, rows: Rows, values: Array, count: int) -> Array:

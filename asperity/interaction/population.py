@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -131,9 +132,7 @@ class Population(ContactSystem):
         pressure: float | None = None,
         tolerance: float = 2e-3,
     ) -> PopulationState:
-        """A state to `solve` the next point from that holds no memory which that does not use.
-
-        It leads to the same point as `state`, of which the list of candidates may go meanwhile.
+        """What `solve` needs of a state to start from, without the rest, which may go meanwhile.
 
         Parameters
         ----------
@@ -143,7 +142,9 @@ class Population(ContactSystem):
             As `solve` will be given them.
         """
         last = handed_on(state.continuation, separation, pressure, tolerance)
-        return replace(state, continuation=last)
+        none = np.empty(0, np.int64)
+        contacts: dict[str, Any] = {"rows": none, "listed": np.empty((4, 0)), "tilt": none}
+        return replace(state, continuation=last, **contacts)
 
     def _judged(self, state: PopulationState) -> PopulationState:
         share = state.contact_area / self.nominal_area

@@ -22,7 +22,7 @@ from numba import carray, types
 from numpy.typing import NDArray
 
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
-from surfaces.numerics.stored_array import zeros
+from surfaces.numerics.memory import zeros
 from surfaces.numerics.vectors import on_stack
 
 __all__ = [

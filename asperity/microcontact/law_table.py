@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
 from surfaces.numerics import parallel
-from surfaces.numerics.stored_array import zeros
+from surfaces.numerics.memory import zeros
 
 __all__ = ["LawTable", "LazyTable", "joined"]
 

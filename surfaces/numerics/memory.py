@@ -1,21 +1,41 @@
-"""The memory that may be used: a limit, what is left of it, refusals of what would not fit, and
-changes of whole arrays within it."""
+"""The memory that may be used: a limit, what is left of it, refusals of what would not fit, arrays
+that are kept on disk, and changes of whole arrays within it."""
 
 from __future__ import annotations
 
 import ctypes
+import dataclasses
+import math
+import mmap
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.errors import InputError, SurfaceError, as_number
-from surfaces.numerics.stored_array import Blocks, Sections, Source, array_of, spans
+from surfaces.numerics.stored_array import (
+    Blocks,
+    Sections,
+    Source,
+    StoredArray,
+    array_of,
+    drop_pages,
+    spans,
+)
 
-__all__ = ["Change", "along_both", "available_bytes", "require_memory", "room_for", "set_memory"]
+__all__ = [
+    "Change",
+    "along_both",
+    "available_bytes",
+    "on_disk",
+    "require_memory",
+    "room_for",
+    "set_memory",
+    "zeros",
+]
 
 _USUAL = 2 << 30
 """Memory of a program that works on a map in sections of columns, if nothing limits it [bytes]."""
@@ -36,6 +56,7 @@ _limit: int | None = None
 
 Array = NDArray[np.float64]
 Change = Callable[[NDArray[Any]], NDArray[Any]]
+Record = TypeVar("Record", bound=Any)
 
 
 def set_memory(limit: int | None) -> None:
@@ -152,6 +173,31 @@ def room_for(least: int, what: str) -> int:
         )
     require_memory(least, what, "raise the limit of memory, or free some")
     return min(bound - _PROGRAM, available_bytes())
+
+
+def zeros(shape: tuple[int, ...], dtype: Any, stored: bool) -> NDArray[Any]:
+    """An array of zeros: in memory, or in a file as if it were there, see `stored_array.mapped`."""
+    if not stored:
+        return np.zeros(shape, dtype)
+    return StoredArray((shape[0], math.prod(shape[1:])), dtype, dtype).mapped.reshape(shape)
+
+
+def on_disk(record: Record) -> Record:
+    """A dataclass with all its arrays in files as if they were in memory."""
+    moved: dict[str, NDArray[Any]] = {}
+    for field in dataclasses.fields(record):
+        values = getattr(record, field.name)
+        if isinstance(values, np.ndarray) and values.size and not _in_file(values):
+            moved[field.name] = zeros(values.shape, values.dtype, True)
+            moved[field.name][...] = values
+    drop_pages()
+    return dataclasses.replace(record, **moved)
+
+
+def _in_file(values: Any) -> bool:
+    while isinstance(values, np.ndarray):
+        values = values.base
+    return isinstance(values, mmap.mmap)
 
 
 def along_both(

@@ -33,7 +33,6 @@ __all__ = [
     "rows_around",
     "spans",
     "windows",
-    "zeros",
 ]
 
 BLOCK_BYTES = 16 << 20
@@ -241,13 +240,6 @@ def mapped(source: Source) -> NDArray[Any]:
     Loops over many parts keep to the memory that they may take if each part lies together.
     """
     return source.mapped if isinstance(source, StoredArray) else source
-
-
-def zeros(shape: tuple[int, ...], dtype: Any, stored: bool) -> NDArray[Any]:
-    """An array of zeros: in memory, or in a file as if it were there, see `mapped`."""
-    if not stored:
-        return np.zeros(shape, dtype)
-    return StoredArray((shape[0], math.prod(shape[1:])), dtype, dtype).mapped.reshape(shape)
 
 
 def most_together(source: Source) -> float:
