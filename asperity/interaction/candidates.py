@@ -14,11 +14,13 @@ from asperity.interaction.newton.contact_shift import widened
 from asperity.interaction.newton.state import Problem
 
 if TYPE_CHECKING:
+    from asperity.halfspace.footprint import Footprints
     from asperity.interaction.ewald.mesh import SmoothField
     from asperity.interaction.newton.final_step import Solution
     from asperity.interaction.newton.laws import Evaluated
 
     from .contact_system import ContactSystem
+    from .elongation import Elongation
 
 __all__ = ["CandidateList"]
 
@@ -113,6 +115,7 @@ class CandidateList:
         rounded
             Whether all footprints are taken as round.
         """
+        elongation = None if rounded else system.elongation
         closed = values[0] > 0
         closed, approach = rows[closed], values[0, closed]
         near, overlap = _overlaps(system, system.by_height, field, separation, growth)
@@ -137,7 +140,7 @@ class CandidateList:
             system.cell,
             system.boundary,
             system.footprints,
-            widest=_widest(system, closed[some], law, rounded),
+            widest=_widest(system.footprints, elongation, closed[some], law),
         )
         index = index[plan.order]
         problem = Problem(
@@ -145,7 +148,7 @@ class CandidateList:
             laws=system.laws.rows(index),
             plan=plan,
             contact_shift=system.contact_shift,
-            elongation=None if rounded else system.elongation(index),
+            elongation=None if elongation is None else elongation.rows(index),
         )
         others = np.ones(len(system), bool)
         others[index] = False
@@ -181,8 +184,9 @@ class CandidateList:
         laws = system.laws.rows(rows[some])
         laws.make()
         law = laws(values[0, some])
-        plan, rounded = self.problem.plan, self.problem.elongation is None
-        if not plan.holds(_widest(system, rows[some], law, rounded)):
+        elongation = None if self.problem.elongation is None else system.elongation
+        plan = self.problem.plan
+        if not plan.holds(_widest(plan.footprints, elongation, rows[some], law)):
             return None
         many = min(1.0, len(touches) / MANY)
         bound = max(ASTRAY, many * ALLOWED * tolerance)
@@ -252,14 +256,15 @@ def _overlaps(
     return rows, overlap - np.minimum(smooth, growth * smooth)
 
 
-def _widest(system: ContactSystem, closed: Rows, law: Evaluated, rounded: bool) -> float:
-    """Variance [m^2] that few footprints of the contacts `closed` exceed; all are round
-    if `rounded`."""
+def _widest(
+    footprints: Footprints, elongation: Elongation | None, closed: Rows, law: Evaluated
+) -> float:
+    """Variance [m^2] that few footprints of the contacts `closed` exceed."""
     if not len(closed):
         return 0.0
-    variance = system.footprints.variance(law.stiffness)
-    elongation = None if rounded else system.elongation(closed)
+    variance = footprints.variance(law.stiffness)
     if elongation is not None:
-        variance = variance * np.maximum(1.0, LONG * elongation.along)
+        along = elongation.rows(closed).along
+        variance = variance * np.maximum(1.0, LONG * along)
     most = int(0.98 * (len(variance) - 1))
     return float(np.partition(variance, most)[most])

@@ -14,6 +14,7 @@ from asperity.errors import InputError
 from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.scene import known_boundary
 from asperity.interaction.newton.laws import Laws
+from surfaces.numerics.memory import on_disk
 
 from .elongation import Elongation
 
@@ -96,11 +97,13 @@ class ContactSystem:
         self.interaction = interaction and self._can_interact
         self.contact_shift = contact_shift
         self.footprints = Footprints(material.modulus, material.m)
-        self.shape: tuple[Array, Array] | None = None
-        if curvature is not None and angle is not None:
-            self.shape = np.asarray(curvature, float), np.asarray(angle, float)
         self.laws = Laws(table, self.footprints)
         self.table = self.laws.table
+        self.elongation: Elongation | None = None
+        if curvature is not None and angle is not None:
+            forms = np.asarray(curvature, float), np.asarray(angle, float)
+            elongation = Elongation.of(*forms, self.footprints)
+            self.elongation = on_disk(elongation) if self.table.stored else elongation
         usable = np.flatnonzero(self.laws.usable)
         if len(usable) == 0:
             raise InputError("no summit of the population has a usable contact law")
@@ -124,13 +127,6 @@ class ContactSystem:
     def has_centres(self) -> bool:
         """Whether contacts stand at the centres that their laws give."""
         return self.contact_shift and self.table.has_centres
-
-    def elongation(self, rows: Rows) -> Elongation | None:
-        """How the footprints of the contacts `rows` differ from round ones; None if not."""
-        if self.shape is None:
-            return None
-        curvature, angle = self.shape
-        return Elongation.of(curvature[rows], angle[rows], self.footprints)
 
     @property
     def nominal_area(self) -> float:

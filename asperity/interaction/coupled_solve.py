@@ -48,6 +48,9 @@ LACKING = 0.05
 CROWDED = 0.3
 """Contact area over nominal area beyond which a point that does not come out is refused."""
 
+LARGE = 20_000
+"""Candidates of a list whose memory counts."""
+
 LEVEL = 1e-9
 """Rise of the flat under more load that rounding explains, over its fall since the first touch."""
 
@@ -195,7 +198,7 @@ def handed_on(
     Lists are most of the memory of a solve: the last one goes before the next is made if nothing
     else holds it. Arguments are as of `solve_at`; at a pressure the separation is predicted.
     """
-    if last.candidates is None:
+    if last.candidates is None or len(last.candidates.index) < LARGE:
         return last
     if separation is None and pressure:
         separation = last.predicted_separation(pressure)

@@ -83,6 +83,10 @@ class Elongation:
         moments, radii = (np.where(some[:, None], still, v) for v in (self.moments, self.radii))
         return Elongation(moments, radii)
 
+    def rows(self, index: NDArray[np.int64]) -> Elongation:
+        """Of the contacts `index` alone."""
+        return Elongation(self.moments[index], self.radii[index])
+
 
 def aspect_ratio(curvature: Array) -> Array:
     """Short over long axis of the contacts on summits of the curvatures (n, 2) [1/m]."""

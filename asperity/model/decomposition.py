@@ -84,7 +84,8 @@ class Decomposition:
             shares = LoadShares.of(summits)
         stored = isinstance(summits.hm.source, StoredArray)
         if stored:
-            shares, summits = (shares and on_disk(shares)), on_disk(summits)
+            shares, peaks = shares and on_disk(shares), on_disk(peaks)
+            summits = on_disk(replace(summits, peaks=on_disk(summits.peaks)))
         factory = LawFactory(hm, summits, shares, material, plan.law, parameters, seconds)
         made = cls(
             hm=hm,
@@ -264,8 +265,6 @@ def _summits(hm: HeightMap, plan: Plan, seconds: dict[str, float]) -> tuple[Peak
         above = min(above, solved.roughness.highest - 0.5 * solved.roughness.rms_height)
     peaks = segment(solved, above=above)
     between = time.perf_counter()
-    if isinstance(solved.source, StoredArray):
-        peaks = on_disk(peaks)
     summits = locate_summits(solved, peaks)
     seconds["segmentation"] += between - start
     seconds["profiles"] += time.perf_counter() - between

@@ -13,6 +13,7 @@ import surfaces
 from asperity.contacts.run import solve_contacts
 from asperity.halfspace.scene import pressure_scale
 from asperity.interaction import candidates as module
+from asperity.interaction import coupled_solve
 from asperity.interaction.candidates import SKIN
 from asperity.interaction.ewald import cells
 from asperity.model.decomposition import Decomposition
@@ -108,6 +109,7 @@ def test_a_list_that_does_not_last_goes_before_the_next_is_made(monkeypatch):
         return made
 
     monkeypatch.setattr(module.CandidateList, "of", classmethod(listed))
+    monkeypatch.setattr(coupled_solve, "LARGE", 0)
     size = (256.0, 320.0)
     hm = surfaces.self_affine(
         (256, 320), size, hurst=0.8, rms_slope=0.1, rolloff=20.0, cutoff=5.0, seed=3

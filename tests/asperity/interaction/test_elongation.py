@@ -140,7 +140,7 @@ def test_a_turned_scene_carries_the_same():
             Laws(table, f).rows(plan.order),
             plan,
             True,
-            Elongation.of(shape[plan.order], angle[plan.order], f),
+            Elongation.of(shape, angle, f).rows(plan.order),
         )
         solution = descend(problem, 0.01, np.zeros(len(y)), tolerance=1e-4)
         assert not solution.reason

@@ -348,6 +348,6 @@ def test_joined_summits_have_the_form_of_their_contact():
         decomposition.summits.angle,
         decomposition.population.footprints,
     )
-    across, along, skew = decomposition.population.elongation(np.zeros(1, int)).moments[0]
+    across, along, skew = decomposition.population.elongation.moments[0]
     assert along > 1.5 * highest.moments[0, 1] and across < highest.moments[0, 0]
     assert abs(skew) < 0.02 * along
