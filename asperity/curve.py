@@ -204,6 +204,7 @@ def solve_loads(
                     tell(point.state)
                 if checkpoint is not None:
                     checkpoint(curve_of(decomposition, [*rows]))
+                del point
             if len(rows) == len(values):
                 break
             decomposition, rows = decomposition.of_whole_map(), {}
@@ -241,35 +242,37 @@ def _sweep(
     by_load = kind == "pressure"
     bound, heaviest = (TOLERANCE, float(values.max())) if by_load else (CLOSE, None)
     nonrandom = nonrandomness(decomposition.hm)
-    point: LoadPoint | None = None
+    population = decomposition.population
+    last: LoadPoint | None = None
     interacting = None
     for i in np.argsort(values if by_load else -values, kind="stable").tolist():
-        last, value = point, float(values[i])
+        value = float(values[i])
         if decomposition.plan.sub_contact_law is not None and not by_load:
             point = point_at_separation(decomposition, value, last, bound)
         else:
-            state = decomposition.population.solve(
-                separation=None if by_load else value,
-                pressure=value if by_load else None,
-                state=None if last is None else last.state,
-                tolerance=bound,
-                heaviest=heaviest,
-            )
+            asked: Any = {"pressure" if by_load else "separation": value, "tolerance": bound}
+            state = None if last is None else population.handed_on(last.state, **asked)
+            del last  # its candidates go before others are listed
+            state = population.solve(state=state, heaviest=heaviest, **asked)
             point = load_point(decomposition, state)
+            del state
         if not decomposition.deep_enough(point.state):
             return
         if comparing:
-            interacting = decomposition.interacting.solve(
-                separation=point.state.separation, state=interacting, tolerance=CLOSE
-            )
-        state, whole = point.state, point.surface
-        found = terms(decomposition, state, nonrandom) | outside_model_terms(decomposition, state)
-        numbers = {name: getattr(state, name) for name in OF_CONTACTS}
-        numbers |= {name: getattr(whole, name) for name in OF_SURFACE}
+            at: Any = {"separation": point.state.separation, "tolerance": CLOSE}
+            if interacting is not None:
+                interacting = population.handed_on(interacting, **at)
+            interacting = decomposition.interacting.solve(state=interacting, **at)
+        found = terms(decomposition, point.state, nonrandom)
+        found |= outside_model_terms(decomposition, point.state)
+        numbers = {name: getattr(point.state, name) for name in OF_CONTACTS}
+        numbers |= {name: getattr(point.surface, name) for name in OF_SURFACE}
         numbers["contacts"] = spot_count(decomposition, point)
         if interacting is not None:
             numbers["interaction_difference"] = load_difference(point, interacting)
         yield i, point, _Row(numbers, found, point.reason)
+        last = point
+        del point
 
 
 def _curve(

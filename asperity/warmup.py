@@ -55,7 +55,7 @@ def _summits() -> None:
     summits = locate_summits(hm, peaks)
     summits.tilted(two, np.zeros((2, 2)), np.zeros(2)).rows(two)
     column = np.zeros(len(peaks))
-    joined_spots(peaks.neighbors, peaks.passes, column, column)
+    joined_spots(peaks.neighbors.astype(np.int32), peaks.passes, column, column)
 
 
 def _contacts() -> None:

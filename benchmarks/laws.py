@@ -16,6 +16,7 @@ from common import least, machine, options, rough
 import surfaces
 from asperity import HalfSpace
 from asperity.microcontact import tabulate
+from asperity.microcontact.law_table import LazyTable
 
 BAR = 20.0
 """Microseconds per profile that fit, table and evaluation may take together."""
@@ -44,7 +45,7 @@ def main(laws: list[str]) -> None:
             if law in ("paper", "harmonic"):
                 fine = tabulate(profiles, material, law=law, nodes=64, radii=96, points=64)
                 some = depth[:, 10:40:10]
-                good = (fine.flags_at(rows, some) & 3) == 0
+                good = (LazyTable.of(fine).flags_at(rows, some) & 3) == 0
                 change = table.evaluate(rows, some)[0] / fine.evaluate(rows, some)[0] - 1
                 values = np.abs(change[good])
                 error = f"error {np.median(values):.1e}, 95 % {np.percentile(values, 95):.1e}"

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.special import gamma, gammaincc, roots_jacobi
 
 from asperity.halfspace.footprint import Footprints
+from asperity.microcontact.law_table import LawTable
 
 
 def periodic_displacement(pressure, spacing, modulus, m):
@@ -70,14 +71,14 @@ class HertzTable:
     modulus: float = 1.0
     m: float = 0.0
     nodes: int = 12
-    has_centres = False
-    hardness = np.inf
 
     def __len__(self):
         return len(self.reach)
 
-    def flags_at(self, index, approach):
-        return np.zeros(len(index), np.uint8)
+    def rows(self, index):
+        nothing = np.zeros((len(index), self.nodes + 1))
+        values = (column[index] for column in (self.reach, *self._grid))
+        return LawTable(*values, nothing.astype(np.uint8), nothing, 3.0 + self.m)
 
     def _law(self, d, index):
         """Force, stiffness, area at approaches d of the contacts `index`, basins without limit."""
@@ -90,10 +91,6 @@ class HertzTable:
     def _grid(self):
         u2 = (np.arange(self.nodes + 1) / self.nodes) ** 2
         return self._law(self.reach[:, None] * u2, np.arange(len(self.reach))[:, None])
-
-    @property
-    def exponent(self):
-        return 3.0 + self.m
 
     @property
     def force(self):

@@ -15,6 +15,7 @@ from asperity.interaction.newton.state import Problem
 
 if TYPE_CHECKING:
     from asperity.halfspace.footprint import Footprints
+    from asperity.interaction.ewald.mesh import SmoothField
     from asperity.interaction.newton.final_step import Solution
     from asperity.interaction.newton.laws import Evaluated
 
@@ -89,7 +90,7 @@ class CandidateList:
         rows: Rows,
         values: Array,
         *,
-        field: Interaction | None,
+        field: SmoothField | None,
         separation: float,
         growth: float,
         spare: float,
@@ -104,7 +105,7 @@ class CandidateList:
         rows, values
             `Point.values` of these summits; those that are closed are listed in any case.
         field
-            The interaction that holds the last field, if any.
+            The smooth part of the last field, if any.
         separation
             Separation [m].
         growth
@@ -157,7 +158,7 @@ class CandidateList:
     def lacks(
         self,
         system: ContactSystem,
-        field: Interaction | None,
+        field: SmoothField | None,
         separation: float,
         growth: float,
         allowed: float = 0.0,
@@ -232,7 +233,7 @@ class CandidateList:
         return widened(problem.plan.footprints, law, depth, *tilts, rough)
 
 
-def _lowest(field: Interaction | None, growth: float) -> float:
+def _lowest(field: SmoothField | None, growth: float) -> float:
     """How low [m] the field may be."""
     return growth * (0.0 if field is None else field.lowest)
 
@@ -240,7 +241,7 @@ def _lowest(field: Interaction | None, growth: float) -> float:
 def _overlaps(
     system: ContactSystem,
     summits: Rows,
-    field: Interaction | None,
+    field: SmoothField | None,
     separation: float,
     growth: float,
 ) -> tuple[Rows, Array]:

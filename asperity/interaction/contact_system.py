@@ -14,6 +14,7 @@ from asperity.errors import InputError
 from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.scene import known_boundary
 from asperity.interaction.newton.laws import Laws
+from surfaces.numerics.memory import on_disk
 
 from .elongation import Elongation
 
@@ -92,17 +93,17 @@ class ContactSystem:
         if not (len(cell) == 2 and min(cell) > 0 and math.isfinite(max(cell))):
             raise InputError(f"cell must be two positive lengths, got {cell!r}")
         self.boundary, self.material = known_boundary(boundary), material
-        self.table = table
         self.cell = (float(cell[0]), float(cell[1]))
         self.interaction = interaction and self._can_interact
         self.contact_shift = contact_shift
         self.footprints = Footprints(material.modulus, material.m)
+        self.laws = Laws(table, self.footprints)
+        self.table = self.laws.table
         self.elongation: Elongation | None = None
         if curvature is not None and angle is not None:
-            self.elongation = Elongation.of(
-                np.asarray(curvature, float), np.asarray(angle, float), self.footprints
-            )
-        self.laws = Laws(table, self.footprints)
+            forms = np.asarray(curvature, float), np.asarray(angle, float)
+            elongation = Elongation.of(*forms, self.footprints)
+            self.elongation = on_disk(elongation) if self.table.stored else elongation
         usable = np.flatnonzero(self.laws.usable)
         if len(usable) == 0:
             raise InputError("no summit of the population has a usable contact law")

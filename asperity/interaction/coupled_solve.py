@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from .contact_system import ContactSystem
 
-__all__ = ["CROWDED", "descend", "solve_at"]
+__all__ = ["CROWDED", "descend", "handed_on", "solve_at"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -47,6 +47,9 @@ LACKING = 0.05
 
 CROWDED = 0.3
 """Contact area over nominal area beyond which a point that does not come out is refused."""
+
+LARGE = 20_000
+"""Candidates of a list whose memory counts."""
 
 LEVEL = 1e-9
 """Rise of the flat under more load that rounding explains, over its fall since the first touch."""
@@ -79,14 +82,8 @@ def solve_at(
     if not system.interaction:
         return _independent(last, separation)
     load = None if pressure is None else pressure * system.nominal_area
-    rows, values = last.predicted(separation, pressure)
-    growth, spare = DEEPER, SPARE
-    if pressure is not None and last.points and last.points[-1].pressure > 0:
-        growth, spare = max(1.0, pressure / last.points[-1].pressure), NEW_LOAD
-    field, listed, rise = last.field, last.candidates, last.rise(separation, values)
-    if listed is not None:
-        lacks = listed.lacks(system, field, separation + rise, growth)
-        listed = None if lacks else listed.recentred(system, rows, values, tolerance)
+    rows, values, growth, spare, rise, listed = _start(last, separation, pressure, tolerance)
+    field = last.field
     good: tuple[CandidateList, Solution, Array] | None = None
     steps = products = 0
     blind, rounded = not last.points, False
@@ -129,7 +126,7 @@ def solve_at(
             continue
         if not solution.reason:
             listed = replace(listed, problem=problem)
-        field, values, separation = listed.problem.plan, solution.values, solution.separation
+        field, values, separation = listed.problem.plan.smooth, solution.values, solution.separation
         current = listed
         if solution.reason and good is not None:
             current, solution, values = good  # whose contacts have hardly strayed
@@ -154,6 +151,61 @@ def solve_at(
     solution = replace(solution, steps=steps, products=products)
     area = current.areas(system, solution)
     return _state(last.after(solution, current, values), current.index, area, solution)
+
+
+class _Start(NamedTuple):
+    """Where the solve of a point starts.
+
+    Attributes
+    ----------
+    rows, values
+        Summits to start from, and the prediction of their `Point.values`.
+    growth, spare, rise
+        As `CandidateList.of` takes them, and by how much the separation there is to be raised [m].
+    listed
+        The candidates of the last point, where they are those of this one too.
+    """
+
+    rows: Rows
+    values: Array
+    growth: float
+    spare: float
+    rise: float
+    listed: CandidateList | None
+
+
+def _start(
+    last: Continuation, separation: float, pressure: float | None, tolerance: float
+) -> _Start:
+    """Where the solve of a point starts; arguments as of `solve_at`."""
+    system, listed = last.system, last.candidates
+    rows, values = last.predicted(separation, pressure)
+    growth, spare = DEEPER, SPARE
+    if pressure is not None and last.points and last.points[-1].pressure > 0:
+        growth, spare = max(1.0, pressure / last.points[-1].pressure), NEW_LOAD
+    rise = last.rise(separation, values)
+    if listed is not None:
+        lacks = listed.lacks(system, last.field, separation + rise, growth)
+        listed = None if lacks else listed.recentred(system, rows, values, tolerance)
+    return _Start(rows, values, growth, spare, rise, listed)
+
+
+def handed_on(
+    last: Continuation, separation: float | None, pressure: float | None, tolerance: float
+) -> Continuation:
+    """The continuation without candidates that the solve of the next point would not take.
+
+    Lists are most of the memory of a solve: the last one goes before the next is made if nothing
+    else holds it. Arguments are as of `solve_at`; at a pressure the separation is predicted.
+    """
+    if last.candidates is None or len(last.candidates.index) < LARGE:
+        return last
+    if separation is None and pressure:
+        separation = last.predicted_separation(pressure)
+    if separation is None:
+        return last
+    listed = _start(last, separation, pressure, tolerance).listed
+    return last.without_contacts() if listed is None else replace(last, candidates=listed)
 
 
 def _along(index: Rows, rows: Rows, values: Array, count: int) -> Array:

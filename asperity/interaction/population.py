@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -10,7 +12,7 @@ from asperity.errors import InputError
 from asperity.interaction.newton.laws import BLOCK
 
 from .contact_system import ContactSystem
-from .coupled_solve import CROWDED, solve_at
+from .coupled_solve import CROWDED, handed_on, solve_at
 from .population_state import Continuation, PopulationState
 
 __all__ = ["Population", "PopulationState", "solve_under"]
@@ -121,6 +123,38 @@ class Population(ContactSystem):
             growth = heaviest / state.mean_pressure if heaviest > pressure else 0.0
             self.laws.foresee(self.by_height[: int(state.active * growth**SPREADING)])
         return self._judged(solve_under(last, pressure, tolerance, state))
+
+    def handed_on(
+        self,
+        state: PopulationState,
+        *,
+        separation: float | None = None,
+        pressure: float | None = None,
+        tolerance: float = 2e-3,
+    ) -> PopulationState:
+        """What `solve` needs of a state to start from, without the rest, which may go meanwhile.
+
+        Parameters
+        ----------
+        state
+            The last point.
+        separation, pressure, tolerance
+            As `solve` will be given them.
+        """
+        # a search may end with the state that it began with
+        alike = pressure is not None and abs(state.mean_pressure - pressure) <= tolerance * pressure
+        last = state.continuation
+        if state.converged and not alike:
+            last = handed_on(last, separation, pressure, tolerance)
+        if last is state.continuation:
+            return state
+        none = np.empty(0, np.int64)
+        contacts: dict[str, Any] = {
+            "rows": none,
+            "listed": np.empty((4, 0)),
+            "tilt": np.empty((0, 2)),
+        }
+        return replace(state, continuation=last, **contacts)
 
     def _judged(self, state: PopulationState) -> PopulationState:
         share = state.contact_area / self.nominal_area

@@ -14,7 +14,7 @@ from asperity.interaction.ewald.tangent import Tangent
 from asperity.interaction.newton.step import conjugate_gradients
 
 if TYPE_CHECKING:
-    from asperity.interaction.ewald.operator import Interaction
+    from asperity.interaction.ewald.mesh import SmoothField
     from asperity.interaction.newton.final_step import Solution
 
     from .candidates import CandidateList
@@ -122,30 +122,33 @@ class Continuation:
     system
         Summits, laws and half-space.
     candidates
-        Summits listed for the last point; None before the first, and of independent contacts.
+        Summits listed for the last point, if any that last for the next.
+    field
+        The smooth part of the last field, if any.
     points
         Points to predict the next from, the last one last.
     heaviest
         Separation [m] and mean pressure [Pa] of the largest load that was solved.
-    solution
-        The last solution.
+    solution, slope
+        The last solution; in its place, where it is not kept, `normal_stiffness` [Pa/m].
     """
 
     system: ContactSystem
     candidates: CandidateList | None = None
+    field: SmoothField | None = None
     points: tuple[Point, ...] = ()
     heaviest: tuple[float, float] | None = None
     solution: Solution | None = None
+    slope: float = math.nan
 
     def __getstate__(self) -> dict[str, Any]:
         """Without the candidates, which the next solve lists anew, and with the tangent solved."""
         solution = None if self.solution is None else self.solution.without_matrix()
         return vars(self) | {"candidates": None, "solution": solution}
 
-    @property
-    def field(self) -> Interaction | None:
-        """The interaction that holds the last field."""
-        return None if self.candidates is None else self.candidates.problem.plan
+    def without_contacts(self) -> Continuation:
+        """What the next solve starts from if it lists other candidates."""
+        return replace(self, candidates=None, solution=None, slope=self.normal_stiffness)
 
     def after(self, solution: Solution, candidates: CandidateList, values: Array) -> Continuation:
         """The continuation from a solution on, with its `Point.values`."""
@@ -154,9 +157,10 @@ class Continuation:
         heaviest = self.heaviest
         if not solution.reason and (heaviest is None or pressure > heaviest[1]):
             heaviest = solution.separation, pressure
-        return Continuation(
-            system=self.system,
+        return replace(
+            self,
             candidates=candidates,
+            field=candidates.problem.plan.smooth,
             points=(*self.points[1 - MEMORY :], point),
             heaviest=heaviest,
             solution=solution,
@@ -164,7 +168,7 @@ class Continuation:
 
     def independent(self, solution: Solution) -> Continuation:
         """The continuation from a solution of independent contacts on."""
-        return replace(self, candidates=None, solution=solution)
+        return replace(self, candidates=None, field=None, solution=solution)
 
     def predicted(self, separation: float, pressure: float | None) -> tuple[Rows, Array]:
         """Summits to start from, and `Point.values` of each, at a separation or mean pressure."""
@@ -206,14 +210,14 @@ class Continuation:
                 return None
             rise = math.log(pressure / known[0].pressure) * known[0].pressure
             return known[0].separation - rise / stiffness
-        place = [math.log(point.pressure) for point in known]
-        share = weights(math.log(pressure), place)
+        share = weights(math.log(pressure), [math.log(point.pressure) for point in known])
         return float(np.dot(share, [point.separation for point in known]))
 
     @property
     def normal_stiffness(self) -> float:
         """Minus the slope of mean pressure over separation [Pa/m] at the last point."""
-        assert self.solution is not None
+        if self.solution is None:
+            return self.slope
         return self.solution.tangent[0] / self.system.nominal_area
 
     def unloading_stiffness(self, rows: Rows) -> float:
@@ -268,8 +272,7 @@ class PopulationState:
     lowest_candidate
         Height [m] above which a summit can touch in the field of the others.
     rows, listed
-        Summits that were candidates, shape (k,), and approach, force, stiffness and area of each,
-        shape (4, k).
+        Candidates, shape (k,), and approach, force, stiffness and area of each, shape (4, k).
     tilt
         Gradients [-] of the displacement of each candidate by all others, along y and x, (k, 2).
     continuation
@@ -280,8 +283,7 @@ class PopulationState:
     >>> import asperity, surfaces
     >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
     >>> steel = asperity.HalfSpace(210e9, 0.3)
-    >>> run = asperity.solve_contacts(hm, steel, pressures=[1e8])
-    >>> state = run.points[0].state
+    >>> state = asperity.solve_contacts(hm, steel, pressures=[1e8]).points[0].state
     >>> state.active == int((state.force > 0).sum())
     True
     """

@@ -22,6 +22,7 @@ from numba import carray, types
 from numpy.typing import NDArray
 
 from surfaces.numerics.compiled import QUOTIENTS, compiled, inner
+from surfaces.numerics.memory import zeros
 from surfaces.numerics.vectors import on_stack
 
 __all__ = [
@@ -305,9 +306,13 @@ def tabulate(reach, force, stiffness, area, power, factor, exponent, coupled, ta
             table[r, j, MOMENT_SLOPE] = min(max(bend[j], 0.0), 3.0 * max(min(before, after), 0.0))
 
 
-def empty_columns(count: int, intervals: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """`table` and `tips` of so many contacts, to be filled by `tabulate`."""
-    return np.empty((count, intervals + 1, NUMBERS)), np.empty((count, TIPS))
+def empty_columns(
+    count: int, intervals: int, stored: bool = False
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """`table` and `tips` of so many contacts, to be filled by `tabulate`; in files if `stored`."""
+    shapes = (count, intervals + 1, NUMBERS), (count, TIPS)
+    table, tips = (zeros(shape, np.float64, stored) for shape in shapes)
+    return table, tips
 
 
 @compiled()

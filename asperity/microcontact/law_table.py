@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
+from surfaces.numerics import parallel
+from surfaces.numerics.memory import zeros
 
 __all__ = ["LawTable", "LazyTable", "joined"]
 
@@ -19,6 +21,9 @@ Rows = NDArray[np.int64]
 
 TOGETHER = 4096
 """Rows of a lazy table that are made at a time: their rays take more memory than their laws."""
+
+MAPPED = 2**14
+"""Laws of a table on disk whose pages are in memory together."""
 
 OF_NODES = "force", "stiffness", "area", "bearing"
 """Columns that are read when a law has been made, and by no load point."""
@@ -84,13 +89,11 @@ class LawTable:
         n, nodes = self.force.shape
         if nodes < 3:
             raise InputError(f"a law table needs at least 3 nodes, got {nodes}")
-        for name in ("stiffness", "area", "flags", "spread"):
-            if getattr(self, name).shape != (n, nodes):
-                raise InputError(f"{name} must have the shape of force, {(n, nodes)}")
-        if self.reach.shape != (n,):
-            raise InputError(f"reach must have the shape ({n},), got {self.reach.shape}")
-        if self.centre is not None and self.centre.shape != (n, nodes, 2):
-            raise InputError(f"centre must have the shape {(n, nodes, 2)}, got {self.centre.shape}")
+        other = {"reach": (n,), "centre": (n, nodes, 2), "elastic": (n, nodes, 2)}
+        for name, values in self.columns.items():
+            shape = other.get(name, (n, nodes))
+            if values.shape != shape:
+                raise InputError(f"{name} must have the shape {shape}, not {values.shape}")
 
     def __len__(self) -> int:
         return int(self.reach.size)
@@ -110,11 +113,6 @@ class LawTable:
         """The laws of the contacts `index`."""
         taken: dict[str, Any] = {name: values[index] for name, values in self.columns.items()}
         return replace(self, **taken)
-
-    @property
-    def has_centres(self) -> bool:
-        """Whether contacts leave their summits."""
-        return self.centre is not None
 
     def approach(self) -> Array:
         """Approaches [m] of the nodes, shape (n, K + 1)."""
@@ -163,47 +161,6 @@ class LawTable:
         force, stiffness, area = (value.reshape(rows.shape) for value in values[:3])
         return force, stiffness, area
 
-    def centre_at(self, index: NDArray[np.int64], approach: Array) -> tuple[Array, Array]:
-        """Centres x, y [m] of the contacts `index` relative to their summits, shape (n,)."""
-        if self.centre is None:
-            return np.zeros(approach.size), np.zeros(approach.size)
-        x, y = self._between(self.centre, index, approach)
-        return x, y
-
-    def elastic_at(self, index: NDArray[np.int64], approach: Array) -> tuple[Array, Array]:
-        """Of elastic contacts with the areas of the contacts `index`, of a table with a hardness:
-        what their force is the share of, and their stiffness [N/m], shape (n,) each."""
-        assert self.elastic is not None
-        share, stiffness = self._between(self.elastic, index, approach)
-        return share, stiffness
-
-    def _between(self, pairs: Array, index: NDArray[np.int64], approach: Array) -> Array:
-        """Pairs at the nodes (n, K + 1, 2), linear between them, shape (2, n)."""
-        reach = np.where(self.reach[index] > 0, self.reach[index], np.inf)
-        u = np.sqrt(np.clip(approach / reach, 0.0, 1.0)) * self.nodes
-        low = np.minimum(u.astype(np.int64), self.nodes - 1)
-        share, node = (u - low)[:, None], index * (self.nodes + 1) + low
-        flat = pairs.reshape(-1, 2)  # one number per pair is twice as fast as two
-        before, after = flat.take(node, axis=0), flat.take(node + 1, axis=0)
-        return np.asarray(((1 - share) * before + share * after).T)
-
-    def flags_at(self, index: ArrayLike, approach: ArrayLike) -> NDArray[np.uint8]:
-        """Flags of the node at or above `approach`; the last node's beyond the reach."""
-        return np.asarray(self.flags[self._node(index, approach)])
-
-    def spread_at(self, index: ArrayLike, approach: ArrayLike) -> Array:
-        """Error estimate of the node at or above `approach`; the last node's beyond the reach."""
-        return np.asarray(self.spread[self._node(index, approach)])
-
-    def _node(
-        self, index: ArrayLike, approach: ArrayLike
-    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        rows = np.asarray(index, dtype=np.int64)
-        reach = self.reach[rows]
-        share = np.asarray(approach, dtype=float) / np.where(reach > 0, reach, np.inf)
-        u = np.sqrt(np.minimum(np.maximum(share, 0.0), 1.0))
-        return rows, np.ceil(u * self.nodes).astype(np.int64)
-
 
 class LazyTable:
     """The laws of n contacts, made in blocks when they are first needed.
@@ -220,6 +177,12 @@ class LazyTable:
         Whether all columns are kept; else the forces, stiffnesses and areas of the nodes, which
         solvers keep in their own form, are told by `blocks` alone, and made anew if they are asked
         for again.
+    near
+        Order of some contacts, given by their rows, in which neighbors follow each other; as they
+        are given if None.
+    stored
+        Whether what is kept is on disk, and read in parts: few, if neighbors are asked for
+        together.
 
     Attributes
     ----------
@@ -233,17 +196,35 @@ class LazyTable:
     """
 
     def __init__(
-        self, count: int, make: Callable[[Rows], LawTable], *, whole: bool = False
+        self,
+        count: int,
+        make: Callable[[Rows], LawTable],
+        *,
+        whole: bool = False,
+        near: Callable[[Rows], Rows] | None = None,
+        stored: bool = False,
     ) -> None:
-        self.make, self.whole = make, whole
+        self.make, self.whole, self.near, self.stored = make, whole, near, stored
         self.ready, self.place = np.zeros(count, bool), np.zeros(count, np.int64)
         nothing = np.zeros((1, 3))
         self.held = LawTable(
             np.zeros(1), nothing, nothing, nothing, nothing.astype(np.uint8), nothing
         )
 
+    @classmethod
+    def of(cls, table: LawTable) -> LazyTable:
+        """The laws of a table, all made."""
+        lazy = cls(len(table), table.rows, whole=True)
+        lazy.place[:], lazy.ready[:] = np.arange(len(table)), True
+        lazy.held = table.rows(lazy.place)
+        return lazy
+
     def __len__(self) -> int:
         return len(self.ready)
+
+    def in_order(self, rows: Rows) -> Rows:
+        """Some contacts, neighbors after each other."""
+        return rows if self.near is None else rows[self.near(rows)]
 
     def blocks(self, rows: Rows) -> Iterator[tuple[Rows, LawTable]]:
         """The laws of some contacts, `TOGETHER` at a time."""
@@ -266,7 +247,7 @@ class LazyTable:
             # memory that is never touched costs nothing
             rooms = {name: (len(self) + 1, *values.shape[1:]) for name, values in given.items()}
             kept: dict[str, Any] = {
-                name: np.zeros(room, given[name].dtype)
+                name: zeros(room, given[name].dtype, self.stored and len(room) > 1)
                 if self._keeps(name)
                 else np.broadcast_to(np.nan, room)
                 for name, room in rooms.items()
@@ -291,24 +272,68 @@ class LazyTable:
 
     @property
     def has_centres(self) -> bool:
-        """`LawTable.has_centres`, once a law has been made."""
-        return self.held.has_centres
+        """Whether contacts leave their summits, once a law has been made."""
+        return self.held.centre is not None
 
-    def centre_at(self, index: Rows, approach: Array) -> tuple[Array, Array]:
-        """`LawTable.centre_at`."""
-        return self.held.centre_at(self.place[index], approach)
+    def centre_at(self, index: Rows, approach: Array) -> Array:
+        """Centres x, y [m] of the contacts `index` relative to their summits, shape (2, n)."""
+        if self.held.centre is None:
+            return np.zeros((2, approach.size))
+        return self._read(self.held.centre, _between, index, approach)
 
-    def elastic_at(self, index: Rows, approach: Array) -> tuple[Array, Array]:
-        """`LawTable.elastic_at`."""
-        return self.held.elastic_at(self.place[index], approach)
+    def elastic_at(self, index: Rows, approach: Array) -> Array:
+        """Of elastic contacts with the areas of the contacts `index`, of a table with a hardness:
+        what their force is the share of, and their stiffness [N/m], shape (2, n)."""
+        assert self.held.elastic is not None
+        return self._read(self.held.elastic, _between, index, approach)
 
-    def flags_at(self, index: Rows, approach: ArrayLike) -> NDArray[np.uint8]:
-        """`LawTable.flags_at`."""
-        return self.held.flags_at(self.place[index], approach)
+    def flags_at(self, index: Rows, approach: Array) -> NDArray[np.uint8]:
+        """Flags of the node at or above `approach`; the last node's beyond the reach."""
+        return self._read(self.held.flags, _at_or_above, index, approach)
 
-    def spread_at(self, index: Rows, approach: ArrayLike) -> Array:
-        """`LawTable.spread_at`."""
-        return self.held.spread_at(self.place[index], approach)
+    def spread_at(self, index: Rows, approach: Array) -> Array:
+        """Error estimate of the node at or above `approach`; the last node's beyond the reach."""
+        return self._read(self.held.spread, _at_or_above, index, approach)
+
+    def together(self, count: int) -> float:
+        """So many of `count` contacts, evenly spread, may be read at a time."""
+        return max(1.0, MAPPED * count / len(self)) if self.stored else math.inf
+
+    def _read(
+        self,
+        column: NDArray[Any],
+        read: Callable[[NDArray[Any], Rows, Array], NDArray[Any]],
+        index: Rows,
+        approach: Array,
+    ) -> NDArray[Any]:
+        """What a column tells of the contacts `index` at `approach` [m]; on disk, neighbors are
+        read together."""
+        rows = self.place[index]
+        reach = self.held.reach[rows]
+        share = np.asarray(approach, dtype=float) / np.where(reach > 0, reach, np.inf)
+        node = np.sqrt(np.minimum(np.maximum(share, 0.0), 1.0)) * self.held.nodes
+        if not self.stored:
+            return read(column, rows, node)
+        order = np.argsort(rows)
+        rows, node = rows[order], node[order]
+        parts = parallel.run(
+            lambda a, b: read(column, rows[a:b], node[a:b]),
+            parallel.blocks(rows.size, rows.size, self.together(rows.size)),
+        )
+        return np.asarray(np.concatenate(parts, axis=-1)[..., np.argsort(order)])
+
+
+def _between(pairs: Array, rows: Rows, node: Array) -> Array:
+    """Pairs at the nodes (n, K + 1, 2), linear between them, shape (2, n)."""
+    low = np.minimum(node.astype(np.int64), pairs.shape[1] - 2)
+    share, at = (node - low)[:, None], rows * pairs.shape[1] + low
+    flat = pairs.reshape(-1, 2)  # one number per pair is twice as fast as two
+    return np.asarray(((1 - share) * flat.take(at, axis=0) + share * flat.take(at + 1, axis=0)).T)
+
+
+def _at_or_above(values: NDArray[Any], rows: Rows, node: Array) -> NDArray[Any]:
+    """Values at the nodes (n, K + 1), each of the node at or above, shape (n,)."""
+    return np.asarray(values[rows, np.ceil(node).astype(np.int64)])
 
 
 def joined(tables: Sequence[LawTable]) -> LawTable:

@@ -14,7 +14,8 @@ from asperity.interaction.elongation import aspect_ratio
 from asperity.interaction.population import Population, PopulationState
 from asperity.microcontact.law_table import LazyTable
 from surfaces.heightmap import HeightMap
-from surfaces.numerics.stored_array import mapped
+from surfaces.numerics.memory import on_disk
+from surfaces.numerics.stored_array import StoredArray, mapped
 from surfaces.patches import points_at
 from surfaces.peaks.segmentation import segment
 from surfaces.peaks.summits import locate_summits
@@ -81,8 +82,12 @@ class Decomposition:
         if shares is not None and parameters.corrections.joined_pairs:
             summits, curvature, angle = join(summits, shares, material, parameters)
             shares = LoadShares.of(summits)
+        stored = isinstance(summits.hm.source, StoredArray)
+        if stored:
+            shares, peaks = shares and on_disk(shares), on_disk(peaks)
+            summits = on_disk(replace(summits, peaks=on_disk(summits.peaks)))
         factory = LawFactory(hm, summits, shares, material, plan.law, parameters, seconds)
-        return cls(
+        made = cls(
             hm=hm,
             material=material,
             plan=plan,
@@ -94,6 +99,7 @@ class Decomposition:
             table=factory.all_laws(),
             seconds=seconds,
         )
+        return on_disk(made) if stored else made
 
     def of_whole_map(self) -> Decomposition:
         """The decomposition with all summits of the map, however low."""
@@ -180,11 +186,11 @@ class Decomposition:
         return aspect_ratio(self.summits.curvature)
 
     @functools.cached_property
-    def passes(self) -> tuple[Rows, Array]:
+    def passes(self) -> tuple[NDArray[np.int32], Array]:
         """Pairs of summits whose basins adjoin, (n, 2), and the mean depth [m] of the pass between
         them under both, (n,)."""
         summits = self.summits
-        pairs = summits.single[summits.peaks.neighbors]
+        pairs = summits.single.astype(np.int32)[summits.peaks.neighbors]
         apart = pairs[:, 0] != pairs[:, 1]
         pairs = pairs[apart]
         bend = np.asarray(summits.hm.roughness.curvature) * np.square(summits.hm.spacing)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import time
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +16,7 @@ from asperity.microcontact.capped_table import capped_table
 from asperity.microcontact.law_table import LawTable, LazyTable, joined
 from asperity.microcontact.laws import elastic_table
 from surfaces.numerics import parallel
+from surfaces.numerics.stored_array import StoredArray
 
 from .corrections.single_contacts import mark_sharp_tips, press_basins
 from .law_rows import LawRows
@@ -76,9 +78,7 @@ class LawFactory:
         self.material, self.law, self.parameters = material, law, parameters
         self.seconds = seconds
         self.without: set[int] = set()
-        self._elastic = LazyTable(
-            len(summits), self._without_hardness, whole=material.hardness < math.inf
-        )
+        self._elastic = self._table(self._without_hardness, material.hardness < math.inf)
 
     def of_hardness(self, material: HalfSpace, seconds: dict[str, float]) -> LawFactory:
         """A factory for another hardness, which takes the elastic laws from here."""
@@ -90,7 +90,12 @@ class LawFactory:
         """A table of the laws of all summits, which are made when they are needed."""
         if self.material.hardness == math.inf:
             return self._elastic
-        return LazyTable(len(self.summits), self._with_hardness)
+        return self._table(self._with_hardness)
+
+    def _table(self, make: Callable[[Rows], LawTable], whole: bool = False) -> LazyTable:
+        """A table of all summits: on disk where their map is."""
+        summits, stored = self.summits, isinstance(self.summits.hm.source, StoredArray)
+        return LazyTable(len(summits), make, whole=whole, near=summits.near, stored=stored)
 
     def _with_hardness(self, rows: Rows) -> LawTable:
         """Laws with the hardness of the half-space of the summits `rows`, in that order."""

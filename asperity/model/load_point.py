@@ -222,7 +222,7 @@ def _each(summits: Summits, state: PopulationState) -> tuple[Array, Array]:
 
 @compiled()
 def joined_spots(
-    pairs: NDArray[np.int64], depth: Array, approach: Array, area: Array
+    pairs: NDArray[np.int32], depth: Array, approach: Array, area: Array
 ) -> NDArray[np.int64]:
     """First contact of the spot that each contact belongs to, -1 without area, shape (n,).
 

@@ -42,9 +42,9 @@ POINT_BYTES = 64
 """Peak memory of the model per grid point in memory: heights, order, labels, ancestors."""
 
 STRIPS = 2**27
-PEAK_BYTES, CONTACT_BYTES = 800, {"periodic": 4_000, "free": 5_000}
-"""Memory of the model of a map on disk: of its strips, per summit, and more per contact (3.3 to 3.6
-kB on three maps, 3.9 to 4.6 kB free: docs/development/interaction.md)."""
+PEAK_BYTES, CONTACT_BYTES = 400, {"periodic": 1_150, "free": 1_800}
+"""Memory of the model of a map on disk: of its strips; per summit, and as much while summits are
+found; per contact that may close while loads are solved (docs/development/interaction.md)."""
 
 DEEP = 4.0
 """Share of the heights above the lowest flat, over that of the area in contact."""
@@ -213,7 +213,8 @@ def make_plan(
     memory = POINT_BYTES * points
     if not isinstance(solved.source, np.ndarray):
         flat = _lowest_flat(hm, material, kind, values)
-        memory = STRIPS + PEAK_BYTES * _peaks(hm, above) + CONTACT_BYTES[edge] * _peaks(hm, flat)
+        found, solving = PEAK_BYTES * _peaks(hm, above), CONTACT_BYTES[edge] * _peaks(hm, flat)
+        memory = STRIPS + found + max(found, solving)
     remedy = "take lighter loads, crop or resample the map, or raise the limit of memory (--memory)"
     require_memory(memory, f"the model of {points} points", remedy)
     about = f"memory: about {memory / 2**20:.0f} MiB"

@@ -92,6 +92,10 @@ class Summits(SummitArrays):
         own["valid"][index] &= own["kinds"][index] == SUMMIT
         return replace(self, **own)
 
+    def near(self, index: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Order of the peaks `index` in which neighbors follow each other."""
+        return _near(self.peaks.row[index], self.peaks.col[index])
+
     def rows(self, index: NDArray[np.int64], *, rays: int = 16, nodes: int = 17) -> Profiles:
         """Profiles of the peaks `index`, in that order; `owner` keeps the numbers of all peaks.
 
@@ -112,7 +116,7 @@ class Summits(SummitArrays):
         if as_number("rays", rays) < 4 or as_number("nodes", nodes) < 4:
             raise InputError(f"rays is {rays} and nodes is {nodes}; give at least 4 of each")
         fans = Fans(self, index, rays, nodes)
-        near = _near(self.peaks.row[index], self.peaks.col[index])
+        near = self.near(index)
         parallel.run(lambda a, b: fans.fill(near[a:b]), parallel.blocks(len(index), PART))
         names = ("x", "y", "height", "curvature", "angle", "pixels", "border", "valid", "owner")
         own: dict[str, Any] = {name: getattr(self, name)[index] for name in names}

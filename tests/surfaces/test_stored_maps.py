@@ -179,6 +179,18 @@ def test_a_file_that_does_not_fit_stays_on_disk(tmp_path: Path) -> None:
     np.testing.assert_array_equal(kept.heights, whole.heights)
 
 
+def test_arrays_that_moved_to_files_are_the_same() -> None:
+    """Of a dataclass, and only once; what is no array stays."""
+    peaks = surfaces.segment(waves(1))
+    moved = memory.on_disk(peaks)
+    for name in ("height", "neighbors", "border"):
+        np.testing.assert_array_equal(getattr(moved, name), getattr(peaks, name))
+    drop_pages()
+    np.testing.assert_array_equal(moved.height, peaks.height)
+    assert moved.min_prominence == peaks.min_prominence
+    assert memory.on_disk(moved).height is moved.height
+
+
 def test_the_limit_of_memory_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     kept = stored(waves(1))
     with pytest.raises(surfaces.InputError, match="give at least 384 MiB"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import functools
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.fft
@@ -16,7 +17,7 @@ from surfaces.numerics.parallel import threads
 
 from . import _mesh_kernels
 
-__all__ = ["Mesh", "mesh_of"]
+__all__ = ["Mesh", "SmoothField", "mesh_of"]
 
 NODES_PER_THREAD = 50_000
 """Wave vectors that repay a thread of the transform."""
@@ -112,6 +113,53 @@ class Mesh:
         spectrum *= self.transfer
         found = scipy.fft.irfft2(spectrum, s=self.shape, overwrite_x=True, workers=workers)
         return np.asarray(found)
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothField:
+    """The smooth part of a field, known at any place without the points that made it.
+
+    Parameters
+    ----------
+    origin
+        Corner (y, x) of the mesh [m].
+    unit
+        Length [m] in which the following are told.
+    size
+        Extent (y, x) of the mesh.
+    wrap
+        Whether it repeats.
+    per_step
+        One over the distance of its nodes, along y and x.
+    scale
+        Displacement [m] of a value 1.
+    values
+        Values at the nodes, shape (my, mx).
+    """
+
+    origin: tuple[float, float]
+    unit: float
+    size: tuple[float, float]
+    wrap: bool
+    per_step: NDArray[np.float64]
+    scale: float
+    values: NDArray[np.float64]
+
+    @functools.cached_property
+    def lowest(self) -> float:
+        """Least displacement [m], or zero."""
+        return float(self.scale * min(0.0, float(self.values.min())))
+
+    def potential(self, y: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Displacement [m] at any places [m], shape (n,), without that of near contacts.
+
+        These add to it, so that it is a lower bound but for the moments. Beyond the points of a
+        free half-space it is taken as zero, as far away.
+        """
+        frame = self.origin, self.unit, self.size, self.wrap, self.per_step, self.scale
+        out = np.empty(len(y))
+        _mesh_kernels.sample(y, x, *frame, self.values, out)
+        return out
 
 
 def mesh_of(

@@ -16,7 +16,7 @@ from surfaces.numerics.parallel import each
 
 from . import _list_kernels, _mesh_kernels, _pair_kernels
 from .cells import TwoLevelPreconditioner, chunks, long_enough, near_pairs, run, split_length, total
-from .mesh import Mesh, mesh_of
+from .mesh import Mesh, SmoothField, mesh_of
 
 __all__ = ["CAP", "Field", "Interaction"]
 
@@ -99,8 +99,8 @@ class Interaction:
         Number of near pairs.
     two_level
         The points by cells.
-    lowest
-        Least displacement [m] of the mesh part of the last field, or zero.
+    smooth
+        Mesh part of the last field; None before the first.
     round
         Moments yy, xx, xy of round footprints over their variance, shape (n, 3).
 
@@ -179,7 +179,7 @@ class Interaction:
         self.aside = np.zeros((1, *self.mesh.shape), np.float32)
         self.tangent_col = np.empty(len(self.col) + 1, np.int32)
         self.tangent_value = np.empty(len(self.col) + 1, np.float32)
-        self.smooth, self.lowest = np.zeros(self.mesh.shape), 0.0
+        self.smooth: SmoothField | None = None
         self.round = np.tile(ROUND, (len(y), 1))
         self.form = (np.empty(0), np.empty(0), np.empty(0), np.empty(0, np.float32))
 
@@ -257,8 +257,8 @@ class Interaction:
             (smooth, other), *_ = each(lambda part: part(), parts)
         else:
             (smooth, other), *_ = [part() for part in parts]
-        self.smooth = smooth[0]
-        self.lowest = float(self.scale * min(0.0, float(self.smooth.min())))
+        frame = self.origin, self.eta, self.size, self.wrap, self.mesh.per_step, self.scale
+        self.smooth = SmoothField(*frame, smooth[0])
         run(receivers, self.rows)
         return found
 
@@ -294,17 +294,6 @@ class Interaction:
             skew = np.hypot(0.5 * (parts[1] - parts[0]), parts[2])
             self.form = form, size, skew, parts.astype(np.float32, order="C")
         return self.form[1:]
-
-    def potential(self, y: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Displacement [m] of the last field at any places [m], shape (n,), without near contacts.
-
-        These add to it, so that it is a lower bound but for the moments. Beyond the points of a
-        free half-space it is taken as zero, as far away.
-        """
-        frame = self.origin, self.eta, self.size, self.wrap, self.mesh.per_step, self.scale
-        out = np.empty(len(y))
-        _mesh_kernels.sample(y, x, *frame, self.smooth, out)
-        return out
 
 
 def _inside(place: NDArray[np.float64], size: float, wrap: bool) -> NDArray[np.float64]:

@@ -90,9 +90,12 @@ class Laws:
     """
 
     def __init__(self, nodes: LawTable | LazyTable, footprints: Footprints) -> None:
+        lazy = nodes if isinstance(nodes, LazyTable) else LazyTable.of(nodes)
         self.footprints = footprints
-        self.store = _Store(nodes, footprints)
-        self.index = np.arange(len(self.store.reach))
+        self.store = _Store(lazy, footprints)
+        self.index = np.arange(len(lazy))
+        if lazy is not nodes:
+            self.make()
 
     def __len__(self) -> int:
         return len(self.index)
@@ -102,6 +105,11 @@ class Laws:
         part = object.__new__(Laws)
         part.footprints, part.store, part.index = self.footprints, self.store, self.index[index]
         return part
+
+    @property
+    def table(self) -> LazyTable:
+        """Laws of all contacts as they were given."""
+        return self.store.nodes
 
     @property
     def reach(self) -> NDArray[np.float64]:
@@ -145,7 +153,7 @@ class Laws:
                 out.moment,
                 out.growth,
             ),
-            blocks(len(approach), CONTACTS_PER_THREAD),
+            blocks(len(approach), CONTACTS_PER_THREAD, store.nodes.together(len(approach))),
         )
         hardness = store.nodes.hardness
         if hardness < math.inf:
@@ -191,7 +199,7 @@ class _Store:
     a large surface never touch, and memory that is never touched costs nothing.
     """
 
-    def __init__(self, nodes: LawTable | LazyTable, footprints: Footprints) -> None:
+    def __init__(self, nodes: LazyTable, footprints: Footprints) -> None:
         self.footprints, self.nodes, n = footprints, nodes, len(nodes)
         self.reach, self.largest = np.zeros((2, n))
         self.usable, self.repaired, self.ready = np.ones(n, bool), *np.zeros((2, n), bool)
@@ -200,8 +208,6 @@ class _Store:
         self.place, self.made = np.zeros(n, np.int32), 0
         self.complete = False
         self.ahead: NDArray[np.int64] | None = None
-        if not isinstance(nodes, LazyTable):
-            self._add(np.arange(n), nodes)
 
     def need(self, rows: NDArray[np.int64]) -> None:
         """Make the rows that are missing, and with them those needed later (`ahead`)."""
@@ -211,8 +217,7 @@ class _Store:
             if self.ahead is not None:
                 rows = np.append(rows, self.ahead[~self.ready[self.ahead]])
             rows = left if len(left) <= WHOLE else np.unique(rows)
-            assert isinstance(self.nodes, LazyTable)  # the other kind is complete
-            for part, nodes in self.nodes.blocks(rows):
+            for part, nodes in self.nodes.blocks(self.nodes.in_order(rows)):
                 self._add(part, nodes)
 
     def _add(self, rows: NDArray[np.int64], nodes: LawTable) -> None:
@@ -223,7 +228,9 @@ class _Store:
                 raise InputError(f"law table: {name} holds values that are not finite")
         if not self.made:
             self.exponent = float(nodes.exponent)
-            self.table, self.tips = law_kernels.empty_columns(len(self.reach), force.shape[1] - 1)
+            self.table, self.tips = law_kernels.empty_columns(
+                len(self.reach), force.shape[1] - 1, self.nodes.stored
+            )
         self.ready[rows] = True
         self.complete = bool(self.ready.all())
         good = (reach > 0) & (force[:, -1] > 0)

@@ -116,6 +116,30 @@ def descent(
     tilt = np.zeros((len(start), 2)) if tilt is None else np.ascontiguousarray(tilt)
     if compliance is None:
         compliance = np.ones(len(start))
+    # what the steps held is gone before the last one
+    solution = yield from _newton_steps(
+        problem, separation, start, tilt, load, compliance, tolerance
+    )
+    if load is None or solution.reason:
+        return solution
+    assert solution.linearized is not None
+    final = finished(solution.linearized, solution, load)
+    missed = abs(final.load / load - 1.0)
+    if not missed <= MISSED:
+        return replace(solution, reason=f"the last step missed the load by {100 * missed:.2g} %")
+    return final
+
+
+def _newton_steps(
+    problem: Problem,
+    separation: float,
+    start: Array,
+    tilt: Array,
+    load: float | None,
+    compliance: Array,
+    tolerance: float,
+) -> Generator[NDArray[np.int64], None, Solution]:
+    """`descent` up to its last step."""
     state = State(problem, np.maximum(start, 0.0), tilt)
     limit = MAX_STEPS if load is None else MAX_LOADED_STEPS
     limit = limit if problem.elongation is None else MAX_LONG_STEPS
@@ -171,6 +195,7 @@ def descent(
             state.raised(0.0 if found else constant)
             separation += constant if found else 0.0
             products += spent + 1
+            del refined, change
         if not found:
             found, tried = _line_search(state, move, solved.solution, tilt)
             products += tried
@@ -178,7 +203,8 @@ def descent(
             reason = f"no step lowers the energy, residual {state.relative:.1e}"
             break
         state = found
-    solution = Solution(
+        del tangent, solved, move, found  # before the next ones are made
+    return Solution(
         separation=separation,
         approach=state.approach,
         wanted=state.wanted,
@@ -192,13 +218,6 @@ def descent(
         linearized=state,
         unsettled=_unsettled_contacts(state, last) if reason and error <= FAR else None,
     )
-    if load is None or reason:
-        return solution
-    final = finished(state, solution, load)
-    missed = abs(final.load / load - 1.0)
-    if not missed <= MISSED:
-        return replace(solution, reason=f"the last step missed the load by {100 * missed:.2g} %")
-    return final
 
 
 def _relaxed(

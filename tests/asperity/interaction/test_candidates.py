@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -12,8 +13,10 @@ import surfaces
 from asperity.contacts.run import solve_contacts
 from asperity.halfspace.scene import pressure_scale
 from asperity.interaction import candidates as module
+from asperity.interaction import coupled_solve
 from asperity.interaction.candidates import SKIN
 from asperity.interaction.ewald import cells
+from asperity.model.decomposition import Decomposition
 
 BODY = asperity.HalfSpace.from_modulus(1.0)
 
@@ -94,3 +97,38 @@ def test_summits_of_a_free_body_sink_with_it():
         last = state.continuation
         found = last.field, state.separation, 1.0
         assert not last.candidates.lacks(last.system, *found, 0.01 * state.active)
+
+
+def test_a_list_that_does_not_last_goes_before_the_next_is_made(monkeypatch):
+    """What is handed on to the next load leads to the same point, and holds no list made before."""
+    make, plans, found = module.CandidateList.of.__func__, [], []
+
+    def listed(cls, *args, **settings):
+        made = make(cls, *args, **settings)
+        plans.append(weakref.ref(made.problem.plan))
+        return made
+
+    monkeypatch.setattr(module.CandidateList, "of", classmethod(listed))
+    monkeypatch.setattr(coupled_solve, "LARGE", 0)
+    size = (256.0, 320.0)
+    hm = surfaces.self_affine(
+        (256, 320), size, hurst=0.8, rms_slope=0.1, rolloff=20.0, cutoff=5.0, seed=3
+    )
+    scale = pressure_scale(hm, BODY)
+    plan = asperity.make_plan(hm, BODY, pressures=0.03 * scale, scales="all")
+    population = Decomposition.of(hm, BODY, plan).population
+    for handing_on in (False, True):
+        state, curve = None, []
+        for share, lasts in ((3e-3, False), (3.001e-3, True), (3e-2, False)):
+            if handing_on and state is not None:
+                state = population.handed_on(state, pressure=share * scale)
+                assert (state.continuation.candidates is not None) == lasts
+                assert lasts or not any(made() for made in plans)
+            state = population.solve(pressure=share * scale, state=state)
+            curve.append((state.separation, state.contact_area, state.active))
+        found.append(curve)
+        plans.clear()
+    np.testing.assert_array_equal(*found)
+    failed = replace(state, converged=False)
+    for kept, pressure in ((failed, 3e-2 * scale), (state, 1.001 * state.mean_pressure)):
+        assert population.handed_on(kept, pressure=pressure) is kept  # a search may return it

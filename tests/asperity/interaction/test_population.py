@@ -104,10 +104,10 @@ def test_one_summit_or_two_at_one_place(boundary, distance):
 
 
 def test_independent_sum_is_the_sum_of_hertz():
-    population = make(interaction=False)
+    population, table = make(interaction=False), random_population(200, CELL, 0)[3]
     state = population.solve(separation=0.05)
     closed = population.height > 0.05
-    force, stiffness, area = population.table.evaluate(
+    force, stiffness, area = table.evaluate(
         np.flatnonzero(closed), population.height[closed] - 0.05
     )
     assert state.mean_pressure * population.nominal_area == pytest.approx(force.sum(), rel=1e-6)
@@ -144,12 +144,8 @@ def test_stiffness_is_the_slope_of_the_pressure(m):
 
 def test_doubled_cell_carries_the_same_pressure():
     """Two copies of a periodic cell side by side are the same surface."""
-    population = make(144, apart=True)
-    both = replace(
-        population.table,
-        radius=np.tile(population.table.radius, 2),
-        reach=np.tile(population.table.reach, 2),
-    )
+    population, table = make(144, apart=True), random_population(144, CELL, 0, apart=True)[3]
+    both = replace(table, radius=np.tile(table.radius, 2), reach=np.tile(table.reach, 2))
     double = Population(
         x=np.concatenate((population.x, population.x + CELL[1])),
         y=np.tile(population.y, 2),

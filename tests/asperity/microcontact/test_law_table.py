@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 from strategies import random_population
 
+from asperity.halfspace.footprint import Footprints
 from asperity.halfspace.material import HalfSpace
+from asperity.interaction.newton.laws import Laws
 from asperity.interaction.population import Population
+from asperity.microcontact import law_table
 from asperity.microcontact.law_table import LawTable, LazyTable
 
 CELL = (1.0, 1.4)
@@ -49,12 +52,34 @@ def test_what_load_points_read_is_kept():
     for rows in np.array([7, 3]), np.array([12]):
         assert [len(laws) for _, laws in lazy.blocks(rows)] == [len(rows)]
     made, deep = np.array([12, 3, 7]), np.array([0.2, 0.7, 1.3]) * whole.reach[[12, 3, 7]]
+    complete = LazyTable.of(whole)
     for read in ("spread_at", "flags_at", "centre_at"):
         np.testing.assert_array_equal(
-            getattr(lazy, read)(made, deep), getattr(whole, read)(made, deep)
+            getattr(lazy, read)(made, deep), getattr(complete, read)(made, deep)
         )
     assert not lazy.flags_at(np.array([0, 49]), np.ones(2)).any()
     assert np.isnan(lazy.held.force).all() and lazy.held.force.strides == (0, 0)
+
+
+def test_laws_on_disk_are_those_in_memory(monkeypatch):
+    """Kept columns and those of solvers, which are read in parts, in any order."""
+    monkeypatch.setattr(law_table, "MAPPED", 30)
+    *_, whole, _, _ = tables(500)
+    whole.centre = np.random.default_rng(1).normal(size=(*whole.force.shape, 2))
+    whole.spread[:] = whole.centre[..., 0]
+    some = np.random.default_rng(2).permutation(500)[:311]
+    deep = 0.8 * whole.reach[some]
+    found = []
+    for stored in (False, True):
+        lazy = LazyTable(500, whole.rows, near=np.argsort, stored=stored)
+        laws = Laws(lazy, Footprints(1.0)).rows(some)
+        laws.make()
+        values = [getattr(lazy, read)(some, deep) for read in ("spread_at", "flags_at")]
+        law = laws(deep)
+        found.append([*values, lazy.centre_at(some, deep), law.force, law.area, law.moment])
+    for known, value in zip(*found, strict=True):
+        np.testing.assert_allclose(value, known, rtol=1e-13)
+    assert lazy.together(311) == 30 * 311 / 500
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
