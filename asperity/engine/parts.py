@@ -77,9 +77,9 @@ is common to all parts (docs/development/verification.md)."""
 ALIKE = 4
 """Parts that carry alike, over whose scatter `FLOOR` is the bound."""
 
-FEW = 2.0, 1.0
-"""Powers of `ALIKE` over the number of parts with which the squares of `FLOOR` grow where that is
-less: the load follows the heights of few summits, the area does not."""
+FEW = 2.0
+"""Power of `ALIKE` over the number of parts with which the squares of `FLOOR` grow where that is
+less: the load follows the heights of few summits, the area their shapes."""
 
 COARSE = 0.87
 """Rms height of the waves whose contacts are solved over that of all from which on the parts of a
@@ -270,7 +270,7 @@ def _misfit(
     for each in (misfit, scatter):
         each[:, 0] *= model.stiffness[at] / pressure
     few = ALIKE / number
-    bounds = scatter[:, :2] + np.sqrt(0.5 + 0.5 * np.maximum(few, few ** np.array(FEW))) * FLOOR
+    bounds = scatter[:, :2] + np.sqrt(0.5 + 0.5 * np.maximum(few, few**FEW)) * FLOOR
     position = np.log(model.mean_pressure[points])
     bend = _bend(position, position[chosen], misfit[:, :2])
     misfit, bounds = (
