@@ -3,7 +3,7 @@
     python benchmarks/parts.py --points 1536 --seeds 75 76
     python benchmarks/parts.py --time --points 2048 4096
 
-Maps of random waves, drawn: Hurst exponent, cut-off, roll-off, lay to 2:1, grading and border
+Maps of random waves, drawn: Hurst exponent, cut-off, roll-off, lay to 3.5:1, grading and border
 (those drawn with a hardness are left out: parts do not tell of them); and the textures of
 `textures.py` whose finest waves are random. The truth is a curve of boundary elements to 1 % in
 area. `--time`: elastic waves of five spectra, `solve` by parts against boundary elements to the
@@ -58,7 +58,7 @@ def scenes(points: int, seed: int) -> Iterator[Scene]:
         if rng.random() < 0.6:
             recipe["rolloff"] = np.exp(rng.uniform(np.log(40.0), np.log(points / 2)))
         if rng.random() < 0.3:
-            recipe["anisotropy"] = rng.uniform(1.0, 2.0)
+            recipe["anisotropy"] = rng.uniform(1.0, 3.5)
         m, hardness = (
             rng.choice([0.0, 0.0, 0.0, 0.3, -0.3]),
             rng.choice([np.inf, np.inf, 0.2, 0.05]),

@@ -17,7 +17,6 @@ from asperity.bem.curve import bem_curve
 from asperity.curve import contact_curve
 from asperity.halfspace.checks import model_warnings
 from asperity.multiscale.wave_split import random_waves
-from asperity.parameters import DEFAULTS
 from asperity.trust.verified import (
     answered,
     corrected,
@@ -78,13 +77,16 @@ is common to all parts (docs/development/verification.md)."""
 ALIKE = 4
 """Parts that carry alike, over whose scatter `FLOOR` is the bound."""
 
-FEW = 2.0, 1.0
-"""Powers of `ALIKE` over the number of parts with which the squares of `FLOOR` grow where that is
-less: the load follows the heights of few summits, the area does not."""
+FEW = 2.0
+"""Power of `ALIKE` over the number of parts with which the squares of `FLOOR` grow where that is
+less: the load follows the heights of few summits, the area their shapes."""
 
 COARSE = 0.87
 """Rms height of the waves whose contacts are solved over that of all from which on the parts of a
 map tell of it: white noise on the pixels has 0.6, Hurst exponents above 0 more than 0.9."""
+
+LONGEST_LAY = 3.0
+"""Slopes across over those along a lay from which on contacts reach over the borders of parts."""
 
 SPARE = 1.5
 """Accuracies over these floors from which on parts are worth a try."""
@@ -96,7 +98,7 @@ def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accurac
     Not where the waves that act as a law hold much of the height: light contacts are then extremes
     of the whole map. Nor with a hardness: the load then follows single summits, and the part on
     which the highest one stands need not be the one on which the model sees it. Nor on a graded
-    body, whose parts misjudge how far the whole sinks.
+    body, whose parts misjudge how far the whole sinks; nor where contacts are as long as parts.
     """
     law = plan.sub_contact_law
     if material.hardness < math.inf or material.m != 0.0:
@@ -105,7 +107,7 @@ def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accurac
         return False
     enough = min(accuracy.load / FLOOR[0], accuracy.area / FLOOR[1]) >= SPARE
     large = min(hm.shape) >= LEAST_POINTS
-    doubts = model_warnings(hm, DEFAULTS.error_estimate.longest_lay) if enough and large else []
+    doubts = model_warnings(hm, LONGEST_LAY) if enough and large else []
     return enough and large and not doubts and random_waves(hm)
 
 
@@ -268,7 +270,7 @@ def _misfit(
     for each in (misfit, scatter):
         each[:, 0] *= model.stiffness[at] / pressure
     few = ALIKE / number
-    bounds = scatter[:, :2] + np.sqrt(0.5 + 0.5 * np.maximum(few, few ** np.array(FEW))) * FLOOR
+    bounds = scatter[:, :2] + np.sqrt(0.5 + 0.5 * np.maximum(few, few**FEW)) * FLOOR
     position = np.log(model.mean_pressure[points])
     bend = _bend(position, position[chosen], misfit[:, :2])
     misfit, bounds = (
