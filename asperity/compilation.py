@@ -22,7 +22,7 @@ from surfaces.numerics.parallel import available
 
 __all__ = ["CURVE", "HARD", "compile_ahead", "compiling", "curve_parts"]
 
-CURVE = ("contacts", "laws", "summits", "basins")
+CURVE = ("contacts", "laws", "summits", "basins", "plan")
 """Parts of a contact curve."""
 
 HARD = ("hardness",)
@@ -31,10 +31,11 @@ HARD = ("hardness",)
 SECONDS = {
     "bem": 18.0,
     "contacts": 15.0,
-    "laws": 13.0,
-    "summits": 10.0,
+    "laws": 12.0,
+    "summits": 9.5,
     "basins": 5.0,
     "hardness": 4.0,
+    "plan": 1.5,
 }
 """Time that each part takes [s] on a processor of its own, of 2.5 GHz."""
 
@@ -50,9 +51,9 @@ def compile_ahead(*parts: str) -> None:
     Parameters
     ----------
     parts
-        Some of "contacts" (their interaction), "laws" (law tables of summits), "summits" (plan,
-        peaks and summits of a map), "basins" (basins pressed alone), "hardness" (contacts under
-        one) and "bem" (boundary elements).
+        Some of "contacts" (their interaction), "laws" (law tables of summits), "summits" (peaks
+        and summits of a map), "plan" (of its scales), "basins" (basins pressed alone), "hardness"
+        (contacts under one) and "bem" (boundary elements).
     """
     if _missing(parts):
         with _alone():

@@ -7,6 +7,7 @@ tiny scene, which keeps its machine code on disk; it is the same for every body 
 from __future__ import annotations
 
 import gc
+import os
 import sys
 import warnings
 from types import SimpleNamespace
@@ -40,16 +41,21 @@ def small_map() -> HeightMap:
     return self_affine(SHAPE, (1.0, 1.0), hurst=0.8, rms_slope=0.1, seed=0)
 
 
-def _summits() -> None:
-    """Peaks and summits of a map, the rays of a few, and the plan of its scales."""
-    from asperity.model.load_point import joined_spots
+def _plan() -> None:
+    """Plan of the scales of a map, and of a free one."""
     from asperity.model.plan import make_plan
+
+    for periodic in True, False:
+        make_plan(small_map().replace(periodic=periodic), BODY)
+
+
+def _summits() -> None:
+    """Peaks and summits of a map, and the rays of a few."""
+    from asperity.model.load_point import joined_spots
     from surfaces.peaks.segmentation import segment
     from surfaces.peaks.summits import locate_summits
 
     hm = small_map()
-    for periodic in True, False:
-        make_plan(hm.replace(periodic=periodic), BODY)
     peaks = segment(hm)
     two = np.arange(2)
     summits = locate_summits(hm, peaks)
@@ -173,6 +179,7 @@ PARTS = {
     "contacts": _contacts,
     "laws": _laws,
     "summits": _summits,
+    "plan": _plan,
     "basins": _basins,
     "hardness": _hardness,
     "bem": _bem,
@@ -188,3 +195,5 @@ if __name__ == "__main__":
     for part in sys.argv[1:]:
         with compiling(part):
             PARTS[part]()
+    # all is on disk; to take these objects down one by one would take seconds
+    os._exit(0)

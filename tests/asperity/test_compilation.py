@@ -48,7 +48,7 @@ def test_one_line_says_that_parts_are_compiled_and_only_once(nothing_known, monk
     monkeypatch.setattr(compilation, "available", lambda: 2)
     parts, _ = started_parts(monkeypatch, ["true"])
     compilation.compile_ahead(*compilation.CURVE)
-    assert parts == [["basins", "contacts"], ["summits", "laws"]]
+    assert parts == [["plan", "basins", "contacts"], ["summits", "laws"]]
     assert capsys.readouterr().err == "asperity: compiling for this machine, about 30 s, once\n"
     compilation.compile_ahead("laws", "contacts")
     assert (len(parts), capsys.readouterr().err) == (2, "")
@@ -93,13 +93,13 @@ def test_an_interrupted_run_waits_for_no_compiler(nothing_known, monkeypatch):
 def test_a_curve_needs_nothing_that_the_parts_lack():
     """Neither a loop nor another form of one, or it would be compiled after all have ended."""
     code = """
-from asperity import HalfSpace, contact_curve, warmup
+from asperity import HalfSpace, compilation, contact_curve, warmup
 from surfaces.numerics.compiled import _loops
 
 def forms():
     return {(str(loop.py_func), form) for loop in _loops for form in loop.overloads}
 
-for part in "laws", "contacts", "summits", "basins", "hardness":
+for part in compilation.CURVE + compilation.HARD:
     warmup.PARTS[part]()
 known = forms()
 for changes in {}, {"periodic": False}:
