@@ -25,7 +25,7 @@ __all__ = ["capped_table"]
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-LEAST, TOGETHER = 32, 256
+PER_THREAD, TOGETHER = 32, 256
 """Contacts that repay a thread, and that one takes at a time: their arrays stay in its cache."""
 
 FINER = 2
@@ -80,7 +80,7 @@ def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
         hardness=material.hardness,
     )
     rows = np.flatnonzero((table.reach > 0) & (table.force[:, -1] > 0))
-    parts = parallel.blocks(rows.size, LEAST, TOGETHER)
+    parts = parallel.blocks(rows.size, PER_THREAD, TOGETHER)
     parallel.run(lambda first, last: _cap(table, rows[first:last], material, result), parts)
     return result
 

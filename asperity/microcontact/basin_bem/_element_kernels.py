@@ -40,7 +40,7 @@ SPARE = 1.1
 SLACK = 0.35
 """Part of that depth which the flat may stay short of: beyond, elements are too large."""
 
-LEAST = 1e-4
+SHALLOWEST = 1e-4
 """Least depth of the next try over that of the last one: single precision tells no smaller part."""
 
 
@@ -337,7 +337,7 @@ def areas_under_load(
                 system, closed, work,
             )  # fmt: skip
             if level < 0.0 or (level > SLACK and attempt < TRIES - 1):
-                depth *= SPARE * max(1.0 - level, LEAST)
+                depth *= SPARE * max(1.0 - level, SHALLOWEST)
                 continue
             sides, left = (math.sqrt(hv / hu), math.sqrt(hu / hv)), work[0]
             size = contact_size(number, nv, nu, *sides, closed, left, m, edge, bound)

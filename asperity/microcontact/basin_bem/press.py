@@ -55,7 +55,7 @@ BEFORE = 4
 TOGETHER = 8
 """Levels of a basin that one thread presses: some basins take ten times as long as others."""
 
-LEAST = 3
+PER_THREAD = 3
 """Basins under a force that repay a thread."""
 
 FEWEST = 3
@@ -139,7 +139,7 @@ def areas_under(summits: Summits, rows: Rows, force: Array, depth: Array, body: 
     def part(first: int, last: int) -> None:
         areas_under_load(first, last, rows, force, depth, surface, tops, *rules, out, _space())
 
-    parallel.run(part, parallel.blocks(len(rows), LEAST))
+    parallel.run(part, parallel.blocks(len(rows), PER_THREAD))
     return out
 
 
