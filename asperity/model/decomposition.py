@@ -86,7 +86,7 @@ class Decomposition:
         if stored:
             shares, peaks = shares and on_disk(shares), on_disk(peaks)
             summits = on_disk(replace(summits, peaks=on_disk(summits.peaks)))
-        factory = LawFactory(hm, summits, shares, material, plan.law, parameters, seconds)
+        factory = LawFactory(summits, shares, material, plan.law, parameters, seconds)
         made = cls(
             hm=hm,
             material=material,

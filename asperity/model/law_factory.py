@@ -15,7 +15,6 @@ from asperity.errors import ModelRangeError
 from asperity.microcontact.capped_table import capped_table
 from asperity.microcontact.law_table import LawTable, LazyTable, joined
 from asperity.microcontact.laws import elastic_table
-from surfaces.numerics import parallel
 from surfaces.numerics.stored_array import StoredArray
 
 from .corrections.single_contacts import mark_sharp_tips, press_basins
@@ -24,7 +23,6 @@ from .law_rows import LawRows
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from asperity.parameters import Parameters
-    from surfaces.heightmap import HeightMap
     from surfaces.peaks.summits import Summits
 
     from .law_rows import LoadShares
@@ -43,8 +41,6 @@ class LawFactory:
 
     Parameters
     ----------
-    hm
-        The whole map, whose digest is made meanwhile.
     summits
         Summits of the map that is solved.
     shares
@@ -66,7 +62,6 @@ class LawFactory:
 
     def __init__(
         self,
-        hm: HeightMap,
         summits: Summits,
         shares: LoadShares | None,
         material: HalfSpace,
@@ -74,7 +69,7 @@ class LawFactory:
         parameters: Parameters,
         seconds: dict[str, float],
     ) -> None:
-        self.hm, self.summits, self.shares = hm, summits, shares
+        self.summits, self.shares = summits, shares
         self.material, self.law, self.parameters = material, law, parameters
         self.seconds = seconds
         self.without: set[int] = set()
@@ -121,8 +116,6 @@ class LawFactory:
                     correct(laws)
         self.seconds["profiles"] += between - begun
         self.seconds["laws"] += time.perf_counter() - between
-        hm = self.hm
-        parallel.aside(lambda: hm.digest)  # wanted at the end; solving leaves a thread idle
         return table
 
     def _require_top(self, rows: Rows, table: LawTable) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import time
 from dataclasses import dataclass, field
@@ -26,6 +27,7 @@ from asperity.parameters import DEFAULTS, Parameters
 from asperity.parameters.constants import Segmentation
 from surfaces.checks import lay, seam_warning
 from surfaces.heightmap import HeightMap
+from surfaces.numerics import parallel
 from surfaces.numerics.memory import require_memory
 from surfaces.peaks.peaks import expected_peaks
 
@@ -178,6 +180,8 @@ def make_plan(
     if scales not in SCALES:
         raise InputError(f"scales is {scales!r}; choose one of {', '.join(SCALES)}")
     require_scene(hm, material)
+    # wanted at the end; passes over the map wait for memory, and a solve leaves a thread idle
+    parallel.aside(functools.partial(getattr, hm, "digest"))
     _require_usable(hm, material)
     kind, values = checked_loads(hm, material, pressures, separations)
     doubts = scene_warnings(hm, material)

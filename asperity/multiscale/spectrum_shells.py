@@ -27,6 +27,9 @@ Columns = Callable[[int], Iterator[tuple[int, Waves]]]
 NEARLY = 1.7
 """Points over pixels along a side from which on a grid gets twice the pixels."""
 
+NEAR = 32
+"""Most columns whose cosine transforms are made at a time."""
+
 FEWEST = 96
 """Least points of the shorter side of the grid of the longer waves."""
 
@@ -145,9 +148,15 @@ def _of_columns(hm: HeightMap, waves: Waves, first: int) -> Waves:
     if hm.periodic:
         waves = np.asarray(fft.fft(waves, axis=0, workers=threads(), overwrite_x=True))
     else:
-        waves = np.asarray(fft.dct(waves, axis=0, norm="ortho", workers=threads()))
-        waves *= np.sqrt(math.prod(hm.shape))
-        waves[:, int(first == 0) :] *= np.sqrt(0.5)
+        scale = np.full(waves.shape[1], np.sqrt(0.5 * math.prod(hm.shape)))
+        if first == 0:
+            scale[0] *= np.sqrt(2.0)
+
+        def part(begin: int, end: int) -> None:  # a cosine transform of far columns waits for them
+            some = fft.dct(waves[:, begin:end].copy(), axis=0, norm="ortho", overwrite_x=True)
+            np.multiply(some, scale[begin:end], out=waves[:, begin:end])
+
+        run(part, blocks(waves.shape[1], most=NEAR))
     if first == 0:
         waves[0, 0] = 0.0
     return waves

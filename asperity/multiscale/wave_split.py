@@ -25,6 +25,7 @@ from asperity.parameters import DEFAULTS, Parameters
 from asperity.parameters.constants import PixelWaves
 from surfaces.checks import fineness
 from surfaces.heightmap import HeightMap
+from surfaces.numerics.parallel import blocks, run
 from surfaces.peaks.peaks import flat_share
 from surfaces.preparation.resampling import coarse_map, resample
 
@@ -216,9 +217,15 @@ def _breadth(hm: HeightMap) -> float:
 def _lay(hm: HeightMap) -> float:
     """(s1^2 - s2^2) / (s1^2 + s2^2) of the principal slopes of a map, from some of its rows."""
     rows = np.arange(0, hm.shape[0] - 1, max(1, hm.shape[0] // 256))
-    low, high = hm.source[rows], hm.source[rows + 1]
-    along = np.diff(low, axis=1) + np.diff(high, axis=1)
-    across = (high - low)[:, 1:] + (high - low)[:, :-1]
-    y, x = across / hm.spacing[0], along / hm.spacing[1]
-    yy, xx, xy = np.mean(y * y), np.mean(x * x), np.mean(y * x)
+
+    def part(first: int, last: int) -> tuple[float, float, float]:
+        yy = xx = xy = 0.0
+        for row in rows[first:last].tolist():  # temporary arrays of more rows leave the cache
+            low, high = hm.source[row : row + 2]
+            rise, along, below = high - low, np.diff(low), np.diff(high)
+            y, x = (rise[1:] + rise[:-1]) / hm.spacing[0], (along + below) / hm.spacing[1]
+            yy, xx, xy = yy + float(y @ y), xx + float(x @ x), xy + float(x @ y)
+        return yy, xx, xy
+
+    yy, xx, xy = np.sum(run(part, blocks(len(rows), 16)), axis=0)
     return float(np.hypot(xx - yy, 2.0 * xy) / (xx + yy))
