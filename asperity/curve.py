@@ -13,6 +13,7 @@ from asperity.compilation import compile_ahead, curve_parts
 from asperity.errors import cautious
 from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.halfspace.scene import checked_loads, map_facts, pressure_scale
+from asperity.interaction.population import handed_on
 from asperity.model.decomposition import Decomposition
 from asperity.model.load_point import (
     LoadPoint,
@@ -251,7 +252,7 @@ def _sweep(
             point = point_at_separation(decomposition, value, last, bound)
         else:
             asked: Any = {"pressure" if by_load else "separation": value, "tolerance": bound}
-            state = None if last is None else population.handed_on(last.state, **asked)
+            state = None if last is None else handed_on(last.state, **asked)
             del last  # its candidates go before others are listed
             state = population.solve(state=state, heaviest=heaviest, **asked)
             point = load_point(decomposition, state)
@@ -261,7 +262,7 @@ def _sweep(
         if comparing:
             at: Any = {"separation": point.state.separation, "tolerance": CLOSE}
             if interacting is not None:
-                interacting = population.handed_on(interacting, **at)
+                interacting = handed_on(interacting, **at)
             interacting = decomposition.interacting.solve(state=interacting, **at)
         found = terms(decomposition, point.state, nonrandom)
         found |= outside_model_terms(decomposition, point.state)

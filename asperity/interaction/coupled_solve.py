@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from .contact_system import ContactSystem
 
-__all__ = ["CROWDED", "descend", "handed_on", "solve_at"]
+__all__ = ["CROWDED", "Start", "descend", "solve_at", "start_of"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -47,9 +47,6 @@ LACKING = 0.05
 
 CROWDED = 0.3
 """Contact area over nominal area beyond which a point that does not come out is refused."""
-
-LARGE = 20_000
-"""Candidates of a list whose memory counts."""
 
 LEVEL = 1e-9
 """Rise of the flat under more load that rounding explains, over its fall since the first touch."""
@@ -82,7 +79,7 @@ def solve_at(
     if not system.interaction:
         return _independent(last, separation)
     load = None if pressure is None else pressure * system.nominal_area
-    rows, values, growth, spare, rise, listed = _start(last, separation, pressure, tolerance)
+    rows, values, growth, spare, rise, listed = start_of(last, separation, pressure, tolerance)
     field = last.field
     good: tuple[CandidateList, Solution, Array] | None = None
     steps = products = 0
@@ -153,7 +150,7 @@ def solve_at(
     return _state(last.after(solution, current, values), current.index, area, solution)
 
 
-class _Start(NamedTuple):
+class Start(NamedTuple):
     """Where the solve of a point starts.
 
     Attributes
@@ -174,9 +171,9 @@ class _Start(NamedTuple):
     listed: CandidateList | None
 
 
-def _start(
+def start_of(
     last: Continuation, separation: float, pressure: float | None, tolerance: float
-) -> _Start:
+) -> Start:
     """Where the solve of a point starts; arguments as of `solve_at`."""
     system, listed = last.system, last.candidates
     rows, values = last.predicted(separation, pressure)
@@ -187,25 +184,7 @@ def _start(
     if listed is not None:
         lacks = listed.lacks(system, last.field, separation + rise, growth)
         listed = None if lacks else listed.recentred(system, rows, values, tolerance)
-    return _Start(rows, values, growth, spare, rise, listed)
-
-
-def handed_on(
-    last: Continuation, separation: float | None, pressure: float | None, tolerance: float
-) -> Continuation:
-    """The continuation without candidates that the solve of the next point would not take.
-
-    Lists are most of the memory of a solve: the last one goes before the next is made if nothing
-    else holds it. Arguments are as of `solve_at`; at a pressure the separation is predicted.
-    """
-    if last.candidates is None or len(last.candidates.index) < LARGE:
-        return last
-    if separation is None and pressure:
-        separation = last.predicted_separation(pressure)
-    if separation is None:
-        return last
-    listed = _start(last, separation, pressure, tolerance).listed
-    return last.without_contacts() if listed is None else replace(last, candidates=listed)
+    return Start(rows, values, growth, spare, rise, listed)
 
 
 def _along(index: Rows, rows: Rows, values: Array, count: int) -> Array:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -12,10 +11,10 @@ from asperity.errors import InputError
 from asperity.interaction.newton.laws import BLOCK
 
 from .contact_system import ContactSystem
-from .coupled_solve import CROWDED, handed_on, solve_at
+from .coupled_solve import CROWDED, solve_at, start_of
 from .population_state import Continuation, PopulationState
 
-__all__ = ["Population", "PopulationState", "solve_under"]
+__all__ = ["Population", "PopulationState", "handed_on", "solve_under"]
 
 LARGEST_AREA = 0.5
 """Contact area over nominal area beyond which separate contacts have lost their meaning."""
@@ -23,6 +22,9 @@ LARGEST_AREA = 0.5
 SPREADING = 0.7
 """Power of the load with which the number of contacts grows (0.6 to 0.9 below 10 % of contact): of
 the highest summits, so many, about nine in ten touch then."""
+
+LARGE = 20_000
+"""Candidates of a list whose memory counts."""
 
 MAX_DOUBLINGS = 100
 """Doublings of the depth at which independent contacts are sought to carry a load."""
@@ -124,38 +126,6 @@ class Population(ContactSystem):
             self.laws.foresee(self.by_height[: int(state.active * growth**SPREADING)])
         return self._judged(solve_under(last, pressure, tolerance, state))
 
-    def handed_on(
-        self,
-        state: PopulationState,
-        *,
-        separation: float | None = None,
-        pressure: float | None = None,
-        tolerance: float = 2e-3,
-    ) -> PopulationState:
-        """What `solve` needs of a state to start from, without the rest, which may go meanwhile.
-
-        Parameters
-        ----------
-        state
-            The last point.
-        separation, pressure, tolerance
-            As `solve` will be given them.
-        """
-        # a search may end with the state that it began with
-        alike = pressure is not None and abs(state.mean_pressure - pressure) <= tolerance * pressure
-        last = state.continuation
-        if state.converged and not alike:
-            last = handed_on(last, separation, pressure, tolerance)
-        if last is state.continuation:
-            return state
-        none = np.empty(0, np.int64)
-        contacts: dict[str, Any] = {
-            "rows": none,
-            "listed": np.empty((4, 0)),
-            "tilt": np.empty((0, 2)),
-        }
-        return replace(state, continuation=last, **contacts)
-
     def _judged(self, state: PopulationState) -> PopulationState:
         share = state.contact_area / self.nominal_area
         if share > LARGEST_AREA:
@@ -165,6 +135,35 @@ class Population(ContactSystem):
             )
             return state.refused(reason)
         return state
+
+
+def handed_on(
+    state: PopulationState,
+    *,
+    separation: float | None = None,
+    pressure: float | None = None,
+    tolerance: float = 2e-3,
+) -> PopulationState:
+    """What `Population.solve`, of which the arguments are, needs of a state to start from.
+
+    Lists of candidates are most of the memory of a solve: the last one goes before the next is made
+    if nothing else holds it. Where it serves the next point too, or is short, the state stays.
+    """
+    last = state.continuation
+    # a search may end with the state that it began with
+    alike = pressure is not None and abs(state.mean_pressure - pressure) <= tolerance * pressure
+    if not state.converged or alike or last.candidates is None:
+        return state
+    if separation is None and pressure:
+        separation = last.predicted_separation(pressure)
+    if separation is None or len(last.candidates.index) < LARGE:
+        return state
+    listed = start_of(last, separation, pressure, tolerance).listed
+    last = last.without_contacts() if listed is None else replace(last, candidates=listed)
+    none = np.empty(0, np.int64)
+    return replace(
+        state, continuation=last, rows=none, listed=np.empty((4, 0)), tilt=np.empty((0, 2))
+    )
 
 
 def _finite(value: float | None, name: str) -> float:

@@ -13,7 +13,7 @@ import surfaces
 from asperity.contacts.run import solve_contacts
 from asperity.halfspace.scene import pressure_scale
 from asperity.interaction import candidates as module
-from asperity.interaction import coupled_solve
+from asperity.interaction import population as population_module
 from asperity.interaction.candidates import SKIN
 from asperity.interaction.ewald import cells
 from asperity.model.decomposition import Decomposition
@@ -109,7 +109,7 @@ def test_a_list_that_does_not_last_goes_before_the_next_is_made(monkeypatch):
         return made
 
     monkeypatch.setattr(module.CandidateList, "of", classmethod(listed))
-    monkeypatch.setattr(coupled_solve, "LARGE", 0)
+    monkeypatch.setattr(population_module, "LARGE", 0)
     size = (256.0, 320.0)
     hm = surfaces.self_affine(
         (256, 320), size, hurst=0.8, rms_slope=0.1, rolloff=20.0, cutoff=5.0, seed=3
@@ -121,7 +121,7 @@ def test_a_list_that_does_not_last_goes_before_the_next_is_made(monkeypatch):
         state, curve = None, []
         for share, lasts in ((3e-3, False), (3.001e-3, True), (3e-2, False)):
             if handing_on and state is not None:
-                state = population.handed_on(state, pressure=share * scale)
+                state = population_module.handed_on(state, pressure=share * scale)
                 assert (state.continuation.candidates is not None) == lasts
                 assert lasts or not any(made() for made in plans)
             state = population.solve(pressure=share * scale, state=state)
@@ -131,4 +131,6 @@ def test_a_list_that_does_not_last_goes_before_the_next_is_made(monkeypatch):
     np.testing.assert_array_equal(*found)
     failed = replace(state, converged=False)
     for kept, pressure in ((failed, 3e-2 * scale), (state, 1.001 * state.mean_pressure)):
-        assert population.handed_on(kept, pressure=pressure) is kept  # a search may return it
+        assert (
+            population_module.handed_on(kept, pressure=pressure) is kept
+        )  # a search may return it
