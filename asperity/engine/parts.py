@@ -19,7 +19,9 @@ from asperity.halfspace.checks import model_warnings
 from asperity.multiscale.wave_split import random_waves
 from asperity.trust.verified import (
     answered,
+    bounds_at,
     corrected,
+    misfit_at,
     pixel_scatter,
     solved_points,
 )
@@ -149,20 +151,46 @@ def sampled(
     """
     model = run.curve
     points = answered(model)
+    nodes = np.unique(np.linspace(0, len(points) - 1, LOADS).astype(np.int64))
+    at, grain = points[nodes], pixel_scatter(hm, model)[points]
+    allowed = np.array([[accuracy.load], [accuracy.area]])
     error = PART_SHARE * accuracy.area
     judged = _Judged(run.decomposition.material, error, progress)
-    shares = _load_shares(run, parts_along(hm, plan))[:, points]
-    misfit, bounds = _misfit(judged, hm, plan, model, points, shares)
-    bounds[1] += error + pixel_scatter(hm, model)[points]
+    shares = _load_shares(run, parts_along(hm, plan))[:, at]
+    misfit, bounds = _misfit(
+        judged, hm, plan, model, at, shares, np.inf if judge is None else allowed
+    )
+    bounds[1] += error
     solved: dict[int, ContactCurve] = {}
     if judge is not None:
-        # where no part tells anything the bounds are NaN
-        met = (bounds[0] <= accuracy.load) & (bounds[1] <= accuracy.area)
-        left = np.setdiff1d(np.arange(len(model)), points[met])
-        if len(left) > len(model) // 2:
+        left = ~_within(bounds, grain[nodes], allowed)  # where no part tells anything it is NaN
+        if 2 * np.count_nonzero(left) > len(nodes):
             return None
-        solved = solved_points(judge, values, left)
+        solved = solved_points(judge, values, at[left])
+        misfit[:, left] = misfit_at(model, kind, at[left], solved)
+        # what parts leave open at best stays between loads that are solved on the whole map
+        bounds[:, left] = np.maximum(bounds_at(at[left], solved), np.array(FLOOR)[:, None])
+    position = np.log(model.mean_pressure[points])
+    bend = _bend(position, position[nodes], misfit[:2].T)
+    misfit, bounds = (
+        np.array([np.interp(position, position[nodes], row) for row in each])
+        for each in (misfit, bounds)
+    )
+    bounds += bend
+    if judge is not None:
+        met = points[_within(bounds, grain, allowed)]
+        rest = np.setdiff1d(np.arange(len(model)), [*met, *solved])
+        if len(rest) + len(solved) > len(model) // 2:
+            return None
+        solved |= solved_points(judge, values, rest)
+    bounds[1] += grain
     return corrected(hm, model, kind, points, np.nan_to_num(misfit), bounds, solved)
+
+
+def _within(bounds: Array, grain: Array, allowed: Array) -> NDArray[np.bool_]:
+    """Load points at which bounds of load and area, shape (2, n), are within those allowed, (2, 1),
+    the scatter of pixels counted in."""
+    return np.asarray((bounds[0] <= allowed[0]) & (bounds[1] + grain <= allowed[1]))
 
 
 @dataclass(frozen=True)
@@ -214,15 +242,17 @@ def _misfit(
     hm: HeightMap,
     plan: Plan,
     model: ContactCurve,
-    points: NDArray[np.int64],
+    at: NDArray[np.int64],
     shares: Array,
+    allowed: Array | float,
 ) -> tuple[Array, Array]:
-    """Misfit of the model on the map, from parts of it that carry these shares of the load.
+    """Misfit of the model at some load points, from parts of the map that carry these shares of
+    each.
 
     Returns the logarithms of load, area and number of spots of the model over boundary elements,
-    shape (3, n), and bounds of the first two, shape (2, n): their standard deviation over the
-    parts, the floor, larger where few parts carry the load, and the error of interpolation; NaN
-    where no part tells them.
+    shape (3, n), and bounds of the first two, shape (2, n): their standard deviation over the parts
+    and the floor, larger where few parts carry the load; NaN where no part tells them, or the floor
+    alone is more than is allowed.
 
     A part is loaded as the model loads it on the whole map, and solved by the plan of the whole
     map: those that carry most. Where the finest waves act as a law of the contacts of the others,
@@ -230,10 +260,7 @@ def _misfit(
     solved too, and the parts add to it what the finest waves change in the separation: they do not
     hold the longest waves.
     """
-    side = math.isqrt(len(shares))
-    chosen = np.unique(np.linspace(0, len(points) - 1, LOADS).astype(np.int64))
-    shares, at = shares[:, chosen], points[chosen]
-    pressure = model.mean_pressure[at]
+    side, pressure = math.isqrt(len(shares)), model.mean_pressure[at]
     local = len(shares) * shares * pressure
     alone = replace(plan, above=None, resampled=None, sub_contact_law=None)
     grid = plan.resampled if plan.sub_contact_law is not None else None
@@ -244,6 +271,7 @@ def _misfit(
     best = np.argsort(-np.where(usable, shares, 0.0).sum(axis=1), kind="stable")
     taken = np.empty_like(usable)
     taken[best] = usable[best] & (np.cumsum(usable[best], axis=0) <= side)
+    taken &= (_floor(taken * shares) <= allowed).all(axis=0)
     found = np.full((*shares.shape, 3), np.nan)
     lightest = int(np.argmax(np.where(taken.any(axis=1), shares[:, 0], -1.0)))
     for place in np.flatnonzero(taken.any(axis=1)).tolist():
@@ -258,26 +286,32 @@ def _misfit(
         found[place, here] = judged(part, own, loads, tell=place == lightest).T
         if grid is not None:
             found[place, here, 0] -= judged(waves, cell, loads)[0]
-    weights = np.where(np.isnan(found).any(axis=-1), 0.0, shares)[..., None]
-    found, total = np.nan_to_num(found), weights.sum(axis=0)
-    total[total < LEAST_COVER * side / len(shares)] = np.nan
-    with np.errstate(invalid="ignore"):
-        misfit = (weights * found).sum(axis=0) / total
-        scatter = np.sqrt((weights * (found - misfit) ** 2).sum(axis=0) / total)
-        number = total**2 / (weights**2).sum(axis=0)
-    if grid is not None:
-        misfit[:, 0] += judged(grid, alone, pressure)[0]
+    weights = np.where(np.isnan(found).any(axis=-1), 0.0, shares)
+    found, floor = np.nan_to_num(found), _floor(weights)
+    share = (weights / _sum(weights))[..., None]
+    misfit = (share * found).sum(axis=0).T
+    scatter = np.sqrt((share * (found - misfit.T) ** 2).sum(axis=0)).T
+    told = np.isfinite(floor[0])
+    if grid is not None and told.any():
+        misfit[0, told] += judged(grid, alone, pressure[told])[0]
     for each in (misfit, scatter):
-        each[:, 0] *= model.stiffness[at] / pressure
-    few = ALIKE / number
-    bounds = scatter[:, :2] + np.sqrt(0.5 + 0.5 * np.maximum(few, few**FEW)) * FLOOR
-    position = np.log(model.mean_pressure[points])
-    bend = _bend(position, position[chosen], misfit[:, :2])
-    misfit, bounds = (
-        np.array([np.interp(position, position[chosen], column) for column in each.T])
-        for each in (misfit, bounds)
-    )
-    return misfit, bounds + bend
+        each[0] *= model.stiffness[at] / pressure
+    return misfit, scatter[:2] + floor
+
+
+def _sum(weights: Array) -> Array:
+    """Sum over the parts, shape (n,); NaN where there is nothing."""
+    total = weights.sum(axis=0)
+    return np.where(total > 0.0, total, np.nan)
+
+
+def _floor(weights: Array) -> Array:
+    """Bounds of load and area beside the scatter over parts that carry these shares of the load at
+    some points, shape (parts, n); NaN where they carry too little of it. Shape (2, n)."""
+    total = _sum(weights)
+    few = ALIKE * (weights**2).sum(axis=0) / total**2
+    few[total < LEAST_COVER / math.sqrt(len(weights))] = np.nan
+    return np.outer(FLOOR, np.sqrt(0.5 + 0.5 * np.maximum(few, few**FEW)))
 
 
 def _bend(position: Array, nodes: Array, values: Array) -> Array:

@@ -30,8 +30,10 @@ __all__ = [
     "anchored",
     "anchors_suffice",
     "answered",
+    "bounds_at",
     "corrected",
     "exact",
+    "misfit_at",
     "pixel_scatter",
     "solved_points",
     "verified",
@@ -101,8 +103,7 @@ def exact(
     **told: Any,
 ) -> ContactCurve:
     """Boundary elements on the grid of the map, within an error of the area."""
-    asked = {f"{kind}s": values}
-    return engine(hm, material, **asked, accuracy=error, coarsen=False, **told)
+    return engine(hm, material, **{f"{kind}s": values}, accuracy=error, coarsen=False, **told)
 
 
 def anchored(
@@ -163,25 +164,20 @@ def verified(
     while True:
         new = [i for i in points[anchors] if i not in solved]
         solved |= solved_points(judge, values, np.array(new))
-        known = _misfit(model, kind, points[anchors], solved)
+        known = misfit_at(model, kind, points[anchors], solved)
         broken = float(np.max(np.abs(known[:2]) / prior[:, anchors]))
         floors = prior * np.maximum(PRIOR_SHARE + plastic, broken if broken > 1.0 else 0.0)
         load, load_bound = interpolated_misfit(position, anchors, known[0], floors[0])
         area, area_bound = interpolated_misfit(position, anchors, known[1], floors[1])
-        rest = np.array(
-            [
-                np.interp(position, position[anchors], _judged(solved, points[anchors], name))
-                for name in ("error_estimate", "area_error_estimate")
-            ]
-        )
+        known_bounds = bounds_at(points[anchors], solved)
+        rest = np.array([np.interp(position, position[anchors], row) for row in known_bounds])
         bounds = np.array([load_bound, area_bound + grain]) + rest
         over = np.maximum(bounds[0] / accuracy.load, bounds[1] / accuracy.area)
         over[anchors], bounds[1, anchors] = 0.0, rest[1, anchors]
         if len(anchors) == count or over.max() <= 1.0:
             break
         anchors = np.arange(count) if len(anchors) > count // 2 else halved_intervals(anchors, over)
-    spots = np.interp(position, position[anchors], known[2])
-    misfit = np.array([load, area, spots])
+    misfit = np.array([load, area, np.interp(position, position[anchors], known[2])])
     return corrected(hm, model, kind, points, misfit, bounds, solved)
 
 
@@ -235,6 +231,11 @@ def _prior_estimates(model: ContactCurve, points: Indices) -> tuple[Array, Array
     return prior, YIELDED_SHARE * plastic
 
 
+def bounds_at(points: Indices, solved: dict[int, ContactCurve]) -> Array:
+    """Bounds of load and area that boundary elements gave at some points, shape (2, k)."""
+    return np.array([_judged(solved, points, f"{of}error_estimate") for of in ("", "area_")])
+
+
 def _judged(solved: dict[int, ContactCurve], points: Indices, name: str) -> Array:
     """A column of what boundary elements found at some points, shape (k,)."""
     curves = [solved[i] for i in points.tolist()]
@@ -243,7 +244,7 @@ def _judged(solved: dict[int, ContactCurve], points: Indices, name: str) -> Arra
     )
 
 
-def _misfit(
+def misfit_at(
     model: ContactCurve, kind: str, points: Indices, solved: dict[int, ContactCurve]
 ) -> Array:
     """Logarithms of model over boundary elements: of the load at equal separation, of the area and

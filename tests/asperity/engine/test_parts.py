@@ -157,6 +157,52 @@ def test_load_points_of_which_no_part_tells_are_solved_on_the_whole(monkeypatch)
     assert {4, 5} <= {*curve.verification["anchors"]} and curve.verification["met"]
 
 
+def test_a_load_point_solved_on_the_whole_serves_those_beside_it(monkeypatch):
+    """The lightest alone is solved there; between it and those that parts tell the model is as
+    uncertain as parts leave it at best."""
+    hm, told = waves(), parts._misfit
+    loads = default_pressures(hm, BODY, 10)
+
+    def all_but_the_lightest(*scene):
+        misfit, bounds = told(*scene)
+        misfit[:, 0] = bounds[:, 0] = np.nan
+        return misfit, bounds
+
+    monkeypatch.setattr(parts, "_misfit", all_but_the_lightest)
+    curve = asperity.solve(hm, BODY, pressures=loads, engine="sampled")
+    assert curve.verification["anchors"] == [0] and curve.verification["met"]
+    assert curve.error_estimate[0] < parts.FLOOR[0] <= curve.error_estimate[1]
+    true = truth(hm, BODY, loads)
+    assert (off(curve, true) <= bounds(curve) + bounds(true)).all()
+
+
+def test_no_part_is_solved_at_a_load_whose_bound_would_be_too_wide():
+    """One part carries the lightest load: how few there are tells it before any is solved."""
+    hm = waves(cutoff=None, rolloff=None)
+    loads = default_pressures(hm, BODY, 10)
+    plan = asperity.make_plan(hm, BODY, pressures=loads)
+    run = asperity.solve_contacts(hm, BODY, plan, pressures=loads)
+    shares = parts._load_shares(run, 4)
+    floor = parts._floor(shares)
+    alike = np.full((16, 1), 1 / 16)
+    np.testing.assert_allclose(parts._floor(alike)[:, 0], np.multiply(parts.FLOOR, 0.625**0.5))
+    assert (floor[:, 0] > floor[:, -1]).all()
+    seen = []
+
+    class Judged(parts._Judged):
+        def __call__(self, part, plan, pressures, **told):
+            seen.append(len(pressures))
+            return np.zeros((3, len(pressures)))
+
+    at, allowed = np.arange(0, 10, 3), 0.5 * (floor[:, :1] + floor[:, -1:])
+    scene = Judged(BODY, 0.01, None), hm, plan, run.curve, at, shares[:, at]
+    bounds = parts._misfit(*scene, allowed)[1]
+    assert np.isnan(bounds[:, 0]).all() and np.isfinite(bounds[:, -1]).all()
+    spared = sum(seen)
+    seen.clear()
+    assert np.isfinite(parts._misfit(*scene, np.inf)[1]).all() and sum(seen) > spared
+
+
 def test_parts_that_carry_most_of_a_heavy_load_are_solved(monkeypatch):
     """They are pressed harder than the mean, and hold most of the area."""
     hm, solved = hill(0.4), []
