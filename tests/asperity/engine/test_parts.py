@@ -9,7 +9,7 @@ import pytest
 
 import asperity
 import surfaces
-from asperity.engine import parts
+from asperity.engine import part_misfit, parts
 from asperity.halfspace.scene import default_pressures
 from asperity.trust.verified import Accuracy
 from surfaces.files.stored_map import StoredMap
@@ -144,7 +144,7 @@ def test_a_hill_within_one_part_is_not_told_by_the_others(monkeypatch):
 
 def test_load_points_of_which_no_part_tells_are_solved_on_the_whole(monkeypatch):
     """The estimate of the model is no bound: it was off fourfold on such a map."""
-    hm, told = waves(), parts._misfit
+    hm, told = waves(), part_misfit.misfit_on_parts
     loads = default_pressures(hm, BODY, 6)
 
     def some_told(*scene):
@@ -152,7 +152,7 @@ def test_load_points_of_which_no_part_tells_are_solved_on_the_whole(monkeypatch)
         misfit[:, -2:] = bounds[:, -2:] = np.nan
         return misfit, bounds
 
-    monkeypatch.setattr(parts, "_misfit", some_told)
+    monkeypatch.setattr(parts, "misfit_on_parts", some_told)
     curve = asperity.solve(hm, BODY, pressures=loads, engine="sampled")
     assert {4, 5} <= {*curve.verification["anchors"]} and curve.verification["met"]
 
@@ -160,7 +160,7 @@ def test_load_points_of_which_no_part_tells_are_solved_on_the_whole(monkeypatch)
 def test_a_load_point_solved_on_the_whole_serves_those_beside_it(monkeypatch):
     """The lightest alone is solved there; between it and those that parts tell the model is as
     uncertain as parts leave it at best."""
-    hm, told = waves(), parts._misfit
+    hm, told = waves(), part_misfit.misfit_on_parts
     loads = default_pressures(hm, BODY, 10)
 
     def all_but_the_lightest(*scene):
@@ -168,10 +168,10 @@ def test_a_load_point_solved_on_the_whole_serves_those_beside_it(monkeypatch):
         misfit[:, 0] = bounds[:, 0] = np.nan
         return misfit, bounds
 
-    monkeypatch.setattr(parts, "_misfit", all_but_the_lightest)
+    monkeypatch.setattr(parts, "misfit_on_parts", all_but_the_lightest)
     curve = asperity.solve(hm, BODY, pressures=loads, engine="sampled")
     assert curve.verification["anchors"] == [0] and curve.verification["met"]
-    assert curve.error_estimate[0] < parts.FLOOR[0] <= curve.error_estimate[1]
+    assert curve.error_estimate[0] < part_misfit.FLOOR[0] <= curve.error_estimate[1]
     true = truth(hm, BODY, loads)
     assert (off(curve, true) <= bounds(curve) + bounds(true)).all()
 
@@ -183,40 +183,45 @@ def test_no_part_is_solved_at_a_load_whose_bound_would_be_too_wide():
     plan = asperity.make_plan(hm, BODY, pressures=loads)
     run = asperity.solve_contacts(hm, BODY, plan, pressures=loads)
     shares = parts._load_shares(run, 4)
-    floor = parts._floor(shares)
+    floor = part_misfit._floor(shares)
     alike = np.full((16, 1), 1 / 16)
-    np.testing.assert_allclose(parts._floor(alike)[:, 0], np.multiply(parts.FLOOR, 0.625**0.5))
+    np.testing.assert_allclose(
+        part_misfit._floor(alike)[:, 0], np.multiply(part_misfit.FLOOR, 0.625**0.5)
+    )
     assert (floor[:, 0] > floor[:, -1]).all()
     seen = []
 
-    class Judged(parts._Judged):
+    class Judged(part_misfit.Judged):
         def __call__(self, part, plan, pressures, **told):
             seen.append(len(pressures))
             return np.zeros((3, len(pressures)))
 
     at, allowed = np.arange(0, 10, 3), 0.5 * (floor[:, :1] + floor[:, -1:])
     scene = Judged(BODY, 0.01, None), hm, plan, run.curve, at, shares[:, at]
-    bounds = parts._misfit(*scene, allowed)[1]
+    bounds = part_misfit.misfit_on_parts(*scene, allowed, True)[1]
     assert np.isnan(bounds[:, 0]).all() and np.isfinite(bounds[:, -1]).all()
     spared = sum(seen)
     seen.clear()
-    assert np.isfinite(parts._misfit(*scene, np.inf)[1]).all() and sum(seen) > spared
+    assert (
+        np.isfinite(part_misfit.misfit_on_parts(*scene, allowed, False)[1]).all()
+        and sum(seen) > spared
+    )
 
 
 def test_parts_that_carry_most_of_a_heavy_load_are_solved(monkeypatch):
     """They are pressed harder than the mean, and hold most of the area."""
     hm, solved = hill(0.4), []
     monkeypatch.setattr(parts, "LOADS", 2)
-    judged = parts._Judged.__call__
+    judged = part_misfit.Judged.__call__
 
     def seen(judge, part, plan, pressures, **told):
         solved.append(pressures[-1])
         return judged(judge, part, plan, pressures, **told)
 
-    monkeypatch.setattr(parts._Judged, "__call__", seen)
+    monkeypatch.setattr(part_misfit.Judged, "__call__", seen)
     loads = default_pressures(hm, BODY, 5)
     asperity.solve(hm, BODY, pressures=loads, engine="sampled")
-    assert loads[-1] < max(solved) <= parts.HEAVIEST * loads[-1]
+    assert loads[-1] < max(solved) <= part_misfit.HEAVIEST * loads[-1]
 
 
 def hill(height: float = 60.0) -> surfaces.HeightMap:

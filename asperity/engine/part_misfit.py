@@ -1,0 +1,189 @@
+"""The misfit of the model on parts of a map, and what it leaves open of the whole."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.bem.curve import bem_curve
+from asperity.curve import contact_curve
+from surfaces.preparation.filtering import bandpass, make_periodic
+from surfaces.preparation.resampling import resample
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from asperity.bem.curve import SolvedLoad
+    from asperity.halfspace.material import HalfSpace
+    from asperity.model.plan import Plan
+    from asperity.results.curve import ContactCurve
+    from surfaces.heightmap import HeightMap
+
+__all__ = ["FLOOR", "Judged", "misfit_on_parts"]
+
+Array = NDArray[np.float64]
+
+LEAST_SHARE = 0.02
+"""Load on a part over its share of the area from which on it is solved at a load point."""
+
+HEAVIEST = 4.0
+"""Load on a part, over that of as large a part of the map at the heaviest load point, up to which
+it is solved: those that carry most of it are loaded above the mean. One where the long waves are
+solved alone, too: they touch on more of the area, beyond what the model tells."""
+
+LEAST_COVER = 0.4
+"""Load on the parts solved at a load point, over what as many would carry if all carried alike,
+below which they do not tell of the whole."""
+
+FLOOR = 0.02, 0.04
+"""Bound of load and area beside the scatter over `ALIKE` parts that carry alike; half of its square
+is common to all parts (docs/development/verification.md)."""
+
+ALIKE = 4
+"""Parts that carry alike, over whose scatter `FLOOR` is the bound."""
+
+FEW = 2.0
+"""Power of `ALIKE` over the number of parts with which the squares of `FLOOR` grow where that is
+less: the load follows the heights of few summits, the area their shapes."""
+
+ENOUGH = 0.8
+"""Bounds by the parts solved at a load point, over the accuracy, at which no more are solved there:
+the bends between load points and the pixels add to them."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Sets the model against boundary elements, of this error of the area."""
+
+    material: HalfSpace
+    error: float
+    progress: Callable[[SolvedLoad], object]
+
+    def __call__(self, hm: HeightMap, plan: Plan, pressures: Array, *, tell: bool = False) -> Array:
+        """Model less boundary elements, shape (3, n): separation [m], and the logarithms of contact
+        area and number of spots; NaN where the model has no answer."""
+        scene = replace(plan, scene=(hm.without_rounding, self.material))
+        model = contact_curve(hm, self.material, pressures=pressures, plan=scene)
+        exact = bem_curve(
+            hm,
+            self.material,
+            pressures=pressures,
+            accuracy=self.error,
+            coarsen=False,
+            boundary=plan.boundary,
+            progress=self.progress if tell else None,
+        )
+        area = np.log(model.contact_area / exact.contact_area)
+        spots = np.log(np.maximum(model.contacts, 1.0) / np.maximum(exact.contacts, 1.0))
+        return np.array([model.separation - exact.separation, area, spots])
+
+
+def misfit_on_parts(
+    judged: Judged,
+    hm: HeightMap,
+    plan: Plan,
+    model: ContactCurve,
+    at: NDArray[np.int64],
+    shares: Array,
+    allowed: Array,
+    otherwise: bool,
+) -> tuple[Array, Array]:
+    """Misfit of the model at some load points, from parts of the map that carry these shares of
+    each, as many as it takes for the bounds to be well within those allowed, shape (2, 1).
+
+    Returns the logarithms of load, area and number of spots of the model over boundary elements,
+    shape (3, n), and bounds of the first two, shape (2, n): their standard deviation over the parts
+    and the floor, larger where few parts carry the load; NaN where no part tells them, or, if they
+    can be told otherwise, the floor alone is more than is allowed.
+
+    A part is loaded as the model loads it on the whole map, and solved by the plan of the whole
+    map: those that carry most. Where the finest waves act as a law of the contacts of the others,
+    and the others are a map so coarse that it costs no more than one part, the whole of that is
+    solved too, and the parts add to it what the finest waves change in the separation: they do not
+    hold the longest waves.
+    """
+    side, pressure = math.isqrt(len(shares)), model.mean_pressure[at]
+    local = len(shares) * shares * pressure
+    alone = replace(plan, above=None, resampled=None, sub_contact_law=None)
+    grid = plan.resampled if plan.sub_contact_law is not None else None
+    if grid is not None and math.prod(grid.shape) * len(shares) > math.prod(hm.shape):
+        grid = None
+    most = HEAVIEST if grid is None else 1.0
+    usable = (len(shares) * shares > LEAST_SHARE) & (local <= most * pressure[-1])
+    best = np.argsort(-np.where(usable, shares, 0.0).sum(axis=1), kind="stable")
+    taken = np.empty_like(usable)
+    taken[best] = usable[best] & (np.cumsum(usable[best], axis=0) <= side)
+    if otherwise:
+        taken &= (_floor(taken * shares) <= allowed).all(axis=0)
+    found, rate = np.full((*shares.shape, 3), np.nan), model.stiffness[at] / pressure
+    lightest = int(np.argmax(np.where(taken.any(axis=1), shares[:, 0], -1.0)))
+    for place in [lightest, *best[best != lightest].tolist()]:
+        misfit, bounds, number = _pooled(found, shares, rate)
+        enough = (number >= ALIKE) & (bounds <= ENOUGH * allowed).all(axis=0)
+        here = taken[place] & ~enough
+        if not here.any():
+            continue
+        part, loads = _part(hm, place, side), local[place, here]
+        cell = replace(alone, boundary="periodic")
+        waves = _resampled(part, plan)
+        own = replace(
+            cell,
+            sub_contact_law=plan.sub_contact_law,
+            resampled=None if waves is part else waves,
+        )
+        found[place, here] = judged(part, own, loads, tell=place == lightest).T
+        if grid is not None:
+            found[place, here, 0] -= judged(waves, cell, loads)[0]
+    misfit, bounds, number = _pooled(found, shares, rate)
+    told = number > 0
+    if grid is not None and told.any():
+        misfit[0, told] += rate[told] * judged(grid, alone, pressure[told])[0]
+    return misfit, bounds
+
+
+def _pooled(found: Array, shares: Array, rate: Array) -> tuple[Array, Array, NDArray[np.int64]]:
+    """Mean of what was found on parts, shape (parts, n, 3), separations as loads by their `rate`;
+    bounds of load and area; and on how many parts."""
+    known = np.isfinite(found).all(axis=-1)
+    weights = np.where(known, shares, 0.0)
+    share, found = (weights / _sum(weights))[..., None], np.nan_to_num(found)
+    mean = (share * found).sum(axis=0).T
+    scatter = np.sqrt((share * (found - mean.T) ** 2).sum(axis=0)).T
+    for each in (mean, scatter):
+        each[0] *= rate
+    return mean, scatter[:2] + _floor(weights), known.sum(axis=0)
+
+
+def _sum(weights: Array) -> Array:
+    """Sum over the parts, shape (n,); NaN where there is nothing."""
+    total = weights.sum(axis=0)
+    return np.where(total > 0.0, total, np.nan)
+
+
+def _floor(weights: Array) -> Array:
+    """Bounds of load and area beside the scatter over parts that carry these shares of the load at
+    some points, shape (parts, n); NaN where they carry too little of it. Shape (2, n)."""
+    total = _sum(weights)
+    few = ALIKE * (weights**2).sum(axis=0) / total**2
+    few[total < LEAST_COVER / math.sqrt(len(weights))] = np.nan
+    return np.outer(FLOOR, np.sqrt(0.5 + 0.5 * np.maximum(few, few**FEW)))
+
+
+def _part(hm: HeightMap, place: int, side: int) -> HeightMap:
+    """One part of a map about its mean height, made periodic."""
+    rows, columns = (
+        (n * k // side, n * (k + 1) // side)
+        for n, k in zip(hm.shape, divmod(place, side), strict=True)
+    )
+    return make_periodic(hm.cut(rows, columns), "smooth").about_mean
+
+
+def _resampled(part: HeightMap, plan: Plan) -> HeightMap:
+    """The waves of a part that a plan solves, on pixels of the size of its grid."""
+    law, grid = plan.sub_contact_law, plan.resampled
+    kept = part if law is None else bandpass(part, law.shortest, None)
+    return kept if grid is None else resample(kept, grid.spacing)
