@@ -7,7 +7,7 @@ r"""What a quarter more or less of each constant of the model changes in the jud
 
 Every field of `asperity.parameters` that is a number, or a tuple of numbers, is scaled by 0.75 and
 1.25 alone, but for the weights of the error estimate, which change no load and no area. The maps
-are a few of those of ablation.py, with the boundary elements kept there. The table holds the
+are some of judged_maps.py, with the boundary elements that ablation.py kept. The table holds the
 root-mean-square and the worst error of load and area over all points, with the constant as it is
 (first row) and scaled, and the largest change of any of them. ``--csv`` writes the constants that
 change a load or an area by a tenth of a percent and more.
@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from ablation import Scene, errors, reference, scenes
+from judged_maps import Scene, errors, reference, scenes
 from numpy.typing import NDArray
 
 import asperity
