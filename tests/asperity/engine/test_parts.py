@@ -176,36 +176,48 @@ def test_a_load_point_solved_on_the_whole_serves_those_beside_it(monkeypatch):
     assert (off(curve, true) <= bounds(curve) + bounds(true)).all()
 
 
+class Counted:
+    """In place of `Judged`: no misfit on any part, and how many loads were solved on each."""
+
+    def __init__(self):
+        self.solved = []
+
+    def __call__(self, part, plan, pressures, **told):
+        self.solved.append(len(pressures))
+        return np.zeros((3, len(pressures)))
+
+
 def test_no_part_is_solved_at_a_load_whose_bound_would_be_too_wide():
     """One part carries the lightest load: how few there are tells it before any is solved."""
     hm = waves(cutoff=None, rolloff=None)
-    loads = default_pressures(hm, BODY, 10)
+    loads = default_pressures(hm, BODY, 4)
     plan = asperity.make_plan(hm, BODY, pressures=loads)
     run = asperity.solve_contacts(hm, BODY, plan, pressures=loads)
     shares = parts._load_shares(run, 4)
-    floor = part_misfit._floor(shares)
-    alike = np.full((16, 1), 1 / 16)
-    np.testing.assert_allclose(
-        part_misfit._floor(alike)[:, 0], np.multiply(part_misfit.FLOOR, 0.625**0.5)
-    )
+    floor, found = part_misfit._floor(shares), {}
     assert (floor[:, 0] > floor[:, -1]).all()
-    seen = []
+    scene = hm, plan, run.curve, np.arange(4), shares, 0.5 * (floor[:, :1] + floor[:, -1:])
+    for otherwise in (True, False):
+        judged = Counted()
+        bounds = part_misfit.misfit_on_parts(judged, *scene, otherwise)[1]
+        found[otherwise] = sum(judged.solved)
+        assert np.isfinite(bounds[:, -1]).all() and np.isnan(bounds[:, 0]).all() == otherwise
+    assert found[True] < found[False]
 
-    class Judged(part_misfit.Judged):
-        def __call__(self, part, plan, pressures, **told):
-            seen.append(len(pressures))
-            return np.zeros((3, len(pressures)))
 
-    at, allowed = np.arange(0, 10, 3), 0.5 * (floor[:, :1] + floor[:, -1:])
-    scene = Judged(BODY, 0.01, None), hm, plan, run.curve, at, shares[:, at]
-    bounds = part_misfit.misfit_on_parts(*scene, allowed, True)[1]
-    assert np.isnan(bounds[:, 0]).all() and np.isfinite(bounds[:, -1]).all()
-    spared = sum(seen)
-    seen.clear()
-    assert (
-        np.isfinite(part_misfit.misfit_on_parts(*scene, allowed, False)[1]).all()
-        and sum(seen) > spared
-    )
+@pytest.mark.parametrize("allowed, solved", [(1.3, 4), (1.0, 8)])
+def test_no_more_parts_are_solved_than_the_bounds_need(allowed, solved):
+    """Of 64 that carry alike four at least, with bounds of the floor, and no more than eight."""
+    hm = waves()
+    loads = default_pressures(hm, BODY, 4)
+    plan = asperity.make_plan(hm, BODY, pressures=loads, scales="all")
+    run = asperity.solve_contacts(hm, BODY, plan, pressures=loads)
+    shares, floor = np.full((64, 4), 1 / 64), np.array(part_misfit.FLOOR)[:, None]
+    judged = Counted()
+    scene = hm, plan, run.curve, np.arange(4), shares, allowed * floor, True
+    bounds = part_misfit.misfit_on_parts(judged, *scene)[1]
+    assert judged.solved == [4] * solved
+    np.testing.assert_allclose(bounds, floor * np.sqrt(0.5 + 2.0 / solved) * np.ones(4))
 
 
 def test_parts_that_carry_most_of_a_heavy_load_are_solved(monkeypatch):
