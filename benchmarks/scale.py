@@ -21,6 +21,7 @@ import argparse
 import sys
 import tempfile
 import time
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -52,6 +53,7 @@ def materials(bodies: int) -> list[asperity.HalfSpace]:
 
 def looped(files: Sequence[Path], bodies: int) -> tuple[float, float]:
     """Seconds to read and solve a job, and to write it, in a loop without a sweep."""
+    warnings.simplefilter("ignore")
     asperity.set_threads(1)
     seconds = []
     with tempfile.TemporaryDirectory() as folder:
