@@ -186,7 +186,9 @@ def surface_point(
     Notes
     -----
     The lift d(sum Phi)/dF is taken along the answer of all contacts to a small fall of the flat
-    (the tangent of the coupled problem), by central differences.
+    (the tangent of the coupled problem), by central differences. It falls as the load grows. Of a
+    rough solve the differences can say otherwise: contacts that its last step has opened are left
+    at no approach, where half a step on all of them bear and half a step back none.
     """
     stiffness = unloading = state.normal_stiffness
     hard = population.material.hardness < np.inf
@@ -228,7 +230,7 @@ def surface_point(
 
     elastic = middle[2] / middle[1]
     lift = elastic * raised(low, high, 0.0)
-    bend = raised(middle, high, 0.5 * gain) - raised(low, middle, -0.5 * gain)
+    bend = min(raised(middle, high, 0.5 * gain) - raised(low, middle, -0.5 * gain), 0.0)
     change = elastic * bend
     if elastic < 1.0:
         part = state.contact_area / nominal

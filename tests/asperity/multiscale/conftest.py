@@ -16,5 +16,12 @@ def rough() -> HeightMap:
 
 
 @pytest.fixture(scope="module")
+def noise() -> HeightMap:
+    """Independent heights of the pixels."""
+    heights = 0.02 * np.random.default_rng(2).normal(size=(160, 192))
+    return HeightMap(heights, (1.0, 1.1), periodic=True)
+
+
+@pytest.fixture(scope="module")
 def loads(rough) -> np.ndarray:
     return np.array([3e-3, 1e-2, 3e-2, 6e-2]) * pressure_scale(rough, STEEL)

@@ -173,3 +173,20 @@ def test_light_contacts_meet_the_fine_waves_as_heights(hurst, rolloff, seed):
     rate = exact.stiffness / exact.mean_pressure
     error = np.abs(rate * (curve.separation - exact.separation))
     assert error.max() < 0.025
+
+
+def body_of(hm, x):
+    """Half-space of the modulus 1 and the hardness x E* times the rms slope."""
+    scale = pressure_scale(hm, asperity.HalfSpace.from_modulus(1.0))
+    return asperity.HalfSpace.from_modulus(1.0, hardness=x * scale), scale
+
+
+@pytest.mark.parametrize("x", [0.3, np.inf])
+def test_both_controls_agree_on_noise(noise, x):
+    """A rough solve leaves contacts at zero approach: one load of four was 28 and 31 % too low."""
+    body, scale = body_of(noise, x)
+    pressures = np.geomspace(3e-4, 1.2e-2, 4) * scale
+    by_load = asperity.contact_curve(noise, body, pressures=pressures)
+    by_gap = asperity.contact_curve(noise, body, separations=by_load.separation)
+    assert by_gap.settings["shortest_wave"] is not None and by_gap.converged.all()
+    np.testing.assert_allclose(by_gap.mean_pressure, pressures, rtol=1e-2)
