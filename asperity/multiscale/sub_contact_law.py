@@ -80,9 +80,12 @@ class SubContactLaw:
     `fitted.tops_from`.
 
     With a hardness H contacts keep p/H of their area at least, and c with 1 - c^3 = (1 - e^3)
-    (1 - (p/H)^3) in all, e being the share above. Of the lift there remains that of elastic
-    contacts of the same areas times the load over theirs; in place of the rest stands the lift of
-    the bearing curve of a random surface, z times the difference of both rms heights.
+    (1 - (p/H)^3) in all, e being the share above. Of the lift of elastic contacts of the same areas
+    there remains the load over that of elastic contacts which close as much: F/F_e e/c, F_e being
+    the load of the former and e what these close. The longer waves may still be elastic (F = F_e)
+    where the fine ones have yielded (e < c). In place of the rest stands the lift of the bearing
+    curve of a random surface, z times the difference of both rms heights. As the load falls, spots
+    that have yielded answer as elastic ones of their areas, whose load is larger by c/e.
     """
 
     shortest: float
@@ -108,11 +111,15 @@ class SubContactLaw:
 
         A contact is taken as far wider than the fine waves if no area is given.
         """
-        unseen = self.fitted.seen**2 * np.pi / (self.number**2 * np.asarray(area, float))
-        opening = self._opening(pressure, share) ** 2 / (1.0 + unseen)
-        closed = 1.0 / np.sqrt(1.0 + opening)
+        closed = self.elastic_share(pressure, share, area)
         yielded = np.minimum(np.asarray(pressure) / self.hardness, 1.0)
         return np.asarray(np.cbrt(1.0 - (1.0 - closed**3) * (1.0 - yielded**3)))
+
+    def elastic_share(self, pressure: ArrayLike, share: float, area: ArrayLike = np.inf) -> Array:
+        """`remaining` without a hardness."""
+        unseen = self.fitted.seen**2 * np.pi / (self.number**2 * np.asarray(area, float))
+        opening = self._opening(pressure, share) ** 2 / (1.0 + unseen)
+        return np.asarray(1.0 / np.sqrt(1.0 + opening))
 
     def stored(self, pressure: ArrayLike, share: float) -> Array:
         """Complementary energy per area [J/m^2] of contacts of mean pressure p [Pa]."""
@@ -208,18 +215,20 @@ def surface_point(
         return SurfacePoint(state.separation, area, stiffness, stiffness)
     fall = STEP * state.mean_pressure / stiffness
 
-    def twin(step: float) -> tuple[float, float, float]:
-        """Energy stored by the fine waves in elastic contacts of the same areas, their load, and
-        that of the contacts."""
+    def twin(step: float) -> tuple[float, float, float, float]:
+        """Energy stored by the fine waves in elastic contacts of the same areas, their load, that
+        of the contacts, and the share of what these leave closed that the elastic ones would."""
         approach = np.maximum(state.approach[closed] + step * gained, 0.0)
         here = contacts(approach)
         kept = here.force > 0
         force, width = here.force[kept], here.area[kept]
-        elastic = force
+        elastic, intact = force, 1.0
         if hard:
             elastic = force / population.table.elastic_at(closed[kept], approach[kept])[0]
+            spots = width @ law.elastic_share(elastic / width, share, width)
+            intact = float(spots / (width @ law.remaining(force / width, share, width)))
         stored = law.stored(elastic / width, share)
-        return float(np.sum(width * stored)), float(elastic.sum()), float(force.sum())
+        return float(np.sum(width * stored)), float(elastic.sum()), float(force.sum()), intact
 
     low, middle, high = (twin(step) for step in (-fall, 0.0, fall))
     gain = 0.5 * (high[2] - low[2]) / middle[2]
@@ -228,7 +237,7 @@ def surface_point(
         first = (after[0] - before[0]) / (after[1] - before[1])
         return law.lift(first, min(share * (1.0 + wider), 1.0))
 
-    elastic = middle[2] / middle[1]
+    elastic = middle[2] / middle[1] * middle[3]
     lift = elastic * raised(low, high, 0.0)
     bend = min(raised(middle, high, 0.5 * gain) - raised(low, middle, -0.5 * gain), 0.0)
     change = elastic * bend
@@ -238,9 +247,10 @@ def surface_point(
         wider = part * (1.0 + gain)
         change += (1.0 - elastic) * (law.bearing_lift(wider) - law.bearing_lift(part))
     compliance = 1.0 / stiffness - change / (0.5 * (high[2] - low[2])) * nominal
-    softer = 1.0 / unloading - bend / (0.5 * (high[1] - low[1])) * nominal
+    softer = 1.0 / unloading - middle[3] * bend / (0.5 * (high[1] - low[1])) * nominal
     separation = min(state.separation + lift, highest)
-    return SurfacePoint(separation, area, 1.0 / compliance, 1.0 / (softer if hard else compliance))
+    loading = 1.0 / compliance
+    return SurfacePoint(separation, area, loading, max(1.0 / softer, loading) if hard else loading)
 
 
 def closed_areas(population: Population, law: SubContactLaw, state: PopulationState) -> Array:
