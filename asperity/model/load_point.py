@@ -110,20 +110,21 @@ def point_at_separation(
     lift = 0.0 if last is None else last.surface.separation - last.state.separation
     state = None if last is None else last.state
     coarse, before = separation - lift, None
-    for left in reversed(range(MAX_TRIES + 1)):
+    for _ in range(MAX_TRIES + 1):
         state = decomposition.population.solve(separation=coarse, state=state, tolerance=tolerance)
         point = load_point(decomposition, state)
         error = separation - point.surface.separation
         close = abs(error) * point.surface.stiffness <= LOAD_ERROR * state.mean_pressure
-        if not (left and state.converged) or (error >= 0.0 if state.active == 0 else close):
-            break
+        if not state.converged or (error >= 0.0 if state.active == 0 else close):
+            return point
         step = error
         if before is not None and before[1] != error:
             secant = error * (coarse - before[0]) / (before[1] - error)
             step = error * min(max(secant / error, 0.2), 3.0)
         before = coarse, error
         coarse += step
-    return point
+    why = f"{MAX_TRIES + 1} solves did not bring the flat to {separation:g} m: its lift jumps there"
+    return load_point(decomposition, state.refused(why))
 
 
 def load_difference(alone: LoadPoint, interacting: PopulationState) -> float:

@@ -192,6 +192,15 @@ def test_both_controls_agree_on_noise(noise, x):
     np.testing.assert_allclose(by_gap.mean_pressure, pressures, rtol=1e-2)
 
 
+def test_a_separation_that_is_not_reached_is_told(noise, monkeypatch):
+    """The flat then stands elsewhere, at another load."""
+    monkeypatch.setattr("asperity.model.load_point.MAX_TRIES", 0)
+    body, scale = body_of(noise, np.inf)
+    gap = asperity.contact_curve(noise, body, pressures=[1e-2 * scale]).separation
+    curve = asperity.contact_curve(noise, body, separations=gap)
+    assert not curve.converged.any() and "did not bring the flat" in curve.reasons[0]
+
+
 @pytest.mark.parametrize("x", [0.1, 0.3, 0.5])
 def test_fine_waves_that_yield_lift_less(noise, x):
     """Longer waves that have not yielded hide how far the finest have: loads were 14 to 30 % too
