@@ -124,7 +124,7 @@ def point_at_separation(
         before = coarse, error
         coarse += step
     why = f"{MAX_TRIES + 1} solves did not bring the flat to {separation:g} m: its lift jumps there"
-    return load_point(decomposition, state.refused(why))
+    return load_point(decomposition, point.state.refused(why))
 
 
 def load_difference(alone: LoadPoint, interacting: PopulationState) -> float:
