@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from surfaces.peaks.peaks import expected_peaks
+
 from .parts import LOADS, parts_along
 
 if TYPE_CHECKING:
@@ -14,24 +16,26 @@ if TYPE_CHECKING:
 
 __all__ = ["forecast"]
 
-ANCHORS = 4
-"""Load points that are expected to be anchored."""
+ANCHORS, ANCHORS_OF_LAW = 4, 8
+"""Load points that are expected to be anchored, and where the finest waves act as a law of the
+contacts of the others: anchors beside each other then leave more open."""
 
-MODEL_SECONDS = 0.1, 1.0e-6
-"""Seconds of a curve of the model: in any case, and per point of the grid that is solved."""
+MODEL_SECONDS = 0.03, 1.5e-5
+"""Seconds of a curve of the model: in any case, and per peak that may touch."""
 
-BEM_SECONDS = 1.0e-7, 0.5e-7
-"""Seconds of boundary elements per point of a map of 512 x 512: of a curve, times the root of the
-number of its loads; and of one load without a neighbor to start from."""
+BEM_SECONDS = 0.02, 0.9e-7, 0.6e-7
+"""Seconds of boundary elements: in any case, and per point of a map of 512 x 512, of a curve, times
+the root of the number of its loads, and of one load without a neighbor to start from."""
 
 FREE, YIELDED = 2.0, 1.5
 """Factors of these seconds: on a map that is not periodic, whose transforms have four times its
 points, and under a hardness, where loads take more steps and a stiffness of unloading is found."""
 
-PARTS = 2.3
-"""Parts that are expected to be solved, some of them at few loads, over those along a side."""
+PARTS, MODELS = 1.5, 1.5
+"""Parts expected to be solved by boundary elements over those along a side, and curves of the model
+over that of the whole map, where parts tell of it."""
 
-GROWTH = 0.4
+GROWTH = 0.3
 """Power of the number of points over 512 x 512 with which the seconds per point grow."""
 
 
@@ -45,15 +49,23 @@ def forecast(hm: HeightMap, material: HalfSpace, plan: Plan, loads: int) -> dict
     periodic and elastic, whatever the map is.
     """
     points, side = math.prod(hm.shape), parts_along(hm, plan)
+    solved = hm if plan.resampled is None else plan.resampled
+    above = -math.inf if plan.above is None else plan.above + solved.roughness.mean
+    model = MODEL_SECONDS[0] + MODEL_SECONDS[1] * expected_peaks(solved, above)
     dearer = FREE if plan.boundary == "free" else 1.0
     dearer *= YIELDED if material.hardness < math.inf else 1.0
-    model = MODEL_SECONDS[0] + MODEL_SECONDS[1] * math.prod((plan.resampled or hm).shape)
+    anchors = ANCHORS if plan.sub_contact_law is None else ANCHORS_OF_LAW
+    each = BEM_SECONDS[2] * dearer * _unit(points)
     return {
-        "bem": BEM_SECONDS[0] * dearer * _unit(points) * loads**0.5,
-        "anchored": model + BEM_SECONDS[1] * dearer * _unit(points) * ANCHORS,
-        "sampled": 2.0 * model
-        + BEM_SECONDS[0] * PARTS * side * _unit(points / side**2) * LOADS**0.5,
+        "bem": _curve(points, loads, dearer),
+        "anchored": model + BEM_SECONDS[0] + each * min(anchors, loads),
+        "sampled": MODELS * model + PARTS * side * _curve(points / side**2, LOADS, 1.0),
     }
+
+
+def _curve(points: float, loads: int, dearer: float) -> float:
+    """Seconds of a curve by boundary elements."""
+    return BEM_SECONDS[0] + BEM_SECONDS[1] * dearer * _unit(points) * math.sqrt(loads)
 
 
 def _unit(points: float) -> float:
