@@ -82,12 +82,13 @@ def _yielding(
     population: Population, summits: Summits, state: PopulationState, fitted: TiltedBasins
 ) -> PopulationState:
     """State of which the contacts of large area are pressed under the hardness, the largest first,
-    until their laws are confirmed."""
+    those on tilted basins as if twice as large, until their laws are confirmed."""
     approach, force, _, area = state.listed
     own = np.flatnonzero((force > 0.0) & (area > fitted.pressed * state.contact_area))
-    own = own[np.argsort(-area[own], kind="stable")]
     punch = population.table.elastic_at(state.rows[own], approach[own])[1]
     shift = _shifts(population, state, own, punch)
+    order = np.argsort(-area[own] * (1.0 + _rise(shift, fitted.shift)), kind="stable")
+    own, shift = own[order], shift[order]
     first, last, changes = 0, fitted.probe, []
     while first < len(own):
         some = own[first:last]
