@@ -283,7 +283,7 @@ def _told(verification: Mapping[str, Any]) -> list[str]:
     return [
         f"engine          {verification['engine']} ({verification['reason']})",
         f"accuracy        {load} in load, {area} in area: {met} on the "
-        f"{verification['reference']}; {len(verification['anchors'])} points by boundary elements",
+        f"{verification['reference']}; points by boundary elements: {len(verification['anchors'])}",
         f"pixels leave    {' in load, '.join(open_)} in area open ({verification['resolution']})",
     ]
 
