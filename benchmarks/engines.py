@@ -18,8 +18,8 @@ import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
-from common import machine, measured, options, rough
-from parts import SPECTRA
+from common import machine, measured, options
+from parts import SPECTRA, waves
 from textures import TEXTURES
 
 import asperity
@@ -50,9 +50,8 @@ def scenes(args: argparse.Namespace) -> Iterator[Scene]:
             for name in args.families:
                 hm = surfaces.HeightMap(TEXTURES[name](points, seed), (1.0, 1.0), periodic=True)
                 yield f"{points} {name}", hm, soft
-            for waves in () if args.families else WAVES:
-                recipe = {"cutoff": None, "rolloff": None} | waves
-                yield f"{points} {waves}", rough((points, points), seed=seed, **recipe), soft
+            for recipe in () if args.families else WAVES:
+                yield f"{points} {recipe}", waves(points, seed=seed, **recipe), soft
 
 
 def main(args: argparse.Namespace) -> None:
@@ -60,7 +59,7 @@ def main(args: argparse.Namespace) -> None:
     warnings.simplefilter("ignore")
     print(machine())
     hard = asperity.HalfSpace.from_modulus(1.0, hardness=0.02)
-    asperity.solve(rough((1536, 1536), None, 1), hard, engine="anchored")  # compiles
+    asperity.solve(waves(1536, hurst=0.8), hard, engine="anchored")  # compiles
     worst = 0.0
     for name, hm, body in scenes(args):
         plan = asperity.make_plan(hm, body)

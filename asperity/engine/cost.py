@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from surfaces.peaks.peaks import expected_peaks
+from asperity.model.plan import peaks_above
 
 from .parts import LOADS, parts_along
 
@@ -49,9 +49,8 @@ def forecast(hm: HeightMap, material: HalfSpace, plan: Plan, loads: int) -> dict
     periodic and elastic, whatever the map is.
     """
     points, side = math.prod(hm.shape), parts_along(hm, plan)
-    solved = hm if plan.resampled is None else plan.resampled
-    above = -math.inf if plan.above is None else plan.above + solved.roughness.mean
-    model = MODEL_SECONDS[0] + MODEL_SECONDS[1] * expected_peaks(solved, above)
+    peaks = peaks_above(plan.resampled or hm, plan.above)
+    model = MODEL_SECONDS[0] + MODEL_SECONDS[1] * peaks
     dearer = FREE if plan.boundary == "free" else 1.0
     dearer *= YIELDED if material.hardness < math.inf else 1.0
     anchors = ANCHORS if plan.sub_contact_law is None else ANCHORS_OF_LAW

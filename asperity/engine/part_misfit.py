@@ -120,15 +120,15 @@ def misfit_on_parts(
     if otherwise:
         taken &= (_floor(taken * shares) <= allowed).all(axis=0)
     found, rate = np.full((*shares.shape, 3), np.nan), model.stiffness[at] / pressure
+    cell = replace(alone, boundary="periodic")
     lightest = int(np.argmax(np.where(taken.any(axis=1), shares[:, 0], -1.0)))
     for place in [lightest, *best[best != lightest].tolist()]:
-        misfit, bounds, number = _pooled(found, shares, rate)
+        _, bounds, number = _pooled(found, shares, rate)
         enough = (number >= ALIKE) & (bounds <= ENOUGH * allowed).all(axis=0)
         here = taken[place] & ~enough
         if not here.any():
             continue
         part, loads = _part(hm, place, side), local[place, here]
-        cell = replace(alone, boundary="periodic")
         waves = _resampled(part, plan)
         own = replace(
             cell,

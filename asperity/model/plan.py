@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from asperity.multiscale.sub_contact_law import SubContactLaw
 
-__all__ = ["SCALES", "Plan", "interaction_needed", "make_plan"]
+__all__ = ["SCALES", "Plan", "interaction_needed", "make_plan", "peaks_above"]
 
 SCALES = ("auto", "all")
 """What may become of the finest waves of a map."""
@@ -217,7 +217,10 @@ def make_plan(
     memory = POINT_BYTES * points
     if not isinstance(solved.source, np.ndarray):
         flat = _lowest_flat(hm, material, kind, values)
-        found, solving = PEAK_BYTES * _peaks(hm, above), CONTACT_BYTES[edge] * _peaks(hm, flat)
+        found, solving = (
+            PEAK_BYTES * peaks_above(hm, above),
+            CONTACT_BYTES[edge] * peaks_above(hm, flat),
+        )
         memory = STRIPS + found + max(found, solving)
     remedy = "take lighter loads, crop or resample the map, or raise the limit of memory (--memory)"
     require_memory(memory, f"the model of {points} points", remedy)
@@ -305,7 +308,7 @@ def _lowest_flat(hm: HeightMap, material: HalfSpace, kind: str, values: np.ndarr
     return float(np.quantile(_sample(hm), max(0.0, 1.0 - share)))
 
 
-def _peaks(hm: HeightMap, above: float | None) -> int:
+def peaks_above(hm: HeightMap, above: float | None) -> int:
     """Peaks of a map above a height [m] relative to the mean plane; None counts all."""
     return expected_peaks(hm, -np.inf if above is None else above + hm.roughness.mean)
 
