@@ -29,6 +29,7 @@ from surfaces.checks import lay, seam_warning
 from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import require_memory
+from surfaces.numerics.stored_array import BLOCK_BYTES
 from surfaces.peaks.peaks import expected_peaks
 
 if TYPE_CHECKING:
@@ -214,7 +215,7 @@ def make_plan(
     reasons.append(why)
     reasons += whys
     reasons += [f"warning: {why}" for why in warnings]
-    memory = POINT_BYTES * points
+    memory = POINT_BYTES * points + (0 if isinstance(hm.source, np.ndarray) else BLOCK_BYTES)
     if not isinstance(solved.source, np.ndarray):
         flat = _lowest_flat(hm, material, kind, values)
         found, solving = (
