@@ -25,10 +25,10 @@ from .polar import PolarProfile as PolarProfile
 from .polar import PolynomialProfile as PolynomialProfile
 from .polar import PowerLawProfile as PowerLawProfile
 from .polar import PowerSumProfile as PowerSumProfile
+from .preparation.borders import make_periodic as make_periodic
 from .preparation.filling import fill_missing as fill_missing
 from .preparation.filtering import bandpass as bandpass
 from .preparation.filtering import crop as crop
-from .preparation.filtering import make_periodic as make_periodic
 from .preparation.levelling import level as level
 from .preparation.outliers import mark_outliers as mark_outliers
 from .preparation.prepare import prepare as prepare

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from asperity.bem.curve import bem_curve
 from asperity.curve import contact_curve
-from surfaces.preparation.filtering import bandpass, make_periodic
+from surfaces.preparation.borders import make_periodic
+from surfaces.preparation.filtering import bandpass
 from surfaces.preparation.resampling import resample
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from surfaces.checks import resolution_warning, seam_warning, straight_warning
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.stored_array import windows
 from surfaces.patches import label_patches
-from surfaces.preparation.filtering import make_periodic
+from surfaces.preparation.borders import make_periodic
 from surfaces.preparation.resampling import resample
 
 __all__ = [

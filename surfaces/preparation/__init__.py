@@ -1,1 +1,1 @@
-"""Preparation of a measured map: level, outliers, filling, filters, coarser grids."""
+"""Preparation of a measured map: level, outliers, filling, filters, borders, coarser grids."""

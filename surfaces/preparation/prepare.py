@@ -7,7 +7,7 @@ import numpy as np
 from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
 
-from . import filling, filtering, levelling
+from . import borders, filling, filtering, levelling
 from .outliers import mark_outliers
 
 __all__ = ["prepare"]
@@ -83,5 +83,5 @@ def prepare(
     if bandpass is not None:
         hm = filtering.bandpass(hm, *bandpass, filter=filter)
     if periodic is not None:
-        hm = filtering.make_periodic(hm, periodic)
+        hm = borders.make_periodic(hm, periodic)
     return hm

@@ -1,0 +1,158 @@
+"""A map made one period of an endless surface: mirrored, faded, smoothed, or as it is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from surfaces.errors import SurfaceError, as_number
+from surfaces.heightmap import HeightMap, require_full
+from surfaces.numerics.stored_array import Source, windows
+
+from .filtering import passed
+
+__all__ = ["make_periodic"]
+
+PERIODIC = ("mirror", "taper", "smooth", "wrap")
+
+
+def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> HeightMap:
+    """Turn a measured map into one period of an endless surface, and state what that costs.
+
+    Parameters
+    ----------
+    hm
+        The map, levelled and without missing points.
+    how
+        ``mirror``: the map and its mirror images, twice as long on each side; no height is
+        changed. ``taper``: heights fade to their mean within `width` of the border. ``smooth``: a
+        smooth surface that carries the steps across the seam is taken off (Moisan 2011): no strip
+        is lost, and slopes inside hardly change. ``wrap``: the map as it is, with a cliff where its
+        sides do not meet.
+    width
+        Width of the faded strip [m] of ``taper``; a tenth of the shorter side by default.
+
+    Returns
+    -------
+    HeightMap
+        History step ``periodic`` with the rms step across the seam and inside the map [m]
+        (``seam_step``, ``inner_step``), the rms heights before and after, and the fraction of the
+        area that was changed.
+
+    Raises
+    ------
+    SurfaceError
+        If points are missing, `how` is unknown, or the strip is wider than half the map.
+
+    Examples
+    --------
+    >>> import surfaces
+    >>> hm = surfaces.self_affine((32, 48), (32e-6, 48e-6), hurst=0.8, rms_slope=0.1, cutoff=8e-6)
+    >>> part = surfaces.crop(hm, (0, 16), (8, 40))
+    >>> surfaces.make_periodic(part, "mirror")
+    <HeightMap 32 x 64, pixel 1e-06 x 1e-06 m, periodic>
+    """
+    if how not in PERIODIC:
+        raise SurfaceError(f"periodic is {how!r}; it must be None or one of {', '.join(PERIODIC)}")
+    require_full(hm, "a periodic map")
+    made, changed = hm, 0.0
+    step: dict[str, object] = {"step": "periodic", "how": how, "rms_before": hm.rms_height}
+    if how == "mirror":
+        made = hm.with_rows(_mirrored(hm.source), (2 * hm.shape[0], 2 * hm.shape[1]))
+    elif how == "taper":
+        strip = 0.1 * min(hm.size) if width is None else as_number("width", width)
+        if not 0.0 < strip <= 0.5 * min(hm.size):
+            raise SurfaceError(
+                f"the tapered strip is {strip:g} m wide; it must be at most half of "
+                f"{min(hm.size):g} m"
+            )
+        across, along = _window(hm.y, hm.size[0], strip), _window(hm.x, hm.size[1], strip)
+        made = hm.with_rows(_faded(hm.source, across, along))
+        kept = np.count_nonzero(across == 1.0) * np.count_nonzero(along == 1.0)
+        changed = (hm.source.size - kept) / hm.source.size
+        step["width"] = strip
+    elif how == "smooth":
+        carrier = _seam_carrier(hm.source)
+        made = hm.with_rows(
+            (begin, rows - carrier[begin:end]) for begin, end, rows, _ in windows(hm.source)
+        )
+        changed = 1.0
+    seam, inner = _steps(made.source)
+    step |= {
+        "rms_after": made.rms_height,
+        "seam_step": seam,
+        "inner_step": inner,
+        "area_changed": changed,
+    }
+    return made.replace(periodic=True, step=step)
+
+
+def _mirrored(source: Source) -> Iterator[tuple[int, NDArray[np.float64]]]:
+    """Blocks of rows of an array and its mirror images."""
+    for begin, end, rows, _ in windows(source):
+        rows = np.hstack([rows, rows[:, ::-1]])
+        yield begin, rows
+        yield 2 * source.shape[0] - end, rows[::-1]
+
+
+def _faded(
+    source: Source, across: NDArray[np.float64], along: NDArray[np.float64]
+) -> Iterator[tuple[int, NDArray[np.float64]]]:
+    """Blocks of rows of an array that fades to its mean along y and x."""
+    total = sum(float(rows.sum()) for _, _, rows, _ in windows(source))
+    mean = total / source.size
+    for begin, end, rows, _ in windows(source):
+        yield begin, mean + (rows - mean) * (across[begin:end, None] * along)
+
+
+def _steps(source: Source) -> tuple[float, float]:
+    """Rms steps across the seam of an array, and inside it."""
+    total, count = 0.0, 0
+    for begin, end, window, top in windows(source, below=1):
+        rows = window[begin - top : min(end + 1, len(source)) - top]
+        along = np.diff(rows[: end - begin])
+        steps = np.concatenate([np.diff(rows, axis=0).ravel(), along.ravel()])
+        total, count = total + float(np.sum(np.square(steps))), count + steps.size
+    ends = np.concatenate([source[0] - source[-1], source[:, 0] - source[:, -1]])
+    return float(np.sqrt(np.mean(np.square(ends)))), float(np.sqrt(total / count))
+
+
+def _seam_carrier(source: Source) -> Source:
+    """The smoothest surface whose steps across the seam are those of the map.
+
+    Notes
+    -----
+    Its discrete Laplacian is that of the steps alone, of a period, and its mean is zero (Moisan
+    2011, Periodic plus smooth image decomposition, eqs. 10 and 11).
+    """
+    (ny, nx), down, across = source.shape, source[-1] - source[0], source[:, -1] - source[:, 0]
+
+    def steps() -> Iterator[tuple[int, NDArray[np.float64]]]:
+        for begin, end, _, _ in windows(source):
+            rows = np.zeros((end - begin, nx))
+            if begin == 0:
+                rows[0] += down
+            if end == ny:
+                rows[-1] -= down
+            rows[:, 0] += across[begin:end]
+            rows[:, -1] -= across[begin:end]
+            yield begin, rows
+
+    along_y, along_x = np.cos(2 * np.pi * fft.fftfreq(ny)), np.cos(2 * np.pi * fft.rfftfreq(nx))
+
+    def share(columns: slice) -> NDArray[np.float64]:
+        laplacian = 2.0 * (along_y[:, None] + along_x[columns]) - 4.0
+        if columns.start == 0:
+            laplacian[0, 0] = np.inf
+        return np.asarray(1.0 / laplacian)
+
+    return passed(steps(), source, True, share)
+
+
+def _window(places: NDArray[np.float64], length: float, strip: float) -> NDArray[np.float64]:
+    """Raised cosine: 0 at the border, 1 from `strip` inwards."""
+    inward = np.minimum(places, length - places)
+    return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.minimum(inward / strip, 1.0)))
