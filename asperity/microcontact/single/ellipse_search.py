@@ -115,6 +115,8 @@ class Search:
                 share = move @ along
                 if share > 0.1 * (move @ move):
                     self._inverse += np.outer(move - along, move @ self._inverse) / share
+                else:  # steps away from the best have taught a wrong one
+                    self._inverse = np.eye(len(self._modes))
             step = following
         return best if step is not None and np.abs(step).max() < 1e-2 else None
 

@@ -108,6 +108,15 @@ def test_stiffness_is_the_slope_of_the_force(ratio, law):
     np.testing.assert_allclose(one.force @ fourth_order, one.stiffness[2], rtol=1e-6)
 
 
+@pytest.mark.parametrize("ratio", [1.0, 1.001, 1.1])
+def test_every_contact_has_a_stiffness(ratio):
+    """Near a circle the ellipse hardly knows its direction, and rounding turns it."""
+    profile, material = harmonics(ratio)
+    one = asperity.indent(profile, material, 0.7 * np.geomspace(0.9, 1.1, 60), law="ellipse")
+    slope = np.gradient(one.force, one.approach, edge_order=2)
+    np.testing.assert_allclose(one.stiffness, slope, rtol=1e-3)
+
+
 @pytest.mark.parametrize("m", [-0.3, 0.0, 0.5])
 def test_ritz_is_exact_for_round_contacts(m):
     """Free rays and ellipses find the paraboloid of revolution."""
