@@ -18,6 +18,12 @@ __all__ = ["make_periodic"]
 
 PERIODIC = ("mirror", "taper", "smooth", "wrap")
 
+STEEPNESS = 1.0 / 3.0
+"""Rms height over the width of a faded strip, over the rms slope of the map."""
+
+WIDEST = 0.1
+"""Width of a faded strip over the shorter side of the map, at most."""
+
 
 def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> HeightMap:
     """Turn a measured map into one period of an endless surface, and state what that costs.
@@ -33,7 +39,9 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
         is lost, and slopes inside hardly change. ``wrap``: the map as it is, with a cliff where its
         sides do not meet.
     width
-        Width of the faded strip [m] of ``taper``; a tenth of the shorter side by default.
+        Width of the faded strip [m] of ``taper``. By default the fade is a third as steep as the
+        map, by rms height and slope, over a tenth of the shorter side at most: what fades lies too
+        low, and touches otherwise than the surface does.
 
     Returns
     -------
@@ -63,7 +71,7 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
     if how == "mirror":
         made = hm.with_rows(_mirrored(hm.source), (2 * hm.shape[0], 2 * hm.shape[1]))
     elif how == "taper":
-        strip = 0.1 * min(hm.size) if width is None else as_number("width", width)
+        strip = _gentle(hm) if width is None else as_number("width", width)
         if not 0.0 < strip <= 0.5 * min(hm.size):
             raise SurfaceError(
                 f"the tapered strip is {strip:g} m wide; it must be at most half of "
@@ -150,6 +158,13 @@ def _seam_carrier(source: Source) -> Source:
         return np.asarray(1.0 / laplacian)
 
     return passed(steps(), source, True, share)
+
+
+def _gentle(hm: HeightMap) -> float:
+    """Width [m] of a strip in which heights fade, see `make_periodic`; a pixel at least."""
+    steepest = STEEPNESS * hm.roughness.rms_slope
+    width = hm.rms_height / max(steepest, np.finfo(float).tiny)
+    return min(max(width, *hm.spacing), WIDEST * min(hm.size))
 
 
 def _window(places: NDArray[np.float64], length: float, strip: float) -> NDArray[np.float64]:

@@ -72,7 +72,8 @@ def height_map(case: Case, scale: float = 1.0) -> surfaces.HeightMap:
         y, x = np.meshgrid(np.linspace(-1, 1, ny), np.linspace(-1, 1, nx), indexing="ij")
         noise = np.random.default_rng(7).normal(size=shape)
         heights = heights - hm.rms_height * (y**2 + 0.5 * x**2 - 0.02 * noise)
-        return surfaces.prepare(surfaces.HeightMap(heights, spacing), periodic="taper")
+        bent = surfaces.prepare(surfaces.HeightMap(heights, spacing))
+        return surfaces.make_periodic(bent, "taper", width=0.1 * min(size))
     return hm
 
 

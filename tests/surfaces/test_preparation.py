@@ -232,6 +232,23 @@ def test_mirror_has_no_cliff_and_taper_fades() -> None:
     assert wrapped["seam_step"] > 1.2 * wrapped["inner_step"]
 
 
+def test_a_taper_is_no_steeper_than_the_map_and_no_wider_than_that_asks_for() -> None:
+    """The strip is wide where heights vary slowly, narrow where they vary at once; the mean stays,
+    and the fade adds less to the slopes than the map has."""
+    spectrum = {"hurst": 0.8, "rms_height": 1e-6, "seed": 2}
+    fine = surfaces.self_affine((256, 256), (1e-3, 1e-3), rolloff=6e-5, cutoff=2e-5, **spectrum)
+    coarse = surfaces.self_affine((256, 256), (1e-3, 1e-3), rolloff=2.4e-4, cutoff=8e-5, **spectrum)
+    made = [surfaces.make_periodic(h.replace(periodic=False), "taper") for h in (fine, coarse)]
+    narrow, wide = (hm.history[-1]["width"] for hm in made)
+    assert wide == pytest.approx(4 * narrow, rel=0.2)
+    assert made[0].roughness.rms_slope < 1.1 * fine.roughness.rms_slope
+    assert made[0].rms_height > 0.97 * fine.rms_height
+    hill = surfaces.HeightMap(1e-6 * np.cos(np.linspace(-1, 1, 64))[:, None] * np.ones(64), 1e-6)
+    assert surfaces.make_periodic(hill, "taper").history[-1]["width"] == pytest.approx(6.4e-6)
+    flat = surfaces.HeightMap(np.zeros((16, 16)), 1e-6)
+    assert not surfaces.make_periodic(flat, "taper").heights.any()
+
+
 def test_history_has_one_step_per_thing_done() -> None:
     hm = smooth()
     heights = hm.heights + np.random.default_rng(5).normal(0.0, 3e-9, hm.shape)
