@@ -45,6 +45,9 @@ class CoarseMaps:
         Threads of the transforms.
     scratch
         Where the memory comes from.
+    origin
+        Row and column of the point that is the first of every coarser grid of a periodic map. About
+        one that belongs to the surface, maps that are moved or mirrored have equal coarser maps.
     """
 
     def __init__(
@@ -55,6 +58,7 @@ class CoarseMaps:
         *,
         threads: int = 1,
         scratch: Scratch | None = None,
+        origin: tuple[int, int] = (0, 0),
     ) -> None:
         self._threads = threads
         self._averages: list[NDArray[np.float64]] = []
@@ -68,6 +72,10 @@ class CoarseMaps:
             low = _low_columns(heights, kept, threads, scratch or Scratch())
             low = scipy.fft.fft(low, axis=0, workers=threads, overwrite_x=True, norm="forward")
             self._low = _low_waves(low, shapes[-1])
+            for axis, (first, count) in enumerate(zip(origin, heights.shape, strict=True)):
+                waves = np.fft.fftfreq(shapes[-1][axis], 1.0 / shapes[-1][axis])
+                turn = np.exp(2j * np.pi * first / count * waves[: self._low.shape[axis]])
+                self._low *= turn[:, None] if axis == 0 else turn
 
     def level(self, index: int, shape: tuple[int, int]) -> NDArray[np.float64]:
         """Heights of the grid number `index`."""
@@ -132,6 +140,7 @@ def prolong(
     fine_shape: tuple[int, int],
     boundary: Boundary,
     mean: float,
+    origin: tuple[int, int] = (0, 0),
 ) -> None:
     """Bilinear interpolation of a coarse pressure into a finer grid, scaled to a mean pressure.
 
@@ -145,21 +154,24 @@ def prolong(
         Whether the map continues across its border.
     mean
         Mean of the result; not scaled if zero.
+    origin
+        Row and column of the finer grid at which the coarse one begins, if periodic.
     """
-    rows = _places(shape[0], fine_shape[0], boundary)
-    columns = _places(shape[1], fine_shape[1], boundary)
+    rows = _places(shape[0], fine_shape[0], boundary, origin[0])
+    columns = _places(shape[1], fine_shape[1], boundary, origin[1])
     _grid_kernels.interpolate(coarse, fine, *rows, *columns, mean)
 
 
 def _places(
-    n: int, count: int, boundary: Boundary
+    n: int, count: int, boundary: Boundary, first: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
     """Coarse points below and above each point of the fine grid along one axis, and their shares.
 
-    Fourier truncation keeps the first points of both grids together, averaging their borders.
+    Fourier truncation keeps the first point of the coarse grid on the point `first`, averaging the
+    borders of both.
     """
     if boundary == "periodic":
-        place = np.arange(count, dtype=np.float64) * np.float64(n / count)
+        place = (np.arange(count) - first) % count * np.float64(n / count)
     else:
         place = np.clip((np.arange(count) + 0.5) * (n / count) - 0.5, 0.0, n - 1.0)
     below = place.astype(np.int64)

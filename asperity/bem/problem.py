@@ -168,13 +168,16 @@ class ContactProblem:
             length = max(self.level.rms_height, _FIRST_LOAD * (offset + self.level.highest))
             load = min(_FIRST_LOAD * length, 0.1 * self.level.cap)
         shapes = level_shapes(self.hm.shape)[:-1]
-        fine = self.level.exact
+        fine, whole = self.level.exact, self.level.heights
+        row, column = np.unravel_index(whole.argmax(), whole.shape)
+        top = (int(row), int(column)) if self.boundary == "periodic" else (0, 0)
         maps = CoarseMaps(
-            self.level.heights,
+            whole,
             self.boundary,
             shapes,
             threads=self._threads,
             scratch=Scratch(fine.pressure),
+            origin=top,
         )
         scratch = Scratch(fine.output)
         iterations = 0
@@ -202,11 +205,19 @@ class ContactProblem:
             if offset is not None:
                 load = outcome.reading.total / heights.size / ratio
             coarse = level
-        self._start(self.level, coarse, load, offset)
+        self._start(self.level, coarse, load, offset, top)
         return iterations
 
-    def _start(self, level: Level, coarse: Level | None, mean: float, offset: float | None) -> None:
-        """First pressure of a grid, of this mean: from the coarser grid if there is one."""
+    def _start(
+        self,
+        level: Level,
+        coarse: Level | None,
+        mean: float,
+        offset: float | None,
+        origin: tuple[int, int] = (0, 0),
+    ) -> None:
+        """First pressure of a grid, of this mean: from the coarser grid if there is one, which
+        begins at the point `origin` of it."""
         if coarse is not None:
             prolong(
                 coarse.exact.pressure,
@@ -215,6 +226,7 @@ class ContactProblem:
                 level.heights.shape,
                 self.boundary,
                 mean,
+                origin,
             )
         elif offset is not None and math.isinf(level.cap):
             highest = np.unravel_index(level.heights.argmax(), level.heights.shape)
