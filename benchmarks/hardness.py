@@ -2,13 +2,13 @@
 
     python benchmarks/hardness.py --size 512 1024
     python benchmarks/hardness.py --model --size 512 1024   # time of the model over the elastic one
-    python benchmarks/hardness.py --maps MEASURED --border smooth   # errors to 10 % of contact
+    python benchmarks/hardness.py --maps MEASURED --border smooth --csv FILE
     python benchmarks/hardness.py --peers /path/to/peers/bin/python --size 256
 
 x is the hardness over E* times the rms slope. With --peers (an environment with Tamaas) both are
 timed, and both pressures are certified anew here, in numpy, with the exact least energy of the
-bounds. With --maps the largest errors of the model in load at equal separation and in area at equal
-load, against boundary elements on the map refined twice, at 0.5 to 10 % of contact.
+bounds. With --maps the largest errors [%] of the model in load at equal separation and in area at
+equal load, against boundary elements on the map refined twice, at 0.5 to 10 % of contact.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import asperity
 import surfaces
 from asperity.halfspace.scene import pressure_scale
+from asperity.results.storage import write_csv
 
 MODULUS, SLOPE, PIXEL = 1e11, 0.1, 1e-6
 SHARES = 0.02, 0.05, 0.1, 0.2, 0.5, 1.0
@@ -180,12 +181,13 @@ def model_times(sizes, seeds):
 
 
 def measured_maps(folder, border):
-    """Errors of the model on measured maps, made periodic by their `border`."""
+    """Errors of the model on measured maps, made periodic by their `border`, as a table."""
     soft = asperity.HalfSpace.from_modulus(1.0)
+    table = {"map": []} | {f"H/(E* h') = {share:g}": [] for share in SHARES}
     for path in sorted(folder.glob("*.h5")):
         hm = measured(path, border)
         fine = surfaces.resample(hm, np.asarray(hm.spacing) / 2)
-        told = []
+        told = [path.stem]
         for share in SHARES:
             hard = asperity.HalfSpace.from_modulus(1.0, hardness=share * pressure_scale(hm, soft))
             curve = asperity.contact_curve(hm, hard)
@@ -199,7 +201,10 @@ def measured_maps(folder, border):
             area = model.contact_area / exact.contact_area - 1.0
             off = (np.nanmax(np.abs(each[counted])) for each in (load, area))
             told.append(" / ".join(f"{100 * worst:.1f}" for worst in off))
-        print(f"{path.stem:24s} " + "  ".join(told), flush=True)
+        for column, text in zip(table.values(), told, strict=True):
+            column.append(text)
+        print("  ".join(told), flush=True)
+    return table
 
 
 def main():
@@ -208,13 +213,16 @@ def main():
     parser.add_argument("--seeds", type=int, nargs="+", default=[1])
     parser.add_argument("--model", action="store_true", help="time of the model")
     parser.add_argument("--maps", type=Path, metavar="FOLDER", help="errors on measured maps")
-    parser.add_argument("--border", default="smooth", help="how these are made periodic")
+    parser.add_argument("--border", default="taper", help="how these are made periodic")
+    parser.add_argument("--csv", type=Path, help="their table")
     parser.add_argument("--peers", help="python of an environment with Tamaas")
     parser.add_argument("--iterations", type=int, default=300, help="of Tamaas")
     args = parser.parse_args()
     if args.maps:
         warnings.simplefilter("ignore")
-        measured_maps(args.maps, args.border)
+        table = measured_maps(args.maps, args.border)
+        if args.csv:
+            write_csv(args.csv, table)
     elif args.model:
         model_times(args.size, args.seeds)
     elif args.peers:

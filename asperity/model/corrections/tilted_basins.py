@@ -82,7 +82,7 @@ def _yielding(
     population: Population, summits: Summits, state: PopulationState, fitted: TiltedBasins
 ) -> PopulationState:
     """State of which the contacts of large area are pressed under the hardness, the largest first,
-    those on tilted basins as if twice as large, until their laws are confirmed."""
+    those on tilted basins as if twice as large, until their laws are confirmed: these stay."""
     approach, force, _, area = state.listed
     own = np.flatnonzero((force > 0.0) & (area > fitted.pressed * state.contact_area))
     punch = population.table.elastic_at(state.rows[own], approach[own])[1]
@@ -92,10 +92,10 @@ def _yielding(
     first, last, changes = 0, fitted.probe, []
     while first < len(own):
         some = own[first:last]
-        found = _areas(population, summits, state, some, shift[first:last], fitted)
-        changes.append(found - area[some])
-        if abs(changes[-1].sum()) <= fitted.confirmed * area[some].sum():
+        change = _areas(population, summits, state, some, shift[first:last], fitted) - area[some]
+        if abs(change.sum()) <= fitted.confirmed * area[some].sum():
             break
+        changes.append(change)
         first, last = last, 2 * last
     changed = np.concatenate(changes) if changes else np.empty(0)
     return _changed(state, own[: len(changed)], changed)
