@@ -73,7 +73,7 @@ class CoarseMaps:
             low = scipy.fft.fft(low, axis=0, workers=threads, overwrite_x=True, norm="forward")
             self._low = _low_waves(low, shapes[-1])
             for axis, (first, count) in enumerate(zip(origin, heights.shape, strict=True)):
-                waves = np.fft.fftfreq(shapes[-1][axis], 1.0 / shapes[-1][axis])
+                waves = scipy.fft.fftfreq(shapes[-1][axis], 1.0 / shapes[-1][axis])
                 turn = np.exp(2j * np.pi * first / count * waves[: self._low.shape[axis]])
                 self._low *= turn[:, None] if axis == 0 else turn
 
