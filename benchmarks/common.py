@@ -38,8 +38,9 @@ Scene = tuple[surfaces.HeightMap, float, str | None]
 
 
 def measured(path: Path, border: str = "taper") -> surfaces.HeightMap:
-    """A measured map, filled, and made periodic this way."""
-    return surfaces.prepare(surfaces.read(path), fill="harmonic", periodic=border)
+    """A measured map, filled, and made periodic this way, or "free"."""
+    periodic = None if border == "free" else border
+    return surfaces.prepare(surfaces.read(path), fill="harmonic", periodic=periodic)
 
 
 def scenes(

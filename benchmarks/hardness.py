@@ -181,7 +181,7 @@ def model_times(sizes, seeds):
 
 
 def measured_maps(folder, border):
-    """Errors of the model on measured maps, made periodic by their `border`, as a table."""
+    """Errors of the model on measured maps, made periodic by their `border` or free, as a table."""
     soft = asperity.HalfSpace.from_modulus(1.0)
     table = {"map": []} | {f"H/(E* h') = {share:g}": [] for share in SHARES}
     for path in sorted(folder.glob("*.h5")):
@@ -213,7 +213,7 @@ def main():
     parser.add_argument("--seeds", type=int, nargs="+", default=[1])
     parser.add_argument("--model", action="store_true", help="time of the model")
     parser.add_argument("--maps", type=Path, metavar="FOLDER", help="errors on measured maps")
-    parser.add_argument("--border", default="taper", help="how these are made periodic")
+    parser.add_argument("--border", default="taper", help="how these are made periodic, or free")
     parser.add_argument("--csv", type=Path, help="their table")
     parser.add_argument("--peers", help="python of an environment with Tamaas")
     parser.add_argument("--iterations", type=int, default=300, help="of Tamaas")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.peaks.peaks import PLATEAU, RIM
+from surfaces.peaks.peaks import SUMMIT
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -79,11 +79,10 @@ class LoadShares:
     @classmethod
     def of(cls, summits: Summits) -> LoadShares:
         """The shares of the summits of a map."""
-        usable = summits.valid & (summits.kinds != RIM)
-        rows = np.flatnonzero(usable)
+        rows = np.flatnonzero(summits.valid)
         highest = rows[np.argsort(-summits.height[rows], kind="stable")[:MOST]]
         weight = _weight(summits)
-        return cls(usable, weight, summits.height[highest], weight[highest])
+        return cls(summits.valid, weight, summits.height[highest], weight[highest])
 
     @property
     def full(self) -> bool:
@@ -102,9 +101,9 @@ class LoadShares:
 
 
 def _weight(summits: Summits) -> Array:
-    """Root of the mean radius [m^1/2] of summits, of plateaus that of the others."""
+    """Root of the mean radius [m^1/2] of summits, of peaks without one that of the others."""
     weight = np.prod(summits.curvature, axis=1) ** -0.25
-    plateau = summits.kinds == PLATEAU
-    if plateau.any() and not plateau.all():
-        weight[plateau] = np.median(weight[~plateau])
+    none = summits.kinds != SUMMIT
+    if none.any() and not none.all():
+        weight[none] = np.median(weight[~none])
     return np.asarray(weight)

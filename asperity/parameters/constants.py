@@ -285,7 +285,7 @@ class ErrorEstimate:
     flat_tops, at_border, unsure, unresolved
         Weights [-] of the terms outside the model, for load and area alike: the largest errors
         where all contacts are such, of heights cut off at one rms height and of a single wave (0.7
-        to 0.99), of tilted maps and of cups (0.6), of single tips r and r^4 (0.8 to 1.6).
+        to 0.99), of tilted maps and of cups (0.15), of single tips r and r^4 (0.8 to 1.6).
     pressed
         Part [-] of the errors on flat tops that is gone where these are pressed alone: of heights
         cut off at one and two rms heights, cut cones and coarse steps those of load are 0.2 then,
@@ -320,7 +320,7 @@ class ErrorEstimate:
         0.3272, 0.0846, 1.2033, 0.6293, 0.0, 0.0292, 0.0528, 0.0123, 0.5485,
     )  # fmt: skip
     flat_tops: float = 1.0
-    at_border: float = 0.6
+    at_border: float = 0.15
     unsure: float = 1.0
     unresolved: float = 1.0
     pressed: float = 0.5

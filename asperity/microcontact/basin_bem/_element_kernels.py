@@ -58,7 +58,8 @@ def _flood(
 
     The surface falls by `tilt` [m] per pixel along y and x from `place` on.
 
-    Returns their number; 0 if they leave the window or reach points of no basin.
+    Returns their number; 0 if they leave the window or reach points of no basin. The border of a
+    map that is not periodic ends them.
     """
     ny, nx = heights.shape
     rows[0], cols[0] = row, col
@@ -77,7 +78,7 @@ def _flood(
             if periodic:
                 r, c = _wrapped(r, ny), _wrapped(c, nx)
             elif r < 0 or c < 0 or r >= ny or c >= nx:
-                return 0
+                continue
             fall = tilt[0] * (row + dr - place[0]) + tilt[1] * (col + dc - place[1])
             if heights[r, c] - fall < level:
                 continue

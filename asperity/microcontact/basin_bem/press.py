@@ -21,6 +21,7 @@ from asperity.microcontact.law_kernels import BLUNT
 from asperity.microcontact.law_table import LawTable
 from surfaces.numerics import parallel
 from surfaces.numerics.stored_array import mapped
+from surfaces.peaks.peaks import RIM
 
 if TYPE_CHECKING:
     from surfaces.peaks.summits import Summits
@@ -214,6 +215,7 @@ def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: Ha
         return
     beyond = (table.flags[slots] & Flag.BEYOND_RADIUS) > 0
     first = np.where(beyond.any(axis=1), beyond.argmax(axis=1) - 1, table.nodes)
+    first[summits.kinds[rows] == RIM] = 1
     joined = np.isfinite(summits.floor[rows])
     for k in np.flatnonzero(joined):
         first[k] = min(first[k], _second(table, slots[k], summits, rows[k]))

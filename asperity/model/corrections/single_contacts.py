@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from asperity.errors import Flag
 from asperity.microcontact.basin_bem.press import put
-from surfaces.peaks.peaks import PLATEAU
+from surfaces.peaks.peaks import SUMMIT
 
 if TYPE_CHECKING:
     from asperity.model.law_rows import LawRows
@@ -68,8 +68,8 @@ def pressed_slots(laws: LawRows) -> NDArray[np.int64]:
     steep, shallow = summits.curvature[rows[slots]].T
     rough = (steep > bounds.ridge * shallow) | (first <= EARLY)
     share = np.where(rough, bounds.ridge_share, bounds.round_share)[:, None]
-    plateau = summits.kinds[rows[slots], None] == PLATEAU
-    share = np.where(plateau, bounds.plateau_share, share)
+    none = summits.kinds[rows[slots], None] != SUMMIT
+    share = np.where(none, bounds.plateau_share, share)
     load = shares.weight[rows[slots], None] * depth**1.5
     known = flat > shares.lowest
     chosen = np.isfinite(summits.floor[rows]) & (table.reach > 0)
