@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from .full_grid import FullGridOperator
 from .operator import HalfSpaceOperator
 from .split import SplitOperator
 
-__all__ = ["Level", "Outcome", "PoorPredictionError"]
+__all__ = ["Level", "Outcome", "PoorPredictionError", "Start"]
 
 _FIRST_BAND = 0.15
 """Gap over the length scale below which points are candidates in the first correction, times the
@@ -54,6 +55,29 @@ _FULL_SHARE = 0.4
 
 class PoorPredictionError(Exception):
     """A predicted pressure is so far off that a start from coarser grids costs less."""
+
+
+class Start(Enum):
+    """Where the pressure comes from that a grid is solved from.
+
+    Attributes
+    ----------
+    GIVEN
+        From anywhere.
+    PROLONGED
+        From a coarser grid: it is corrected in any case, as points about the contact that carry
+        next to nothing make its area too large.
+    PREDICTED
+        From the loads before, possibly negative in places, with its displacement: it is corrected
+        in any case, and the first correction needs no transform.
+    SOLVED
+        From this load at a larger tolerance, with its displacement.
+    """
+
+    GIVEN = "given"
+    PROLONGED = "prolonged"
+    PREDICTED = "predicted"
+    SOLVED = "solved"
 
 
 @dataclass
@@ -118,9 +142,7 @@ class Level:
         load: float,
         offset: float | None,
         tolerance: float,
-        *,
-        predicted: bool = False,
-        prolonged: bool = False,
+        start: Start = Start.GIVEN,
     ) -> Outcome:
         """Correct the pressure until its certificate is within the tolerance.
 
@@ -132,12 +154,8 @@ class Level:
             Prescribed level u - h of the contact [m], or None.
         tolerance
             Bound on each entry of the certificate.
-        predicted
-            The operator's buffers hold a pressure, possibly negative in places, and its
-            displacement: the first correction needs no transform.
-        prolonged
-            The pressure comes from a coarser grid: it is corrected in any case, as points about the
-            contact that carry next to nothing make its area too large.
+        start
+            What the operator's buffers hold.
 
         Raises
         ------
@@ -150,7 +168,8 @@ class Level:
         self._careful = False
         for outer in range(_MAX_CORRECTIONS):
             use_numba(1 if self.heights.size <= _ONE_THREAD else idle_threads(self.exact.threads))
-            known = predicted and outer == 0
+            first, predicted = outer == 0, outer == 0 and start is Start.PREDICTED
+            known = predicted or (first and start is Start.SOLVED)
             displacement = self.exact.displacement if known else self.exact.apply()
             reading = certify(
                 self.exact.pressure,
@@ -162,7 +181,7 @@ class Level:
                 offset=offset,
             )
             worst = reading.certificate.worst
-            if worst <= tolerance and not (known or (prolonged and outer == 0)):
+            if worst <= tolerance and not (predicted or (first and start is Start.PROLONGED)):
                 return Outcome(reading, iterations, tolerance, True, "")
             idle = 0 if worst < 0.7 * best else idle + 1
             self._careful = self._careful or idle >= 2
@@ -170,8 +189,8 @@ class Level:
             if idle >= _MAX_IDLE:
                 break
             error = worst if mean is None else replace(reading.certificate, load=0.0).worst
-            listed = self._listed(mean, offset, displacement, reading, error, outer == 0)
-            if known and len(listed[0]) - reading.points > _LONGEST_LIST * self.heights.size:
+            listed = self._listed(mean, offset, displacement, reading, error, first)
+            if predicted and len(listed[0]) - reading.points > _LONGEST_LIST * self.heights.size:
                 raise PoorPredictionError
             iterations += self._correct(listed, mean, offset, reading.scale, error, tolerance)
         reason = (

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._grid_kernels import extrapolate
-from .correction import Level, Outcome, PoorPredictionError
+from .correction import Level, Outcome, PoorPredictionError, Start
 from .problem import ContactProblem
 
 __all__ = ["LoadPath", "follow_chains", "split_loads"]
@@ -106,7 +106,8 @@ class LoadPath:
         Map, material and boundary, planned.
     accuracy
         Relative error allowed in the contact area: where the certificate leaves more, a load is
-        solved further, to a smaller tolerance than that of the problem.
+        solved further, to a smaller tolerance than that of the problem, with which the next load
+        begins.
 
     Notes
     -----
@@ -121,6 +122,7 @@ class LoadPath:
     def __init__(self, problem: ContactProblem, accuracy: float = math.inf) -> None:
         self.problem = problem
         self._accuracy = accuracy
+        self._tolerance = problem.tolerance
         self._old: tuple[NDArray[np.float32], NDArray[np.float32]] | None = None
         self._means = (0.0, 0.0)
         self._level = 0.0
@@ -142,12 +144,12 @@ class LoadPath:
         if near and self._two_known():
             self._predict(level, mean)
             with contextlib.suppress(PoorPredictionError):
-                outcome = level.solve(load, offset, problem.tolerance, predicted=True)
+                outcome = level.solve(load, offset, self._tolerance, Start.PREDICTED)
         else:
             self._old = self._copied() if near else None
         if outcome is None:
             spent = problem.start(load, offset)
-            outcome = level.solve(load, offset, problem.tolerance, prolonged=True)
+            outcome = level.solve(load, offset, self._tolerance, Start.PROLONGED)
             outcome.iterations += spent
         outcome = self._sharpened(outcome, load, offset)
         self._remember(outcome)
@@ -157,15 +159,16 @@ class LoadPath:
         """Solve further until the area is known to the accuracy: mostly once, again where points
         open or close together."""
         for _ in range(_MOST_TIMES if self._accuracy < math.inf else 0):
-            error = self.problem.area_error(outcome)
-            if error <= self._accuracy:
+            error, grain = self.problem.area_error(outcome), 1.0 / max(outcome.reading.points, 1)
+            if error <= grain or not outcome.converged:
                 break
-            grain = 1.0 / outcome.reading.points
             allowed = max(self._accuracy - grain, _LEAST_SHARE * self._accuracy)
             tolerance = max(_AIM * outcome.tolerance * allowed / (error - grain), _SHARPEST)
-            if tolerance >= outcome.tolerance or not outcome.converged:
+            self._tolerance = min(tolerance, self.problem.tolerance)
+            if error <= self._accuracy or tolerance >= outcome.tolerance:
                 break
-            spent, outcome = outcome.iterations, self.problem.level.solve(load, offset, tolerance)
+            spent = outcome.iterations
+            outcome = self.problem.level.solve(load, offset, tolerance, Start.SOLVED)
             outcome.iterations += spent
         return outcome
 

@@ -8,6 +8,8 @@ from strategies import rough
 
 from asperity import HalfSpace, bem_curve
 from asperity.bem import curve, path
+from asperity.bem.correction import Level, Start
+from asperity.bem.problem import ContactProblem
 from asperity.threads import set_threads
 
 BODY = HalfSpace.from_modulus(1.0)
@@ -71,3 +73,36 @@ def test_a_load_starts_from_the_last_where_its_prediction_is_good(monkeypatch, r
     alone = bem_curve(hm, BODY, pressures=loads[-1:], tolerance=1e-7)
     assert found.separation[-1] == pytest.approx(alone.separation[0], rel=1e-6)
     assert found.contact_area[-1] == pytest.approx(alone.contact_area[0], rel=1e-6)
+
+
+def test_a_load_is_solved_further_from_where_it_stands():
+    """Its displacement is known: one transform less than from its pressure alone, same answer."""
+    found = []
+    for start in (Start.GIVEN, Start.SOLVED):
+        problem = ContactProblem(rough((96, 128)), HalfSpace.from_modulus(1.0), tolerance=1e-2)
+        load, offset = problem.prescribed(2e-3)
+        problem.start(load, offset)
+        problem.level.solve(load, offset, 1e-2, Start.PROLONGED)
+        pairs = problem.level.exact.pairs
+        outcome = problem.level.solve(load, offset, 1e-5, start)
+        found.append((problem.level.exact.pairs - pairs, problem.separation(outcome)))
+    (given, separation), (solved, same) = found
+    assert given - solved == 1
+    assert same == separation
+
+
+def test_the_next_load_begins_with_the_tolerance_that_the_last_one_needed(monkeypatch):
+    """Few loads but the first are solved twice."""
+    starts, solve = [], Level.solve
+
+    def counted(level, load, offset, tolerance, start=Start.GIVEN):
+        starts.append(start)
+        return solve(level, load, offset, tolerance, start)
+
+    monkeypatch.setattr(Level, "solve", counted)
+    loads = np.geomspace(0.02, 0.2, 7)
+    found = bem_curve(
+        rough((128, 160)), BODY, pressures=loads, accuracy=0.01, tolerance=0.1, coarsen=False
+    )
+    assert (found.extra["area_error_estimate"] <= 0.01).all()
+    assert 1 <= starts.count(Start.SOLVED) <= 3
