@@ -18,7 +18,7 @@ from .full_grid import FullGridOperator
 from .operator import HalfSpaceOperator
 from .split import SplitOperator
 
-__all__ = ["Level", "Outcome", "PoorPredictionError", "Start"]
+__all__ = ["Level", "Outcome", "PoorPredictionError", "PressureOrigin"]
 
 _FIRST_BAND = 0.15
 """Gap over the length scale below which points are candidates in the first correction, times the
@@ -57,7 +57,7 @@ class PoorPredictionError(Exception):
     """A predicted pressure is so far off that a start from coarser grids costs less."""
 
 
-class Start(Enum):
+class PressureOrigin(Enum):
     """Where the pressure comes from that a grid is solved from.
 
     Attributes
@@ -142,7 +142,7 @@ class Level:
         load: float,
         offset: float | None,
         tolerance: float,
-        start: Start = Start.GIVEN,
+        origin: PressureOrigin = PressureOrigin.GIVEN,
     ) -> Outcome:
         """Correct the pressure until its certificate is within the tolerance.
 
@@ -154,7 +154,7 @@ class Level:
             Prescribed level u - h of the contact [m], or None.
         tolerance
             Bound on each entry of the certificate.
-        start
+        origin
             What the operator's buffers hold.
 
         Raises
@@ -168,8 +168,8 @@ class Level:
         self._careful = False
         for outer in range(_MAX_CORRECTIONS):
             use_numba(1 if self.heights.size <= _ONE_THREAD else idle_threads(self.exact.threads))
-            first, predicted = outer == 0, outer == 0 and start is Start.PREDICTED
-            known = predicted or (first and start is Start.SOLVED)
+            here = origin if outer == 0 else PressureOrigin.GIVEN
+            known = here in (PressureOrigin.PREDICTED, PressureOrigin.SOLVED)
             displacement = self.exact.displacement if known else self.exact.apply()
             reading = certify(
                 self.exact.pressure,
@@ -181,7 +181,8 @@ class Level:
                 offset=offset,
             )
             worst = reading.certificate.worst
-            if worst <= tolerance and not (predicted or (first and start is Start.PROLONGED)):
+            unsure = here in (PressureOrigin.PREDICTED, PressureOrigin.PROLONGED)
+            if worst <= tolerance and not unsure:
                 return Outcome(reading, iterations, tolerance, True, "")
             idle = 0 if worst < 0.7 * best else idle + 1
             self._careful = self._careful or idle >= 2
@@ -189,8 +190,11 @@ class Level:
             if idle >= _MAX_IDLE:
                 break
             error = worst if mean is None else replace(reading.certificate, load=0.0).worst
-            listed = self._listed(mean, offset, displacement, reading, error, first)
-            if predicted and len(listed[0]) - reading.points > _LONGEST_LIST * self.heights.size:
+            listed = self._listed(mean, offset, displacement, reading, error, outer == 0)
+            if (
+                here is PressureOrigin.PREDICTED
+                and len(listed[0]) - reading.points > _LONGEST_LIST * self.heights.size
+            ):
                 raise PoorPredictionError
             iterations += self._correct(listed, mean, offset, reading.scale, error, tolerance)
         reason = (

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._grid_kernels import extrapolate
-from .correction import Level, Outcome, PoorPredictionError, Start
+from .correction import Level, Outcome, PoorPredictionError, PressureOrigin
 from .problem import ContactProblem
 
 __all__ = ["LoadPath", "follow_chains", "split_loads"]
@@ -144,12 +144,12 @@ class LoadPath:
         if near and self._two_known():
             self._predict(level, mean)
             with contextlib.suppress(PoorPredictionError):
-                outcome = level.solve(load, offset, self._tolerance, Start.PREDICTED)
+                outcome = level.solve(load, offset, self._tolerance, PressureOrigin.PREDICTED)
         else:
             self._old = self._copied() if near else None
         if outcome is None:
             spent = problem.start(load, offset)
-            outcome = level.solve(load, offset, self._tolerance, Start.PROLONGED)
+            outcome = level.solve(load, offset, self._tolerance, PressureOrigin.PROLONGED)
             outcome.iterations += spent
         outcome = self._sharpened(outcome, load, offset)
         self._remember(outcome)
@@ -168,7 +168,7 @@ class LoadPath:
             if error <= self._accuracy or tolerance >= outcome.tolerance:
                 break
             spent = outcome.iterations
-            outcome = self.problem.level.solve(load, offset, tolerance, Start.SOLVED)
+            outcome = self.problem.level.solve(load, offset, tolerance, PressureOrigin.SOLVED)
             outcome.iterations += spent
         return outcome
 

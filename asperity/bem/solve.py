@@ -14,7 +14,7 @@ from asperity.halfspace.scene import expected_area_fraction, require_scene
 from surfaces.heightmap import HeightMap
 
 from ._grid_kernels import finish
-from .correction import Start
+from .correction import PressureOrigin
 from .problem import ContactProblem
 from .solution import BemSolution
 
@@ -97,8 +97,8 @@ def bem_solve(
     start = _given(guess, hm.shape) if touches and guess is not None else None
     coarse = problem.start(load, offset, start)
     middle = time.perf_counter()
-    begun_from = Start.PROLONGED if touches and start is None else Start.GIVEN
-    outcome = problem.level.solve(load, offset, problem.tolerance, begun_from)
+    origin = PressureOrigin.PROLONGED if touches and start is None else PressureOrigin.GIVEN
+    outcome = problem.level.solve(load, offset, problem.tolerance, origin)
     exact, reading = problem.level.exact, outcome.reading
     level = reading.level if offset is None else offset
     gap = exact.displacement[:, : hm.shape[1]]

@@ -8,7 +8,7 @@ from strategies import rough
 
 from asperity import HalfSpace, bem_curve
 from asperity.bem import curve, path
-from asperity.bem.correction import Level, Start
+from asperity.bem.correction import Level, PressureOrigin
 from asperity.bem.problem import ContactProblem
 from asperity.threads import set_threads
 
@@ -78,13 +78,13 @@ def test_a_load_starts_from_the_last_where_its_prediction_is_good(monkeypatch, r
 def test_a_load_is_solved_further_from_where_it_stands():
     """Its displacement is known: one transform less than from its pressure alone, same answer."""
     found = []
-    for start in (Start.GIVEN, Start.SOLVED):
+    for origin in (PressureOrigin.GIVEN, PressureOrigin.SOLVED):
         problem = ContactProblem(rough((96, 128)), HalfSpace.from_modulus(1.0), tolerance=1e-2)
         load, offset = problem.prescribed(2e-3)
         problem.start(load, offset)
-        problem.level.solve(load, offset, 1e-2, Start.PROLONGED)
+        problem.level.solve(load, offset, 1e-2, PressureOrigin.PROLONGED)
         pairs = problem.level.exact.pairs
-        outcome = problem.level.solve(load, offset, 1e-5, start)
+        outcome = problem.level.solve(load, offset, 1e-5, origin)
         found.append((problem.level.exact.pairs - pairs, problem.separation(outcome)))
     (given, separation), (solved, same) = found
     assert given - solved == 1
@@ -93,11 +93,11 @@ def test_a_load_is_solved_further_from_where_it_stands():
 
 def test_the_next_load_begins_with_the_tolerance_that_the_last_one_needed(monkeypatch):
     """Few loads but the first are solved twice."""
-    starts, solve = [], Level.solve
+    origins, solve = [], Level.solve
 
-    def counted(level, load, offset, tolerance, start=Start.GIVEN):
-        starts.append(start)
-        return solve(level, load, offset, tolerance, start)
+    def counted(level, load, offset, tolerance, origin=PressureOrigin.GIVEN):
+        origins.append(origin)
+        return solve(level, load, offset, tolerance, origin)
 
     monkeypatch.setattr(Level, "solve", counted)
     loads = np.geomspace(0.02, 0.2, 7)
@@ -105,4 +105,4 @@ def test_the_next_load_begins_with_the_tolerance_that_the_last_one_needed(monkey
         rough((128, 160)), BODY, pressures=loads, accuracy=0.01, tolerance=0.1, coarsen=False
     )
     assert (found.extra["area_error_estimate"] <= 0.01).all()
-    assert 1 <= starts.count(Start.SOLVED) <= 3
+    assert 1 <= origins.count(PressureOrigin.SOLVED) <= 3
