@@ -25,7 +25,7 @@ __all__ = ["capped_table"]
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-PER_THREAD, TOGETHER = 32, 256
+PER_THREAD, TOGETHER = 256, 256
 """Contacts that repay a thread, and that one takes at a time: their arrays stay in its cache."""
 
 FINER = 2
