@@ -44,25 +44,27 @@ def correct(
     (docs/development/interaction.md).
 
     The elastic contact of the same area, from which the law of a yielded contact is made, may have
-    another shape. Where contacts have yielded, those of large area are therefore pressed by
-    elements under the hardness, the largest first, until their laws are confirmed
-    (docs/development/hardness.md); none where the area of all is about the load over the hardness.
+    another shape. Where contacts have yielded, those of large area that reach beyond the paraboloid
+    of their summit are therefore pressed by elements under the hardness, the largest first, until
+    their laws are confirmed (docs/development/hardness.md); none where the area of all is about the
+    load over the hardness.
     Their contact radius is that of the elastic contact of the same area: how far a basin is tilted
     is no matter of what has yielded.
     """
     if not (population.contact_shift and state.contact_area > 0.0):
         return state
     approach, force, stiffness, area = state.listed
-    closed = np.flatnonzero(force > 0.0)
+    closed, yielded = np.flatnonzero(force > 0.0), False
     if population.material.hardness < np.inf:
         least = float(force.sum()) / population.material.hardness
         if state.contact_area <= (1.0 + fitted.confirmed) * least:
             return state
         elastic = population.table.elastic_at(state.rows[closed], approach[closed])[0]
-        if (elastic < 1.0 - LEAST_YIELD).any():
-            return _yielding(population, summits, state, fitted)
+        yielded = bool((elastic < 1.0 - LEAST_YIELD).any())
     beyond = population.table.flags_at(state.rows[closed], approach[closed])
     closed = closed[(beyond & np.uint8(Flag.BEYOND_RADIUS)) > 0]
+    if yielded:
+        return _yielding(population, summits, state, closed, fitted)
     shift = _shifts(population, state, closed, stiffness[closed])
     weight = _rise(shift, fitted.shift)
     tilted = weight * area[closed]
@@ -79,12 +81,17 @@ def correct(
 
 
 def _yielding(
-    population: Population, summits: Summits, state: PopulationState, fitted: TiltedBasins
+    population: Population,
+    summits: Summits,
+    state: PopulationState,
+    own: Rows,
+    fitted: TiltedBasins,
 ) -> PopulationState:
-    """State of which the contacts of large area are pressed under the hardness, the largest first,
-    those on tilted basins as if twice as large, until their laws are confirmed: these stay."""
-    approach, force, _, area = state.listed
-    own = np.flatnonzero((force > 0.0) & (area > fitted.pressed * state.contact_area))
+    """State of which those of the contacts `own` that have a large area are pressed under the
+    hardness, the largest first, those on tilted basins as if twice as large, until their laws are
+    confirmed: these stay."""
+    approach, _, _, area = state.listed
+    own = own[area[own] > fitted.pressed * state.contact_area]
     punch = population.table.elastic_at(state.rows[own], approach[own])[1]
     shift = _shifts(population, state, own, punch)
     order = np.argsort(-area[own] * (1.0 + _rise(shift, fitted.shift)), kind="stable")
