@@ -35,7 +35,7 @@ MODULUS, SLOPE, PIXEL = 1e11, 0.1, 1e-6
 SHARES = 0.02, 0.05, 0.1, 0.2, 0.5, 1.0
 AREAS = 0.005, 0.02, 0.08, 0.2
 TO_TENTH = 0.005, 0.01, 0.02, 0.03, 0.05, 0.07, 0.08, 0.09, 0.1
-ROUNDS = 5
+ROUNDS = 15
 """Curves of the model of which the quickest counts; those of all x alternate."""
 
 TAMAAS = """

@@ -168,7 +168,7 @@ def test_equivalent_runs_agree(seed):
     assert over.max() < 0.1 and np.mean(found < 1e-3) > 0.6
 
 
-@pytest.mark.parametrize("seed", [1, 7, 12])
+@pytest.mark.parametrize("seed", [1, 7, 10, 25])
 def test_a_free_map_with_contacts_at_its_border_answers_as_transposed(seed):
     """Contacts that the border cuts have their axis along it."""
     shape, size = (120, 100), (120.0, 125.0)
