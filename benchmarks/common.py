@@ -11,9 +11,12 @@ from pathlib import Path
 from typing import Any
 
 import numba
+import numpy as np
 from drawn import FAMILIES, drawn
 from grids import Heights
+from numpy.typing import ArrayLike, NDArray
 
+import asperity
 import surfaces
 
 
@@ -41,6 +44,24 @@ def measured(path: Path, border: str = "taper") -> surfaces.HeightMap:
     """A measured map, filled, and made periodic this way, or "free"."""
     periodic = None if border == "free" else border
     return surfaces.prepare(surfaces.read(path), fill="harmonic", periodic=periodic)
+
+
+def pressures_at(curve: asperity.ContactCurve, fractions: ArrayLike) -> NDArray[np.float64]:
+    """Mean pressures [Pa] at which a curve has these area fractions; beyond it those of its ends,
+    which `curve.at` refuses."""
+    known = np.log([curve.area_fraction, curve.mean_pressure])[:, curve.converged]
+    return np.asarray(np.exp(np.interp(np.log(fractions), *known)))
+
+
+def errors(
+    hm: surfaces.HeightMap, body: asperity.HalfSpace, exact: asperity.ContactCurve
+) -> tuple[NDArray[np.float64], asperity.ContactCurve, asperity.ContactCurve]:
+    """Errors [-] of the model in load at equal separation and in area at equal load, shape (2, n),
+    against a curve of boundary elements; and the two curves that tell them."""
+    same = asperity.contact_curve(hm, body, separations=exact.separation)
+    model = asperity.contact_curve(hm, body, pressures=exact.mean_pressure)
+    load, area = same.mean_pressure / exact.mean_pressure, model.contact_area / exact.contact_area
+    return np.array([load, area]) - 1.0, same, model
 
 
 def scenes(

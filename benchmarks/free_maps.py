@@ -11,13 +11,10 @@ term `at_border` that each, and nine in ten, would have needed.
 from __future__ import annotations
 
 import argparse
-import sys
 import warnings
-from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from common import errors, pressures_at
 
 import asperity
 import surfaces
@@ -41,22 +38,14 @@ FORMS = {
 }
 
 
-def errors(hm):
-    """Errors [-], estimates [-] (both of load and area) and the term, where contact is known."""
-    curve = asperity.contact_curve(hm, BODY)
-    known = np.log([curve.area_fraction, curve.mean_pressure])[:, curve.converged]
-    loads = np.exp(np.interp(np.log(FRACTIONS), *known))
-    exact = asperity.bem_curve(hm, BODY, pressures=loads, tolerance=1e-4)
-    model = asperity.contact_curve(hm, BODY, pressures=loads)
-    same = asperity.contact_curve(hm, BODY, separations=exact.separation)
-    return (
-        np.array(
-            [same.mean_pressure / exact.mean_pressure, model.area_fraction / exact.area_fraction]
-        )
-        - 1.0,
-        np.array([same.error_estimate, model.extra["area_error_estimate"]]),
-        np.array([same.extra["at_border"], model.extra["at_border"]]),
+def judged(hm):
+    """Errors and estimates [-] of load and area, and the term, shape (2, n) each."""
+    loads = pressures_at(asperity.contact_curve(hm, BODY), FRACTIONS)
+    off, same, model = errors(
+        hm, BODY, asperity.bem_curve(hm, BODY, pressures=loads, tolerance=1e-4)
     )
+    stated = np.array([same.error_estimate, model.extra["area_error_estimate"]])
+    return off, stated, np.array([each.extra["at_border"] for each in (same, model)])
 
 
 def main():
@@ -75,7 +64,7 @@ def main():
                     (POINTS,) * 2, (1.0, 1.0), cutoff=cutoff / POINTS, **waves
                 )
                 heights = hm.heights + hm.rms_height * form
-                found.append(errors(surfaces.HeightMap(heights, hm.spacing)))
+                found.append(judged(surfaces.HeightMap(heights, hm.spacing)))
         off, stated, term = np.concatenate(found, axis=2)
         every.append((off, stated, term))
         worst = np.nanargmax(np.abs(off), axis=1)

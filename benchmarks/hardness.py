@@ -15,16 +15,13 @@ from __future__ import annotations
 
 import argparse
 import subprocess
-import sys
 import tempfile
 import time
 import warnings
 from pathlib import Path
 
 import numpy as np
-from common import measured
-
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from common import errors, measured, pressures_at
 
 import asperity
 import surfaces
@@ -158,7 +155,7 @@ def against_tamaas(python, sizes, most):
 
 def model_times(sizes, seeds):
     """Table of the time of the model over the elastic one, ten loads of the same areas each."""
-    scale, wanted = MODULUS * SLOPE, np.log(np.geomspace(0.005, 0.1, 10))
+    scale, wanted = MODULUS * SLOPE, np.geomspace(0.005, 0.1, 10)
     print("   n seed  elastic [ms]  " + "".join(f"x {share:<5}" for share in SHARES))
     for n in sizes:
         for seed in seeds:
@@ -167,8 +164,7 @@ def model_times(sizes, seeds):
                 mat = asperity.HalfSpace.from_modulus(MODULUS, hardness=share * scale)
                 most = min(0.12, 0.5 * share) * scale
                 curve = asperity.contact_curve(hm, mat, pressures=np.geomspace(0.01, 1, 14) * most)
-                at = np.log(curve.area_fraction)
-                tasks.append((mat, np.exp(np.interp(wanted, at, np.log(curve.mean_pressure)))))
+                tasks.append((mat, pressures_at(curve, wanted)))
             seconds = np.empty((ROUNDS, len(tasks)))
             for turn in range(ROUNDS):
                 for k, (mat, loads) in enumerate(tasks):
@@ -190,16 +186,10 @@ def measured_maps(folder, border):
         told = [path.stem]
         for share in SHARES:
             hard = asperity.HalfSpace.from_modulus(1.0, hardness=share * pressure_scale(hm, soft))
-            curve = asperity.contact_curve(hm, hard)
-            known = np.log([curve.area_fraction, curve.mean_pressure])[:, curve.converged]
-            loads = np.exp(np.interp(np.log(TO_TENTH), *known))
+            loads = pressures_at(asperity.contact_curve(hm, hard), TO_TENTH)
             exact = asperity.bem_curve(fine, hard, pressures=loads, accuracy=0.005, coarsen=False)
-            model = asperity.contact_curve(hm, hard, pressures=loads)
-            same = asperity.contact_curve(hm, hard, separations=exact.separation)
             counted = exact.area_fraction <= 1.005 * TO_TENTH[-1]
-            load = same.mean_pressure / exact.mean_pressure - 1.0
-            area = model.contact_area / exact.contact_area - 1.0
-            off = (np.nanmax(np.abs(each[counted])) for each in (load, area))
+            off = np.nanmax(np.abs(errors(hm, hard, exact)[0][:, counted]), axis=1)
             told.append(" / ".join(f"{100 * worst:.1f}" for worst in off))
         for column, text in zip(table.values(), told, strict=True):
             column.append(text)

@@ -25,8 +25,8 @@ __all__ = ["capped_table"]
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-PER_THREAD, TOGETHER = 256, 256
-"""Contacts that repay a thread, and that one takes at a time: their arrays stay in its cache."""
+TOGETHER = 256
+"""Contacts that repay a thread, which takes no more at a time: their arrays stay in its cache."""
 
 FINER = 2
 """Elastic approaches, over the nodes of a table, of which the capped contacts are found first."""
@@ -80,7 +80,7 @@ def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
         hardness=material.hardness,
     )
     rows = np.flatnonzero((table.reach > 0) & (table.force[:, -1] > 0))
-    parts = parallel.blocks(rows.size, PER_THREAD, TOGETHER)
+    parts = parallel.blocks(rows.size, TOGETHER, TOGETHER)
     parallel.run(lambda first, last: _cap(table, rows[first:last], material, result), parts)
     return result
 

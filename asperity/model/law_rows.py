@@ -56,12 +56,10 @@ class LoadShares:
 
     Attributes
     ----------
-    usable
-        Summits that can carry load, shape (n,).
     weight
         Load of each summit over its approach to the power 3/2, but for a common factor, shape (n,).
     height, first
-        Heights [m] of the `MOST` highest usable summits, from the highest down, and their weights.
+        Heights [m] of the `MOST` highest valid summits, from the highest down, and their weights.
 
     Notes
     -----
@@ -71,7 +69,6 @@ class LoadShares:
     curve has no steps where contacts enter or leave them.
     """
 
-    usable: NDArray[np.bool_]
     weight: Array
     height: Array
     first: Array
@@ -82,7 +79,7 @@ class LoadShares:
         rows = np.flatnonzero(summits.valid)
         highest = rows[np.argsort(-summits.height[rows], kind="stable")[:MOST]]
         weight = _weight(summits)
-        return cls(summits.valid, weight, summits.height[highest], weight[highest])
+        return cls(weight, summits.height[highest], weight[highest])
 
     @property
     def full(self) -> bool:

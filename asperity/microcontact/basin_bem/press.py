@@ -215,7 +215,7 @@ def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: Ha
         return
     beyond = (table.flags[slots] & Flag.BEYOND_RADIUS) > 0
     first = np.where(beyond.any(axis=1), beyond.argmax(axis=1) - 1, table.nodes)
-    first[summits.kinds[rows] == RIM] = 1
+    first[summits.kinds[rows] == RIM] = 1  # no expansion describes a tip that the border cuts
     joined = np.isfinite(summits.floor[rows])
     for k in np.flatnonzero(joined):
         first[k] = min(first[k], _second(table, slots[k], summits, rows[k]))

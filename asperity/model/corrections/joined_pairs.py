@@ -60,7 +60,7 @@ def _joining(
     pairs = summits.owner[summits.peaks.neighbors]
     top, low = summits.height[pairs], summits.peaks.passes
     flat = low - (parameters.spots.joined - 1.0) * (top.mean(axis=1) - low)
-    some = shares.usable[pairs].all(axis=1) & (pairs[:, 0] != pairs[:, 1])
+    some = summits.valid[pairs].all(axis=1) & (pairs[:, 0] != pairs[:, 1])
     some &= (flat > shares.lowest) & (flat < top.min(axis=1))
     pairs, low, flat, approach = pairs[some], low[some], flat[some], (top - flat[:, None])[some]
     load = np.sum(shares.weight[pairs] * approach**1.5, axis=1)

@@ -57,7 +57,7 @@ def pressed_slots(laws: LawRows) -> NDArray[np.int64]:
     bounds, shares, table = laws.parameters.pressed_basins, laws.shares, laws.table
     summits, rows = laws.summits, laws.rows
     beyond = (table.flags & Flag.BEYOND_RADIUS) > 0
-    slots = np.flatnonzero(beyond.any(axis=1) & (table.reach > 0) & shares.usable[rows])
+    slots = np.flatnonzero(beyond.any(axis=1) & (table.reach > 0) & summits.valid[rows])
     first = beyond[slots].argmax(axis=1)
     nodes = np.minimum(first[:, None] + LATER, table.nodes)
     depth = table.reach[slots, None] * (nodes / table.nodes) ** 2

@@ -54,18 +54,21 @@ def correct(
     if not (population.contact_shift and state.contact_area > 0.0):
         return state
     approach, force, stiffness, area = state.listed
-    closed, yielded = np.flatnonzero(force > 0.0), False
+    closed = np.flatnonzero(force > 0.0)
+    punch, yielded = stiffness[closed], False
     if population.material.hardness < np.inf:
         least = float(force.sum()) / population.material.hardness
         if state.contact_area <= (1.0 + fitted.confirmed) * least:
             return state
-        elastic = population.table.elastic_at(state.rows[closed], approach[closed])[0]
-        yielded = bool((elastic < 1.0 - LEAST_YIELD).any())
-    beyond = population.table.flags_at(state.rows[closed], approach[closed])
-    closed = closed[(beyond & np.uint8(Flag.BEYOND_RADIUS)) > 0]
+        elastic = population.table.elastic_at(state.rows[closed], approach[closed])
+        yielded = bool((elastic[0] < 1.0 - LEAST_YIELD).any())
+        punch = elastic[1] if yielded else punch
+    flags = population.table.flags_at(state.rows[closed], approach[closed])
+    beyond = (flags & np.uint8(Flag.BEYOND_RADIUS)) > 0
+    closed = closed[beyond]
+    shift = _shifts(population, state, closed, punch[beyond])
     if yielded:
-        return _yielding(population, summits, state, closed, fitted)
-    shift = _shifts(population, state, closed, stiffness[closed])
+        return _yielding(population, summits, state, closed, shift, fitted)
     weight = _rise(shift, fitted.shift)
     tilted = weight * area[closed]
     share = tilted.sum() / state.contact_area
@@ -85,15 +88,15 @@ def _yielding(
     summits: Summits,
     state: PopulationState,
     own: Rows,
+    shift: Array,
     fitted: TiltedBasins,
 ) -> PopulationState:
     """State of which those of the contacts `own` that have a large area are pressed under the
     hardness, the largest first, those on tilted basins as if twice as large, until their laws are
     confirmed: these stay."""
-    approach, _, _, area = state.listed
-    own = own[area[own] > fitted.pressed * state.contact_area]
-    punch = population.table.elastic_at(state.rows[own], approach[own])[1]
-    shift = _shifts(population, state, own, punch)
+    area = state.listed[3]
+    large = area[own] > fitted.pressed * state.contact_area
+    own, shift = own[large], shift[large]
     order = np.argsort(-area[own] * (1.0 + _rise(shift, fitted.shift)), kind="stable")
     own, shift = own[order], shift[order]
     first, last, changes = 0, fitted.probe, []

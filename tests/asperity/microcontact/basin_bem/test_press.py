@@ -9,14 +9,11 @@ import pytest
 
 import asperity
 from asperity.errors import Flag
-from asperity.interaction.elongation import Elongation
 from asperity.microcontact.basin_bem import press
 from asperity.microcontact.hertz import elliptic_contact
 from asperity.microcontact.laws import tabulate
 from asperity.microcontact.yielding import capped
 from asperity.model.corrections import single_contacts
-from asperity.model.corrections.joined_pairs import join
-from asperity.model.decomposition import Decomposition
 from asperity.model.law_rows import LawRows, LoadShares
 from asperity.parameters import DEFAULTS
 from surfaces import HeightMap, resample, segment, self_affine
@@ -93,44 +90,6 @@ def test_ellipsoid_by_a_force_under_a_hardness(m, ratio, angle):
         found = areas(hm, float(law.force), float(law.approach), body)
         assert found == pytest.approx(area, rel=within)
         assert found >= law.force / body.hardness * (1.0 - 1e-9)
-
-
-SUMMITS = [(1.3, 30.2), (0.0, 30.2), (-5.0, 30.2), (20.0, -0.4), (-3.0, -4.0), (46.2, 63.0)]
-"""Rows and columns about the border of `cut`: on both sides, and at corners."""
-
-
-def cut(row: float, col: float) -> HeightMap:
-    """A paraboloid that the border of the map cuts."""
-    ny, nx, dy, dx = 48, 64, 1.3, 0.9
-    y, x = (np.arange(ny) - row)[:, None] * dy, (np.arange(nx) - col) * dx
-    return HeightMap(-0.015 * y**2 - 0.005 * x**2, (dy, dx))
-
-
-@pytest.mark.parametrize(("row", "col"), SUMMITS)
-def test_a_basin_that_the_border_cuts_is_pressed_as_far_as_it_goes(row, col):
-    """A finite punch has nothing beyond its border: boundary elements on the map tell the same."""
-    hm, depth = cut(row, col), np.array([1.0, 5.0])
-    summits = summits_of(hm)
-    exact = asperity.bem_curve(
-        hm, BODY, separations=summits.height[0] - depth - hm.heights.mean(), tolerance=1e-6
-    )
-    found = press.press(summits, np.zeros(1, np.int64), depth[None], BODY)[0]
-    np.testing.assert_allclose(found[:, 0], exact.load, rtol=0.05)
-    np.testing.assert_allclose(found[:, 1], exact.contact_area, rtol=0.1)  # 20 to 500 pixels
-    curve = asperity.contact_curve(hm, BODY, separations=exact.separation)
-    np.testing.assert_allclose(curve.load, exact.load, rtol=0.05)
-    np.testing.assert_allclose(curve.contact_area, exact.contact_area, rtol=0.1)
-
-
-@pytest.mark.parametrize(("row", "col"), SUMMITS)
-def test_a_soft_summit_that_the_border_cuts_bears_what_is_there_of_it(row, col):
-    hm, height = cut(row, col), 5.0
-    body = asperity.HalfSpace.from_modulus(2.0, hardness=1e-3)
-    pixels = np.count_nonzero(hm.heights > hm.heights.max() - height)
-    pressure = pixels / hm.heights.size * body.hardness
-    curve = asperity.contact_curve(hm, body, pressures=[pressure])
-    level = curve.separation[0] + hm.heights.mean()
-    assert hm.heights.max() - level == pytest.approx(height, rel=0.1)
 
 
 @pytest.mark.parametrize("depth", [0.2, 0.5, 1.5])
@@ -329,43 +288,6 @@ def test_peaks_without_a_summit_of_their_own_are_pressed_sooner(rough):
     np.testing.assert_array_equal(np.setdiff1d(found, chosen), other)
 
 
-def two_summits(finer: int = 1) -> HeightMap:
-    """Two summits, 0.01 apart in height, with a pass 0.05 below them."""
-    y, x = np.meshgrid(
-        *((np.arange(finer * n) + 0.5) / (finer * n) - 0.5 for n in (64, 96)), indexing="ij"
-    )
-    gap = 0.05 * (16.0 * x**2 - 1.0) ** 2 + 4.0 * y**2 - 0.02 * x
-    return HeightMap(-gap, (1 / (finer * 64), 1 / (finer * 96)), periodic=True)
-
-
-def test_summits_that_join_are_pressed_as_one():
-    fine, apart = two_summits(2), summits_of(two_summits())
-    pair = join(apart, LoadShares.of(apart), BODY, DEFAULTS)[0]
-    np.testing.assert_array_equal(pair.owner, 0)
-    assert pair.pixels[0] == 64 * 96 and np.isfinite(pair.floor[0]) and not pair.valid[1]
-    high, low = apart.height
-    depths = np.array([[0.03, 0.1, 0.2]])  # the first before they join
-    one = press.press(pair, np.array([0]), depths, BODY)[0]
-    first = press.press(apart, np.array([0]), depths, BODY)[0]
-    second = press.press(apart, np.array([1]), depths - (high - low), BODY)[0]
-    for d, found, alone in zip(depths[0], one, first + second, strict=True):
-        level = high - d - fine.heights.mean()
-        whole = asperity.bem_solve(fine, BODY, separation=level, boundary="free", tolerance=1e-4)
-        assert found[0] == pytest.approx(whole.load, rel=0.01)
-        assert found[1] == pytest.approx(whole.contact_area, rel=0.03)
-        assert alone[0] > 1.05 * whole.load  # neither feels the other
-
-
-def test_joined_summits_begin_as_the_highest_of_them():
-    """However small its contact is beside the basin of them all."""
-    apart = summits_of(two_summits())
-    depths = np.array([[1e-4, 1e-3, 5e-3]])
-    pair = join(apart, LoadShares.of(apart), BODY, DEFAULTS)[0]
-    one = press.press(pair, np.array([0]), depths, BODY)[0]
-    first = press.press(apart, np.array([0]), depths, BODY)[0]
-    np.testing.assert_allclose(one[:, :2], first[:, :2], rtol=0.02)
-
-
 def test_the_law_of_joined_summits_goes_on_from_the_first(rough):
     pairs = rough.owner[rough.peaks.neighbors]
     some = rough.valid[pairs].all(axis=1) & ~rough.border[pairs].any(axis=1)
@@ -386,17 +308,3 @@ def test_the_law_of_joined_summits_goes_on_from_the_first(rough):
     kept = ahead & ~beyond
     np.testing.assert_allclose(table.force[0, kept], before[kept], rtol=5e-3)
     assert (np.diff(table.force[0]) > 0).all()
-
-
-def test_joined_summits_have_the_form_of_their_contact():
-    hm = two_summits()  # one beside the other along x, each longer along x than along y
-    decomposition = Decomposition.of(hm, BODY, asperity.make_plan(hm, BODY))
-    assert decomposition.summits.owner[1] == 0
-    highest = Elongation.of(
-        decomposition.summits.curvature,
-        decomposition.summits.angle,
-        decomposition.population.footprints,
-    )
-    across, along, skew = decomposition.population.elongation.moments[0]
-    assert along > 1.5 * highest.moments[0, 1] and across < highest.moments[0, 0]
-    assert abs(skew) < 0.02 * along
