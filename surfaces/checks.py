@@ -127,12 +127,10 @@ def resolution_warning(hm: HeightMap, least: float) -> list[str]:
 def spike_warning(hm: HeightMap) -> list[str]:
     """A highest point far above all its neighbors; empty without one."""
     rms = hm.roughness.rms_height
-    band, col = np.unravel_index(int(np.argmax(hm.roughness.tops)), hm.roughness.tops.shape)
-    row = hm.roughness.rows[band, col]
     around = np.arange(-1, 2)
     places = (
         np.unique((at + around) % n if hm.periodic else np.clip(at + around, 0, n - 1))
-        for at, n in zip((row, col), hm.shape, strict=True)
+        for at, n in zip(hm.roughness.summit, hm.shape, strict=True)
     )
     second, first = np.partition(hm.source[np.ix_(*places)], -2, axis=None)[-2:]
     above = float(first - second)

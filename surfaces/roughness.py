@@ -75,6 +75,12 @@ class Roughness:
         return max(abs(self.highest), abs(self.lowest))
 
     @property
+    def summit(self) -> tuple[int, int]:
+        """Row and column of the highest point."""
+        band, col = np.unravel_index(int(np.argmax(self.tops)), self.tops.shape)
+        return int(self.rows[band, col]), int(col)
+
+    @property
     def rms_slope(self) -> float:
         """Root-mean-square gradient [-]."""
         return math.hypot(*self.slope)

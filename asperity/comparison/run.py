@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -184,9 +183,8 @@ def compare(
 def _compile(material: HalfSpace, plan: Plan) -> None:
     """Run both models once on a small map, so that no run time holds compilation."""
     small = small_map()
-    whole = dataclasses.replace(plan, above=None, resampled=None, sub_contact_law=None)
     loads = default_pressures(small, material, count=2)
-    solve_contacts(small, material, whole, pressures=loads)
+    solve_contacts(small, material, plan.whole, pressures=loads)
     bem_curve(small, material, pressures=loads, tolerance=LOOSE_TOLERANCE, boundary=plan.boundary)
 
 

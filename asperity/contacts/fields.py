@@ -15,7 +15,7 @@ from scipy import fft
 
 from asperity.halfspace.footprint import Footprints
 from surfaces.numerics.parallel import threads
-from surfaces.preparation.resampling import resample
+from surfaces.preparation.filtering import bandpass
 
 from .table import ellipses
 
@@ -94,15 +94,15 @@ def pressed_pixels(decomposition: Decomposition, point: LoadPoint) -> tuple[Inde
     if solved is whole:
         return pressed
     stiffness, fine, deviation = grid.gap_stiffness, 0.0, 0.0
+    law = decomposition.plan.sub_contact_law
     full = _Grid.of(decomposition, state, whole, decomposition.labels)
-    if decomposition.plan.sub_contact_law is not None:
-        left = whole.heights - resample(solved, whole.spacing).heights
-        fine = np.sqrt(decomposition.plan.sub_contact_law.spread) * full.pressed_flat(left)
+    if law is not None:
+        left = bandpass(whole, longest=law.shortest).heights
+        fine = np.sqrt(law.spread) * full.pressed_flat(left)
         deviation = float(np.std(fine))
         stiffness = deviation / float(np.std(left))
     area = point.closed_area
-    periodic = decomposition.plan.boundary == "periodic"
-    field = _cubic(grid.corrected(pressure, stiffness), whole.shape, periodic) + fine
+    field = _on_the_map(decomposition, grid.corrected(pressure, stiffness)) + fine
     pressure = _image(whole, *full.occupied(field, area, state.force, deviation))
     return full.occupied(full.corrected(pressure, full.gap_stiffness), area, state.force, deviation)
 
@@ -274,10 +274,14 @@ def _whole(pixels: Array) -> Index:
     return np.asarray(1 + np.diff(beyond, prepend=0))
 
 
-def _cubic(field: Array, shape: tuple[int, int], periodic: bool) -> Array:
-    """A field on the pixels of another grid, by cubics through its pixels."""
-    from scipy.ndimage import zoom
+def _on_the_map(decomposition: Decomposition, field: Array) -> Array:
+    """A field of the grid that is solved, on the pixels of the map, by cubics through its own."""
+    from scipy.ndimage import map_coordinates
 
-    ratios = [new / old for new, old in zip(shape, field.shape, strict=True)]
-    mode = "grid-wrap" if periodic else "nearest"
-    return np.asarray(zoom(field, ratios, order=3, mode=mode, grid_mode=True))
+    hm, solved = decomposition.hm, decomposition.solved
+    places = (
+        (at - corner) / step - 0.5
+        for at, corner, step in zip((hm.y, hm.x), decomposition.corner, solved.spacing, strict=True)
+    )
+    mode = "grid-wrap" if decomposition.wraps else "nearest"
+    return np.asarray(map_coordinates(field, np.meshgrid(*places, indexing="ij"), mode=mode))

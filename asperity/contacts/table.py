@@ -54,7 +54,7 @@ def microcontacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.
     """
     state, body = point.state, decomposition.material
     active = np.flatnonzero(state.force > 0)
-    profiles = decomposition.summits
+    profiles, (y, x) = decomposition.summits, decomposition.places
     major, minor = _semi_axes(decomposition, state)
     area, approach = state.area[active], state.approach[active]
     table, depth = decomposition.population.table, np.maximum(approach, 0.0)
@@ -63,8 +63,8 @@ def microcontacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.
     radii, filled = outlines(sampled, depth, area, decomposition.aspect[active], body.m)
     return structured(
         {
-            "x": _within(decomposition, profiles.x[active], 1),
-            "y": _within(decomposition, profiles.y[active], 0),
+            "x": _within(decomposition, x[active], 1),
+            "y": _within(decomposition, y[active], 0),
             "height": decomposition.population.height[active],
             "approach": approach,
             "force": state.force[active],
@@ -78,8 +78,8 @@ def microcontacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.
                 0.5 * (3.0 + body.m) * state.force[active] / area, body.hardness
             ),
             "peak": active,
-            "centre_x": _within(decomposition, profiles.x[active] + offset_x, 1),
-            "centre_y": _within(decomposition, profiles.y[active] + offset_y, 0),
+            "centre_x": _within(decomposition, x[active] + offset_x, 1),
+            "centre_y": _within(decomposition, y[active] + offset_y, 0),
             "flags": table.flags_at(active, depth),
             "estimate": np.abs(table.spread_at(active, depth)),
             "filled": filled,

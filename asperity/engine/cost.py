@@ -49,7 +49,7 @@ def forecast(hm: HeightMap, material: HalfSpace, plan: Plan, loads: int) -> dict
     periodic and elastic, whatever the map is.
     """
     points, side = math.prod(hm.shape), parts_along(hm, plan)
-    peaks = peaks_above(plan.resampled or hm, plan.above)
+    peaks = peaks_above(plan.solved(hm), plan.above)
     model = MODEL_SECONDS[0] + MODEL_SECONDS[1] * peaks
     dearer = FREE if plan.boundary == "free" else 1.0
     dearer *= YIELDED if material.hardness < math.inf else 1.0

@@ -13,7 +13,7 @@ from asperity.bem.curve import bem_curve
 from asperity.curve import contact_curve
 from surfaces.preparation.borders import make_periodic
 from surfaces.preparation.filtering import bandpass
-from surfaces.preparation.resampling import resample
+from surfaces.preparation.resampling import Resampled, resample
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -109,8 +109,8 @@ def misfit_on_parts(
     """
     side, pressure = math.isqrt(len(shares)), model.mean_pressure[at]
     local = len(shares) * shares * pressure
-    alone = replace(plan, above=None, resampled=None, sub_contact_law=None)
-    grid = plan.resampled if plan.sub_contact_law is not None else None
+    alone = plan.whole
+    grid = plan.solved(hm) if plan.sub_contact_law is not None else None
     if grid is not None and math.prod(grid.shape) * len(shares) > math.prod(hm.shape):
         grid = None
     most = HEAVIEST if grid is None else 1.0
@@ -134,7 +134,7 @@ def misfit_on_parts(
         own = replace(
             cell,
             sub_contact_law=plan.sub_contact_law,
-            resampled=None if waves is part else waves,
+            resampled=None if waves is part else Resampled(waves, (0.0, 0.0)),
         )
         found[place, here] = judged(part, own, loads, tell=place == lightest).T
         if grid is not None:
@@ -187,4 +187,4 @@ def _resampled(part: HeightMap, plan: Plan) -> HeightMap:
     """The waves of a part that a plan solves, on pixels of the size of its grid."""
     law, grid = plan.sub_contact_law, plan.resampled
     kept = part if law is None else bandpass(part, law.shortest, None)
-    return kept if grid is None else resample(kept, grid.spacing)
+    return kept if grid is None else resample(kept, grid.hm.spacing)

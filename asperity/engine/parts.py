@@ -169,16 +169,16 @@ def _within(bounds: Array, grain: Array, allowed: Array) -> NDArray[np.bool_]:
 
 def parts_along(hm: HeightMap, plan: Plan) -> int:
     """Parts along each side of a map."""
-    grid = min((plan.resampled or hm).shape)
+    grid = min(plan.solved(hm).shape)
     return max(SIDE, min(min(hm.shape) // PART_POINTS, grid // GRID_POINTS))
 
 
 def _load_shares(run: ContactRun, side: int) -> Array:
     """Share of the load that each part of the map carries, shape (parts, n)."""
-    hm, summits = run.decomposition.hm, run.decomposition.summits
+    hm, places = run.decomposition.hm, run.decomposition.places
     row, column = (
         np.floor(place * (side / length)).astype(np.int64) % side
-        for place, length in zip((summits.y, summits.x), hm.size, strict=True)
+        for place, length in zip(places, hm.size, strict=True)
     )
     forces = [np.bincount(row * side + column, each.state.force, side**2) for each in run.points]
     return np.array([force / max(force.sum(), 1e-300) for force in forces]).T

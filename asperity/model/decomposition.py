@@ -127,8 +127,8 @@ class Decomposition:
         """The contacts with their laws, and with interaction if the plan has it."""
         switches = self.plan.parameters.corrections
         return Population(
-            x=self.summits.x,
-            y=self.summits.y,
+            x=self.places[1],
+            y=self.places[0],
             height=self.summits.height - self.hm.roughness.mean,
             table=self.table,
             cell=self.hm.size,
@@ -148,7 +148,18 @@ class Decomposition:
     @property
     def solved(self) -> HeightMap:
         """The map whose summits are the contacts: on another grid where the plan says so."""
-        return self.hm if self.plan.resampled is None else self.plan.resampled
+        return self.plan.solved(self.hm)
+
+    @functools.cached_property
+    def places(self) -> tuple[Array, Array]:
+        """Where the summits lie on the map, along y and along x [m], shape (n,) each."""
+        down, right = self.corner
+        return self.summits.y + down, self.summits.x + right
+
+    @property
+    def corner(self) -> tuple[float, float]:
+        """Where the corner of the map that is solved lies on the map, (y, x) [m]."""
+        return (0.0, 0.0) if self.plan.resampled is None else self.plan.resampled.corner
 
     @property
     def wraps(self) -> bool:
@@ -171,9 +182,21 @@ class Decomposition:
         labels, heights = self.peaks.labels, self.solved.source
         if labels.shape == self.hm.shape:
             return np.asarray(labels[rows, cols])
-        (ny, my), (nx, mx) = zip(self.hm.shape, labels.shape, strict=True)
-        right, left = (((2 * cols + 1) * mx - shift) // (2 * nx) for shift in (0, 1))
-        below, above = (((2 * rows + 1) * my - shift) // (2 * ny) for shift in (0, 1))
+        (below, above), (right, left) = (
+            # in halves of what divides the pixels of both grids, on which their corners lie
+            [
+                ((2 * at + 1) * m - round(2 * n * corner / step) - shift) // (2 * n) % m
+                for shift in (0, 1)
+            ]
+            for at, n, m, corner, step in zip(
+                (rows, cols),
+                self.hm.shape,
+                labels.shape,
+                self.corner,
+                self.solved.spacing,
+                strict=True,
+            )
+        )
         found, top = labels[below, right], heights[below, right]
         for pixels in ((above, right), (below, left), (above, left)):
             higher = heights[pixels] > top
@@ -199,12 +222,15 @@ class Decomposition:
         return pairs, np.asarray(depth + sag)
 
     def summit_pixels(self, rows: Rows, hm: HeightMap) -> Rows:
-        """Flat index of the pixel of a map, of this size, in which each of some summits lies."""
+        """Flat index of the pixel of the map, or of that solved, in which each summit lies."""
+        places = (self.summits.y, self.summits.x) if hm is self.solved else self.places
         row, col = (
-            np.clip(at[rows] / step, 0, count - 1).astype(np.int64)
-            for at, step, count in zip(
-                (self.summits.y, self.summits.x), hm.spacing, hm.shape, strict=True
-            )
+            np.floor(at[rows] / step).astype(np.int64)
+            for at, step in zip(places, hm.spacing, strict=True)
+        )
+        row, col = (
+            at % n if self.wraps else np.clip(at, 0, n - 1)
+            for at, n in zip((row, col), hm.shape, strict=True)
         )
         return np.asarray(row * hm.shape[1] + col)
 
@@ -256,7 +282,7 @@ class Decomposition:
 def _summits(hm: HeightMap, plan: Plan, seconds: dict[str, float]) -> tuple[Peaks, Summits]:
     """Peaks and summits of the map that is solved; their times are added to `seconds`."""
     start = time.perf_counter()
-    solved = hm if plan.resampled is None else plan.resampled
+    solved = plan.solved(hm)
     if plan.boundary == "free" and solved.periodic:
         solved = solved.replace(periodic=False)  # a finite punch is cut at its border
     above = None if plan.above is None else plan.above + hm.roughness.mean

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,6 +31,7 @@ from surfaces.numerics import parallel
 from surfaces.numerics.memory import require_memory
 from surfaces.numerics.stored_array import BLOCK_BYTES
 from surfaces.peaks.peaks import expected_peaks
+from surfaces.preparation.resampling import Resampled
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -107,7 +108,7 @@ class Plan:
     interaction: bool
     above: float | None
     reasons: tuple[str, ...]
-    resampled: HeightMap | None = field(default=None, repr=False)
+    resampled: Resampled | None = field(default=None, repr=False)
     sub_contact_law: SubContactLaw | None = field(default=None, repr=False)
     warnings: tuple[str, ...] = ()
     estimated: bool = True
@@ -132,6 +133,15 @@ class Plan:
                 f"the plan was made for another {'material' if same else 'map'}; make one for this "
                 "with asperity.make_plan"
             )
+
+    @property
+    def whole(self) -> Plan:
+        """The same choices for all heights and waves of a map, on its own grid."""
+        return replace(self, above=None, resampled=None, sub_contact_law=None)
+
+    def solved(self, hm: HeightMap) -> HeightMap:
+        """The map that is solved in place of that of the plan."""
+        return hm if self.resampled is None else self.resampled.hm
 
     def __str__(self) -> str:
         return "\n".join(self.reasons)
@@ -201,13 +211,14 @@ def make_plan(
     if interaction:
         coupled, why = interaction_needed(hm, material, kind, values, parameters)
     reasons.append(why)
-    split, whys = _split(hm, material, coupled, scales, parameters)
+    cell = hm if edge == "periodic" or not hm.periodic else hm.replace(periodic=False)
+    split, whys = _split(cell, material, coupled, scales, parameters)
     if split is None:
-        resampled, holds = solved_grid(hm, scales, parameters)
+        resampled, holds = solved_grid(cell, scales, parameters)
         whys.append(holds)
     else:
         resampled = split.coarse
-    solved = hm if resampled is None else resampled
+    solved = hm if resampled is None else resampled.hm
     points = math.prod(solved.shape)
     above, why = None, "segmentation: the whole map, which has few points"
     if points > parameters.segmentation.whole_points:
@@ -342,7 +353,7 @@ def _split(
     split = split_scales(hm, material, parameters)
     if isinstance(split, str):
         return None, [split]
-    (ny, nx), law = split.coarse.shape, split.law
+    (ny, nx), law = split.coarse.hm.shape, split.law
     return split, [
         f"scales: waves shorter than {law.shortest:.3g} m act as a law of the contacts of "
         f"the others; they hold {100 * law.ratio / (1 + law.ratio):.0f} % of the squared slope",

@@ -15,6 +15,7 @@ from surfaces.heightmap import HeightMap
 from surfaces.numerics.compiled import compiled
 from surfaces.numerics.parallel import blocks, lines, run, threads
 from surfaces.numerics.stored_array import BLOCK_BYTES, Sections, windows
+from surfaces.preparation.resampling import Resampled, corner_of
 
 __all__ = ["Shells"]
 
@@ -23,9 +24,6 @@ Array = NDArray[np.float64]
 Waves = NDArray[np.complex128] | Array
 Columns = Callable[[int], Iterator[tuple[int, Waves]]]
 """Gives the waves in blocks of columns up to one: the first column of each, and the block."""
-
-NEARLY = 1.7
-"""Points over pixels along a side from which on a grid gets twice the pixels."""
 
 NEAR = 32
 """Most columns whose cosine transforms are made at a time."""
@@ -71,19 +69,16 @@ class Shells:
         width, waves = 2.0 * np.pi / max(hm.size), _waves(hm, len(numbers[1]))
         return cls(hm, waves, numbers, width, _sums(hm, waves, numbers, width, m))
 
-    def map(self, last: int, points: float) -> HeightMap | None:
-        """The map of the waves up to the shell `last`, on a grid of `points` per shortest wave; of
-        twice the pixels where these are hardly more, since the contacts of a map that is moved by
-        pixels are then the same.
+    def map(self, last: int, points: float) -> Resampled | None:
+        """The map of the waves up to the shell `last`, on a grid of `points` per shortest wave.
 
         None where that would have fewer than `FEWEST` points.
         """
         hm = self.hm
         shortest = 2.0 * np.pi / (self.width * last)
-        least = [int(np.ceil(points * length / shortest)) for length in hm.size]
         ny, nx = (
-            2 * n if NEARLY * n < wanted <= 2 * n else fft.next_fast_len(wanted, real=True)
-            for n, wanted in zip(hm.shape, least, strict=True)
+            fft.next_fast_len(int(np.ceil(points * length / shortest)), real=True)
+            for length in hm.size
         )
         if min(ny, nx) < FEWEST:
             return None
@@ -94,10 +89,12 @@ class Shells:
         inside = square < ((last + 0.5) * self.width) ** 2
         kept = np.where(inside, np.concatenate(waves, axis=1), 0.0)
         kept *= (ny * nx if hm.periodic else np.sqrt(ny * nx)) / math.prod(hm.shape)
-        heights = _summed(kept, (ny, nx), hm)
+        spacing = hm.size[0] / ny, hm.size[1] / nx
+        corner = corner_of(hm, spacing)
+        heights = _summed(kept, (ny, nx), corner, hm)
         heights += hm.roughness.mean
         step = {"step": "bandpass", "shortest": shortest, "to": [ny, nx]}
-        return hm.replace(heights=heights, spacing=(hm.size[0] / ny, hm.size[1] / nx), step=step)
+        return Resampled(hm.replace(heights=heights, spacing=spacing, step=step), corner)
 
     def _within(self, last: int) -> tuple[NDArray[np.int64], int]:
         """Rows and number of columns of the waves up to the shell `last`, without those of two
@@ -185,8 +182,11 @@ def _sums(
     return np.cumsum(total / math.prod(hm.shape) ** 2, axis=0)
 
 
-def _summed(waves: Waves, shape: tuple[int, int], hm: HeightMap) -> Array:
-    """Heights on a grid of the cell of `hm` from its lowest waves, of which all others are zero."""
+def _summed(
+    waves: Waves, shape: tuple[int, int], corner: tuple[float, float], hm: HeightMap
+) -> Array:
+    """Heights on a grid of the cell of `hm`, from `corner` [m] on, from its lowest waves, of which
+    all others are zero."""
     (ny, nx), (rows, width) = shape, waves.shape
     if not hm.periodic:
         waves[:, 1:] *= np.sqrt(2.0)
@@ -194,9 +194,12 @@ def _summed(waves: Waves, shape: tuple[int, int], hm: HeightMap) -> Array:
         return cast(Array, fft.idct(lines, n=nx, axis=1, norm="ortho", workers=threads()))
     half = rows // 2
     number = np.r_[0 : rows - half, -half:0]
-    # pixel centres: the other grid begins another half pixel from the border
-    y = np.exp(1j * np.pi * (1.0 / ny - 1.0 / hm.shape[0]) * number)
-    x = np.exp(1j * np.pi * (1.0 / nx - 1.0 / hm.shape[1]) * np.arange(width))
+    y, x = (
+        np.exp(2j * np.pi * waves * (place / length + 0.5 / new - 0.5 / old))  # pixel centres
+        for waves, place, length, new, old in zip(
+            (number, np.arange(width)), corner, hm.size, shape, hm.shape, strict=True
+        )
+    )
     lines = np.zeros((ny, width), complex)
     lines[number] = waves * y[:, None] * x
     lines = fft.ifft(lines, axis=0, workers=threads(), overwrite_x=True)

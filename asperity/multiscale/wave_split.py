@@ -27,7 +27,7 @@ from surfaces.checks import fineness
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import blocks, run
 from surfaces.peaks.peaks import flat_share
-from surfaces.preparation.resampling import coarse_map, resample
+from surfaces.preparation.resampling import Resampled, coarse_map, resample
 
 from .spectrum_shells import Shells
 from .sub_contact_law import SubContactLaw
@@ -86,13 +86,14 @@ def refined_map(hm: HeightMap, parameters: Parameters = DEFAULTS) -> HeightMap |
     return "a finer one would hold the waves near its pixels better, but takes long"
 
 
-def solved_grid(hm: HeightMap, scales: str, parameters: Parameters) -> tuple[HeightMap | None, str]:
+def solved_grid(hm: HeightMap, scales: str, parameters: Parameters) -> tuple[Resampled | None, str]:
     """Map on another grid to solve, with all its waves, and why."""
     shape = f"{hm.shape[0]} x {hm.shape[1]}"
     corrections = parameters.corrections
     held = coarse_map(hm) if corrections.coarser_grid else None
     if held is not None:
-        return held, f"grid: {held.shape[0]} x {held.shape[1]} points hold the map of {shape}"
+        ny, nx = held.hm.shape
+        return held, f"grid: {ny} x {nx} points hold the map of {shape}"
     wanted = scales == "auto" and corrections.finer_grid
     finer = refined_map(hm, parameters) if wanted else None
     if isinstance(finer, HeightMap):
@@ -101,7 +102,7 @@ def solved_grid(hm: HeightMap, scales: str, parameters: Parameters) -> tuple[Hei
                 "all heights are waves of two pixels, which tell no summits between them; use "
                 "boundary elements"
             )
-        return finer, (
+        return Resampled(finer, (0.0, 0.0)), (
             f"grid: {finer.shape[0]} x {finer.shape[1]} points show the summits of {shape}, whose "
             "waves reach the pixel"
         )
@@ -120,7 +121,7 @@ class Split:
         Law of the finer ones.
     """
 
-    coarse: HeightMap
+    coarse: Resampled
     law: SubContactLaw
 
 

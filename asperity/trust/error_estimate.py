@@ -99,7 +99,7 @@ def terms(
     outgrown = (table.flags_at(closed, depth) & Flag.BEYOND_RADIUS) > 0
     # with fine waves taken out, the contacts are those of the map that was solved
     law = decomposition.plan.sub_contact_law
-    hm = (decomposition.plan.resampled if law else None) or decomposition.hm
+    hm = decomposition.solved if law else decomposition.hm
     pixel = hm.area / math.prod(hm.shape)
     steep, shallow = decomposition.summits.curvature[closed].T
     ratio = np.log(steep / np.clip(shallow, 1e-3 * steep, None))
@@ -182,7 +182,7 @@ def outside_model_terms(decomposition: Decomposition, state: PopulationState) ->
         flat *= 1.0 - bounds.pressed * float(tops @ alone / tops.sum())
     cut = 0.0
     if decomposition.plan.boundary == "free":
-        places = decomposition.summits.y[closed], decomposition.summits.x[closed]
+        places = (at[closed] for at in decomposition.places)
         sides = [
             np.minimum(at, size - at) - 0.5 * step  # from the outermost points
             for at, size, step in zip(

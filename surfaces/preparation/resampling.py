@@ -16,7 +16,7 @@ from surfaces.numerics.memory import Change, along_both, require_memory
 from surfaces.numerics.stored_array import Source, blocks_of
 from surfaces.roughness import BANDS
 
-__all__ = ["coarse_map", "resample", "resample_waves", "shortest_wave"]
+__all__ = ["Resampled", "coarse_map", "corner_of", "resample", "resample_waves", "shortest_wave"]
 
 _POINTS = 8.0
 """Points per shortest wave: the contact curve then changes no more than by half a pixel's shift of
@@ -98,6 +98,36 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
     return hm.replace(heights=heights, spacing=(hm.size[0] / ny, hm.size[1] / nx), step=step)
 
 
+class Resampled(NamedTuple):
+    """A map of the waves of another one, on other pixels.
+
+    Attributes
+    ----------
+    hm
+        The map.
+    corner
+        Where its corner lies on the other map, (y, x) [m]: see `corner_of`.
+    """
+
+    hm: HeightMap
+    corner: tuple[float, float]
+
+
+def corner_of(hm: HeightMap, spacing: tuple[float, float]) -> tuple[float, float]:
+    """Corner (y, x) [m] of a grid of other pixels, one of which lies on the highest point of a map.
+
+    What is found on that grid is the same then if the map is moved or mirrored. A map that does not
+    repeat keeps its own corner.
+    """
+    if not hm.periodic:
+        return 0.0, 0.0
+    y, x = (
+        math.fmod((place + 0.5) * step + 0.5 * new, new)
+        for place, step, new in zip(hm.roughness.summit, hm.spacing, spacing, strict=True)
+    )
+    return y, x
+
+
 class _Moved(NamedTuple):
     """Interpolation to other cell centres along rows, columns and rows again.
 
@@ -116,14 +146,19 @@ class _Moved(NamedTuple):
 
 
 def resample_waves(
-    heights: Source, ny: int, nx: int, fewer: tuple[int, int] = (1, 1)
+    heights: Source,
+    ny: int,
+    nx: int,
+    fewer: tuple[int, int] = (1, 1),
+    corner: tuple[float, float] = (0.0, 0.0),
 ) -> NDArray[np.float64]:
     """Trigonometric interpolation of a periodic array to the cell centres of (ny, nx) pixels.
 
     Rows first; of the columns only those of waves that are kept are transformed. Of heights without
     waves that so few cannot hold, every `fewer`-th along y and x is enough, divisors of the shape.
+    The pixels begin at `corner`, in units of the lengths of the array.
     """
-    moved = _waves(heights.shape, (ny, nx), fewer)
+    moved = _waves(heights.shape, (ny, nx), fewer, corner)
     (first_y, first_x), (step_y, step_x) = ((part - 1) // 2 for part in fewer), fewer
     count, width = (n // step for n, step in zip(heights.shape, fewer, strict=True))
     rows = np.empty((count, moved.width), np.complex128)
@@ -138,10 +173,15 @@ def resample_waves(
     return np.asarray(moved.back(moved.columns(rows)))
 
 
-def _waves(old: tuple[int, ...], new: tuple[int, int], fewer: tuple[int, int] = (1, 1)) -> _Moved:
+def _waves(
+    old: tuple[int, ...],
+    new: tuple[int, int],
+    fewer: tuple[int, int] = (1, 1),
+    corner: tuple[float, float] = (0.0, 0.0),
+) -> _Moved:
     """Interpolation by the waves of a periodic array of shape `old`, of which every `fewer`-th
-    element along y and x is given."""
-    down, across = (_factors(*each) for each in zip(old, new, fewer, strict=True))
+    element along y and x is given, to pixels from `corner` on."""
+    down, across = (_factors(*each) for each in zip(old, new, fewer, corner, strict=True))
     workers = len(parallel.lines(old[0], math.prod(old)))
 
     def rows(heights: NDArray[Any]) -> NDArray[Any]:
@@ -184,7 +224,7 @@ def _cosines(old: tuple[int, ...], new: tuple[int, int]) -> _Moved:
     )
 
 
-def coarse_map(hm: HeightMap) -> HeightMap | None:
+def coarse_map(hm: HeightMap) -> Resampled | None:
     """A smooth periodic map on the coarsest grid that holds it; None if that is its own.
 
     Parameters
@@ -220,12 +260,15 @@ def coarse_map(hm: HeightMap) -> HeightMap | None:
         f"the grid of {ny} x {nx} points that holds a map of {hm.shape[0]} x {hm.shape[1]}",
         "raise the limit of memory, or crop the map",
     )
+    spacing = hm.size[0] / ny, hm.size[1] / nx
+    y, x = corner_of(hm, spacing)
+    shares = y / hm.size[0], x / hm.size[1]
     coarse = hm.replace(
-        heights=resample_waves(hm.source, ny, nx, (fewer[0], fewer[1])),
-        spacing=(hm.size[0] / ny, hm.size[1] / nx),
+        heights=resample_waves(hm.source, ny, nx, (fewer[0], fewer[1]), shares),
+        spacing=spacing,
         step={"step": "resample", "from": list(hm.shape), "to": [ny, nx]},
     )
-    return coarse if _holds(coarse, hm) else None
+    return Resampled(coarse, (y, x)) if _holds(coarse, hm, (y, x)) else None
 
 
 def _divisor(count: int, most: int) -> int:
@@ -242,17 +285,22 @@ def shortest_wave(hm: HeightMap, axis: int) -> float:
     return count / max(1, int(np.searchsorted(inside, (1.0 - _SLOPE_LOST) * inside[-1])))
 
 
-def _holds(coarse: HeightMap, hm: HeightMap) -> bool:
+def _holds(coarse: HeightMap, hm: HeightMap, corner: tuple[float, float]) -> bool:
     """Whether the highest point of every block of a map lies on the surface of a coarser one."""
     rows, cols = _highest(hm)
     spline = splines.coefficients(coarse.heights, coarse.periodic)
-    scale_y, scale_x = (n / m for n, m in zip(coarse.shape, hm.shape, strict=True))
+    y, x = (
+        ((at + 0.5) * step - begin) / new - 0.5
+        for at, step, begin, new in zip(
+            (rows, cols), hm.spacing, corner, coarse.spacing, strict=True
+        )
+    )
     off = np.empty(rows.size)
     splines.evaluate_all(
         spline.ravel(),
         spline.shape[1],
-        (rows + 0.5) * scale_y - 0.5,
-        (cols + 0.5) * scale_x - 0.5,
+        np.mod(y, coarse.shape[0]),
+        np.mod(x, coarse.shape[1]),
         off,
     )
     off -= hm.source[rows, cols]
@@ -271,14 +319,15 @@ def _highest(hm: HeightMap) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     return found.rows[band[:, None], cols].ravel(), cols.ravel()
 
 
-def _factors(all_points: int, count: int, fewer: int) -> NDArray[np.complex128]:
-    """Factors of the waves kept when every `fewer`-th of the cell centres becomes `count`."""
+def _factors(all_points: int, count: int, fewer: int, corner: float) -> NDArray[np.complex128]:
+    """Factors of the waves kept when every `fewer`-th of the cell centres becomes `count`, the
+    first of which begins at the share `corner` of the length."""
     old = all_points // fewer
     kept = min(old, count)
     waves = np.arange(kept // 2 + 1)
     first = ((fewer - 1) // 2 + 0.5) / all_points
-    shift: NDArray[np.complex128] = np.exp(2j * np.pi * waves * (0.5 / count - first))
+    shift: NDArray[np.complex128] = np.exp(2j * np.pi * waves * (corner + 0.5 / count - first))
     shift *= count / old
-    if kept % 2 == 0 and count != all_points:
+    if kept % 2 == 0 and (count != all_points or corner != 0.0):
         shift[-1] = 0.0
     return shift

@@ -18,15 +18,16 @@ def smooth(cutoff=0.09, shape=(240, 288), size=(1.0, 1.8)):
 
 def test_the_same_surface_on_fewer_points():
     hm = smooth()
-    coarse = coarse_map(hm)
-    assert coarse is not None and coarse.heights.size < 0.5 * hm.heights.size
+    found = coarse_map(hm)
+    assert found is not None and found.hm.heights.size < 0.5 * hm.heights.size
+    coarse, corner = found
     assert_allclose(coarse.size, hm.size, rtol=1e-12)
     assert_allclose(coarse.heights.mean(), hm.heights.mean(), atol=1e-12)
     assert_allclose(np.divide(*coarse.spacing), np.divide(*hm.spacing), rtol=0.1)
     few, many = (surfaces.fit_profiles(m, surfaces.segment(m)) for m in (coarse, hm))
     few, many = (fit.rows(np.argsort(-fit.height)[:8]) for fit in (few, many))
-    for name, step in (("x", hm.spacing[1]), ("y", hm.spacing[0])):
-        assert_allclose(getattr(few, name), getattr(many, name), atol=0.02 * step)
+    for name, step, place in zip("yx", hm.spacing, corner, strict=True):
+        assert_allclose(getattr(few, name) + place, getattr(many, name), atol=0.02 * step)
     assert_allclose(few.height, many.height, rtol=1e-4)
     assert_allclose(few.curvature, many.curvature, rtol=0.02)
 
@@ -58,6 +59,17 @@ def test_a_part_of_the_points_holds_the_waves(fewer):
         assert_allclose(
             resample_waves(hm.heights, *shape, fewer), whole, atol=1e-12 * hm.rms_height
         )
+
+
+def test_pixels_that_begin_elsewhere_hold_the_same_waves():
+    hm, count = smooth(), (60, 72)
+    corner = 5 / 240, 7 / 288
+    rolled = np.roll(hm.heights, (-5, -7), (0, 1))
+    assert_allclose(
+        resample_waves(hm.heights, *count, corner=corner),
+        resample_waves(rolled, *count),
+        atol=1e-12 * hm.rms_height,
+    )
 
 
 def test_maps_that_need_their_own_grid():

@@ -75,7 +75,7 @@ def test_maps_rough_to_the_pixel_are_solved_on_more_points():
     for hm in (rough, dataclasses.replace(rough, periodic=False)):
         plan = make_plan(hm, STEEL, interaction=False)
         assert plan.resampled is not None
-        assert plan.resampled.shape == tuple(2 * n for n in hm.shape)
+        assert plan.solved(hm).shape == tuple(2 * n for n in hm.shape)
         assert "192 x 256 points show the summits of 96 x 128" in str(plan)
     assert make_plan(rough, STEEL, scales="all").resampled is None
 

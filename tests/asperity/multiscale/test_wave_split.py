@@ -105,13 +105,32 @@ def test_nearer_to_boundary_elements_than_on_the_map_itself():
 
 def test_the_map_is_the_band_of_longer_waves(rough):
     split = split_scales(rough, STEEL)
-    coarse, fine = split.coarse, split.law
+    (coarse, corner), fine = split.coarse, split.law
     shell = 1 / max(rough.size)
     edge = 1 / (1 / fine.shortest + 0.5 * shell)
     band = surfaces.resample(surfaces.bandpass(rough, shortest=edge), coarse.spacing)
     assert band.shape == coarse.shape
     assert fine.shortest >= 6 * max(coarse.spacing) > 0.9 * fine.shortest
-    np.testing.assert_allclose(coarse.heights, band.heights, atol=1e-9 * rough.rms_height)
+    down, right = (
+        np.exp(2j * np.pi * np.fft.fftfreq(n, step) * place)
+        for n, step, place in zip(band.shape, band.spacing, corner, strict=True)
+    )
+    moved = np.fft.ifft2(np.fft.fft2(band.heights) * down[:, None] * right).real
+    np.testing.assert_allclose(coarse.heights, moved, atol=1e-9 * rough.rms_height)
+
+
+def test_a_point_of_the_other_grid_is_the_highest_of_the_map(rough):
+    corners = []
+    for turn in (0, 17):
+        hm = rough.replace(heights=np.roll(rough.heights, (turn, -2 * turn), (0, 1)))
+        coarse, corner = split_scales(hm, STEEL).coarse
+        top = [(n + 0.5) * step for n, step in zip(hm.roughness.summit, hm.spacing, strict=True)]
+        at = (np.array(top) - corner) / coarse.spacing - 0.5
+        np.testing.assert_allclose(at, np.round(at), atol=1e-9)
+        assert all(0 <= place < step for place, step in zip(corner, coarse.spacing, strict=True))
+        corners.append((corner, np.roll(coarse.heights, -np.round(at).astype(int), (0, 1))))
+    assert corners[0][0] != corners[1][0]
+    np.testing.assert_allclose(corners[0][1], corners[1][1], atol=1e-9 * rough.rms_height)
 
 
 def sums(hm: HeightMap, body) -> tuple[float, float]:
@@ -129,7 +148,7 @@ def sums(hm: HeightMap, body) -> tuple[float, float]:
 def test_pressure_and_energy_are_those_of_the_waves_left_out(m):
     hm, body = broad(), asperity.HalfSpace.from_modulus(2e11, m=m)
     split = split_scales(hm, body)
-    coarse, fine = split.coarse, split.law
+    coarse, fine = split.coarse.hm, split.law
     (whole, stored), (longer, held) = (sums(map_, body) for map_ in (hm, coarse))
     assert fine.variance == pytest.approx(whole - longer, rel=1e-6)
     assert fine.energy == pytest.approx(stored - held, rel=1e-6)
@@ -139,7 +158,8 @@ def test_pressure_and_energy_are_those_of_the_waves_left_out(m):
 def test_a_free_map_is_taken_with_its_mirror_images(rough):
     free = dataclasses.replace(rough, periodic=False)
     split = split_scales(free, STEEL)
-    coarse, fine = split.coarse, split.law
+    coarse, fine = split.coarse.hm, split.law
+    assert split.coarse.corner == (0.0, 0.0)
     mirrored, smooth = (
         surfaces.prepare(hm, level=None, periodic="mirror") for hm in (free, coarse)
     )

@@ -129,10 +129,8 @@ def test_terms_have_no_units():
 
 def test_with_fine_waves_taken_out_the_terms_are_those_of_the_map_that_was_solved():
     decomposition, state, odd = weak_point()
-    decomposition.plan.sub_contact_law, decomposition.plan.resampled = (
-        SimpleNamespace(ratio=3.0),
-        decomposition.hm,
-    )
+    decomposition.plan.sub_contact_law = SimpleNamespace(ratio=3.0)
+    decomposition.solved = decomposition.hm
     decomposition.hm = HeightMap(np.eye(6, 8), (1.0, 0.5), periodic=True)
     found, whole = terms(decomposition, state, odd), terms(*weak_point())
     few, coarse = np.hypot(0.75, 0.25), whole["coarse_contacts"]
