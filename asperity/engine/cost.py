@@ -48,7 +48,7 @@ def forecast(hm: HeightMap, material: HalfSpace, plan: Plan, loads: int) -> dict
     Measured on two cores (docs/development/verification.md); only the ratios decide. Parts are
     periodic and elastic, whatever the map is.
     """
-    points, side = math.prod(hm.shape), parts_along(hm, plan)
+    points, side = math.prod(hm.shape), parts_along(hm, plan.solved(hm))
     peaks = peaks_above(plan.solved(hm), plan.above)
     model = MODEL_SECONDS[0] + MODEL_SECONDS[1] * peaks
     dearer = FREE if plan.boundary == "free" else 1.0

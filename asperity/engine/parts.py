@@ -130,7 +130,7 @@ def sampled(
     allowed = np.array([[accuracy.load], [accuracy.area]])
     error = PART_SHARE * accuracy.area
     judged = Judged(run.decomposition.material, error, progress)
-    shares = _load_shares(run, parts_along(hm, plan))[:, at]
+    shares = _load_shares(run, parts_along(hm, plan.solved(hm)))[:, at]
     misfit, bounds = misfit_on_parts(
         judged, hm, plan, model, at, shares, allowed, judge is not None
     )
@@ -167,10 +167,9 @@ def _within(bounds: Array, grain: Array, allowed: Array) -> NDArray[np.bool_]:
     return np.asarray((bounds[0] <= allowed[0]) & (bounds[1] + grain <= allowed[1]))
 
 
-def parts_along(hm: HeightMap, plan: Plan) -> int:
-    """Parts along each side of a map."""
-    grid = min(plan.solved(hm).shape)
-    return max(SIDE, min(min(hm.shape) // PART_POINTS, grid // GRID_POINTS))
+def parts_along(hm: HeightMap, solved: HeightMap) -> int:
+    """Parts along each side of a map, of which the model solves that on another grid."""
+    return max(SIDE, min(min(hm.shape) // PART_POINTS, min(solved.shape) // GRID_POINTS))
 
 
 def _load_shares(run: ContactRun, side: int) -> Array:

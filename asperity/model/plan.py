@@ -22,7 +22,7 @@ from asperity.halfspace.scene import (
     require_scene,
     slope_scale,
 )
-from asperity.multiscale.wave_split import Split, solved_grid, split_scales
+from asperity.multiscale.wave_split import chosen_split, solved_grid
 from asperity.parameters import DEFAULTS, Parameters
 from asperity.parameters.constants import Segmentation
 from surfaces.checks import lay, seam_warning
@@ -212,7 +212,7 @@ def make_plan(
         coupled, why = interaction_needed(hm, material, kind, values, parameters)
     reasons.append(why)
     cell = hm if edge == "periodic" or not hm.periodic else hm.replace(periodic=False)
-    split, whys = _split(cell, material, coupled, scales, parameters)
+    split, whys = chosen_split(cell, material, coupled, scales, parameters)
     if split is None:
         resampled, holds = solved_grid(cell, scales, parameters)
         whys.append(holds)
@@ -338,24 +338,3 @@ def _above_contacts(
     None where that is hardly less than all of the heights."""
     top = bounds.spare_share + bounds.depth * share
     return None if top >= bounds.whole_share else float(np.quantile(sample, 1.0 - top))
-
-
-def _split(
-    hm: HeightMap, material: HalfSpace, coupled: bool, scales: str, parameters: Parameters
-) -> tuple[Split | None, list[str]]:
-    """Whether the finest waves are taken out, and why."""
-    if scales != "auto":
-        return None, ["scales: all, as asked"]
-    if not coupled:
-        return None, ["scales: all, contacts do not interact"]
-    if not parameters.corrections.wave_split:
-        return None, ["scales: all, the split of waves is switched off"]
-    split = split_scales(hm, material, parameters)
-    if isinstance(split, str):
-        return None, [split]
-    (ny, nx), law = split.coarse.hm.shape, split.law
-    return split, [
-        f"scales: waves shorter than {law.shortest:.3g} m act as a law of the contacts of "
-        f"the others; they hold {100 * law.ratio / (1 + law.ratio):.0f} % of the squared slope",
-        f"grid: {ny} x {nx} points hold the longer waves of {hm.shape[0]} x {hm.shape[1]}",
-    ]

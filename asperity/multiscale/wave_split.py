@@ -35,7 +35,7 @@ from .sub_contact_law import SubContactLaw
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
 
-__all__ = ["Split", "random_waves", "refined_map", "solved_grid", "split_scales"]
+__all__ = ["Split", "chosen_split", "random_waves", "refined_map", "solved_grid", "split_scales"]
 
 
 Array = NDArray[np.float64]
@@ -176,6 +176,27 @@ def split_scales(
     if coarse is None:
         return "scales: all, the map is too small to take its finest waves out"
     return Split(coarse, law)
+
+
+def chosen_split(
+    hm: HeightMap, material: HalfSpace, coupled: bool, scales: str, parameters: Parameters
+) -> tuple[Split | None, list[str]]:
+    """Whether the finest waves are taken out, and why."""
+    if scales != "auto":
+        return None, ["scales: all, as asked"]
+    if not coupled:
+        return None, ["scales: all, contacts do not interact"]
+    if not parameters.corrections.wave_split:
+        return None, ["scales: all, the split of waves is switched off"]
+    split = split_scales(hm, material, parameters)
+    if isinstance(split, str):
+        return None, [split]
+    (ny, nx), law = split.coarse.hm.shape, split.law
+    return split, [
+        f"scales: waves shorter than {law.shortest:.3g} m act as a law of the contacts of "
+        f"the others; they hold {100 * law.ratio / (1 + law.ratio):.0f} % of the squared slope",
+        f"grid: {ny} x {nx} points hold the longer waves of {hm.shape[0]} x {hm.shape[1]}",
+    ]
 
 
 def _shell(waves: float, hm: HeightMap) -> int:

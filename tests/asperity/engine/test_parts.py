@@ -259,16 +259,15 @@ def test_loads_are_shared_out():
 def test_parts_hold_as_many_points_of_the_grid_whatever_the_map():
     """A map that is solved on a coarse grid has no more parts than that grid can be cut into."""
     for points, grid, side in (
-        (1536, None, 4),
-        (4096, None, 8),
-        (16384, None, 32),
+        (1536, 1536, 4),
+        (4096, 4096, 8),
+        (16384, 16384, 32),
         (16384, 300, 4),
         (16384, 1200, 16),
         (4096, 1200, 8),
     ):
-        hm = SimpleNamespace(shape=(points, 2 * points))
-        plan = SimpleNamespace(resampled=grid and SimpleNamespace(shape=(grid, 2 * grid)))
-        assert parts.parts_along(hm, plan) == side
+        hm, solved = (SimpleNamespace(shape=(n, 2 * n)) for n in (points, grid))
+        assert parts.parts_along(hm, solved) == side
 
 
 def test_bounds_hold_with_more_parts(monkeypatch):
@@ -277,7 +276,7 @@ def test_bounds_hold_with_more_parts(monkeypatch):
     loads = default_pressures(hm, BODY, 8)
     curve = asperity.solve(hm, BODY, pressures=loads, engine="sampled")
     true = truth(hm, BODY, loads)
-    assert parts.parts_along(hm, SimpleNamespace(resampled=None)) == 5
+    assert parts.parts_along(hm, hm) == 5
     assert curve.verification["engine"] == "sampled"
     assert (off(curve, true) <= bounds(curve) + bounds(true)).all()
 
