@@ -56,7 +56,7 @@ ROUGH = 0.03
 
 MANY = 400
 """Closed contacts from which on the errors of both signs average out: under a load, the residual of
-fewer is held to a smaller bound, by the root of their number."""
+fewer is held to a bound smaller in proportion."""
 
 MISSED = 1e-3
 """Relative error of the load after the last step, beyond which it went astray."""
@@ -155,7 +155,7 @@ def _newton_steps(
         missing = 0.0 if load is None else load - float(state.laws.force.sum())
         error, wrong = state.relative + state.lag, abs(missing) / (load or 1.0)
         closed = int(np.count_nonzero(state.approach))
-        few = 1.0 if load is None else min(1.0, math.sqrt(closed / MANY))
+        few = 1.0 if load is None else min(1.0, closed / MANY)
         if error <= few * tolerance and wrong <= 0.5 * tolerance:
             break
         if load is not None and not state.active.any():
