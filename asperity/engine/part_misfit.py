@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from asperity.bem.curve import bem_curve
 from asperity.curve import contact_curve
+from surfaces.numerics import parallel
 from surfaces.preparation.borders import make_periodic
 from surfaces.preparation.filtering import bandpass
 from surfaces.preparation.resampling import Resampled, resample
@@ -50,6 +51,10 @@ ALIKE = 4
 FEW = 2.0
 """Power of `ALIKE` over the number of parts with which the squares of `FLOOR` grow where that is
 less: the load follows the heights of few summits, the area their shapes."""
+
+TOGETHER = 2
+"""Parts solved at the same time, whatever the number of threads: results do not hang on that. Most
+of the loops of one part are too short for two threads."""
 
 ENOUGH = 0.8
 """Bounds by the parts solved at a load point, over the accuracy, at which no more are solved there:
@@ -123,22 +128,29 @@ def misfit_on_parts(
     found, rate = np.full((*shares.shape, 3), np.nan), model.stiffness[at] / pressure
     cell = replace(alone, boundary="periodic")
     lightest = int(np.argmax(np.where(taken.any(axis=1), shares[:, 0], -1.0)))
-    for place in [lightest, *best[best != lightest].tolist()]:
-        _, bounds, number = _pooled(found, shares, rate)
-        enough = (number >= ALIKE) & (bounds <= ENOUGH * allowed).all(axis=0)
-        here = taken[place] & ~enough
-        if not here.any():
-            continue
-        part, loads = _part(hm, place, side), local[place, here]
+
+    def solved(place: int) -> Array:
+        part, loads = _part(hm, place, side), local[place, here[place]]
         waves = _resampled(part, plan)
         own = replace(
             cell,
             sub_contact_law=plan.sub_contact_law,
             resampled=None if waves is part else Resampled(waves, (0.0, 0.0)),
         )
-        found[place, here] = judged(part, own, loads, tell=place == lightest).T
+        own_misfit = judged(part, own, loads, tell=place == lightest)
         if grid is not None:
-            found[place, here, 0] -= judged(waves, cell, loads)[0]
+            own_misfit[0] -= judged(waves, cell, loads)[0]
+        return own_misfit
+
+    left = [lightest, *best[best != lightest].tolist()]
+    while left:
+        _, bounds, number = _pooled(found, shares, rate)
+        enough = (number >= ALIKE) & (bounds <= ENOUGH * allowed).all(axis=0)
+        here = taken & ~enough
+        left = [place for place in left if here[place].any()]
+        some, left = left[:TOGETHER], left[TOGETHER:]
+        for place, own_misfit in zip(some, parallel.apart(solved, some), strict=True):
+            found[place, here[place]] = own_misfit.T
     misfit, bounds, number = _pooled(found, shares, rate)
     told = number > 0
     if grid is not None and told.any():

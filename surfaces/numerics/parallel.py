@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextvars
 import functools
 import itertools
 import math
@@ -16,6 +17,7 @@ from surfaces.errors import InputError, as_number
 from .stored_array import drop_pages
 
 __all__ = [
+    "apart",
     "aside",
     "available",
     "blocks",
@@ -29,6 +31,9 @@ __all__ = [
 _NAME = "row-blocks"
 _VARIABLE = "ASPERITY_THREADS"
 _chosen: int | None = None
+
+_alone = contextvars.ContextVar("alone", default=False)
+"""Whether the work has one thread of its own, see `apart`."""
 
 _POINTS = 2**17
 """Points of a map that repay a thread, in a loop that takes a few ns for each."""
@@ -47,7 +52,7 @@ def available() -> int:
 
 def threads() -> int:
     """Number of threads in use: as set, else ASPERITY_THREADS, else every processor."""
-    return _chosen or _default()
+    return 1 if _alone.get() else _chosen or _default()
 
 
 @functools.cache
@@ -119,6 +124,19 @@ def each(function: Callable[[Any], Any], parts: Sequence[Any]) -> list[Any]:
         others.pop()
         own.append(done(parts[len(others) + 1]))
     return [*results, *(other.result() for other in others), *reversed(own)]
+
+
+def apart(function: Callable[[Any], Any], parts: Sequence[Any]) -> list[Any]:
+    """As `each`, for parts that by themselves would take all threads: one thread for each."""
+    if len(parts) < 2 or threads() == 1:
+        return [function(part) for part in parts]
+
+    def alone(part: Any) -> Any:
+        _alone.set(True)
+        return function(part)
+
+    contexts = [contextvars.copy_context() for _ in parts]
+    return each(lambda k: contexts[k].run(alone, parts[k]), range(len(parts)))
 
 
 def aside(function: Callable[[], Any]) -> None:

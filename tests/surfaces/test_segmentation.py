@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-import time
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -242,22 +239,3 @@ def test_the_number_of_threads_changes_nothing_even_between_equal_heights(monkey
         parallel.set_threads(None)
     for name, one in vars(found[0]).items():
         assert_array_equal(one, getattr(found[1], name), err_msg=name)
-
-
-@pytest.mark.parametrize("count", [0, 1, 2, 9])
-def test_results_of_unequal_parts_come_in_their_order(count):
-    def square(part: int) -> int:
-        time.sleep(0.02 if part == 1 else 0.001)
-        return part**2
-
-    assert parallel.each(square, range(count)) == [part**2 for part in range(count)]
-
-
-def test_one_thread_is_one_thread():
-    names: list[str] = []
-    try:
-        parallel.set_threads(1)
-        parallel.each(lambda _: names.append(threading.current_thread().name), range(3))
-    finally:
-        parallel.set_threads(None)
-    assert names == [threading.current_thread().name] * 3
