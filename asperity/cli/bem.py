@@ -5,13 +5,12 @@ from __future__ import annotations
 import argparse
 from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from asperity.halfspace.material import HalfSpace
+from surfaces.heightmap import HeightMap
 
 from . import derived, options, output
-
-if TYPE_CHECKING:
-    from asperity.halfspace.material import HalfSpace
-    from surfaces.heightmap import HeightMap
 
 EPILOG = """example:
   asperity bem scan.h5 --E 210GPa --nu 0.3 --pressure 1MPa:500MPa:10 --tolerance 1e-6

@@ -8,15 +8,15 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from asperity.halfspace.material import HalfSpace
 from asperity.progress import bar
+from surfaces.heightmap import HeightMap
 
 from . import options, output, targets
 from .messages import tell
 
 if TYPE_CHECKING:
     from asperity.comparison.result import Comparison
-    from asperity.halfspace.material import HalfSpace
-    from surfaces import HeightMap
 
 EPILOG = """examples:
   asperity compare scan.h5 --E 210GPa --nu 0.3

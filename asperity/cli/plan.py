@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from asperity.halfspace.material import HalfSpace
+from surfaces.heightmap import HeightMap
 
 from . import batch, options, output, targets
 from .messages import tell
-
-if TYPE_CHECKING:
-    from asperity.halfspace.material import HalfSpace
-    from surfaces.heightmap import HeightMap
 
 EPILOG = """example:
   asperity plan scan.h5 --E 210GPa --pressure 1MPa:500MPa:30

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,15 +9,13 @@ import surfaces
 from asperity.bem.curve import bem_curve
 from asperity.bem.memory import fits
 from asperity.engine.resolution import representative_part
+from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import Boundary
 from asperity.results.curve import ContactCurve
 from asperity.results.storage import structured
 from surfaces.heightmap import HeightMap
 
 from .coarse_bem import load_at_separation
-
-if TYPE_CHECKING:
-    from asperity.halfspace.material import HalfSpace
 
 __all__ = ["refined_run"]
 

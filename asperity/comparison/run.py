@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +16,7 @@ from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import microcontacts
 from asperity.curve import solve_loads
 from asperity.errors import ConvergenceError, cautious, warn_once
+from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import checked_loads, default_pressures, map_facts
 from asperity.model.plan import Plan, make_plan
 from asperity.progress import Progress, reported
@@ -28,9 +29,6 @@ from .coarse_bem import LOOSE_TOLERANCE, coarse_grids, coarse_run, load_at_separ
 from .record import PARETO_TYPE
 from .refined_bem import refined_run
 from .result import Comparison
-
-if TYPE_CHECKING:
-    from asperity.halfspace.material import HalfSpace
 
 __all__ = ["compare"]
 
