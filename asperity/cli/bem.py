@@ -19,7 +19,6 @@ EPILOG = """example:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity bem``."""
-    parser.epilog = EPILOG
     options.add_scene_options(parser)
     options.add_tolerance_option(parser)
     output.add_output_options(parser)

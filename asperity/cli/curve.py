@@ -23,7 +23,6 @@ EPILOG = """examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity curve``."""
-    parser.epilog = EPILOG
     options.add_scene_options(parser)
     options.add_model_options(parser)
     output.add_output_options(parser)

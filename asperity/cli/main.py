@@ -38,7 +38,7 @@ COMMANDS = {
     "stress": "stiff and extreme cases through every engine, each judged",
     "warmup": "compile what daily use needs for this machine; later runs start at once",
 }
-"""What each sub-command does; the module of its name has `add_arguments` and `run`."""
+"""What each sub-command does; the module of its name has `EPILOG`, `add_arguments` and `run`."""
 
 _module = lazy_loader.attach(__package__, COMMANDS)[0]  # imports it when it is used
 
@@ -87,6 +87,7 @@ def build_parser(*known: str) -> argparse.ArgumentParser:
             name, help=summary, description=summary[0].upper() + summary[1:] + "."
         )
         if name in known:
+            sub.epilog = _module(name).EPILOG
             _module(name).add_arguments(sub)
     return parser
 

@@ -19,7 +19,6 @@ EPILOG = """example:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity plan``."""
-    parser.epilog = EPILOG
     options.add_scene_options(parser)
     options.add_model_options(parser)
     targets.add_force(parser)

@@ -26,7 +26,6 @@ EPILOG = """examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity solve``."""
-    parser.epilog = EPILOG
     options.add_scene_options(parser)
     add_accuracy_options(parser)
     output.add_output_options(parser)

@@ -28,12 +28,12 @@ if TYPE_CHECKING:
 EPILOG = """examples:
   asperity sweep 'scans/*.h5' --E 210GPa 70GPa --hardness 1GPa 2GPa --workers 2 -o sweep/
   asperity sweep plan.toml --fill harmonic -o planned/ --json
-"""
 
-FILES = """A .toml file is a plan: its keys are options, written without dashes, with one value or a
+A .toml file is a plan: its keys are options, written without dashes, with one value or a
 list; each table [[material]] and [[settings]] is a set of them, and all sets are combined. A .csv
 file with a column "file" is a table: a row is a job, its other columns are options. Their files lie
-beside them."""
+beside them.
+"""
 
 MOST_ROWS = 40
 """Most rows of an index that are shown on the terminal."""
@@ -44,7 +44,6 @@ TABLES = ("material", "settings")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity sweep``."""
-    parser.epilog = f"{EPILOG}\n{FILES}\n"
     parser.set_defaults(reparse=parser.parse_args)
     options.add_surface_options(parser)
     options.add_material_options(parser, nargs="+")
