@@ -112,19 +112,8 @@ def require(
 ) -> None:
     """Refuse, before any work, what cannot be written, or would replace a file or another output.
 
-    Parameters
-    ----------
-    args
-        All options.
-    runs
-        Those of each input, from `of_input`, where each has outputs of its own.
-    inputs
-        Further files that are read.
-
-    Raises
-    ------
-    InputError
-        Saying which file, and how to mend it.
+    `runs` are the options of each input, from `of_input`, where each has outputs of its own;
+    `inputs` are further files that are read.
     """
     inputs = [*inputs, *(run.file for run in runs)]
     taken = {Path(os.path.realpath(file)): f"would replace the input {file}" for file in inputs}

@@ -136,19 +136,9 @@ def judge(
     grid: int | None = 256,
     tolerance: float = 1e-6,
 ) -> Case:
-    """Solve one contact by the laws, and by boundary elements unless `grid` is None.
-
-    Parameters
-    ----------
-    profile, material, approach, load
-        The contact, see `asperity.indent`; all are compared at the same approach, or load.
-    laws
-        Names of the laws; by default all but "auto", which is one of them.
-    grid
-        Points per axis of the boundary elements, or None for none.
-    tolerance
-        Their tolerance.
-    """
+    """Solve one contact by the laws, all but "auto" if none is named, and by boundary elements on
+    `grid` points per axis unless that is None; all at the same approach, or load, as in
+    `asperity.indent`."""
     reference, seconds, edge = None, np.nan, np.empty(0)
     driven = {"approach": approach, "load": load}
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES

@@ -59,13 +59,8 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def make_folder(folder: str | os.PathLike[str]) -> None:
-    """Make a folder for results, with those around it, where it does not exist.
-
-    Raises
-    ------
-    InputError
-        If it cannot be made.
-    """
+    """Make a folder for results, with those around it, where it does not exist; raises `InputError`
+    if it cannot be made."""
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
     except OSError as error:
