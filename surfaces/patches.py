@@ -84,15 +84,8 @@ def _merged(pairs: NDArray[np.int32], count: int) -> NDArray[np.int32]:
 def points_at(
     heights: Source, levels: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Rows and columns of the points whose height may be one of some levels, and few others.
-
-    Parameters
-    ----------
-    heights
-        Heights [m], shape (ny, nx), in memory or on disk.
-    levels
-        Heights to look for [m].
-    """
+    """Rows and columns of the points whose height [m] may be one of some levels [m], and few
+    others; the heights, shape (ny, nx), are in memory or on disk."""
     bits = max(10, int(levels.size).bit_length() + 4)  # 16 places for a level
     table = np.zeros(1 << bits, np.bool_)
     mark = np.empty((1, levels.size), np.bool_)

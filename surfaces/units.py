@@ -101,12 +101,9 @@ def quantity(text: str, kind: str) -> float:
 
 
 def quantities(texts: list[str], kind: str) -> list[float]:
-    """Numbers of several texts of one kind, of which all have a unit or none.
+    """Numbers of several texts of one kind, of which all have a unit or none, see `quantity`.
 
-    Raises
-    ------
-    InputError
-        As `quantity`; and if some have a unit and others, not being 0, have none.
+    Raises `InputError` also if some have a unit and others, not being 0, have none.
     """
     found = [_WRITTEN.fullmatch(text) for text in texts]
     example = QUANTITIES[kind][1]
@@ -147,10 +144,7 @@ def _factor(unit: str, kind: str) -> float | None:
 def chosen_unit(path: Path, stated: str | None, given: str | None) -> str:
     """The unit of the heights of a file: as it states, or as the caller says where it does not.
 
-    Raises
-    ------
-    FileFormatError
-        If neither says one, or they differ.
+    Raises `FileFormatError` if neither says one, or they differ.
     """
     if not (stated or given):
         raise FileFormatError(f"{path}: states no unit; pass --unit (unit=...), such as --unit um")

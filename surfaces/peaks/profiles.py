@@ -34,13 +34,8 @@ _TINY = 1e-300
 
 
 def ray_aspect(curvature: Array) -> Array:
-    """Aspect of the ellipses on which the rays are spread: the root of that of the contact.
-
-    Parameters
-    ----------
-    curvature
-        Principal curvatures k1 >= k2 [1/m], shape (..., 2).
-    """
+    """Aspect of the ellipses on which the rays are spread: the root of that of the contact, of
+    principal curvatures k1 >= k2 [1/m], shape (..., 2)."""
     ratio = curvature[..., 1] / curvature[..., 0]
     return np.maximum(ratio ** (1.0 / 3.0), _NARROWEST)
 

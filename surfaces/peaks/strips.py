@@ -87,21 +87,12 @@ class _Strip(NamedTuple):
 
 
 def flood_strips(hm: HeightMap, above: float) -> Flooded | None:
-    """Peaks, basins and passes of a map, in strips of whole rows with a halo on both sides.
+    """Peaks, basins and passes of a map on disk without missing points, in strips of whole rows
+    with a halo on both sides; only pixels at or above a height [m] are flooded.
 
-    None if a plateau is as long as the map: then no strip tells where it leads.
-
-    Parameters
-    ----------
-    hm
-        A map on disk without missing points.
-    above
-        Flood only pixels at or above this height [m].
-
-    Raises
-    ------
-    SurfaceError
-        If the peaks, or a strip with the plateaus that cross its borders, do not fit into memory.
+    None if a plateau is as long as the map: then no strip tells where it leads. Raises
+    `SurfaceError` if the peaks, or a strip with the plateaus that cross its borders, do not fit
+    into memory.
     """
     ny, nx = hm.shape
     step = max(1, BLOCK_BYTES // (8 * nx))
