@@ -36,15 +36,8 @@ PICTURES = ("plot", "fans")
 
 @dataclass(frozen=True)
 class Target:
-    """A file that an option names.
-
-    Attributes
-    ----------
-    suffix
-        Ending of its name in a folder, `ONE` if one file serves all inputs.
-    alone, several
-        What is written for one input, and for several, where the option is not given.
-    """
+    """A file that an option names: the suffix of its name in a folder, `ONE` if one file serves all
+    inputs; and what is written for one input, and for several, where the option is not given."""
 
     suffix: str
     alone: str | None = None

@@ -83,14 +83,8 @@ class Pool(Protocol):
 class Workers:
     """What workers a sweep asks for.
 
-    Attributes
-    ----------
-    count
-        Number of processes; as many as the threads of their jobs leave processors for if None.
-    scheduler
-        Address of a Dask scheduler whose workers run the jobs; None starts workers here.
-    threads
-        Threads of each job.
+    Their `count` is that of processes, as many as the `threads` of each job leave processors for if
+    None; with the address of a Dask `scheduler` its workers run the jobs, and none starts here.
     """
 
     count: int | None = None

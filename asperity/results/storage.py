@@ -79,18 +79,9 @@ def columns(table: NDArray[np.void]) -> dict[str, NDArray[Any]]:
 class CurveRecord:
     """A contact curve as plain data.
 
-    Attributes
-    ----------
-    columns
-        Arrays over the load points by name, shape (n,) each.
-    extra
-        Further arrays over the load points by name.
-    reasons
-        One sentence per load point, "" where all is well.
-    attributes
-        JSON-able facts by name: model, version, settings, seconds.
-    source
-        File and curve, for messages.
+    Columns, and `extra` ones, are arrays over the load points by name, shape (n,) each, and reasons
+    one sentence per load point, "" where all is well. Attributes are JSON-able: model, version,
+    settings, seconds. `source` names file and curve in messages.
     """
 
     columns: dict[str, NDArray[Any]]
@@ -150,13 +141,8 @@ def _command() -> str:
 
 
 def write_results(path: str | os.PathLike[str], results: ResultFile) -> None:
-    """Write a results file through a temporary file and an atomic rename.
-
-    Raises
-    ------
-    InputError
-        If the folder does not exist or cannot be written.
-    """
+    """Write a results file through a temporary file and an atomic rename; raises `InputError` if
+    the folder does not exist or cannot be written."""
     import h5py
 
     with replacing(path) as partial, h5py.File(partial, "w", libver=("v110", "v110")) as file:
