@@ -28,7 +28,6 @@ _DAMAGED = (
     EOFError,
     ExpatError,
     LookupError,
-    NotImplementedError,
     OSError,
     RuntimeError,
     SyntaxError,
