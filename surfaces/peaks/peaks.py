@@ -186,8 +186,8 @@ def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[n
     top, slot = np.full(len(peaks) + 1, np.inf), np.zeros(len(peaks) + 1, np.int64)
     top[rows], slot[rows] = here[rows], np.arange(rows.size)
     found = [
-        np.add(np.argwhere(part[begin - at : end - at] == top[peaks.labels[begin:end]]), (begin, 0))
-        for begin, end, part, at in windows(heights)
+        np.add(np.argwhere(part == top[peaks.labels[begin:end]]), (begin, 0))
+        for begin, end, part, _ in windows(heights)
     ]
     points = np.concatenate(found)
     points = points[_level_steps(hm, points).all(axis=1)]
