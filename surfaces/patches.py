@@ -20,24 +20,8 @@ _NO_PAIRS = np.zeros((0, 2), np.int32)
 def label_patches(
     mask: NDArray[np.bool_], *, periodic: bool, corners: bool = True
 ) -> tuple[NDArray[np.int32], int]:
-    """Label the connected patches of a mask, joined across the seam if periodic.
-
-    Parameters
-    ----------
-    mask
-        Pixels that belong to a patch, shape (ny, nx).
-    periodic
-        Whether the map continues across its border as if repeated.
-    corners
-        Whether pixels that meet at a corner join, as those that meet at an edge do.
-
-    Returns
-    -------
-    labels
-        1..n on the patches, 0 outside, shape (ny, nx).
-    count
-        Number of patches n.
-    """
+    """Label the connected patches of a mask (ny, nx), joined across the seam if periodic, and at
+    corners as at edges unless told otherwise: 1..n on the patches, 0 outside, (ny, nx), and n."""
     labels, count = _components(mask, 8 if corners else 4)
     shifts = (-1, 0, 1) if corners else (0,)
     pairs = _seam_pairs(labels, shifts) if periodic and count > 1 else _NO_PAIRS

@@ -154,19 +154,8 @@ def chosen_unit(path: Path, stated: str | None, given: str | None) -> str:
 
 
 def metres_per(unit: str) -> float:
-    """Length of one `unit` in metres.
-
-    Parameters
-    ----------
-    unit
-        Name of a length unit, such as m, mm, um, nm; case matters (mm is not Mm). A number may
-        stand before it: 2.5nm.
-
-    Raises
-    ------
-    InputError
-        If the name is not a known unit of length.
-    """
+    """Metres in one unit of length, such as m, mm, um, nm, or in 2.5nm; case matters (mm is not
+    Mm). Raises `InputError` if its name is not known."""
     number, name = _QUANTITY.findall(unit.strip())[0]
     name = _ALIASES.get(name, name)
     if name not in METRES and len(name) > 2:

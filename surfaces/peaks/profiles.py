@@ -204,22 +204,8 @@ _RADII = _steps()
 
 
 class Fans:
-    """The rays of some peaks, to be filled part by part.
-
-    Parameters
-    ----------
-    summits
-        Summits of all peaks of the map.
-    index
-        Rows of the peaks, shape (k,).
-    rays, nodes
-        Rays per peak, nodes per ray.
-
-    Attributes
-    ----------
-    phi, weight, edge, q
-        As in `Profiles`, one row per element of `index`.
-    """
+    """The rays of the peaks in the rows `index` (k,), with so many nodes each, to be filled part by
+    part: `phi`, `weight`, `edge` and `q` as in `Profiles`, one row per element of `index`."""
 
     def __init__(self, summits: SummitArrays, index: Rows, rays: int, nodes: int) -> None:
         self._summits, self._index = summits, index

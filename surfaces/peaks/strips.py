@@ -32,20 +32,10 @@ PEAK_BYTES = 400
 class Flooded(NamedTuple):
     """Peaks of a map, in descending height, before any is pruned.
 
-    Attributes
-    ----------
-    summit
-        Their pixels, shape (n,).
-    height
-        Heights of these [m], shape (n,).
-    labels
-        Peak whose basin holds each pixel, shape (ny, nx), in memory or on disk; -1: not flooded.
-    counts
-        Pixels of each basin, shape (n,).
-    keys, passes
-        Touching pairs as ``first * n + second``, some several times, and their passes [m].
-    lowest
-        Lowest height flooded [m].
+    Their pixels (n,) and heights [m] (n,); the peak whose basin holds each pixel (ny, nx), in
+    memory or on disk, -1 where not flooded; the pixels of each basin (n,); touching pairs as
+    ``first * n + second``, some several times, and their passes [m]; and the lowest height flooded
+    [m].
     """
 
     summit: Pixels
@@ -58,23 +48,12 @@ class Flooded(NamedTuple):
 
 
 class _Strip(NamedTuple):
-    """What is kept of a strip of rows.
+    """What is kept of a strip of rows: pixels in the map and heights [m] of its peaks; the label of
+    each of its pixels (rows, nx), and pixels of each label; the labels on both sides of each pass
+    (k, 2), and its height [m]; and the lowest height flooded [m].
 
     Its labels are its peaks, in the order of their pixels, then the pixels of the row above it and
     of the row below it, where ways end that lead out of the strip.
-
-    Attributes
-    ----------
-    summit, height
-        Pixels in the map, and heights [m], of its peaks.
-    labels
-        Label of each of its pixels, shape (rows, nx).
-    counts
-        Pixels of each label.
-    pairs, passes
-        Labels on both sides of each pass, shape (k, 2), and its height [m].
-    lowest
-        Lowest height flooded [m].
     """
 
     summit: Pixels
