@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.heightmap import HeightMap
 from surfaces.numerics.compiled import compiled
 from surfaces.numerics.memory import require_memory
 from surfaces.numerics.stored_array import BLOCK_BYTES, StoredArray, rows_around
 
 from . import _flood
-
-if TYPE_CHECKING:
-    from surfaces.heightmap import HeightMap
 
 __all__ = ["Flooded", "flood_strips", "unique_pairs"]
 
