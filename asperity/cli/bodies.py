@@ -10,8 +10,6 @@ import numpy as np
 from asperity.errors import InputError
 from surfaces import PowerLawProfile, PowerSumProfile, shapes
 
-__all__ = ["BODIES", "body"]
-
 
 def _ellipse(ratio: float, k: float = 1.0) -> PowerLawProfile:
     """Body of elliptic level lines; `ratio` is that of the gaps on its axes at k = 2."""

@@ -16,17 +16,6 @@ from surfaces.files.atomic import make_folder, replacing, require_replaceable
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = [
-    "add_force",
-    "add_target",
-    "beside",
-    "fill_in",
-    "of_input",
-    "require",
-    "require_place",
-    "save_figure",
-]
-
 ONE = ""
 """In place of a suffix: one file for all inputs."""
 
