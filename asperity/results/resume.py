@@ -57,41 +57,28 @@ def run_resumably(
     new, place = ~held.any(axis=1), held.argmax(axis=1)
     if chained and new.any():
         done, new = None, np.ones_like(new)
-    keeper = _Keeper(path, request, done)
+    earlier, next_write = done, time.monotonic() + SECONDS_BETWEEN_WRITES
+
+    def with_earlier(fresh: ContactCurve) -> ContactCurve:
+        return fresh if earlier is None else earlier.joined(fresh)
+
+    def write(curve: ContactCurve) -> None:
+        about = {"request": dict(request)}
+        write_results(path, ResultFile(curves={curve.model: curve.to_record()}, about=about))
+
+    def keep(fresh: ContactCurve) -> None:
+        nonlocal next_write
+        if time.monotonic() >= next_write:
+            write(with_earlier(fresh))
+            next_write = time.monotonic() + SECONDS_BETWEEN_WRITES
+
     if done is None or new.any():
-        done = keeper.with_done(solve(values[new], keeper))
+        done = with_earlier(solve(values[new], keep))
         count = np.count_nonzero(new)
         place[new] = len(done) - count + np.arange(count)
     whole = done.select(place)
-    keeper.write(whole)
+    write(whole)
     return whole
-
-
-class _Keeper:
-    """Writes the points finished so far, not more often than once a second."""
-
-    def __init__(
-        self,
-        path: str | os.PathLike[str],
-        request: Mapping[str, Any],
-        done: ContactCurve | None,
-    ) -> None:
-        self.path, self.request, self.done = path, request, done
-        self.next_write = time.monotonic() + SECONDS_BETWEEN_WRITES
-
-    def __call__(self, fresh: ContactCurve) -> None:
-        if time.monotonic() >= self.next_write:
-            self.write(self.with_done(fresh))
-            self.next_write = time.monotonic() + SECONDS_BETWEEN_WRITES
-
-    def with_done(self, fresh: ContactCurve) -> ContactCurve:
-        """The points of the earlier run followed by new ones."""
-        return fresh if self.done is None else self.done.joined(fresh)
-
-    def write(self, curve: ContactCurve) -> None:
-        about = {"request": dict(self.request)}
-        content = ResultFile(curves={curve.model: curve.to_record()}, about=about)
-        write_results(self.path, content)
 
 
 def require_continuable(path: str | os.PathLike[str], request: Mapping[str, Any]) -> ResultFile:
