@@ -122,20 +122,17 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(args: argparse.Namespace) -> int:
-    """Run the command within its memory."""
+    """Run the command within its memory; with ``--json`` what it prints goes to standard error, but
+    for the JSON."""
+    as_json = getattr(args, "json", False)
     set_memory(getattr(args, "memory", None))
     try:
-        return _told(args)
+        with contextlib.redirect_stdout(sys.stderr) if as_json else contextlib.nullcontext():
+            code = int(_module(args.command).run(args))
     finally:
         set_memory(None)
-
-
-def _told(args: argparse.Namespace) -> int:
-    """Run the command; with ``--json`` what it prints goes to standard error, but for the JSON."""
-    if not getattr(args, "json", False):
-        return int(_module(args.command).run(args))
-    with contextlib.redirect_stdout(sys.stderr):
-        code = int(_module(args.command).run(args))
+    if not as_json:
+        return code
     about = {"command": command_name(args), "version": __version__, "exit_code": code}
     from .document import document
 

@@ -21,7 +21,6 @@ from .messages import tell
 from .solve import add_accuracy_options, settings_of
 
 if TYPE_CHECKING:
-    from asperity.distributed.index import Sweep
     from asperity.distributed.jobs import Job
     from asperity.distributed.pool import Workers
 
@@ -109,11 +108,6 @@ def run(args: argparse.Namespace) -> int:
     jobs = [job for one in _expanded(args) for job in _jobs(one, maker)]
     with bar(len(jobs), "jobs") as advance:
         found = run_sweep(jobs, folder, on, force=args.force, progress=advance)
-    return told(found, args)
-
-
-def told(found: Sweep, args: argparse.Namespace) -> int:
-    """Tell the index of a sweep, and return the exit code."""
     args.document = list(found.rows())
     if len(found) <= MOST_ROWS:
         tell(batch.table_text(_shown(args.document)) + "\n")
