@@ -34,23 +34,13 @@ _EVERY = tuple(law for law in LAWS if law != "auto")
 
 @dataclass(frozen=True, eq=False)
 class LawRow:
-    """One law on one case; errors [-] are relative to the boundary elements, NaN without them.
+    """One law on one case, or why it has no solution there; errors [-] are relative to the boundary
+    elements, NaN without them.
 
-    Attributes
-    ----------
-    law
-        Name.
-    solution
-        The solution, or None where the law does not hold.
-    reason
-        Why there is no solution.
-    force_error, contour_error, area_error
-        e_F, e_a (root mean square over the angle, relative to the mean radius) and e_A at the
-        same approach, or at the same load (equations 44, 45); e_F is zero at the same load.
-    approach_error
-        e_d, the error of the approach; zero at the same approach.
-    seconds
-        Run time [s], contour included.
+    The errors of force, contour (root mean square over the angle, relative to the mean radius) and
+    area, e_F, e_a and e_A, are at the same approach, or at the same load (equations 44, 45), where
+    e_F is zero; that of the approach, e_d, is zero at the same approach. Seconds are the run time
+    [s], contour included.
     """
 
     law: str

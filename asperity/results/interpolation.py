@@ -268,25 +268,15 @@ def interpolated_misfit(
     misfit: NDArray[np.float64],
     floor: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Misfit at all load points, interpolated between the anchors, and a bound on what that leaves.
+    """Misfit at all load points, interpolated between the anchors, and a bound on what that leaves,
+    shape (n,) each.
 
-    Parameters
-    ----------
-    position
-        Logarithm of the load, rising, shape (n,).
-    anchors
-        Load points at which the misfit is known, rising, the first and the last among them, (k,).
-    misfit
-        Logarithm of the ratio of the model to boundary elements at the anchors, shape (k,).
-    floor
-        Least bound between anchors, shape (n,).
-
-    Returns
-    -------
-    misfit, bound
-        Shape (n,). The bound is zero at anchors. Elsewhere it is the largest of half the difference
-        of the two anchors beside the point, of what the interpolation misses either of them by when
-        that one is left out, and of the floor.
+    Of the load points `position` is the logarithm of the load, rising, and `floor` the least bound
+    between anchors, shape (n,); anchors are load points, rising, the first and the last among them,
+    and `misfit` the logarithms of the ratio of the model to boundary elements there, shape (k,).
+    The bound is zero at anchors. Elsewhere it is the largest of half the difference of the two
+    anchors beside the point, of what the interpolation misses either of them by when that one is
+    left out, and of the floor.
     """
     missed = np.zeros(len(anchors))
     for j in range(1, len(anchors) - 1):

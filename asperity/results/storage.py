@@ -93,19 +93,11 @@ class CurveRecord:
 
 @dataclass
 class ResultFile:
-    """What a results file holds: curves, tables, maps and facts about the input.
+    """What a results file holds by name: contact curves, tables (structured arrays: microcontacts,
+    error against run time, ...) and maps (two-dimensional arrays); and JSON-able facts about input
+    map, material and preparation.
 
-    Attributes
-    ----------
-    curves
-        Contact curves by name.
-    tables
-        Structured arrays by name (microcontacts, error against run time, ...).
-    maps
-        Two-dimensional arrays by name.
-    about
-        JSON-able facts: input map, material, preparation; how the file was made (`provenance`) is
-        added where it lacks.
+    How the file was made (`provenance`) is added to the facts where it lacks.
     """
 
     curves: dict[str, CurveRecord] = field(default_factory=dict)
