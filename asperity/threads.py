@@ -21,13 +21,8 @@ _first: int | None = None
 
 
 def require_own_threads() -> None:
-    """Refuse a process forked from one whose compiled loops ran on threads: they would end it.
-
-    Raises
-    ------
-    AsperityError
-        Saying how to start such a process. GNU OpenMP does not outlive a fork.
-    """
+    """Refuse a process forked from one whose compiled loops ran on threads, and say how to start
+    such a process: GNU OpenMP does not outlive a fork, and would end it."""
     global _first
     _first = _first or os.getpid()
     if _first == os.getpid():

@@ -251,8 +251,8 @@ class HeightMap:
     def cut(self, rows: tuple[int, int], columns: tuple[int, int]) -> HeightMap:
         """The pixels between two rows and two columns, each the first and one past the last."""
         blocks = (
-            (begin - rows[0], window[begin - top : end - top, slice(*columns)])
-            for begin, end, window, top in windows(self.source, *rows)
+            (begin - rows[0], part[:, slice(*columns)])
+            for begin, _, part, _ in windows(self.source, *rows)
         )
         return self.with_rows(
             blocks,

@@ -20,24 +20,8 @@ _NO_PAIRS = np.zeros((0, 2), np.int32)
 def label_patches(
     mask: NDArray[np.bool_], *, periodic: bool, corners: bool = True
 ) -> tuple[NDArray[np.int32], int]:
-    """Label the connected patches of a mask, joined across the seam if periodic.
-
-    Parameters
-    ----------
-    mask
-        Pixels that belong to a patch, shape (ny, nx).
-    periodic
-        Whether the map continues across its border as if repeated.
-    corners
-        Whether pixels that meet at a corner join, as those that meet at an edge do.
-
-    Returns
-    -------
-    labels
-        1..n on the patches, 0 outside, shape (ny, nx).
-    count
-        Number of patches n.
-    """
+    """Label the connected patches of a mask (ny, nx), joined across the seam if periodic, and at
+    corners as at edges unless told otherwise: 1..n on the patches, 0 outside, (ny, nx), and n."""
     labels, count = _components(mask, 8 if corners else 4)
     shifts = (-1, 0, 1) if corners else (0,)
     pairs = _seam_pairs(labels, shifts) if periodic and count > 1 else _NO_PAIRS
@@ -84,15 +68,8 @@ def _merged(pairs: NDArray[np.int32], count: int) -> NDArray[np.int32]:
 def points_at(
     heights: Source, levels: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Rows and columns of the points whose height may be one of some levels, and few others.
-
-    Parameters
-    ----------
-    heights
-        Heights [m], shape (ny, nx), in memory or on disk.
-    levels
-        Heights to look for [m].
-    """
+    """Rows and columns of the points whose height [m] may be one of some levels [m], and few
+    others; the heights, shape (ny, nx), are in memory or on disk."""
     bits = max(10, int(levels.size).bit_length() + 4)  # 16 places for a level
     table = np.zeros(1 << bits, np.bool_)
     mark = np.empty((1, levels.size), np.bool_)
@@ -100,8 +77,7 @@ def points_at(
 
     def part(first: int, last: int) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
         found = []
-        for begin, end, window, top in windows(heights, first, last):
-            rows = window[begin - top : end - top]
+        for begin, _, rows, _ in windows(heights, first, last):
             mark = np.empty(rows.shape, np.bool_)
             _place(rows, np.uint64(64 - bits), table, False, mark)
             row, column = np.nonzero(mark)

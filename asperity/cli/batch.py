@@ -19,8 +19,6 @@ from . import targets
 from .exit_codes import EXIT_BAD_INPUT, EXIT_NOT_CONVERGED, EXIT_OK
 from .messages import tell, told, warn, warnings_told
 
-__all__ = ["Work", "add_files", "add_json", "add_table", "each", "expand", "table_text"]
-
 Work = Callable[[argparse.Namespace], Mapping[str, Any]]
 """Does the work on the input ``file`` of the options and returns what it found, by name.
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 import argparse
 from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from asperity.halfspace.material import HalfSpace
+from surfaces.heightmap import HeightMap
 
 from . import derived, options, output
-
-if TYPE_CHECKING:
-    from asperity.halfspace.material import HalfSpace
-    from surfaces.heightmap import HeightMap
 
 EPILOG = """example:
   asperity bem scan.h5 --E 210GPa --nu 0.3 --pressure 1MPa:500MPa:10 --tolerance 1e-6
@@ -20,7 +19,6 @@ EPILOG = """example:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity bem``."""
-    parser.epilog = EPILOG
     options.add_scene_options(parser)
     options.add_tolerance_option(parser)
     output.add_output_options(parser)

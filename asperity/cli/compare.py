@@ -8,15 +8,15 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from asperity.halfspace.material import HalfSpace
 from asperity.progress import bar
+from surfaces.heightmap import HeightMap
 
 from . import options, output, targets
 from .messages import tell
 
 if TYPE_CHECKING:
     from asperity.comparison.result import Comparison
-    from asperity.halfspace.material import HalfSpace
-    from surfaces import HeightMap
 
 EPILOG = """examples:
   asperity compare scan.h5 --E 210GPa --nu 0.3
@@ -26,7 +26,6 @@ EPILOG = """examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity compare``."""
-    parser.epilog = EPILOG
     options.add_scene_options(parser)
     options.add_model_options(parser)
     options.add_tolerance_option(parser)

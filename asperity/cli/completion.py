@@ -14,7 +14,6 @@ EPILOG = """examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The shell."""
-    parser.epilog = EPILOG
     parser.add_argument("shell", choices=["bash", "zsh"])
 
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 import argparse
 from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from asperity.halfspace.material import HalfSpace
+from surfaces.heightmap import HeightMap
 
 from . import derived, options, output, targets
 from .messages import warn
-
-if TYPE_CHECKING:
-    from asperity.halfspace.material import HalfSpace
-    from surfaces.heightmap import HeightMap
 
 EPILOG = """examples:
   asperity curve scan.h5 --E 210GPa --nu 0.3 --pressure 1MPa:500MPa:30 --plot curve.png
@@ -24,7 +23,6 @@ EPILOG = """examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity curve``."""
-    parser.epilog = EPILOG
     options.add_scene_options(parser)
     options.add_model_options(parser)
     output.add_output_options(parser)

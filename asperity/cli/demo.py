@@ -27,7 +27,6 @@ HARDNESS = 2e9
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity demo``."""
-    parser.epilog = EPILOG
     parser.add_argument(
         "-o",
         "--output",

@@ -13,8 +13,6 @@ from asperity.results.curve import ContactCurve
 from . import quantities, targets
 from .messages import warn
 
-__all__ = ["add_derived_options", "conductance", "require_derivable", "write_slip"]
-
 
 def add_derived_options(parser: argparse.ArgumentParser) -> None:
     """Options for what the normal curve tells beyond itself."""

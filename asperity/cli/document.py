@@ -9,8 +9,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["document"]
-
 
 def document(content: Mapping[str, Any]) -> str:
     """Text of one JSON document.

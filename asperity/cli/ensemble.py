@@ -30,7 +30,6 @@ EPILOG = """examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity ensemble``."""
-    parser.epilog = EPILOG
     options.add_surface_options(parser, "*")
     group = parser.add_argument_group("members", "Without these options each file is a member.")
     group.add_argument(

@@ -35,7 +35,6 @@ examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity indent``."""
-    parser.epilog = EPILOG
     parser.add_argument(
         "file", nargs="?", metavar="FILE", help="profile file, or a map whose highest peak is used"
     )

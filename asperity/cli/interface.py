@@ -16,7 +16,6 @@ EPILOG = """example:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity interface``."""
-    parser.epilog = EPILOG
     parser.add_argument("results", metavar="RESULTS", help="results file with a curve")
     parser.add_argument("--curve", metavar="NAME", help="name of the curve (default: the first)")
     parser.add_argument("--format", choices=FORMATS, default=FORMATS[0], help="default abaqus")

@@ -8,8 +8,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-__all__ = ["interruptible"]
-
 CALLED_BACK = {"_raw_object_cache_notify", "_raw_object_cache_getbuffer"}
 """Functions that the compiler calls from within: an exception does not leave them."""
 

@@ -38,7 +38,7 @@ COMMANDS = {
     "stress": "stiff and extreme cases through every engine, each judged",
     "warmup": "compile what daily use needs for this machine; later runs start at once",
 }
-"""What each sub-command does; the module of its name has `add_arguments` and `run`."""
+"""What each sub-command does; the module of its name has `EPILOG`, `add_arguments` and `run`."""
 
 _module = lazy_loader.attach(__package__, COMMANDS)[0]  # imports it when it is used
 
@@ -87,6 +87,7 @@ def build_parser(*known: str) -> argparse.ArgumentParser:
             name, help=summary, description=summary[0].upper() + summary[1:] + "."
         )
         if name in known:
+            sub.epilog = _module(name).EPILOG
             _module(name).add_arguments(sub)
     return parser
 
@@ -121,20 +122,17 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(args: argparse.Namespace) -> int:
-    """Run the command within its memory."""
+    """Run the command within its memory; with ``--json`` what it prints goes to standard error, but
+    for the JSON."""
+    as_json = getattr(args, "json", False)
     set_memory(getattr(args, "memory", None))
     try:
-        return _told(args)
+        with contextlib.redirect_stdout(sys.stderr) if as_json else contextlib.nullcontext():
+            code = int(_module(args.command).run(args))
     finally:
         set_memory(None)
-
-
-def _told(args: argparse.Namespace) -> int:
-    """Run the command; with ``--json`` what it prints goes to standard error, but for the JSON."""
-    if not getattr(args, "json", False):
-        return int(_module(args.command).run(args))
-    with contextlib.redirect_stdout(sys.stderr):
-        code = int(_module(args.command).run(args))
+    if not as_json:
+        return code
     about = {"command": command_name(args), "version": __version__, "exit_code": code}
     from .document import document
 

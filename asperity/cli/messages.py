@@ -12,8 +12,6 @@ from typing import Any
 
 from asperity.errors import ContactWarning
 
-__all__ = ["command_name", "tell", "told", "warn", "warnings_told"]
-
 
 def command_name(args: argparse.Namespace) -> str:
     """The command as it is typed, with its action."""

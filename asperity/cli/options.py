@@ -19,23 +19,6 @@ from . import batch, quantities
 from .surface import prepared, read_map
 from .surface_options import add_preparation, add_reading
 
-__all__ = [
-    "add_load_options",
-    "add_material_options",
-    "add_model_options",
-    "add_scene_options",
-    "add_surface_options",
-    "add_tolerance_option",
-    "load_surface",
-    "loads",
-    "material",
-    "materials",
-    "model",
-    "on_scene",
-    "surface_choices",
-]
-
-
 SceneWork = Callable[[HeightMap, HalfSpace, dict[str, Any], argparse.Namespace], Mapping[str, Any]]
 """As `batch.Work`, of a map, a half-space and load points as keyword arguments of the models."""
 

@@ -22,18 +22,6 @@ if TYPE_CHECKING:
 
     from .options import SceneWork
 
-__all__ = [
-    "add_fields_option",
-    "add_output_options",
-    "each",
-    "exit_code",
-    "facts_of",
-    "finish",
-    "last_converged",
-    "request_of",
-    "solve_and_keep",
-]
-
 
 def add_output_options(parser: argparse.ArgumentParser, *, report: bool = False) -> None:
     """Options that say where results go."""

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from asperity.halfspace.material import HalfSpace
+from surfaces.heightmap import HeightMap
 
 from . import batch, options, output, targets
 from .messages import tell
-
-if TYPE_CHECKING:
-    from asperity.halfspace.material import HalfSpace
-    from surfaces.heightmap import HeightMap
 
 EPILOG = """example:
   asperity plan scan.h5 --E 210GPa --pressure 1MPa:500MPa:30
@@ -20,7 +19,6 @@ EPILOG = """example:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity plan``."""
-    parser.epilog = EPILOG
     options.add_scene_options(parser)
     options.add_model_options(parser)
     targets.add_force(parser)

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from asperity.errors import InputError
 from surfaces import units
 
-__all__ = ["of", "spread"]
-
 
 def of(kind: str) -> Callable[[str], float]:
     """Type of an option that takes a quantity of one kind, a key of `units.QUANTITIES`."""

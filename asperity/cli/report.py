@@ -16,7 +16,6 @@ EPILOG = """examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity report``."""
-    parser.epilog = EPILOG
     parser.add_argument(
         "results",
         metavar="RESULTS",

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from asperity.halfspace.material import HalfSpace
+from asperity.results.curve import ContactCurve
+from surfaces.heightmap import HeightMap
+
 from . import derived, options, output, quantities
 
 if TYPE_CHECKING:
     from asperity.bem.curve import SolvedLoad
-    from asperity.halfspace.material import HalfSpace
-    from asperity.results.curve import ContactCurve
-    from surfaces.heightmap import HeightMap
 
 EPILOG = """examples:
   asperity solve scan.h5 --E 210GPa --nu 0.3 --accuracy 5%
@@ -25,7 +26,6 @@ EPILOG = """examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity solve``."""
-    parser.epilog = EPILOG
     options.add_scene_options(parser)
     add_accuracy_options(parser)
     output.add_output_options(parser)

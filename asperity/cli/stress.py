@@ -15,7 +15,6 @@ EPILOG = """examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity stress``."""
-    parser.epilog = EPILOG
     parser.add_argument("--theme", help="cases of one theme only, such as loads or textures")
     targets.add_target(parser, "-o", "--output", suffix=".csv", help="write every case as CSV")
     targets.add_force(parser)

@@ -16,9 +16,9 @@ from surfaces.errors import InputError
 from . import batch, targets
 from .exit_codes import EXIT_OK
 from .messages import tell
-from .surface_options import PARAMETERS, add_arguments
+from .surface_options import EPILOG, PARAMETERS, add_arguments
 
-__all__ = ["add_arguments", "generator", "prepared", "read_map", "run"]
+__all__ = ["EPILOG", "add_arguments", "generator", "prepared", "read_map", "run"]
 
 
 def run(args: argparse.Namespace) -> int:

@@ -7,7 +7,7 @@ from typing import Any
 
 from . import batch, quantities, targets
 
-_EPILOG = """examples:
+EPILOG = """examples:
   asperity surface info scan.h5 'raw/*.h5' --report maps.html --table maps.csv
   asperity surface generate --shape 512 512 --size 1mm --hurst 0.8 --rms-slope 0.1 -o map.h5
   asperity surface prepare scan.h5 --level plane --outliers 6 --fill harmonic -o ready.h5
@@ -42,7 +42,6 @@ PARAMETERS = {
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add all sub-commands with their options."""
-    parser.epilog = _EPILOG
     commands = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
 
     info = _command(commands, "info", "what a map is and how rough it is, as it stands")
@@ -167,7 +166,7 @@ def add_preparation(parser: argparse.ArgumentParser, *, fill: str = "harmonic") 
 def _command(
     commands: argparse._SubParsersAction[argparse.ArgumentParser], name: str, summary: str
 ) -> argparse.ArgumentParser:
-    example = next(line for line in _EPILOG.splitlines() if f"surface {name}" in line)
+    example = next(line for line in EPILOG.splitlines() if f"surface {name}" in line)
     return commands.add_parser(
         name,
         help=summary,

@@ -21,19 +21,18 @@ from .messages import tell
 from .solve import add_accuracy_options, settings_of
 
 if TYPE_CHECKING:
-    from asperity.distributed.index import Sweep
     from asperity.distributed.jobs import Job
     from asperity.distributed.pool import Workers
 
 EPILOG = """examples:
   asperity sweep 'scans/*.h5' --E 210GPa 70GPa --hardness 1GPa 2GPa --workers 2 -o sweep/
   asperity sweep plan.toml --fill harmonic -o planned/ --json
-"""
 
-FILES = """A .toml file is a plan: its keys are options, written without dashes, with one value or a
+A .toml file is a plan: its keys are options, written without dashes, with one value or a
 list; each table [[material]] and [[settings]] is a set of them, and all sets are combined. A .csv
 file with a column "file" is a table: a row is a job, its other columns are options. Their files lie
-beside them."""
+beside them.
+"""
 
 MOST_ROWS = 40
 """Most rows of an index that are shown on the terminal."""
@@ -44,7 +43,6 @@ TABLES = ("material", "settings")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity sweep``."""
-    parser.epilog = f"{EPILOG}\n{FILES}\n"
     parser.set_defaults(reparse=parser.parse_args)
     options.add_surface_options(parser)
     options.add_material_options(parser, nargs="+")
@@ -110,11 +108,6 @@ def run(args: argparse.Namespace) -> int:
     jobs = [job for one in _expanded(args) for job in _jobs(one, maker)]
     with bar(len(jobs), "jobs") as advance:
         found = run_sweep(jobs, folder, on, force=args.force, progress=advance)
-    return told(found, args)
-
-
-def told(found: Sweep, args: argparse.Namespace) -> int:
-    """Tell the index of a sweep, and return the exit code."""
     args.document = list(found.rows())
     if len(found) <= MOST_ROWS:
         tell(batch.table_text(_shown(args.document)) + "\n")

@@ -11,7 +11,6 @@ EPILOG = """example:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """``asperity warmup`` has no options."""
-    parser.epilog = EPILOG
 
 
 def run(args: argparse.Namespace) -> int:

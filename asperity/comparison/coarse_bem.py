@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import surfaces
 from asperity.bem.curve import bem_curve
+from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import Boundary
 from asperity.results.curve import ContactCurve
 from surfaces.heightmap import HeightMap
-
-if TYPE_CHECKING:
-    from asperity.halfspace.material import HalfSpace
 
 __all__ = ["LOOSE_TOLERANCE", "coarse_grids", "coarse_run", "load_at_separation", "rms"]
 

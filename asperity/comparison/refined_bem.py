@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,15 +9,13 @@ import surfaces
 from asperity.bem.curve import bem_curve
 from asperity.bem.memory import fits
 from asperity.engine.resolution import representative_part
+from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import Boundary
 from asperity.results.curve import ContactCurve
 from asperity.results.storage import structured
 from surfaces.heightmap import HeightMap
 
 from .coarse_bem import load_at_separation
-
-if TYPE_CHECKING:
-    from asperity.halfspace.material import HalfSpace
 
 __all__ = ["refined_run"]
 
@@ -34,13 +30,6 @@ def refined_run(
     hm: HeightMap, material: HalfSpace, boundary: Boundary, reference: ContactCurve
 ) -> NDArray[np.void] | None:
     """Errors of the reference's own grid at its lightest and at its heaviest load.
-
-    Parameters
-    ----------
-    hm, material, boundary
-        Scene.
-    reference
-        Boundary-element curve on the map's own grid.
 
     Returns
     -------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,7 @@ from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import microcontacts
 from asperity.curve import solve_loads
 from asperity.errors import ConvergenceError, cautious, warn_once
+from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import checked_loads, default_pressures, map_facts
 from asperity.model.plan import Plan, make_plan
 from asperity.progress import Progress, reported
@@ -27,9 +28,6 @@ from .coarse_bem import LOOSE_TOLERANCE, coarse_grids, coarse_run, load_at_separ
 from .record import PARETO_TYPE
 from .refined_bem import refined_run
 from .result import Comparison
-
-if TYPE_CHECKING:
-    from asperity.halfspace.material import HalfSpace
 
 __all__ = ["compare"]
 
@@ -198,13 +196,7 @@ def _map_point(reference: ContactCurve, model: ContactCurve) -> int:
 
 def _pressures(reference: ContactCurve, kind: str, values: NDArray[np.float64]) -> Array:
     """Mean pressures [Pa] of the load points, shape (n,): where the reference did not converge, as
-    asked for, or read off its other points.
-
-    Raises
-    ------
-    ConvergenceError
-        If separations are asked for, and the reference has no two points to read a load off.
-    """
+    asked for, or read off its other points, of which there have to be two."""
     asked = values if kind == "pressure" else load_at_separation(reference, values)
     found = np.where(reference.converged, reference.mean_pressure, asked)
     if np.isnan(found).any():

@@ -70,13 +70,7 @@ Work = Callable[[Sequence[Job]], list[Outcome]]
 
 
 class Pool(Protocol):
-    """What runs calls in other processes.
-
-    Attributes
-    ----------
-    workers
-        How many run at a time.
-    """
+    """What runs calls in other processes, so many `workers` at a time."""
 
     @property
     def workers(self) -> int: ...
@@ -89,14 +83,8 @@ class Pool(Protocol):
 class Workers:
     """What workers a sweep asks for.
 
-    Attributes
-    ----------
-    count
-        Number of processes; as many as the threads of their jobs leave processors for if None.
-    scheduler
-        Address of a Dask scheduler whose workers run the jobs; None starts workers here.
-    threads
-        Threads of each job.
+    Their `count` is that of processes, as many as the `threads` of each job leave processors for if
+    None; with the address of a Dask `scheduler` its workers run the jobs, and none starts here.
     """
 
     count: int | None = None
@@ -106,19 +94,10 @@ class Workers:
 
 @contextmanager
 def opened(on: Workers, jobs: int) -> Iterator[Pool]:
-    """Workers on Dask, or in a pool of processes where it is not installed.
+    """Workers on Dask, or in a pool of processes where it is not installed; here no more are
+    started than there are jobs.
 
-    Parameters
-    ----------
-    on
-        Those asked for.
-    jobs
-        What they have to do: none more is started here.
-
-    Raises
-    ------
-    InputError
-        If no scheduler answers, or Dask is needed and not installed.
+    Raises `InputError` if no scheduler answers, or Dask is needed and not installed.
     """
     for name, number in (("workers", on.count), ("threads", on.threads)):
         if number is not None and as_number(f"the number of {name}", number) < 1:
@@ -262,26 +241,11 @@ def _end_with_parent() -> None:
 
 
 def outcomes(jobs: Sequence[Job], work: Work, pool: Pool) -> Iterator[tuple[Job, Outcome]]:
-    """Run jobs in batches and tell of each as it ends.
+    """Run jobs in batches on the workers of a pool, in their order, and tell of each as it ends.
 
-    Parameters
-    ----------
-    jobs
-        Jobs, begun in this order.
-    work
-        Runs a batch of them; goes to the workers.
-    pool
-        The workers.
-
-    Raises
-    ------
-    AsperityError
-        If the scheduler is lost.
-
-    Notes
-    -----
     Jobs of a batch that did not come back, as its worker was lost or by an error that nobody
     foresaw, are run one by one while no other runs, so that the one to blame is known; it fails.
+    Raises `AsperityError` if the scheduler is lost.
     """
     waiting, suspects = deque(jobs), deque[Job]()
     flying: dict[Future[list[Outcome]], list[Job]] = {}

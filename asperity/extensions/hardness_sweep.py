@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -14,11 +15,7 @@ from asperity.model.decomposition import Decomposition
 from asperity.model.plan import make_plan
 from asperity.progress import Progress, reported
 from asperity.results.curve import ContactCurve
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from surfaces.heightmap import HeightMap
+from surfaces.heightmap import HeightMap
 
 __all__ = ["hardness_sweep"]
 

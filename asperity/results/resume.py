@@ -36,37 +36,13 @@ def run_resumably(
     resume: bool,
     chained: bool = False,
 ) -> ContactCurve:
-    """Solve load points, keeping every finished one in the results file.
+    """Solve load points, "pressure" or "separation", shape (n,), keeping every finished one in the
+    results file; returns the curve of all of them in their order.
 
-    Parameters
-    ----------
-    solve
-        Solves load points, telling what is finished as it goes.
-    values
-        Load points, shape (n,).
-    kind
-        What they are: "pressure" or "separation".
-    path
-        Results file.
-    model
-        Name of the curve in the file: "asperity" or "bem".
-    request
-        JSON-able facts that two runs must share for one to continue the other.
-    resume
-        Whether to continue from the file, if it exists.
-    chained
-        Whether the solution of a point depends on those solved before it: if one is missing, all
-        are solved again, so that the curve is that of a run without interruption.
-
-    Returns
-    -------
-    ContactCurve
-        All points in the order of `values`.
-
-    Raises
-    ------
-    InputError
-        If the file was made from another input or with other settings.
+    The file holds the curve as `model`, "asperity" or "bem". With `resume` it is continued from, if
+    it exists and was made with the same `request`, JSON-able facts; else `InputError` is raised.
+    With `chained` the solution of a point depends on those solved before it: if one is missing, all
+    are solved again, so that the curve is that of a run without interruption.
     """
     done, asked = None, f"asked_{kind}"
     if resume and Path(path).exists():
@@ -81,50 +57,34 @@ def run_resumably(
     new, place = ~held.any(axis=1), held.argmax(axis=1)
     if chained and new.any():
         done, new = None, np.ones_like(new)
-    keeper = _Keeper(path, request, done)
+    earlier, next_write = done, time.monotonic() + SECONDS_BETWEEN_WRITES
+
+    def with_earlier(fresh: ContactCurve) -> ContactCurve:
+        return fresh if earlier is None else earlier.joined(fresh)
+
+    def write(curve: ContactCurve) -> None:
+        about = {"request": dict(request)}
+        write_results(path, ResultFile(curves={curve.model: curve.to_record()}, about=about))
+
+    def keep(fresh: ContactCurve) -> None:
+        nonlocal next_write
+        if time.monotonic() >= next_write:
+            write(with_earlier(fresh))
+            next_write = time.monotonic() + SECONDS_BETWEEN_WRITES
+
     if done is None or new.any():
-        done = keeper.with_done(solve(values[new], keeper))
+        done = with_earlier(solve(values[new], keep))
         count = np.count_nonzero(new)
         place[new] = len(done) - count + np.arange(count)
     whole = done.select(place)
-    keeper.write(whole)
+    write(whole)
     return whole
-
-
-class _Keeper:
-    """Writes the points finished so far, not more often than once a second."""
-
-    def __init__(
-        self,
-        path: str | os.PathLike[str],
-        request: Mapping[str, Any],
-        done: ContactCurve | None,
-    ) -> None:
-        self.path, self.request, self.done = path, request, done
-        self.next_write = time.monotonic() + SECONDS_BETWEEN_WRITES
-
-    def __call__(self, fresh: ContactCurve) -> None:
-        if time.monotonic() >= self.next_write:
-            self.write(self.with_done(fresh))
-            self.next_write = time.monotonic() + SECONDS_BETWEEN_WRITES
-
-    def with_done(self, fresh: ContactCurve) -> ContactCurve:
-        """The points of the earlier run followed by new ones."""
-        return fresh if self.done is None else self.done.joined(fresh)
-
-    def write(self, curve: ContactCurve) -> None:
-        about = {"request": dict(self.request)}
-        content = ResultFile(curves={curve.model: curve.to_record()}, about=about)
-        write_results(self.path, content)
 
 
 def require_continuable(path: str | os.PathLike[str], request: Mapping[str, Any]) -> ResultFile:
     """What the results file of an earlier run of the same request holds.
 
-    Raises
-    ------
-    FileFormatError, InputError
-        If it is no results file, or of another request.
+    Raises `FileFormatError` if it is no results file, and `InputError` if it is of another request.
     """
     held = read_results(path)
     before = held.about.get("request", {})

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -63,32 +64,19 @@ class Doubted(AsperityError):
     """An answer is farther off than it states, and its engine warns of the reason."""
 
 
-def _anchored(hm: HeightMap, material: HalfSpace, **how: Any) -> ContactCurve:
-    return solve(hm, material, engine="anchored", **how)
-
-
 ENGINES: Mapping[str, Callable[..., ContactCurve]] = {
     "model": contact_curve,
     "boundary elements": bem_curve,
     "solve": solve,
-    "solve, anchored": _anchored,
+    "solve, anchored": partial(solve, engine="anchored"),
 }
 """Engines that give a contact curve, by name."""
 
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """A map, a half-space and mean pressures.
-
-    Attributes
-    ----------
-    hm, material
-        The scene.
-    pressures
-        Mean pressures [Pa], shape (n,).
-    boundary
-        "periodic" or "free"; as the map says if None.
-    """
+    """A map, a half-space and mean pressures [Pa], shape (n,); the boundary is "periodic" or
+    "free", and as the map says if None."""
 
     hm: HeightMap
     material: HalfSpace
@@ -214,7 +202,7 @@ def _pixel(curve: ContactCurve) -> float:
     return float(dy * dx)
 
 
-def certified(question: Question, tolerance: float = TOLERANCE) -> float:
+def certified(question: Question) -> float:
     """Boundary elements at each load, by displacements that are not those of the solver."""
     return max(
         certificate(
@@ -222,13 +210,13 @@ def certified(question: Question, tolerance: float = TOLERANCE) -> float:
                 question.hm,
                 question.material,
                 pressure=float(load),
-                tolerance=tolerance,
+                tolerance=TOLERANCE,
                 boundary=question.boundary,
             ),
             question,
             float(load),
         )
-        / tolerance
+        / TOLERANCE
         for load in question.pressures
     )
 

@@ -22,24 +22,16 @@ WAVE = 16
 """Points of a wavelength, a ridge or a check."""
 
 
-def rough_heights(shape: tuple[int, int] = SHAPE, cutoff: float = 8.0, seed: int = 1) -> Array:
+def rough_heights(shape: tuple[int, int] = SHAPE, cutoff: float = 8.0) -> Array:
     """Self-affine heights of unit rms slope on unit pixels."""
     size = float(shape[0]), float(shape[1])
-    map_ = self_affine(shape, size, hurst=0.8, rms_slope=1.0, cutoff=cutoff, seed=seed)
+    map_ = self_affine(shape, size, hurst=0.8, rms_slope=1.0, cutoff=cutoff, seed=1)
     return map_.heights.copy()
 
 
-def rough(
-    shape: tuple[int, int] = SHAPE,
-    *,
-    pixel: float = 1e-6,
-    slope: float = 0.1,
-    offset: float = 0.0,
-    periodic: bool = True,
-) -> HeightMap:
-    """Rough map of square pixels [m] with an rms slope, its heights raised by an offset [m]."""
-    heights = pixel * slope * rough_heights(shape) + offset
-    return HeightMap(heights, (pixel, pixel), periodic=periodic)
+def rough(shape: tuple[int, int] = SHAPE, *, pixel: float = 1e-6, slope: float = 0.1) -> HeightMap:
+    """Rough periodic map of square pixels [m] with an rms slope."""
+    return HeightMap(pixel * slope * rough_heights(shape), (pixel, pixel), periodic=True)
 
 
 def _grid() -> tuple[Array, Array]:

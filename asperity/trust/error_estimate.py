@@ -13,20 +13,17 @@ there is no other side.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import Flag
+from asperity.interaction.population import PopulationState
 from asperity.microcontact.basin_bem.press import SPREAD
+from asperity.model.decomposition import Decomposition
 from asperity.parameters import DEFAULTS
 from asperity.parameters.constants import ErrorEstimate
-
-if TYPE_CHECKING:
-    from asperity.interaction.population import PopulationState
-    from asperity.model.decomposition import Decomposition
-    from surfaces.heightmap import HeightMap
+from surfaces.heightmap import HeightMap
 
 __all__ = [
     "CALIBRATED",

@@ -5,11 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.halfspace.material import HalfSpace
 from asperity.multiscale.wave_split import random_waves
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import (
@@ -18,9 +19,6 @@ from asperity.results.interpolation import (
     spline_stiffness,
 )
 from surfaces.heightmap import HeightMap
-
-if TYPE_CHECKING:
-    from asperity.halfspace.material import HalfSpace
 
 __all__ = [
     "JUDGE_SHARE",
@@ -74,15 +72,8 @@ UNKNOWN = 0.05, 0.15
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Relative errors allowed.
-
-    Attributes
-    ----------
-    load
-        Of the load at equal separation [-].
-    area
-        Of the contact area at equal load [-].
-    """
+    """Relative errors allowed: of the load at equal separation, and of the contact area at equal
+    load."""
 
     load: float = 0.05
     area: float = 0.1

@@ -34,7 +34,6 @@ DAMAGED = (
     KeyError,
     TypeError,
     OverflowError,
-    NotImplementedError,
     SystemError,
 )
 """What h5py raises on a damaged file, by experience with mutated files."""
@@ -89,17 +88,8 @@ def read_header(
     unit: str | None = None,
     spacing: tuple[float, float] | None = None,
 ) -> tuple[Header | None, list[Fault]]:
-    """Header of a dataset and all its faults; the header is None if a fault is fatal.
-
-    Parameters
-    ----------
-    dataset
-        The heights.
-    unit
-        Unit of the heights where the file states none.
-    spacing
-        Pixel size (dy, dx) [m] where the file states none.
-    """
+    """Header of a dataset and all its faults; the header is None if a fault is fatal. Unit and
+    spacing (dy, dx) [m] are those of a file that states none."""
     faults = list(array_faults(dataset))
     if not any(fault.fatal for fault in faults):
         faults += _storage_faults(dataset, f"dataset {dataset.name}")

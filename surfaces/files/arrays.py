@@ -36,7 +36,6 @@ __all__ = [
 _DAMAGED = (
     EOFError,
     KeyError,
-    NotImplementedError,
     OSError,
     OverflowError,
     RuntimeError,

@@ -22,7 +22,6 @@ SDF_SIGNATURES = tuple(f"{kind}{family}-".encode() for kind in "abAB" for family
 
 _DAMAGED = (
     LookupError,
-    NotImplementedError,
     OverflowError,
     RuntimeError,
     TypeError,

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .compiled import QUOTIENTS, inner
 from .vector_type import WORD, constant, unary
-from .vectors import adder, loader, picker, splatter, storer, transposer, where, whole
+from .vectors import adder, loader, pick, splatter, storer, transposer, where, whole
 
 __all__ = ["LANES", "add", "load", "pick", "splat", "store", "transpose"]
 
@@ -27,7 +27,6 @@ LANES = 8
 load = loader(LANES, grouped=True)
 store = storer(grouped=True)
 add = adder(grouped=True)
-pick = picker()
 transpose = transposer(LANES, grouped=True)
 splat = splatter(LANES)
 

@@ -57,7 +57,7 @@ __all__ = [
     "loader",
     "multiply_add",
     "on_stack",
-    "picker",
+    "pick",
     "prefetch",
     "repeater",
     "root",
@@ -203,23 +203,19 @@ def entries(typing: Any, array: Any, places: Any) -> Any:
     return kind(array, places), code
 
 
-def picker() -> Any:
-    """pick(array, groups): in lane l that lane of group groups[l] of the array."""
+@intrinsic
+def pick(typing: Any, array: Any, groups: Any) -> Any:
+    """In lane l that lane of group groups[l] of the array."""
+    kind = vector_of(array.dtype, groups.width)
 
-    @intrinsic
-    def pick(typing: Any, array: Any, groups: Any) -> Any:
-        kind = vector_of(array.dtype, groups.width)
+    def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = data_of(context, builder, sig.args[0], args[0])
+        words = ir.VectorType(WORD, kind.width)
+        groups = builder.mul(builder.fptosi(args[1], words), constant(words, kind.width))
+        own = ir.Constant(words, list(range(kind.width)))
+        return gathered(builder, data, builder.add(groups, own), kind.code)
 
-        def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            data = data_of(context, builder, sig.args[0], args[0])
-            words = ir.VectorType(WORD, kind.width)
-            groups = builder.mul(builder.fptosi(args[1], words), constant(words, kind.width))
-            own = ir.Constant(words, list(range(kind.width)))
-            return gathered(builder, data, builder.add(groups, own), kind.code)
-
-        return kind(array, groups), code
-
-    return pick
+    return kind(array, groups), code
 
 
 def transposer(width: int, grouped: bool = False) -> Any:

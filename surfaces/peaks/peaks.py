@@ -174,22 +174,8 @@ def expected_peaks(hm: HeightMap, above: float = -np.inf) -> int:
 
 
 def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Peaks with a flat top and its middle.
-
-    Parameters
-    ----------
-    hm
-        Height map.
-    peaks
-        Its peaks.
-
-    Returns
-    -------
-    rows
-        Peaks of which a highest point has eight neighbors of its height, (k,).
-    middle
-        Row and column of such a point that is nearest to the mean of them, (k, 2).
-    """
+    """Peaks with a flat top, of which a highest point has eight neighbors of its height, (k,), and
+    row and column of such a point that is nearest to the mean of them, (k, 2)."""
     heights, shape = hm.source, np.array(hm.shape)
     tops = np.stack((peaks.row, peaks.col), axis=1)
     around = np.array([[0, 0], [0, 1], [0, -1], [1, 0], [-1, 0]])[:, None]
@@ -200,8 +186,8 @@ def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[n
     top, slot = np.full(len(peaks) + 1, np.inf), np.zeros(len(peaks) + 1, np.int64)
     top[rows], slot[rows] = here[rows], np.arange(rows.size)
     found = [
-        np.add(np.argwhere(part[begin - at : end - at] == top[peaks.labels[begin:end]]), (begin, 0))
-        for begin, end, part, at in windows(heights)
+        np.add(np.argwhere(part == top[peaks.labels[begin:end]]), (begin, 0))
+        for begin, end, part, _ in windows(heights)
     ]
     points = np.concatenate(found)
     points = points[_level_steps(hm, points).all(axis=1)]

@@ -18,7 +18,7 @@ from surfaces.page.roughness import SIGNED, surface_figure
 from surfaces.patches import label_patches
 
 from .curves import BEM, MODEL
-from .tables import load_of_maps
+from .tables import load_of_maps, size_of
 
 __all__ = ["contact_figures", "height_figure", "size_figure"]
 
@@ -50,7 +50,7 @@ def height_figure(comparison: ComparisonRecord, most: int) -> Figure | None:
 
 def contact_figures(comparison: ComparisonRecord) -> list[Figure]:
     """Pressures of both models, their difference and the contacts, zoomed together."""
-    size = _size(comparison)
+    size = size_of(comparison.about)
     maps, note = comparison.maps, reduction(comparison.maps["bem"].shape)
     pressures = [maps[name] for name in ("pressure_bem", "pressure_asperity") if name in maps]
     if len(pressures) < 2:
@@ -133,8 +133,3 @@ def size_figure(
         lines.append(Line(f"{name} ({len(areas)})", columns, color, marker=""))
     note = "Contacts are patches of the contact maps; in brackets their number."
     return Figure(line_figure(lines, area, count), "Contact sizes", note)
-
-
-def _size(comparison: ComparisonRecord) -> tuple[float, float]:
-    (ny, nx), (dy, dx) = comparison.about["shape"], comparison.about["spacing"]
-    return ny * dy, nx * dx

@@ -59,26 +59,22 @@ def curve_figures(samples: Sequence[Sample]) -> list[Figure]:
     stress, stress_unit = suited(typical(loads), "Pa")
     separation, pressure = f"separation [{length_unit}]", f"mean pressure [{stress_unit}]"
     scales = {separation: length, pressure: stress}
-    lines = [
-        _curve_line(curve, looks, scales)
-        for looks, curve in zip(_looks(samples), curves, strict=True)
-    ]
     note = "The shaded band is the error that the curve states of itself."
     if len(samples) > ALL_CURVES:
         note += " Of each sample the first curve is drawn."
-    bands = {name: any(line.bands[name] for line in lines) for name in ("load", "area")}
-    return [
-        Figure(
-            line_figure([one.line("load") for one in lines], separation, pressure, linear="x"),
-            "Load against separation",
-            note if bands["load"] else "",
-        ),
-        Figure(
-            line_figure([one.line("area") for one in lines], pressure, AREA),
-            "Real contact area against load",
-            note if bands["area"] else "",
-        ),
-    ]
+    found = []
+    for what, title, axes, linear in (
+        ("load", "Load against separation", (separation, pressure), "x"),
+        ("area", "Real contact area against load", (pressure, AREA), ""),
+    ):
+        lines = [
+            _curve_line(curve, looks, scales, what)
+            for looks, curve in zip(_looks(samples), curves, strict=True)
+        ]
+        banded = any(line.band for line in lines)
+        plot = line_figure(lines, *axes, linear=linear)
+        found.append(Figure(plot, title, note if banded else ""))
+    return found
 
 
 def stated_area_error(curve: ContactCurve) -> NDArray[np.float64]:
@@ -117,42 +113,28 @@ def pareto_figure(pareto: NDArray[np.void]) -> Figure:
     )
 
 
-class _CurveLine:
-    """A curve as a line of either figure."""
-
-    def __init__(self, looks: Mapping[str, Any], columns: dict[str, Any], bands: dict[str, bool]):
-        self.looks, self.columns, self.bands = looks, columns, bands
-
-    def line(self, what: str) -> Line:
-        ends = (f"stated {what}, low", f"stated {what}, high")
-        other = "area" if what == "load" else "load"
-        kept = {k: v for k, v in self.columns.items() if not k.startswith(f"stated {other},")}
-        return Line(columns=kept, band=ends if self.bands[what] else None, **self.looks)
-
-
 def _curve_line(
-    curve: ContactCurve, looks: Mapping[str, Any], scales: Mapping[str, float]
-) -> _CurveLine:
+    curve: ContactCurve, looks: Mapping[str, Any], scales: Mapping[str, float], what: str
+) -> Line:
+    """A curve as a line of the figure of its "load" or of its "area", with the band of it."""
     names = ("separation", "mean_pressure")
     columns: dict[str, Any] = {
-        axis: getattr(curve, name) / scale
+        axis: np.where(curve.converged, getattr(curve, name) / scale, np.nan)
         for name, (axis, scale) in zip(names, scales.items(), strict=True)
     }
-    columns = {k: np.where(curve.converged, v, np.nan) for k, v in columns.items()}
     columns[AREA] = 100 * curve.area_fraction
     columns["contacts"] = curve.contacts
-    pressure, bands = columns[list(scales)[1]], {}
-    for what, values, stated in (
-        ("load", pressure, curve.error_estimate),
-        ("area", columns[AREA], stated_area_error(curve)),
-    ):
-        known = np.isfinite(stated) & curve.converged
-        bands[what] = bool(known.any()) and looks["dash"] == "solid"
-        share = np.where(known, stated, 0.0)
-        if bands[what]:
-            columns[f"stated {what}, low"] = values * np.maximum(1.0 - share, LEAST)
-            columns[f"stated {what}, high"] = values * (1.0 + share)
-    return _CurveLine(looks, columns, bands)
+    values, stated = columns[list(scales)[1]], curve.error_estimate
+    if what == "area":
+        values, stated = columns[AREA], stated_area_error(curve)
+    known = np.isfinite(stated) & curve.converged
+    if not known.any() or looks["dash"] != "solid":
+        return Line(columns=columns, **looks)
+    share = np.where(known, stated, 0.0)
+    band = f"stated {what}, low", f"stated {what}, high"
+    columns[band[0]] = values * np.maximum(1.0 - share, LEAST)
+    columns[band[1]] = values * (1.0 + share)
+    return Line(columns=columns, band=band, **looks)
 
 
 def _looks(samples: Sequence[Sample]) -> list[dict[str, Any]]:

@@ -26,6 +26,7 @@ __all__ = [
     "load_of_maps",
     "pareto_table",
     "resolution_table",
+    "size_of",
     "together",
 ]
 
@@ -47,7 +48,7 @@ def facts(sample: Sample) -> dict[str, str]:
     pairs: list[tuple[str, Callable[[], str]]] = [
         ("points", lambda: " × ".join(str(int(n)) for n in about["shape"]) + " (y, x)"),
         ("pixel", lambda: " × ".join(told(float(d), "m") for d in about["spacing"])),
-        ("size", lambda: " × ".join(told(length, "m") for length in _size(about))),
+        ("size", lambda: " × ".join(told(length, "m") for length in size_of(about))),
         ("rms height", lambda: told(float(about["rms_height"]), "m")),
         ("rms slope", lambda: f"{float(about['rms_slope']):.4g}"),
         ("modulus E*", lambda: _modulus(float(about["modulus"]), float(about.get("m", 0)))),
@@ -228,8 +229,10 @@ def _text(value: float, form: str) -> str:
     return format(value, form) if math.isfinite(value) else MISSING
 
 
-def _size(about: Any) -> list[float]:
-    return [n * d for n, d in zip(about["shape"], about["spacing"], strict=True)]
+def size_of(about: Any) -> tuple[float, float]:
+    """Lengths (Ly, Lx) [m] of the map."""
+    (ny, nx), (dy, dx) = about["shape"], about["spacing"]
+    return ny * dy, nx * dx
 
 
 def _modulus(value: float, m: float) -> str:

@@ -102,7 +102,7 @@ def test_arithmetic_and_choice(dtype, width):
 
 @both
 def test_elements_at_places(dtype, width):
-    load, pick = vectors.loader(width), vectors.picker()
+    load, pick = vectors.loader(width), vectors.pick
 
     @njit
     def read(a, places, out):
