@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.halfspace.checks import model_warnings
-from asperity.multiscale.wave_split import random_waves
+from asperity.parameters import DEFAULTS
 from asperity.trust.verified import (
     answered,
     bounds_at,
@@ -22,6 +22,7 @@ from asperity.trust.verified import (
     pixel_scatter,
     solved_points,
 )
+from surfaces.checks import random_map
 
 from .part_misfit import FLOOR, Judged, misfit_on_parts
 
@@ -84,7 +85,7 @@ def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accurac
     enough = min(accuracy.load / FLOOR[0], accuracy.area / FLOOR[1]) >= SPARE
     large = min(hm.shape) >= LEAST_POINTS
     doubts = model_warnings(hm, LONGEST_LAY) if enough and large else []
-    return enough and large and not doubts and random_waves(hm)
+    return enough and large and not doubts and random_map(hm, DEFAULTS.pixel_waves.kurtosis)
 
 
 def sampled(

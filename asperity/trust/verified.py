@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.halfspace.material import HalfSpace
-from asperity.multiscale.wave_split import random_waves
+from asperity.parameters import DEFAULTS
 from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import (
     halved_intervals,
     interpolated_misfit,
     spline_stiffness,
 )
+from surfaces.checks import random_map
 from surfaces.heightmap import HeightMap
 
 __all__ = [
@@ -148,7 +149,7 @@ def verified(
         return judge(values)
     position = np.log(model.mean_pressure[points])
     prior, plastic = _prior_estimates(model, points)
-    first = FIRST_ANCHORS[not random_waves(hm)]
+    first = FIRST_ANCHORS[not random_map(hm, DEFAULTS.pixel_waves.kurtosis)]
     grain = pixel_scatter(hm, model)[points]
     anchors = np.unique(np.linspace(0, count - 1, first).astype(np.int64))
     solved: dict[int, ContactCurve] = solved_points(judge, values, others)
