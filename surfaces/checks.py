@@ -90,8 +90,7 @@ def _line_means(hm: HeightMap) -> tuple[Array, Array]:
     across: Any = 0.0
     present: Any = 0
     with np.errstate(invalid="ignore"):
-        for begin, end, window, top in windows(hm.source):
-            block = window[begin - top : end - top]
+        for _, _, block in windows(hm.source):
             gaps = np.isnan(block)
             held = np.where(gaps, 0.0, block) if gaps.any() else block
             along.append(held.sum(1) / (block.shape[1] - gaps.sum(1)))
@@ -185,8 +184,8 @@ def seam_warning(hm: HeightMap) -> list[str]:
 def _steps(hm: HeightMap) -> tuple[Array, Array]:
     """Mean squares [m^2] of the steps between neighboring rows, and between columns."""
     rows, columns = [], np.zeros(hm.shape[1] - 1)
-    for begin, end, window, top in windows(hm.source, below=1):
-        held = window[begin - top : min(end + 1, hm.shape[0]) - top]
+    for begin, end, window in windows(hm.source, below=1):
+        held = window[: min(end + 1, hm.shape[0]) - begin]
         rows.append(np.mean(np.diff(held, axis=0) ** 2, axis=1))
         columns += np.sum(np.diff(held[: end - begin], axis=1) ** 2, axis=0)
     return np.concatenate(rows), columns / hm.shape[0]

@@ -136,7 +136,7 @@ class HeightMap:
         """Number of missing points."""
         if "roughness" in vars(self):
             return self.roughness.missing
-        return sum(int(np.count_nonzero(np.isnan(rows))) for _, _, rows, _ in windows(self.source))
+        return sum(int(np.count_nonzero(np.isnan(rows))) for _, _, rows in windows(self.source))
 
     @property
     def rms_height(self) -> float:
@@ -202,7 +202,7 @@ class HeightMap:
         """SHA-256 of heights, spacing and periodicity: identifies the input of a result."""
         hasher = hashlib.sha256(np.array([*self.spacing, float(self.periodic)]).tobytes())
         hasher.update(np.array(self.shape).tobytes())
-        for _, _, rows, _ in windows(self.source):
+        for _, _, rows in windows(self.source):
             hasher.update(rows.data)
         return hasher.hexdigest()
 
@@ -252,7 +252,7 @@ class HeightMap:
         """The pixels between two rows and two columns, each the first and one past the last."""
         blocks = (
             (begin - rows[0], part[:, slice(*columns)])
-            for begin, _, part, _ in windows(self.source, *rows)
+            for begin, _, part in windows(self.source, *rows)
         )
         return self.with_rows(
             blocks,

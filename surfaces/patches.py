@@ -77,7 +77,7 @@ def points_at(
 
     def part(first: int, last: int) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
         found = []
-        for begin, _, rows, _ in windows(heights, first, last):
+        for begin, _, rows in windows(heights, first, last):
             mark = np.empty(rows.shape, np.bool_)
             _place(rows, np.uint64(64 - bits), table, False, mark)
             row, column = np.nonzero(mark)

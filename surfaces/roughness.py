@@ -118,9 +118,9 @@ def roughness(heights: Source, spacing: tuple[float, float], periodic: bool) -> 
 
     def part(first: int, last: int) -> Array:
         out = np.zeros(19)
-        for begin, end, window, top in windows(heights, bounds[first], bounds[last], below=2):
+        for begin, end, window in windows(heights, bounds[first], bounds[last], below=2):
             _sums(
-                *(window, top, ny, begin, end, start, bounds, first, last),
+                *(window, ny, begin, end, start, bounds, first, last),
                 *(lows, tops, rows, out),
             )
         return out
@@ -177,8 +177,7 @@ def _first_present(heights: Source) -> float:
     """The first height that is not missing."""
     if heights[0, 0] == heights[0, 0]:
         return float(heights[0, 0])
-    for begin, end, window, top in windows(heights):
-        held = window[begin - top : end - top]
+    for _, _, held in windows(heights):
         present = held[held == held]
         if present.size:
             return float(present[0])
@@ -188,7 +187,6 @@ def _first_present(heights: Source) -> float:
 @compiled(fastmath=SUMS)
 def _sums(
     window: Array,
-    top: int,
     ny: int,
     begin: int,
     end: int,
@@ -202,7 +200,7 @@ def _sums(
     out: Array,
 ) -> None:
     """Sums over the rows [begin, end) in the bands [first, last) and the differences that begin
-    there, of a map of `ny` rows of which row i is ``window[(i - top) % len(window)]``.
+    there, of a map of `ny` rows of which row i is ``window[(i - begin) % len(window)]``.
 
     Adds to `out` (19,) the number, sum and sum of squares of the heights about `start`; along y and
     then x the number and sum of squares of the first differences, and the number, sums of squares
@@ -213,8 +211,8 @@ def _sums(
     held, nx = window.shape
     for band in range(first, last):
         for i in range(max(begin, bounds[band]), min(end, bounds[band + 1])):
-            here, below = window[(i - top) % held], window[(i + 1 - top) % held]
-            beneath = window[(i + 2 - top) % held]
+            here, below = window[(i - begin) % held], window[(i + 1 - begin) % held]
+            beneath = window[(i + 2 - begin) % held]
             plain = _add_row(
                 here, below, beneath, start, i, ny, lows[band], tops[band], rows[band], out
             )

@@ -105,8 +105,7 @@ def ellipses(
     loaded = np.append((state.force > 0)[profiles.owner], False)
     found = [
         (np.array([[begin], [0]]) + np.nonzero(loaded[held]), held[loaded[held]])
-        for begin, end, part, at in windows(decomposition.peaks.labels)
-        for held in [part[begin - at : end - at]]
+        for begin, _, held in windows(decomposition.peaks.labels)
     ]
     (rows, cols), own = (np.concatenate(each, axis=-1) for each in zip(*found, strict=True))
     own = profiles.owner[own]

@@ -15,7 +15,6 @@ from asperity.halfspace.scene import Boundary
 from asperity.parameters import DEFAULTS
 from surfaces.checks import resolution_warning, seam_warning, straight_warning
 from surfaces.heightmap import HeightMap
-from surfaces.numerics.stored_array import windows
 from surfaces.patches import label_patches
 from surfaces.preparation.borders import make_periodic
 from surfaces.preparation.resampling import resample
@@ -185,22 +184,10 @@ def representative_part(hm: HeightMap) -> HeightMap:
     """The map, or of a large one the part about its highest point, faded to a period."""
     if max(hm.shape) <= TILE:
         return hm
-    top = _highest_point(hm)
     start = [
         int(np.clip(at - TILE // 2, 0, max(n - TILE, 0)))
-        for at, n in zip(top, hm.shape, strict=True)
+        for at, n in zip(hm.roughness.summit, hm.shape, strict=True)
     ]
     rows, columns = ((at, min(at + TILE, n)) for at, n in zip(start, hm.shape, strict=True))
     part = hm.cut(rows, columns)
     return make_periodic(part, "taper") if hm.periodic else part
-
-
-def _highest_point(hm: HeightMap) -> tuple[int, int]:
-    """Row and column of the highest point, the first of equal ones."""
-    best, place = -np.inf, (0, 0)
-    for begin, end, window, top in windows(hm.source):
-        block = window[begin - top : end - top]
-        row, column = divmod(int(np.argmax(block)), hm.shape[1])
-        if block[row, column] > best:
-            best, place = float(block[row, column]), (begin + row, column)
-    return place

@@ -120,7 +120,7 @@ def _waves(hm: HeightMap, count: int) -> Columns:
     stored = Sections((ny, count), max(1, 8 * BLOCK_BYTES // (16 * ny)), kind)
 
     def part(first: int, last: int) -> None:
-        for begin, _, rows, _ in windows(source, first, last):
+        for begin, _, rows in windows(source, first, last):
             stored.write_rows(begin, _of_rows(hm, rows))
 
     run(part, lines(ny, math.prod(hm.shape)))

@@ -92,7 +92,7 @@ class StoredMap(HeightMap):
             "all of it (--level none)",
         )
         heights = np.empty((ny, nx))
-        for begin, end, rows, _ in windows(vars(self)["_source"]):
+        for begin, end, rows in windows(vars(self)["_source"]):
             heights[begin:end] = rows
         heights.setflags(write=False)
         return heights

@@ -109,7 +109,7 @@ class StoredArray:
         kept = self
         if self._changes or self._kept != self.dtype:
             kept = StoredArray(self.shape, self.dtype, self.dtype)
-            for begin, _, rows, _ in windows(self):
+            for begin, _, rows in windows(self):
                 kept.write(begin, rows)
         pages = mmap.mmap(kept._file.fileno(), 0)
         _pages.add(pages)
@@ -183,7 +183,7 @@ Blocks = Iterable[tuple[int, NDArray[np.float64]]]
 
 def windows(
     source: Source, first: int = 0, last: int | None = None, below: int = 0
-) -> Iterator[tuple[int, int, NDArray[np.float64], int]]:
+) -> Iterator[tuple[int, int, NDArray[np.float64]]]:
     """The rows from `first` to `last` of an array in parts, the same in memory and on disk: sums
     over them are equal to the last digit.
 
@@ -193,9 +193,7 @@ def windows(
         Rows of this part.
     window
         An array that holds them and `below` more after them, as if the whole were repeated: row i
-        is ``window[(i - top) % len(window)]``.
-    top
-        The row with which it begins.
+        is ``window[(i - begin) % len(window)]``.
     """
     count = source.shape[0]
     last = count if last is None else last
@@ -205,12 +203,12 @@ def windows(
         window = source[begin : min(end + below, count)]
         if end + below > count:
             window = np.concatenate([window, source[np.arange(count, end + below) % count]])
-        yield begin, end, window, begin
+        yield begin, end, window
 
 
 def blocks_of(source: Source) -> Blocks:
     """Blocks of whole rows, each with the number of its first row."""
-    return ((begin, rows) for begin, _, rows, _ in windows(source))
+    return ((begin, rows) for begin, _, rows in windows(source))
 
 
 def rows_around(source: Source, top: int, bottom: int, periodic: bool) -> NDArray[Any]:

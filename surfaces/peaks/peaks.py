@@ -187,7 +187,7 @@ def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[n
     top[rows], slot[rows] = here[rows], np.arange(rows.size)
     found = [
         np.add(np.argwhere(part == top[peaks.labels[begin:end]]), (begin, 0))
-        for begin, end, part, _ in windows(heights)
+        for begin, end, part in windows(heights)
     ]
     points = np.concatenate(found)
     points = points[_level_steps(hm, points).all(axis=1)]

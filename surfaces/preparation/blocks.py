@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 def extremes(heights: Source) -> tuple[float, float]:
     """The lowest and the highest of the heights present."""
     low, high = np.nan, np.nan
-    for _, _, rows, _ in windows(heights):
+    for _, _, rows in windows(heights):
         low = np.fmin(low, np.fmin.reduce(rows, axis=None))
         high = np.fmax(high, np.fmax.reduce(rows, axis=None))
     return float(low), float(high)
@@ -26,7 +26,7 @@ def extremes(heights: Source) -> tuple[float, float]:
 def middle(heights: Source) -> float:
     """Median over the blocks of the medians of the heights present."""
     medians = []
-    for _, _, rows, _ in windows(heights):
+    for _, _, rows in windows(heights):
         present = rows[~np.isnan(rows)]
         if present.size:
             medians.append(float(np.median(present)))
@@ -37,7 +37,7 @@ def replaced(
     source: Source, places: NDArray[np.int64], heights: Array
 ) -> Iterator[tuple[int, Array]]:
     """Blocks of rows with other heights at some places, numbers in scan order that rise."""
-    for begin, _, window, _ in windows(source):
+    for begin, _, window in windows(source):
         rows = window.copy()
         start = begin * rows.shape[1]
         part = slice(*np.searchsorted(places, (start, start + rows.size)))

@@ -85,7 +85,7 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
     elif how == "smooth":
         carrier = _seam_carrier(hm.source)
         made = hm.with_rows(
-            (begin, rows - carrier[begin:end]) for begin, end, rows, _ in windows(hm.source)
+            (begin, rows - carrier[begin:end]) for begin, end, rows in windows(hm.source)
         )
         changed = 1.0
     seam, inner = _steps(made.source)
@@ -100,7 +100,7 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
 
 def _mirrored(source: Source) -> Iterator[tuple[int, NDArray[np.float64]]]:
     """Blocks of rows of an array and its mirror images."""
-    for begin, end, rows, _ in windows(source):
+    for begin, end, rows in windows(source):
         rows = np.hstack([rows, rows[:, ::-1]])
         yield begin, rows
         yield 2 * source.shape[0] - end, rows[::-1]
@@ -110,17 +110,17 @@ def _faded(
     source: Source, across: NDArray[np.float64], along: NDArray[np.float64]
 ) -> Iterator[tuple[int, NDArray[np.float64]]]:
     """Blocks of rows of an array that fades to its mean along y and x."""
-    total = sum(float(rows.sum()) for _, _, rows, _ in windows(source))
+    total = sum(float(rows.sum()) for _, _, rows in windows(source))
     mean = total / source.size
-    for begin, end, rows, _ in windows(source):
+    for begin, end, rows in windows(source):
         yield begin, mean + (rows - mean) * (across[begin:end, None] * along)
 
 
 def _steps(source: Source) -> tuple[float, float]:
     """Rms steps across the seam of an array, and inside it."""
     total, count = 0.0, 0
-    for begin, end, window, top in windows(source, below=1):
-        rows = window[begin - top : min(end + 1, len(source)) - top]
+    for begin, end, window in windows(source, below=1):
+        rows = window[: min(end + 1, len(source)) - begin]
         along = np.diff(rows[: end - begin])
         steps = np.concatenate([np.diff(rows, axis=0).ravel(), along.ravel()])
         total, count = total + float(np.sum(np.square(steps))), count + steps.size
@@ -139,7 +139,7 @@ def _seam_carrier(source: Source) -> Source:
     (ny, nx), down, across = source.shape, source[-1] - source[0], source[:, -1] - source[:, 0]
 
     def steps() -> Iterator[tuple[int, NDArray[np.float64]]]:
-        for begin, end, _, _ in windows(source):
+        for begin, end, _ in windows(source):
             rows = np.zeros((end - begin, nx))
             if begin == 0:
                 rows[0] += down

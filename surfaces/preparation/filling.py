@@ -104,8 +104,8 @@ def _harmonic(hm: HeightMap) -> tuple[Index, Array, int]:
     level = middle(hm.source)
     solved: list[tuple[Index, Array]] = []
     largest = 0
-    for begin, end, window, top in windows(hm.source, below=1):
-        missing = np.isnan(window[begin - top : end - top])
+    for begin, end, window in windows(hm.source, below=1):
+        missing = np.isnan(window[: end - begin])
         found = np.flatnonzero(missing) + begin * hm.shape[1]
         places = np.append(places, found)
         if not places.size:
@@ -116,7 +116,7 @@ def _harmonic(hm: HeightMap) -> tuple[Index, Array, int]:
             "raise the limit of memory (--memory), crop the map (--crop) or leave the points "
             "missing (--fill none)",
         )
-        around = np.hstack([around, _heights_about(hm, found, window, begin, top)])
+        around = np.hstack([around, _heights_about(hm, found, window, begin)])
         matrix, right, unmet = _equations(hm, places, around, level)
         gaps, gap = connected_components(matrix, directed=False)
         waits = np.zeros(gaps, bool)
@@ -136,7 +136,7 @@ def _harmonic(hm: HeightMap) -> tuple[Index, Array, int]:
     return places[order], filled[order], largest
 
 
-def _heights_about(hm: HeightMap, places: Index, window: Array, begin: int, top: int) -> Array:
+def _heights_about(hm: HeightMap, places: Index, window: Array, begin: int) -> Array:
     """Heights of the neighbors of points of a window, shape (4, points): NaN where they are missing
     too, infinite beyond the border of a map that is not periodic."""
     (ny, nx), before = hm.shape, hm.source[begin - 1]
@@ -144,7 +144,7 @@ def _heights_about(hm: HeightMap, places: Index, window: Array, begin: int, top:
     around = np.empty((len(_STEPS), places.size))
     for values, (dr, dc) in zip(around, _STEPS, strict=True):
         r, c = rows + dr, columns + dc
-        values[:] = window[(r - top) % len(window), c % nx]
+        values[:] = window[(r - begin) % len(window), c % nx]
         above = r < begin
         values[above] = before[c[above]]
         if not hm.periodic:
@@ -213,13 +213,13 @@ def _by_gradients(matrix: csc_matrix, right: Array, points: tuple[Index, Index])
 
 def quick_fill(z: Source) -> Source:
     """Quick fill by averages over ever coarser blocks, a stand-in for medians; NaN is missing."""
-    if not any(np.isnan(window).any() for _, _, window, _ in windows(z)):
+    if not any(np.isnan(window).any() for _, _, window in windows(z)):
         return z
     ny, nx = z.shape
     coarse = quick_fill(array_of(_halved(z), (-(-ny // 2), -(-nx // 2)), z))
 
     def filled() -> Iterator[tuple[int, Array]]:
-        for begin, end, rows, _ in windows(z):
+        for begin, end, rows in windows(z):
             fine = coarse[begin // 2 : -(-end // 2)].repeat(2, axis=0).repeat(2, axis=1)
             fine = fine[begin % 2 :][: len(rows), :nx]
             yield begin, np.where(np.isnan(rows), fine, rows)
@@ -230,9 +230,9 @@ def quick_fill(z: Source) -> Source:
 def _halved(z: Source) -> Iterator[tuple[int, Array]]:
     """Means over 2 x 2 points, where some are present, in blocks of rows."""
     ny, nx = z.shape
-    for begin, end, window, top in windows(z, below=1):
+    for begin, end, window in windows(z, below=1):
         first = begin + begin % 2
-        rows = window[first - top : min(end + end % 2, ny) - top]
+        rows = window[first - begin : min(end + end % 2, ny) - begin]
         even = np.pad(rows, ((0, len(rows) % 2), (0, nx % 2)), constant_values=np.nan)
         blocks = even.reshape(len(even) // 2, 2, even.shape[1] // 2, 2)
         present = ~np.isnan(blocks)

@@ -91,8 +91,7 @@ def bandpass(
         if upper < np.inf:
             long, mean = _smooth(made, upper, filter), hm.roughness.mean
             made = hm.with_rows(
-                (begin, rows - long[begin:end] + mean)
-                for begin, end, rows, _ in windows(made.source)
+                (begin, rows - long[begin:end] + mean) for begin, end, rows in windows(made.source)
             )
     step = {
         "step": "bandpass",

@@ -111,7 +111,7 @@ def level(hm: HeightMap, form: str = "plane") -> HeightMap:
         kept = found
     levelled = hm.with_rows(
         (begin, (rows - _evaluate(coefficients, v[begin:end], u)) * scale)
-        for begin, end, rows, _ in windows(z)
+        for begin, end, rows in windows(z)
     )
     low, high = extremes(levelled.source)
     if max(high, -low) <= _ROUNDING * max(abs(shift), scale):
@@ -180,7 +180,7 @@ def _sums(
     powers_u, powers_v = (np.vander(w, 2 * most + 1, increasing=True) for w in (u, v))
     moments, right = np.zeros((2 * most + 1,) * 2), np.zeros((most + 1,) * 2)
     left_out, places = 0, hashlib.sha256()
-    for begin, end, rows, _ in windows(z):
+    for begin, end, rows in windows(z):
         distance = np.abs(rows - _evaluate(coefficients, v[begin:end], u) - center)
         inside = distance <= limit
         outside = np.flatnonzero(distance > limit) + begin * len(u)

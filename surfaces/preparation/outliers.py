@@ -118,7 +118,7 @@ class _Strip(NamedTuple):
 def _strips(hm: HeightMap, z: Source) -> Iterator[_Strip]:
     """The map in parts; `z` are its heights without gaps and spikes."""
     ny = hm.shape[0]
-    for begin, end, rows, _ in windows(hm.source):
+    for begin, end, rows in windows(hm.source):
         low, high = max(0, begin - _AROUND // 2), min(ny, end + _AROUND // 2)
         first, last = low - _REACH, high + _REACH
         if not hm.periodic or end - begin == ny:

@@ -130,7 +130,7 @@ def autocorrelation(hm: HeightMap) -> Autocorrelation:
     )
 
     def values() -> Blocks:
-        for begin, end, rows, _ in windows(products):
+        for begin, end, rows in windows(products):
             if pairs is None:
                 number = np.outer(pairs_y[begin:end], pairs_x)
             else:
@@ -184,7 +184,7 @@ def _read_at(value: Source, rows: Array, columns: Array) -> Array:
 
     order = np.argsort(rows, kind="stable")
     found = np.empty(rows.size)
-    for begin, end, window, _ in windows(value, below=1):
+    for begin, end, window in windows(value, below=1):
         here = order[slice(*np.searchsorted(rows, (begin, end), sorter=order))]
         places = [rows[here] - begin, columns[here]]
         found[here] = map_coordinates(window, places, order=1, mode="nearest")

@@ -56,7 +56,7 @@ def _motifs(hm: HeightMap, wolf: float) -> tuple[float, float, float, float, flo
     np.maximum.at(saddle, peaks.neighbors, peaks.passes[:, None])
     saddle[np.isinf(saddle)] = heights.lowest
     volume = np.zeros(len(peaks))
-    for begin, end, rows, _ in windows(hm.source):
+    for begin, end, rows in windows(hm.source):
         labels = peaks.labels[begin:end]
         above = np.maximum(rows - saddle[labels], 0.0)
         volume += np.bincount(labels.ravel(), above.ravel(), len(peaks))

@@ -25,7 +25,7 @@ def in_memory(hm: HeightMap) -> bool:
 
 def rows_of(hm: HeightMap) -> Iterator[Array]:
     """Heights [m] of whole rows, block after block."""
-    return (rows for _, _, rows, _ in windows(hm.source))
+    return (rows for _, _, rows in windows(hm.source))
 
 
 def over_present(function: Callable[[Array], Result], hm: HeightMap) -> Iterator[Result]:

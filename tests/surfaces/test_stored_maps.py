@@ -73,9 +73,9 @@ def test_windows_of_memory_are_those_of_the_disk(
     one, two = (list(windows(source, 3, below=below)) for source in (values, kept))
     assert [part[:2] for part in one] == [part[:2] for part in two]
     assert [part[0] for part in one] == [3, 7, 11, 15, 19]
-    for begin, end, window, top in one + two:
+    for begin, end, window in one + two:
         for row in range(begin, end + below):
-            found = window[(row - top) % len(window)]
+            found = window[(row - begin) % len(window)]
             np.testing.assert_array_equal(found, values[row % len(values)])
 
 

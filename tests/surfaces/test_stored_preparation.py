@@ -54,7 +54,7 @@ def is_equal(found: surfaces.HeightMap, known: surfaces.HeightMap, rounding: flo
     assert isinstance(found, StoredMap) and "heights" not in vars(found)
     assert (found.periodic, found.name, found.shape) == (known.periodic, known.name, known.shape)
     scale = np.nanmedian(np.abs(known.heights - np.nanmedian(known.heights)))
-    for begin, end, rows, _ in windows(found.source):
+    for begin, end, rows in windows(found.source):
         np.testing.assert_allclose(rows, known.heights[begin:end], rtol=0, atol=rounding * scale)
     for one, two in zip(found.history, known.history, strict=True):
         assert one.keys() == two.keys()
