@@ -44,7 +44,7 @@ STRAY = 0.06
 SKIN = 0.15
 """Distance from where the near pairs were listed, over the split length, that points may reach."""
 
-ASTRAY = 2e-4
+ASTRAY = 1e-3
 """Share of the load that their distance from their centres may make in the slope of the field."""
 
 MANY = 5000

@@ -59,7 +59,7 @@ def test_points_stand_at_the_centres_or_as_near_as_the_pairs_that_were_listed_al
     leaping = replace(listing, listed=elsewhere)
     assert leaping.recentred(population, listing.index, values, 1e-3) is None  # among few it counts
     monkeypatch.setattr(module, "MANY", 1)
-    found = leaping.recentred(population, listing.index, values, 1e-2)
+    found = leaping.recentred(population, listing.index, values, 1e-3)
     np.testing.assert_allclose(found.offset[:, lightest], elsewhere[:, lightest] - skin)
     elsewhere = listing.listed + 2.0 * skin
     lost = replace(listing, listed=elsewhere).recentred(population, listing.index, values, 1e-3)
