@@ -214,11 +214,18 @@ def solve_loads(
 
 
 class _Row(NamedTuple):
-    """What the curve tells of a load point: numbers of the contacts, of the whole surface and of
-    its spots by name; terms of its error estimate; and why it cannot be used, if it cannot.
+    """What the curve tells of a load point.
 
-    Where both are compared, ``interaction_difference`` is the load of independent contacts over
-    that of interacting ones, less one, or NaN if not known.
+    Attributes
+    ----------
+    numbers
+        Of the contacts, of the whole surface and of its spots, by name; with
+        ``interaction_difference``, the load of independent contacts over that of interacting ones,
+        less one, or NaN if not known, where both are compared.
+    terms
+        Terms of its error estimate.
+    reason
+        Why the load point cannot be used; empty if it can.
     """
 
     numbers: dict[str, float]

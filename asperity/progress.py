@@ -16,8 +16,17 @@ Progress = bool | Callable[[Any], object] | None
 def bar(
     total: int | None, label: str, *, hidden: bool | None = None
 ) -> Iterator[Callable[[Any], None]]:
-    """A progress bar on standard error, behind a label, advanced by one at each of so many calls,
-    which shows text it is given; `hidden` None hides it where standard error is no terminal."""
+    """A progress bar on standard error, advanced by one at each call, which shows text it is given.
+
+    Parameters
+    ----------
+    total
+        Number of calls; None if it is not known.
+    label
+        What stands before the bar.
+    hidden
+        None hides it where standard error is no terminal.
+    """
     from tqdm import tqdm
 
     with tqdm(total=total, desc=label, disable=hidden, leave=False) as shown:

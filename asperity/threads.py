@@ -21,8 +21,13 @@ _first: int | None = None
 
 
 def require_own_threads() -> None:
-    """Refuse a process forked from one whose compiled loops ran on threads, and say how to start
-    such a process: GNU OpenMP does not outlive a fork, and would end it."""
+    """Refuse a process forked from one whose compiled loops ran on threads: they would end it.
+
+    Raises
+    ------
+    AsperityError
+        Saying how to start such a process. GNU OpenMP does not outlive a fork.
+    """
     global _first
     _first = _first or os.getpid()
     if _first == os.getpid():

@@ -29,10 +29,18 @@ _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"
 def draw_heights(
     axes: Axes, heights: NDArray[np.float64], size: tuple[float, float], **style: Any
 ) -> None:
-    """Draw heights [m], shape (ny, nx), of a map of lengths (Ly, Lx) [m] about their mean in true
-    proportions, with a color bar; `style` goes to `matplotlib.axes.Axes.imshow`.
+    """Draw heights [m] about their mean in true proportions, with a color bar.
 
-    Missing ones stay white; large maps are thinned.
+    Parameters
+    ----------
+    axes
+        Axes to draw on.
+    heights
+        Heights [m], shape (ny, nx); missing ones stay white. Large maps are thinned.
+    size
+        Lengths (Ly, Lx) [m] of the map.
+    style
+        Further arguments of `matplotlib.axes.Axes.imshow`.
     """
     from matplotlib.ticker import EngFormatter
 

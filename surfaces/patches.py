@@ -20,8 +20,24 @@ _NO_PAIRS = np.zeros((0, 2), np.int32)
 def label_patches(
     mask: NDArray[np.bool_], *, periodic: bool, corners: bool = True
 ) -> tuple[NDArray[np.int32], int]:
-    """Label the connected patches of a mask (ny, nx), joined across the seam if periodic, and at
-    corners as at edges unless told otherwise: 1..n on the patches, 0 outside, (ny, nx), and n."""
+    """Label the connected patches of a mask, joined across the seam if periodic.
+
+    Parameters
+    ----------
+    mask
+        Pixels that belong to a patch, shape (ny, nx).
+    periodic
+        Whether the map continues across its border as if repeated.
+    corners
+        Whether pixels that meet at a corner join, as those that meet at an edge do.
+
+    Returns
+    -------
+    labels
+        1..n on the patches, 0 outside, shape (ny, nx).
+    count
+        Number of patches n.
+    """
     labels, count = _components(mask, 8 if corners else 4)
     shifts = (-1, 0, 1) if corners else (0,)
     pairs = _seam_pairs(labels, shifts) if periodic and count > 1 else _NO_PAIRS
@@ -68,8 +84,15 @@ def _merged(pairs: NDArray[np.int32], count: int) -> NDArray[np.int32]:
 def points_at(
     heights: Source, levels: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Rows and columns of the points whose height [m] may be one of some levels [m], and few
-    others; the heights, shape (ny, nx), are in memory or on disk."""
+    """Rows and columns of the points whose height may be one of some levels, and few others.
+
+    Parameters
+    ----------
+    heights
+        Heights [m], shape (ny, nx), in memory or on disk.
+    levels
+        Heights to look for [m].
+    """
     bits = max(10, int(levels.size).bit_length() + 4)  # 16 places for a level
     table = np.zeros(1 << bits, np.bool_)
     mark = np.empty((1, levels.size), np.bool_)

@@ -107,7 +107,12 @@ class RandomWaves:
         """The map [m] in blocks of rows, made within the limit of memory.
 
         The sums of the waves along y go through a file without a name in `folder`, of 8 bytes per
-        point. Raises `InputError` if the memory does not hold a block, or the folder the file.
+        point.
+
+        Raises
+        ------
+        InputError
+            If the memory does not hold a block, or the folder the file.
         """
         ny, nx = self.shape
         half, least = nx // 2 + 1, max(16 * ny, 40 * min(ny, _ROWS) * nx)

@@ -101,9 +101,12 @@ def quantity(text: str, kind: str) -> float:
 
 
 def quantities(texts: list[str], kind: str) -> list[float]:
-    """Numbers of several texts of one kind, of which all have a unit or none, see `quantity`.
+    """Numbers of several texts of one kind, of which all have a unit or none.
 
-    Raises `InputError` also if some have a unit and others, not being 0, have none.
+    Raises
+    ------
+    InputError
+        As `quantity`; and if some have a unit and others, not being 0, have none.
     """
     found = [_WRITTEN.fullmatch(text) for text in texts]
     example = QUANTITIES[kind][1]
@@ -144,7 +147,10 @@ def _factor(unit: str, kind: str) -> float | None:
 def chosen_unit(path: Path, stated: str | None, given: str | None) -> str:
     """The unit of the heights of a file: as it states, or as the caller says where it does not.
 
-    Raises `FileFormatError` if neither says one, or they differ.
+    Raises
+    ------
+    FileFormatError
+        If neither says one, or they differ.
     """
     if not (stated or given):
         raise FileFormatError(f"{path}: states no unit; pass --unit (unit=...), such as --unit um")
@@ -154,8 +160,19 @@ def chosen_unit(path: Path, stated: str | None, given: str | None) -> str:
 
 
 def metres_per(unit: str) -> float:
-    """Metres in one unit of length, such as m, mm, um, nm, or in 2.5nm; case matters (mm is not
-    Mm). Raises `InputError` if its name is not known."""
+    """Length of one `unit` in metres.
+
+    Parameters
+    ----------
+    unit
+        Name of a length unit, such as m, mm, um, nm; case matters (mm is not Mm). A number may
+        stand before it: 2.5nm.
+
+    Raises
+    ------
+    InputError
+        If the name is not a known unit of length.
+    """
     number, name = _QUANTITY.findall(unit.strip())[0]
     name = _ALIASES.get(name, name)
     if name not in METRES and len(name) > 2:

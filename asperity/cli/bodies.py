@@ -35,11 +35,21 @@ BODIES: dict[str, Callable[..., PowerSumProfile]] = {
 
 
 def body(text: str, k: float | None, scale: float | None) -> PowerSumProfile:
-    """Test body from its name and numbers, such as ``rounded:4:0.3``; those that have a default may
-    be left out.
+    """Test body from its name and numbers, such as ``rounded:4:0.3``.
 
-    `k` is the exponent of r of a power and `scale` a factor of the gap, both 1 if None. Raises
-    `InputError` if there is no such body, or a number is not usable.
+    Parameters
+    ----------
+    text
+        As the keys of `BODIES`; numbers that have a default may be left out.
+    k
+        Exponent of r of a power, 1 if None.
+    scale
+        Factor of the gap, 1 if None.
+
+    Raises
+    ------
+    InputError
+        If there is no such body, or a number is not usable.
     """
     name, *words = text.split(":")
     forms = {form.split(":")[0]: form for form in BODIES}

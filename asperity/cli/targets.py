@@ -25,8 +25,15 @@ PICTURES = ("plot", "fans")
 
 @dataclass(frozen=True)
 class Target:
-    """A file that an option names: the suffix of its name in a folder, `ONE` if one file serves all
-    inputs; and what is written for one input, and for several, where the option is not given."""
+    """A file that an option names.
+
+    Attributes
+    ----------
+    suffix
+        Ending of its name in a folder, `ONE` if one file serves all inputs.
+    alone, several
+        What is written for one input, and for several, where the option is not given.
+    """
 
     suffix: str
     alone: str | None = None
@@ -94,8 +101,19 @@ def require(
 ) -> None:
     """Refuse, before any work, what cannot be written, or would replace a file or another output.
 
-    `runs` are the options of each input, from `of_input`, where each has outputs of its own;
-    `inputs` are further files that are read.
+    Parameters
+    ----------
+    args
+        All options.
+    runs
+        Those of each input, from `of_input`, where each has outputs of its own.
+    inputs
+        Further files that are read.
+
+    Raises
+    ------
+    InputError
+        Saying which file, and how to mend it.
     """
     inputs = [*inputs, *(run.file for run in runs)]
     taken = {Path(os.path.realpath(file)): f"would replace the input {file}" for file in inputs}

@@ -34,13 +34,23 @@ _EVERY = tuple(law for law in LAWS if law != "auto")
 
 @dataclass(frozen=True, eq=False)
 class LawRow:
-    """One law on one case, or why it has no solution there; errors [-] are relative to the boundary
-    elements, NaN without them.
+    """One law on one case; errors [-] are relative to the boundary elements, NaN without them.
 
-    The errors of force, contour (root mean square over the angle, relative to the mean radius) and
-    area, e_F, e_a and e_A, are at the same approach, or at the same load (equations 44, 45), where
-    e_F is zero; that of the approach, e_d, is zero at the same approach. Seconds are the run time
-    [s], contour included.
+    Attributes
+    ----------
+    law
+        Name.
+    solution
+        The solution, or None where the law does not hold.
+    reason
+        Why there is no solution.
+    force_error, contour_error, area_error
+        e_F, e_a (root mean square over the angle, relative to the mean radius) and e_A at the
+        same approach, or at the same load (equations 44, 45); e_F is zero at the same load.
+    approach_error
+        e_d, the error of the approach; zero at the same approach.
+    seconds
+        Run time [s], contour included.
     """
 
     law: str
@@ -126,9 +136,19 @@ def judge(
     grid: int | None = 256,
     tolerance: float = 1e-6,
 ) -> Case:
-    """Solve one contact by the laws, all but "auto" if none is named, and by boundary elements on
-    `grid` points per axis unless that is None; all at the same approach, or load, as in
-    `asperity.indent`."""
+    """Solve one contact by the laws, and by boundary elements unless `grid` is None.
+
+    Parameters
+    ----------
+    profile, material, approach, load
+        The contact, see `asperity.indent`; all are compared at the same approach, or load.
+    laws
+        Names of the laws; by default all but "auto", which is one of them.
+    grid
+        Points per axis of the boundary elements, or None for none.
+    tolerance
+        Their tolerance.
+    """
     reference, seconds, edge = None, np.nan, np.empty(0)
     driven = {"approach": approach, "load": load}
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES

@@ -196,7 +196,13 @@ def _map_point(reference: ContactCurve, model: ContactCurve) -> int:
 
 def _pressures(reference: ContactCurve, kind: str, values: NDArray[np.float64]) -> Array:
     """Mean pressures [Pa] of the load points, shape (n,): where the reference did not converge, as
-    asked for, or read off its other points, of which there have to be two."""
+    asked for, or read off its other points.
+
+    Raises
+    ------
+    ConvergenceError
+        If separations are asked for, and the reference has no two points to read a load off.
+    """
     asked = values if kind == "pressure" else load_at_separation(reference, values)
     found = np.where(reference.converged, reference.mean_pressure, asked)
     if np.isnan(found).any():

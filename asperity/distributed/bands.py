@@ -43,9 +43,15 @@ TENTHS = 0.1, 0.9
 
 
 class Confidence:
-    """Mean of curves that come one by one, NaN left out, and its confidence interval, at each
-    pressure.
+    """Mean of curves that come one by one, and its confidence interval, at each pressure.
 
+    Parameters
+    ----------
+    size
+        Points of a curve; NaN is left out.
+
+    Notes
+    -----
     Half width t s / sqrt(n), with the quantile t of Student's distribution of n - 1 degrees of
     freedom and the standard deviation s by the update of Welford (1962).
     """

@@ -179,7 +179,10 @@ def windows_of(
 ) -> list[tuple[tuple[int, int], tuple[int, int]]]:
     """Rows and columns, first and one past last, of the windows of a map, in a random order.
 
-    Raises `InputError` if no window fits into the map.
+    Raises
+    ------
+    InputError
+        If no window fits into the map.
     """
     ny, nx = (int(n) for n in np.broadcast_to(np.asarray(window), 2))
     if not (3 <= ny <= shape[0] and 3 <= nx <= shape[1]):

@@ -70,7 +70,13 @@ Work = Callable[[Sequence[Job]], list[Outcome]]
 
 
 class Pool(Protocol):
-    """What runs calls in other processes, so many `workers` at a time."""
+    """What runs calls in other processes.
+
+    Attributes
+    ----------
+    workers
+        How many run at a time.
+    """
 
     @property
     def workers(self) -> int: ...
@@ -83,8 +89,14 @@ class Pool(Protocol):
 class Workers:
     """What workers a sweep asks for.
 
-    Their `count` is that of processes, as many as the `threads` of each job leave processors for if
-    None; with the address of a Dask `scheduler` its workers run the jobs, and none starts here.
+    Attributes
+    ----------
+    count
+        Number of processes; as many as the threads of their jobs leave processors for if None.
+    scheduler
+        Address of a Dask scheduler whose workers run the jobs; None starts workers here.
+    threads
+        Threads of each job.
     """
 
     count: int | None = None
@@ -94,10 +106,19 @@ class Workers:
 
 @contextmanager
 def opened(on: Workers, jobs: int) -> Iterator[Pool]:
-    """Workers on Dask, or in a pool of processes where it is not installed; here no more are
-    started than there are jobs.
+    """Workers on Dask, or in a pool of processes where it is not installed.
 
-    Raises `InputError` if no scheduler answers, or Dask is needed and not installed.
+    Parameters
+    ----------
+    on
+        Those asked for.
+    jobs
+        What they have to do: none more is started here.
+
+    Raises
+    ------
+    InputError
+        If no scheduler answers, or Dask is needed and not installed.
     """
     for name, number in (("workers", on.count), ("threads", on.threads)):
         if number is not None and as_number(f"the number of {name}", number) < 1:
@@ -241,11 +262,26 @@ def _end_with_parent() -> None:
 
 
 def outcomes(jobs: Sequence[Job], work: Work, pool: Pool) -> Iterator[tuple[Job, Outcome]]:
-    """Run jobs in batches on the workers of a pool, in their order, and tell of each as it ends.
+    """Run jobs in batches and tell of each as it ends.
 
+    Parameters
+    ----------
+    jobs
+        Jobs, begun in this order.
+    work
+        Runs a batch of them; goes to the workers.
+    pool
+        The workers.
+
+    Raises
+    ------
+    AsperityError
+        If the scheduler is lost.
+
+    Notes
+    -----
     Jobs of a batch that did not come back, as its worker was lost or by an error that nobody
     foresaw, are run one by one while no other runs, so that the one to blame is known; it fails.
-    Raises `AsperityError` if the scheduler is lost.
     """
     waiting, suspects = deque(jobs), deque[Job]()
     flying: dict[Future[list[Outcome]], list[Job]] = {}

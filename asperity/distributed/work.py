@@ -39,11 +39,20 @@ def run_jobs(
     force: bool,
     at: NDArray[np.float64] | None = None,
 ) -> list[Outcome]:
-    """Run jobs in turn in this process, each on so many threads, which change the order of some
-    sums and so the last digits; what has its results file in the folder already is read, unless
-    `force`.
+    """Run jobs in this process; what has its results file already is read from there.
 
-    Outcomes hold the ``values`` of the curves at the pressures `at` [Pa], if there are such.
+    Parameters
+    ----------
+    jobs
+        Jobs, run in turn. A process runs one at a time.
+    folder
+        Folder of the results files.
+    threads
+        Threads of each job. The number changes the order of some sums, and so the last digits.
+    force
+        Whether finished jobs are run again.
+    at
+        Pressures [Pa] asked for, at which the outcome holds the ``values`` of the curve too.
     """
     with _one_at_a_time, warnings.catch_warnings():
         warnings.simplefilter("ignore", ContactWarning)  # results hold them

@@ -92,8 +92,17 @@ def read_off(
     converged: NDArray[np.bool_],
     questions: Mapping[str, ArrayLike | None],
 ) -> CurvePoint:
-    """Interpolate a curve by its columns `READ_FIELDS` and its points that count, shape (n,) each,
-    see `ContactCurve.at`; the questions are by the names of `QUESTIONS`, all but one None."""
+    """Interpolate a curve, see `ContactCurve.at`.
+
+    Parameters
+    ----------
+    columns
+        The columns `READ_FIELDS` of the curve, shape (n,) each.
+    converged
+        Points that count, shape (n,).
+    questions
+        Where the curve is read, by the names of `QUESTIONS`; all but one are None.
+    """
     from scipy.interpolate import PchipInterpolator
 
     given = [name for name, values in questions.items() if values is not None]
@@ -268,15 +277,25 @@ def interpolated_misfit(
     misfit: NDArray[np.float64],
     floor: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Misfit at all load points, interpolated between the anchors, and a bound on what that leaves,
-    shape (n,) each.
+    """Misfit at all load points, interpolated between the anchors, and a bound on what that leaves.
 
-    Of the load points `position` is the logarithm of the load, rising, and `floor` the least bound
-    between anchors, shape (n,); anchors are load points, rising, the first and the last among them,
-    and `misfit` the logarithms of the ratio of the model to boundary elements there, shape (k,).
-    The bound is zero at anchors. Elsewhere it is the largest of half the difference of the two
-    anchors beside the point, of what the interpolation misses either of them by when that one is
-    left out, and of the floor.
+    Parameters
+    ----------
+    position
+        Logarithm of the load, rising, shape (n,).
+    anchors
+        Load points at which the misfit is known, rising, the first and the last among them, (k,).
+    misfit
+        Logarithm of the ratio of the model to boundary elements at the anchors, shape (k,).
+    floor
+        Least bound between anchors, shape (n,).
+
+    Returns
+    -------
+    misfit, bound
+        Shape (n,). The bound is zero at anchors. Elsewhere it is the largest of half the difference
+        of the two anchors beside the point, of what the interpolation misses either of them by when
+        that one is left out, and of the floor.
     """
     missed = np.zeros(len(anchors))
     for j in range(1, len(anchors) - 1):
@@ -291,10 +310,14 @@ def interpolated_misfit(
 
 
 def halved_intervals(anchors: NDArray[np.int64], need: NDArray[np.float64]) -> NDArray[np.int64]:
-    """The anchors and one more, in the middle of the interval of the load point that needs it most.
+    """The anchors and one more, in the middle of the interval of the point that needs it most.
 
-    Anchors are load points, rising, the first and the last among them; `need`, shape (n,), is zero
-    at them.
+    Parameters
+    ----------
+    anchors
+        Load points, rising, the first and the last among them.
+    need
+        How much each load point needs an anchor near it, zero at anchors, shape (n,).
     """
     right = int(np.searchsorted(anchors, int(np.argmax(need))))
     return np.union1d(anchors, (anchors[right - 1] + anchors[right]) // 2)

@@ -36,13 +36,37 @@ def run_resumably(
     resume: bool,
     chained: bool = False,
 ) -> ContactCurve:
-    """Solve load points, "pressure" or "separation", shape (n,), keeping every finished one in the
-    results file; returns the curve of all of them in their order.
+    """Solve load points, keeping every finished one in the results file.
 
-    The file holds the curve as `model`, "asperity" or "bem". With `resume` it is continued from, if
-    it exists and was made with the same `request`, JSON-able facts; else `InputError` is raised.
-    With `chained` the solution of a point depends on those solved before it: if one is missing, all
-    are solved again, so that the curve is that of a run without interruption.
+    Parameters
+    ----------
+    solve
+        Solves load points, telling what is finished as it goes.
+    values
+        Load points, shape (n,).
+    kind
+        What they are: "pressure" or "separation".
+    path
+        Results file.
+    model
+        Name of the curve in the file: "asperity" or "bem".
+    request
+        JSON-able facts that two runs must share for one to continue the other.
+    resume
+        Whether to continue from the file, if it exists.
+    chained
+        Whether the solution of a point depends on those solved before it: if one is missing, all
+        are solved again, so that the curve is that of a run without interruption.
+
+    Returns
+    -------
+    ContactCurve
+        All points in the order of `values`.
+
+    Raises
+    ------
+    InputError
+        If the file was made from another input or with other settings.
     """
     done, asked = None, f"asked_{kind}"
     if resume and Path(path).exists():
@@ -84,7 +108,10 @@ def run_resumably(
 def require_continuable(path: str | os.PathLike[str], request: Mapping[str, Any]) -> ResultFile:
     """What the results file of an earlier run of the same request holds.
 
-    Raises `FileFormatError` if it is no results file, and `InputError` if it is of another request.
+    Raises
+    ------
+    FileFormatError, InputError
+        If it is no results file, or of another request.
     """
     held = read_results(path)
     before = held.about.get("request", {})

@@ -79,9 +79,18 @@ def columns(table: NDArray[np.void]) -> dict[str, NDArray[Any]]:
 class CurveRecord:
     """A contact curve as plain data.
 
-    Columns, and `extra` ones, are arrays over the load points by name, shape (n,) each, and reasons
-    one sentence per load point, "" where all is well. Attributes are JSON-able: model, version,
-    settings, seconds. `source` names file and curve in messages.
+    Attributes
+    ----------
+    columns
+        Arrays over the load points by name, shape (n,) each.
+    extra
+        Further arrays over the load points by name.
+    reasons
+        One sentence per load point, "" where all is well.
+    attributes
+        JSON-able facts by name: model, version, settings, seconds.
+    source
+        File and curve, for messages.
     """
 
     columns: dict[str, NDArray[Any]]
@@ -93,11 +102,19 @@ class CurveRecord:
 
 @dataclass
 class ResultFile:
-    """What a results file holds by name: contact curves, tables (structured arrays: microcontacts,
-    error against run time, ...) and maps (two-dimensional arrays); and JSON-able facts about input
-    map, material and preparation.
+    """What a results file holds: curves, tables, maps and facts about the input.
 
-    How the file was made (`provenance`) is added to the facts where it lacks.
+    Attributes
+    ----------
+    curves
+        Contact curves by name.
+    tables
+        Structured arrays by name (microcontacts, error against run time, ...).
+    maps
+        Two-dimensional arrays by name.
+    about
+        JSON-able facts: input map, material, preparation; how the file was made (`provenance`) is
+        added where it lacks.
     """
 
     curves: dict[str, CurveRecord] = field(default_factory=dict)
@@ -133,8 +150,13 @@ def _command() -> str:
 
 
 def write_results(path: str | os.PathLike[str], results: ResultFile) -> None:
-    """Write a results file through a temporary file and an atomic rename; raises `InputError` if
-    the folder does not exist or cannot be written."""
+    """Write a results file through a temporary file and an atomic rename.
+
+    Raises
+    ------
+    InputError
+        If the folder does not exist or cannot be written.
+    """
     import h5py
 
     with replacing(path) as partial, h5py.File(partial, "w", libver=("v110", "v110")) as file:

@@ -13,12 +13,21 @@ SECONDS = 10.0
 
 @dataclass(frozen=True)
 class Case:
-    """A question to one engine: what is stiff or extreme (theme), how far (name), who is asked, and
-    what the answer is judged `against`.
+    """A question to one engine, and its judge.
 
-    The judge asks, and gives the error over what is allowed; it raises an error of the package
-    where the engine refuses. `seconds` is the time that the case may take [s]; with `must_refuse`
-    any answer is wrong.
+    Attributes
+    ----------
+    theme, name, engine
+        What is stiff or extreme, how far, and who is asked.
+    against
+        What the answer is judged against.
+    judge
+        Asks, and gives the error over what is allowed; raises an error of the package where the
+        engine refuses.
+    seconds
+        Time that it may take [s].
+    must_refuse
+        Whether any answer is wrong.
     """
 
     theme: str

@@ -22,8 +22,17 @@ MOST_PAIRS, MOST_ITERATIONS = 15, 1000
 
 @dataclass(frozen=True)
 class Work:
-    """One load on one rough map: its points per axis, the exponent m of the grading, and the mean
-    pressure over the one that flattens the roughness."""
+    """One load on one rough map.
+
+    Attributes
+    ----------
+    size
+        Points per axis.
+    m
+        Exponent of the grading.
+    load
+        Mean pressure over the one that flattens the roughness.
+    """
 
     size: int
     m: float

@@ -73,8 +73,15 @@ UNKNOWN = 0.05, 0.15
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Relative errors allowed: of the load at equal separation, and of the contact area at equal
-    load."""
+    """Relative errors allowed.
+
+    Attributes
+    ----------
+    load
+        Of the load at equal separation [-].
+    area
+        Of the contact area at equal load [-].
+    """
 
     load: float = 0.05
     area: float = 0.1

@@ -88,8 +88,17 @@ def read_header(
     unit: str | None = None,
     spacing: tuple[float, float] | None = None,
 ) -> tuple[Header | None, list[Fault]]:
-    """Header of a dataset and all its faults; the header is None if a fault is fatal. Unit and
-    spacing (dy, dx) [m] are those of a file that states none."""
+    """Header of a dataset and all its faults; the header is None if a fault is fatal.
+
+    Parameters
+    ----------
+    dataset
+        The heights.
+    unit
+        Unit of the heights where the file states none.
+    spacing
+        Pixel size (dy, dx) [m] where the file states none.
+    """
     faults = list(array_faults(dataset))
     if not any(fault.fatal for fault in faults):
         faults += _storage_faults(dataset, f"dataset {dataset.name}")

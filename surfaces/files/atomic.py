@@ -17,8 +17,11 @@ __all__ = ["make_folder", "replacing", "require_replaceable"]
 def require_replaceable(path: str | os.PathLike[str]) -> Path:
     """Where a file of this name is written: links are followed.
 
-    Raises `InputError` if the name cannot be one, or stands for what a file must not replace: a
-    folder, a device, a pipe.
+    Raises
+    ------
+    InputError
+        If the name cannot be one, or stands for what a file must not replace: a folder, a device,
+        a pipe.
     """
     target = Path(os.path.realpath(path))  # which does not mind links in a circle
     try:
@@ -36,7 +39,10 @@ def require_replaceable(path: str | os.PathLike[str]) -> Path:
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Temporary file beside `path` that takes its place when the block ends without an error.
 
-    Raises `InputError` if either cannot be written; what stood at `path` is then untouched.
+    Raises
+    ------
+    InputError
+        If either cannot be written; what stood at `path` is then untouched.
     """
     target = require_replaceable(path)
     part = target.with_name(f".{zlib.crc32(os.fsencode(target.name)):x}.{os.getpid()}.part")
@@ -53,8 +59,13 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def make_folder(folder: str | os.PathLike[str]) -> None:
-    """Make a folder for results, with those around it, where it does not exist; raises `InputError`
-    if it cannot be made."""
+    """Make a folder for results, with those around it, where it does not exist.
+
+    Raises
+    ------
+    InputError
+        If it cannot be made.
+    """
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
     except OSError as error:

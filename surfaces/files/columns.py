@@ -14,9 +14,15 @@ _OFF = 0.1
 
 
 def gridded(table: Array) -> tuple[Array, tuple[float, float]] | None:
-    """Heights (ny, nx) and pixel size (dy, dx) of a table of points, shape (n, 3), with the columns
-    x, y, z in one unit of length; None if it is no such list.
+    """Heights (ny, nx) and pixel size (dy, dx) of a table of points; None if it is no such list.
 
+    Parameters
+    ----------
+    table
+        Columns x, y, z, shape (n, 3), in one unit of length.
+
+    Notes
+    -----
     The first two columns run over the lines of an even grid, give or take a tenth of a pixel, and
     hold each point at most once and at least half of all. The others are missing. The lowest y is
     the first row of the map.

@@ -47,11 +47,23 @@ def read_instrument(
     spacing: ArrayLike | None,
     hint: str = "",
 ) -> HeightMap:
-    """Read one channel of an instrument's file, by its name, or its number as text; the default one
-    if None.
+    """Read one channel of an instrument's file.
 
-    `hint` is what keeps the file from being read as text, told if it is of no known format. Raises
-    `FileFormatError` if the extra is missing or broken, or the file cannot be read with it.
+    Parameters
+    ----------
+    path
+        The file.
+    dataset
+        Name of the channel, or its number as text; the default channel if None.
+    unit, spacing
+        Unit of the heights and pixel size (dy, dx) [m] where the file states none.
+    hint
+        What keeps the file from being read as text, told if it is of no known format.
+
+    Raises
+    ------
+    FileFormatError
+        If the extra is missing or broken, or the file cannot be read with it.
     """
     library = _library(path, hint)
     try:

@@ -22,10 +22,17 @@ def read_picture(
 ) -> HeightMap:
     """Heights from a grey picture; the first row of the picture is the first row of the map.
 
-    PNG of 8 or 16 bits, or TIFF of whole or floating-point numbers, NaN where missing; the unit is
-    the height of one grey level, such as 2.5nm, which a picture never states. What is no grey
-    picture of one page may still be a format of an instrument, with `dataset` the name of a
-    channel.
+    Parameters
+    ----------
+    path
+        PNG of 8 or 16 bits, or TIFF of whole or floating-point numbers, NaN where missing. What is
+        no grey picture of one page may still be a format of an instrument.
+    dataset
+        Name of a channel of an instrument's file.
+    unit
+        Height of one grey level, such as 2.5nm; a picture never states it.
+    spacing
+        Pixel size (dy, dx) [m].
     """
     grey = _only_page(str(path))
     if grey is None or grey.ndim != 2:

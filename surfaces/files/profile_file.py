@@ -24,12 +24,20 @@ def read_profile(
     unit: str | None = None,
     spacing: ArrayLike | None = None,
 ) -> PolarProfile:
-    """Read a profile file, HDF5 with ``r`` [m] (n_r,), ``phi`` [rad] (n_phi,) and ``f`` [m] (n_r,
-    n_phi), or the highest peak of any file that `surfaces.read` takes.
+    """Read a profile file, or the highest peak of a height-map file.
 
-    A file for which dataset, unit or spacing is given is one of heights; a map that is not periodic
-    loses its tilt first. Raises `FileFormatError` if the file cannot be read or lacks one of the
-    three datasets.
+    Parameters
+    ----------
+    path
+        HDF5 file with ``r`` [m] (n_r,), ``phi`` [rad] (n_phi,) and ``f`` [m] (n_r, n_phi), or any
+        surface file that `surfaces.read` takes; a map that is not periodic loses its tilt first.
+    dataset, unit, spacing
+        As in `surfaces.read`; a file for which one of them is given is a surface file.
+
+    Raises
+    ------
+    FileFormatError
+        If the file cannot be read or lacks one of the three datasets.
     """
     import h5py
 

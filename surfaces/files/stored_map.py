@@ -64,7 +64,10 @@ class StoredMap(HeightMap):
     ) -> StoredMap:
         """The map of some blocks of whole rows, each with the number of its first row.
 
-        Raises `SurfaceError` if there is no room on disk, or the heights are none of a map.
+        Raises
+        ------
+        SurfaceError
+            If there is no room on disk, or the heights are none of a map.
         """
         source = StoredArray(shape, dtype)
         low, high = np.nan, np.nan

@@ -27,8 +27,10 @@ def read_zarr(
 ) -> tuple[Any, Header | None, list[Fault]]:
     """The array, its header, which is None if a fault is fatal, and all its faults.
 
-    Raises `FileFormatError` if the library is missing, or what it opens is damaged or holds no such
-    array.
+    Raises
+    ------
+    FileFormatError
+        If the library is missing, or what it opens is damaged or holds no such array.
     """
     try:
         import zarr

@@ -136,8 +136,17 @@ def _left_in_container() -> int:
 
 
 def require_memory(needed: int, what: str, remedy: str) -> None:
-    """Refuse in one sentence a step that would not fit, by the bytes that it holds at its peak;
-    `what` is the subject of the sentence, `remedy` what to do instead."""
+    """Refuse in one sentence what would not fit.
+
+    Parameters
+    ----------
+    needed
+        Bytes that the step will hold at its peak.
+    what
+        Subject of the sentence.
+    remedy
+        What to do instead.
+    """
     free = available_bytes()
     if needed > free:
         raise SurfaceError(
@@ -149,8 +158,12 @@ def require_memory(needed: int, what: str, remedy: str) -> None:
 def room_for(least: int, what: str) -> int:
     """Bytes for the arrays of a map in sections, within the limit of `set_memory`; 2 GiB if none.
 
-    Less than the `least`, without which there is no section, is refused; `what` is the subject of
-    the sentence.
+    Parameters
+    ----------
+    least
+        Bytes of arrays without which there is no section.
+    what
+        Subject of the sentence that refuses less.
     """
     bound = _USUAL if _limit is None else _limit
     if bound - _PROGRAM < least:
@@ -208,13 +221,27 @@ def along_both(
     tallest: int = 0,
 ) -> Source:
     """An array changed along its rows, then along its columns, then along its rows again; on disk
-    if another is (`like`), and then by sections of columns.
+    if another is, and then by sections of columns.
 
-    `blocks` are blocks of whole rows, each with the number of its first row, and `shapes` the rows
-    and columns after each of the three changes: `rows` and `back` change whole rows, `columns`
-    whole columns, those of the slice. `tallest` are the elements of a column while it is changed,
-    if more than before and after. Raises `InputError` or `SurfaceError` if memory or disk have no
-    room.
+    Parameters
+    ----------
+    blocks
+        Blocks of whole rows, each with the number of its first row.
+    shapes
+        Rows and columns after each of the three changes.
+    like
+        The other array.
+    rows, back
+        Change whole rows.
+    columns
+        Changes whole columns, those of the slice.
+    tallest
+        Elements of a column while it is changed, if more than before and after.
+
+    Raises
+    ------
+    InputError, SurfaceError
+        If memory or disk have no room.
     """
     (count, width), (made, _), _ = shapes
     if isinstance(like, np.ndarray):

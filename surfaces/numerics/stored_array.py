@@ -48,12 +48,26 @@ Span = tuple[int, int]
 
 
 class StoredArray:
-    """An array (rows, columns) in a file of its own, in a folder or that of temporary files, which
-    goes when nothing refers to it; its numbers may be of another type as they are read.
+    """An array (rows, columns) in a file of its own, which goes when nothing refers to it.
 
     Reads parts as numpy does for the indices ``[rows]`` and ``[rows, columns]``, each a number, a
-    slice or an array of whole numbers; an array of both reads points. Raises `SurfaceError` if
-    there is no room for the file.
+    slice or an array of whole numbers; an array of both reads points.
+
+    Parameters
+    ----------
+    shape
+        Rows and columns.
+    dtype
+        Type of the numbers in the file.
+    read_as
+        Type of the numbers as they are read.
+    folder
+        Folder of the file; that of temporary files if None.
+
+    Raises
+    ------
+    SurfaceError
+        If there is no room for the file.
     """
 
     ndim = 2
@@ -258,11 +272,28 @@ def array_of(blocks: Blocks, shape: tuple[int, int], like: Source) -> Source:
 
 
 class Sections:
-    """An array (ny, nx) on disk that is written and read in parts of rows of sections of columns,
-    of a width but for the last one.
+    """An array (ny, nx) on disk that is written and read in parts of rows of sections of columns.
 
-    `columns` are the first and one-past-last column of each section. The file is in a folder, or
-    that of temporary files; raises `SurfaceError` if there is no room for it.
+    Parameters
+    ----------
+    shape
+        Rows and columns.
+    width
+        Columns of a section; the last one may have fewer.
+    dtype
+        Type of the numbers.
+    folder
+        Folder of the file; that of temporary files if None.
+
+    Attributes
+    ----------
+    columns
+        First and one-past-last column of each section.
+
+    Raises
+    ------
+    SurfaceError
+        If there is no room for the file.
     """
 
     def __init__(

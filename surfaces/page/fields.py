@@ -78,8 +78,19 @@ def map_figure(
     along: Any = None,
     origin: tuple[float, float] = (0.0, 0.0),
 ) -> Any:
-    """Fields of one shape in true proportions, the lowest first, over a map of lengths (Ly, Lx) [m]
-    whose lower left corner is at (y, x) [m]; it moves along with another map, if one is given."""
+    """Fields in true proportions, one over the other.
+
+    Parameters
+    ----------
+    layers
+        Fields of one shape, the lowest first.
+    size
+        Lengths (Ly, Lx) [m] of the map.
+    along
+        Another map that is to move along.
+    origin
+        Place (y, x) of the lower left corner [m].
+    """
     factor, unit = suited(max(size), "m")
     (height, width), (bottom, left) = (np.divide(pair, factor) for pair in (size, origin))
     if along is None:

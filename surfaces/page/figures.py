@@ -25,10 +25,18 @@ NO_PRINT = "@media print { :host { display: none; } }"
 
 @dataclass(frozen=True)
 class Figure:
-    """A Bokeh model on a page, with a title that also names its CSV file, and a note for its
-    reader.
+    """A figure on a page.
 
-    `keys` are colors and what they mean, where neither a legend nor a bar of colors says it.
+    Attributes
+    ----------
+    plot
+        The Bokeh model.
+    title
+        What it shows; also the name of its CSV file.
+    note
+        What to know when reading it.
+    keys
+        Colors and what they mean, where neither a legend nor a bar of colors says it.
     """
 
     plot: Any

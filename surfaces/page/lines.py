@@ -61,10 +61,17 @@ class Line:
 
 
 def line_figure(lines: Sequence[Line], x: str, y: str, *, linear: str = "") -> Any:
-    """Lines over the common columns `x` and `y`; points that lack either number are left out.
+    """Lines over a common column.
 
-    Axes ("x", "y") in `linear` stay linear however far the values reach; others are logarithmic
-    from a decade on.
+    Parameters
+    ----------
+    lines
+        What to draw; points that lack either number are left out.
+    x, y
+        Names of the columns on the axes.
+    linear
+        Axes ("x", "y") that stay linear however far the values reach; others are logarithmic from
+        a decade on.
     """
     kinds: dict[str, Any] = {
         name: "linear" if name in linear else _axis_kind(lines, column)

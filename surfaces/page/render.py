@@ -26,12 +26,24 @@ def write_html(
     rooms: Sequence[str] = (),
     **content: Any,
 ) -> None:
-    """Fill a template, which extends ``page.html.j2``, and write it; the file is replaced at once
-    when it is complete.
+    """Fill a template and write it; the file is replaced at once when it is complete.
 
-    `figures` are all that the template places, `rooms` packages besides this one that hold
-    templates, and `content` the names that the template knows; all text is escaped. Bokeh
-    compresses the arrays of the figures, so that maps fit.
+    Parameters
+    ----------
+    path
+        File to write.
+    template
+        Name of the template, which extends ``page.html.j2``.
+    figures
+        All figures that the template places.
+    rooms
+        Packages besides this one that hold templates.
+    content
+        Names that the template knows; all text is escaped.
+
+    Notes
+    -----
+    Bokeh compresses the arrays of the figures, so that maps fit.
     """
     environment = jinja2.Environment(
         loader=jinja2.ChoiceLoader(

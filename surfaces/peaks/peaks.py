@@ -174,8 +174,22 @@ def expected_peaks(hm: HeightMap, above: float = -np.inf) -> int:
 
 
 def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Peaks with a flat top, of which a highest point has eight neighbors of its height, (k,), and
-    row and column of such a point that is nearest to the mean of them, (k, 2)."""
+    """Peaks with a flat top and its middle.
+
+    Parameters
+    ----------
+    hm
+        Height map.
+    peaks
+        Its peaks.
+
+    Returns
+    -------
+    rows
+        Peaks of which a highest point has eight neighbors of its height, (k,).
+    middle
+        Row and column of such a point that is nearest to the mean of them, (k, 2).
+    """
     heights, shape = hm.source, np.array(hm.shape)
     tops = np.stack((peaks.row, peaks.col), axis=1)
     around = np.array([[0, 0], [0, 1], [0, -1], [1, 0], [-1, 0]])[:, None]

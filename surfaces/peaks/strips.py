@@ -30,10 +30,20 @@ PEAK_BYTES = 400
 class Flooded(NamedTuple):
     """Peaks of a map, in descending height, before any is pruned.
 
-    Their pixels (n,) and heights [m] (n,); the peak whose basin holds each pixel (ny, nx), in
-    memory or on disk, -1 where not flooded; the pixels of each basin (n,); touching pairs as
-    ``first * n + second``, some several times, and their passes [m]; and the lowest height flooded
-    [m].
+    Attributes
+    ----------
+    summit
+        Their pixels, shape (n,).
+    height
+        Heights of these [m], shape (n,).
+    labels
+        Peak whose basin holds each pixel, shape (ny, nx), in memory or on disk; -1: not flooded.
+    counts
+        Pixels of each basin, shape (n,).
+    keys, passes
+        Touching pairs as ``first * n + second``, some several times, and their passes [m].
+    lowest
+        Lowest height flooded [m].
     """
 
     summit: Pixels
@@ -46,12 +56,23 @@ class Flooded(NamedTuple):
 
 
 class _Strip(NamedTuple):
-    """What is kept of a strip of rows: pixels in the map and heights [m] of its peaks; the label of
-    each of its pixels (rows, nx), and pixels of each label; the labels on both sides of each pass
-    (k, 2), and its height [m]; and the lowest height flooded [m].
+    """What is kept of a strip of rows.
 
     Its labels are its peaks, in the order of their pixels, then the pixels of the row above it and
     of the row below it, where ways end that lead out of the strip.
+
+    Attributes
+    ----------
+    summit, height
+        Pixels in the map, and heights [m], of its peaks.
+    labels
+        Label of each of its pixels, shape (rows, nx).
+    counts
+        Pixels of each label.
+    pairs, passes
+        Labels on both sides of each pass, shape (k, 2), and its height [m].
+    lowest
+        Lowest height flooded [m].
     """
 
     summit: Pixels
@@ -64,12 +85,21 @@ class _Strip(NamedTuple):
 
 
 def flood_strips(hm: HeightMap, above: float) -> Flooded | None:
-    """Peaks, basins and passes of a map on disk without missing points, in strips of whole rows
-    with a halo on both sides; only pixels at or above a height [m] are flooded.
+    """Peaks, basins and passes of a map, in strips of whole rows with a halo on both sides.
 
-    None if a plateau is as long as the map: then no strip tells where it leads. Raises
-    `SurfaceError` if the peaks, or a strip with the plateaus that cross its borders, do not fit
-    into memory.
+    None if a plateau is as long as the map: then no strip tells where it leads.
+
+    Parameters
+    ----------
+    hm
+        A map on disk without missing points.
+    above
+        Flood only pixels at or above this height [m].
+
+    Raises
+    ------
+    SurfaceError
+        If the peaks, or a strip with the plateaus that cross its borders, do not fit into memory.
     """
     ny, nx = hm.shape
     step = max(1, BLOCK_BYTES // (8 * nx))

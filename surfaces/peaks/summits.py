@@ -52,12 +52,21 @@ class Summits(SummitArrays):
         return replace(self, owner=owner, floor=floor, pixels=pixels, border=border, valid=valid)
 
     def tilted(self, index: NDArray[np.int64], gradient: Array, dip: Array) -> Summits:
-        """Summits of which the surface about those of the rows `index`, shape (k,), is tilted.
+        """Summits of which the surface about those of the rows `index` is tilted.
 
-        It falls along y and x by a gradient [-], shape (k, 2), and f may fall by `dip` [m], shape
-        (k,), along a ray before it ends. A summit stands where the tilted surface is highest, the
-        next one uphill in its basin; `height` is still that of the surface itself. It is `valid` if
-        there is such a place.
+        Parameters
+        ----------
+        index
+            Rows of the summits, shape (k,).
+        gradient
+            By how much the surface falls along y and x [-], shape (k, 2).
+        dip
+            How far f may fall along a ray before it ends [m], shape (k,).
+
+        Notes
+        -----
+        A summit stands where the tilted surface is highest, the next one uphill in its basin;
+        `height` is still that of the surface itself. It is `valid` if there is such a place.
         """
         hm, peaks = self.hm, self.peaks
         names = "x", "y", "height", "curvature", "angle", "valid", "places", "kinds", "tilt", "dip"
@@ -88,10 +97,21 @@ class Summits(SummitArrays):
         return _near(self.peaks.row[index], self.peaks.col[index])
 
     def rows(self, index: NDArray[np.int64], *, rays: int = 16, nodes: int = 17) -> Profiles:
-        """Profiles of the peaks `index`, shape (k,), in that order; `owner` keeps the numbers of
-        all peaks.
+        """Profiles of the peaks `index`, in that order; `owner` keeps the numbers of all peaks.
 
-        Raises `InputError` if there are fewer than 4 rays per peak, or nodes per ray.
+        Parameters
+        ----------
+        index
+            Rows of the peaks, shape (k,).
+        rays
+            Directions per peak, at least 4.
+        nodes
+            Radial nodes per ray, at least 4.
+
+        Raises
+        ------
+        InputError
+            If there are too few rays or nodes.
         """
         if as_number("rays", rays) < 4 or as_number("nodes", nodes) < 4:
             raise InputError(f"rays is {rays} and nodes is {nodes}; give at least 4 of each")
@@ -105,10 +125,19 @@ class Summits(SummitArrays):
 
 
 def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
-    """Climb from the peaks of a map, as `segment` finds them, to the maxima of the surface through
-    its points.
+    """Climb from the peaks of a map to the maxima of the surface through its points.
 
-    Raises `SurfaceError` if the peaks belong to a map of another shape, or the map is constant.
+    Parameters
+    ----------
+    hm
+        The map that was segmented.
+    peaks
+        Its peaks, from `segment`.
+
+    Raises
+    ------
+    SurfaceError
+        If the peaks belong to a map of another shape, or the map is constant.
     """
     require_map(hm)
     if not isinstance(peaks, Peaks):

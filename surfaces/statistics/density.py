@@ -31,9 +31,16 @@ _WORK = 120
 class Density:
     """Spectral density of the half of the waves with qx >= 0, in the order of the transform.
 
-    Of a map in memory `whole` holds the density [m^4], shape (ny, nx // 2 + 1), and of one on disk
-    `rows` the transforms of its rows; the `source` is the map, less its plane if it is windowed
-    (`hann`).
+    Attributes
+    ----------
+    source
+        The map, less its plane if it is windowed.
+    hann
+        Whether it is windowed.
+    whole
+        Density [m^4] of a map in memory, shape (ny, nx // 2 + 1).
+    rows
+        Transforms of the rows of a map on disk.
     """
 
     source: HeightMap
@@ -84,11 +91,19 @@ def wave_numbers(waves: Density, columns: slice) -> tuple[Array, Array]:
 
 
 def density_of(hm: HeightMap) -> Density:
-    """Density of a map without missing points, less its mean; windowed, less its plane, if it is
-    not periodic.
+    """Density of a map, less its mean; windowed, less its plane, if it is not periodic.
 
-    Raises `SurfaceError` if points are missing, or the disk has no room for a map on disk, and
-    `InputError` if the memory is too little.
+    Parameters
+    ----------
+    hm
+        The map, without missing points.
+
+    Raises
+    ------
+    SurfaceError
+        If points are missing, or the disk has no room for a map on disk.
+    InputError
+        If the memory is too little.
     """
     require_map(hm)
     require_full(hm, "a power spectrum")

@@ -21,9 +21,15 @@ _BLOCK = 200_000  # points
 
 
 def differences(hm: HeightMap) -> dict[str, float]:
-    """Sdq, rms gradient [-], Sdr, additional area [-], and ``curvature``, rms mean curvature [1/m];
-    differences that meet a missing point are left out.
+    """Sdq, rms gradient [-], Sdr, additional area [-], and ``curvature``, rms mean curvature [1/m].
 
+    Parameters
+    ----------
+    hm
+        The map; differences that meet a missing point are left out.
+
+    Notes
+    -----
     Forward differences, and (h_xx + h_yy) / 2 of second central differences; around the seam only
     for a periodic map. Both fall below the spectral values where waves of a few pixels count. The
     additional area is that of the triangulated surface over its projection.

@@ -17,7 +17,13 @@ __all__ = ["height_parameters", "some_roughness"]
 
 
 def some_roughness(hm: HeightMap) -> Roughness:
-    """Mean and extremes of a map; raises `SurfaceError` if it is constant."""
+    """Mean and extremes of a map that is not constant.
+
+    Raises
+    ------
+    SurfaceError
+        If the map is constant.
+    """
     found = hm.roughness
     if found.lowest == found.highest:
         raise SurfaceError("the map is constant; it has no roughness")

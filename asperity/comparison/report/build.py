@@ -52,8 +52,20 @@ class Part:
 
 
 def write_report(path: str | os.PathLike[str], samples: Sequence[Sample]) -> None:
-    """Write the report of at least one sample as one HTML file that needs nothing else; several are
-    overlaid, with a table of a column each."""
+    """Write the report as one HTML file that needs nothing else.
+
+    Parameters
+    ----------
+    path
+        File to write; replaced at once when it is complete.
+    samples
+        At least one; several are overlaid, with a table of a column each.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
     samples = named_apart(samples)
     several = len(samples) > 1
     colors = sample_colors(len(samples))

@@ -76,7 +76,10 @@ class Sample:
 def read_sample(path: str | os.PathLike[str]) -> Sample:
     """The sample of a results file of any command.
 
-    Raises `FileFormatError` or `InputError` if the file cannot be read, or holds no curve.
+    Raises
+    ------
+    FileFormatError, InputError
+        If the file cannot be read, or holds no curve.
     """
     held = read_results(path)
     stem = Path(path).stem
