@@ -13,6 +13,7 @@ from .heightmap import HeightMap
 from .numerics.stored_array import Source, windows
 
 __all__ = [
+    "fine_waves_random",
     "fineness",
     "lay",
     "random_map",
@@ -220,6 +221,17 @@ def lay(hm: HeightMap) -> float:
     return float(np.sqrt((middle + apart) / (middle - apart))) if middle > apart else np.inf
 
 
+def fine_waves_random(hm: HeightMap, allowed: float) -> bool:
+    """Whether the finest waves of a map are random: not with spikes, steps, worn plateaus, borders
+    that fade, tops of one height.
+
+    Notes
+    -----
+    Second differences of random waves have a kurtosis of 3, within what is `allowed`.
+    """
+    return all(abs(kurtosis - 3.0) <= allowed for kurtosis in hm.roughness.kurtosis)
+
+
 def random_map(hm: HeightMap, allowed: float) -> bool:
     """Whether the waves of a map of every length are random: few loads and parts tell of all then.
 
@@ -237,7 +249,7 @@ def random_map(hm: HeightMap, allowed: float) -> bool:
     2, 4, ... pixels. Its standard error is sqrt(24 / n) of n independent values, of which there are
     about as many as differences change sign, along the lines and across.
     """
-    return all(abs(kurtosis - 3.0) <= allowed for kurtosis in hm.roughness.kurtosis) and all(
+    return fine_waves_random(hm, allowed) and all(
         abs(kurtosis - 3.0) <= allowed + ERRORS * math.sqrt(24.0 / count)
         for axis in (0, 1)
         for kurtosis, count in _kurtosis(hm.source, axis, hm.periodic)

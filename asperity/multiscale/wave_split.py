@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 from asperity.errors import ModelRangeError
 from asperity.halfspace.footprint import Footprints
 from asperity.parameters import DEFAULTS, Parameters
-from asperity.parameters.constants import PixelWaves
-from surfaces.checks import fineness
+from surfaces.checks import fine_waves_random, fineness
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import blocks, run
 from surfaces.peaks.peaks import flat_share
@@ -35,7 +34,7 @@ from .sub_contact_law import SubContactLaw
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
 
-__all__ = ["Split", "chosen_split", "random_waves", "refined_map", "solved_grid", "split_scales"]
+__all__ = ["Split", "chosen_split", "refined_map", "solved_grid", "split_scales"]
 
 
 Array = NDArray[np.float64]
@@ -48,17 +47,6 @@ SURELY = 0.9
 it is not reached."""
 
 NARROW = "scales: all, the spectrum is narrow enough for a contact at each summit"
-
-
-def random_waves(hm: HeightMap, waves: PixelWaves = DEFAULTS.pixel_waves) -> bool:
-    """Whether the finest waves of a map are random: not with spikes, steps, worn plateaus, borders
-    that fade, tops of one height.
-
-    Notes
-    -----
-    Random waves are known by the kurtosis of their second differences.
-    """
-    return all(abs(value - 3.0) <= waves.kurtosis for value in hm.roughness.kurtosis)
 
 
 def refined_map(hm: HeightMap, parameters: Parameters = DEFAULTS) -> HeightMap | str | None:
@@ -156,7 +144,7 @@ def split_scales(
     broad = bounds.worth * bounds.breadth
     if fineness(hm) < near_pixel.to_the_pixel and _breadth(hm) < SURELY * broad:
         return NARROW
-    if not random_waves(hm, near_pixel):
+    if not fine_waves_random(hm, near_pixel.kurtosis):
         return "scales: all, the finest waves are not random, so that no law holds for all of them"
     if _lay(hm) > bounds.lay:
         return "scales: all, the waves have a lay, for which there is no law"

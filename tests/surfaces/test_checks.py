@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surfaces
-from surfaces.checks import random_map
+from surfaces.checks import fine_waves_random, random_map
 
 SHAPE, ALLOWED = (512, 480), 0.25
 
@@ -26,11 +26,6 @@ def on(shape: np.ndarray, noise: float, *, periodic: bool = True) -> surfaces.He
     )
 
 
-def finest_are(hm: surfaces.HeightMap) -> bool:
-    """Whether the differences of neighbors are those of random waves."""
-    return bool(np.abs(np.subtract(hm.roughness.kurtosis, 3.0)).max() < ALLOWED)
-
-
 @pytest.mark.parametrize("seed", [1, 2, 3])
 @pytest.mark.parametrize(
     "recipe",
@@ -48,14 +43,14 @@ def test_a_lattice_under_fine_noise_is_not(count, periodic):
     y, x = (np.arange(n) / n for n in SHAPE)
     lattice = np.cos(2 * np.pi * count[0] * y)[:, None] * np.cos(2 * np.pi * count[1] * x)
     hm = on(lattice, 0.05, periodic=periodic)
-    assert finest_are(hm) and not random_map(hm, ALLOWED)
+    assert fine_waves_random(hm, ALLOWED) and not random_map(hm, ALLOWED)
 
 
 def test_hills_of_few_heights_under_fine_noise_are_not():
     long = waves(3, rolloff=80.0, cutoff=30.0)
     hills = np.exp(1.2 * long.heights / long.rms_height)
     hm = on(hills, 0.1)
-    assert finest_are(hm) and not random_map(hm, ALLOWED)
+    assert fine_waves_random(hm, ALLOWED) and not random_map(hm, ALLOWED)
 
 
 def test_neither_units_nor_turns_matter():
@@ -65,3 +60,23 @@ def test_neither_units_nor_turns_matter():
         known = random_map(hm, ALLOWED)
         for heights in (1e-9 * hm.heights, -hm.heights, hm.heights.T, hm.heights[:, ::-1]):
             assert random_map(hm.replace(heights=heights), ALLOWED) == known
+
+
+def test_random_waves_have_a_kurtosis_of_three():
+    hm = waves(2, rolloff=80.0)
+    assert hm.roughness.kurtosis == pytest.approx((3.0, 3.0), abs=0.2)
+    assert hm.replace(periodic=False).roughness.kurtosis == pytest.approx((3.0, 3.0), abs=0.2)
+    assert fine_waves_random(hm, ALLOWED)
+    steps = np.round(waves(2, rolloff=40.0, cutoff=8.0).heights / 0.5)
+    assert not fine_waves_random(surfaces.HeightMap(steps, hm.spacing, periodic=True), ALLOWED)
+    spikes = hm.heights.copy()
+    spikes[::40, ::40] += 4 * hm.rms_height
+    assert not fine_waves_random(hm.replace(heights=spikes), ALLOWED)
+    assert not fine_waves_random(
+        surfaces.prepare(hm.replace(heights=spikes), periodic="taper"), ALLOWED
+    )
+    assert not fine_waves_random(hm.replace(heights=np.minimum(hm.heights, 0.0)), ALLOWED)  # worn
+    ridges = surfaces.HeightMap(
+        np.tile(np.sin(np.arange(40.0)), (30, 1)), (1.0, 1.0), periodic=True
+    )
+    assert ridges.roughness.kurtosis[0] == np.inf

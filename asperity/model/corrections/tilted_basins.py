@@ -4,6 +4,7 @@ the tilted basin under their force.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -67,8 +68,13 @@ def correct(
     beyond = (flags & np.uint8(Flag.BEYOND_RADIUS)) > 0
     closed = closed[beyond]
     shift = _shifts(population, state, closed, punch[beyond])
+
+    def changes(own: Rows, shift: Array) -> Array:
+        found = _areas(population, summits, state, own, shift, fitted)
+        return np.asarray(found - area[own])
+
     if yielded:
-        return _yielding(population, summits, state, closed, shift, fitted)
+        return _yielding(state, closed, shift, changes, fitted)
     weight = _rise(shift, fitted.shift)
     tilted = weight * area[closed]
     share = tilted.sum() / state.contact_area
@@ -78,36 +84,33 @@ def correct(
     held = np.cumsum(tilted[order])
     most = order[: np.searchsorted(held, fitted.most * held[-1]) + 1]
     own = closed[most]
-    found = _areas(population, summits, state, own, shift[most], fitted)
-    changed = _rise(share, fitted.share) * weight[most] * (found - area[own])
+    changed = _rise(share, fitted.share) * weight[most] * changes(own, shift[most])
     return _changed(state, own, changed)
 
 
 def _yielding(
-    population: Population,
-    summits: Summits,
     state: PopulationState,
     own: Rows,
     shift: Array,
+    changes: Callable[[Rows, Array], Array],
     fitted: TiltedBasins,
 ) -> PopulationState:
     """State of which those of the contacts `own` that have a large area are pressed under the
     hardness, the largest first, those on tilted basins as if twice as large, until their laws are
-    confirmed: these stay."""
+    confirmed: these stay. By how much the areas of some change is told by `changes`."""
     area = state.listed[3]
     large = area[own] > fitted.pressed * state.contact_area
     own, shift = own[large], shift[large]
     order = np.argsort(-area[own] * (1.0 + _rise(shift, fitted.shift)), kind="stable")
     own, shift = own[order], shift[order]
-    first, last, changes = 0, fitted.probe, []
+    first, last, changed = 0, fitted.probe, np.empty(0)
     while first < len(own):
         some = own[first:last]
-        change = _areas(population, summits, state, some, shift[first:last], fitted) - area[some]
+        change = changes(some, shift[first:last])
         if abs(change.sum()) <= fitted.confirmed * area[some].sum():
             break
-        changes.append(change)
+        changed = np.append(changed, change)
         first, last = last, 2 * last
-    changed = np.concatenate(changes) if changes else np.empty(0)
     return _changed(state, own[: len(changed)], changed)
 
 

@@ -14,7 +14,7 @@ from asperity.errors import InputError
 from asperity.halfspace.influence import compliance
 from asperity.halfspace.scene import pressure_scale
 from asperity.model.plan import make_plan
-from asperity.multiscale.wave_split import random_waves, refined_map, split_scales
+from asperity.multiscale.wave_split import refined_map, split_scales
 from asperity.parameters import DEFAULTS
 from asperity.parameters.constants import PixelWaves
 from surfaces import HeightMap, self_affine
@@ -38,24 +38,6 @@ def test_share_of_the_slope_lost_over_two_pixels(ny, nx):
     lost = np.sin([ky / 2, kx / 2]) ** 2
     steep = lost / np.square(hm.spacing)
     assert fineness(hm) == pytest.approx(lost @ steep / steep.sum(), rel=0.08)
-
-
-def test_random_waves_have_a_kurtosis_of_three():
-    hm = wavy((320, 360))
-    assert hm.roughness.kurtosis == pytest.approx((3.0, 3.0), abs=0.2)
-    assert dataclasses.replace(hm, periodic=False).roughness.kurtosis == pytest.approx(
-        (3.0, 3.0), abs=0.2
-    )
-    assert random_waves(hm)
-    steps = np.round(wavy(cutoff=8.0).heights / 0.5)
-    assert not random_waves(HeightMap(steps, hm.spacing, periodic=True))
-    spikes = hm.heights.copy()
-    spikes[::40, ::40] += 4 * hm.rms_height
-    assert not random_waves(hm.replace(heights=spikes))
-    assert not random_waves(surfaces.prepare(hm.replace(heights=spikes), periodic="taper"))
-    assert not random_waves(hm.replace(heights=np.minimum(hm.heights, 0.0)))  # worn
-    ridges = HeightMap(np.tile(np.sin(np.arange(40.0)), (30, 1)), (1.0, 1.0), periodic=True)
-    assert ridges.roughness.kurtosis[0] == np.inf
 
 
 def test_the_finer_grid_holds_the_same_waves():
