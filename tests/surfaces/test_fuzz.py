@@ -19,7 +19,7 @@ SCRIPT = Path(__file__).with_name("fuzz_hdf5.py")
 
 def test_mutated_files_read_correctly_or_raise_one_sentence() -> None:
     """ASPERITY_FUZZ sets the number of files; the bar is 5000."""
-    count = os.environ.get("ASPERITY_FUZZ", "210")
+    count = os.environ.get("ASPERITY_FUZZ", "120")
     done = subprocess.run(
         [sys.executable, SCRIPT, "--count", count, "--verbose"],
         env={**os.environ, "PYTHONPATH": str(ROOT)},

@@ -22,12 +22,12 @@ SHAPES = ["round", "curvatures 3:1", "steepening", "pyramid"]
 @pytest.mark.parametrize("law", LAWS)
 def test_every_law(law):
     """The round paraboloid, by approach and by load."""
-    one = asperity.indent(BALL, HARD, np.array([-1.0, 0.0, 0.09, 0.2, 1.0]), law=law)
+    one = asperity.indent(BALL, HARD, np.array([-1.0, 0.09, 1.0]), law=law)
     exact = asperity.indent(BALL, HARD, one.approach, law="hertz")
     np.testing.assert_allclose(one.force, exact.force, rtol=1e-6)
     np.testing.assert_allclose(one.stiffness, exact.stiffness, rtol=1e-5)
-    np.testing.assert_array_equal(one.saturated[:3], 0)
-    assert np.all(np.diff(one.force[1:]) > 0) and np.all(np.diff(one.saturated[2:]) > 0)
+    np.testing.assert_array_equal(one.saturated[:2], 0)
+    assert np.all(np.diff(one.force[1:]) > 0) and np.all(np.diff(one.saturated[1:]) > 0)
     back = asperity.indent(BALL, HARD, load=one.force[2:], law=law)
     np.testing.assert_allclose(back.approach, one.approach[2:], rtol=1e-9)
     start = np.pi * 0.2 / 2
