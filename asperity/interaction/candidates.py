@@ -59,6 +59,11 @@ LEAPING = 0.02
 their new places."""
 
 
+BACK = 0.5
+"""Share of its way that a point is moved where it was moved the other way before: contacts on one
+ridge can pass their load, and with it their centres, back and forth."""
+
+
 @dataclass(frozen=True, eq=False)
 class CandidateList:
     """Summits that may touch, in the order of their interaction.
@@ -75,6 +80,8 @@ class CandidateList:
         Places x, y [m] of all contacts less those of their summits, shape (2, all).
     listed
         `offset` when the near pairs were listed.
+    moved
+        By how much the points were moved last [m], shape (2, all).
     """
 
     problem: Problem
@@ -82,6 +89,7 @@ class CandidateList:
     others: Rows
     offset: Array
     listed: Array
+    moved: Array
 
     @classmethod
     def of(
@@ -153,7 +161,14 @@ class CandidateList:
         others = np.ones(len(system), bool)
         others[index] = False
         left = system.by_height[others[system.by_height]]
-        return cls(problem=problem, index=index, others=left, offset=offset, listed=offset)
+        return cls(
+            problem=problem,
+            index=index,
+            others=left,
+            offset=offset,
+            listed=offset,
+            moved=np.zeros_like(offset),
+        )
 
     def lacks(
         self,
@@ -194,16 +209,20 @@ class CandidateList:
         if not self._strayed(system, *seen):
             return self
         closed, approach = rows[touches], values[0, touches]
-        offset, skin = self.offset.copy(), SKIN * plan.eta
-        reach = system.table.centre_at(closed, approach) - self.listed[:, closed]
+        listed, skin = self.listed[:, closed], SKIN * plan.eta
+        reach = system.table.centre_at(closed, approach) - listed
         far = (np.abs(reach) > skin).any(axis=0)
         if values[1, touches[far]].sum() > many * LEAPING * values[1].sum():
             return None
-        offset[:, closed] = self.listed[:, closed] + np.clip(reach, -skin, skin)
-        dx, dy = (offset - self.offset)[:, self.index]
+        change = np.zeros_like(self.offset)
+        change[:, closed] = listed + np.clip(reach, -skin, skin) - self.offset[:, closed]
+        if replace(self, offset=self.offset + change)._strayed(system, *seen):
+            return None
+        back = np.sum(change * self.moved, axis=0) < 0
+        change[:, back] *= BACK
+        dx, dy = change[:, self.index]
         problem = replace(self.problem, plan=plan.moved(dy, dx))
-        moved = replace(self, problem=problem, offset=offset)
-        return None if moved._strayed(system, *seen) else moved
+        return replace(self, problem=problem, offset=self.offset + change, moved=change)
 
     def _strayed(
         self,

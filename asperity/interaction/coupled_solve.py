@@ -36,7 +36,7 @@ NEW_LOAD = 1.05
 """Depth of the field allowed for at the next load, over that of the last: most loads lie too far
 apart for a list to last."""
 
-MAX_PLACED = 4
+MAX_PLACED = 8
 """Times that the lists are made anew at one separation: deeper, or about moved contacts."""
 
 BLIND = 0.1
