@@ -107,22 +107,21 @@ def solve_at(
             )
             start = better if math.isfinite(float(better.sum())) else start
         bound = max(tolerance, BLIND) if blind else tolerance
-        problem, solution = _solved(
-            last,
+        found = descend(
             listed.problem,
             separation,
-            load,
-            start=start,
-            values=values,
-            tolerances=(tolerance, bound),
-            rounding=good is None,
+            start,
+            tilt=values[2:4].T,
+            tolerance=bound,
+            load=load,
+            compliance=np.where(values[4] > 0, values[4], 1.0),
         )
+        solution = _ordered(last, found, tolerance)
         steps, products = steps + solution.steps, products + solution.products
-        if good is None and placed < MAX_PLACED and _unsettled(system, problem, solution):
-            listed, rounded = None, True
+        long = listed.problem.elongation is not None and _share(system, solution) <= CROWDED
+        if solution.reason and long and good is None and placed < MAX_PLACED:
+            listed, rounded = None, True  # long footprints, not the crowd, may be why
             continue
-        if not solution.reason:
-            listed = replace(listed, problem=problem)
         field, values, separation = listed.problem.plan.smooth, solution.values, solution.separation
         current = listed
         if solution.reason and good is not None:
@@ -194,48 +193,6 @@ def _along(index: Rows, rows: Rows, values: Array, count: int) -> Array:
     return known.take(index, axis=1)  # row by row, as loops are compiled for
 
 
-def _solved(
-    last: Continuation,
-    problem: Problem,
-    separation: float,
-    load: float | None,
-    *,
-    start: Array,
-    values: Array,
-    tolerances: tuple[float, float],
-    rounding: bool,
-) -> tuple[Problem, Solution]:
-    """Solution of a problem from approaches and the other `Point.values`.
-
-    It is refused if it is out of order. With `rounding`, if long footprints may have kept single
-    contacts from settling, these get round ones.
-
-    `tolerances` are those of the point and of this solve.
-    """
-    system, (tolerance, bound) = last.system, tolerances
-    compliance = np.where(values[4] > 0, values[4], 1.0)
-
-    def solved(problem: Problem) -> Solution:
-        found = descend(
-            problem,
-            separation,
-            start,
-            tilt=values[2:4].T,
-            tolerance=bound,
-            load=load,
-            compliance=compliance,
-        )
-        return _ordered(last, found, tolerance)
-
-    found = solved(problem)
-    if not (rounding and _unsettled(system, problem, found)) or found.unsettled is None:
-        return problem, found
-    problem = problem.rounded(found.unsettled)
-    again = solved(problem)
-    steps, products = found.steps + again.steps, found.products + again.products
-    return problem, replace(again, steps=steps, products=products)
-
-
 def descend(problem: Problem, separation: float, start: Array, **settings: Any) -> Solution:
     """Solution of `descent`, of which the arguments are; the laws that it lacks are made."""
     problem.laws.make(start > 0)
@@ -246,12 +203,6 @@ def descend(problem: Problem, separation: float, start: Array, **settings: Any) 
         except StopIteration as end:
             found: Solution = end.value
             return found
-
-
-def _unsettled(system: ContactSystem, problem: Problem, solution: Solution) -> bool:
-    """Whether long footprints, not the crowd, may be why a point did not come out."""
-    long = solution.reason and problem.elongation is not None
-    return bool(long and _share(system, solution) <= CROWDED)
 
 
 def _share(system: ContactSystem, solution: Solution) -> float:

@@ -77,12 +77,6 @@ class Elongation:
         yy, xx, xy = self.moments.T
         return np.asarray(0.5 * (yy + xx) + np.hypot(0.5 * (yy - xx), xy))
 
-    def rounded(self, some: NDArray[np.bool_]) -> Elongation:
-        """The elongation, with round footprints of `some` contacts, shape (n,)."""
-        still = np.array((1.0, 1.0, 0.0))
-        moments, radii = (np.where(some[:, None], still, v) for v in (self.moments, self.radii))
-        return Elongation(moments, radii)
-
     def rows(self, index: NDArray[np.int64]) -> Elongation:
         """Of the contacts `index` alone."""
         return Elongation(self.moments[index], self.radii[index])

@@ -57,8 +57,6 @@ class Solution:
         Minus the slope of the load over the separation [N/m]; None until `tangent` is asked for.
     linearized
         State whose tangent matrix holds here, as long as `slope` is not known.
-    unsettled
-        Contacts that have kept the point from settling, shape (n,); None if no single ones have.
     """
 
     separation: float
@@ -73,7 +71,6 @@ class Solution:
     shares: Array
     slope: float | None = None
     linearized: State | None = None
-    unsettled: NDArray[np.bool_] | None = None
 
     @functools.cached_property
     def load(self) -> float:

@@ -19,9 +19,9 @@ MAX_STEPS = 60
 MAX_LOADED_STEPS = 30
 """Newton steps under a load before its separation is searched for instead."""
 
-MAX_LONG_STEPS = 16
-"""Newton steps with elongated footprints before round ones are taken instead, first of the contacts
-that do not settle."""
+MAX_LONG_STEPS = 24
+"""Newton steps with elongated footprints before round ones are taken instead: long ones can overlap
+so far that their approximate sum has no solution, or several."""
 
 MAX_CUTS = 30
 NOISE = 1e-10
@@ -43,13 +43,6 @@ SHARES = (0.2, 1.0)
 
 SUFFICIENT = 1e-4
 """Share of the predicted fall of energy that a step must reach (Armijo)."""
-
-UNSETTLED = 0.1
-"""Force that the last change of its shift makes in a contact, over the largest of all, from which
-on it has not settled."""
-
-FAR = 0.1
-"""Residual above which it is no matter of single contacts."""
 
 ROUGH = 0.03
 """Residual above which the laws are taken anew within a step."""
@@ -216,7 +209,6 @@ def _newton_steps(
         reason=reason,
         shares=compliance,
         linearized=state,
-        unsettled=_unsettled_contacts(state, last) if reason and error <= FAR else None,
     )
 
 
@@ -237,12 +229,6 @@ def _relaxed(
         return share
     found = -share * float(np.sum(stiffness * last * change)) / whole
     return min(max(found, SHARES[0]), SHARES[1])
-
-
-def _unsettled_contacts(state: State, behind: Array) -> NDArray[np.bool_]:
-    """Contacts that make the most of the last change of the shifts."""
-    change: Array = state.laws.stiffness * np.abs(behind)
-    return np.asarray(change >= UNSETTLED * change.max(initial=0.0))
 
 
 def _forcing(residual: float, tolerance: float) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,13 +39,6 @@ class Problem:
     plan: Interaction
     contact_shift: bool = False
     elongation: Elongation | None = None
-
-    def rounded(self, some: NDArray[np.bool_]) -> Problem:
-        """The problem with round footprints of `some` contacts, shape (n,): long footprints can
-        overlap so far that their approximate sum has no solution."""
-        if self.elongation is None:
-            return self
-        return replace(self, elongation=self.elongation.rounded(some))
 
     @property
     def form(self) -> NDArray[np.float64]:

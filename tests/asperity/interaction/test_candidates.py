@@ -66,6 +66,22 @@ def test_points_stand_at_the_centres_or_as_near_as_the_pairs_that_were_listed_al
     assert lost is None
 
 
+def test_points_that_are_moved_back_go_half_of_the_way(light):
+    population, listing, values = light
+    values = values.copy()
+    values[0] *= 3.0
+    _, touches = placed(population, listing, values)
+    rows = listing.index[touches]
+    way = listing.recentred(population, listing.index, values, 1e-3).moved[:, rows]
+    assert (np.abs(way).max(axis=0) > 0).any()
+    for sign, share in ((1.0, 1.0), (-1.0, 0.5)):
+        before = np.zeros_like(listing.moved)
+        before[:, rows] = sign * way
+        found = replace(listing, moved=before).recentred(population, listing.index, values, 1e-3)
+        np.testing.assert_allclose(found.offset[:, rows] - listing.offset[:, rows], share * way)
+        np.testing.assert_array_equal(found.moved[:, rows], share * way)
+
+
 def test_more_contacts_may_stand_a_little_astray_under_a_wider_tolerance(light, monkeypatch):
     population, listing, values = light
     values = values.copy()

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from strategies import random_population
 
 import asperity
 from asperity.halfspace.footprint import Footprints
-from asperity.interaction import coupled_solve
 from asperity.interaction.coupled_solve import descend
 from asperity.interaction.elongation import LARGEST_ASPECT, LARGEST_RADIUS, Elongation
 from asperity.interaction.ewald.operator import Interaction
@@ -164,24 +161,3 @@ def test_round_footprints_stand_in_where_long_ones_have_no_solution(monkeypatch)
     stood = long_and_round()[0].solve(separation=0.01)
     assert stood.converged
     assert stood.mean_pressure == pytest.approx(flat.mean_pressure, rel=1e-6)
-
-
-def test_first_only_contacts_that_do_not_settle_become_round(monkeypatch):
-    problems = []
-
-    def stubborn(problem, *args, **more):
-        problems.append(problem)
-        solution = descend(problem, *args, **more)
-        if len(problems) > 1:
-            return solution
-        return replace(
-            solution, reason="two contacts", unsettled=np.arange(len(problem.height)) < 2
-        )
-
-    monkeypatch.setattr(coupled_solve, "descend", stubborn)
-    state = long_and_round()[0].solve(separation=0.01)
-    assert state.converged
-    first, second = (problem.elongation for problem in problems[:2])
-    for before, after in ((first.moments, second.moments), (first.radii, second.radii)):
-        np.testing.assert_array_equal(after[:2], [[1.0, 1.0, 0.0]] * 2)
-        np.testing.assert_array_equal(after[2:], before[2:])
