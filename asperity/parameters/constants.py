@@ -59,9 +59,7 @@ class PixelWaves:
     to_the_pixel
         Share [-] of the squared slope lost between one pixel and two (`wave_split.fineness`) from
         which on any map is solved on smaller pixels: on cut-off 3 pixels and shorter (also measured
-        maps: four of seven). All summits, seed 11, H 0.8 and 0.5: load to 15 % of contact -5 to -13
-        -> -0.5 to -4 %. Below, on cut-off 4 pixels, steps and lay with noise, load rises by 1 % and
-        more whatever its error was. (25 %: load 0.2 %, area 0.6 %.)
+        maps: four of seven). (25 %: load 0.2 %, area 0.6 %.)
     finer
         Points of the finer grid per point of the map, along each axis, and how many it may have: 2
         takes 2.5 times as long, 1.5 takes 1.7 times and mends two thirds as much.
@@ -240,8 +238,7 @@ class SharpTips:
         Ratio [-] of f/r^2 at a tip and at the first node of its rays from which on the rays do not
         resolve it: 12 and 4 of r and r^1.5, at most 2.3 on nine maps. (25 %: load 0.1, area 0.4 %.)
     error
-        Error [-] of its force by that from which on a tip is pressed alone as a contact
-        of large load share may be.
+        Error [-] of its force by that from which on a tip is pressed alone, as at large loads.
     """
 
     ratio: float = 1.5
@@ -286,6 +283,9 @@ class ErrorEstimate:
         Weights [-] of the terms outside the model, for load and area alike: the largest errors
         where all contacts are such, of heights cut off at one rms height and of a single wave (0.7
         to 0.99), of tilted maps and of cups (0.15), of single tips r and r^4 (0.8 to 1.6).
+    overshoot, usual_overshoot
+        Weight [-] of how far summits stand above their highest pixels over the approach, and what
+        of it is usual (docs/development/fits.md).
     pressed
         Part [-] of the errors on flat tops that is gone where these are pressed alone: of heights
         cut off at one and two rms heights, cut cones and coarse steps those of load are 0.2 then,
@@ -298,15 +298,13 @@ class ErrorEstimate:
         Pixels [-] of a contact from which on the points of the map tell how high its summit is.
         Boundary elements on the map and refined twice are 1.4 and 0.5 of the load off at a pixel
         for each contact (uniform heights, 128 x 128, seed 1).
-    fewest_pixels
-        Pixels [-] of the smallest contact that counts as smaller.
-    unsure_error
-        Error [-] of its force that a law expects from which on it tells nothing of a contact.
+    fewest_pixels, unsure_error
+        Pixels [-] of the smallest contact that counts as smaller, and the error [-] of its force
+        that a law expects from which on it tells nothing of a contact.
     longest_lay
         Slopes across over those along a lay [-] from which on no errors are estimated: of lays of
         7:1 to 10:1 (seeds 1 to 6, 11 and 12) loads came out up to 23 % too high, up to twice what
-        was stated from 7 on, 1.3 times it from 6 to 7; areas of ground and turned maps up to 60 %
-        too small, loads of turned ones to four times too large.
+        was stated from 7 on, 1.3 times it from 6 to 7 (docs/development/fits.md).
     yielded
         Slope and least value [-] of the factor of the area's estimate over the share of the area
         that is not plastic: the rest is load over hardness. 98 of 100 errors over estimates are
@@ -323,6 +321,8 @@ class ErrorEstimate:
     at_border: float = 0.15
     unsure: float = 1.0
     unresolved: float = 1.0
+    overshoot: float = 2.5
+    usual_overshoot: float = 0.05
     pressed: float = 0.5
     wide_top: float = 0.2
     resolved_pixels: float = 2.0

@@ -56,7 +56,7 @@ CALIBRATED = "auto", "ellipse"
 """Laws of which the weights tell; by others, the area is up to three times too large."""
 
 
-OUTSIDE_MODEL = "flat_tops", "at_border", "unsure", "unresolved"
+OUTSIDE_MODEL = "flat_tops", "at_border", "unsure", "unresolved", "overshoot"
 """Names of the terms; their weights are those of `parameters.ErrorEstimate`."""
 
 
@@ -161,6 +161,9 @@ def outside_model_terms(decomposition: Decomposition, state: PopulationState) ->
     unresolved
         One over the number of pixels of the contacts, less that of `resolved_pixels`, weighted by
         load; of the smaller pixels where a map whose waves reach the pixel is solved on those.
+    overshoot
+        How far summits stand above their highest pixels, over the approach and weighted by load,
+        less `usual_overshoot`: the map does not tell where spikes, cliffs and sharp edges end.
     """
     bounds = decomposition.plan.parameters.error_estimate
     closed = np.flatnonzero(state.force > 0)
@@ -172,8 +175,8 @@ def outside_model_terms(decomposition: Decomposition, state: PopulationState) ->
     spans = decomposition.top_areas[closed]
     tops = np.minimum(spans, area)
     flat = share @ (tops / area)
+    summits = decomposition.summits
     if flat > 0.0:
-        summits = decomposition.summits
         alone = (summits.dip[closed] > summits.peaks.min_prominence) & (spread == SPREAD)
         alone &= spans < bounds.wide_top * decomposition.hm.area
         flat *= 1.0 - bounds.pressed * float(tops @ alone / tops.sum())
@@ -193,9 +196,11 @@ def outside_model_terms(decomposition: Decomposition, state: PopulationState) ->
     unresolved = share @ np.maximum(
         1.0 / np.maximum(pixels, bounds.fewest_pixels) - 1.0 / bounds.resolved_pixels, 0.0
     )
+    above = (summits.height - summits.peaks.height)[closed] / state.approach[closed]
     return {
         "flat_tops": float(flat),
         "at_border": float(cut**2),
         "unsure": float(unsure**2),
         "unresolved": float(unresolved),
+        "overshoot": max(float(share @ np.clip(above, 0.0, 1.0)) - bounds.usual_overshoot, 0.0),
     }

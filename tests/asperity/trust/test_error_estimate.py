@@ -12,7 +12,7 @@ import pytest
 
 import asperity
 from asperity.errors import Flag, ModelRangeError
-from asperity.halfspace.scene import default_pressures
+from asperity.halfspace.scene import default_pressures, pressure_scale
 from asperity.parameters import DEFAULTS
 from asperity.trust.error_estimate import (
     OUTSIDE_MODEL,
@@ -299,6 +299,28 @@ def test_one_contact_among_many_whose_law_tells_nothing_does_little_harm():
     assert outside_model_terms(run.decomposition, run.points[0].state)["unsure"] == pytest.approx(
         share**2
     )
+
+
+@pytest.mark.parametrize("height", [4.0, 6.0])
+def test_spikes_that_end_above_their_pixels_are_doubted(height):
+    """One pixel in a thousand is raised: what carries the load stands between the pixels."""
+    size = (192.0, 160.0)
+    hm = self_affine((192, 160), size, hurst=0.8, rms_slope=0.1, cutoff=8.0, rolloff=60.0)
+    rng = np.random.default_rng(3)
+    spikes = (rng.random(hm.shape) > 0.999) * rng.random(hm.shape)
+    spiked = hm.replace(heights=hm.heights + height * hm.rms_height * spikes)
+    body = asperity.HalfSpace.from_modulus(1.0)
+    loads = np.array([1e-3, 5e-3, 2e-2]) * pressure_scale(spiked, body)
+    curve = asperity.contact_curve(spiked, body, pressures=loads)
+    true = asperity.bem_curve(spiked, body, pressures=loads, accuracy=0.01, coarsen=False)
+    rate = true.stiffness / true.mean_pressure
+    wrong = np.abs(rate * (curve.separation - true.separation))
+    before = curve.error_estimate - 2.5 * curve.extra["overshoot"]
+    assert wrong[0] <= curve.error_estimate[0] and wrong[0] > 1.5 * before[0]
+    assert (wrong <= 1.2 * curve.error_estimate).all()  # the bound of nine in ten
+    assert np.diff(curve.extra["overshoot"]).max() < 0  # the deeper, the less it matters
+    plain = asperity.contact_curve(hm, body, pressures=loads)
+    assert plain.extra["overshoot"].max() == 0.0
 
 
 def test_contacts_smaller_than_a_pixel_are_named_and_doubted():
