@@ -58,7 +58,6 @@ LEAPING = 0.02
 """Share of the load in contacts that leap farther than the skin beyond which lists are made for
 their new places."""
 
-
 BACK = 0.5
 """Share of its way that a point is moved where it was moved the other way before: contacts on one
 ridge can pass their load, and with it their centres, back and forth."""
