@@ -315,7 +315,8 @@ def test_spikes_that_end_above_their_pixels_are_doubted(height):
     true = asperity.bem_curve(spiked, body, pressures=loads, accuracy=0.01, coarsen=False)
     rate = true.stiffness / true.mean_pressure
     wrong = np.abs(rate * (curve.separation - true.separation))
-    before = curve.error_estimate - 2.5 * curve.extra["overshoot"]
+    weight = DEFAULTS.error_estimate.overshoot
+    before = curve.error_estimate - weight * curve.extra["overshoot"]
     assert wrong[0] <= curve.error_estimate[0] and wrong[0] > 1.5 * before[0]
     assert (wrong <= 1.2 * curve.error_estimate).all()  # the bound of nine in ten
     assert np.diff(curve.extra["overshoot"]).max() < 0  # the deeper, the less it matters
