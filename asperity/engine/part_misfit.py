@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -53,8 +54,8 @@ FEW = 2.0
 less: the load follows the heights of few summits, the area their shapes."""
 
 TOGETHER = 2
-"""Parts solved at the same time, whatever the number of threads: results do not hang on that. Most
-of the loops of one part are too short for two threads."""
+"""Parts solved before the bounds are looked at again, beyond `ALIKE` at each load point; whatever
+the number of threads: results do not hang on that."""
 
 ENOUGH = 0.8
 """Bounds by the parts solved at a load point, over the accuracy, at which no more are solved there:
@@ -96,15 +97,18 @@ def misfit_on_parts(
     at: NDArray[np.int64],
     shares: Array,
     allowed: Array,
-    otherwise: bool,
+    otherwise: Callable[[NDArray[np.bool_]], object] | None,
 ) -> tuple[Array, Array]:
     """Misfit of the model at some load points, from parts of the map that carry these shares of
     each, as many as it takes for the bounds to be well within those allowed, shape (2, 1).
 
     Returns the logarithms of load, area and number of spots of the model over boundary elements,
     shape (3, n), and bounds of the first two, shape (2, n): their standard deviation over the parts
-    and the floor, larger where few parts carry the load; NaN where no part tells them, or, if they
-    can be told otherwise, the floor alone is more than is allowed.
+    and the floor, larger where few parts carry the load; NaN where no part tells them.
+
+    `otherwise`, if any, can tell load points otherwise, and is called beside the parts with those
+    of which the floor alone is more than is allowed; no part is solved where these are more than
+    half.
 
     A part is loaded as the model loads it on the whole map, and solved by the plan of the whole
     map: those that carry most. Where the finest waves act as a law of the contacts of the others,
@@ -123,8 +127,14 @@ def misfit_on_parts(
     best = np.argsort(-np.where(usable, shares, 0.0).sum(axis=1), kind="stable")
     taken = np.empty_like(usable)
     taken[best] = usable[best] & (np.cumsum(usable[best], axis=0) <= side)
-    if otherwise:
+    here, beside = np.zeros_like(taken), None
+    if otherwise is not None:
         taken &= (_floor(taken * shares) <= allowed).all(axis=0)
+        untold = ~taken.any(axis=0)
+        if 2 * np.count_nonzero(untold) > len(at):
+            taken[:] = False
+        elif untold.any():
+            beside = functools.partial(otherwise, untold)
     found, rate = np.full((*shares.shape, 3), np.nan), model.stiffness[at] / pressure
     cell = replace(alone, boundary="periodic")
     lightest = int(np.argmax(np.where(taken.any(axis=1), shares[:, 0], -1.0)))
@@ -142,15 +152,16 @@ def misfit_on_parts(
             own_misfit[0] -= judged(waves, cell, loads)[0]
         return own_misfit
 
-    left = [lightest, *best[best != lightest].tolist()]
-    while left:
+    order = np.array([lightest, *best[best != lightest]])
+    here[order] = taken[order] & (np.cumsum(taken[order], axis=0) <= ALIKE)
+    some = order[here[order].any(axis=1)]
+    while len(some):
+        for place, own_misfit in zip(some, parallel.apart(solved, some, beside), strict=True):
+            found[place, here[place]] = own_misfit.T
         _, bounds, number = _pooled(found, shares, rate)
         enough = (number >= ALIKE) & (bounds <= ENOUGH * allowed).all(axis=0)
-        here = taken & ~enough
-        left = [place for place in left if here[place].any()]
-        some, left = left[:TOGETHER], left[TOGETHER:]
-        for place, own_misfit in zip(some, parallel.apart(solved, some), strict=True):
-            found[place, here[place]] = own_misfit.T
+        here = taken & ~enough & np.isnan(found).any(axis=-1)
+        some, beside = order[here[order].any(axis=1)][:TOGETHER], None
     misfit, bounds, number = _pooled(found, shares, rate)
     told = number > 0
     if grid is not None and told.any():

@@ -132,16 +132,21 @@ def sampled(
     error = PART_SHARE * accuracy.area
     judged = Judged(run.decomposition.material, error, progress)
     shares = _load_shares(run, parts_along(hm, plan.solved(hm)))[:, at]
+    solved: dict[int, ContactCurve] = {}
+
+    def on_whole(which: NDArray[np.bool_]) -> None:
+        if judge is not None:
+            solved.update(solved_points(judge, values, at[which]))
+
     misfit, bounds = misfit_on_parts(
-        judged, hm, plan, model, at, shares, allowed, judge is not None
+        judged, hm, plan, model, at, shares, allowed, None if judge is None else on_whole
     )
     bounds[1] += error
-    solved: dict[int, ContactCurve] = {}
     if judge is not None:
         left = ~_within(bounds, grain[nodes], allowed)  # where no part tells anything it is NaN
         if 2 * np.count_nonzero(left) > len(nodes):
             return None
-        solved = solved_points(judge, values, at[left])
+        on_whole(left & ~np.isin(at, list(solved)))
         misfit[:, left] = misfit_at(model, kind, at[left], solved)
         # what parts leave open at best stays between loads that are solved on the whole map
         bounds[:, left] = np.maximum(bounds_at(at[left], solved), np.array(FLOOR)[:, None])

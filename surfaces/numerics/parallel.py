@@ -118,25 +118,36 @@ def each(function: Callable[[Any], Any], parts: Sequence[Any]) -> list[Any]:
         return [done(part) for part in parts]
     pool = _pool(min(len(parts), threads()) - 1, os.getpid())
     others = [pool.submit(done, part) for part in parts[1:]]
-    results = [done(parts[0])]
-    own = []
-    while others and others[-1].cancel():
-        others.pop()
-        own.append(done(parts[len(others) + 1]))
-    return [*results, *(other.result() for other in others), *reversed(own)]
+    try:
+        results = [done(parts[0])]
+        own = []
+        while others and others[-1].cancel():
+            others.pop()
+            own.append(done(parts[len(others) + 1]))
+        return [*results, *(other.result() for other in others), *reversed(own)]
+    finally:  # of one that was interrupted nobody wants the rest
+        for other in others:
+            other.cancel()
 
 
-def apart(function: Callable[[Any], Any], parts: Sequence[Any]) -> list[Any]:
-    """As `each`, for parts that by themselves would take all threads: one thread for each."""
-    if len(parts) < 2 or threads() == 1:
-        return [function(part) for part in parts]
+def apart(
+    function: Callable[[Any], Any],
+    parts: Sequence[Any],
+    beside: Callable[[], Any] | None = None,
+) -> list[Any]:
+    """As `each`, for parts that by themselves would take all threads: one thread for each.
+
+    Meanwhile this thread calls `beside` first, which takes those that are left.
+    """
+    first = [] if beside is None else [beside]
+    own = threads() > 1 and len(first) + len(parts) > 1
 
     def alone(part: Any) -> Any:
-        _alone.set(True)
+        _alone.set(own)
         return function(part)
 
-    contexts = [contextvars.copy_context() for _ in parts]
-    return each(lambda k: contexts[k].run(alone, parts[k]), range(len(parts)))
+    tasks = [functools.partial(contextvars.copy_context().run, alone, part) for part in parts]
+    return each(lambda task: task(), [*first, *tasks])[len(first) :]
 
 
 def aside(function: Callable[[], Any]) -> None:
