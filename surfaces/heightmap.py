@@ -141,7 +141,7 @@ class HeightMap:
     @property
     def rms_height(self) -> float:
         """Root-mean-square height about the mean of the points present [m]."""
-        return float(np.nanstd(self.heights))
+        return self.roughness.rms_height
 
     @functools.cached_property
     def roughness(self) -> Roughness:

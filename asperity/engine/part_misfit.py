@@ -209,5 +209,6 @@ def _part(hm: HeightMap, place: int, side: int) -> HeightMap:
 def _resampled(part: HeightMap, plan: Plan) -> HeightMap:
     """The waves of a part that a plan solves, on pixels of the size of its grid."""
     law, grid = plan.sub_contact_law, plan.resampled
-    kept = part if law is None else bandpass(part, law.shortest, None)
-    return kept if grid is None else resample(kept, grid.hm.spacing)
+    # the grid holds all waves that are kept: on it they are taken out sooner
+    moved = part if grid is None else resample(part, grid.hm.spacing)
+    return moved if law is None else bandpass(moved, law.shortest, None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -15,6 +16,7 @@ from asperity.halfspace.scene import Boundary
 from asperity.parameters import DEFAULTS
 from surfaces.checks import resolution_warning, seam_warning, straight_warning
 from surfaces.heightmap import HeightMap
+from surfaces.numerics import parallel
 from surfaces.patches import label_patches
 from surfaces.preparation.borders import make_periodic
 from surfaces.preparation.resampling import resample
@@ -162,22 +164,27 @@ def _apart(
     hm: HeightMap, finer: HeightMap, material: HalfSpace, boundary: Boundary, pressures: Array
 ) -> tuple[float, float]:
     """Uncertainty of load and area by some loads of a map and of the same on a finer grid."""
-    own, fine = (
-        bem_curve(
+
+    def solved(scene: tuple[HeightMap, float]) -> Array:
+        """Separation, logarithm of the contact area, and load over work."""
+        grid, pressure = scene
+        curve = bem_curve(
             grid,
             material,
-            pressures=pressures,
+            pressures=[pressure],
             accuracy=ACCURACY,
             coarsen=False,
             boundary=boundary,
         )
-        for grid in (hm, finer)
-    )
-    work = own.extra["elastic_energy"] + own.extra.get("plastic_work", 0.0)
-    rate = own.load / np.maximum(work, np.finfo(float).tiny)
-    load = np.max(np.abs(rate * (own.separation - fine.separation)))
-    area = np.max(np.abs(np.log(own.contact_area / fine.contact_area)))
-    return SAFETY * float(load), SAFETY * float(area)
+        work = curve.extra["elastic_energy"] + curve.extra.get("plastic_work", 0.0)
+        rate = curve.load / np.maximum(work, np.finfo(float).tiny)
+        return np.concatenate([curve.separation, np.log(curve.contact_area), rate])
+
+    scenes = list(itertools.product((hm, finer), pressures))
+    rows = parallel.apart(solved, scenes)
+    (own, own_area, rate), (fine, fine_area, _) = np.reshape(rows, (2, -1, 3)).transpose(0, 2, 1)
+    load, area = np.abs(rate * (own - fine)), np.abs(own_area - fine_area)
+    return SAFETY * float(load.max()), SAFETY * float(area.max())
 
 
 def representative_part(hm: HeightMap) -> HeightMap:
