@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ._grid_kernels import extrapolate
 from .correction import Level, Outcome, PoorPredictionError, PressureOrigin
-from .problem import ContactProblem
+from .problem import AREA_OVER_LOAD_ERROR, ContactProblem
 
 __all__ = ["LoadPath", "follow_chains", "split_loads"]
 
@@ -107,7 +107,7 @@ class LoadPath:
     accuracy
         Relative error allowed in the contact area: where the certificate leaves more, a load is
         solved further, to a smaller tolerance than that of the problem, with which the next load
-        begins.
+        begins. The first one begins with that which its coarser grid would need.
 
     Notes
     -----
@@ -148,9 +148,11 @@ class LoadPath:
         else:
             self._old = self._copied() if near else None
         if outcome is None:
-            spent = problem.start(load, offset)
+            coarse = problem.start(load, offset)
+            if coarse is not None and coarse.converged:
+                self._tighten(coarse, problem.load_error(coarse) * AREA_OVER_LOAD_ERROR, 0.0)
             outcome = level.solve(load, offset, self._tolerance, PressureOrigin.PROLONGED)
-            outcome.iterations += spent
+            outcome.iterations += coarse.iterations if coarse is not None else 0
         outcome = self._sharpened(outcome, load, offset)
         self._remember(outcome)
         return outcome
@@ -162,15 +164,23 @@ class LoadPath:
             error, grain = self.problem.area_error(outcome), 1.0 / max(outcome.reading.points, 1)
             if error <= grain or not outcome.converged:
                 break
-            allowed = max(self._accuracy - grain, _LEAST_SHARE * self._accuracy)
-            tolerance = max(_AIM * outcome.tolerance * allowed / (error - grain), _SHARPEST)
-            self._tolerance = min(tolerance, self.problem.tolerance)
+            tolerance = self._tighten(outcome, error - grain, grain)
             if error <= self._accuracy or tolerance >= outcome.tolerance:
                 break
             spent = outcome.iterations
             outcome = self.problem.level.solve(load, offset, tolerance, PressureOrigin.SOLVED)
             outcome.iterations += spent
         return outcome
+
+    def _tighten(self, outcome: Outcome, error: float, grain: float) -> float:
+        """Tolerance at which the area would be within the accuracy, where an outcome leaves such an
+        error beside that of a pixel; the next load begins with it."""
+        if not 0.0 < error < math.inf:
+            return outcome.tolerance
+        allowed = max(self._accuracy - grain, _LEAST_SHARE * self._accuracy)
+        tolerance = max(_AIM * outcome.tolerance * allowed / error, _SHARPEST)
+        self._tolerance = min(tolerance, self.problem.tolerance)
+        return tolerance
 
     def _two_known(self) -> bool:
         """Whether there are two states to extrapolate from."""

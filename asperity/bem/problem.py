@@ -147,23 +147,23 @@ class ContactProblem:
 
     def start(
         self, load: float, offset: float | None, given: NDArray[np.float64] | None = None
-    ) -> int:
+    ) -> Outcome | None:
         """First pressure of the finest grid, from a given pressure or from the coarser grids.
 
-        Returns the iterations spent on the coarser grids.
+        Returns how it went on the last of these, with the iterations spent on all of them.
         """
         pressure = self.level.pressure
         if not self.touches(load, offset):
             pressure[:] = 0.0
-            return 0
+            return None
         if given is None:
             return self._nested(load, offset)
         np.clip(given, 0.0, self.material.hardness, out=pressure)
         pressure *= self.compliance if offset is not None else load / float(pressure.mean())
-        return 0
+        return None
 
-    def _nested(self, load: float, offset: float | None) -> int:
-        """Start from the coarser grids; returns the iterations spent on them."""
+    def _nested(self, load: float, offset: float | None) -> Outcome | None:
+        """Start from the coarser grids."""
         if offset is not None:
             length = max(self.level.rms_height, _FIRST_LOAD * (offset + self.level.highest))
             load = min(_FIRST_LOAD * length, 0.1 * self.level.cap)
@@ -180,7 +180,7 @@ class ContactProblem:
             origin=top,
         )
         scratch = Scratch(fine.output)
-        iterations = 0
+        outcome: Outcome | None = None
         coarse: Level | None = None
         ly, lx = self.hm.size
         for index, (ny, nx) in enumerate(shapes):
@@ -200,13 +200,14 @@ class ContactProblem:
                 continue
             self._start(level, coarse, ratio * load, offset)
             tolerance = max(_COARSE_TOLERANCE, self.tolerance)
+            spent = outcome.iterations if outcome else 0
             outcome = level.solve(ratio * load, offset, tolerance)
-            iterations += outcome.iterations
+            outcome.iterations += spent
             if offset is not None:
                 load = outcome.reading.total / heights.size / ratio
             coarse = level
         self._start(self.level, coarse, load, offset, top)
-        return iterations
+        return outcome
 
     def _start(
         self,
@@ -266,12 +267,11 @@ class ContactProblem:
         U = int_s F ds', elastic and plastic, gives k <= F/U wherever k falls with the load, as it
         does of rough surfaces and of every body that is blunt at its tip.
         """
+        total = outcome.reading.total
         work = 0.5 * outcome.reading.moment + outcome.reading.plastic_work
-        energy = work / self.hm.heights.size
-        mean = outcome.reading.total / self.hm.heights.size
-        if mean == 0.0:
+        if total == 0.0:
             return 0.0
-        return _level_error(outcome) * mean / energy if energy > 0.0 else math.inf
+        return _level_error(outcome) * total / work if work > 0.0 else math.inf
 
     def area_error(self, outcome: Outcome) -> float:
         """Bound on the relative error of the contact area at equal load [-]: three times that of

@@ -132,7 +132,7 @@ def bem_solve(
         converged=outcome.converged,
         status="converged" if outcome.converged else "stagnated",
         reason=outcome.reason,
-        iterations=coarse + outcome.iterations,
+        iterations=outcome.iterations + (coarse.iterations if coarse else 0),
         fft_pairs=exact.pairs,
         seconds={
             "setup": prepared - begun,

@@ -8,6 +8,7 @@ from strategies import rough
 
 from asperity import HalfSpace, bem_curve
 from asperity.bem import curve, path
+from asperity.bem.accuracy import LOOSEST
 from asperity.bem.correction import Level, PressureOrigin
 from asperity.bem.problem import ContactProblem
 from asperity.threads import set_threads
@@ -91,18 +92,23 @@ def test_a_load_is_solved_further_from_where_it_stands():
     assert same == separation
 
 
-def test_the_next_load_begins_with_the_tolerance_that_the_last_one_needed(monkeypatch):
-    """Few loads but the first are solved twice."""
-    origins, solve = [], Level.solve
+def test_a_load_begins_with_the_tolerance_that_the_one_before_or_the_coarser_grid_needs(
+    monkeypatch,
+):
+    """Few loads are solved twice, the first one neither."""
+    begun, solve = [], Level.solve
 
-    def counted(level, load, offset, tolerance, origin=PressureOrigin.GIVEN):
-        origins.append(origin)
+    def noted(level, load, offset, tolerance, origin=PressureOrigin.GIVEN):
+        if origin is not PressureOrigin.GIVEN:
+            begun.append((origin, tolerance))
         return solve(level, load, offset, tolerance, origin)
 
-    monkeypatch.setattr(Level, "solve", counted)
+    monkeypatch.setattr(Level, "solve", noted)
     loads = np.geomspace(0.02, 0.2, 7)
-    found = bem_curve(
-        rough((128, 160)), BODY, pressures=loads, accuracy=0.01, tolerance=0.1, coarsen=False
-    )
+    found = bem_curve(rough((128, 160)), BODY, pressures=loads, accuracy=0.01, coarsen=False)
     assert (found.extra["area_error_estimate"] <= 0.01).all()
-    assert 1 <= origins.count(PressureOrigin.SOLVED) <= 3
+    (first, tolerance), (second, _), *rest = begun
+    assert first is PressureOrigin.PROLONGED
+    assert tolerance < 0.5 * LOOSEST
+    assert second is PressureOrigin.PREDICTED
+    assert sum(origin is PressureOrigin.SOLVED for origin, _ in rest) <= 2
