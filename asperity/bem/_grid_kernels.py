@@ -285,25 +285,13 @@ def interpolate(
     below_x: NDArray[np.int64],
     above_x: NDArray[np.int64],
     share_x: Grid,
-    mean: float,
-) -> float:
-    """Bilinear interpolation of a non-negative pressure, scaled to a mean if that is positive."""
-    ny, nx = below_y.size, below_x.size
-    total = 0.0
-    for y in prange(ny):
+    factor: float,
+) -> None:
+    """Bilinear interpolation of a pressure, times a factor."""
+    for y in prange(below_y.size):
         low, high = coarse[below_y[y]], coarse[above_y[y]]
         t = share_y[y]
-        row = 0.0
-        for x in range(nx):
+        for x in range(below_x.size):
             left = (1.0 - t) * low[below_x[x]] + t * high[below_x[x]]
             right = (1.0 - t) * low[above_x[x]] + t * high[above_x[x]]
-            value = (1.0 - share_x[x]) * left + share_x[x] * right
-            fine[y, x] = value
-            row += value
-        total += row
-    if mean > 0.0 and total > 0.0:
-        factor = mean * (ny * nx) / total
-        for y in prange(ny):
-            for x in range(nx):
-                fine[y, x] *= factor
-    return total / (ny * nx)
+            fine[y, x] = factor * ((1.0 - share_x[x]) * left + share_x[x] * right)

@@ -159,7 +159,18 @@ def prolong(
     """
     rows = _places(shape[0], fine_shape[0], boundary, origin[0])
     columns = _places(shape[1], fine_shape[1], boundary, origin[1])
-    _grid_kernels.interpolate(coarse, fine, *rows, *columns, mean)
+    # each coarse value times the shares of all fine points in it: the sum of the fine pressure
+    down, across = (_shares(n, *axis) for n, axis in zip(shape, (rows, columns), strict=True))
+    total = float(down @ coarse[: shape[0], : shape[1]] @ across)
+    factor = mean * fine_shape[0] * fine_shape[1] / total if mean > 0.0 and total > 0.0 else 1.0
+    _grid_kernels.interpolate(coarse, fine, *rows, *columns, factor)
+
+
+def _shares(
+    n: int, below: NDArray[np.int64], above: NDArray[np.int64], share: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Shares of all fine points in each of n coarse ones, along one axis."""
+    return np.asarray(np.bincount(below, 1.0 - share, n) + np.bincount(above, share, n))
 
 
 def _places(

@@ -121,9 +121,8 @@ def _steps(source: Source) -> tuple[float, float]:
     total, count = 0.0, 0
     for begin, end, window in windows(source, below=1):
         rows = window[: min(end + 1, len(source)) - begin]
-        along = np.diff(rows[: end - begin])
-        steps = np.concatenate([np.diff(rows, axis=0).ravel(), along.ravel()])
-        total, count = total + float(np.sum(np.square(steps))), count + steps.size
+        for steps in np.diff(rows, axis=0).ravel(), np.diff(rows[: end - begin]).ravel():
+            total, count = total + float(steps @ steps), count + steps.size
     ends = np.concatenate([source[0] - source[-1], source[:, 0] - source[:, -1]])
     return float(np.sqrt(np.mean(np.square(ends)))), float(np.sqrt(total / count))
 
