@@ -14,18 +14,23 @@ from .transform import Scratch
 
 __all__ = ["CoarseMaps", "level_shapes", "prolong"]
 
-_SMALLEST = 48
+_SMALLEST = 96
 """Points of the shorter side at which the nested grids end."""
+
+_COARSER = 4
+"""Points of one grid over those of the next along each axis. Grids of half the points cost a third
+of the finest and save no correction there."""
 
 _ROWS = 32
 """Rows transformed at a time."""
 
 
 def level_shapes(shape: tuple[int, int]) -> list[tuple[int, int]]:
-    """Shapes of the nested grids, coarsest first; each has about half the points per axis."""
+    """Shapes of the nested grids, coarsest first; each has about a quarter of the points per
+    axis."""
     shapes = [shape]
     while min(shapes[0]) > _SMALLEST:
-        ny, nx = (scipy.fft.next_fast_len(-(-n // 2), real=True) for n in shapes[0])
+        ny, nx = (scipy.fft.next_fast_len(-(-n // _COARSER), real=True) for n in shapes[0])
         shapes.insert(0, (ny, nx))
     return shapes
 
