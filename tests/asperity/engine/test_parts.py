@@ -189,7 +189,7 @@ class Counted:
 
 
 def test_no_part_is_solved_at_a_load_whose_bound_would_be_too_wide():
-    """One part carries the lightest load: how few there are tells it before any is solved, and it is
+    """One part carries the lightest load: how few there are tells that before any is solved; it is
     told otherwise meanwhile."""
     hm = waves(cutoff=None, rolloff=None)
     loads = default_pressures(hm, BODY, 4)

@@ -54,3 +54,35 @@ def test_what_fails_apart_fails_for_the_caller():
     with pytest.raises(ValueError, match="part 1"):
         parallel.apart(broken, range(2))
     assert parallel.threads() == before
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_what_runs_beside_parts_has_all_threads_and_is_called_here(count):
+    seen: list[tuple[str, int]] = []
+
+    def beside() -> None:
+        seen.append((threading.current_thread().name, parallel.threads()))
+
+    try:
+        parallel.set_threads(count)
+        assert parallel.apart(lambda part: (part, parallel.threads()), range(3), beside) == [
+            (part, 1) for part in range(3)
+        ]
+    finally:
+        parallel.set_threads(None)
+    assert seen == [(threading.current_thread().name, min(count, parallel.available()))]
+
+
+def test_of_interrupted_work_the_rest_is_not_begun():
+    begun: list[int] = []
+
+    def part(number: int) -> None:
+        if number == 0:
+            raise KeyboardInterrupt
+        begun.append(number)
+        time.sleep(0.05)
+
+    with pytest.raises(KeyboardInterrupt):
+        parallel.each(part, range(20))
+    time.sleep(0.2)
+    assert len(begun) <= 2 * parallel.available()
