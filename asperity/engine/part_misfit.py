@@ -160,7 +160,8 @@ def misfit_on_parts(
             found[place, here[place]] = own_misfit.T
         _, bounds, number = _pooled(found, shares, rate)
         enough = (number >= ALIKE) & (bounds <= ENOUGH * allowed).all(axis=0)
-        here = taken & ~enough & np.isnan(found).any(axis=-1)
+        taken[some] &= ~here[some]  # also where nothing was found
+        here = taken & ~enough
         some, beside = order[here[order].any(axis=1)][:TOGETHER], None
     misfit, bounds, number = _pooled(found, shares, rate)
     told = number > 0

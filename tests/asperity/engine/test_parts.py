@@ -178,14 +178,15 @@ def test_a_load_point_solved_on_the_whole_serves_those_beside_it(monkeypatch):
 
 
 class Counted:
-    """In place of `Judged`: no misfit on any part, and how many loads were solved on each."""
+    """In place of `Judged`: one misfit on all parts, and how many loads were solved on each."""
 
-    def __init__(self):
+    def __init__(self, misfit=0.0):
         self.solved = []
+        self.misfit = misfit
 
     def __call__(self, part, plan, pressures, **told):
         self.solved.append(len(pressures))
-        return np.zeros((3, len(pressures)))
+        return np.full((3, len(pressures)), self.misfit)
 
 
 def test_no_part_is_solved_at_a_load_whose_bound_would_be_too_wide():
@@ -220,10 +221,14 @@ def test_no_more_parts_are_solved_than_the_bounds_need(allowed, solved):
     run = asperity.solve_contacts(hm, BODY, plan, pressures=loads)
     shares, floor = np.full((64, 4), 1 / 64), np.array(part_misfit.FLOOR)[:, None]
     judged = Counted()
-    scene = hm, plan, run.curve, np.arange(4), shares, allowed * floor, True
+    scene = hm, plan, run.curve, np.arange(4), shares, allowed * floor, None
     bounds = part_misfit.misfit_on_parts(judged, *scene)[1]
     assert judged.solved == [4] * solved
     np.testing.assert_allclose(bounds, floor * np.sqrt(0.5 + 2.0 / solved) * np.ones(4))
+    # where the model has no answer on any part, each is tried once
+    silent = Counted(np.nan)
+    assert np.isnan(part_misfit.misfit_on_parts(silent, *scene)[1]).all()
+    assert silent.solved == [4] * 8
 
 
 def test_parts_that_carry_most_of_a_heavy_load_are_solved(monkeypatch):
