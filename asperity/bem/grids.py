@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
@@ -14,23 +16,25 @@ from .transform import Scratch
 
 __all__ = ["CoarseMaps", "level_shapes", "prolong"]
 
-_SMALLEST = 96
+_SMALLEST = 48
 """Points of the shorter side at which the nested grids end."""
 
-_COARSER = 4
-"""Points of one grid over those of the next along each axis. Grids of half the points cost a third
-of the finest and save no correction there."""
+_LARGE = 1400 * 1400
+"""Points from which on the next grid has a quarter of them along each axis, else half. Passes over
+so many are bound by memory: one of half the points costs a third of the finest grid, and saves less
+there than on smaller ones."""
 
 _ROWS = 32
 """Rows transformed at a time."""
 
 
 def level_shapes(shape: tuple[int, int]) -> list[tuple[int, int]]:
-    """Shapes of the nested grids, coarsest first; each has about a quarter of the points per
-    axis."""
+    """Shapes of the nested grids, coarsest first; each has about half the points of the next along
+    each axis, or a quarter."""
     shapes = [shape]
     while min(shapes[0]) > _SMALLEST:
-        ny, nx = (scipy.fft.next_fast_len(-(-n // _COARSER), real=True) for n in shapes[0])
+        step = 4 if math.prod(shapes[0]) > _LARGE else 2
+        ny, nx = (scipy.fft.next_fast_len(-(-n // step), real=True) for n in shapes[0])
         shapes.insert(0, (ny, nx))
     return shapes
 
