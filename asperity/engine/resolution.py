@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -89,18 +90,21 @@ UNTOLD = Resolution(float("nan"), float("nan"), "nothing was solved by boundary 
 
 
 class LightestLoad:
-    """Keeps the lightest load point that boundary elements solve; calls `progress` with each."""
+    """Keeps the lightest load point that boundary elements solve; calls `progress` with each, one
+    at a time, from whatever thread."""
 
     def __init__(self, progress: Callable[[SolvedLoad], object] | None = None) -> None:
         self.progress = progress
         self.point: SolvedLoad | None = None
+        self._turn = threading.Lock()
 
     def __call__(self, point: SolvedLoad) -> None:
-        if self.progress is not None:
-            self.progress(point)
-        lightest = self.point is None or point.mean_pressure < self.point.mean_pressure
-        if lightest and point.mean_pressure > 0.0:
-            self.point = point
+        with self._turn:
+            if self.progress is not None:
+                self.progress(point)
+            lightest = self.point is None or point.mean_pressure < self.point.mean_pressure
+            if lightest and point.mean_pressure > 0.0:
+                self.point = point
 
 
 def small_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:

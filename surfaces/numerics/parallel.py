@@ -140,10 +140,10 @@ def apart(
     Meanwhile this thread calls `beside` first, which takes those that are left.
     """
     first = [] if beside is None else [beside]
-    own = threads() > 1 and len(first) + len(parts) > 1
+    several = len(first) + len(parts) > 1
 
     def alone(part: Any) -> Any:
-        _alone.set(own)
+        _alone.set(_alone.get() or several)
         return function(part)
 
     tasks = [functools.partial(contextvars.copy_context().run, alone, part) for part in parts]

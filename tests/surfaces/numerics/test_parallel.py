@@ -38,6 +38,8 @@ def test_parts_apart_have_one_thread_each_all_the_way_down():
     try:
         parallel.set_threads(2)
         assert parallel.apart(inside, range(4)) == [(part, 1, True) for part in range(4)]
+        within = parallel.apart(lambda _: parallel.apart(inside, range(2)), range(2))
+        assert within == [[(part, 1, True) for part in range(2)]] * 2
         # one part by itself, and what comes after, have all of them
         assert parallel.apart(inside, [7])[0][1] == min(2, parallel.available())
         assert parallel.threads() == min(2, parallel.available())
