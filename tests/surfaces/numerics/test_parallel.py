@@ -82,7 +82,7 @@ def test_of_interrupted_work_the_rest_is_not_begun():
         if number == 0:
             raise KeyboardInterrupt
         begun.append(number)
-        time.sleep(0.05)
+        time.sleep(0.01)
 
     with pytest.raises(KeyboardInterrupt):
         parallel.each(part, range(20))
