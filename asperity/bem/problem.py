@@ -22,7 +22,7 @@ from .grids import CoarseMaps, level_shapes, prolong
 from .memory import require_memory
 from .operator import HalfSpaceOperator
 from .transform import Scratch
-from .unloading import unloading_stiffness
+from .stiffness import unloading_stiffness
 
 __all__ = [
     "AREA_OVER_LOAD_ERROR",
