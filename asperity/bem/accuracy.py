@@ -205,6 +205,8 @@ def interpolated(curve: ContactCurve, pressures: NDArray[np.float64]) -> Contact
     def worse(values: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.maximum(values[below], values[above])
 
+    with np.errstate(divide="ignore"):  # none without load, infinite in full contact
+        stiffness = 1.0 / between(1.0 / curve.stiffness)
     hardness = curve.settings.get("hardness", math.inf)
     area_fraction = np.maximum(between(curve.area_fraction), pressures / hardness)
     extra = {"asked_pressure": pressures, "interpolated": ~solved}
@@ -225,7 +227,7 @@ def interpolated(curve: ContactCurve, pressures: NDArray[np.float64]) -> Contact
         area_fraction=area_fraction,
         contact_area=area_fraction * curve.nominal_area,
         contacts=np.rint(between(curve.contacts)),
-        stiffness=between(curve.stiffness),
+        stiffness=stiffness,
         converged=curve.converged[below] & curve.converged[above],
         residual=worse(curve.residual),
         error_estimate=worse(curve.error_estimate),

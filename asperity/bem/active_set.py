@@ -56,6 +56,11 @@ class ContactList:
     def __len__(self) -> int:
         return self.columns.size
 
+    def where(self, kept: NDArray[np.bool_]) -> ContactList:
+        """The entries that are kept, by a mask of shape (n,)."""
+        before = np.append(0, np.cumsum(kept))
+        return ContactList(before[self.start], self.columns[kept])
+
     def flat(self, stride: int) -> NDArray[np.int64]:
         """Flat index of each entry in rows of `stride` values."""
         rows = np.repeat(np.arange(self.start.size - 1) * stride, np.diff(self.start))

@@ -94,6 +94,8 @@ class Outcome:
         Bound on the certificate that was asked for.
     converged, reason
         Whether it was met, and why not.
+    stiffness
+        Slope of the mean of p~ over the level (`contact_stiffness`) [-]; zero where not asked for.
     """
 
     reading: Reading
@@ -101,6 +103,7 @@ class Outcome:
     tolerance: float
     converged: bool
     reason: str
+    stiffness: float = 0.0
 
 
 class Level:

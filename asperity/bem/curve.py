@@ -25,7 +25,6 @@ from asperity.halfspace.scene import (
 )
 from asperity.progress import Progress, reported
 from asperity.results.curve import ContactCurve
-from asperity.results.interpolation import spline_stiffness
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import threads as thread_count
 
@@ -134,10 +133,10 @@ def bem_curve(
     Returns
     -------
     ContactCurve
-        In the order asked for. `stiffness` comes from the load points (`spline_stiffness`): the
-        closer they lie, the better. `residual` is the worst entry of the certificate, and
-        `error_estimate` the bound on the error of the load on the grid that was solved
-        (`ContactProblem.load_error`), `extra["area_error_estimate"]` that of the area
+        In the order asked for. `stiffness` is that of the contact found (`contact_stiffness`),
+        infinite in full contact of a periodic cell. `residual` is the worst entry of the
+        certificate, and `error_estimate` the bound on the error of the load on the grid that was
+        solved (`ContactProblem.load_error`), `extra["area_error_estimate"]` that of the area
         (`area_error`). `extra` holds the certificate by entry, raw area, elastic energy,
         iterations, transform pairs and seconds, with a hardness `plastic_share`; a point that
         missed the tolerance is marked and explained.
@@ -252,6 +251,7 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
         "area_fraction": area / hm.area,
         "contact_area": area,
         "contacts": patches,
+        "stiffness": problem.stiffness(outcome) if outcome.converged else math.nan,
         "converged": outcome.converged,
         "residual": certificate.worst,
         "error_estimate": problem.load_error(outcome),
@@ -269,7 +269,7 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
         held = outcome.reading.held * (hm.area / hm.heights.size)
         columns |= {"lift": certificate.lift, "plastic_share": min(held / max(area, 1e-300), 1.0)}
         columns["plastic_work"] = problem.plastic_work(outcome)
-        columns["unloading_stiffness"] = problem.unloading_stiffness()
+        columns["unloading_stiffness"] = problem.unloading_stiffness(outcome)
     return SolvedLoad(columns, contact, outcome.reason)
 
 
@@ -280,15 +280,14 @@ def _curve(
     asked: dict[str, Any],
 ) -> ContactCurve:
     columns = {name: np.array([p.columns[name] for p in points]) for name in points[0].columns}
-    separation, mean = columns.pop("separation"), columns.pop("mean_pressure")
     return ContactCurve(
-        separation=separation,
-        mean_pressure=mean,
+        separation=columns.pop("separation"),
+        mean_pressure=columns.pop("mean_pressure"),
         load=columns.pop("load"),
         area_fraction=columns.pop("area_fraction"),
         contact_area=columns.pop("contact_area"),
         contacts=columns.pop("contacts"),
-        stiffness=spline_stiffness(separation, mean, columns["converged"].astype(bool)),
+        stiffness=columns.pop("stiffness"),
         converged=columns.pop("converged").astype(bool),
         residual=columns.pop("residual"),
         error_estimate=columns.pop("error_estimate"),

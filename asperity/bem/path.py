@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._grid_kernels import extrapolate
-from .correction import Level, Outcome, PoorPredictionError, PressureOrigin
+from .correction import Outcome, PoorPredictionError, PressureOrigin
 from .problem import AREA_OVER_LOAD_ERROR, ContactProblem
+from .stiffness import contact_stiffness
 
 __all__ = ["LoadPath", "follow_chains", "split_loads"]
 
@@ -105,7 +106,7 @@ class LoadPath:
     problem
         Map, material and boundary, planned.
     accuracy
-        Relative error allowed in the contact area: where the certificate leaves more, a load is
+        Relative error allowed in load and area: where the certificate leaves more, a load is
         solved further, to a smaller tolerance than that of the problem, with which the next load
         begins. The first one begins with that which its coarser grid would need.
 
@@ -127,48 +128,59 @@ class LoadPath:
         self._means = (0.0, 0.0)
         self._level = 0.0
         self._points = 0
-        self._stiffness: float | None = None
+        self._stiffness = 0.0
 
     def solve(self, *, pressure: float | None = None, separation: float | None = None) -> Outcome:
         """Solve at the next mean pressure [Pa] or separation [m]."""
-        problem, level = self.problem, self.problem.level
+        problem = self.problem
         load, offset = problem.prescribed(pressure, separation)
         if not problem.touches(load, offset):
             self._old, self._means = None, (0.0, 0.0)
             problem.start(load, offset)
-            return level.solve(load, offset, problem.tolerance)
+            return problem.level.solve(load, offset, problem.tolerance)
         last = self._means[1]
         mean = load if offset is None else self._forecast(offset)
         outcome = None
         near = 0.0 < mean <= _LARGEST_RATIO * last
         if near and self._two_known():
-            self._predict(level, mean)
+            self._predict(mean)
             with contextlib.suppress(PoorPredictionError):
-                outcome = level.solve(load, offset, self._tolerance, PressureOrigin.PREDICTED)
+                outcome = self._solved(load, offset, self._tolerance, PressureOrigin.PREDICTED)
         else:
             self._old = self._copied() if near else None
         if outcome is None:
             coarse = problem.start(load, offset)
             if coarse is not None and coarse.converged:
                 self._tighten(coarse, problem.load_error(coarse) * AREA_OVER_LOAD_ERROR, 0.0)
-            outcome = level.solve(load, offset, self._tolerance, PressureOrigin.PROLONGED)
+            outcome = self._solved(load, offset, self._tolerance, PressureOrigin.PROLONGED)
             outcome.iterations += coarse.iterations if coarse is not None else 0
         outcome = self._sharpened(outcome, load, offset)
         self._remember(outcome)
         return outcome
 
+    def _solved(
+        self, load: float, offset: float | None, tolerance: float, origin: PressureOrigin
+    ) -> Outcome:
+        """Solve on the finest grid, with the stiffness of the contact found."""
+        level = self.problem.level
+        outcome = level.solve(load, offset, tolerance, origin)
+        if outcome.converged:
+            outcome.stiffness = contact_stiffness(level, outcome.reading)
+        return outcome
+
     def _sharpened(self, outcome: Outcome, load: float, offset: float | None) -> Outcome:
-        """Solve further until the area is known to the accuracy: mostly once, again where points
-        open or close together."""
+        """Solve further until load and area are known to the accuracy: mostly once, again where
+        points open or close together."""
         for _ in range(_MOST_TIMES if self._accuracy < math.inf else 0):
-            error, grain = self.problem.area_error(outcome), 1.0 / max(outcome.reading.points, 1)
+            grain = 1.0 / max(outcome.reading.points, 1)
+            error = max(self.problem.area_error(outcome), self.problem.load_error(outcome) + grain)
             if error <= grain or not outcome.converged:
                 break
             tolerance = self._tighten(outcome, error - grain, grain)
             if error <= self._accuracy or tolerance >= outcome.tolerance:
                 break
             spent = outcome.iterations
-            outcome = self.problem.level.solve(load, offset, tolerance, PressureOrigin.SOLVED)
+            outcome = self._solved(load, offset, tolerance, PressureOrigin.SOLVED)
             outcome.iterations += spent
         return outcome
 
@@ -194,17 +206,15 @@ class LoadPath:
     def _forecast(self, offset: float) -> float:
         """Load at a level, if it goes on growing exponentially with it; zero if not known."""
         last = self._means[1]
-        if last <= 0.0 or not self._stiffness:
+        if last <= 0.0 or self._stiffness == 0.0:
             return 0.0
         exponent = self._stiffness * (offset - self._level) / last
-        if exponent > math.log(_LARGEST_RATIO):
-            return 0.0
-        self._stiffness *= math.exp(exponent)
-        return last * math.exp(exponent)
+        return last * math.exp(exponent) if exponent <= math.log(_LARGEST_RATIO) else 0.0
 
-    def _predict(self, level: Level, mean: float) -> None:
+    def _predict(self, mean: float) -> None:
         """Extrapolate pressure and displacement to a mean pressure."""
-        now = level.exact.pressure, level.exact.displacement
+        exact = self.problem.level.exact
+        now = exact.pressure, exact.displacement
         if self._old is None:
             self._old = np.zeros(now[0].shape, np.float32), np.zeros(now[1].shape, np.float32)
         before, last = self._means
@@ -216,9 +226,6 @@ class LoadPath:
     def _remember(self, outcome: Outcome) -> None:
         """Take the solution as the next support of the secant."""
         mean = outcome.reading.total / self.problem.hm.heights.size
-        rise, growth = outcome.reading.level - self._level, mean - self._means[1]
-        if self._means[1] > 0.0 and rise > 0.0 and growth > 0.0:
-            self._stiffness = growth / rise
         self._means = (self._means[1] if self._old is not None else 0.0, mean)
-        self._level = outcome.reading.level
+        self._level, self._stiffness = outcome.reading.level, outcome.stiffness
         self._points = outcome.reading.points

@@ -21,8 +21,8 @@ from .correction import Level, Outcome
 from .grids import CoarseMaps, level_shapes, prolong
 from .memory import require_memory
 from .operator import HalfSpaceOperator
+from .stiffness import contact_stiffness
 from .transform import Scratch
-from .stiffness import unloading_stiffness
 
 __all__ = [
     "AREA_OVER_LOAD_ERROR",
@@ -253,9 +253,14 @@ class ContactProblem:
         cell = self.hm.spacing[0] * self.hm.spacing[1]
         return outcome.reading.plastic_work * self.unit / self.compliance * cell
 
-    def unloading_stiffness(self) -> float:
+    def stiffness(self, outcome: Outcome) -> float:
+        """Minus the slope of mean pressure over separation [Pa/m]."""
+        return outcome.stiffness / self.level.exact.compliance
+
+    def unloading_stiffness(self, outcome: Outcome) -> float:
         """Fall of the mean pressure over the lift of the flat [Pa/m], the contact as it is."""
-        return unloading_stiffness(self.level) / self.level.exact.compliance
+        found = contact_stiffness(self.level, outcome.reading, unloading=True)
+        return found / self.level.exact.compliance
 
     def load_error(self, outcome: Outcome) -> float:
         """Bound on the relative error of the load at equal separation [-], from the certificate.
@@ -263,19 +268,17 @@ class ContactProblem:
         Notes
         -----
         A certificate e is relative to the rms height h, so that the level of the contact may be off
-        by e h, and the load by the factor e h k with k = -d ln F/ds. The work done
-        U = int_s F ds', elastic and plastic, gives k <= F/U wherever k falls with the load, as it
-        does of rough surfaces and of every body that is blunt at its tip.
+        by e h, and the load by the factor e h k with k = -d ln F/ds: that of the contact as it is,
+        or F/U (`_past_error`), whichever is larger. In full contact of a periodic cell, where no
+        load changes the separation, it is F/U.
         """
-        total = outcome.reading.total
-        work = 0.5 * outcome.reading.moment + outcome.reading.plastic_work
-        if total == 0.0:
-            return 0.0
-        return _level_error(outcome) * total / work if work > 0.0 else math.inf
+        now = outcome.stiffness * self.level.heights.size / max(outcome.reading.total, 1e-300)
+        now = _level_error(outcome) * now if math.isfinite(now) else 0.0
+        return max(_past_error(outcome), now)
 
     def area_error(self, outcome: Outcome) -> float:
         """Bound on the relative error of the contact area at equal load [-]: three times that of
-        the load, or what points do that open or close together, and one pixel.
+        the load by F/U, or what points do that open or close together, and one pixel.
 
         Notes
         -----
@@ -294,7 +297,7 @@ class ContactProblem:
         undecided(*fields, *known, self.own, step, *counts)
         opening, closing = (int(most) for most in counts.max(axis=1))
         leap = max(opening / max(points - opening, 1), closing / points)
-        return max(AREA_OVER_LOAD_ERROR * self.load_error(outcome), leap) + 1.0 / points
+        return max(AREA_OVER_LOAD_ERROR * _past_error(outcome), leap) + 1.0 / points
 
     def settings(self) -> dict[str, Any]:
         """Everything needed to repeat a run."""
@@ -307,6 +310,17 @@ class ContactProblem:
             "spacing": self.hm.spacing,
             "threads": thread_count(),
         }
+
+
+def _past_error(outcome: Outcome) -> float:
+    """Relative error of the load by k = F/U, with the work done U = int_s F ds', elastic and
+    plastic: an upper bound of k wherever it falls with the load, as it does at light loads of rough
+    surfaces and of every body that is blunt at its tip."""
+    total = outcome.reading.total
+    work = 0.5 * outcome.reading.moment + outcome.reading.plastic_work
+    if total == 0.0:
+        return 0.0
+    return _level_error(outcome) * total / work if work > 0.0 else math.inf
 
 
 def _level_error(outcome: Outcome) -> float:

@@ -1,4 +1,4 @@
-"""How a contact answers as its load begins to fall: elastically, with the area that it has."""
+"""How a contact answers as its load begins to change: the slope of the curve, and of unloading."""
 
 from __future__ import annotations
 
@@ -8,36 +8,48 @@ import numpy as np
 
 from . import _grid_kernels
 from .active_set import ContactList
+from .certificate import Reading
 from .correction import Level
 
-__all__ = ["unloading_stiffness"]
+__all__ = ["contact_stiffness"]
 
-RESIDUAL = 1e-3
+RESIDUAL = 0.02
 """Preconditioned residual at which the solve ends: the stiffness is off by its square."""
 
 MAX_STEPS = 60
 """Conjugate-gradient steps."""
 
 
-def unloading_stiffness(level: Level) -> float:
-    """Mean of p~ over the lift of the flat, with the contact that the pressure of a level has.
+def contact_stiffness(level: Level, reading: Reading, *, unloading: bool = False) -> float:
+    """Slope of the mean of p~ over the level of the contact [-], the contact as it is.
 
-    What has yielded does so no more as the load begins to fall: points in contact keep together,
-    and their pressures fall by q with (G q) = 1 on them. Without a hardness this is the slope of
-    the curve, as points of the edge come and go without a pressure. Where nothing touches it is
-    zero; a periodic cell that touches all over has no gap left, and no finite stiffness.
+    Points of the edge come and go without a pressure, so that this is the slope of the curve:
+    points in contact keep together, and their pressures change by q with (G q) = 1 on them. Where
+    nothing touches it is zero; a periodic cell that touches all over has no gap left, and no finite
+    stiffness.
+
+    Parameters
+    ----------
+    level, reading
+        A solved grid; its pressure and displacement stay.
+    unloading
+        What has reached the hardness keeps its pressure as the load grows, and yields no more as
+        the load begins to fall: True counts it in.
 
     Notes
     -----
     Preconditioned conjugate gradients minimize ``<q, G q>/2 - <q, 1>``, whose least value is half
     the stiffness.
     """
-    rows, columns = np.nonzero(level.pressure)
-    if rows.size == level.heights.size and level.exact.boundary == "periodic":
+    start, columns, held, _ = _grid_kernels.select(
+        level.exact.pressure, level.exact.displacement, level.heights, reading.block_low, -math.inf
+    )
+    pressed = ContactList(start, columns)
+    points = pressed if unloading or not reading.held else pressed.where(held < level.cap)
+    if len(points) == 0:
+        return 0.0
+    if len(points) == level.heights.size and level.exact.boundary == "periodic":
         return math.inf
-    start = np.searchsorted(rows, np.arange(level.heights.shape[0] + 1))
-    points = ContactList(start.astype(np.int64), columns.astype(np.int32))
-    held = level.pressure[rows, columns]
     operator = level.operator(len(points))
     operator.bind(points)
     q, residual = np.zeros(len(points)), np.ones(len(points), np.float32)
@@ -56,6 +68,5 @@ def unloading_stiffness(level: Level) -> float:
         filtered = operator.precondition(residual)
         size, before = float(np.dot(residual, filtered)), size
         ahead = filtered + np.float32(size / before) * ahead
-    _grid_kernels.put(level.exact.pressure, points.start, points.columns, held)
-    level.exact.apply()  # the next load starts from pressure and displacement
+    _grid_kernels.put(level.exact.pressure, pressed.start, pressed.columns, held)
     return float(q.sum()) / level.heights.size

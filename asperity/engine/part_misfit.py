@@ -71,8 +71,8 @@ class Judged:
     progress: Callable[[SolvedLoad], object]
 
     def __call__(self, hm: HeightMap, plan: Plan, pressures: Array, *, tell: bool = False) -> Array:
-        """Model less boundary elements, shape (3, n): separation [m], and the logarithms of contact
-        area and number of spots; NaN where the model has no answer."""
+        """Model less boundary elements, shape (4, n): separation [m], and the logarithms of contact
+        area, number of spots and stiffness; not finite where one of them has no answer."""
         scene = replace(plan, scene=(hm.without_rounding, self.material))
         model = contact_curve(hm, self.material, pressures=pressures, plan=scene)
         exact = bem_curve(
@@ -86,7 +86,8 @@ class Judged:
         )
         area = np.log(model.contact_area / exact.contact_area)
         spots = np.log(np.maximum(model.contacts, 1.0) / np.maximum(exact.contacts, 1.0))
-        return np.array([model.separation - exact.separation, area, spots])
+        stiffness = np.log(model.extra["tangent_stiffness"] / exact.stiffness)
+        return np.array([model.separation - exact.separation, area, spots, stiffness])
 
 
 def misfit_on_parts(
@@ -102,9 +103,9 @@ def misfit_on_parts(
     """Misfit of the model at some load points, from parts of the map that carry these shares of
     each, as many as it takes for the bounds to be well within those allowed, shape (2, 1).
 
-    Returns the logarithms of load, area and number of spots of the model over boundary elements,
-    shape (3, n), and bounds of the first two, shape (2, n): their standard deviation over the parts
-    and the floor, larger where few parts carry the load; NaN where no part tells them.
+    Returns the logarithms of load, area, number of spots and stiffness of the model over boundary
+    elements, shape (4, n), and bounds of the first two, shape (2, n): their standard deviation over
+    the parts and the floor, larger where few parts carry the load; NaN where no part tells them.
 
     `otherwise`, if any, can tell load points otherwise, and is called beside the parts with those
     of which the floor alone is more than is allowed; no part is solved where these are more than
@@ -135,7 +136,7 @@ def misfit_on_parts(
             taken[:] = False
         elif untold.any():
             beside = functools.partial(otherwise, untold)
-    found, rate = np.full((*shares.shape, 3), np.nan), model.stiffness[at] / pressure
+    found, rate = np.full((*shares.shape, 4), np.nan), model.stiffness[at] / pressure
     cell = replace(alone, boundary="periodic")
     lightest = int(np.argmax(np.where(taken.any(axis=1), shares[:, 0], -1.0)))
 
@@ -171,7 +172,7 @@ def misfit_on_parts(
 
 
 def _pooled(found: Array, shares: Array, rate: Array) -> tuple[Array, Array, NDArray[np.int64]]:
-    """Mean of what was found on parts, shape (parts, n, 3), separations as loads by their `rate`;
+    """Mean of what was found on parts, shape (parts, n, 4), separations as loads by their `rate`;
     bounds of load and area; and on how many parts."""
     known = np.isfinite(found).all(axis=-1)
     weights = np.where(known, shares, 0.0)

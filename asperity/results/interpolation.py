@@ -20,7 +20,6 @@ __all__ = [
     "halved_intervals",
     "interpolated_misfit",
     "read_off",
-    "spline_stiffness",
 ]
 
 
@@ -227,48 +226,6 @@ def curve_stiffness(
         if x[high] - x[low] >= LEAST_SPAN and fall[high] > fall[low]:
             found[order[i]] *= (told[high] - told[low]) / (fall[high] - fall[low])
     return found
-
-
-def spline_stiffness(
-    separation: NDArray[np.float64],
-    mean_pressure: NDArray[np.float64],
-    converged: NDArray[np.bool_],
-) -> NDArray[np.float64]:
-    """Minus the slope of mean pressure over separation [Pa/m], shape (n,).
-
-    Loads closer than 1e-5 share one value; zero without load; NaN where a point did not converge,
-    or is the only one.
-
-    Notes
-    -----
-    The rate r = -ds/d(ln p) is a power of p about the middle of each interval of loads, where its
-    mean over the interval, with the growth g of ln r over ln p and the length h, is
-    r sinh(gh/2)/(gh/2). Its logarithm is a spline through the middles: exact, however far apart
-    the loads, for the exponential law of light contact and for any power law, such as a sphere's.
-    """
-    from scipy.interpolate import CubicSpline
-
-    stiffness = np.where(mean_pressure == 0.0, 0.0, np.nan)
-    order = np.flatnonzero(converged & (mean_pressure > 0.0))
-    order = order[np.argsort(mean_pressure[order], kind="stable")]
-    level = np.log(mean_pressure[order])
-    first = np.diff(level, prepend=-np.inf) > 1e-5
-    knots, ends = order[first], level[first]
-    fall, length = -np.diff(separation[knots]), np.diff(ends)
-    falls = fall > 0.0
-    if not falls.any():
-        return stiffness
-    middle, length = 0.5 * (ends[1:] + ends[:-1])[falls], length[falls]
-    mean = np.log(fall[falls] / length)
-    rate, at_knots = mean, np.full(ends.shape, mean[0])
-    if len(mean) > 1:
-        for _ in range(10):
-            half = 0.5 * length * np.gradient(rate, middle) + 1e-9
-            rate = mean - np.log(np.sinh(half) / half)
-        at_knots = CubicSpline(middle, rate, bc_type="natural")(ends)
-    slope = mean_pressure[knots] * np.exp(-at_knots)
-    stiffness[order] = slope[np.cumsum(first) - 1]
-    return stiffness
 
 
 def interpolated_misfit(

@@ -16,7 +16,6 @@ from asperity.results.curve import ContactCurve
 from asperity.results.interpolation import (
     halved_intervals,
     interpolated_misfit,
-    spline_stiffness,
 )
 from surfaces.checks import random_map
 from surfaces.heightmap import HeightMap
@@ -176,7 +175,8 @@ def verified(
         if len(anchors) == count or over.max() <= 1.0:
             break
         anchors = np.arange(count) if len(anchors) > count // 2 else halved_intervals(anchors, over)
-    misfit = np.array([load, area, np.interp(position, position[anchors], known[2])])
+    beside = [np.interp(position, position[anchors], row) for row in known[2:]]
+    misfit = np.array([load, area, *beside])
     return corrected(hm, model, kind, points, misfit, bounds, solved)
 
 
@@ -246,8 +246,8 @@ def _judged(solved: dict[int, ContactCurve], points: Indices, name: str) -> Arra
 def misfit_at(
     model: ContactCurve, kind: str, points: Indices, solved: dict[int, ContactCurve]
 ) -> Array:
-    """Logarithms of model over boundary elements: of the load at equal separation, of the area and
-    the number of spots at equal load, shape (3, k)."""
+    """Logarithms of model over boundary elements: of the load at equal separation, of area, number
+    of spots and stiffness at equal load, shape (4, k)."""
 
     def ratio(name: str) -> Array:
         return np.asarray(np.log(getattr(model, name)[points] / _judged(solved, points, name)))
@@ -255,11 +255,18 @@ def misfit_at(
     spots = np.log(np.maximum(model.contacts[points], 1)) - np.log(
         np.maximum(_judged(solved, points, "contacts"), 1.0)
     )
+    stiffness = np.log(_tangent(model, points) / _judged(solved, points, "stiffness"))
+    beside = spots, np.where(np.isfinite(stiffness), stiffness, 0.0)
     if kind == "pressure":
         apart = model.separation[points] - _judged(solved, points, "separation")
-        return np.array([_rate(model, points) * apart, ratio("contact_area"), spots])
+        return np.array([_rate(model, points) * apart, ratio("contact_area"), *beside])
     load = ratio("mean_pressure")
-    return np.array([load, ratio("contact_area") - _growth(model, points) * load, spots])
+    return np.array([load, ratio("contact_area") - _growth(model, points) * load, *beside])
+
+
+def _tangent(model: ContactCurve, points: Indices) -> Array:
+    """Stiffness [Pa/m] of the contacts of the model, whatever other loads were solved."""
+    return np.asarray(model.extra["tangent_stiffness"][points])
 
 
 def _rate(model: ContactCurve, points: Indices) -> Array:
@@ -288,11 +295,13 @@ def corrected(
     solved: dict[int, ContactCurve],
 ) -> ContactCurve:
     """The corrected curve, with what boundary elements found at the points that they solved."""
-    load, area, spots = misfit
+    load, area, spots, stiffness = misfit
     columns: dict[str, Array] = {
         name: np.array(getattr(model, name), float)
         for name in ("mean_pressure", "separation", "contact_area", "contacts", "residual")
     }
+    columns["stiffness"] = model.stiffness.copy()
+    columns["stiffness"][points] = _tangent(model, points) * np.exp(-stiffness)
     columns["error_estimate"] = np.zeros(len(model))
     told = np.zeros(len(model))
     if kind == "pressure":
@@ -331,7 +340,7 @@ def corrected(
         area_fraction=contact_area / hm.area,
         contact_area=contact_area,
         contacts=np.rint(columns.pop("contacts")),
-        stiffness=spline_stiffness(separation, pressure, converged),
+        stiffness=columns.pop("stiffness"),
         converged=converged,
         residual=columns["residual"],
         error_estimate=columns["error_estimate"],

@@ -8,7 +8,6 @@ from strategies import rough
 
 from asperity import HalfSpace, bem_curve, bem_solve
 from asperity.errors import InputError
-from asperity.results.interpolation import spline_stiffness
 
 BODY = HalfSpace.from_modulus(1.0)
 
@@ -44,34 +43,6 @@ def test_stiffness_by_slope_and_by_energy():
     assert (curve.stiffness > 0).all()
     slope = np.gradient(curve.extra["elastic_energy"] / hm.area, -curve.separation)
     np.testing.assert_allclose(slope[1:-1], curve.mean_pressure[1:-1], rtol=0.01)
-
-
-@pytest.mark.parametrize("loads", [[9.0, 1.0, 700.0], [27.0, 3.0, 4.0, 1.0, 81.0, 243.0]])
-def test_stiffness_of_known_laws(loads):
-    """Exact for exponential and power laws, such as a sphere's, however far apart the loads."""
-    p = np.array(loads)
-    good = np.ones(len(p), bool)
-    np.testing.assert_allclose(spline_stiffness(-2.0 * np.log(p), p, good), p / 2.0, rtol=1e-8)
-    for power in (2 / 3, 0.5, 1.0):
-        depth = p**power
-        found = spline_stiffness(-depth, p, good)
-        np.testing.assert_allclose(found, p / (power * depth), rtol=1e-3)
-
-
-def test_stiffness_of_a_law_between_known_ones():
-    """ds/dp of separations that fall as a sphere's and an exponential law's, at default spacing."""
-    p = np.geomspace(0.1, 10.0, 10)
-    found = spline_stiffness(-np.log(p) - 0.3 * p ** (2 / 3), p, np.ones(10, bool))
-    np.testing.assert_allclose(found, 1 / (1 / p + 0.2 * p ** (-1 / 3)), rtol=0.01)
-
-
-def test_stiffness_leaves_out_what_did_not_converge():
-    """A failed point is marked and moves no other; no load, no stiffness; one point tells none."""
-    p, s = np.array([0.0, 1.0, 2.0, 4.0, 8.0]), np.array([9.0, 4.0, 3.0, 5.0, 1.0])
-    found = spline_stiffness(s, p, p != 4.0)
-    np.testing.assert_allclose(found, [0.0, *(p[1:3] / (1 / np.log(2))), np.nan, 8 * np.log(2)])
-    assert np.isnan(spline_stiffness(s[1:2], p[1:2], np.array([True]))).all()
-    assert not (spline_stiffness(s, p, np.ones(5, bool)) < 0).any()
 
 
 def test_prescribed_separations():

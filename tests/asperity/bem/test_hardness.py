@@ -243,34 +243,6 @@ def test_unloaded_surface_carries_the_load_elastically(boundary):
     assert again.elastic_energy == pytest.approx(found.elastic_energy, rel=1e-6)
 
 
-@pytest.mark.parametrize("boundary", ["periodic", "free"])
-def test_unloading_stiffness_is_that_of_the_unloaded_surface(boundary):
-    """The load that the surface left behind gives back, as the flat is lifted a little."""
-    mat, p = body(0.3), 0.06 * SCALE
-    options = {"boundary": boundary, "tolerance": 1e-9}
-    stiffness = bem_curve(HM, mat, pressures=[p], **options).extra["unloading_stiffness"][0]
-    left = bem_solve(HM, mat, pressure=p, **options).unloaded()
-    loads = np.array([0.998, 1.0]) * p
-    one, two = (bem_solve(left, BODY, pressure=load, **options).separation for load in loads)
-    assert stiffness == pytest.approx(np.diff(loads)[0] / (one - two), rel=0.01)
-
-
-def test_unloading_stiffness_of_a_sphere_that_stays_elastic_is_that_of_its_circle():
-    """2 E* a (Johnson 1985, section 3.3), with the radius of Hertz."""
-    y, x = np.mgrid[-40:41, -40:41]
-    ball = HeightMap(-(x**2 + y**2) / 2e4, (1.0, 1.0))
-    force = np.array([12.0, 24.0]) ** 3 * 4 / 3 * BODY.modulus / 1e4
-    stiff = bem_curve(ball, body(1e3), pressures=force / ball.area).extra["unloading_stiffness"]
-    np.testing.assert_allclose(stiff * ball.area, 2 * BODY.modulus * np.array([12, 24]), rtol=0.02)
-
-
-@pytest.mark.parametrize(("pressure", "found"), [(0.0, 0.0), (10.0, np.inf)])
-def test_unloading_stiffness_without_contact_and_all_over(pressure, found):
-    mat = HalfSpace.from_modulus(1.0, hardness=30.0 * SCALE)
-    curve = bem_curve(HM, mat, pressures=[pressure * SCALE])
-    assert curve.converged.all() and curve.extra["unloading_stiffness"][0] == found
-
-
 def test_work_done_is_elastic_and_plastic():
     """The load does work: what is stored, and the hardness times the volume that yielded."""
     mat = body(0.3)

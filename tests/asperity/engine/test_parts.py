@@ -186,7 +186,7 @@ class Counted:
 
     def __call__(self, part, plan, pressures, **told):
         self.solved.append(len(pressures))
-        return np.full((3, len(pressures)), self.misfit)
+        return np.full((4, len(pressures)), self.misfit)
 
 
 def test_no_part_is_solved_at_a_load_whose_bound_would_be_too_wide():
