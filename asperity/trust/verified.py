@@ -13,10 +13,7 @@ from numpy.typing import NDArray
 from asperity.halfspace.material import HalfSpace
 from asperity.parameters import DEFAULTS
 from asperity.results.curve import ContactCurve
-from asperity.results.interpolation import (
-    halved_intervals,
-    interpolated_misfit,
-)
+from asperity.results.interpolation import halved_intervals, interpolated_misfit
 from surfaces.checks import random_map
 from surfaces.heightmap import HeightMap
 
@@ -62,6 +59,9 @@ single summits, and the misfit does not vary slowly."""
 
 YIELDED_COLUMNS = "plastic_share", "unloading_stiffness"
 """Columns of the model that a curve with a hardness keeps."""
+
+CORRECTED = "mean_pressure", "separation", "contact_area", "contacts", "stiffness", "residual"
+"""Columns of the model that boundary elements correct."""
 
 KEPT = "law", "boundary", "modulus", "m", "hardness", "input", "map", "pressure_scale", "warnings"
 """Settings of the model that a verified curve keeps."""
@@ -255,18 +255,14 @@ def misfit_at(
     spots = np.log(np.maximum(model.contacts[points], 1)) - np.log(
         np.maximum(_judged(solved, points, "contacts"), 1.0)
     )
-    stiffness = np.log(_tangent(model, points) / _judged(solved, points, "stiffness"))
+    tangent = model.extra["tangent_stiffness"][points]
+    stiffness = np.log(tangent / _judged(solved, points, "stiffness"))
     beside = spots, np.where(np.isfinite(stiffness), stiffness, 0.0)
     if kind == "pressure":
         apart = model.separation[points] - _judged(solved, points, "separation")
         return np.array([_rate(model, points) * apart, ratio("contact_area"), *beside])
     load = ratio("mean_pressure")
     return np.array([load, ratio("contact_area") - _growth(model, points) * load, *beside])
-
-
-def _tangent(model: ContactCurve, points: Indices) -> Array:
-    """Stiffness [Pa/m] of the contacts of the model, whatever other loads were solved."""
-    return np.asarray(model.extra["tangent_stiffness"][points])
 
 
 def _rate(model: ContactCurve, points: Indices) -> Array:
@@ -296,12 +292,8 @@ def corrected(
 ) -> ContactCurve:
     """The corrected curve, with what boundary elements found at the points that they solved."""
     load, area, spots, stiffness = misfit
-    columns: dict[str, Array] = {
-        name: np.array(getattr(model, name), float)
-        for name in ("mean_pressure", "separation", "contact_area", "contacts", "residual")
-    }
-    columns["stiffness"] = model.stiffness.copy()
-    columns["stiffness"][points] = _tangent(model, points) * np.exp(-stiffness)
+    columns: dict[str, Array] = {name: np.array(getattr(model, name), float) for name in CORRECTED}
+    columns["stiffness"][points] = model.extra["tangent_stiffness"][points] * np.exp(-stiffness)
     columns["error_estimate"] = np.zeros(len(model))
     told = np.zeros(len(model))
     if kind == "pressure":
