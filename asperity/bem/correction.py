@@ -96,6 +96,9 @@ class Outcome:
         Whether it was met, and why not.
     stiffness
         Slope of the mean of p~ over the level (`contact_stiffness`) [-]; zero where not asked for.
+    contact
+        Raw area [m^2], corrected area [m^2] and number of patches (`read_contact`); zero where not
+        asked for.
     """
 
     reading: Reading
@@ -104,6 +107,7 @@ class Outcome:
     converged: bool
     reason: str
     stiffness: float = 0.0
+    contact: tuple[float, float, int] = (0.0, 0.0, 0)
 
 
 class Level:

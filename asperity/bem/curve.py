@@ -39,7 +39,6 @@ from .accuracy import (
 from .memory import fits
 from .path import LoadPath, follow_chains, split_loads
 from .problem import ContactProblem
-from .solution import read_contact
 
 __all__ = ["SolvedLoad", "bem_curve"]
 
@@ -236,13 +235,12 @@ def bem_curve(
 def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> SolvedLoad:
     """Solve at one load and read the point off the state, with its contact map if that is kept."""
     problem = path.problem
-    hm, exact, cap = problem.hm, problem.level.exact, problem.level.cap
+    hm, exact = problem.hm, problem.level.exact
     begun, pairs = time.perf_counter(), exact.pairs
     outcome = path.solve(**{kind: value})
     certificate = outcome.reading.certificate
     contact = problem.level.pressure > 0.0 if keep_map else _NO_MAP
-    seam = problem.boundary == "periodic"
-    raw, area, patches = read_contact(exact.pressure, hm.spacing, hm.shape[1], cap, periodic=seam)
+    raw, area, patches = outcome.contact
     mean = problem.mean_pressure(outcome)
     columns = {
         "separation": problem.separation(outcome),
@@ -255,7 +253,7 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
         "converged": outcome.converged,
         "residual": certificate.worst,
         "error_estimate": problem.load_error(outcome),
-        "area_error_estimate": problem.area_error(outcome),
+        "area_error_estimate": problem.area_error(outcome)[0],
         "load_error": certificate.load,
         "complementarity": certificate.complementarity,
         "penetration": certificate.penetration,
@@ -265,7 +263,7 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
         "fft_pairs": exact.pairs - pairs,
         "seconds": time.perf_counter() - begun,
     }
-    if math.isfinite(cap):
+    if math.isfinite(problem.level.cap):
         held = outcome.reading.held * (hm.area / hm.heights.size)
         columns |= {"lift": certificate.lift, "plastic_share": min(held / max(area, 1e-300), 1.0)}
         columns["plastic_work"] = problem.plastic_work(outcome)

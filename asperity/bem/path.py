@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ._grid_kernels import extrapolate
 from .correction import Outcome, PoorPredictionError, PressureOrigin
 from .problem import AREA_OVER_LOAD_ERROR, ContactProblem
+from .solution import read_contact
 from .stiffness import contact_stiffness
 
 __all__ = ["LoadPath", "follow_chains", "split_loads"]
@@ -161,9 +162,16 @@ class LoadPath:
     def _solved(
         self, load: float, offset: float | None, tolerance: float, origin: PressureOrigin
     ) -> Outcome:
-        """Solve on the finest grid, with the stiffness of the contact found."""
-        level = self.problem.level
+        """Solve on the finest grid, with the area and the stiffness of the contact found."""
+        level, hm = self.problem.level, self.problem.hm
         outcome = level.solve(load, offset, tolerance, origin)
+        outcome.contact = read_contact(
+            level.exact.pressure,
+            hm.spacing,
+            hm.shape[1],
+            level.cap,
+            periodic=self.problem.boundary == "periodic",
+        )
         if outcome.converged:
             outcome.stiffness = contact_stiffness(level, outcome.reading)
         return outcome
@@ -172,8 +180,8 @@ class LoadPath:
         """Solve further until load and area are known to the accuracy: mostly once, again where
         points open or close together."""
         for _ in range(_MOST_TIMES if self._accuracy < math.inf else 0):
-            grain = 1.0 / max(outcome.reading.points, 1)
-            error = max(self.problem.area_error(outcome), self.problem.load_error(outcome) + grain)
+            area, grain = self.problem.area_error(outcome)
+            error = max(area, self.problem.load_error(outcome) + grain)
             if error <= grain or not outcome.converged:
                 break
             tolerance = self._tighten(outcome, error - grain, grain)

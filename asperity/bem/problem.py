@@ -276,9 +276,11 @@ class ContactProblem:
         now = _level_error(outcome) * now if math.isfinite(now) else 0.0
         return max(_past_error(outcome), now)
 
-    def area_error(self, outcome: Outcome) -> float:
+    def area_error(self, outcome: Outcome) -> tuple[float, float]:
         """Bound on the relative error of the contact area at equal load [-]: three times that of
-        the load by F/U, or what points do that open or close together, and one pixel.
+        the load by F/U, or what points do that open or close together, and one pixel; and that of
+        one pixel alone. The area of small patches, corrected for their edges, is less than that of
+        their pixels, each of which is a larger share of it.
 
         Notes
         -----
@@ -286,9 +288,9 @@ class ContactProblem:
         are as far from contact, so that the area changes by steps of many pixels. The largest step
         near the solution counts in full. On random maps points open and close one by one.
         """
-        points = outcome.reading.points
-        if points == 0:
-            return 0.0
+        pixels = outcome.contact[1] / (self.hm.spacing[0] * self.hm.spacing[1])
+        if pixels == 0.0:
+            return 0.0, 0.0
         exact = self.level.exact
         counts = np.zeros((2, round(_DECIDED * _TOGETHER)), np.int64)
         step = _level_error(outcome) / _TOGETHER
@@ -296,8 +298,8 @@ class ContactProblem:
         known = outcome.reading.block_low, outcome.reading.level
         undecided(*fields, *known, self.own, step, *counts)
         opening, closing = (int(most) for most in counts.max(axis=1))
-        leap = max(opening / max(points - opening, 1), closing / points)
-        return max(AREA_OVER_LOAD_ERROR * _past_error(outcome), leap) + 1.0 / points
+        leap = max(opening / max(pixels - opening, 1.0), closing / pixels)
+        return max(AREA_OVER_LOAD_ERROR * _past_error(outcome), leap) + 1.0 / pixels, 1.0 / pixels
 
     def settings(self) -> dict[str, Any]:
         """Everything needed to repeat a run."""
