@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.errors import FileFormatError, InputError
 from surfaces.files.atomic import replacing
 
-from .interpolation import READ_FIELDS, read_off
+from .interpolation import READ_FIELDS, knots_of, read_off
 from .storage import CurveRecord
 
 __all__ = ["BANDS", "FORMATS", "UNITS", "InterfaceLaw"]
@@ -111,7 +111,7 @@ class InterfaceLaw:
         """
         columns = {name: record.columns[name] for name in READ_FIELDS}
         good, loads = record.columns["converged"].astype(bool), columns["mean_pressure"]
-        usable = loads[good & (loads > 0) & np.isfinite(columns["separation"])]
+        usable = loads[knots_of(columns, good)]
         if usable.size < 2:
             raise InputError("the curve has fewer than two converged points with load")
         # the error and the conductance are read off as the stiffness is

@@ -19,6 +19,7 @@ __all__ = [
     "curve_stiffness",
     "halved_intervals",
     "interpolated_misfit",
+    "knots_of",
     "read_off",
 ]
 
@@ -110,16 +111,12 @@ def read_off(
             "give one of pressure, load, separation or area_fraction to read the curve off"
         )
     name, (column, unit) = given[0], QUESTIONS[given[0]]
-    pressures, separations = columns["mean_pressure"], columns["separation"]
-    usable = converged & (pressures > 0) & np.isfinite(separations)
-    order = np.flatnonzero(usable)[np.argsort(pressures[usable])]
-    order = order[_rising(pressures[order])]
-    order = order[_rising(-separations[order])]
+    order = knots_of(columns, converged)
     if column == "area_fraction":
         order = order[_rising(columns[column][order])]
     if len(order) < 2:
         raise InputError("the curve has fewer than two converged points with load")
-    log_p = np.log(pressures[order])
+    log_p = np.log(columns["mean_pressure"][order])
     try:
         asked: NDArray[np.float64] = np.ma.filled(
             np.ma.asarray(questions[name], dtype=float), np.nan
@@ -158,6 +155,19 @@ def read_off(
     if column != "mean_pressure":  # what was asked for comes back
         found[column] = asked[()]
     return CurvePoint(**found)
+
+
+def knots_of(
+    columns: Mapping[str, NDArray[Any]], converged: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    """Points of a curve that it is read off between, by rising load: those with load and a smaller
+    separation than all before, so that of full contact the lightest load alone."""
+    pressures, separations = columns["mean_pressure"], columns["separation"]
+    usable = converged & (pressures > 0) & np.isfinite(separations)
+    order = np.flatnonzero(usable)[np.argsort(pressures[usable])]
+    order = order[_rising(pressures[order])]
+    scale = np.abs(separations[order]).max(initial=0.0) or 1.0
+    return order[_rising(np.round(-separations[order] / scale, 12))]  # rounding is no smaller gap
 
 
 def _rising(values: NDArray[np.float64]) -> NDArray[np.bool_]:

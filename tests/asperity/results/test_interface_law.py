@@ -59,6 +59,16 @@ def test_the_band_holds_the_law_and_rises_with_it(curve):
     assert (np.diff(law.lower) > 0).all() and (np.diff(law.upper) > 0).all()
 
 
+def test_a_law_ends_where_no_gap_is_left():
+    """Of several loads in full contact of a periodic cell the lightest one is its last row."""
+    hm = surfaces.self_affine((48, 48), (1.0, 1.0), hurst=0.8, rms_slope=0.1, cutoff=0.1)
+    loads = np.array([1e-3, 1e-2, 0.05, 0.2, 1.0, 10.0])
+    full = asperity.bem_curve(hm, asperity.HalfSpace.from_modulus(1.0), pressures=loads)
+    assert (full.area_fraction[3:] == 1.0).all()
+    law = full.to_interface_law()
+    assert law.pressure[-1] == pytest.approx(0.2) and (np.diff(law.overclosure) > 0).all()
+
+
 def test_hardness_bounds_the_band_and_is_told(tmp_path):
     hard = 1.05e9
     law = made(asperity.HalfSpace(210e9, 0.3, hardness=hard)).to_interface_law()
