@@ -152,7 +152,7 @@ class LoadPath:
         if outcome is None:
             coarse = problem.start(load, offset)
             if coarse is not None and coarse.converged:
-                self._tighten(coarse, problem.load_error(coarse) * AREA_OVER_LOAD_ERROR, 0.0)
+                self._needed_tolerance(coarse, problem.load_error(coarse) * AREA_OVER_LOAD_ERROR, 0.0)
             outcome = self._solved(load, offset, self._tolerance, PressureOrigin.PROLONGED)
             outcome.iterations += coarse.iterations if coarse is not None else 0
         outcome = self._sharpened(outcome, load, offset)
@@ -184,7 +184,7 @@ class LoadPath:
             error = max(area, self.problem.load_error(outcome) + grain)
             if error <= grain or not outcome.converged:
                 break
-            tolerance = self._tighten(outcome, error - grain, grain)
+            tolerance = self._needed_tolerance(outcome, error - grain, grain)
             if error <= self._accuracy or tolerance >= outcome.tolerance:
                 break
             spent = outcome.iterations
@@ -192,7 +192,7 @@ class LoadPath:
             outcome.iterations += spent
         return outcome
 
-    def _tighten(self, outcome: Outcome, error: float, grain: float) -> float:
+    def _needed_tolerance(self, outcome: Outcome, error: float, grain: float) -> float:
         """Tolerance at which the area would be within the accuracy, where an outcome leaves such an
         error beside that of a pixel; the next load begins with it."""
         if not 0.0 < error < math.inf:
