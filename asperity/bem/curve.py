@@ -36,6 +36,7 @@ from .accuracy import (
     loads_to_solve,
     require_accuracy,
 )
+from .bounds import area_error, load_error
 from .memory import fits
 from .path import LoadPath, follow_chains, split_loads
 from .problem import ContactProblem
@@ -135,7 +136,7 @@ def bem_curve(
         In the order asked for. `stiffness` is that of the contact found (`contact_stiffness`),
         infinite in full contact of a periodic cell. `residual` is the worst entry of the
         certificate, and `error_estimate` the bound on the error of the load on the grid that was
-        solved (`ContactProblem.load_error`), `extra["area_error_estimate"]` that of the area
+        solved (`bounds.load_error`), `extra["area_error_estimate"]` that of the area
         (`area_error`). `extra` holds the certificate by entry, raw area, elastic energy,
         iterations, transform pairs and seconds, with a hardness `plastic_share`; a point that
         missed the tolerance is marked and explained.
@@ -252,8 +253,8 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
         "stiffness": problem.stiffness(outcome) if outcome.converged else math.nan,
         "converged": outcome.converged,
         "residual": certificate.worst,
-        "error_estimate": problem.load_error(outcome),
-        "area_error_estimate": problem.area_error(outcome)[0],
+        "error_estimate": load_error(problem, outcome),
+        "area_error_estimate": area_error(problem, outcome)[0],
         "load_error": certificate.load,
         "complementarity": certificate.complementarity,
         "penetration": certificate.penetration,

@@ -16,10 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._grid_kernels import extrapolate
+from .bounds import AREA_OVER_LOAD_ERROR, area_error, load_error
 from .correction import Outcome, PoorPredictionError, PressureOrigin
-from .problem import AREA_OVER_LOAD_ERROR, ContactProblem
-from .solution import read_contact
-from .stiffness import contact_stiffness
+from .problem import ContactProblem
 
 __all__ = ["LoadPath", "follow_chains", "split_loads"]
 
@@ -146,49 +145,33 @@ class LoadPath:
         if near and self._two_known():
             self._predict(mean)
             with contextlib.suppress(PoorPredictionError):
-                outcome = self._solved(load, offset, self._tolerance, PressureOrigin.PREDICTED)
+                outcome = problem.solve(load, offset, self._tolerance, PressureOrigin.PREDICTED)
         else:
             self._old = self._copied() if near else None
         if outcome is None:
             coarse = problem.start(load, offset)
             if coarse is not None and coarse.converged:
-                self._needed_tolerance(coarse, problem.load_error(coarse) * AREA_OVER_LOAD_ERROR, 0.0)
-            outcome = self._solved(load, offset, self._tolerance, PressureOrigin.PROLONGED)
+                area = AREA_OVER_LOAD_ERROR * load_error(problem, coarse)
+                self._needed_tolerance(coarse, area, 0.0)
+            outcome = problem.solve(load, offset, self._tolerance, PressureOrigin.PROLONGED)
             outcome.iterations += coarse.iterations if coarse is not None else 0
         outcome = self._sharpened(outcome, load, offset)
         self._remember(outcome)
-        return outcome
-
-    def _solved(
-        self, load: float, offset: float | None, tolerance: float, origin: PressureOrigin
-    ) -> Outcome:
-        """Solve on the finest grid, with the area and the stiffness of the contact found."""
-        level, hm = self.problem.level, self.problem.hm
-        outcome = level.solve(load, offset, tolerance, origin)
-        outcome.contact = read_contact(
-            level.exact.pressure,
-            hm.spacing,
-            hm.shape[1],
-            level.cap,
-            periodic=self.problem.boundary == "periodic",
-        )
-        if outcome.converged:
-            outcome.stiffness = contact_stiffness(level, outcome.reading)
         return outcome
 
     def _sharpened(self, outcome: Outcome, load: float, offset: float | None) -> Outcome:
         """Solve further until load and area are known to the accuracy: mostly once, again where
         points open or close together."""
         for _ in range(_MOST_TIMES if self._accuracy < math.inf else 0):
-            area, grain = self.problem.area_error(outcome)
-            error = max(area, self.problem.load_error(outcome) + grain)
+            area, grain = area_error(self.problem, outcome)
+            error = max(area, load_error(self.problem, outcome) + grain)
             if error <= grain or not outcome.converged:
                 break
             tolerance = self._needed_tolerance(outcome, error - grain, grain)
             if error <= self._accuracy or tolerance >= outcome.tolerance:
                 break
             spent = outcome.iterations
-            outcome = self._solved(load, offset, tolerance, PressureOrigin.SOLVED)
+            outcome = self.problem.solve(load, offset, tolerance, PressureOrigin.SOLVED)
             outcome.iterations += spent
         return outcome
 

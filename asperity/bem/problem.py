@@ -16,30 +16,15 @@ from asperity.threads import require_own_threads
 from asperity.threads import threads as thread_count
 from surfaces.heightmap import HeightMap
 
-from ._grid_kernels import undecided
-from .correction import Level, Outcome
+from .correction import Level, Outcome, PressureOrigin
 from .grids import CoarseMaps, level_shapes, prolong
 from .memory import require_memory
 from .operator import HalfSpaceOperator
+from .solution import read_contact
 from .stiffness import contact_stiffness
 from .transform import Scratch
 
-__all__ = [
-    "AREA_OVER_LOAD_ERROR",
-    "ContactProblem",
-]
-
-AREA_OVER_LOAD_ERROR = 3.0
-"""Bound on the error of the contact area at equal load over that of the load at equal separation
-(docs/development/verification.md)."""
-
-_DECIDED = 3.0
-"""Length that decides whether a point is closed, over the error of the level, from which on it is
-known: the certificate weights points by their pressure, and leaves light ones a larger error."""
-
-_TOGETHER = 8
-"""Parts of the error of the level within which points open or close together: points of equal
-places on a lattice do."""
+__all__ = ["ContactProblem"]
 
 _COARSE_TOLERANCE = 1e-2
 """Bound on the certificate on the coarser grids."""
@@ -235,6 +220,20 @@ class ContactProblem:
         else:
             level.pressure[:] = mean
 
+    def solve(
+        self, load: float, offset: float | None, tolerance: float, origin: PressureOrigin
+    ) -> Outcome:
+        """Solve on the finest grid, see `Level.solve`, with the area and the stiffness of the
+        contact found."""
+        level, seam = self.level, self.boundary == "periodic"
+        outcome = level.solve(load, offset, tolerance, origin)
+        outcome.contact = read_contact(
+            level.exact.pressure, self.hm.spacing, self.hm.shape[1], level.cap, periodic=seam
+        )
+        if outcome.converged:
+            outcome.stiffness = contact_stiffness(level, outcome.reading)
+        return outcome
+
     def separation(self, outcome: Outcome) -> float:
         """Separation reached [m]."""
         return float(-outcome.reading.level - self.level.mean_height) * self.unit
@@ -262,45 +261,6 @@ class ContactProblem:
         found = contact_stiffness(self.level, outcome.reading, unloading=True)
         return found / self.level.exact.compliance
 
-    def load_error(self, outcome: Outcome) -> float:
-        """Bound on the relative error of the load at equal separation [-], from the certificate.
-
-        Notes
-        -----
-        A certificate e is relative to the rms height h, so that the level of the contact may be off
-        by e h, and the load by the factor e h k with k = -d ln F/ds: that of the contact as it is,
-        or F/U (`_past_error`), whichever is larger. In full contact of a periodic cell, where no
-        load changes the separation, it is F/U.
-        """
-        now = outcome.stiffness * self.level.heights.size / max(outcome.reading.total, 1e-300)
-        now = _level_error(outcome) * now if math.isfinite(now) else 0.0
-        return max(_past_error(outcome), now)
-
-    def area_error(self, outcome: Outcome) -> tuple[float, float]:
-        """Bound on the relative error of the contact area at equal load [-]: three times that of
-        the load by F/U, or what points do that open or close together, and one pixel; and that of
-        one pixel alone. The area of small patches, corrected for their edges, is less than that of
-        their pixels, each of which is a larger share of it.
-
-        Notes
-        -----
-        On a lattice of equal hills, and on single waves, whole rings of points around all contacts
-        are as far from contact, so that the area changes by steps of many pixels. The largest step
-        near the solution counts in full. On random maps points open and close one by one.
-        """
-        pixels = outcome.contact[1] / (self.hm.spacing[0] * self.hm.spacing[1])
-        if pixels == 0.0:
-            return 0.0, 0.0
-        exact = self.level.exact
-        counts = np.zeros((2, round(_DECIDED * _TOGETHER)), np.int64)
-        step = _level_error(outcome) / _TOGETHER
-        fields = exact.pressure, exact.displacement, self.level.heights
-        known = outcome.reading.block_low, outcome.reading.level
-        undecided(*fields, *known, self.own, step, *counts)
-        opening, closing = (int(most) for most in counts.max(axis=1))
-        leap = max(opening / max(pixels - opening, 1.0), closing / pixels)
-        return max(AREA_OVER_LOAD_ERROR * _past_error(outcome), leap) + 1.0 / pixels, 1.0 / pixels
-
     def settings(self) -> dict[str, Any]:
         """Everything needed to repeat a run."""
         return {
@@ -312,23 +272,6 @@ class ContactProblem:
             "spacing": self.hm.spacing,
             "threads": thread_count(),
         }
-
-
-def _past_error(outcome: Outcome) -> float:
-    """Relative error of the load by k = F/U, with the work done U = int_s F ds', elastic and
-    plastic: an upper bound of k wherever it falls with the load, as it does at light loads of rough
-    surfaces and of every body that is blunt at its tip."""
-    total = outcome.reading.total
-    work = 0.5 * outcome.reading.moment + outcome.reading.plastic_work
-    if total == 0.0:
-        return 0.0
-    return _level_error(outcome) * total / work if work > 0.0 else math.inf
-
-
-def _level_error(outcome: Outcome) -> float:
-    """Bound on the error of the level of the contact, in units."""
-    worst = max(outcome.tolerance, outcome.reading.certificate.worst)
-    return worst * outcome.reading.scale
 
 
 def _unit(rms_height: float) -> float:

@@ -44,6 +44,12 @@ class BemSolution:
         the mean gap less the mean plastic depth.
     mean_pressure, load
         Load over nominal area [Pa] and normal load [N].
+    stiffness
+        Minus the slope of mean pressure over separation [Pa/m]; infinite in full contact of a
+        periodic cell, NaN if not converged.
+    error_estimate, area_error_estimate
+        Bounds on the relative errors of the load at equal separation and of the contact area at
+        equal load.
     elastic_energy
         Elastic energy stored by the contact, ``1/2 int p u dA`` [J], displacements measured from
         the mean plane (periodic) or from infinity (free).
@@ -75,6 +81,9 @@ class BemSolution:
     separation: float
     mean_pressure: float
     load: float
+    stiffness: float
+    error_estimate: float
+    area_error_estimate: float
     elastic_energy: float
     certificate: Certificate
     converged: bool
@@ -168,6 +177,8 @@ class BemSolution:
             f"{self.contacts} patches" + self._plastic(),
             f"certificate      load {c.load:.1e}, complementarity {c.complementarity:.1e}, "
             f"penetration {c.penetration:.1e}" + (f", lift {c.lift:.1e}" if c.lift else ""),
+            f"bounds           load {100 * self.error_estimate:.2g} %, "
+            f"area {100 * self.area_error_estimate:.2g} %",
             f"cost             {self.fft_pairs} transform pairs, {self.iterations} iterations, "
             f"{sum(self.seconds.values()):.3g} s",
         ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 
 import numpy as np
@@ -14,6 +15,7 @@ from asperity.halfspace.scene import expected_area_fraction, require_scene
 from surfaces.heightmap import HeightMap
 
 from ._grid_kernels import finish
+from .bounds import area_error, load_error
 from .correction import PressureOrigin
 from .problem import ContactProblem
 from .solution import BemSolution
@@ -98,7 +100,8 @@ def bem_solve(
     coarse = problem.start(load, offset, start)
     middle = time.perf_counter()
     origin = PressureOrigin.PROLONGED if touches and start is None else PressureOrigin.GIVEN
-    outcome = problem.level.solve(load, offset, problem.tolerance, origin)
+    outcome = problem.solve(load, offset, problem.tolerance, origin)
+    bounds = load_error(problem, outcome), area_error(problem, outcome)[0]
     exact, reading = problem.level.exact, outcome.reading
     level = reading.level if offset is None else offset
     gap = exact.displacement[:, : hm.shape[1]]
@@ -127,6 +130,9 @@ def bem_solve(
         separation=problem.separation(outcome),
         mean_pressure=mean,
         load=mean * hm.area,
+        stiffness=problem.stiffness(outcome) if outcome.converged else math.nan,
+        error_estimate=bounds[0],
+        area_error_estimate=bounds[1],
         elastic_energy=problem.elastic_energy(outcome),
         certificate=reading.certificate,
         converged=outcome.converged,

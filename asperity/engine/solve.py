@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from asperity.bem.bounds import AREA_OVER_LOAD_ERROR
 from asperity.bem.curve import bem_curve
 from asperity.bem.memory import fits
-from asperity.bem.problem import AREA_OVER_LOAD_ERROR
 from asperity.compilation import compile_ahead, curve_parts
 from asperity.contacts.run import ContactRun, solve_contacts
 from asperity.errors import InputError, ModelRangeError, cautious, warn_once

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from strategies import rough
 
-from asperity import HalfSpace, bem_curve
+from asperity import HalfSpace, bem_curve, bem_solve
 from asperity.halfspace.scene import default_pressures
 from surfaces import HeightMap, self_affine
 
@@ -130,3 +130,19 @@ def test_one_pixel_counts_by_what_it_changes_of_the_corrected_area():
     area = curve.contact_area[0]
     assert curve.extra["contact_area_raw"][0] == 4.0 and area == pytest.approx(2.11, rel=1e-3)
     assert curve.extra["area_error_estimate"][0] == pytest.approx(1.0 / area, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "prescribed", [{"pressure": 0.004}, {"separation": 0.5}, {"pressure": 0.0}]
+)
+def test_one_solution_has_the_bounds_and_the_stiffness_of_a_curve(prescribed):
+    hm = waves(4)
+    one = bem_solve(hm, BODY, **prescribed, tolerance=1e-4)
+    curve = bem_curve(
+        hm, BODY, **{f"{name}s": [value] for name, value in prescribed.items()}, tolerance=1e-4
+    )
+    for name in ("stiffness", "error_estimate", "contact_area", "separation"):
+        assert getattr(one, name) == pytest.approx(getattr(curve, name)[0], rel=1e-6), name
+    told = curve.extra["area_error_estimate"][0]
+    assert one.area_error_estimate == pytest.approx(told, rel=1e-6)
+    assert f"bounds           load {100 * one.error_estimate:.2g} %" in str(one)

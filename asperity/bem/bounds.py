@@ -1,0 +1,83 @@
+"""What a certificate bounds: the errors of the load at equal separation and of the contact area."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ._grid_kernels import undecided
+from .correction import Outcome
+from .problem import ContactProblem
+
+__all__ = ["AREA_OVER_LOAD_ERROR", "area_error", "load_error"]
+
+AREA_OVER_LOAD_ERROR = 3.0
+"""Bound on the error of the contact area at equal load over that of the load at equal separation
+(docs/development/verification.md)."""
+
+_DECIDED = 3.0
+"""Length that decides whether a point is closed, over the error of the level, from which on it is
+known: the certificate weights points by their pressure, and leaves light ones a larger error."""
+
+_TOGETHER = 8
+"""Parts of the error of the level within which points open or close together: points of equal
+places on a lattice do."""
+
+
+def load_error(problem: ContactProblem, outcome: Outcome) -> float:
+    """Bound on the relative error of the load at equal separation [-], from the certificate.
+
+    Notes
+    -----
+    A certificate e is relative to the rms height h, so that the level of the contact may be off
+    by e h, and the load by the factor e h k with k = -d ln F/ds: that of the contact as it is,
+    or F/U (`_past_error`), whichever is larger. In full contact of a periodic cell, where no
+    load changes the separation, it is F/U.
+    """
+    now = outcome.stiffness * problem.level.heights.size / max(outcome.reading.total, 1e-300)
+    now = _level_error(outcome) * now if math.isfinite(now) else 0.0
+    return max(_past_error(outcome), now)
+
+
+def area_error(problem: ContactProblem, outcome: Outcome) -> tuple[float, float]:
+    """Bound on the relative error of the contact area at equal load [-]: three times that of
+    the load by F/U, or what points do that open or close together, and one pixel; and that of
+    one pixel alone. The area of small patches, corrected for their edges, is less than that of
+    their pixels, each of which is a larger share of it.
+
+    Notes
+    -----
+    On a lattice of equal hills, and on single waves, whole rings of points around all contacts
+    are as far from contact, so that the area changes by steps of many pixels. The largest step
+    near the solution counts in full. On random maps points open and close one by one.
+    """
+    pixels = outcome.contact[1] / (problem.hm.spacing[0] * problem.hm.spacing[1])
+    if pixels == 0.0:
+        return 0.0, 0.0
+    exact = problem.level.exact
+    counts = np.zeros((2, round(_DECIDED * _TOGETHER)), np.int64)
+    step = _level_error(outcome) / _TOGETHER
+    fields = exact.pressure, exact.displacement, problem.level.heights
+    known = outcome.reading.block_low, outcome.reading.level
+    undecided(*fields, *known, problem.own, step, *counts)
+    opening, closing = (int(most) for most in counts.max(axis=1))
+    leap = max(opening / max(pixels - opening, 1.0), closing / pixels)
+    return max(AREA_OVER_LOAD_ERROR * _past_error(outcome), leap) + 1.0 / pixels, 1.0 / pixels
+
+
+def _past_error(outcome: Outcome) -> float:
+    """Relative error of the load by k = F/U, with the work done U = int_s F ds', elastic and
+    plastic: an upper bound of k wherever it falls with the load, as it does at light loads of rough
+    surfaces and of every body that is blunt at its tip."""
+    total = outcome.reading.total
+    work = 0.5 * outcome.reading.moment + outcome.reading.plastic_work
+    if total == 0.0:
+        return 0.0
+    return _level_error(outcome) * total / work if work > 0.0 else math.inf
+
+
+def _level_error(outcome: Outcome) -> float:
+    """Bound on the error of the level of the contact, in units."""
+    worst = max(outcome.tolerance, outcome.reading.certificate.worst)
+    return worst * outcome.reading.scale
