@@ -50,7 +50,8 @@ def area_error(problem: ContactProblem, outcome: Outcome) -> tuple[float, float]
     -----
     On a lattice of equal hills, and on single waves, whole rings of points around all contacts
     are as far from contact, so that the area changes by steps of many pixels. The largest step
-    near the solution counts in full. On random maps points open and close one by one.
+    near the solution counts in full. On random maps points open and close one by one; where within
+    the error of the level more would open than close, too many carry next to nothing still.
     """
     pixels = outcome.contact[1] / (problem.hm.spacing[0] * problem.hm.spacing[1])
     if pixels == 0.0:
@@ -61,8 +62,9 @@ def area_error(problem: ContactProblem, outcome: Outcome) -> tuple[float, float]
     fields = exact.pressure, exact.displacement, problem.level.heights
     known = outcome.reading.block_low, outcome.reading.level
     undecided(*fields, *known, problem.own, step, *counts)
-    opening, closing = (int(most) for most in counts.max(axis=1))
-    leap = max(opening / max(pixels - opening, 1.0), closing / pixels)
+    opening, closing = counts.max(axis=1)
+    opening = max(opening, counts[0].sum() - counts[1].sum())
+    leap = float(max(opening / max(pixels - opening, 1.0), closing / pixels))
     return max(AREA_OVER_LOAD_ERROR * _past_error(outcome), leap) + 1.0 / pixels, 1.0 / pixels
 
 

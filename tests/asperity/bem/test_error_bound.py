@@ -90,6 +90,21 @@ def test_points_that_open_or_close_together_count(waves):
         assert np.mean(curve.extra["area_error_estimate"] <= accuracy) > 0.8
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_many_points_that_carry_next_to_nothing_count(seed):
+    """Fine waves on one wide hill, nearly all in contact: a tenth of it opens within the error."""
+    y, x = np.mgrid[:64, :80]
+    hill = np.cos(2 * np.pi * x / 80) + np.cos(2 * np.pi * y / 64)
+    fine = rough((64, 80), (64.0, 80.0), cutoff=6.0, seed=seed).heights
+    hm = HeightMap(0.1 * (hill + 0.002 * fine), (1.0, 1.0), periodic=True)
+    loads = default_pressures(hm, BODY, 24)[-8:] * 3.0
+    exact = bem_curve(hm, BODY, pressures=loads, tolerance=1e-8)
+    for load in loads:
+        curve = bem_curve(hm, BODY, pressures=[load], accuracy=0.1, coarsen=False)
+        _, area = errors(curve, exact.select(np.flatnonzero(loads == load)))
+        assert (area <= curve.extra["area_error_estimate"]).all()
+
+
 def test_decay_of_the_load_from_the_elastic_energy():
     """F/U is k = -d ln F/ds for the exponential law, 5/3 of it for a single Hertz contact."""
     hm = waves(1)
