@@ -50,8 +50,8 @@ def area_error(problem: ContactProblem, outcome: Outcome) -> tuple[float, float]
     -----
     On a lattice of equal hills, and on single waves, whole rings of points around all contacts
     are as far from contact, so that the area changes by steps of many pixels. The largest step
-    near the solution counts in full. On random maps points open and close one by one; where within
-    the error of the level more would open than close, too many carry next to nothing still.
+    near the solution counts in full. On random maps points open and close one by one; where of
+    those that are not known more would open than close, too many carry next to nothing still.
     """
     pixels = outcome.contact[1] / (problem.hm.spacing[0] * problem.hm.spacing[1])
     if pixels == 0.0:

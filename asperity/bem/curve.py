@@ -250,7 +250,7 @@ def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> Sol
         "area_fraction": area / hm.area,
         "contact_area": area,
         "contacts": patches,
-        "stiffness": problem.stiffness(outcome) if outcome.converged else math.nan,
+        "stiffness": problem.stiffness(outcome),
         "converged": outcome.converged,
         "residual": certificate.worst,
         "error_estimate": load_error(problem, outcome),

@@ -176,8 +176,8 @@ class LoadPath:
         return outcome
 
     def _needed_tolerance(self, outcome: Outcome, error: float, grain: float) -> float:
-        """Tolerance at which the area would be within the accuracy, where an outcome leaves such an
-        error beside that of a pixel; the next load begins with it."""
+        """Tolerance at which load and area would be within the accuracy, where an outcome leaves
+        such an error beside that of a pixel; the next load begins with it."""
         if not 0.0 < error < math.inf:
             return outcome.tolerance
         allowed = max(self._accuracy - grain, _LEAST_SHARE * self._accuracy)

@@ -253,11 +253,15 @@ class ContactProblem:
         return outcome.reading.plastic_work * self.unit / self.compliance * cell
 
     def stiffness(self, outcome: Outcome) -> float:
-        """Minus the slope of mean pressure over separation [Pa/m]."""
-        return outcome.stiffness / self.level.exact.compliance
+        """Minus the slope of mean pressure over separation [Pa/m], NaN if not converged."""
+        found = outcome.stiffness if outcome.converged else math.nan
+        return found / self.level.exact.compliance
 
     def unloading_stiffness(self, outcome: Outcome) -> float:
-        """Fall of the mean pressure over the lift of the flat [Pa/m], the contact as it is."""
+        """Fall of the mean pressure over the lift of the flat [Pa/m], the contact as it is; NaN if
+        not converged."""
+        if not outcome.converged:
+            return math.nan
         found = contact_stiffness(self.level, outcome.reading, unloading=True)
         return found / self.level.exact.compliance
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 
 import numpy as np
@@ -130,7 +129,7 @@ def bem_solve(
         separation=problem.separation(outcome),
         mean_pressure=mean,
         load=mean * hm.area,
-        stiffness=problem.stiffness(outcome) if outcome.converged else math.nan,
+        stiffness=problem.stiffness(outcome),
         error_estimate=bounds[0],
         area_error_estimate=bounds[1],
         elastic_energy=problem.elastic_energy(outcome),

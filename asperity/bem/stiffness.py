@@ -31,7 +31,7 @@ def contact_stiffness(level: Level, reading: Reading, *, unloading: bool = False
     Parameters
     ----------
     level, reading
-        A solved grid; its pressure and displacement stay.
+        A grid that has converged; its pressure and displacement stay.
     unloading
         What has reached the hardness keeps its pressure as the load grows, and yields no more as
         the load begins to fall: True counts it in.

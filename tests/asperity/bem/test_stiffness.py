@@ -89,8 +89,10 @@ def test_contacts_that_all_bear_the_hardness_have_no_stiffness():
 
 def test_a_load_that_is_not_solved_has_no_stiffness(monkeypatch):
     monkeypatch.setattr(correction, "_MAX_CORRECTIONS", 1)
-    curve = bem_curve(HM, BODY, pressures=[0.01 * SCALE, 0.1 * SCALE])
+    curve = bem_curve(HM, body(0.3), pressures=[0.01 * SCALE, 0.1 * SCALE])
     assert not curve.converged.any() and np.isnan(curve.stiffness).all()
+    assert np.isnan(curve.extra["unloading_stiffness"]).all()
+    assert np.isnan(bem_solve(HM, BODY, pressure=0.1 * SCALE).stiffness)
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
