@@ -47,6 +47,18 @@ _pages: weakref.WeakSet[mmap.mmap] = weakref.WeakSet()
 Span = tuple[int, int]
 
 
+class _Descriptor:
+    """A file that is closed when nothing refers to it, without the warning of an open one."""
+
+    def __init__(self, number: int) -> None:
+        self._number = number
+        weakref.finalize(self, os.close, number)
+
+    def fileno(self) -> int:
+        """Number of the descriptor."""
+        return self._number
+
+
 class StoredArray:
     """An array (rows, columns) in a file of its own, which goes when nothing refers to it.
 
@@ -84,7 +96,8 @@ class StoredArray:
         self._kept = np.dtype(dtype)
         self._changes: tuple[Callable[[NDArray[Any]], NDArray[Any]], ...] = ()
         needed, place = shape[0] * shape[1] * self._kept.itemsize, folder or tempfile.gettempdir()
-        self._file = tempfile.TemporaryFile(dir=place, buffering=0)
+        with tempfile.TemporaryFile(dir=place, buffering=0) as file:
+            self._file = _Descriptor(os.dup(file.fileno()))
         try:
             os.posix_fallocate(self._file.fileno(), 0, needed)
         except OSError as error:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import gc
+import os
+import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from surfaces.errors import InputError
-from surfaces.numerics.stored_array import Sections, spans
+from surfaces.numerics.stored_array import Sections, StoredArray, spans
 
 
 @pytest.mark.parametrize("kind", [np.complex128, np.float32])
@@ -39,3 +42,18 @@ def test_a_full_disk_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     for folder, remedy in ((tmp_path, "make room there"), (None, "set TMPDIR to a folder")):
         with pytest.raises(InputError, match=rf"has no room for 0\.0016 GB.*{remedy}"):
             Sections((1000, 100), 100, np.complex128, folder)
+
+
+def test_a_file_is_closed_without_a_warning_also_when_it_is_part_of_a_cycle() -> None:
+    stored = StoredArray((3, 4), float)
+    stored.write(0, np.ones((3, 4)))
+    number = stored._file.fileno()
+    stored.itself = stored.each(np.negative)  # type: ignore[attr-defined]
+    stored.itself.back = stored
+    with warnings.catch_warnings(record=True) as leaked:
+        warnings.simplefilter("always")
+        del stored
+        gc.collect()
+    assert not leaked
+    with pytest.raises(OSError):
+        os.fstat(number)
