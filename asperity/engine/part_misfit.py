@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from asperity.bem.curve import bem_curve
 from asperity.curve import contact_curve
+from asperity.results.interpolation import log_ratio
 from surfaces.numerics import parallel
 from surfaces.preparation.borders import make_periodic
 from surfaces.preparation.filtering import bandpass
@@ -72,7 +73,7 @@ class Judged:
 
     def __call__(self, hm: HeightMap, plan: Plan, pressures: Array, *, tell: bool = False) -> Array:
         """Model less boundary elements, shape (4, n): separation [m], and the logarithms of contact
-        area, number of spots and stiffness; not finite where one of them has no answer."""
+        area, number of spots and stiffness; NaN where the model has no answer."""
         scene = replace(plan, scene=(hm.without_rounding, self.material))
         model = contact_curve(hm, self.material, pressures=pressures, plan=scene)
         exact = bem_curve(
@@ -86,7 +87,7 @@ class Judged:
         )
         area = np.log(model.contact_area / exact.contact_area)
         spots = np.log(np.maximum(model.contacts, 1.0) / np.maximum(exact.contacts, 1.0))
-        stiffness = np.log(model.extra["tangent_stiffness"] / exact.stiffness)
+        stiffness = log_ratio(model.extra["tangent_stiffness"], exact.stiffness)
         return np.array([model.separation - exact.separation, area, spots, stiffness])
 
 

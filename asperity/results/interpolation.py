@@ -20,6 +20,7 @@ __all__ = [
     "halved_intervals",
     "interpolated_misfit",
     "knots_of",
+    "log_ratio",
     "read_off",
 ]
 
@@ -236,6 +237,13 @@ def curve_stiffness(
         if x[high] - x[low] >= LEAST_SPAN and fall[high] > fall[low]:
             found[order[i]] *= (told[high] - told[low]) / (fall[high] - fall[low])
     return found
+
+
+def log_ratio(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Logarithm of a ratio; zero where one of both is zero, infinite or not known."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = np.log(one / other)
+    return np.where(np.isfinite(found), found, 0.0)
 
 
 def interpolated_misfit(

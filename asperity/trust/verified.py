@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from asperity.halfspace.material import HalfSpace
 from asperity.parameters import DEFAULTS
 from asperity.results.curve import ContactCurve
-from asperity.results.interpolation import halved_intervals, interpolated_misfit
+from asperity.results.interpolation import halved_intervals, interpolated_misfit, log_ratio
 from surfaces.checks import random_map
 from surfaces.heightmap import HeightMap
 
@@ -256,8 +256,8 @@ def misfit_at(
         np.maximum(_judged(solved, points, "contacts"), 1.0)
     )
     tangent = model.extra["tangent_stiffness"][points]
-    stiffness = np.log(tangent / _judged(solved, points, "stiffness"))
-    beside = spots, np.where(np.isfinite(stiffness), stiffness, 0.0)
+    stiffness = log_ratio(tangent, _judged(solved, points, "stiffness"))
+    beside = spots, stiffness
     if kind == "pressure":
         apart = model.separation[points] - _judged(solved, points, "separation")
         return np.array([_rate(model, points) * apart, ratio("contact_area"), *beside])

@@ -7,7 +7,7 @@ import pytest
 
 import asperity
 from asperity.halfspace.scene import pressure_scale
-from asperity.results.interpolation import curve_stiffness
+from asperity.results.interpolation import curve_stiffness, log_ratio
 from surfaces import self_affine
 
 
@@ -77,3 +77,9 @@ def test_runs_that_are_joined_have_the_stiffness_of_all_points():
     # the last point was started elsewhere: its tangent differs by 0.5 %
     np.testing.assert_allclose(joined.stiffness, whole.stiffness, rtol=0.02)
     assert joined.stiffness[3] > 1.005 * later.stiffness[0]
+
+
+def test_ratio_of_what_is_not_known_or_infinite_is_one_and_warns_of_nothing():
+    """A contact without a stiffness, in full contact, and not solved."""
+    found = log_ratio(np.ones(4), np.array([np.e, 0.0, np.inf, np.nan]))
+    assert found[0] == pytest.approx(-1.0) and not found[1:].any()
