@@ -25,6 +25,10 @@ FITS = 3
 TIGHT = 0.75
 """Size of the fitted grid over the one before at which it stands."""
 
+SPARSE = 0.4
+"""Part of the grid that overlaps with the flat at least: elements are made smaller until as many of
+them overlap, as those of joined summits fill little of the box about all of them."""
+
 FEW = 12
 """Pixels above the flat below which the axes of the summit turn the grid, not their moments."""
 
@@ -122,7 +126,7 @@ def _sample(
 
     Fills `gap` (overlap [m] with the flat) and `inside` (the part that hangs together with the
     highest element `below` [m] under the flat); tightens the box to what overlaps. Returns the
-    shape, the sides and the row of `ASPECTS`.
+    shape, the sides, the row of `ASPECTS`, the first corner and how many elements overlap.
     """
     ny, nx = heights.shape
     along, across = box[1] - box[0], box[3] - box[2]
@@ -160,8 +164,8 @@ def _sample(
                 if gap[k] > best:
                     best, first = gap[k], k
     if first < 0:
-        return 0, 0, 0.0, 0.0, 0, u0, v0
-    stack[0], count, done = first, 1, 0
+        return 0, 0, 0.0, 0.0, 0, u0, v0, 0
+    stack[0], count, done, over = first, 1, 0, 0
     inside[first] = 1
     low_u = high_u = first % nu
     low_v = high_v = first // nu
@@ -170,6 +174,7 @@ def _sample(
         done += 1
         i, j = k // nu, k % nu
         if gap[k] > 0.0:
+            over += 1
             low_u, high_u = min(low_u, j), max(high_u, j)
             low_v, high_v = min(low_v, i), max(high_v, i)
         for step in range(9):
@@ -180,7 +185,7 @@ def _sample(
                 count += 1
     box[0], box[1] = u0 + (low_u - 0.7) * hu, u0 + (high_u + 0.7) * hu
     box[2], box[3] = v0 + (low_v - 0.7) * hv, v0 + (high_v + 0.7) * hv
-    return nv, nu, hv, hu, kind, u0, v0
+    return nv, nu, hv, hu, kind, u0, v0, over
 
 
 @inner()
@@ -226,14 +231,18 @@ def _elements(peak, depth, surface, summits, points, stamp, space):
         for k in range(4):
             tip = TIP * math.sqrt(depth / curvature[peak, 1 - k // 2])
             box[k] = min(max(box[k], -tip), tip)
+    enough = SPARSE * wanted
     for _ in range(FITS):
         size = (box[1] - box[0]) * (box[3] - box[2])
-        nv, nu, hv, hu, kind, u0, v0 = _sample(
+        nv, nu, hv, hu, kind, u0, v0, over = _sample(
             heights, labels, owner, periodic, flat, width, tilt, peak, place, top, depth,
             below, spacing, turn, box, wanted, gap, inside, stack,
         )  # fmt: skip
-        if (box[1] - box[0]) * (box[3] - box[2]) > TIGHT * size:
+        tighter = (box[1] - box[0]) * (box[3] - box[2]) / size
+        finer = min(max(enough * tighter / max(over, 1), 1.0), REACH**2 / wanted)
+        if tighter > TIGHT and finer * TIGHT < 1.0:
             break
+        wanted *= finer
     total = np.int64(0)
     number[: nv * nu] = NONE
     for k in range(nv * nu):
