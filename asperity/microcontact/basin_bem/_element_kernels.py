@@ -19,7 +19,7 @@ ASPECTS = np.array([1.0, 1.5, 2.25, 3.4, 5.0])
 WINDOW = 96
 """Half the side [pixels] of the window in which the basin of a summit is looked at."""
 
-FITS = 3
+FITS = 4
 """Times that the grid is fitted to the part of the basin above the flat."""
 
 TIGHT = 0.75
@@ -239,9 +239,11 @@ def _elements(peak, depth, surface, summits, points, stamp, space):
             below, spacing, turn, box, wanted, gap, inside, stack,
         )  # fmt: skip
         tighter = (box[1] - box[0]) * (box[3] - box[2]) / size
-        finer = min(max(enough * tighter / max(over, 1), 1.0), REACH**2 / wanted)
-        if tighter > TIGHT and finer * TIGHT < 1.0:
-            break
+        finer = enough * tighter / max(over, 1)
+        if over < MOST:  # else more hang together than larger elements showed
+            finer = min(max(finer, 1.0), REACH**2 / wanted)
+            if tighter > TIGHT and finer * TIGHT < 1.0:
+                break
         wanted *= finer
     total = np.int64(0)
     number[: nv * nu] = NONE
