@@ -26,8 +26,7 @@ TIGHT = 0.75
 """Size of the fitted grid over the one before at which it stands."""
 
 SPARSE = 0.4
-"""Part of the grid that overlaps with the flat at least: elements are made smaller until as many of
-them overlap, as those of joined summits fill little of the box about all of them."""
+"""Least part of the grid to overlap with the flat; elements become smaller until as many do."""
 
 FEW = 12
 """Pixels above the flat below which the axes of the summit turn the grid, not their moments."""
@@ -112,8 +111,7 @@ def _turn(heights, tilt, place, rows, cols, count, level, spacing):
         yy += up * y * y
         xx += up * x * x
         yx += up * y * x
-    my /= w
-    mx /= w
+    my, mx = my / w, mx / w
     return 0.5 * math.atan2(2.0 * (yx / w - my * mx), (xx / w - mx * mx) - (yy / w - my * my))
 
 
@@ -130,11 +128,7 @@ def _sample(
     """
     ny, nx = heights.shape
     along, across = box[1] - box[0], box[3] - box[2]
-    kind = 0
-    wanted = math.log(max(along / across, 1.0) ** 0.6)
-    for k in range(ASPECTS.size):
-        if abs(math.log(ASPECTS[k]) - wanted) < abs(math.log(ASPECTS[kind]) - wanted):
-            kind = k
+    kind = np.argmin(np.abs(np.log(ASPECTS) - 0.6 * math.log(max(along / across, 1.0))))
     side = math.sqrt(along * across / points)
     hu, hv = side * math.sqrt(ASPECTS[kind]), side / math.sqrt(ASPECTS[kind])
     nu = min(max(math.ceil(along / hu), 4), REACH)
@@ -194,8 +188,8 @@ def _elements(peak, depth, surface, summits, points, stamp, space):
 
     Arguments are those of `press_levels`. Fills rows, columns, overlaps over the depth and the
     numbers of the elements in `space`; `stamp` is another one for each call with this `space`.
-    Returns their number, -1 where the basin reaches too far, the shape of the grid, the sides of an
-    element [m], the row of `ASPECTS`, the first corner [m], and the cosine and sine of its turn.
+    Returns their number, -1 where the basin reaches too far, the grid as `_sample` does, and the
+    cosine and sine of its turn.
     """
     heights, labels, owner, periodic, flat, width, spacing = surface
     peak_row, peak_col, places, tops, axes, curvature, floors, tilts = summits
@@ -205,16 +199,16 @@ def _elements(peak, depth, surface, summits, points, stamp, space):
     top, tilt = tops[peak], tilts[peak]
     place = places[peak]  # on the side of the seam where its pixel is
     below = max(top - depth - floors[peak], 0.0)
+    low = top - depth - below
     wanted = 2.0 * points if floors[peak] < np.inf else points
     count = _flood(
         heights, labels, owner, periodic, tilt, peak, peak_row[peak], peak_col[peak], place,
-        top - depth - below, mark, stamp, pixel_rows, pixel_cols,
+        low, mark, stamp, pixel_rows, pixel_cols,
     )  # fmt: skip
     if count == 0:
         return -1, 0, 0, 0.0, 0.0, 0, 0.0, 0.0, 1.0, 0.0
     turn = axes[peak]
     if count > FEW:
-        low = top - depth - below
         turn = _turn(heights, tilt, place, pixel_rows, pixel_cols, count, low, spacing)
     c, s = math.cos(turn), math.sin(turn)
     box[0], box[1], box[2], box[3] = -rim, rim, -rim, rim
@@ -302,8 +296,7 @@ def press_levels(
             number, nv, nu, math.sqrt(hv / hu), math.sqrt(hu / hv), closed, work[0], m, edge, np.inf
         )
         out[slot, level, 7] = total * element
-        y /= force
-        x /= force
+        y, x = y / force, x / force
         out[slot, level, 2], out[slot, level, 3] = y, x
         for k in range(total):
             u, v = u0 + col[k] * hu, v0 + row[k] * hv

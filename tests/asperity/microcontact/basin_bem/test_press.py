@@ -308,3 +308,21 @@ def test_the_law_of_joined_summits_goes_on_from_the_first(rough):
     kept = ahead & ~beyond
     np.testing.assert_allclose(table.force[0, kept], before[kept], rtol=5e-3)
     assert (np.diff(table.force[0]) > 0).all()
+
+
+def test_small_contacts_far_apart_get_elements_of_their_own():
+    """Nine equal spheres pressed as one: elements resolve contacts, not the box about them all."""
+    radius, pitch, depth = 40.0, 30, np.array([0.1, 0.2, 0.3, 0.5, 0.8])
+    place = (np.arange(3 * pitch) % pitch - 14.7) ** 2
+    one = summits_of(HeightMap(-(place[:, None] + place) / (2.0 * radius), (1.0, 1.0)))
+    pairs = np.array([(0, other) for other in range(1, 9)])
+    joined = one.joined(pairs, np.full(8, one.peaks.passes.min() - 0.1))
+    found = press.press(joined, joined.owner[:1], depth[None], BODY)[0]
+    apart = np.hypot(*(one.places[:, None] - one.places).T)
+    sunk = 1.0 / (np.pi * BODY.modulus * np.where(apart > 0.0, apart, np.inf))
+    left = np.tile(depth, (9, 1))
+    for _ in range(50):  # Hertz, each in the field of the others
+        force = 4.0 / 3.0 * BODY.modulus * (radius * left**3) ** 0.5
+        left = depth - sunk @ force
+    np.testing.assert_allclose(found[:, 0], force.sum(axis=0), rtol=0.025)
+    np.testing.assert_allclose(found[:, 1], np.pi * radius * left.sum(axis=0), rtol=0.1)
