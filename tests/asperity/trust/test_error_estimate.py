@@ -215,10 +215,11 @@ def test_on_a_cup_the_border_carries_and_the_stated_error_says_so(bend):
     if bend > 0:
         assert max(curve.extra["at_border"]) == 0.0
         return
-    reference = asperity.bem_curve(hm, BODY, separations=curve.separation)
+    fine = resample(hm, np.asarray(SPACING) / 2)  # contacts of three pixels on corners of the map
+    reference = asperity.bem_curve(fine, BODY, separations=curve.separation)
     wrong = np.abs(curve.load / reference.load - 1)
     assert min(curve.extra["at_border"]) > 0.9
-    assert (wrong <= np.minimum(0.1, curve.error_estimate)).all()
+    assert (wrong <= np.minimum(0.12, curve.error_estimate)).all()
 
 
 def test_waves_have_no_such_contacts_and_a_shift_moves_none():
