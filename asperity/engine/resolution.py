@@ -26,18 +26,19 @@ __all__ = [
     "UNTOLD",
     "LightestLoad",
     "Resolution",
+    "narrow_share",
     "representative_part",
     "resolution",
-    "small_share",
 ]
 
 Array = NDArray[np.float64]
 
-FEW_PIXELS = 10
-"""Pixels of a contact below which its area and its load depend on the grid."""
+NARROW = 3.0
+"""Width of a contact [pixels], four times its area over its perimeter, below which its area and its
+load depend on the grid: discs of ten pixels, and ridges of one pixel, however long."""
 
 DOUBTFUL = 0.5
-"""Share of the contact area in such contacts from which on finer grids are solved."""
+"""Share of the contact area in narrow contacts from which on finer grids are solved."""
 
 TILE = 512
 """Points along the sides of the part of a map, about its highest point, that stands for it."""
@@ -107,11 +108,17 @@ class LightestLoad:
                 self.point = point
 
 
-def small_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
-    """Share of the contact area in patches of fewer than ten pixels that meet at their edges."""
+def narrow_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
+    """Share of the contact area in narrow patches; pixels of a patch meet at their edges."""
     labels, _ = label_patches(contact, periodic=periodic, corners=False)
     pixels = np.bincount(labels[contact])
-    return float(pixels[pixels < FEW_PIXELS].sum() / max(pixels.sum(), 1))
+    perimeter = np.zeros_like(pixels)
+    # the border of a free map is no edge of a contact that it cuts
+    around = np.pad(contact, 1, mode="wrap" if periodic else "edge")
+    beside = around[:-2, 1:-1], around[2:, 1:-1], around[1:-1, :-2], around[1:-1, 2:]
+    for other in beside:
+        perimeter += np.bincount(labels[contact & ~other], minlength=len(pixels))
+    return float(pixels[4 * pixels < NARROW * perimeter].sum() / max(pixels.sum(), 1))
 
 
 def resolution(
@@ -136,8 +143,8 @@ def resolution(
     point = lightest.point
     if point is None:
         return Resolution(0.0, 0.0, "nothing touches")
-    share = small_share(point.contact, periodic=boundary == "periodic")
-    held = f"contacts below {FEW_PIXELS} pixels hold {share:.0%} of the lightest contact"
+    share = narrow_share(point.contact, periodic=boundary == "periodic")
+    held = f"contacts narrower than {NARROW} pixels hold {share:.0%} of the lightest contact"
     least = DEFAULTS.pixel_waves.to_the_pixel
     broken = resolution_warning(hm, least) + seam_warning(hm) + straight_warning(hm)
     if share < DOUBTFUL and not broken:
@@ -170,7 +177,8 @@ def _apart(
     """Uncertainty of load and area by some loads of a map and of the same on a finer grid."""
 
     def solved(scene: tuple[HeightMap, float]) -> Array:
-        """Separation, logarithm of the contact area, and load over work."""
+        """Separation, logarithm of the contact area, and stiffness over load: zero in full contact,
+        where no load changes the separation."""
         grid, pressure = scene
         curve = bem_curve(
             grid,
@@ -180,8 +188,8 @@ def _apart(
             coarsen=False,
             boundary=boundary,
         )
-        work = curve.extra["elastic_energy"] + curve.extra.get("plastic_work", 0.0)
-        rate = curve.load / np.maximum(work, np.finfo(float).tiny)
+        known = np.where(np.isfinite(curve.stiffness), curve.stiffness, 0.0)
+        rate = known / curve.mean_pressure
         return np.concatenate([curve.separation, np.log(curve.contact_area), rate])
 
     scenes = list(itertools.product((hm, finer), pressures))

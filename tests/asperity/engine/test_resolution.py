@@ -7,7 +7,7 @@ import pytest
 
 import surfaces
 from asperity import HalfSpace, bem_curve, solve
-from asperity.engine.resolution import FLOOR, small_share
+from asperity.engine.resolution import FLOOR, narrow_share
 from asperity.halfspace.scene import default_pressures
 
 BODY = HalfSpace.from_modulus(1.0)
@@ -33,18 +33,32 @@ def clipped() -> surfaces.HeightMap:
     return surfaces.HeightMap(heights + noise, (1.0, 1.0), periodic=True)
 
 
+def ridges() -> surfaces.HeightMap:
+    """Sharp riblets of uneven height, whose contacts are long and a pixel wide."""
+    fine = waves(4.0)
+    y, x = np.meshgrid(*2 * ((np.arange(128) + 0.5) / 128,), indexing="ij")
+    place, which = np.modf(5.0 * x)
+    heights = 4.0 * np.minimum(place / 0.8, (1.0 - place) / 0.2) + 0.1 * np.sin(
+        6 * np.pi * y + which
+    )
+    heights += 0.3 * np.random.default_rng(0).normal(size=5)[which.astype(int)]
+    return fine.replace(heights=heights + 0.1 * fine.heights / fine.rms_height)
+
+
 def difference(hm, loads):
     """Largest differences in load and area to the map on a grid twice as fine."""
     own = bem_curve(hm, BODY, pressures=loads, tolerance=1e-5)
     fine = surfaces.resample(hm, np.asarray(hm.spacing) / 2)
     finer = bem_curve(fine, BODY, pressures=loads, tolerance=1e-5)
-    rate = own.load / own.extra["elastic_energy"]
+    rate = own.stiffness / own.mean_pressure
     load = np.abs(rate * (own.separation - finer.separation))
     return load.max(), np.abs(np.log(own.contact_area / finer.contact_area)).max()
 
 
 @pytest.mark.parametrize(
-    "make", [lambda: waves(None, 256), wrapped, clipped], ids=["pixel", "cliff", "clip"]
+    "make",
+    [lambda: waves(None, 256), wrapped, clipped, ridges],
+    ids=["pixel", "cliff", "clip", "ridges"],
 )
 def test_uncertainty_covers_the_finer_grid(make):
     hm = make()
@@ -78,12 +92,25 @@ def test_a_load_of_the_hardness_itself_is_answered(hardness, lightest):
     assert found.contact_area[-1] == pytest.approx(hm.area)
 
 
-def test_share_of_small_contacts():
+def test_share_of_narrow_contacts():
     contact = np.zeros((20, 20), bool)
     contact[2:4, 2:4] = True
-    contact[10:14, 10:13] = True
-    assert small_share(contact, periodic=False) == 4 / 16
+    contact[10:14, 10:14] = True
+    assert narrow_share(contact, periodic=False) == 4 / 20
     contact[:] = False
-    contact[0, :6] = contact[-1, :6] = True
-    assert small_share(contact, periodic=False) == 1.0
-    assert small_share(contact, periodic=True) == 0.0
+    contact[-2:, 3:9] = contact[:2, 3:9] = True  # one contact of 4 x 6, or two that a border cuts
+    assert narrow_share(contact, periodic=True) == narrow_share(contact, periodic=False) == 0.0
+    contact[:] = False
+    contact[:, 7] = True  # a ridge is as narrow as it is long
+    assert narrow_share(contact, periodic=True) == narrow_share(contact, periodic=False) == 1.0
+    assert narrow_share(~contact, periodic=True) == 0.0
+
+
+def test_a_contact_without_elastic_energy_is_answered():
+    """Every second point of a checkerboard: the influence of its own wave alone is rounding."""
+    heights = np.add.outer(np.arange(45), np.arange(4)) % 2 * 1e-3
+    hm = surfaces.HeightMap(heights, (0.15, 0.024), periodic=True)
+    body = HalfSpace.from_modulus(4e10)
+    curve = solve(hm, body, pressures=[4e6])
+    assert curve.converged.all()
+    assert np.isfinite(curve.verification["resolution_uncertainty"]).all()
