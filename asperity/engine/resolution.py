@@ -73,7 +73,7 @@ class Resolution:
     ----------
     load, area
         Relative uncertainty of the load at equal separation and of the area at equal load [-]; NaN
-        if a finer grid would be needed to tell and does not fit into memory.
+        if a finer grid would be needed to tell, and does not fit into memory or is not solved.
     told_by
         One sentence.
     warnings
@@ -144,7 +144,7 @@ def resolution(
     if point is None:
         return Resolution(0.0, 0.0, "nothing touches")
     share = narrow_share(point.contact, periodic=boundary == "periodic")
-    held = f"contacts narrower than {NARROW} pixels hold {share:.0%} of the lightest contact"
+    held = f"contacts narrower than {NARROW:g} pixels hold {share:.0%} of the lightest contact"
     least = DEFAULTS.pixel_waves.to_the_pixel
     broken = resolution_warning(hm, least) + seam_warning(hm) + straight_warning(hm)
     if share < DOUBTFUL and not broken:
@@ -152,8 +152,7 @@ def resolution(
     part = representative_part(hm)
     finer = resample(part, np.asarray(part.spacing) / 2)
     if not fits(finer.shape, boundary, 1):
-        why = f"{held}, and a finer grid does not fit into memory"
-        return Resolution(np.nan, np.nan, why, (CURE.format("an unknown part"),))
+        return _unknown(f"{held}, and a finer grid does not fit into memory")
     loads = np.array([point.mean_pressure])
     if heaviest > point.mean_pressure:
         loads = np.geomspace(point.mean_pressure, heaviest, LOADS)
@@ -162,6 +161,8 @@ def resolution(
     for some in np.split(loads, [max(1, len(loads) - 1)]):
         if some.size and not large:
             found = _apart(part, finer, material, boundary, some)
+            if np.isnan(found).any():
+                return _unknown(f"{held}, and a load on a grid twice as fine did not converge")
             load, area = max(load, found[0]), max(area, found[1])
             large, count = load > LARGE[0] or area > LARGE[1], count + len(some)
     shares = (f"{x:.0%}" if x < 1 else "all" for x in (load, area))
@@ -171,6 +172,11 @@ def resolution(
     return Resolution(load, area, told, (warning,) if large else ())
 
 
+def _unknown(told_by: str) -> Resolution:
+    """What a finer grid would tell that is not solved."""
+    return Resolution(np.nan, np.nan, told_by, (CURE.format("an unknown part"),))
+
+
 def _apart(
     hm: HeightMap, finer: HeightMap, material: HalfSpace, boundary: Boundary, pressures: Array
 ) -> tuple[float, float]:
@@ -178,7 +184,7 @@ def _apart(
 
     def solved(scene: tuple[HeightMap, float]) -> Array:
         """Separation, logarithm of the contact area, and stiffness over load: zero in full contact,
-        where no load changes the separation."""
+        where no load changes the separation; NaN if not converged."""
         grid, pressure = scene
         curve = bem_curve(
             grid,
@@ -188,9 +194,10 @@ def _apart(
             coarsen=False,
             boundary=boundary,
         )
-        known = np.where(np.isfinite(curve.stiffness), curve.stiffness, 0.0)
-        rate = known / curve.mean_pressure
-        return np.concatenate([curve.separation, np.log(curve.contact_area), rate])
+        stiffness = np.where(np.isinf(curve.stiffness), 0.0, curve.stiffness)
+        rate = stiffness / curve.mean_pressure
+        found = np.concatenate([curve.separation, np.log(curve.contact_area), rate])
+        return np.where(curve.converged, found, np.nan)
 
     scenes = list(itertools.product((hm, finer), pressures))
     rows = parallel.apart(solved, scenes)

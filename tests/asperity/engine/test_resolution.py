@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import surfaces
 from asperity import HalfSpace, bem_curve, solve
+from asperity.engine import resolution
 from asperity.engine.resolution import FLOOR, narrow_share
 from asperity.halfspace.scene import default_pressures
 
@@ -114,3 +117,18 @@ def test_a_contact_without_elastic_energy_is_answered():
     curve = solve(hm, body, pressures=[4e6])
     assert curve.converged.all()
     assert np.isfinite(curve.verification["resolution_uncertainty"]).all()
+
+
+def test_a_load_that_does_not_converge_on_a_finer_grid_leaves_an_unknown_part_open(monkeypatch):
+    def stalled(hm, *args, **settings):
+        curve = bem_curve(hm, *args, **settings)
+        return replace(curve, converged=np.zeros(len(curve), bool))
+
+    hm = waves(None)
+    loads = default_pressures(hm, BODY, 3)
+    lightest = resolution.LightestLoad()
+    bem_curve(hm, BODY, pressures=loads[:1], progress=lightest)
+    monkeypatch.setattr(resolution, "bem_curve", stalled)
+    found = resolution.resolution(hm, BODY, "periodic", lightest, loads[-1])
+    assert np.isnan([found.load, found.area]).all()
+    assert "did not converge" in found.told_by and "an unknown part" in found.warnings[0]
