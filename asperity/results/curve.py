@@ -279,7 +279,8 @@ def _told(verification: Mapping[str, Any]) -> list[str]:
     """Lines about engine, accuracy and resolution."""
     load, area = (f"{share:.2g}" for share in verification["accuracy"])
     met = "met" if verification["met"] else "NOT MET"
-    open_ = ("all" if x > 1 else f"{100 * x:.2g} %" for x in verification["resolution_uncertainty"])
+    left = verification["resolution_uncertainty"]
+    open_ = (f"{100 * x:.2g} %" if x <= 1 else "all" if x > 1 else "unknown" for x in left)
     return [
         f"engine          {verification['engine']} ({verification['reason']})",
         f"accuracy        {load} in load, {area} in area: {met} on the "
