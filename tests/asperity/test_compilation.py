@@ -81,6 +81,24 @@ def test_a_part_is_compiled_anew_where_a_source_has_changed(nothing_known, monke
     assert not compilation._on_disk("laws")
 
 
+def test_types_that_are_found_once_are_those_of_the_compiler():
+    code = """
+import numba
+from numba.core.registry import cpu_target
+from asperity.warmup import types_once
+
+context = cpu_target.typing_context
+context.refresh()
+plus = context.resolve_value_type(abs)
+many = [(numba.float64,), (numba.int64,), (numba.complex128,), [numba.float32]]
+before = [plus.get_call_type(context, one, {}) for one in many]
+types_once()
+for _ in range(2):
+    assert before == [plus.get_call_type(context, one, {}) for one in many]
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
 def test_a_part_that_fails_is_left_to_the_run_itself(nothing_known):
     compilation.compile_ahead("no such part")
 
