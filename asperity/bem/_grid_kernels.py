@@ -1,7 +1,7 @@
 """Compiled passes over whole grids.
 
-Pressure and displacement grids may be wider than the map (padding); the map's shape rules. Passes
-that run once per load or touch only a list are not parallel: they compile four times faster.
+Pressure and displacement grids may be wider than the map (padding); the map's shape rules. A pass
+that takes `rows` does the rows from the first to before the last of them: threads share the grid.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import prange
 from numpy.typing import NDArray
 
 from surfaces.numerics.compiled import SUMS, compiled
@@ -17,24 +16,25 @@ from surfaces.numerics.compiled import SUMS, compiled
 _FAST = SUMS | {"nnan"}
 BLOCK = 64
 Grid = NDArray[np.floating[Any]]
+Rows = tuple[int, int]
 
 
-@compiled(parallel=True, fastmath=_FAST)
+@compiled(fastmath=_FAST)
 def contact_sums(
-    pressure: Grid, displacement: Grid, heights: Grid, cap: float, block_low: Grid
+    rows: Rows, pressure: Grid, displacement: Grid, heights: Grid, cap: float, block_low: Grid
 ) -> Any:
-    """Where 0 < p < cap: count and sum of gap; where p < cap: lowest gap and load times gap; load,
-    load times u, largest |u|; where p >= cap: count, highest gap, sum of gap and load above the
-    cap; gap = u - h.
+    """Sums: where 0 < p < cap, count and gap; where p < cap, load times gap; load and load times u;
+    where p >= cap, count, gap and load above the cap. Then the lowest gap where p < cap, the
+    highest where p >= cap, and the largest |u|; gap = u - h.
 
     `block_low` (ny, blocks) receives the lowest gap of each run of 64 points, -inf where one
     carries a pressure (a predicted one may be negative).
     """
-    ny, nx = heights.shape
+    nx = heights.shape[1]
     count = held = 0
     gap_sum = total = work = moment = largest = held_sum = excess = 0.0
     lowest, highest = np.inf, -np.inf
-    for y in prange(ny):
+    for y in range(rows[0], rows[1]):
         for b in range(block_low.shape[1]):
             low, open_low, high, peak = np.inf, np.inf, -np.inf, 0.0
             load = above = 0.0
@@ -71,7 +71,8 @@ def contact_sums(
             highest = max(highest, high)
             largest = max(largest, peak)
             block_low[y, b] = low if marked == 0 else -np.inf
-    return count, gap_sum, lowest, total, work, moment, largest, held, highest, held_sum, excess
+    sums = count, gap_sum, work, total, moment, held, held_sum, excess
+    return (*sums, lowest, highest, largest)
 
 
 @compiled()
@@ -85,7 +86,7 @@ def held_gap(pressure: Grid, displacement: Grid, heights: Grid, cap: float, lowe
     return total
 
 
-@compiled(parallel=True)
+@compiled()
 def select(
     pressure: Grid, displacement: Grid, heights: Grid, block_low: Grid, threshold: float
 ) -> Any:
@@ -96,7 +97,7 @@ def select(
     """
     ny, nx = heights.shape
     start = np.zeros(ny + 1, np.int64)
-    for y in prange(ny):
+    for y in range(ny):
         k = 0
         for b in range(block_low.shape[1]):
             if block_low[y, b] <= threshold:
@@ -110,7 +111,7 @@ def select(
     columns = np.empty(n, np.int32)
     p = np.empty(n)
     g = np.empty(n)
-    for y in prange(ny):
+    for y in range(ny):
         k = start[y]
         for b in range(block_low.shape[1]):
             if block_low[y, b] <= threshold:
@@ -124,11 +125,11 @@ def select(
     return start, columns, p, g
 
 
-@compiled(parallel=True, fastmath=_FAST)
+@compiled(fastmath=_FAST)
 def moments(heights: Grid) -> Any:
     """Mean, largest, and root-mean-square height about the mean."""
     total, highest = 0.0, -np.inf
-    for y in prange(heights.shape[0]):
+    for y in range(heights.shape[0]):
         row, high = 0.0, -np.inf
         for x in range(heights.shape[1]):
             row += heights[y, x]
@@ -137,7 +138,7 @@ def moments(heights: Grid) -> Any:
         highest = max(highest, high)
     mean = total / heights.size
     square = 0.0
-    for y in prange(heights.shape[0]):
+    for y in range(heights.shape[0]):
         row = 0.0
         for x in range(heights.shape[1]):
             row += (heights[y, x] - mean) ** 2
@@ -179,8 +180,9 @@ def undecided(
                             closing[min(int(max(length, 0.0) / step), last)] += 1
 
 
-@compiled(parallel=True)
+@compiled()
 def finish(
+    rows: Rows,
     pressure: Grid,
     displacement: Grid,
     heights: Grid,
@@ -193,41 +195,42 @@ def finish(
 
     Both bounds of the pressure are met to the last digit.
     """
-    ny, nx = heights.shape
-    for y in prange(ny):
-        for x in range(nx):
+    for y in range(rows[0], rows[1]):
+        for x in range(heights.shape[1]):
             p = pressure[y, x]
             pressure[y, x] = hardness if p >= cap else min(p * unit, hardness)
             displacement[y, x] -= heights[y, x] + level
 
 
-@compiled(parallel=True)
-def extrapolate(now: Grid, old: Grid, share_now: float, share_old: float) -> None:
+@compiled()
+def extrapolate(rows: Rows, now: Grid, old: Grid, share_now: float, share_old: float) -> None:
     """Replace (now, old) by (share_now now + share_old old, now)."""
-    for y in prange(now.shape[0]):
+    for y in range(rows[0], rows[1]):
         for x in range(now.shape[1]):
             value = now[y, x]
             now[y, x] = share_now * value + share_old * old[y, x]
             old[y, x] = value
 
 
-@compiled(parallel=True)
-def put(grid: Grid, start: NDArray[np.int64], columns: NDArray[np.int32], values: Grid) -> None:
+@compiled()
+def put(
+    rows: Rows, grid: Grid, start: NDArray[np.int64], columns: NDArray[np.int32], values: Grid
+) -> None:
     """Write the values of a list into the grid, zero elsewhere."""
-    for y in prange(start.size - 1):
+    for y in range(rows[0], rows[1]):
         grid[y, :] = 0.0
         for k in range(start[y], start[y + 1]):
             grid[y, columns[k]] = values[k]
 
 
-@compiled(parallel=True, fastmath=_FAST)
-def multiply(parts: Grid, symbol: Grid) -> None:
+@compiled(fastmath=_FAST)
+def multiply(rows: Rows, parts: Grid, symbol: Grid) -> None:
     """Scale a half spectrum, seen as its real and imaginary parts, in place.
 
     `symbol` is real and even: its first ny // 2 + 1 rows are given.
     """
     ny = parts.shape[0]
-    for y in prange(ny):
+    for y in range(rows[0], rows[1]):
         factor = symbol[min(np.int64(y), ny - np.int64(y))]
         row = parts[y]
         for x in range(symbol.shape[1]):
@@ -275,8 +278,9 @@ def store_columns(
             spectrum[y, first + c] = lines[c, y]
 
 
-@compiled(parallel=True, fastmath=_FAST)
+@compiled(fastmath=_FAST)
 def interpolate(
+    rows: Rows,
     coarse: Grid,
     fine: Grid,
     below_y: NDArray[np.int64],
@@ -288,7 +292,7 @@ def interpolate(
     factor: float,
 ) -> None:
     """Bilinear interpolation of a pressure, times a factor."""
-    for y in prange(below_y.size):
+    for y in range(rows[0], rows[1]):
         low, high = coarse[below_y[y]], coarse[above_y[y]]
         t = share_y[y]
         for x in range(below_x.size):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import prange
 from numpy.typing import NDArray
 
 from surfaces.numerics.compiled import SUMS, compiled
@@ -15,7 +14,7 @@ Double = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
-@compiled(parallel=True, fastmath=SUMS)
+@compiled(fastmath=SUMS)
 def measure(
     p: Double,
     moved: Single,
@@ -39,7 +38,7 @@ def measure(
     count = 0
     gap_sum = total = work = energy = shift = 0.0
     lowest, highest = np.inf, -np.inf
-    for i in prange(n):
+    for i in range(n):
         g = start_gap[i] + change[i]
         energy += moved[i] * (start_gap[i] + 0.5 * change[i])
         shift += moved[i]
@@ -60,7 +59,7 @@ def measure(
         off = abs(level) if count > 0 else 0.0
         level, lowest = 0.0, min(lowest, 0.0)
     inside = 0
-    for i in prange(n):
+    for i in range(n):
         above = start_gap[i] + change[i] - level
         if p[i] >= cap:
             work += p[i] * max(above + level, lowest)
@@ -75,7 +74,7 @@ def measure(
     return level, error, inside, energy, shift
 
 
-@compiled(parallel=True, fastmath=SUMS)
+@compiled(fastmath=SUMS)
 def turn(
     active: Flags,
     count: float,
@@ -91,7 +90,7 @@ def turn(
     """
     n = z.size
     zr = zb = z_sum = r_sum = b_sum = 0.0
-    for i in prange(n):
+    for i in range(n):
         if active[i]:
             zr += z[i] * residual[i]
             zb += z[i] * before[i]
@@ -104,7 +103,7 @@ def turn(
     if old_norm > 0.0:
         beta = np.float32(max(0.0, (norm - zb + mean * b_sum) / old_norm))
     shift = np.float32(mean)
-    for i in prange(n):
+    for i in range(n):
         if active[i]:
             direction[i] = z[i] - shift + beta * direction[i]
         else:
@@ -112,7 +111,7 @@ def turn(
     return norm
 
 
-@compiled(parallel=True, fastmath=SUMS)
+@compiled(fastmath=SUMS)
 def advance(
     active: Flags,
     count: float,
@@ -133,7 +132,7 @@ def advance(
     """
     n = p.size
     slope = curvature = response_sum = direction_sum = 0.0
-    for i in prange(n):
+    for i in range(n):
         if active[i]:
             slope += residual[i] * direction[i]
             curvature += response[i] * direction[i]
@@ -146,7 +145,7 @@ def advance(
     short = np.float32(length)
     beyond = 0
     gap_sum = 0.0
-    for i in prange(n):
+    for i in range(n):
         change[i] -= short * response[i]
         if active[i]:
             p[i] -= length * direction[i]
@@ -154,7 +153,7 @@ def advance(
             if p[i] < 0.0 or p[i] > cap:
                 beyond += 1
     level = gap_sum / count
-    for i in prange(n):
+    for i in range(n):
         before[i] = residual[i]
         if active[i]:
             residual[i] = np.float32(start_gap[i] + change[i] - level)
@@ -212,7 +211,7 @@ def leveling(p: Double, moving: Flags, total: float, cap: float) -> float:
     return shift
 
 
-@compiled(parallel=True, fastmath=SUMS)
+@compiled(fastmath=SUMS)
 def cut(p: Double, base: Double, moved: Single, total: float, cap: float) -> float:
     """Cut pressures at 0 and cap, restore their sum, and form p - base; returns the largest of it.
 
@@ -220,7 +219,7 @@ def cut(p: Double, base: Double, moved: Single, total: float, cap: float) -> flo
     """
     held, factor = restoring(p, total, cap)
     largest = 0.0
-    for i in prange(p.size):
+    for i in range(p.size):
         value = max(p[i], 0.0) * factor
         if p[i] >= cap or value >= cap * held:
             value = cap * held

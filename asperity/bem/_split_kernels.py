@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import prange
 from numpy.typing import NDArray
 
 from surfaces.numerics.compiled import SUMS, compiled
@@ -15,9 +14,6 @@ from ._stencil_kernels import points as stencil_of_points
 from ._stencil_kernels import tile as stencil_of_tile
 
 _SHORTEST = 4
-_BLOCK = 64
-_ROWS = 16
-_COARSE_ROWS = 32
 _KEPT = 32
 _DENSE = 4
 COARSENING = 4
@@ -55,30 +51,19 @@ def cut_tiles(start: Index, columns: NDArray[np.int32], stride: int) -> Any:
     return tiles[:n_tiles].copy(), points[:n_points].copy()
 
 
-@compiled(parallel=True)
-def near(
+@compiled()
+def place(
     grid: Single,
     shape: tuple[int, int],
     periodic: bool,
     start: Index,
     columns: NDArray[np.int32],
     values: Single,
-    tiles: NDArray[np.int32],
-    points: NDArray[np.int32],
-    quadrant: Single,
-    rows: Single,
-    short: bool,
-    result: Single,
 ) -> None:
-    """Stencil sums of the listed values at the listed points.
-
-    `grid` is the padded grid (ny + 2 R + 1, stride), zero off the list; `tiles` and `points` come
-    from `cut_tiles`, the tables of the stencil from `stencil.vector_tables`. A tile writes 16 sums;
-    those past its end are written anew by what follows it in the block, or by the points.
-    """
+    """Write the listed values into the padded grid (ny + 2 R + 1, stride), zero off the list, and
+    what lies beyond the borders of a map that repeats."""
     ny, nx = shape
-    stride = grid.shape[1]
-    for y in prange(ny):
+    for y in range(ny):
         for k in range(start[y], start[y + 1]):
             grid[RADIUS + y, LANES + columns[k]] = values[k]
         if periodic:
@@ -87,29 +72,45 @@ def near(
                 row[x] = row[x + nx]
                 row[LANES + nx + x] = row[LANES + x]
     if periodic:
-        for y in prange(RADIUS):
-            for x in range(stride):
+        for y in range(RADIUS):
+            for x in range(grid.shape[1]):
                 grid[y, x] = grid[y + ny, x]
                 grid[RADIUS + ny + y, x] = grid[RADIUS + y, x]
-    flat = grid.reshape(grid.size)
+
+
+@compiled()
+def near_tiles(
+    grid: Single, tiles: NDArray[np.int32], quadrant: Single, short: bool, result: Single
+) -> None:
+    """Stencil sums of the values on the padded grid at the points of tiles.
+
+    `tiles` come from `cut_tiles`, `quadrant` from `stencil.vector_tables`. A tile writes 16 sums;
+    those past its end are written anew by the tiles that follow it, or by `near_points`.
+    """
+    flat, stride = grid.reshape(grid.size), grid.shape[1]
+    rest = np.empty(LANES, np.float32)
     count = tiles.shape[0]
-    for block in prange((count + _BLOCK - 1) // _BLOCK):
-        rest = np.empty(LANES, np.float32)
-        last = min(count, (block + 1) * _BLOCK)
-        end = tiles[last - 1, 1] + tiles[last - 1, 2]
-        for t in range(block * _BLOCK, last):
-            k = tiles[t, 1]
-            out = result[k:] if k + LANES <= end else rest
-            if short:
-                stencil_of_tile(SHORT_RADIUS, flat, tiles[t, 0], stride, quadrant, out)
-            else:
-                stencil_of_tile(RADIUS, flat, tiles[t, 0], stride, quadrant, out)
-            if k + LANES > end:
-                for i in range(tiles[t, 2]):
-                    result[k + i] = rest[i]
+    end = tiles[count - 1, 1] + tiles[count - 1, 2] if count > 0 else 0
+    for t in range(count):
+        k = tiles[t, 1]
+        out = result[k:] if k + LANES <= end else rest
+        if short:
+            stencil_of_tile(SHORT_RADIUS, flat, tiles[t, 0], stride, quadrant, out)
+        else:
+            stencil_of_tile(RADIUS, flat, tiles[t, 0], stride, quadrant, out)
+        if k + LANES > end:
+            for i in range(tiles[t, 2]):
+                result[k + i] = rest[i]
+
+
+@compiled()
+def near_points(
+    grid: Single, points: NDArray[np.int32], rows: Single, short: bool, result: Single
+) -> None:
+    """Stencil sums as `near_tiles`, at points on their own, four together; after the tiles."""
+    flat, stride = grid.reshape(grid.size), grid.shape[1]
     last = points.shape[0] - 1
-    for group in prange((last + 4) // 4):
-        i = 4 * group
+    for i in range(0, last + 1, 4):
         j, k, m = min(i + 1, last), min(i + 2, last), min(i + 3, last)
         at = points[i, 0], points[j, 0], points[k, 0], points[m, 0]
         if short:
@@ -169,8 +170,9 @@ def _spread_row(
                 row[(first + t) % nxc] += weight_x[x, t] * value
 
 
-@compiled(parallel=True, fastmath=SUMS)
+@compiled(fastmath=SUMS)
 def spread(
+    rows: tuple[int, int],
     start: Index,
     columns: NDArray[np.int32],
     values: Single,
@@ -181,38 +183,38 @@ def spread(
     whole: bool,
     coarse: Single,
 ) -> None:
-    """Spread the listed values on the coarse grid by B-splines, first along x, then along y.
+    """Spread the listed values on rows of the coarse grid by B-splines, along x, then along y.
 
     `rows_of`, `weight_of` (nyc, k) list the fine rows of each coarse row, filled up with weights of
     zero. `whole` says that there are just 4 fine columns to a coarse one: then the weights repeat,
     and a row with many points is spread phase by phase. A row is kept while coarse rows that follow
     want it.
     """
-    nyc, nxc = coarse.shape
-    for block in prange((nyc + _COARSE_ROWS - 1) // _COARSE_ROWS):
-        dense = np.empty(COARSENING * (nxc + 2 * TAPS), np.float32)
-        wide = np.empty(nxc + TAPS, np.float32)
-        kept = np.empty((_KEPT, nxc), np.float32)
-        place = np.full(_KEPT, -1)
-        for y in range(block * _COARSE_ROWS, min(nyc, (block + 1) * _COARSE_ROWS)):
-            target = coarse[y]
-            target[:] = np.float32(0.0)
-            for k in range(rows_of.shape[1]):
-                source, weight = rows_of[y, k], weight_of[y, k]
-                first, last = start[source], start[source + 1]
-                if weight == 0.0 or last == first:
-                    continue
-                row = kept[source % _KEPT]
-                if place[source % _KEPT] != source:
-                    place[source % _KEPT] = source
-                    own, held = columns[first:last], values[first:last]
-                    _spread_row(own, held, first_x, weight_x, whole, dense, wide, row)
-                for x in range(nxc):
-                    target[x] += weight * row[x]
+    nxc = coarse.shape[1]
+    dense = np.empty(COARSENING * (nxc + 2 * TAPS), np.float32)
+    wide = np.empty(nxc + TAPS, np.float32)
+    kept = np.empty((_KEPT, nxc), np.float32)
+    place = np.full(_KEPT, -1)
+    for y in range(rows[0], rows[1]):
+        target = coarse[y]
+        target[:] = np.float32(0.0)
+        for k in range(rows_of.shape[1]):
+            source, weight = rows_of[y, k], weight_of[y, k]
+            first, last = start[source], start[source + 1]
+            if weight == 0.0 or last == first:
+                continue
+            row = kept[source % _KEPT]
+            if place[source % _KEPT] != source:
+                place[source % _KEPT] = source
+                own, held = columns[first:last], values[first:last]
+                _spread_row(own, held, first_x, weight_x, whole, dense, wide, row)
+            for x in range(nxc):
+                target[x] += weight * row[x]
 
 
-@compiled(parallel=True, fastmath=SUMS)
+@compiled(fastmath=SUMS)
 def gather(
+    rows: tuple[int, int],
     start: Index,
     columns: NDArray[np.int32],
     coarse: Single,
@@ -224,50 +226,50 @@ def gather(
     whole: bool,
     result: Single,
 ) -> None:
-    """Add the coarse field (nyc, nxc), interpolated by B-splines, to the result at the points.
+    """Add the coarse field (nyc, nxc), interpolated by B-splines, to the result at the points of
+    some rows.
 
     `coarse` may be wider; `whole` as in `spread`.
     """
-    ny, nyc = start.size - 1, coarse.shape[0]
-    for block in prange((ny + _ROWS - 1) // _ROWS):
-        dense = np.empty(COARSENING * nxc, np.float32)
-        wide, row = np.empty(nxc + TAPS, np.float32), np.empty(nxc, np.float32)
-        for y in range(block * _ROWS, min(ny, (block + 1) * _ROWS)):
-            n = start[y + 1] - start[y]
-            if n == 0:
-                continue
-            first = first_y[y]
-            a, b, c, d = weight_y[y, 0], weight_y[y, 1], weight_y[y, 2], weight_y[y, 3]
-            c0, c1 = coarse[first], coarse[(first + 1) % nyc]
-            c2, c3 = coarse[(first + 2) % nyc], coarse[(first + 3) % nyc]
-            for x in range(nxc):
-                row[x] = a * c0[x] + b * c1[x] + c * c2[x] + d * c3[x]
-            if whole and n * _DENSE > nxc:
-                shift = first_x[0]
-                for x in range(nxc - shift):
-                    wide[x] = row[shift + x]
-                for x in range(shift):
-                    wide[nxc - shift + x] = row[x]
-                for x in range(TAPS):
-                    wide[nxc + x] = wide[x]
-                for phase in range(COARSENING):
-                    a, b = weight_x[phase, 0], weight_x[phase, 1]
-                    c, d = weight_x[phase, 2], weight_x[phase, 3]
-                    own = dense[phase * nxc :]
-                    for x in range(nxc):
-                        own[x] = a * wide[x] + b * wide[x + 1] + c * wide[x + 2] + d * wide[x + 3]
-                for k in range(start[y], start[y + 1]):
-                    place = np.uint64(columns[k])
-                    result[k] += dense[(place % _FOUR) * np.uint64(nxc) + place // _FOUR]
-                continue
+    nyc = coarse.shape[0]
+    dense = np.empty(COARSENING * nxc, np.float32)
+    wide, row = np.empty(nxc + TAPS, np.float32), np.empty(nxc, np.float32)
+    for y in range(rows[0], rows[1]):
+        n = start[y + 1] - start[y]
+        if n == 0:
+            continue
+        first = first_y[y]
+        a, b, c, d = weight_y[y, 0], weight_y[y, 1], weight_y[y, 2], weight_y[y, 3]
+        c0, c1 = coarse[first], coarse[(first + 1) % nyc]
+        c2, c3 = coarse[(first + 2) % nyc], coarse[(first + 3) % nyc]
+        for x in range(nxc):
+            row[x] = a * c0[x] + b * c1[x] + c * c2[x] + d * c3[x]
+        if whole and n * _DENSE > nxc:
+            shift = first_x[0]
+            for x in range(nxc - shift):
+                wide[x] = row[shift + x]
+            for x in range(shift):
+                wide[nxc - shift + x] = row[x]
+            for x in range(TAPS):
+                wide[nxc + x] = wide[x]
+            for phase in range(COARSENING):
+                a, b = weight_x[phase, 0], weight_x[phase, 1]
+                c, d = weight_x[phase, 2], weight_x[phase, 3]
+                own = dense[phase * nxc :]
+                for x in range(nxc):
+                    own[x] = a * wide[x] + b * wide[x + 1] + c * wide[x + 2] + d * wide[x + 3]
             for k in range(start[y], start[y + 1]):
-                x = columns[k]
-                first = first_x[x]
-                total = np.float32(0.0)
-                if first + TAPS <= nxc:
-                    for t in range(TAPS):
-                        total += weight_x[x, t] * row[first + t]
-                else:
-                    for t in range(TAPS):
-                        total += weight_x[x, t] * row[(first + t) % nxc]
-                result[k] += total
+                place = np.uint64(columns[k])
+                result[k] += dense[(place % _FOUR) * np.uint64(nxc) + place // _FOUR]
+            continue
+        for k in range(start[y], start[y + 1]):
+            x = columns[k]
+            first = first_x[x]
+            total = np.float32(0.0)
+            if first + TAPS <= nxc:
+                for t in range(TAPS):
+                    total += weight_x[x, t] * row[first + t]
+            else:
+                for t in range(TAPS):
+                    total += weight_x[x, t] * row[(first + t) % nxc]
+            result[k] += total

@@ -9,7 +9,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.numerics.parallel import by_rows
+
 from . import _list_kernels
+from ._grid_kernels import put
 
 __all__ = ["ContactList", "ListOperator", "solve_on_list"]
 
@@ -65,6 +68,10 @@ class ContactList:
         """Flat index of each entry in rows of `stride` values."""
         rows = np.repeat(np.arange(self.start.size - 1) * stride, np.diff(self.start))
         return rows + self.columns
+
+    def fill(self, grid: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+        """Write values (n,) at the points of a grid, zero elsewhere."""
+        by_rows(put, (self.start.size - 1, grid.shape[1]), grid, self.start, self.columns, values)
 
 
 class ListOperator(Protocol):

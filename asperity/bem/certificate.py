@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from surfaces.numerics.parallel import by_rows
+
 from ._grid_kernels import BLOCK, contact_sums, held_gap
 
 __all__ = ["Certificate", "Reading", "certify"]
@@ -122,8 +124,12 @@ def certify(
     """
     ny, nx = heights.shape
     block_low = np.empty((ny, -(-nx // BLOCK)))
-    count, gap_sum, lowest, total, work, moment, largest, held, highest, held_sum, excess = (
-        contact_sums(pressure, displacement, heights, cap, block_low)
+    found = np.array(
+        by_rows(contact_sums, (ny, nx), pressure, displacement, heights, cap, block_low)
+    )
+    count, gap_sum, work, total, moment, held, held_sum, excess = found[:, :-3].sum(axis=0).tolist()
+    lowest, highest, largest = map(
+        float, (found[:, -3].min(), found[:, -2].max(), found[:, -1].max())
     )
     most, lowest = lowest, highest if lowest == np.inf else lowest
     level = gap_sum / count if count else lowest
@@ -154,6 +160,5 @@ def certify(
         lift=max(highest - level, 0.0) / scale,
     )
     plastic_work = cap * (held * level - held_sum) if held else 0.0
-    return Reading(
-        certificate, count + held, held, level, scale, total, moment, plastic_work, block_low
-    )
+    points = int(count + held), int(held)
+    return Reading(certificate, *points, level, scale, total, moment, plastic_work, block_low)

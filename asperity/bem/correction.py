@@ -9,8 +9,6 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.threads import idle_threads, use_numba
-
 from . import _grid_kernels
 from .active_set import SPARE, ContactList, solve_on_list
 from .certificate import Reading, certify
@@ -45,9 +43,6 @@ _MAX_INNER = 200
 
 _SMALL_GRID = 128 * 128
 """Points up to which the transform of the whole grid is cheaper than the split operator."""
-
-_ONE_THREAD = 256 * 256
-"""Points up to which compiled loops run on one thread."""
 
 _FULL_SHARE = 0.4
 """Share of the grid on the list above which the whole grid is transformed."""
@@ -174,7 +169,6 @@ class Level:
         best, idle = math.inf, 0
         self._careful = False
         for outer in range(_MAX_CORRECTIONS):
-            use_numba(1 if self.heights.size <= _ONE_THREAD else idle_threads(self.exact.threads))
             here = origin if outer == 0 else PressureOrigin.GIVEN
             known = here in (PressureOrigin.PREDICTED, PressureOrigin.SOLVED)
             displacement = self.exact.displacement if known else self.exact.apply()
@@ -258,7 +252,7 @@ class Level:
             total=None if mean is None else mean * self.heights.size,
             cap=self.cap,
         )
-        _grid_kernels.put(self.exact.pressure, points.start, points.columns, values)
+        points.fill(self.exact.pressure, values)
         return spent
 
     def _candidates(

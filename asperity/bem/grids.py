@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from asperity.halfspace.scene import Boundary
 from surfaces.numerics import parallel
 
-from . import _grid_kernels
+from ._grid_kernels import interpolate
 from .transform import Scratch
 
 __all__ = ["CoarseMaps", "level_shapes", "prolong"]
@@ -172,7 +172,7 @@ def prolong(
     down, across = (_shares(n, *axis) for n, axis in zip(shape, (rows, columns), strict=True))
     total = float(down @ coarse[: shape[0], : shape[1]] @ across)
     factor = mean * fine_shape[0] * fine_shape[1] / total if mean > 0.0 and total > 0.0 else 1.0
-    _grid_kernels.interpolate(coarse, fine, *rows, *columns, factor)
+    parallel.by_rows(interpolate, fine_shape, coarse, fine, *rows, *columns, factor)
 
 
 def _shares(

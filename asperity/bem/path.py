@@ -10,10 +10,11 @@ import contextlib
 import math
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
+
+from surfaces.numerics.parallel import apart, by_rows
 
 from ._grid_kernels import extrapolate
 from .bounds import AREA_OVER_LOAD_ERROR, area_error, load_error
@@ -89,13 +90,18 @@ def follow_chains(
         for chain in chains:
             follow(chain, stop)
         return
-    with ThreadPoolExecutor(len(chains), thread_name_prefix="loads") as pool:
-        others = [pool.submit(follow, chain, stop) for chain in chains]
+
+    def followed(chain: range) -> None:
         try:
-            for other in others:
-                other.result()
-        finally:
+            follow(chain, stop)
+        except BaseException:
             stop.set()
+            raise
+
+    try:
+        apart(followed, chains)
+    finally:  # of one that was interrupted
+        stop.set()
 
 
 class LoadPath:
@@ -212,7 +218,7 @@ class LoadPath:
         step = (mean - last) / (last - before) if last > before else math.inf
         shares = (1.0 + step, -step) if abs(step) <= _LARGEST_STEP else (mean / last, 0.0)
         for field, old in zip(now, self._old, strict=True):
-            extrapolate(field, old, *shares)
+            by_rows(extrapolate, field.shape, field, old, *shares)
 
     def _remember(self, outcome: Outcome) -> None:
         """Take the solution as the next support of the secant."""

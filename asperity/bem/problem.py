@@ -12,9 +12,8 @@ from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.influence import influence
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import chosen_boundary, require_scene
-from asperity.threads import require_own_threads
-from asperity.threads import threads as thread_count
 from surfaces.heightmap import HeightMap
+from surfaces.numerics.parallel import threads as thread_count
 
 from .correction import Level, Outcome, PressureOrigin
 from .grids import CoarseMaps, level_shapes, prolong
@@ -73,7 +72,6 @@ class ContactProblem:
         share: float | None = None,
     ) -> None:
         require_scene(hm, material)
-        require_own_threads()
         if hm.missing:
             raise SurfaceError(
                 f"{hm.name or 'the map'} has {hm.missing} missing points of {hm.heights.size}; "

@@ -12,6 +12,7 @@ from asperity.halfspace.checks import scene_warnings
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import expected_area_fraction, require_scene
 from surfaces.heightmap import HeightMap
+from surfaces.numerics.parallel import by_rows
 
 from ._grid_kernels import finish
 from .bounds import area_error, load_error
@@ -104,7 +105,9 @@ def bem_solve(
     exact, reading = problem.level.exact, outcome.reading
     level = reading.level if offset is None else offset
     gap = exact.displacement[:, : hm.shape[1]]
-    finish(
+    by_rows(
+        finish,
+        hm.shape,
         exact.pressure,
         gap,
         problem.level.heights,

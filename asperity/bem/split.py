@@ -12,6 +12,8 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from surfaces.numerics import parallel
+
 from . import _split_kernels, convolution
 from ._split_kernels import COARSENING, TAPS
 from ._stencil_kernels import LANES, RADIUS
@@ -24,6 +26,9 @@ __all__ = ["SplitOperator"]
 
 _ASPECT_STEP = 0.03
 """Logarithmic step to which pixel aspect ratios are rounded, so that stencils are found again."""
+
+_LEAST_PLACES = 500
+"""Tiles, or points on their own, that repay a thread."""
 
 
 class SplitOperator:
@@ -76,27 +81,29 @@ class SplitOperator:
         short: bool,
     ) -> NDArray[np.float32]:
         result = np.empty_like(values)
-        points = self._list
-        _split_kernels.near(
-            self._grid,
-            self.shape,
-            self.periodic,
-            points.start,
-            points.columns,
-            values,
-            self._tiles,
-            self._points,
-            *tables,
-            short,
-            result,
+        points, (quadrant, rows) = self._list, tables
+        _split_kernels.place(
+            self._grid, self.shape, self.periodic, points.start, points.columns, values
         )
+        tiles, single = self._tiles, self._points
+
+        def on_tiles(first: int, last: int) -> None:
+            _split_kernels.near_tiles(self._grid, tiles[first:last], quadrant, short, result)
+
+        def on_points(first: int, last: int) -> None:
+            _split_kernels.near_points(self._grid, single[first:last], rows, short, result)
+
+        parallel.run(on_tiles, parallel.blocks(len(tiles), _LEAST_PLACES))
+        parallel.run(on_points, parallel.blocks(len(single), _LEAST_PLACES))
         return result
 
     def apply(self, pressure: NDArray[np.float32]) -> NDArray[np.float32]:
         """Displacement at the points of a pressure p~ on them, nearly."""
         result = self._stencil(pressure, self._near, False)
         coarse, points = self._remainder, self._list
-        _split_kernels.spread(
+        parallel.by_rows(
+            _split_kernels.spread,
+            coarse.values.shape,
             points.start,
             points.columns,
             pressure,
@@ -108,7 +115,9 @@ class SplitOperator:
             coarse.values,
         )
         coarse.apply(self._symbol)
-        _split_kernels.gather(
+        parallel.by_rows(
+            _split_kernels.gather,
+            self.shape,
             points.start,
             points.columns,
             coarse.grid,

@@ -68,5 +68,5 @@ def contact_stiffness(level: Level, reading: Reading, *, unloading: bool = False
         filtered = operator.precondition(residual)
         size, before = float(np.dot(residual, filtered)), size
         ahead = filtered + np.float32(size / before) * ahead
-    _grid_kernels.put(level.exact.pressure, pressed.start, pressed.columns, held)
+    pressed.fill(level.exact.pressure, held)
     return float(q.sum()) / level.heights.size

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from abc import ABC, abstractmethod
 from typing import Any
 
@@ -10,7 +11,9 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from . import _grid_kernels
+from surfaces.numerics.parallel import by_rows
+
+from ._grid_kernels import multiply
 
 __all__ = ["FFTWTransform", "ScipyTransform", "Scratch", "prefers_fftw"]
 
@@ -22,6 +25,17 @@ _LARGEST_FACTOR = 13
 
 _ONE_THREAD = 160 * 160
 """Points up to which a transform runs on one thread."""
+
+_home: int | None = None
+"""Process in which FFTW first ran on threads: one forked from it lacks them, and would wait."""
+
+
+def _own(threads: int) -> int:
+    """As many threads in the process that has them, one in those forked from it."""
+    global _home
+    if threads > 1 and _home is None:
+        _home = os.getpid()
+    return threads if _home == os.getpid() else 1
 
 
 class Scratch:
@@ -109,7 +123,7 @@ class RealTransform(ABC):
         scratch: Scratch,
     ) -> None:
         self._padded = padded
-        self._threads = threads if math.prod(padded) > _ONE_THREAD else 1
+        self._threads = _own(threads) if math.prod(padded) > _ONE_THREAD else 1
         self.values = scratch.zeros((shape[0], padded[1]), dtype)
         self._plan(np.result_type(dtype, np.complex64), scratch)
 
@@ -128,7 +142,8 @@ class RealTransform(ABC):
     def apply(self, symbol: NDArray[Any]) -> None:
         """Convolve `values` into `grid`."""
         self.forward()
-        _grid_kernels.multiply(self.spectrum.view(self.values.dtype), symbol)
+        parts = self.spectrum.view(self.values.dtype)
+        by_rows(multiply, parts.shape, parts, symbol)
         self.backward()
 
 

@@ -18,8 +18,8 @@ from asperity.errors import AsperityError, ContactWarning
 from asperity.results.curve import ContactCurve
 from asperity.results.headline import at_heaviest
 from asperity.results.storage import ResultFile, read_about, write_results
-from asperity.threads import set_threads
 from surfaces.heightmap import HeightMap
+from surfaces.numerics.parallel import set_threads
 
 from .bands import QUANTITIES
 from .jobs import Job, Surface, method

@@ -11,11 +11,11 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numba import prange
 from numpy.typing import NDArray
 from scipy.special import hyp2f1
 
 from surfaces.numerics.compiled import compiled
+from surfaces.numerics.parallel import by_rows
 
 from .material import HalfSpace
 
@@ -91,7 +91,9 @@ def symbol_quadrant(
 
     ky, kx = wave_numbers(shape, spacing)
     values = np.empty((shape[0] // 2 + 1, shape[1] // 2 + 1))
-    _powers(np.square(ky[: values.shape[0]]), np.square(kx), 0.5 * power, factor, values)
+    squares = np.square(ky[: len(values)]), np.square(kx)
+    by_rows(_powers, values.shape, *squares, 0.5 * power, factor, values)
+    values[0, 0] = 0.0
     return values
 
 
@@ -113,7 +115,7 @@ def influence(
     hy, hx = spacing[0] / pixel, spacing[1] / pixel
     factor *= _point_factor(m)
     kernel = np.empty(shape)
-    _far_cells(hy, hx, m, factor, kernel)
+    by_rows(_far_cells, shape, hy, hx, m, factor, kernel)
     near = _near_cells(hy, hx, m)
     rows, columns = (min(n, k) for n, k in zip(shape, near.shape, strict=True))
     np.multiply(near[:rows, :columns], factor, out=kernel[:rows, :columns])
@@ -180,10 +182,12 @@ def _corner(x: NDArray[np.float64], y: NDArray[np.float64], m: float) -> NDArray
     return np.asarray(x * y / (1.0 - m) * (along_x + along_y))
 
 
-@compiled(parallel=True)
-def _powers(ky: Grid, kx: Grid, power: float, factor: float, result: Grid) -> None:
-    """Factor times (ky + kx)**power on the grid of both, zero at the first point."""
-    for y in prange(ky.size):
+@compiled()
+def _powers(
+    rows: tuple[int, int], ky: Grid, kx: Grid, power: float, factor: float, result: Grid
+) -> None:
+    """Factor times (ky + kx)**power on rows of the grid of both."""
+    for y in range(rows[0], rows[1]):
         row = result[y]
         if power == -0.5:
             for x in range(kx.size):
@@ -191,18 +195,19 @@ def _powers(ky: Grid, kx: Grid, power: float, factor: float, result: Grid) -> No
         else:
             for x in range(kx.size):
                 row[x] = factor * max(ky[y] + kx[x], 1e-300) ** power
-    result[0, 0] = 0.0
 
 
-@compiled(parallel=True)
-def _far_cells(hy: float, hx: float, m: float, factor: float, result: Grid) -> None:
+@compiled()
+def _far_cells(
+    rows: tuple[int, int], hy: float, hx: float, m: float, factor: float, result: Grid
+) -> None:
     """Factor times the integral of r**-(1+m) over cells far from the origin.
 
     The mean over a cell by its Taylor series: value and even derivatives to the fourth.
     """
     a = 1.0 + m
     yy, xx = hy * hy, hx * hx
-    for i in prange(result.shape[0]):
+    for i in range(rows[0], rows[1]):
         y = (hy * i) ** 2
         for j in range(result.shape[1]):
             inverse = 1.0 / max(y + (hx * j) ** 2, 1e-300)

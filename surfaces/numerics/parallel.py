@@ -21,6 +21,7 @@ __all__ = [
     "aside",
     "available",
     "blocks",
+    "by_rows",
     "each",
     "lines",
     "run",
@@ -99,6 +100,13 @@ def lines(count: int, points: int) -> list[tuple[int, int]]:
 def run(function: Callable[[int, int], Any], parts: list[tuple[int, int]]) -> list[Any]:
     """Call ``function(start, stop)`` for every block, at the same time; results in order."""
     return each(lambda part: function(*part), parts)
+
+
+def by_rows(kernel: Callable[..., Any], shape: tuple[int, int], *args: Any) -> list[Any]:
+    """Call ``kernel((start, stop), *args)`` for blocks of the rows of a map of this shape, at the
+    same time; results in order."""
+    parts = lines(shape[0], shape[0] * shape[1])
+    return run(lambda start, stop: kernel((start, stop), *args), parts)
 
 
 def each(function: Callable[[Any], Any], parts: Sequence[Any]) -> list[Any]:

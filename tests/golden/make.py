@@ -22,7 +22,7 @@ from llvmlite import binding
 
 import asperity
 from asperity.halfspace.scene import pressure_scale
-from asperity.threads import set_threads, threads
+from surfaces.numerics.parallel import set_threads, threads
 
 FILE = Path(__file__).with_name("curves.json")
 

@@ -128,21 +128,21 @@ def test_sums_and_selected_points(cap):
     heights.setflags(write=False)
     gap = displacement - heights
     low = np.empty((9, 1))
-    sums = _grid_kernels.contact_sums(pressure, displacement, heights, cap, low)
+    sums = _grid_kernels.contact_sums((0, 9), pressure, displacement, heights, cap, low)
     touching, held = pressure > 0, pressure >= cap
     inside = touching & ~held
     expected = (
         inside.sum(),
         gap[inside].sum(),
-        gap[~held].min(),
-        pressure.sum(),
         (pressure * gap)[~held].sum(),
+        pressure.sum(),
         (pressure * displacement).sum(),
-        displacement.max(),
         held.sum(),
-        gap[held].max(initial=-np.inf),
         gap[held].sum(),
         np.maximum(pressure - cap, 0.0).sum(),
+        gap[~held].min(),
+        gap[held].max(initial=-np.inf),
+        displacement.max(),
     )
     assert sums == pytest.approx(expected, rel=1e-13)
     bounded = np.maximum(gap[held], 0.1).sum()
@@ -159,5 +159,5 @@ def test_sums_and_selected_points(cap):
     np.testing.assert_array_equal(np.repeat(np.arange(9), np.diff(start)), rows)
     np.testing.assert_array_equal(p, pressure[mask])
     np.testing.assert_array_equal(g, gap[mask])
-    _grid_kernels.put(pressure, start, columns, p + 1.0)
+    _grid_kernels.put((0, 9), pressure, start, columns, p + 1.0)
     np.testing.assert_array_equal(pressure[mask], p + 1.0)

@@ -40,7 +40,7 @@ def test_influence_rules_agree_where_they_meet(m):
     gauss = influence._gauss_mean(y, x, 2.0, 0.5, m)
     np.testing.assert_allclose(gauss[8:, :], corner[8:, :], rtol=1e-11)
     series = np.empty((104, 120))
-    influence._far_cells(1.0, 0.8, m, 1.0, series)
+    influence._far_cells((0, 104), 1.0, 0.8, m, 1.0, series)
     gauss = influence._gauss_mean(np.arange(104.0), 0.8 * np.arange(120.0), 1.0, 0.8, m)
     np.testing.assert_allclose(series[100:], gauss[100:], rtol=1e-12)
 
