@@ -14,7 +14,6 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from numba.core.types.functions import BaseFunction
 
 from asperity.compilation import compiling
 from asperity.errors import ContactWarning
@@ -194,7 +193,9 @@ def types_once() -> None:
     It tries about thirty rules wherever an operation stands, which takes a quarter of its time.
     Answers stay as they are: they follow from the operation and the types alone.
     """
-    rules: Any = BaseFunction
+    from numba.core.types import functions
+
+    rules: Any = functions.BaseFunction
     find = rules.get_call_type
     known: dict[tuple[Any, Any], Any] = {}
 

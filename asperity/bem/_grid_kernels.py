@@ -231,7 +231,7 @@ def multiply(rows: Rows, parts: Grid, symbol: Grid) -> None:
     """
     ny = parts.shape[0]
     for y in range(rows[0], rows[1]):
-        factor = symbol[min(np.int64(y), ny - np.int64(y))]
+        factor = symbol[min(y, ny - y)]
         row = parts[y]
         for x in range(symbol.shape[1]):
             row[2 * x] *= factor[x]
