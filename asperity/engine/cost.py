@@ -6,6 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 from asperity.model.plan import peaks_above
+from asperity.parameters import DEFAULTS
+from surfaces.checks import random_map
 
 from .parts import LOADS, parts_along
 
@@ -14,11 +16,10 @@ if TYPE_CHECKING:
     from asperity.model.plan import Plan
     from surfaces.heightmap import HeightMap
 
-__all__ = ["forecast"]
+__all__ = ["can_anchor", "cheapest", "forecast"]
 
-ANCHORS, ANCHORS_OF_LAW = 4, 8
-"""Load points that are expected to be anchored, and where the finest waves act as a law of the
-contacts of the others: anchors beside each other then leave more open."""
+ANCHORS = 4
+"""Load points that are expected to be anchored."""
 
 MODEL_SECONDS = 0.03, 1.5e-5
 """Seconds of a curve of the model: in any case, and per peak that may touch."""
@@ -34,6 +35,10 @@ points, and under a hardness, where loads take more steps and a stiffness of unl
 PARTS, MODELS = 1.5, 1.5
 """Parts expected to be solved by boundary elements over those along a side, and curves of the model
 over that of the whole map, where parts tell of it."""
+
+WORTH = 0.8
+"""Time of an engine that uses the model, over that of boundary elements, from which on it is not
+worth a try: on surfaces that the model describes badly both are spent."""
 
 GROWTH = 0.3
 """Power of the number of points over 512 x 512 with which the seconds per point grow."""
@@ -53,13 +58,24 @@ def forecast(hm: HeightMap, material: HalfSpace, plan: Plan, loads: int) -> dict
     model = MODEL_SECONDS[0] + MODEL_SECONDS[1] * peaks
     dearer = FREE if plan.boundary == "free" else 1.0
     dearer *= YIELDED if material.hardness < math.inf else 1.0
-    anchors = ANCHORS if plan.sub_contact_law is None else ANCHORS_OF_LAW
     each = BEM_SECONDS[2] * dearer * _unit(points)
     return {
         "bem": _curve(points, loads, dearer),
-        "anchored": model + BEM_SECONDS[0] + each * min(anchors, loads),
+        "anchored": model + BEM_SECONDS[0] + each * min(ANCHORS, loads),
         "sampled": MODELS * model + PARTS * side * _curve(points / side**2, LOADS, 1.0),
     }
+
+
+def can_anchor(hm: HeightMap, plan: Plan) -> bool:
+    """Whether a few anchors are likely to do: on random waves all of which contacts are solved
+    for."""
+    return plan.sub_contact_law is None and random_map(hm, DEFAULTS.pixel_waves.kurtosis)
+
+
+def cheapest(seconds: dict[str, float]) -> str:
+    """The engine to take by such a forecast."""
+    name = min(seconds, key=lambda name: seconds[name])
+    return name if seconds[name] < WORTH * seconds["bem"] else "bem"
 
 
 def _curve(points: float, loads: int, dearer: float) -> float:

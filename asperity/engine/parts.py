@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from asperity.halfspace.checks import model_warnings
 from asperity.parameters import DEFAULTS
 from asperity.trust.verified import (
+    JUDGE_SHARE,
     answered,
     bounds_at,
     corrected,
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
     from asperity.model.plan import Plan
     from asperity.results.curve import ContactCurve
-    from asperity.trust.verified import Accuracy, Judge
+    from asperity.trust.verified import Accuracy, Judge, Solved
     from surfaces.heightmap import HeightMap
 
 __all__ = ["can_sample", "parts_along", "sampled"]
@@ -132,11 +133,12 @@ def sampled(
     error = PART_SHARE * accuracy.area
     judged = Judged(run.decomposition.material, error, progress)
     shares = _load_shares(run, parts_along(hm, plan.solved(hm)))[:, at]
-    solved: dict[int, ContactCurve] = {}
+    solved: Solved = {}
 
     def on_whole(which: NDArray[np.bool_]) -> None:
         if judge is not None:
-            solved.update(solved_points(judge, values, at[which]))
+            part = JUDGE_SHARE * accuracy.area
+            solved.update(solved_points(judge, values, at[which], part))
 
     misfit, bounds = misfit_on_parts(
         judged, hm, plan, model, at, shares, allowed, None if judge is None else on_whole
@@ -162,7 +164,7 @@ def sampled(
         rest = np.setdiff1d(np.arange(len(model)), [*met, *solved])
         if len(rest) + len(solved) > len(model) // 2:
             return None
-        solved |= solved_points(judge, values, rest)
+        solved |= solved_points(judge, values, rest, accuracy.area)
     bounds[1] += grain
     return corrected(hm, model, kind, points, np.nan_to_num(misfit), bounds, solved)
 

@@ -22,7 +22,6 @@ from asperity.halfspace.scene import Boundary, checked_loads, chosen_boundary
 from asperity.model.plan import make_plan
 from asperity.progress import Progress, reported
 from asperity.trust.verified import (
-    JUDGE_SHARE,
     LEAST_LOADS,
     Accuracy,
     anchors_suffice,
@@ -31,7 +30,7 @@ from asperity.trust.verified import (
 )
 from surfaces.errors import as_number
 
-from .cost import forecast
+from .cost import can_anchor, cheapest, forecast
 from .parts import can_sample, sampled
 from .resolution import UNTOLD, LightestLoad, Resolution, resolution
 
@@ -177,7 +176,7 @@ def solve(
             curve = scene.checked(choice, run, values, asked)
         anchors = np.arange(len(values))
         if curve is None:
-            curve = scene.exact(values, min(asked.area, AREA_OVER_LOAD_ERROR * asked.load))
+            curve = scene.exact(values, asked.area, asked.load)
         elif "anchor" in curve.extra:
             anchors = np.flatnonzero(curve.extra["anchor"])
         if choice.engine in ("anchored", "sampled") and len(anchors) == len(values):
@@ -190,7 +189,7 @@ def solve(
         "engine": choice.engine,
         "reason": choice.reason,
         "accuracy": [asked.load, asked.area],
-        "met": bool(np.all(asked.met(curve) & curve.converged)),
+        "met": _met(curve, asked),
         "anchors": anchors.tolist(),
         "reference": f"grid of the map, {hm.shape[0]} x {hm.shape[1]}, {scene.boundary}",
         "resolution_uncertainty": [left.load, left.area],
@@ -271,10 +270,10 @@ class _Scene:
         seconds = forecast(self.hm, self.material, plan, len(values))
         if not sampling:
             del seconds["sampled"]
+        if not can_anchor(self.hm, plan):
+            del seconds["anchored"]
         each = (f"{value:.2g} s {WAYS[name]}" for name, value in seconds.items())
-        return _Choice(
-            min(seconds, key=lambda name: seconds[name]), f"forecast {', '.join(each)}", plan
-        )
+        return _Choice(cheapest(seconds), f"forecast {', '.join(each)}", plan)
 
     @property
     def fits(self) -> bool:
@@ -292,10 +291,10 @@ class _Scene:
         self, choice: _Choice, run: ContactRun, values: Array, asked: Accuracy
     ) -> ContactCurve | None:
         """The curve of the model, corrected and bounded as chosen; None where that is of no use."""
-        scene, part = (self.kind, values), JUDGE_SHARE * asked.area
+        scene = self.kind, values
 
-        def judge(at: Array) -> ContactCurve:
-            return self.exact(at, part)
+        def judge(at: Array, error: float) -> ContactCurve:
+            return self.exact(at, error, asked.load)
 
         if choice.engine == "anchored" or choice.plan is None:
             if not anchors_suffice(run.curve, asked):
@@ -304,9 +303,10 @@ class _Scene:
         whole = judge if self.fits else None
         return sampled(self.hm, choice.plan, run, *scene, whole, asked, self.lightest)
 
-    def exact(self, values: Array, error: float) -> ContactCurve:
-        """Boundary elements on the grid of the map, within an error of the area."""
+    def exact(self, values: Array, area: float, load: float) -> ContactCurve:
+        """Boundary elements on the grid of the map, within errors of area and load."""
         scene = self.judge, self.hm, self.material, self.kind
+        error = min(area, AREA_OVER_LOAD_ERROR * load)
         return exact(*scene, values, error, boundary=self.boundary, progress=self.lightest)
 
     def resolution(self, curve: ContactCurve, values: Array) -> Resolution:
@@ -316,9 +316,16 @@ class _Scene:
             if not self.fits:
                 return UNTOLD
             first = int(np.argmin(np.where(pressure > 0.0, pressure, np.inf)))
-            self.exact(values[[first]], 2.0 * ACCURACIES[1])
+            self.exact(values[[first]], 2.0 * ACCURACIES[1], ACCURACIES[1])
         heaviest = float(pressure[curve.converged].max(initial=0.0))
         return resolution(self.hm, self.material, self.boundary, self.lightest, heaviest)
+
+
+def _met(curve: ContactCurve, asked: Accuracy) -> bool:
+    """Whether all bounds are within the accuracy."""
+    area = curve.extra["area_error_estimate"]
+    inside = (curve.error_estimate <= asked.load) & (area <= asked.area)
+    return bool(np.all(inside & curve.converged))
 
 
 def _accuracy(load: float, area: float | None) -> Accuracy:

@@ -36,7 +36,7 @@ def run_resumably(
     resume: bool,
     chained: bool = False,
 ) -> ContactCurve:
-    """Solve load points, keeping every finished one in the results file.
+    """Solve load points, keeping every finished one in the results file, beside those it held.
 
     Parameters
     ----------
@@ -100,9 +100,9 @@ def run_resumably(
         done = with_earlier(solve(values[new], keep))
         count = np.count_nonzero(new)
         place[new] = len(done) - count + np.arange(count)
-    whole = done.select(place)
-    write(whole)
-    return whole
+    others = np.setdiff1d(np.arange(len(done)), place)
+    write(done.select(np.append(place, others)))
+    return done.select(place)
 
 
 def require_continuable(path: str | os.PathLike[str], request: Mapping[str, Any]) -> ResultFile:

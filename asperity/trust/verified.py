@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ __all__ = [
     "LEAST_LOADS",
     "Accuracy",
     "Judge",
+    "Solved",
     "anchored",
     "anchors_suffice",
     "answered",
@@ -37,14 +39,21 @@ __all__ = [
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-Judge = Callable[[Array], ContactCurve]
-"""Solves load points by boundary elements."""
+Solved = dict[int, ContactCurve]
+"""Curves of one load point each, by its number."""
+
+Judge = Callable[[Array, float], ContactCurve]
+"""Solves load points by boundary elements, within an error of the area."""
 
 JUDGE_SHARE = 0.15
 """Error of boundary elements at anchors over the accuracy asked for."""
 
 LEAST_LOADS = 5
 """Load points from which on some can be left to the model."""
+
+ANCHOR_LOADS = 4
+"""Load points beside each other that boundary elements solve in the time of one anchor, which they
+solve closer and without a neighbor to start from."""
 
 FIRST_ANCHORS = 3, 5
 """Anchors in any case: on random waves, and on other maps, whose misfit varies less evenly."""
@@ -85,11 +94,6 @@ class Accuracy:
     load: float = 0.05
     area: float = 0.1
 
-    def met(self, curve: ContactCurve) -> NDArray[np.bool_]:
-        """Load points of a curve whose bounds are within it, shape (n,)."""
-        area = curve.extra["area_error_estimate"]
-        return np.asarray((curve.error_estimate <= self.load) & (area <= self.area))
-
 
 def exact(
     engine: Callable[..., ContactCurve],
@@ -109,10 +113,10 @@ def anchored(
 ) -> ContactCurve:
     """The curve of the model as `verified` by an engine such as `bem_curve`."""
     ((name, values),) = model.asked.items()
-    kind, asked = name.removeprefix("asked_"), Accuracy()
-    scene, part = (engine, hm, material, kind), JUDGE_SHARE * asked.area
-    told, begun = {"boundary": model.settings["boundary"]}, time.perf_counter()
-    curve = verified(hm, model, kind, values, lambda at: exact(*scene, at, part, **told), asked)
+    kind = name.removeprefix("asked_")
+    begun = time.perf_counter()
+    judge = partial(exact, engine, hm, material, kind, boundary=model.settings["boundary"])
+    curve = verified(hm, model, kind, values, judge, Accuracy())
     seconds = {**model.seconds, "verification": time.perf_counter() - begun}
     return replace(curve, seconds=seconds)
 
@@ -131,7 +135,7 @@ def verified(
     kind, values
         "pressure" or "separation", and the load points asked for, shape (n,).
     judge
-        Boundary elements on the grid of the map, exact to a small part of the accuracy.
+        Boundary elements on the grid of the map.
     accuracy
         Errors allowed.
 
@@ -147,21 +151,22 @@ def verified(
     in that of the area at equal load. Both vary slowly with the load. Interpolated in its logarithm
     they correct the points between: s = s_model - d/k with k = -d ln F/ds, A = A_model exp(-a)
     (docs/development/verification.md). Points where the model has no answer are solved by boundary
-    elements.
+    elements; where they solve all, no closer than asked.
     """
     points = answered(model)
     others = np.setdiff1d(np.arange(len(model)), points)
     if (count := len(points)) < LEAST_LOADS:
-        return judge(values)
+        return judge(values, accuracy.area)
     position = np.log(model.mean_pressure[points])
     prior, plastic = _prior_estimates(model, points)
     first = FIRST_ANCHORS[not random_map(hm, DEFAULTS.pixel_waves.kurtosis)]
     grain = pixel_scatter(hm, model)[points]
     anchors = np.unique(np.linspace(0, count - 1, first).astype(np.int64))
-    solved: dict[int, ContactCurve] = solved_points(judge, values, others)
+    solved = solved_points(judge, values, others, accuracy.area)
     while True:
         new = [i for i in points[anchors] if i not in solved]
-        solved |= solved_points(judge, values, np.array(new))
+        error = accuracy.area * (JUDGE_SHARE if len(anchors) < count else 1.0)
+        solved |= solved_points(judge, values, np.array(new), error)
         known = misfit_at(model, kind, points[anchors], solved)
         broken = float(np.max(np.abs(known[:2]) / prior[:, anchors]))
         floors = prior * np.maximum(PRIOR_SHARE + plastic, broken if broken > 1.0 else 0.0)
@@ -174,7 +179,8 @@ def verified(
         over[anchors], bounds[1, anchors] = 0.0, rest[1, anchors]
         if len(anchors) == count or over.max() <= 1.0:
             break
-        anchors = np.arange(count) if len(anchors) > count // 2 else halved_intervals(anchors, over)
+        few = ANCHOR_LOADS * len(anchors) <= count
+        anchors = halved_intervals(anchors, over) if few else np.arange(count)
     beside = [np.interp(position, position[anchors], row) for row in known[2:]]
     misfit = np.array([load, area, *beside])
     return corrected(hm, model, kind, points, misfit, bounds, solved)
@@ -202,11 +208,11 @@ def pixel_scatter(hm: HeightMap, model: ContactCurve) -> Array:
     return np.asarray(scatter / np.maximum(pixels, 1e-300))
 
 
-def solved_points(judge: Judge, values: Array, new: Indices) -> dict[int, ContactCurve]:
-    """Curves of one point each, by the number of the load point."""
+def solved_points(judge: Judge, values: Array, new: Indices, error: float) -> Solved:
+    """Load points solved by boundary elements, within an error of the area."""
     if not new.size:
         return {}
-    curve = judge(values[new])
+    curve = judge(values[new], error)
     return {int(i): curve.select([at]) for at, i in enumerate(new)}
 
 
@@ -230,34 +236,28 @@ def _prior_estimates(model: ContactCurve, points: Indices) -> tuple[Array, Array
     return prior, YIELDED_SHARE * plastic
 
 
-def bounds_at(points: Indices, solved: dict[int, ContactCurve]) -> Array:
+def bounds_at(points: Indices, solved: Solved) -> Array:
     """Bounds of load and area that boundary elements gave at some points, shape (2, k)."""
     return np.array([_judged(solved, points, f"{of}error_estimate") for of in ("", "area_")])
 
 
-def _judged(solved: dict[int, ContactCurve], points: Indices, name: str) -> Array:
+def _judged(solved: Solved, points: Indices, name: str) -> Array:
     """A column of what boundary elements found at some points, shape (k,)."""
     curves = [solved[i] for i in points.tolist()]
-    return np.array(
-        [float((one.extra if name in one.extra else vars(one))[name][0]) for one in curves]
-    )
+    return np.array([float({**vars(one), **one.extra}[name][0]) for one in curves])
 
 
-def misfit_at(
-    model: ContactCurve, kind: str, points: Indices, solved: dict[int, ContactCurve]
-) -> Array:
+def misfit_at(model: ContactCurve, kind: str, points: Indices, solved: Solved) -> Array:
     """Logarithms of model over boundary elements: of the load at equal separation, of area, number
     of spots and stiffness at equal load, shape (4, k)."""
 
     def ratio(name: str) -> Array:
         return np.asarray(np.log(getattr(model, name)[points] / _judged(solved, points, name)))
 
-    spots = np.log(np.maximum(model.contacts[points], 1)) - np.log(
-        np.maximum(_judged(solved, points, "contacts"), 1.0)
-    )
+    spots = model.contacts[points], _judged(solved, points, "contacts")
     tangent = model.extra["tangent_stiffness"][points]
     stiffness = log_ratio(tangent, _judged(solved, points, "stiffness"))
-    beside = spots, stiffness
+    beside = np.subtract(*(np.log(np.maximum(count, 1)) for count in spots)), stiffness
     if kind == "pressure":
         apart = model.separation[points] - _judged(solved, points, "separation")
         return np.array([_rate(model, points) * apart, ratio("contact_area"), *beside])
@@ -288,7 +288,7 @@ def corrected(
     points: Indices,
     misfit: Array,
     bounds: Array,
-    solved: dict[int, ContactCurve],
+    solved: Solved,
 ) -> ContactCurve:
     """The corrected curve, with what boundary elements found at the points that they solved."""
     load, area, spots, stiffness = misfit

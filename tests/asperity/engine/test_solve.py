@@ -7,7 +7,7 @@ import pytest
 
 import surfaces
 from asperity import ContactCurve, HalfSpace, InputError, bem_curve, contact_curve, solve
-from asperity.engine.cost import forecast
+from asperity.engine.cost import can_anchor, cheapest, forecast
 from asperity.halfspace.scene import default_pressures
 from asperity.model.plan import make_plan
 
@@ -26,6 +26,13 @@ def hill() -> surfaces.HeightMap:
     heights = 3.0 * np.exp(-12 * (x**2 + y**2))
     fine = waves(rolloff=12.0, seed=4).heights
     return surfaces.HeightMap(heights + 0.05 * fine / fine.std(), (1.0, 1.0), periodic=True)
+
+
+def two_tops() -> surfaces.HeightMap:
+    """Two summits on each ridge of a long wave."""
+    x = np.arange(96) / 96
+    heights = 3.0 * np.cos(2 * np.pi * x) + 0.4 * np.cos(4 * np.pi * (x + x[:, None]))
+    return surfaces.HeightMap(0.01 * heights, (1.0, 1.0), periodic=True)
 
 
 def exact(hm, body, loads, boundary=None):
@@ -126,6 +133,29 @@ def test_boundary_elements_alone_where_they_are_cheaper():
     large = waves(1024, cutoff=None, rolloff=256.0)
     seconds = forecast(large, BODY, make_plan(large, BODY), 60)
     assert seconds["bem"] > seconds["anchored"] > seconds["sampled"]
+
+
+def test_the_model_is_tried_where_it_is_likely_to_hold():
+    """Elsewhere its time is spent beside that of boundary elements: ratios of up to six."""
+    maps = waves(), waves(cutoff=None), two_tops()
+    assert [can_anchor(hm, make_plan(hm, BODY)) for hm in maps] == [True, False, False]
+    assert cheapest({"bem": 1.0, "anchored": 0.9, "sampled": 2.0}) == "bem"
+    assert cheapest({"bem": 1.0, "anchored": 0.7, "sampled": 0.6}) == "sampled"
+
+
+def test_where_anchors_fail_the_rest_is_solved_no_closer_than_asked():
+    """Two summits on a ridge: the model has an answer, off by several times the accuracy."""
+    hm, asked = two_tops(), []
+
+    def judge(hm, body, *, pressures, accuracy, **how):
+        asked.append((len(pressures), accuracy))
+        return bem_curve(hm, body, pressures=pressures, accuracy=accuracy, **how)
+
+    curve = solve(
+        hm, BODY, pressures=default_pressures(hm, BODY, 12), engine="anchored", judge=judge
+    )
+    assert curve.verification["met"] and curve.verification["engine"] == "bem"
+    assert asked == [(5, pytest.approx(0.015)), (7, pytest.approx(0.1))]
 
 
 def test_forecast_knows_what_makes_boundary_elements_dearer():

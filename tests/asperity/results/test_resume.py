@@ -112,6 +112,16 @@ def test_points_that_start_from_each_other_are_solved_together(tmp_path):
         assert again.solved == solved
 
 
+def test_points_that_are_not_asked_for_stay_in_the_file(tmp_path):
+    """Rounds of anchors ask for few points first, then for more: a run that goes on solves none."""
+    path = tmp_path / "r.h5"
+    run_all(Solver(), path, resume=True, loads=LOADS[:3])
+    for loads in (LOADS[1:2], LOADS[:3]):
+        again = Solver()
+        assert len(run_all(again, path, resume=True, loads=loads)) == len(loads)
+        assert not again.solved
+
+
 def test_another_input_is_not_continued(tmp_path):
     path = tmp_path / "r.h5"
     run_all(Solver(), path, resume=False)
