@@ -6,10 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 from asperity.model.plan import peaks_above
-from asperity.parameters import DEFAULTS
-from surfaces.checks import random_map
 
-from .parts import LOADS, parts_along
+from .parts import LOADS, parts_along, repeats_itself
 
 if TYPE_CHECKING:
     from asperity.halfspace.material import HalfSpace
@@ -67,9 +65,9 @@ def forecast(hm: HeightMap, material: HalfSpace, plan: Plan, loads: int) -> dict
 
 
 def can_anchor(hm: HeightMap, plan: Plan) -> bool:
-    """Whether a few anchors are likely to do: on random waves all of which contacts are solved
-    for."""
-    return plan.sub_contact_law is None and random_map(hm, DEFAULTS.pixel_waves.kurtosis)
+    """Whether a few anchors are likely to do: on a map that repeats itself, none of whose waves act
+    as a law of the contacts of the others."""
+    return plan.sub_contact_law is None and repeats_itself(hm)
 
 
 def cheapest(seconds: dict[str, float]) -> str:

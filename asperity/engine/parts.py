@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from asperity.trust.verified import Accuracy, Judge, Solved
     from surfaces.heightmap import HeightMap
 
-__all__ = ["can_sample", "parts_along", "sampled"]
+__all__ = ["can_sample", "parts_along", "repeats_itself", "sampled"]
 
 Array = NDArray[np.float64]
 
@@ -70,6 +70,13 @@ SPARE = 1.5
 """Accuracies over these floors from which on parts are worth a try."""
 
 
+def repeats_itself(hm: HeightMap) -> bool:
+    """Whether contacts anywhere and at any load are alike: those of random waves without a long
+    lay, whose misfit is that of few places and varies slowly with the load."""
+    doubts = model_warnings(hm, LONGEST_LAY)
+    return not doubts and random_map(hm, DEFAULTS.pixel_waves.kurtosis)
+
+
 def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accuracy) -> bool:
     """Whether parts of a map can tell of the whole of it as accurately as asked.
 
@@ -84,9 +91,7 @@ def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accurac
     if law is not None and law.rms[0] < COARSE * law.rms[1]:
         return False
     enough = min(accuracy.load / FLOOR[0], accuracy.area / FLOOR[1]) >= SPARE
-    large = min(hm.shape) >= LEAST_POINTS
-    doubts = model_warnings(hm, LONGEST_LAY) if enough and large else []
-    return enough and large and not doubts and random_map(hm, DEFAULTS.pixel_waves.kurtosis)
+    return enough and min(hm.shape) >= LEAST_POINTS and repeats_itself(hm)
 
 
 def sampled(
