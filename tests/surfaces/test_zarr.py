@@ -53,9 +53,9 @@ def test_blocks_cover_the_map_once(stored: Path) -> None:
 
 def test_a_group_holds_heights(tmp_path: Path) -> None:
     zarr = pytest.importorskip("zarr", reason="the extra for Zarr is not installed")
-    group = zarr.create_group(tmp_path / "scans.zarr")
+    zarr.create_group(tmp_path / "scans.zarr")
     for name in ("heights", "other"):
-        group.create_array(name, data=HEIGHTS)
+        zarr.create_array(tmp_path / "scans.zarr", name=name, data=HEIGHTS)
     options = {"unit": "nm", "spacing": 1e-6}
     assert surfaces.read(tmp_path / "scans.zarr", **options).shape == HEIGHTS.shape
     assert surfaces.read(tmp_path / "scans.zarr", dataset="other", **options).shape == HEIGHTS.shape
