@@ -29,9 +29,9 @@ HARD = ("hardness",)
 """Further parts of that of a half-space with a hardness."""
 
 SECONDS = {
-    "bem": 18.0,
     "contacts": 15.0,
     "laws": 12.0,
+    "bem": 10.5,
     "summits": 9.5,
     "basins": 5.0,
     "hardness": 4.0,

@@ -16,12 +16,16 @@ from surfaces.numerics.compiled import SUMS, compiled
 _FAST = SUMS | {"nnan"}
 BLOCK = 64
 Grid = NDArray[np.floating[Any]]
-Rows = tuple[int, int]
 
 
 @compiled(fastmath=_FAST)
 def contact_sums(
-    rows: Rows, pressure: Grid, displacement: Grid, heights: Grid, cap: float, block_low: Grid
+    rows: tuple[int, int],
+    pressure: Grid,
+    displacement: Grid,
+    heights: Grid,
+    cap: float,
+    block_low: Grid,
 ) -> Any:
     """Sums: where 0 < p < cap, count and gap; where p < cap, load times gap; load and load times u;
     where p >= cap, count, gap and load above the cap. Then the lowest gap where p < cap, the
@@ -182,7 +186,7 @@ def undecided(
 
 @compiled()
 def finish(
-    rows: Rows,
+    rows: tuple[int, int],
     pressure: Grid,
     displacement: Grid,
     heights: Grid,
@@ -203,7 +207,9 @@ def finish(
 
 
 @compiled()
-def extrapolate(rows: Rows, now: Grid, old: Grid, share_now: float, share_old: float) -> None:
+def extrapolate(
+    rows: tuple[int, int], now: Grid, old: Grid, share_now: float, share_old: float
+) -> None:
     """Replace (now, old) by (share_now now + share_old old, now)."""
     for y in range(rows[0], rows[1]):
         for x in range(now.shape[1]):
@@ -214,7 +220,11 @@ def extrapolate(rows: Rows, now: Grid, old: Grid, share_now: float, share_old: f
 
 @compiled()
 def put(
-    rows: Rows, grid: Grid, start: NDArray[np.int64], columns: NDArray[np.int32], values: Grid
+    rows: tuple[int, int],
+    grid: Grid,
+    start: NDArray[np.int64],
+    columns: NDArray[np.int32],
+    values: Grid,
 ) -> None:
     """Write the values of a list into the grid, zero elsewhere."""
     for y in range(rows[0], rows[1]):
@@ -224,7 +234,7 @@ def put(
 
 
 @compiled(fastmath=_FAST)
-def multiply(rows: Rows, parts: Grid, symbol: Grid) -> None:
+def multiply(rows: tuple[int, int], parts: Grid, symbol: Grid) -> None:
     """Scale a half spectrum, seen as its real and imaginary parts, in place.
 
     `symbol` is real and even: its first ny // 2 + 1 rows are given.
@@ -280,7 +290,7 @@ def store_columns(
 
 @compiled(fastmath=_FAST)
 def interpolate(
-    rows: Rows,
+    rows: tuple[int, int],
     coarse: Grid,
     fine: Grid,
     below_y: NDArray[np.int64],
