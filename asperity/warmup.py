@@ -66,6 +66,7 @@ def _summits() -> None:
 
 def _contacts() -> None:
     """Spheres that touch a flat together: few on a small mesh, and many; also at separations."""
+    from asperity.interaction.ewald._tangent_kernels import stiffened
     from asperity.interaction.population import Population
     from asperity.microcontact.law_table import LawTable
 
@@ -94,6 +95,7 @@ def _contacts() -> None:
         state = population.solve(pressure=pressure, state=state)
     for separation in 7e-3, 6e-3, 5e-3:
         state = population.solve(separation=separation, state=state)
+    stiffened(np.eye(1), np.ones(1), np.ones(1))
 
 
 def _laws() -> None:
@@ -164,15 +166,19 @@ def _summit() -> Summits:
 
 
 def _bem() -> None:
-    """Boundary elements at two loads and at a separation, with pixels at the hardness."""
+    """Boundary elements at three loads, two of them close, and at a separation, with pixels at the
+    hardness."""
+    from asperity.bem.convolution import plan
     from asperity.bem.curve import bem_curve
     from asperity.halfspace.scene import default_pressures
 
     hm = small_map()
     low, high = default_pressures(hm, BODY, count=2)
     body = HalfSpace.from_modulus(1.0, hardness=5.0 * high)
-    solved = bem_curve(hm, body, pressures=[low, high], tolerance=1e-2)
-    bem_curve(hm, body, separations=solved.separation[1:], tolerance=1e-2)
+    solved = bem_curve(hm, body, pressures=[low, 0.8 * high, high], tolerance=1e-2)
+    bem_curve(hm, body, separations=solved.separation[2:], tolerance=1e-2)
+    # a free map of 512 x 512, whose transforms go in blocks
+    plan((512, 512), (1024, 1024)).apply(np.zeros((513, 513)))
 
 
 PARTS = {

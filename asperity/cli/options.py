@@ -116,15 +116,13 @@ def add_load_options(parser: argparse.ArgumentParser) -> None:
 
 
 def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
-    """Read the map and prepare it as the options ask; refuse what no model can use.
+    """Read the map and prepare it as the options ask; refuse one with missing points.
 
     With ``--against`` it is the composite with the second surface.
     """
     hm = _full_map(file, args)
     if args.against is not None:
         hm = composite(hm, _full_map(args.against, args))
-    if hm.roughness.lowest == hm.roughness.highest:
-        raise SurfaceError(f"{Path(file).name} is constant: a flat map has no peaks to touch")
     return hm
 
 

@@ -219,7 +219,7 @@ def windows(
     begin, end
         Rows of this part.
     window
-        An array that holds them and `below` more after them, as if the whole were repeated: row i
+        A read-only array of them and `below` more after them, as if the whole were repeated: row i
         is ``window[(i - begin) % len(window)]``.
     """
     count = source.shape[0]
@@ -230,6 +230,8 @@ def windows(
         window = source[begin : min(end + below, count)]
         if end + below > count:
             window = np.concatenate([window, source[np.arange(count, end + below) % count]])
+        window = window.view()
+        window.setflags(write=False)  # loops are compiled for arrays of one kind
         yield begin, end, window
 
 
