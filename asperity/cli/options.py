@@ -13,6 +13,7 @@ from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.laws import LAWS
 from surfaces.heightmap import HeightMap
+from surfaces.numerics.stored_array import windows
 from surfaces.two_bodies import composite
 
 from . import batch, quantities
@@ -116,13 +117,16 @@ def add_load_options(parser: argparse.ArgumentParser) -> None:
 
 
 def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
-    """Read the map and prepare it as the options ask; refuse one with missing points.
+    """Read the map and prepare it as the options ask; refuse what no model can use.
 
     With ``--against`` it is the composite with the second surface.
     """
     hm = _full_map(file, args)
     if args.against is not None:
         hm = composite(hm, _full_map(args.against, args))
+    first = hm.source[:1, :1]
+    if not any((rows != first).any() for _, _, rows in windows(hm.source)):
+        raise SurfaceError(f"{Path(file).name} is constant: a flat map has no peaks to touch")
     return hm
 
 

@@ -142,8 +142,7 @@ def sampled(
 
     def on_whole(which: NDArray[np.bool_]) -> None:
         if judge is not None:
-            part = JUDGE_SHARE * accuracy.area
-            solved.update(solved_points(judge, values, at[which], part))
+            solved.update(solved_points(judge, values, at[which], JUDGE_SHARE * accuracy.area))
 
     misfit, bounds = misfit_on_parts(
         judged, hm, plan, model, at, shares, allowed, None if judge is None else on_whole

@@ -123,13 +123,14 @@ def test_an_interrupted_run_waits_for_no_compiler(nothing_known, monkeypatch):
 def test_a_curve_needs_nothing_that_the_parts_lack():
     """Neither a loop nor another form of one, or it would be compiled after all have ended."""
     code = """
-from asperity import HalfSpace, compilation, contact_curve, warmup
+from asperity import HalfSpace, bem_curve, compilation, contact_curve, warmup
+from surfaces import self_affine
 from surfaces.numerics.compiled import _loops
 
 def forms():
     return {(str(loop.py_func), form) for loop in _loops for form in loop.overloads}
 
-for part in compilation.CURVE + compilation.HARD:
+for part in warmup.PARTS:
     warmup.PARTS[part]()
 known = forms()
 for changes in {}, {"periodic": False}:
@@ -138,6 +139,9 @@ hm = warmup.small_map()
 contact_curve(hm, warmup.BODY, interaction=False)
 contact_curve(hm, HalfSpace.from_modulus(1.0, hardness=0.01))
 contact_curve(hm, warmup.BODY, separations=[2.5 * hm.rms_height, 2.2 * hm.rms_height, 0.0])
+large = self_affine((512, 512), (1.0, 1.0), hurst=0.8, rms_slope=0.1, cutoff=0.01, seed=0)
+loads = contact_curve(large, warmup.BODY).mean_pressure
+bem_curve(large, warmup.BODY, pressures=loads[-3:], boundary="free", accuracy=0.1, coarsen=False)
 print(forms() - known or "{}")
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

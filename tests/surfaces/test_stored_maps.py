@@ -67,13 +67,15 @@ def test_parts_are_those_of_the_array(
 def test_windows_of_memory_are_those_of_the_disk(
     both: tuple[np.ndarray, StoredArray], below: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """So sums over them are equal to the last digit; together they are the rows asked for."""
+    """So sums over them are equal to the last digit; together they are the rows asked for. None
+    can be written to, or loops would be compiled twice."""
     values, kept = both
     monkeypatch.setattr(stored_array, "BLOCK_BYTES", 8 * values.shape[1] * 4)
     one, two = (list(windows(source, 3, below=below)) for source in (values, kept))
     assert [part[:2] for part in one] == [part[:2] for part in two]
     assert [part[0] for part in one] == [3, 7, 11, 15, 19]
     for begin, end, window in one + two:
+        assert not window.flags.writeable
         for row in range(begin, end + below):
             found = window[(row - begin) % len(window)]
             np.testing.assert_array_equal(found, values[row % len(values)])
