@@ -139,7 +139,8 @@ hm = warmup.small_map()
 contact_curve(hm, warmup.BODY, interaction=False)
 contact_curve(hm, HalfSpace.from_modulus(1.0, hardness=0.01))
 contact_curve(hm, warmup.BODY, separations=[2.5 * hm.rms_height, 2.2 * hm.rms_height, 0.0])
-large = self_affine((512, 512), (1.0, 1.0), hurst=0.8, rms_slope=0.1, cutoff=0.01, seed=0)
+waves = {"hurst": 0.8, "rms_slope": 0.1, "cutoff": 0.01, "rolloff": 0.05}
+large = self_affine((512, 512), (1.0, 1.0), **waves)
 loads = contact_curve(large, warmup.BODY).mean_pressure
 bem_curve(large, warmup.BODY, pressures=loads[-3:], boundary="free", accuracy=0.1, coarsen=False)
 print(forms() - known or "{}")
