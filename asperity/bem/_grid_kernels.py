@@ -233,6 +233,20 @@ def put(
             grid[y, columns[k]] = values[k]
 
 
+@compiled()
+def take(
+    rows: tuple[int, int],
+    grid: Grid,
+    start: NDArray[np.int64],
+    columns: NDArray[np.int32],
+    values: Grid,
+) -> None:
+    """Read the values of a list out of the grid."""
+    for y in range(rows[0], rows[1]):
+        for k in range(start[y], start[y + 1]):
+            values[k] = grid[y, columns[k]]
+
+
 @compiled(fastmath=_FAST)
 def multiply(rows: tuple[int, int], parts: Grid, symbol: Grid) -> None:
     """Scale a half spectrum, seen as its real and imaginary parts, in place.

@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from surfaces.numerics.compiled import SUMS, compiled
 
+_FAST = SUMS | {"nnan"}
+_NEWTON_STEPS = 10
 Single = NDArray[np.float32]
 Double = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
-@compiled(fastmath=SUMS)
+@compiled(fastmath=_FAST)
 def measure(
     p: Double,
     moved: Single,
@@ -35,22 +37,22 @@ def measure(
     move.
     """
     n = p.size
-    count = 0
+    count = inside = 0
     gap_sum = total = work = energy = shift = 0.0
     lowest, highest = np.inf, -np.inf
     for i in range(n):
         g = start_gap[i] + change[i]
+        below = p[i] < cap
+        touching = (p[i] > 0.0) & below
         energy += moved[i] * (start_gap[i] + 0.5 * change[i])
         shift += moved[i]
         total += p[i]
-        if p[i] >= cap:
-            highest = max(highest, g)
-        else:
-            lowest = min(lowest, g)
-            work += p[i] * g
-            if p[i] > 0.0:
-                count += 1
-                gap_sum += g
+        high, low = -np.inf if below else g, g if below else np.inf
+        highest = high if high > highest else highest
+        lowest = low if low < lowest else lowest
+        work += p[i] * g if below else 0.0
+        count += touching
+        gap_sum += g if touching else 0.0
     if lowest == np.inf:
         lowest = highest
     level = gap_sum / count if count > 0 else 0.5 * (highest + lowest)
@@ -58,18 +60,15 @@ def measure(
     if held:
         off = abs(level) if count > 0 else 0.0
         level, lowest = 0.0, min(lowest, 0.0)
-    inside = 0
+    held_work = 0.0
     for i in range(n):
         above = start_gap[i] + change[i] - level
-        if p[i] >= cap:
-            work += p[i] * max(above + level, lowest)
-        if (p[i] > 0.0 or above < 0.0) and (p[i] < cap or above > 0.0):
-            active[i] = True
-            residual[i] = np.float32(above)
-            inside += 1
-        else:
-            active[i] = False
-            residual[i] = np.float32(0.0)
+        held_work += p[i] * max(above + level, lowest) if p[i] >= cap else 0.0
+        free = ((p[i] > 0.0) | (above < 0.0)) & ((p[i] < cap) | (above > 0.0))
+        active[i] = free
+        residual[i] = np.float32(above if free else 0.0)
+        inside += free
+    work += held_work
     error = max(max(work / max(total, 1e-300), level) - lowest, highest - level, off)
     return level, error, inside, energy, shift
 
@@ -86,10 +85,11 @@ def turn(
 ) -> float:
     """New direction z + beta * direction without mean (Polak-Ribiere); returns z . residual.
 
-    `old_norm` zero restarts with the direction z; with an infinite `count` the mean stays.
+    The last direction may be of other active points. `old_norm` zero restarts with the direction
+    z; with an infinite `count` the mean stays.
     """
     n = z.size
-    zr = zb = z_sum = r_sum = b_sum = 0.0
+    zr = zb = z_sum = r_sum = b_sum = d_sum = 0.0
     for i in range(n):
         if active[i]:
             zr += z[i] * residual[i]
@@ -97,12 +97,13 @@ def turn(
             z_sum += z[i]
             r_sum += residual[i]
             b_sum += before[i]
+            d_sum += direction[i]
     mean = z_sum / count
     norm = zr - mean * r_sum
     beta = np.float32(0.0)
     if old_norm > 0.0:
         beta = np.float32(max(0.0, (norm - zb + mean * b_sum) / old_norm))
-    shift = np.float32(mean)
+    shift = np.float32(mean + beta * d_sum / count)
     for i in range(n):
         if active[i]:
             direction[i] = z[i] - shift + beta * direction[i]
@@ -160,71 +161,47 @@ def advance(
     return beyond
 
 
-@compiled(fastmath=SUMS)
-def restoring(p: Double, total: float, cap: float) -> Any:
-    """Factors of pressures at the cap and below it that bring them, cut at 0 and cap, to a sum.
+@compiled(fastmath=_FAST)
+def leveling(p: Double, total: float, cap: float) -> float:
+    """What to add to the pressures that no bound holds so that all, cut at 0 and cap, have a sum.
 
-    Only those below the cap are scaled, if they alone can make up for the rest. NaN changes none.
+    Held are p <= 0 and p = cap. Newton steps on the sum, which is convex without a cap so that they
+    end; with one, bisections where they leave the bracket, and after a few.
     """
-    factor, before = 1.0, -1
-    while True:
-        held = 0
-        free = 0.0
+    low, high, shift = -np.inf, min(cap, total), 0.0
+    if cap < np.inf:
+        low = 0.0
         for i in range(p.size):
-            if p[i] >= cap or p[i] * factor >= cap:
-                held += 1
-            elif p[i] > 0.0:
-                free += p[i]
-        bound = cap * held if held > 0 else 0.0
-        if bound > total * (1.0 + 1e-12):  # and not by rounding
-            every = total / (bound + free * factor)
-            return every, every * factor
-        if held <= before or free == 0.0 or np.isnan(total):
-            return 1.0, factor
-        factor, before = max(total - bound, 0.0) / free, held
-
-
-@compiled(fastmath=SUMS)
-def leveling(p: Double, moving: Flags, total: float, cap: float) -> float:
-    """What to add to the moving pressures so that all, cut at 0 and cap, have a sum."""
-    shift, low, high = 0.0, 0.0, 0.0
-    for i in range(p.size):
-        if moving[i]:
-            low, high = min(low, -p[i]), max(high, cap - p[i])
+            low = min(low, -p[i])
     for step in range(120):
         found = 0.0
         inside = 0
         for i in range(p.size):
-            value = p[i] + (shift if moving[i] else 0.0)
-            if moving[i] and value > 0.0 and value < cap:
-                inside += 1
+            value = p[i] + shift if (p[i] > 0.0) & (p[i] != cap) else p[i]
             found += min(max(value, 0.0), cap)
-        if abs(found - total) <= 1e-14 * total:
-            break
-        if found < total:
+            inside += (value > 0.0) & (value < cap)
+        excess = found - total
+        if excess < 0.0:
             low = shift
         else:
             high = shift
-        shift -= (found - total) / max(inside, 1)
-        if inside == 0 or step % 3 == 2 or not (low < shift and shift < high):
+        shift -= excess / max(inside, 1)
+        if abs(excess) <= 1e-12 * total:
+            break
+        newton = inside > 0 and low < shift and shift < high and step < _NEWTON_STEPS
+        if not newton and low > -np.inf:
             shift = 0.5 * (low + high)
     return shift
 
 
-@compiled(fastmath=SUMS)
-def cut(p: Double, base: Double, moved: Single, total: float, cap: float) -> float:
-    """Cut pressures at 0 and cap, restore their sum, and form p - base; returns the largest of it.
-
-    The sum to restore is `total`; none if NaN.
-    """
-    held, factor = restoring(p, total, cap)
+@compiled(fastmath=_FAST)
+def cut(p: Double, base: Double, moved: Single, shift: float, cap: float) -> float:
+    """Shift what `leveling` does, cut all at 0 and cap, and form p - base; returns the largest."""
     largest = 0.0
     for i in range(p.size):
-        value = max(p[i], 0.0) * factor
-        if p[i] >= cap or value >= cap * held:
-            value = cap * held
-        p[i] = value
-        step = value - base[i]
+        value = p[i] + shift if (p[i] > 0.0) & (p[i] != cap) else p[i]
+        p[i] = min(max(value, 0.0), cap)
+        step = p[i] - base[i]
         moved[i] = np.float32(step)
         largest = max(largest, abs(step))
     return largest

@@ -1,10 +1,10 @@
-"""Inexact primal-dual active set: the contact problem on a list of points."""
+"""Projected conjugate gradients: the contact problem on a list of points."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,24 +12,15 @@ from numpy.typing import NDArray
 from surfaces.numerics.parallel import by_rows
 
 from . import _list_kernels
-from ._grid_kernels import put
+from ._grid_kernels import put, take
 
 __all__ = ["ContactList", "ListOperator", "solve_on_list"]
-
-RESIDUAL_DROP = 0.3
-"""Fall of the preconditioned residual at which an inner solve ends."""
-
-BEYOND_SHARE = 0.02
-"""Share of the active points with a pressure out of bounds at which an inner solve ends."""
 
 SPARE = 1.05
 """Load that the points under pressure can bear under a cap, over the prescribed one."""
 
-MAX_INNER_STEPS = 12
-"""Conjugate-gradient steps of one inner solve."""
-
 _SHORTEST_STEP = 1e-3
-"""Share of a step below which steepest descent takes over."""
+"""Share of a step below which one of steepest descent is taken instead."""
 
 _ENERGY_NOISE, _LOOSEST_NOISE = 0.1, 1e-3
 """Rise of the energy taken for rounding, over tolerance times load times length scale; and the
@@ -69,9 +60,13 @@ class ContactList:
         rows = np.repeat(np.arange(self.start.size - 1) * stride, np.diff(self.start))
         return rows + self.columns
 
-    def fill(self, grid: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+    def fill(self, grid: NDArray[Any], values: NDArray[Any]) -> None:
         """Write values (n,) at the points of a grid, zero elsewhere."""
         by_rows(put, (self.start.size - 1, grid.shape[1]), grid, self.start, self.columns, values)
+
+    def read(self, grid: NDArray[Any], values: NDArray[Any]) -> None:
+        """Read the points of a grid into values (n,)."""
+        by_rows(take, (self.start.size - 1, grid.shape[1]), grid, self.start, self.columns, values)
 
 
 class ListOperator(Protocol):
@@ -121,46 +116,47 @@ def solve_on_list(
     Notes
     -----
     Active points are those that no bound holds, all but {p = 0, g >= 0} and {p = cap, g <= 0}. On
-    them the linear problem is solved loosely by preconditioned conjugate gradients (p may leave its
-    bounds), until the preconditioned residual fell by 0.3, 2 % of them are out of bounds, or 12
-    steps are done; then pressures are cut, the load is restored, and the set is formed anew. Where
-    the cap holds a pressure, its displacement is part of the gap. A step that raises
+    them each iteration takes a preconditioned conjugate-gradient step to the minimum along its
+    direction, in which p may leave its bounds; then pressures are cut, those left are shifted by
+    one value until they bear the load (together the nearest such pressure), and the active points
+    are found anew. Directions stay conjugate meanwhile (Polak-Ribiere): started anew at each
+    change of the active points, they would be those of steepest descent wherever many change.
+    Where the cap holds a pressure, its displacement is part of the gap. A step that raises
     the energy is shortened until it does not, so that the iteration cannot cycle. Only changes of
     the pressure and of the gap are held in single precision.
     """
     state = _State(operator, pressure, gap, total, cap)
     accepted, wanted = np.empty_like(pressure), np.empty_like(pressure)
-    lowest_energy, share = np.inf, 1.0
+    lowest_energy, share = math.inf, 1.0
     carried = pressure.sum() if total is None else total
     margin = _ENERGY_NOISE * min(tolerance, _LOOSEST_NOISE) * scale * carried
     plain = False
-    iterations = 0
-    while True:
-        error = state.renew() / scale
-        iterations += 1
-        if error <= tolerance or iterations >= longest:
-            return iterations
+    for iterations in range(1, longest + 1):
+        if state.renew() / scale <= tolerance:
+            break
         if state.energy > lowest_energy + margin:
             share *= 0.5
             if share < _SHORTEST_STEP:
                 if plain:
                     pressure[:] = accepted
-                    return iterations
+                    break
                 plain, share = True, 0.0
             pressure[:] = accepted + share * (wanted - accepted)
+            state.forget()
             if share == 0.0:
-                lowest_energy, share = np.inf, 1.0
+                lowest_energy, share = math.inf, 1.0
             continue
+        if iterations == longest:
+            break
+        plain = plain and math.isinf(lowest_energy)  # once: the step before has done
         lowest_energy, share = state.energy, 1.0
         accepted[:] = pressure
-        spent = state.descend(plain)
-        if spent == 0 and not plain:
+        if not state.step(plain):
+            if plain or not state.step(True):
+                break
             plain = True
-            spent = state.descend(plain)
-        if spent == 0:
-            return iterations
-        iterations += spent - 1
         wanted[:] = pressure
+    return iterations
 
 
 class _State:
@@ -182,19 +178,19 @@ class _State:
         self.moved, self.change, self.residual, self.before, self.direction = (
             np.zeros(n, np.float32) for _ in range(5)
         )
-        self.active, self.moving = np.ones(n, np.bool_), np.ones(n, np.bool_)
+        self.active = np.ones(n, np.bool_)
         self.count = 0
         self.energy = 0.0
+        self._norm, self._inside = 0.0, False
         self._reference: float | None = None
 
     def renew(self) -> float:
         """Make the pressure feasible and measure it; returns its error [m]."""
-        if np.isfinite(self.cap) and not self.held:
-            self._restore()
-        if _list_kernels.cut(self.pressure, self.base, self.moved, self.total, self.cap) > 0.0:
-            self.change = self.operator.apply(self.moved)
-        else:
+        shift = 0.0 if self.held else self._shift()
+        if _list_kernels.cut(self.pressure, self.base, self.moved, shift, self.cap) == 0.0:
             self.change[:] = 0.0
+        elif not self._inside:
+            self.change = self.operator.apply(self.moved)
         level, error, self.count, energy, shift = _list_kernels.measure(
             self.pressure,
             self.moved,
@@ -210,20 +206,18 @@ class _State:
         self.energy = energy - self._reference * shift
         return float(error)
 
-    def _restore(self) -> None:
-        """Restore the load where some pressure is cut at the cap: by a shift of all that moved.
+    def _shift(self) -> float:
+        """What restores the load, added to all that is under pressure.
 
-        Points of lowest gap are brought in if those under pressure cannot bear the load.
+        Points of lowest gap are brought in if those cannot bear the load.
         """
         loaded = self.pressure > 0.0
-        missing = SPARE * self.total / self.cap - np.count_nonzero(loaded)
-        if np.count_nonzero(loaded) * self.cap <= self.total:
+        count = np.count_nonzero(loaded)
+        if count * self.cap <= self.total:
             gap = np.where(loaded, np.inf, self.start_gap + self.change)
-            lowest = np.argsort(gap)[: math.ceil(missing)]
+            lowest = np.argsort(gap)[: math.ceil(SPARE * self.total / self.cap - count)]
             self.pressure[lowest] = np.maximum(self.pressure[lowest], 0.5 * self.cap)
-        elif _list_kernels.restoring(self.pressure, self.total, self.cap)[0] < 1.0:
-            shift = _list_kernels.leveling(self.pressure, self.moving, self.total, self.cap)
-            self.pressure[self.moving] += shift
+        return float(_list_kernels.leveling(self.pressure, self.total, self.cap))
 
     def _free(self) -> None:
         """Take out the points that the step would move out of bounds.
@@ -242,42 +236,36 @@ class _State:
             self.residual[out] = 0.0
             self.count = int(np.count_nonzero(self.active))
 
-    def descend(self, plain: bool) -> int:
-        """Loose conjugate gradients on the active points; returns the steps taken.
+    def forget(self) -> None:
+        """Take the next direction without the last, after the pressure was changed from outside."""
+        self._norm, self._inside = 0.0, False
 
-        `plain` takes the residual itself instead of its preconditioned form, and one step: the
-        direction that must lower the energy if any does.
+    def step(self, plain: bool) -> bool:
+        """One conjugate-gradient step on the active points; False if there is none to take.
+
+        `plain` takes the residual itself as the direction: it must lower the energy if any does.
         """
-        norm = start = 0.0
         if plain:
+            self.forget()
             self._free()
-        self.moving[:] = self.active
         if self.count == 0:
-            return 0
+            return False
         count = math.inf if self.held else float(self.count)
-        for step in range(1 if plain else MAX_INNER_STEPS):
-            z = self.residual if plain else self.operator.precondition(self.residual)
-            norm = _list_kernels.turn(
-                self.active, count, z, self.residual, self.before, self.direction, norm
-            )
-            if step == 0:
-                start = norm
-            elif norm < RESIDUAL_DROP**2 * start:
-                return step
-            beyond = _list_kernels.advance(
-                self.active,
-                count,
-                self.pressure,
-                self.start_gap,
-                self.change,
-                self.residual,
-                self.before,
-                self.direction,
-                self.operator.apply(self.direction),
-                self.cap,
-            )
-            if beyond < 0:
-                return step
-            if beyond > BEYOND_SHARE * self.count:
-                return step + 1
-        return step + 1
+        z = self.residual if plain else self.operator.precondition(self.residual)
+        self._norm = _list_kernels.turn(
+            self.active, count, z, self.residual, self.before, self.direction, self._norm
+        )
+        beyond = _list_kernels.advance(
+            self.active,
+            count,
+            self.pressure,
+            self.start_gap,
+            self.change,
+            self.residual,
+            self.before,
+            self.direction,
+            self.operator.apply(self.direction),
+            self.cap,
+        )
+        self._inside = beyond == 0
+        return bool(beyond >= 0)

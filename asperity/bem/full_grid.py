@@ -45,14 +45,11 @@ class FullGridOperator:
         inverse = symbol_quadrant(exact.shape, exact.spacing, 1.0 - exact.m, 1.0 / (ny * nx))
         inverse[0, 0] = 0.5 * min(inverse[0, 1], inverse[1, 0])
         self._inverse = inverse.astype(np.float32)
-        self._rows = self._columns = np.empty(0, np.int64)
+        self._list = ContactList.empty()
 
     def bind(self, points: ContactList) -> None:
         """Choose the list."""
-        self._forward.values[:] = 0.0
-        self._backward.values[:] = 0.0
-        self._rows = np.repeat(np.arange(points.start.size - 1), np.diff(points.start))
-        self._columns = points.columns.astype(np.int64)
+        self._list = points
 
     def _filtered(
         self,
@@ -60,9 +57,10 @@ class FullGridOperator:
         factor: NDArray[np.float32],
         values: NDArray[np.float32],
     ) -> NDArray[np.float32]:
-        whole.values[self._rows, self._columns] = values
+        self._list.fill(whole.values, values)
         whole.apply(factor)
-        found: NDArray[np.float32] = whole.grid[self._rows, self._columns]
+        found = np.empty_like(values)
+        self._list.read(whole.grid, found)
         return found
 
     def apply(self, pressure: NDArray[np.float32]) -> NDArray[np.float32]:

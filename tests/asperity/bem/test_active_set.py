@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import hypothesis.extra.numpy as hnp
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.optimize import nnls
 
 from asperity.bem import _list_kernels
@@ -111,9 +114,11 @@ def test_passes_match_numpy():
     assert residual[chosen].mean() == pytest.approx(0.0, abs=1e-6)
 
     base, moved = rng.random(n), np.empty(n, np.float32)
-    largest = _list_kernels.cut(p, base, moved, 5.0, np.inf)
-    clipped = np.maximum(new_p, 0.0)
-    clipped *= 5.0 / clipped.sum()
+    total = 0.9 * np.maximum(new_p, 0.0).sum()
+    shift = _list_kernels.leveling(p, total, np.inf)
+    largest = _list_kernels.cut(p, base, moved, shift, np.inf)
+    clipped = np.maximum(new_p + shift, 0.0)
+    assert shift < 0.0 and clipped.sum() == pytest.approx(total, rel=1e-5)
     np.testing.assert_allclose(p, clipped, rtol=1e-4, atol=1e-6)
     np.testing.assert_allclose(moved, clipped - base, atol=1e-5)
     assert largest == pytest.approx(np.abs(clipped - base).max(), rel=1e-4)
@@ -129,20 +134,40 @@ def test_a_direction_without_curvature_is_refused():
     assert (p == 1).all() and (gap == 1).all()
 
 
+def restored(p, total, cap):
+    """The pressure after the compiled passes that restore its sum."""
+    p, moved = np.array(p), np.empty(len(p), np.float32)
+    _list_kernels.cut(p, np.zeros(len(p)), moved, _list_kernels.leveling(p, total, cap), cap)
+    return p
+
+
 def test_restored_loads_stay_between_the_bounds():
-    """Points at the cap stay there; the others are scaled; or those that moved are shifted."""
-    cap, moved = 1.0, np.empty(4, np.float32)
-    p = np.array([1.0, -0.2, 0.4, 0.4])
-    _list_kernels.cut(p, np.zeros(4), moved, 2.0, cap)
-    np.testing.assert_allclose(p, [1.0, 0.0, 0.5, 0.5])
-    p = np.array([1.0, -0.2, 0.9, 0.4])
-    _list_kernels.cut(p, np.zeros(4), moved, 2.6, cap)
-    np.testing.assert_allclose(p, [1.0, 0.0, 1.0, 0.6])
-    p = np.array([1.0, 40.0, 38.8, -70.0])
-    moving = np.array([False, True, True, True])
-    p[moving] += _list_kernels.leveling(p, moving, 2.3, cap)
-    _list_kernels.cut(p, np.zeros(4), moved, 2.3, cap)
-    np.testing.assert_allclose(p, [1.0, 1.0, 0.3, 0.0], atol=1e-12)
+    """All positive pressures are shifted by one value, those at a bound stay there."""
+    np.testing.assert_allclose(restored([0.9, -0.2, 0.4, 0.1], 1.0, np.inf), [0.75, 0, 0.25, 0])
+    np.testing.assert_allclose(restored([1.0, -0.2, 0.4, 0.4], 2.0, 1.0), [1.0, 0.0, 0.5, 0.5])
+    np.testing.assert_allclose(restored([1.0, -0.2, 0.9, 0.4], 2.6, 1.0), [1.0, 0.0, 1.0, 0.6])
+    np.testing.assert_allclose(restored([1.0, 40.0, 38.8, -70.0], 2.3, 1.0), [1.0, 1.0, 0.3, 0.0])
+
+
+@given(hnp.arrays(float, 30, elements=st.floats(-1.0, 1.0)), st.floats(0.01, 0.99))
+def test_the_restored_pressure_is_the_nearest_of_its_load(p, share):
+    """Euclidean projection: no feasible pressure is on the far side of it."""
+    p = p + (1.0 - p.max())
+    total = share * np.maximum(p, 0.0).sum()
+    nearest = restored(p, total, np.inf)
+    assert nearest.min() >= 0.0 and nearest.sum() == pytest.approx(total, rel=1e-12)
+    for corner in np.eye(30) * total:
+        assert (p - nearest) @ (corner - nearest) <= 1e-12
+
+
+def test_directions_stay_conjugate_as_points_leave():
+    """The new direction has no mean over the points that are left, so that the load stays."""
+    rng = np.random.default_rng(1)
+    z, residual, before, direction = rng.standard_normal((4, 40)).astype(np.float32)
+    active = rng.random(40) < 0.6
+    _list_kernels.turn(active, float(active.sum()), z, residual, before, direction, 0.1)
+    assert abs(direction[active].mean()) < 1e-5 * np.abs(direction).max()
+    assert not direction[~active].any()
 
 
 def test_a_level_can_be_held_in_place_of_the_load():
