@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from surfaces.numerics.compiled import SUMS, compiled
 
 _FAST = SUMS | {"nnan"}
-_NEWTON_STEPS = 10
+_NEWTON_STEPS, _ROUNDING = 10, 1e-6
 Single = NDArray[np.float32]
 Double = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -85,8 +85,8 @@ def turn(
 ) -> float:
     """New direction z + beta * direction without mean (Polak-Ribiere); returns z . residual.
 
-    The last direction may be of other active points. `old_norm` zero restarts with the direction
-    z; with an infinite `count` the mean stays.
+    The last direction may be of other active points. It is left out where `old_norm` is zero, or
+    so small beside the new norm that it was rounding; with an infinite `count` the mean stays.
     """
     n = z.size
     zr = zb = z_sum = r_sum = b_sum = d_sum = 0.0
@@ -101,7 +101,7 @@ def turn(
     mean = z_sum / count
     norm = zr - mean * r_sum
     beta = np.float32(0.0)
-    if old_norm > 0.0:
+    if old_norm > _ROUNDING * max(norm, 0.0):
         beta = np.float32(max(0.0, (norm - zb + mean * b_sum) / old_norm))
     shift = np.float32(mean + beta * d_sum / count)
     for i in range(n):
@@ -162,13 +162,15 @@ def advance(
 
 
 @compiled(fastmath=_FAST)
-def leveling(p: Double, total: float, cap: float) -> float:
+def leveling(p: Double, total: float, cap: float) -> Any:
     """What to add to the pressures that no bound holds so that all, cut at 0 and cap, have a sum.
 
     Held are p <= 0 and p = cap. Newton steps on the sum, which is convex without a cap so that they
     end; with one, bisections where they leave the bracket, and after a few.
+
+    Returns that and a factor to multiply with: one, but where rounding leaves no shift of that sum.
     """
-    low, high, shift = -np.inf, min(cap, total), 0.0
+    low, high, shift, over = -np.inf, min(cap, total), 0.0, total
     if cap < np.inf:
         low = 0.0
         for i in range(p.size):
@@ -181,25 +183,29 @@ def leveling(p: Double, total: float, cap: float) -> float:
             found += min(max(value, 0.0), cap)
             inside += (value > 0.0) & (value < cap)
         excess = found - total
+        if abs(excess) <= 1e-12 * total:
+            return shift - excess / max(inside, 1), 1.0
         if excess < 0.0:
             low = shift
         else:
-            high = shift
+            high, over = shift, found
         shift -= excess / max(inside, 1)
-        if abs(excess) <= 1e-12 * total:
-            break
         newton = inside > 0 and low < shift and shift < high and step < _NEWTON_STEPS
         if not newton and low > -np.inf:
             shift = 0.5 * (low + high)
-    return shift
+        if shift == low or shift == high:
+            break
+    return high, total / over
 
 
 @compiled(fastmath=_FAST)
-def cut(p: Double, base: Double, moved: Single, shift: float, cap: float) -> float:
-    """Shift what `leveling` does, cut all at 0 and cap, and form p - base; returns the largest."""
+def cut(p: Double, base: Double, moved: Single, leveled: tuple[float, float], cap: float) -> float:
+    """Shift and scale what `leveling` does, cut all at 0 and cap, and form p - base; returns the
+    largest."""
+    shift, factor = leveled
     largest = 0.0
     for i in range(p.size):
-        value = p[i] + shift if (p[i] > 0.0) & (p[i] != cap) else p[i]
+        value = (p[i] + shift) * factor if (p[i] > 0.0) & (p[i] != cap) else p[i]
         p[i] = min(max(value, 0.0), cap)
         step = p[i] - base[i]
         moved[i] = np.float32(step)

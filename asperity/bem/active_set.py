@@ -186,8 +186,8 @@ class _State:
 
     def renew(self) -> float:
         """Make the pressure feasible and measure it; returns its error [m]."""
-        shift = 0.0 if self.held else self._shift()
-        if _list_kernels.cut(self.pressure, self.base, self.moved, shift, self.cap) == 0.0:
+        leveled = (0.0, 1.0) if self.held else self._leveled()
+        if _list_kernels.cut(self.pressure, self.base, self.moved, leveled, self.cap) == 0.0:
             self.change[:] = 0.0
         elif not self._inside:
             self.change = self.operator.apply(self.moved)
@@ -206,8 +206,8 @@ class _State:
         self.energy = energy - self._reference * shift
         return float(error)
 
-    def _shift(self) -> float:
-        """What restores the load, added to all that is under pressure.
+    def _leveled(self) -> tuple[float, float]:
+        """What restores the load, added to all that is under pressure, and a factor.
 
         Points of lowest gap are brought in if those cannot bear the load.
         """
@@ -217,7 +217,9 @@ class _State:
             gap = np.where(loaded, np.inf, self.start_gap + self.change)
             lowest = np.argsort(gap)[: math.ceil(SPARE * self.total / self.cap - count)]
             self.pressure[lowest] = np.maximum(self.pressure[lowest], 0.5 * self.cap)
-        return float(_list_kernels.leveling(self.pressure, self.total, self.cap))
+        found: tuple[float, float]
+        found = _list_kernels.leveling(self.pressure, self.total, self.cap)
+        return found
 
     def _free(self) -> None:
         """Take out the points that the step would move out of bounds.

@@ -115,10 +115,10 @@ def test_passes_match_numpy():
 
     base, moved = rng.random(n), np.empty(n, np.float32)
     total = 0.9 * np.maximum(new_p, 0.0).sum()
-    shift = _list_kernels.leveling(p, total, np.inf)
-    largest = _list_kernels.cut(p, base, moved, shift, np.inf)
+    shift, factor = leveled = _list_kernels.leveling(p, total, np.inf)
+    largest = _list_kernels.cut(p, base, moved, leveled, np.inf)
     clipped = np.maximum(new_p + shift, 0.0)
-    assert shift < 0.0 and clipped.sum() == pytest.approx(total, rel=1e-5)
+    assert shift < 0.0 and factor == 1.0 and clipped.sum() == pytest.approx(total, rel=1e-5)
     np.testing.assert_allclose(p, clipped, rtol=1e-4, atol=1e-6)
     np.testing.assert_allclose(moved, clipped - base, atol=1e-5)
     assert largest == pytest.approx(np.abs(clipped - base).max(), rel=1e-4)
@@ -147,6 +147,13 @@ def test_restored_loads_stay_between_the_bounds():
     np.testing.assert_allclose(restored([1.0, -0.2, 0.4, 0.4], 2.0, 1.0), [1.0, 0.0, 0.5, 0.5])
     np.testing.assert_allclose(restored([1.0, -0.2, 0.9, 0.4], 2.6, 1.0), [1.0, 0.0, 1.0, 0.6])
     np.testing.assert_allclose(restored([1.0, 40.0, 38.8, -70.0], 2.3, 1.0), [1.0, 1.0, 0.3, 0.0])
+
+
+@pytest.mark.parametrize("total", [1e-8, 1e-20, 1e-40])
+def test_loads_far_below_the_pressures_of_a_step_are_restored(total):
+    """Where no shift has that sum by rounding, what is left is scaled."""
+    pressure = restored([0.1, -0.7, 0.6, 0.6 - 2e-16], total, np.inf)
+    assert pressure.sum() == pytest.approx(total, rel=1e-7) and (pressure >= 0.0).all()
 
 
 @given(hnp.arrays(float, 30, elements=st.floats(-1.0, 1.0)), st.floats(0.01, 0.99))
