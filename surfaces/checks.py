@@ -13,6 +13,7 @@ from .heightmap import HeightMap
 from .numerics.stored_array import Source, windows
 
 __all__ = [
+    "constant",
     "fine_waves_random",
     "fineness",
     "lay",
@@ -155,6 +156,12 @@ def spike_warning(hm: HeightMap) -> list[str]:
         f"the highest point stands {above / rms:.0f} rms heights above its neighbors and holds up "
         "the flat: if it is a spike, take it out (outliers=8, --outliers 8)"
     ]
+
+
+def constant(hm: HeightMap) -> bool:
+    """Whether all heights are equal; read no further than to the first that is not."""
+    first = hm.source[:1, :1]
+    return not any((rows != first).any() for _, _, rows in windows(hm.source))
 
 
 def seam_warning(hm: HeightMap) -> list[str]:

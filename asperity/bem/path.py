@@ -41,7 +41,7 @@ _AIM = 0.9
 _LEAST_SHARE = 0.3
 """Share of the accuracy left to the certificate where a pixel alone would take more of it."""
 
-_MOST_TIMES = 3
+_MOST_TIMES = 5
 """How often a load is solved further."""
 
 _SHARPEST = 1e-11

@@ -12,8 +12,8 @@ from typing import Any
 from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.laws import LAWS
+from surfaces.checks import constant
 from surfaces.heightmap import HeightMap
-from surfaces.numerics.stored_array import windows
 from surfaces.two_bodies import composite
 
 from . import batch, quantities
@@ -124,8 +124,7 @@ def load_surface(file: str, args: argparse.Namespace) -> HeightMap:
     hm = _full_map(file, args)
     if args.against is not None:
         hm = composite(hm, _full_map(args.against, args))
-    first = hm.source[:1, :1]
-    if not any((rows != first).any() for _, _, rows in windows(hm.source)):
+    if constant(hm):
         raise SurfaceError(f"{Path(file).name} is constant: a flat map has no peaks to touch")
     return hm
 

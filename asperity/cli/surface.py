@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import surfaces
+from surfaces.checks import constant
 from surfaces.errors import InputError
 
 from . import batch, targets
@@ -221,7 +222,7 @@ def _generate(args: argparse.Namespace) -> int:
 
 def _peaks(args: argparse.Namespace) -> Mapping[str, Any]:
     hm = _read_and_prepared(args)
-    if hm.rms_height == 0.0:
+    if constant(hm):
         raise InputError(f"{args.file}: the map is constant; a flat map has no peaks")
     peaks = surfaces.segment(
         hm, above=args.above, min_prominence=args.min_prominence, wolf=args.wolf

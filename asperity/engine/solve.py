@@ -182,6 +182,7 @@ def solve(
         if choice.engine in ("anchored", "sampled") and len(anchors) == len(values):
             why = f"{choice.reason}; but the model did not hold so well"
             choice = choice._replace(engine="bem", reason=why)
+            curve = replace(curve, model="bem")
         clock.stage("boundary elements")
         left = UNTOLD if choice.engine == "model" else scene.resolution(curve, values)
         clock.stage("resolution")

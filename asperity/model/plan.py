@@ -25,7 +25,7 @@ from asperity.halfspace.scene import (
 from asperity.multiscale.wave_split import chosen_split, solved_grid
 from asperity.parameters import DEFAULTS, Parameters
 from asperity.parameters.constants import Segmentation
-from surfaces.checks import lay, seam_warning
+from surfaces.checks import constant, lay, seam_warning
 from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import require_memory
@@ -261,13 +261,12 @@ def _require_usable(hm: HeightMap, material: HalfSpace) -> None:
             f"m = {material.m:g} is so near -1 that a contact displaces all others like itself, "
             "which separate contacts do not describe; use boundary elements"
         )
-    found = hm.roughness
-    if found.missing:
+    if hm.missing:
         raise SurfaceError(
-            f"the map has {found.missing} missing points of {math.prod(hm.shape)}; "
+            f"the map has {hm.missing} missing points of {math.prod(hm.shape)}; "
             'fill them with surfaces.prepare(hm, fill="harmonic")'
         )
-    if found.lowest == found.highest:
+    if constant(hm):
         raise SurfaceError("the map is constant: a flat map has no peaks to touch")
 
 
