@@ -32,6 +32,10 @@ _LONGEST_LIST = 0.2
 """Share of the grid by which the candidates of a predicted pressure may outnumber the points that
 it presses: a longer list costs more than a start from coarser grids."""
 
+_LIST_SHARE = 0.3
+"""Error to reach on the list over the tolerance: the rest is left to the approximate operator, and
+equivalent runs (mirrored, moved) agree the closer."""
+
 _MAX_CORRECTIONS = 60
 """Corrections of one load at most."""
 
@@ -247,7 +251,7 @@ class Level:
             values,
             gap,
             scale=scale,
-            tolerance=_next_error(error, 0.5 * tolerance, operator.aim),
+            tolerance=_next_error(error, _LIST_SHARE * tolerance, operator.aim),
             longest=_MAX_INNER,
             total=None if mean is None else mean * self.heights.size,
             cap=self.cap,
