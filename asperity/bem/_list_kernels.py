@@ -10,7 +10,13 @@ from numpy.typing import NDArray
 from surfaces.numerics.compiled import SUMS, compiled
 
 _FAST = SUMS | {"nnan"}
-_NEWTON_STEPS, _ROUNDING = 10, 1e-6
+
+_NEWTON_STEPS = 10
+"""Newton steps for the sum of bounded pressures, after which it is bisected: mostly three do."""
+
+_ROUNDING = 1e-6
+"""Square of a residual over that of the next up to which the last direction tells nothing."""
+
 Single = NDArray[np.float32]
 Double = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -117,19 +123,16 @@ def advance(
     active: Flags,
     count: float,
     p: Double,
-    start_gap: Double,
     change: Single,
     residual: Single,
-    before: Single,
     direction: Single,
     response: Single,
     cap: float,
 ) -> int:
     """Step to the minimum along the direction; returns the number of pressures out of bounds.
 
-    Updates p, change and residual, and keeps the last residual in `before`. The load stays, and
-    the level is zero with an infinite `count`. Returns -1 and changes nothing if the direction has
-    no positive curvature.
+    Updates p and change. The load stays, and the level is zero with an infinite `count`. Returns -1
+    and changes nothing if the direction has no positive curvature.
     """
     n = p.size
     slope = curvature = response_sum = direction_sum = 0.0
@@ -145,19 +148,12 @@ def advance(
     length = slope / curvature
     short = np.float32(length)
     beyond = 0
-    gap_sum = 0.0
     for i in range(n):
         change[i] -= short * response[i]
         if active[i]:
             p[i] -= length * direction[i]
-            gap_sum += start_gap[i] + change[i]
             if p[i] < 0.0 or p[i] > cap:
                 beyond += 1
-    level = gap_sum / count
-    for i in range(n):
-        before[i] = residual[i]
-        if active[i]:
-            residual[i] = np.float32(start_gap[i] + change[i] - level)
     return beyond
 
 

@@ -132,7 +132,7 @@ def solve_on_list(
     margin = _ENERGY_NOISE * min(tolerance, _LOOSEST_NOISE) * scale * carried
     plain = False
     for iterations in range(1, longest + 1):
-        if state.renew() / scale <= tolerance:
+        if state.renew() / scale <= tolerance or iterations == longest:
             break
         if state.energy > lowest_energy + margin:
             share *= 0.5
@@ -146,8 +146,6 @@ def solve_on_list(
             if share == 0.0:
                 lowest_energy, share = math.inf, 1.0
             continue
-        if iterations == longest:
-            break
         plain = plain and math.isinf(lowest_energy)  # once: the step before has done
         lowest_energy, share = state.energy, 1.0
         accepted[:] = pressure
@@ -212,11 +210,12 @@ class _State:
         Points of lowest gap are brought in if those cannot bear the load.
         """
         loaded = self.pressure > 0.0
-        count = np.count_nonzero(loaded)
-        if count * self.cap <= self.total:
+        count, needed = np.count_nonzero(loaded), self.total / self.cap
+        if count <= needed:
             gap = np.where(loaded, np.inf, self.start_gap + self.change)
-            lowest = np.argsort(gap)[: math.ceil(SPARE * self.total / self.cap - count)]
-            self.pressure[lowest] = np.maximum(self.pressure[lowest], 0.5 * self.cap)
+            lowest = np.argsort(gap)[: max(math.ceil(SPARE * needed - count), 1)]
+            least = min(0.5 * self.cap, self.total)
+            self.pressure[lowest] = np.maximum(self.pressure[lowest], least)
         found: tuple[float, float]
         found = _list_kernels.leveling(self.pressure, self.total, self.cap)
         return found
@@ -261,13 +260,14 @@ class _State:
             self.active,
             count,
             self.pressure,
-            self.start_gap,
             self.change,
             self.residual,
-            self.before,
             self.direction,
             self.operator.apply(self.direction),
             self.cap,
         )
+        if beyond < 0:
+            return False
+        self.before, self.residual = self.residual, self.before  # `measure` writes all of it anew
         self._inside = beyond == 0
-        return bool(beyond >= 0)
+        return True
