@@ -11,14 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.numerics.compiled import SUMS, compiled
+from surfaces.numerics.compiled import EXTREMES, compiled
 
-_FAST = SUMS | {"nnan"}
 BLOCK = 64
 Grid = NDArray[np.floating[Any]]
 
 
-@compiled(fastmath=_FAST)
+@compiled(fastmath=EXTREMES)
 def contact_sums(
     rows: tuple[int, int],
     pressure: Grid,
@@ -129,7 +128,7 @@ def select(
     return start, columns, p, g
 
 
-@compiled(fastmath=_FAST)
+@compiled(fastmath=EXTREMES)
 def moments(heights: Grid) -> Any:
     """Mean, largest, and root-mean-square height about the mean."""
     total, highest = 0.0, -np.inf
@@ -247,7 +246,7 @@ def take(
             values[k] = grid[y, columns[k]]
 
 
-@compiled(fastmath=_FAST)
+@compiled(fastmath=EXTREMES)
 def multiply(rows: tuple[int, int], parts: Grid, symbol: Grid) -> None:
     """Scale a half spectrum, seen as its real and imaginary parts, in place.
 
@@ -302,7 +301,7 @@ def store_columns(
             spectrum[y, first + c] = lines[c, y]
 
 
-@compiled(fastmath=_FAST)
+@compiled(fastmath=EXTREMES)
 def interpolate(
     rows: tuple[int, int],
     coarse: Grid,

@@ -7,9 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.numerics.compiled import SUMS, compiled
-
-_FAST = SUMS | {"nnan"}
+from surfaces.numerics.compiled import EXTREMES, SUMS, compiled
 
 _NEWTON_STEPS = 10
 """Newton steps for the sum of bounded pressures, after which it is bisected: mostly three do."""
@@ -22,7 +20,7 @@ Double = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
-@compiled(fastmath=_FAST)
+@compiled(fastmath=EXTREMES)
 def measure(
     p: Double,
     moved: Single,
@@ -157,7 +155,7 @@ def advance(
     return beyond
 
 
-@compiled(fastmath=_FAST)
+@compiled(fastmath=EXTREMES)
 def leveling(p: Double, total: float, cap: float) -> Any:
     """What to add to the pressures that no bound holds so that all, cut at 0 and cap, have a sum.
 
@@ -194,7 +192,7 @@ def leveling(p: Double, total: float, cap: float) -> Any:
     return high, total / over
 
 
-@compiled(fastmath=_FAST)
+@compiled(fastmath=EXTREMES)
 def cut(p: Double, base: Double, moved: Single, leveled: tuple[float, float], cap: float) -> float:
     """Shift and scale what `leveling` does, cut all at 0 and cap, and form p - base; returns the
     largest."""

@@ -55,11 +55,6 @@ class ContactList:
         before = np.append(0, np.cumsum(kept))
         return ContactList(before[self.start], self.columns[kept])
 
-    def flat(self, stride: int) -> NDArray[np.int64]:
-        """Flat index of each entry in rows of `stride` values."""
-        rows = np.repeat(np.arange(self.start.size - 1) * stride, np.diff(self.start))
-        return rows + self.columns
-
     def fill(self, grid: NDArray[Any], values: NDArray[Any]) -> None:
         """Write values (n,) at the points of a grid, zero elsewhere."""
         by_rows(put, (self.start.size - 1, grid.shape[1]), grid, self.start, self.columns, values)

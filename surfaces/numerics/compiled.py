@@ -33,6 +33,7 @@ from surfaces.errors import InputError
 
 __all__ = [
     "BORROWING",
+    "EXTREMES",
     "QUOTIENTS",
     "SUMS",
     "cache_folder",
@@ -49,6 +50,9 @@ the sign of zero. Infinities and NaN keep their meaning."""
 QUOTIENTS = SUMS | {"arcp"}
 """What a loop may do with sums and quotients: `SUMS`, and multiply by the inverse in place of a
 division."""
+
+EXTREMES = SUMS | {"nnan"}
+"""What a loop over numbers, none of them NaN, may do with sums, the least and the largest."""
 
 BORROWING: dict[str, Any] = {"_nrt": False}
 """Options of a loop that makes no array: it counts no references to those of its caller. Each count

@@ -1,4 +1,4 @@
-"""The active set on a list, with a dense matrix as the operator, and its compiled passes."""
+"""Projected conjugate gradients on a list, a dense matrix as the operator, and compiled passes."""
 
 from __future__ import annotations
 
