@@ -4,8 +4,9 @@
     python benchmarks/parts.py --time --points 2048 4096
 
 Maps of random waves, drawn: Hurst exponent, cut-off, roll-off, lay to 3.5:1, grading and border
-(those drawn with a hardness are left out: parts do not tell of them); and the textures of
-`textures.py` whose finest waves are random. The truth is a curve of boundary elements to 1 % in
+(those drawn with a hardness are left out: parts do not tell of them); hills with a band of short
+waves; and the textures of `textures.py` whose finest waves are random. The truth is a curve of
+boundary elements to 1 % in
 area. `--time`: elastic waves of five spectra, `solve` by parts against boundary elements to the
 accuracy asked for, alternately in one run.
 """
@@ -28,7 +29,7 @@ from asperity.engine.parts import can_sample
 from asperity.halfspace.scene import default_pressures
 from asperity.trust.verified import Accuracy
 
-DRAWN = 14
+DRAWN, HILLS = 14, 8
 SPECTRA: list[dict[str, float]] = [
     {"hurst": 0.8},
     {"hurst": 0.5},
@@ -67,6 +68,22 @@ def scenes(points: int, seed: int) -> Iterator[Scene]:
         told = " ".join(f"{key} {value:.3g}" for key, value in recipe.items())
         border = "free" if rng.random() < 0.25 else None
         yield f"{told} m {m} x {hardness} {border}", waves(points, **recipe), body, border
+    for i in range(HILLS):
+        name, hm = hills(points, rng, 100 * seed + 50 + 2 * i)
+        yield name, hm, asperity.HalfSpace.from_modulus(1.0), None
+
+
+def hills(points: int, rng: np.random.Generator, seed: int) -> tuple[str, surfaces.HeightMap]:
+    """Long waves, of up to the size of the map, and a band of short ones."""
+    shortest, longest = np.exp(rng.uniform(np.log((16.0, 100.0)), np.log((100.0, points))))
+    cutoff = rng.uniform(2.5, 12.0)
+    share, wide = np.exp(rng.uniform(np.log(0.02), np.log(0.3))), rng.uniform(1.5, 4.0)
+    long = waves(points, hurst=1.0, cutoff=shortest, rolloff=longest, seed=seed)
+    short = waves(points, hurst=0.8, cutoff=cutoff, rolloff=wide * cutoff, seed=seed + 1)
+    rms = long.roughness.rms_height / short.roughness.rms_height
+    told = f"hills {shortest:.0f} to {longest:.0f}, waves {cutoff:.1f} to {wide * cutoff:.1f}"
+    hm = long.replace(heights=long.heights + share * rms * short.heights)
+    return f"{told} x {share:.2g}", hm
 
 
 def judge(points: int, seed: int) -> list[np.ndarray]:

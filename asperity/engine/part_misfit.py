@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from asperity.results.curve import ContactCurve
     from surfaces.heightmap import HeightMap
 
-__all__ = ["FLOOR", "Judged", "misfit_on_parts"]
+__all__ = ["FLOOR", "Judged", "long_waves", "misfit_on_parts"]
 
 Array = NDArray[np.float64]
 
@@ -54,6 +55,17 @@ FEW = 2.0
 """Power of `ALIKE` over the number of parts with which the squares of `FLOOR` grow where that is
 less: the load follows the heights of few summits, the area their shapes."""
 
+LONG = 1 / 3
+"""Share of the mean square height that is left in means over a quarter of a part along each axis,
+in waves longer than about half a part, from which on parts do not tell of these waves."""
+
+SPARSE = 4
+"""Rows of a map of which one is taken for these means."""
+
+FINE = 0.1
+"""Part of what the finest waves change of the load that parts leave open where the others are
+solved alone: what the model lacks is then not the sum of what it lacks of either."""
+
 TOGETHER = 2
 """Parts solved before the bounds are looked at again, beyond `ALIKE` at each load point; whatever
 the number of threads: results do not hang on that."""
@@ -72,8 +84,9 @@ class Judged:
     progress: Callable[[SolvedLoad], object]
 
     def __call__(self, hm: HeightMap, plan: Plan, pressures: Array, *, tell: bool = False) -> Array:
-        """Model less boundary elements, shape (4, n): separation [m], and the logarithms of contact
-        area, number of spots and stiffness; NaN where the model has no answer."""
+        """Model less boundary elements: separation [m], and the logarithms of contact area, number
+        of spots and stiffness; then the separation by the model [m]. Shape (5, n), NaN where the
+        model has no answer."""
         scene = replace(plan, scene=(hm.without_rounding, self.material))
         model = contact_curve(hm, self.material, pressures=pressures, plan=scene)
         exact = bem_curve(
@@ -88,7 +101,8 @@ class Judged:
         area = np.log(model.contact_area / exact.contact_area)
         spots = np.log(np.maximum(model.contacts, 1.0) / np.maximum(exact.contacts, 1.0))
         stiffness = log_ratio(model.extra["tangent_stiffness"], exact.stiffness)
-        return np.array([model.separation - exact.separation, area, spots, stiffness])
+        apart = model.separation - exact.separation
+        return np.array([apart, area, spots, stiffness, model.separation])
 
 
 def misfit_on_parts(
@@ -100,30 +114,32 @@ def misfit_on_parts(
     shares: Array,
     allowed: Array,
     otherwise: Callable[[NDArray[np.bool_]], object] | None,
-) -> tuple[Array, Array]:
+) -> tuple[Array, Array, Array]:
     """Misfit of the model at some load points, from parts of the map that carry these shares of
     each, as many as it takes for the bounds to be well within those allowed, shape (2, 1).
 
     Returns the logarithms of load, area, number of spots and stiffness of the model over boundary
-    elements, shape (4, n), and bounds of the first two, shape (2, n): their standard deviation over
-    the parts and the floor, larger where few parts carry the load; NaN where no part tells them.
+    elements, shape (4, n); bounds of the first two, shape (2, n): their standard deviation over
+    the parts and the floor, larger where few parts carry the load, NaN where no part tells them;
+    and the floor itself, shape (2, n).
 
     `otherwise`, if any, can tell load points otherwise, and is called beside the parts with those
     of which the floor alone is more than is allowed; no part is solved where these are more than
     half.
 
     A part is loaded as the model loads it on the whole map, and solved by the plan of the whole
-    map: those that carry most. Where the finest waves act as a law of the contacts of the others,
-    and the others are a map so coarse that it costs no more than one part, the whole of that is
-    solved too, and the parts add to it what the finest waves change in the separation: they do not
-    hold the longest waves.
+    map: those that carry most. Where the `long_waves` are solved on the whole map, the parts add to
+    that what the finer ones change in the separation.
     """
     side, pressure = math.isqrt(len(shares)), model.mean_pressure[at]
-    local = len(shares) * shares * pressure
-    alone = plan.whole
-    grid = plan.solved(hm) if plan.sub_contact_law is not None else None
-    if grid is not None and math.prod(grid.shape) * len(shares) > math.prod(hm.shape):
-        grid = None
+    local, rate = len(shares) * shares * pressure, model.stiffness[at] / pressure
+    alone, grid = plan.whole, long_waves(hm, plan, side)
+    cell, floor = replace(alone, boundary="periodic"), np.tile(np.array(FLOOR)[:, None], len(at))
+    whole = np.zeros((5, len(at)))
+    if grid is not None:
+        whole = judged(grid, alone, pressure)
+        fine = rate * (model.separation[at] - whole[-1])
+        floor[0] = np.fmax(floor[0], np.hypot(floor[0], FINE * fine))
     most = HEAVIEST if grid is None else 1.0
     usable = (len(shares) * shares > LEAST_SHARE) & (local <= most * pressure[-1])
     best = np.argsort(-np.where(usable, shares, 0.0).sum(axis=1), kind="stable")
@@ -131,14 +147,13 @@ def misfit_on_parts(
     taken[best] = usable[best] & (np.cumsum(usable[best], axis=0) <= side)
     here, beside = np.zeros_like(taken), None
     if otherwise is not None:
-        taken &= (_floor(taken * shares) <= allowed).all(axis=0)
+        taken &= (floor * _fewness(taken * shares) <= ENOUGH * allowed).all(axis=0)
         untold = ~taken.any(axis=0)
         if 2 * np.count_nonzero(untold) > len(at):
             taken[:] = False
         elif untold.any():
             beside = functools.partial(otherwise, untold)
-    found, rate = np.full((*shares.shape, 4), np.nan), model.stiffness[at] / pressure
-    cell = replace(alone, boundary="periodic")
+    found = np.full((*shares.shape, 4), np.nan)
     lightest = int(np.argmax(np.where(taken.any(axis=1), shares[:, 0], -1.0)))
 
     def solved(place: int) -> Array:
@@ -149,7 +164,7 @@ def misfit_on_parts(
             sub_contact_law=plan.sub_contact_law,
             resampled=None if waves is part else Resampled(waves, (0.0, 0.0)),
         )
-        own_misfit = judged(part, own, loads, tell=place == lightest)
+        own_misfit = judged(part, own, loads, tell=place == lightest)[:4]
         if grid is not None:
             own_misfit[0] -= judged(waves, cell, loads)[0]
         return own_misfit
@@ -160,21 +175,32 @@ def misfit_on_parts(
     while len(some):
         for place, own_misfit in zip(some, parallel.apart(solved, some, beside), strict=True):
             found[place, here[place]] = own_misfit.T
-        _, bounds, number = _pooled(found, shares, rate)
+        _, bounds, number = _pooled(found, shares, rate, floor)
         enough = (number >= ALIKE) & (bounds <= ENOUGH * allowed).all(axis=0)
         taken[some] &= ~here[some]  # also where nothing was found
         here = taken & ~enough
         some, beside = order[here[order].any(axis=1)][:TOGETHER], None
-    misfit, bounds, number = _pooled(found, shares, rate)
-    told = number > 0
-    if grid is not None and told.any():
-        misfit[0, told] += rate[told] * judged(grid, alone, pressure[told])[0]
-    return misfit, bounds
+    misfit, bounds, _ = _pooled(found, shares, rate, floor)
+    misfit[0] += rate * whole[0]
+    bounds[:, np.isnan(whole[0])] = np.nan
+    return misfit, bounds, floor
 
 
-def _pooled(found: Array, shares: Array, rate: Array) -> tuple[Array, Array, NDArray[np.int64]]:
+def long_waves(hm: HeightMap, plan: Plan, side: int) -> HeightMap | None:
+    """The map that is solved in place of a whole one, where waves longer than about half of one of
+    `side` parts along each side hold much of the height; None where they do not."""
+    edges = [np.arange(4 * side + 1) * n // (4 * side) for n in hm.shape]
+    lines = np.array([hm.source[a:b:SPARSE].mean(axis=0) for a, b in itertools.pairwise(edges[0])])
+    means = np.add.reduceat(lines, edges[1][:-1], axis=1) / np.diff(edges[1])
+    share = float(means.var()) / hm.roughness.rms_height**2
+    return plan.solved(hm) if share > LONG else None
+
+
+def _pooled(
+    found: Array, shares: Array, rate: Array, floor: Array
+) -> tuple[Array, Array, NDArray[np.int64]]:
     """Mean of what was found on parts, shape (parts, n, 4), separations as loads by their `rate`;
-    bounds of load and area; and on how many parts."""
+    bounds of load and area above the floor, shape (2, n); and on how many parts."""
     known = np.isfinite(found).all(axis=-1)
     weights = np.where(known, shares, 0.0)
     share, found = (weights / _sum(weights))[..., None], np.nan_to_num(found)
@@ -182,7 +208,7 @@ def _pooled(found: Array, shares: Array, rate: Array) -> tuple[Array, Array, NDA
     scatter = np.sqrt((share * (found - mean.T) ** 2).sum(axis=0)).T
     for each in (mean, scatter):
         each[0] *= rate
-    return mean, scatter[:2] + _floor(weights), known.sum(axis=0)
+    return mean, scatter[:2] + floor * _fewness(weights), known.sum(axis=0)
 
 
 def _sum(weights: Array) -> Array:
@@ -191,13 +217,13 @@ def _sum(weights: Array) -> Array:
     return np.where(total > 0.0, total, np.nan)
 
 
-def _floor(weights: Array) -> Array:
-    """Bounds of load and area beside the scatter over parts that carry these shares of the load at
-    some points, shape (parts, n); NaN where they carry too little of it. Shape (2, n)."""
+def _fewness(weights: Array) -> Array:
+    """Bounds beside the scatter over parts that carry these shares of the load at some points,
+    shape (parts, n), over those of `ALIKE` that carry alike; NaN where they carry too little."""
     total = _sum(weights)
     few = ALIKE * (weights**2).sum(axis=0) / total**2
     few[total < LEAST_COVER / math.sqrt(len(weights))] = np.nan
-    return np.outer(FLOOR, np.sqrt(0.5 + 0.5 * np.maximum(few, few**FEW)))
+    return np.asarray(np.sqrt(0.5 + 0.5 * np.maximum(few, few**FEW)))
 
 
 def _part(hm: HeightMap, place: int, side: int) -> HeightMap:

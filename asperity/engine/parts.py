@@ -25,7 +25,7 @@ from asperity.trust.verified import (
 )
 from surfaces.checks import random_map
 
-from .part_misfit import FLOOR, Judged, misfit_on_parts
+from .part_misfit import FLOOR, Judged, long_waves, misfit_on_parts
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -83,7 +83,8 @@ def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accurac
     Not where the waves that act as a law hold much of the height: light contacts are then extremes
     of the whole map. Nor with a hardness: the load then follows single summits, and the part on
     which the highest one stands need not be the one on which the model sees it. Nor on a graded
-    body, whose parts misjudge how far the whole sinks; nor where contacts are as long as parts.
+    body, whose parts misjudge how far the whole sinks; nor where contacts are as long as parts, or
+    hold too few of the long waves, and the map of these costs more than the parts.
     """
     law = plan.sub_contact_law
     if material.hardness < math.inf or material.m != 0.0:
@@ -91,7 +92,11 @@ def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accurac
     if law is not None and law.rms[0] < COARSE * law.rms[1]:
         return False
     enough = min(accuracy.load / FLOOR[0], accuracy.area / FLOOR[1]) >= SPARE
-    return enough and min(hm.shape) >= LEAST_POINTS and repeats_itself(hm)
+    if not (enough and min(hm.shape) >= LEAST_POINTS and repeats_itself(hm)):
+        return False
+    side = parts_along(hm, plan.solved(hm))
+    waves = long_waves(hm, plan, side)
+    return waves is None or side * math.prod(waves.shape) <= math.prod(hm.shape)
 
 
 def sampled(
@@ -103,10 +108,8 @@ def sampled(
     judge: Judge | None,
     accuracy: Accuracy,
     progress: Callable[[SolvedLoad], object],
-) -> ContactCurve | None:
+) -> ContactCurve:
     """Correct and bound a curve of the model by its misfit on parts of the map.
-
-    None where they leave more open than asked at more than half of the load points.
 
     Parameters
     ----------
@@ -118,7 +121,8 @@ def sampled(
         "pressure" or "separation", and the load points asked for, shape (n,).
     judge
         Boundary elements on the whole map, for load points where the parts leave more open than
-        asked; None: these keep their bounds, NaN where no part tells anything.
+        asked: one by one where these are few, else all that lie between them, too, in a row. None:
+        these keep their bounds, NaN where no part tells anything.
     accuracy
         Errors allowed.
     progress
@@ -144,30 +148,26 @@ def sampled(
         if judge is not None:
             solved.update(solved_points(judge, values, at[which], JUDGE_SHARE * accuracy.area))
 
-    misfit, bounds = misfit_on_parts(
+    misfit, bounds, floor = misfit_on_parts(
         judged, hm, plan, model, at, shares, allowed, None if judge is None else on_whole
     )
     bounds[1] += error
     if judge is not None:
         left = ~_within(bounds, grain[nodes], allowed)  # where no part tells anything it is NaN
-        if 2 * np.count_nonzero(left) > len(nodes):
-            return None
-        on_whole(left & ~np.isin(at, list(solved)))
-        misfit[:, left] = misfit_at(model, kind, at[left], solved)
+        if 2 * np.count_nonzero(left) <= len(nodes):
+            on_whole(left & ~np.isin(at, list(solved)))
+        bounds[:, left] = np.nan
+        known = np.isin(at, list(solved))
+        misfit[:, known] = misfit_at(model, kind, at[known], solved)
         # what parts leave open at best stays between loads that are solved on the whole map
-        bounds[:, left] = np.maximum(bounds_at(at[left], solved), np.array(FLOOR)[:, None])
+        bounds[:, known] = np.maximum(bounds_at(at[known], solved), floor[:, known])
     position = np.log(model.mean_pressure[points])
     bend = _bend(position, position[nodes], misfit[:2].T)
-    misfit, bounds = (
-        np.array([np.interp(position, position[nodes], row) for row in each])
-        for each in (misfit, bounds)
-    )
+    misfit, bounds = (_between(position, nodes, each) for each in (misfit, bounds))
     bounds += bend
     if judge is not None:
         met = points[_within(bounds, grain, allowed)]
         rest = np.setdiff1d(np.arange(len(model)), [*met, *solved])
-        if len(rest) + len(solved) > len(model) // 2:
-            return None
         solved |= solved_points(judge, values, rest, accuracy.area)
     bounds[1] += grain
     return corrected(hm, model, kind, points, np.nan_to_num(misfit), bounds, solved)
@@ -193,6 +193,14 @@ def _load_shares(run: ContactRun, side: int) -> Array:
     )
     forces = [np.bincount(row * side + column, each.state.force, side**2) for each in run.points]
     return np.array([force / max(force.sum(), 1e-300) for force in forces]).T
+
+
+def _between(position: Array, nodes: NDArray[np.int64], values: Array) -> Array:
+    """Values at some nodes, shape (k, nodes), and interpolated between them, shape (k, n); NaN on
+    both sides of a node where they are."""
+    found = np.array([np.interp(position, position[nodes], row) for row in values])
+    found[:, nodes] = values
+    return found
 
 
 def _bend(position: Array, nodes: Array, values: Array) -> Array:

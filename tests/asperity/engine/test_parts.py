@@ -45,6 +45,20 @@ def bounds(curve):
     return np.array([curve.error_estimate, curve.extra["area_error_estimate"]])
 
 
+def two_scales() -> surfaces.HeightMap:
+    """Long hills, and a band of short waves a tenth as high."""
+    size = (768, 768), (768.0, 768.0)
+    hills, short = (
+        surfaces.self_affine(*size, rms_slope=0.1, **recipe)
+        for recipe in (
+            {"hurst": 1.0, "cutoff": 38.4, "rolloff": 384.0, "seed": 5},
+            {"hurst": 0.8, "cutoff": 4.0, "rolloff": 10.0, "seed": 105},
+        )
+    )
+    ratio = 0.1 * hills.roughness.rms_height / short.roughness.rms_height
+    return hills.replace(heights=hills.heights + ratio * short.heights)
+
+
 SCENES = {
     "periodic": (waves(), BODY, None),
     "broad": (
@@ -53,6 +67,8 @@ SCENES = {
         None,
     ),
     "free": (waves(seed=9), BODY, "free"),
+    "as long as parts": (waves(cutoff=20.0, rolloff=133.0, seed=3), BODY, None),
+    "two scales": (two_scales(), BODY, None),
 }
 
 
@@ -123,9 +139,9 @@ def test_a_map_on_disk_stays_there(monkeypatch):
     """Its parts are read, the whole never is, and the answer is that of the map in memory."""
     monkeypatch.setattr("asperity.engine.solve.fits", lambda *_: False)
     monkeypatch.setattr("asperity.engine.resolution.TILE", 256)
-    monkeypatch.setattr(stored_array, "BLOCK_BYTES", 8 * 512 * 60)
-    hm = waves(cutoff=None, rolloff=None)
-    blocks = ((row, hm.heights[row : row + 64]) for row in range(0, 512, 64))
+    monkeypatch.setattr(stored_array, "BLOCK_BYTES", 8 * 1024 * 60)
+    hm = surfaces.self_affine((1024, 1024), (1024.0, 1024.0), hurst=0.8, rms_slope=0.1, seed=8)
+    blocks = ((row, hm.heights[row : row + 64]) for row in range(0, 1024, 64))
     kept = StoredMap.of_blocks(blocks, hm.shape, np.float64, hm.spacing, periodic=True)
     loads = default_pressures(hm, BODY, 5)
     known, found = (asperity.solve(each, BODY, pressures=loads) for each in (hm, kept))
@@ -138,6 +154,7 @@ def test_a_hill_within_one_part_is_not_told_by_the_others(monkeypatch):
     """All of the load is on one part, which would be pressed harder than the whole ever is."""
     monkeypatch.setattr("asperity.engine.solve.fits", lambda *_: False)
     monkeypatch.setattr(parts, "random_map", lambda *_: True)
+    monkeypatch.setattr(part_misfit, "LONG", 1.0)
     loads = default_pressures(hill(), BODY, 5)[-2:]
     curve = asperity.solve(hill(), BODY, pressures=np.geomspace(*loads, 5))
     assert np.isnan(bounds(curve)).all() and not curve.verification["met"]
@@ -149,9 +166,9 @@ def test_load_points_of_which_no_part_tells_are_solved_on_the_whole(monkeypatch)
     loads = default_pressures(hm, BODY, 6)
 
     def some_told(*scene):
-        misfit, bounds = told(*scene)
+        misfit, bounds, floor = told(*scene)
         misfit[:, -2:] = bounds[:, -2:] = np.nan
-        return misfit, bounds
+        return misfit, bounds, floor
 
     monkeypatch.setattr(parts, "misfit_on_parts", some_told)
     curve = asperity.solve(hm, BODY, pressures=loads, engine="sampled")
@@ -165,9 +182,9 @@ def test_a_load_point_solved_on_the_whole_serves_those_beside_it(monkeypatch):
     loads = default_pressures(hm, BODY, 10)
 
     def all_but_the_lightest(*scene):
-        misfit, bounds = told(*scene)
+        misfit, bounds, floor = told(*scene)
         misfit[:, 0] = bounds[:, 0] = np.nan
-        return misfit, bounds
+        return misfit, bounds, floor
 
     monkeypatch.setattr(parts, "misfit_on_parts", all_but_the_lightest)
     curve = asperity.solve(hm, BODY, pressures=loads, engine="sampled")
@@ -186,7 +203,7 @@ class Counted:
 
     def __call__(self, part, plan, pressures, **told):
         self.solved.append(len(pressures))
-        return np.full((4, len(pressures)), self.misfit)
+        return np.array([*np.full((4, len(pressures)), self.misfit), pressures * np.nan])
 
 
 def test_no_part_is_solved_at_a_load_whose_bound_would_be_too_wide():
@@ -197,7 +214,7 @@ def test_no_part_is_solved_at_a_load_whose_bound_would_be_too_wide():
     plan = asperity.make_plan(hm, BODY, pressures=loads)
     run = asperity.solve_contacts(hm, BODY, plan, pressures=loads)
     shares = parts._load_shares(run, 4)
-    floor, found = part_misfit._floor(shares), {}
+    floor, found = np.outer(part_misfit.FLOOR, part_misfit._fewness(shares)), {}
     assert (floor[:, 0] > floor[:, -1]).all()
     scene = hm, plan, run.curve, np.arange(4), shares, 0.5 * (floor[:, :1] + floor[:, -1:])
     asked: list[np.ndarray] = []
@@ -213,8 +230,9 @@ def test_no_part_is_solved_at_a_load_whose_bound_would_be_too_wide():
 
 
 @pytest.mark.parametrize("allowed, solved", [(1.3, 4), (1.0, 8)])
-def test_no_more_parts_are_solved_than_the_bounds_need(allowed, solved):
+def test_no_more_parts_are_solved_than_the_bounds_need(allowed, solved, monkeypatch):
     """Of 64 that carry alike four at least, with bounds of the floor, and no more than eight."""
+    monkeypatch.setattr(part_misfit, "LONG", 1.0)
     hm = waves()
     loads = default_pressures(hm, BODY, 4)
     plan = asperity.make_plan(hm, BODY, pressures=loads, scales="all")
@@ -229,6 +247,27 @@ def test_no_more_parts_are_solved_than_the_bounds_need(allowed, solved):
     silent = Counted(np.nan)
     assert np.isnan(part_misfit.misfit_on_parts(silent, *scene)[1]).all()
     assert silent.solved == [4] * 8
+
+
+def test_fine_waves_that_change_much_of_the_load_leave_more_open():
+    """Where the long ones are solved alone, a tenth of that."""
+    hm = waves(cutoff=None, rolloff=None)
+    loads = default_pressures(hm, BODY, 4)
+    plan = asperity.make_plan(hm, BODY, pressures=loads)
+    run = asperity.solve_contacts(hm, BODY, plan, pressures=loads)
+    model, shares = run.curve, np.full((16, 4), 1 / 16)
+    lower = 0.5 * model.mean_pressure / model.stiffness  # half of the load
+
+    def judged(part, plan, pressures, **told):
+        found = np.zeros((5, len(pressures)))
+        found[-1] = (model.separation - lower)[-len(pressures) :]
+        return found
+
+    scene = hm, plan, model, np.arange(4), shares, np.ones((2, 1)), None
+    assert part_misfit.long_waves(hm, plan, 4) is not None
+    bounds = part_misfit.misfit_on_parts(judged, *scene)[1]
+    load, area = part_misfit.FLOOR
+    np.testing.assert_allclose(bounds.T, [[np.hypot(load, 0.05), area]] * 4)
 
 
 def test_parts_that_carry_most_of_a_heavy_load_are_solved(monkeypatch):
