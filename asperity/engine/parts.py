@@ -121,8 +121,8 @@ def sampled(
         "pressure" or "separation", and the load points asked for, shape (n,).
     judge
         Boundary elements on the whole map, for load points where the parts leave more open than
-        asked: one by one where these are few, else all that lie between them, too, in a row. None:
-        these keep their bounds, NaN where no part tells anything.
+        asked, and for all if these are many. None: they keep their bounds, NaN where no part tells
+        anything.
     accuracy
         Errors allowed.
     progress
@@ -154,13 +154,13 @@ def sampled(
     bounds[1] += error
     if judge is not None:
         left = ~_within(bounds, grain[nodes], allowed)  # where no part tells anything it is NaN
-        if 2 * np.count_nonzero(left) <= len(nodes):
+        if 2 * np.count_nonzero(left) > len(nodes):  # then the others are not to be trusted either
+            bounds[:] = np.nan
+        else:
             on_whole(left & ~np.isin(at, list(solved)))
-        bounds[:, left] = np.nan
-        known = np.isin(at, list(solved))
-        misfit[:, known] = misfit_at(model, kind, at[known], solved)
-        # what parts leave open at best stays between loads that are solved on the whole map
-        bounds[:, known] = np.maximum(bounds_at(at[known], solved), floor[:, known])
+            misfit[:, left] = misfit_at(model, kind, at[left], solved)
+            # what parts leave open at best stays between loads that are solved on the whole map
+            bounds[:, left] = np.maximum(bounds_at(at[left], solved), floor[:, left])
     position = np.log(model.mean_pressure[points])
     bend = _bend(position, position[nodes], misfit[:2].T)
     misfit, bounds = (_between(position, nodes, each) for each in (misfit, bounds))
