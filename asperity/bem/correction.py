@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _grid_kernels
-from .active_set import SPARE, ContactList, solve_on_list
 from .certificate import Reading, certify
 from .full_grid import FullGridOperator
 from .operator import HalfSpaceOperator
+from .projected_gradients import SPARE, ContactList, solve_on_list
 from .split import SplitOperator
 
 __all__ = ["Level", "Outcome", "PoorPredictionError", "PressureOrigin"]

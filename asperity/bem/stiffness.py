@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from . import _grid_kernels
-from .active_set import ContactList
 from .certificate import Reading
 from .correction import Level
+from .projected_gradients import ContactList
 
 __all__ = ["contact_stiffness"]
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.optimize import nnls
 
 from asperity.bem import _list_kernels
-from asperity.bem.active_set import solve_on_list
+from asperity.bem.projected_gradients import solve_on_list
 
 
 class DenseOperator:
