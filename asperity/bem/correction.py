@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from . import _grid_kernels
 from .certificate import Reading, certify
+from .contact_list import ContactList
 from .full_grid import FullGridOperator
 from .operator import HalfSpaceOperator
-from .projected_gradients import SPARE, ContactList, solve_on_list
+from .projected_gradients import SPARE, solve_on_list
 from .split import SplitOperator
 
 __all__ = ["Level", "Outcome", "PoorPredictionError", "PressureOrigin"]

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from asperity.halfspace.influence import symbol_quadrant
 
 from . import convolution
+from .contact_list import ContactList
 from .operator import HalfSpaceOperator
-from .projected_gradients import ContactList
 from .transform import Scratch
 
 __all__ = ["FullGridOperator"]

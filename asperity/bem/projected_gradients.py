@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.numerics.parallel import by_rows
-
 from . import _list_kernels
-from ._grid_kernels import put, take
 
-__all__ = ["ContactList", "ListOperator", "solve_on_list"]
+__all__ = ["SPARE", "ListOperator", "solve_on_list"]
 
 SPARE = 1.05
 """Load that the points under pressure can bear under a cap, over the prescribed one."""
@@ -25,43 +21,6 @@ _SHORTEST_STEP = 1e-3
 _ENERGY_NOISE, _LOOSEST_NOISE = 0.1, 1e-3
 """Rise of the energy taken for rounding, over tolerance times load times length scale; and the
 largest tolerance that counts. A larger rise is none of rounding: the iteration would cycle."""
-
-
-@dataclass(frozen=True)
-class ContactList:
-    """Points of a grid in row order.
-
-    Attributes
-    ----------
-    start
-        First entry of each row, shape (ny + 1,).
-    columns
-        Column of each entry, shape (n,).
-    """
-
-    start: NDArray[np.int64]
-    columns: NDArray[np.int32]
-
-    @classmethod
-    def empty(cls) -> ContactList:
-        """A list without points."""
-        return cls(np.zeros(1, np.int64), np.empty(0, np.int32))
-
-    def __len__(self) -> int:
-        return self.columns.size
-
-    def where(self, kept: NDArray[np.bool_]) -> ContactList:
-        """The entries that are kept, by a mask of shape (n,)."""
-        before = np.append(0, np.cumsum(kept))
-        return ContactList(before[self.start], self.columns[kept])
-
-    def fill(self, grid: NDArray[Any], values: NDArray[Any]) -> None:
-        """Write values (n,) at the points of a grid, zero elsewhere."""
-        by_rows(put, (self.start.size - 1, grid.shape[1]), grid, self.start, self.columns, values)
-
-    def read(self, grid: NDArray[Any], values: NDArray[Any]) -> None:
-        """Read the points of a grid into values (n,)."""
-        by_rows(take, (self.start.size - 1, grid.shape[1]), grid, self.start, self.columns, values)
 
 
 class ListOperator(Protocol):

@@ -17,8 +17,8 @@ from surfaces.numerics import parallel
 from . import _split_kernels, convolution
 from ._split_kernels import COARSENING, TAPS
 from ._stencil_kernels import LANES, RADIUS
+from .contact_list import ContactList
 from .operator import HalfSpaceOperator
-from .projected_gradients import ContactList
 from .stencil import fitted_stencil, precondition_stencil, stencil_symbol, vector_tables
 from .transform import Scratch
 

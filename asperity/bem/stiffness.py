@@ -8,8 +8,8 @@ import numpy as np
 
 from . import _grid_kernels
 from .certificate import Reading
+from .contact_list import ContactList
 from .correction import Level
-from .projected_gradients import ContactList
 
 __all__ = ["contact_stiffness"]
 

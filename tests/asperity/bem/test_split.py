@@ -8,9 +8,9 @@ from strategies import rough
 
 from asperity import HalfSpace
 from asperity.bem import _grid_kernels, split, stencil
+from asperity.bem.contact_list import ContactList
 from asperity.bem.full_grid import FullGridOperator
 from asperity.bem.operator import HalfSpaceOperator
-from asperity.bem.projected_gradients import ContactList
 
 CASES = [
     ((140, 200), (0.01, 0.01), "periodic", 0.0),
