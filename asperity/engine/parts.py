@@ -84,7 +84,7 @@ def can_sample(hm: HeightMap, material: HalfSpace, plan: Plan, accuracy: Accurac
     of the whole map. Nor with a hardness: the load then follows single summits, and the part on
     which the highest one stands need not be the one on which the model sees it. Nor on a graded
     body, whose parts misjudge how far the whole sinks; nor where contacts are as long as parts, or
-    hold too few of the long waves, and the map of these costs more than the parts.
+    where parts hold too few of the long waves and the map of these costs more than they do.
     """
     law = plan.sub_contact_law
     if material.hardness < math.inf or material.m != 0.0:
@@ -163,7 +163,10 @@ def sampled(
             bounds[:, left] = np.maximum(bounds_at(at[left], solved), floor[:, left])
     position = np.log(model.mean_pressure[points])
     bend = _bend(position, position[nodes], misfit[:2].T)
-    misfit, bounds = (_between(position, nodes, each) for each in (misfit, bounds))
+    misfit, bounds = (
+        np.array([np.interp(position, position[nodes], row) for row in each])
+        for each in (misfit, bounds)
+    )
     bounds += bend
     if judge is not None:
         met = points[_within(bounds, grain, allowed)]
@@ -193,14 +196,6 @@ def _load_shares(run: ContactRun, side: int) -> Array:
     )
     forces = [np.bincount(row * side + column, each.state.force, side**2) for each in run.points]
     return np.array([force / max(force.sum(), 1e-300) for force in forces]).T
-
-
-def _between(position: Array, nodes: NDArray[np.int64], values: Array) -> Array:
-    """Values at some nodes, shape (k, nodes), and interpolated between them, shape (k, n); NaN on
-    both sides of a node where they are."""
-    found = np.array([np.interp(position, position[nodes], row) for row in values])
-    found[:, nodes] = values
-    return found
 
 
 def _bend(position: Array, nodes: Array, values: Array) -> Array:
