@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from asperity.results.curve import ContactCurve
     from surfaces.heightmap import HeightMap
 
-__all__ = ["FLOOR", "Judged", "long_waves", "misfit_on_parts"]
+__all__ = ["FLOOR", "Judged", "corner", "long_waves", "misfit_on_parts"]
 
 Array = NDArray[np.float64]
 
@@ -189,8 +189,10 @@ def misfit_on_parts(
 def long_waves(hm: HeightMap, plan: Plan, side: int) -> HeightMap | None:
     """The map that is solved in place of a whole one, where waves longer than about half of one of
     `side` parts along each side hold much of the height; None where they do not."""
-    edges = [np.arange(4 * side + 1) * n // (4 * side) for n in hm.shape]
-    lines = np.array([hm.source[a:b:SPARSE].mean(axis=0) for a, b in itertools.pairwise(edges[0])])
+    (row, column), (ny, nx) = corner(hm, side), hm.shape
+    edges = [np.arange(4 * side + 1) * n // (4 * side) for n in (ny, nx)]
+    rows = ((row + np.arange(*pair, SPARSE)) % ny for pair in itertools.pairwise(edges[0]))
+    lines = np.roll([hm.source[each].mean(axis=0) for each in rows], -column, axis=1)
     means = np.add.reduceat(lines, edges[1][:-1], axis=1) / np.diff(edges[1])
     share = float(means.var()) / hm.roughness.rms_height**2
     return plan.solved(hm) if share > LONG else None
@@ -226,13 +228,29 @@ def _fewness(weights: Array) -> Array:
     return np.asarray(np.sqrt(0.5 + 0.5 * np.maximum(few, few**FEW)))
 
 
+def corner(hm: HeightMap, side: int) -> tuple[int, int]:
+    """Row and column at which the first of `side` parts along each side begins. The edge between
+    the highest point of a map that repeats and its higher neighbor is in the middle of it: parts
+    are the same however the map is moved or mirrored."""
+    if not hm.periodic:
+        return 0, 0
+    (row, column), (ny, nx), beside = hm.roughness.summit, hm.shape, np.array([-1, 1])
+    lower, upper = hm.source[(row + beside) % ny, column]
+    left, right = hm.source[row, (column + beside) % nx]
+    first, last = row - ny // (2 * side), column - nx // (2 * side)
+    return (first + int(upper > lower)) % ny, (last + int(right > left)) % nx
+
+
 def _part(hm: HeightMap, place: int, side: int) -> HeightMap:
     """One part of a map about its mean height, made periodic."""
     rows, columns = (
-        (n * k // side, n * (k + 1) // side)
-        for n, k in zip(hm.shape, divmod(place, side), strict=True)
+        (first + np.arange(n * k // side, n * (k + 1) // side)) % n
+        for first, n, k in zip(corner(hm, side), hm.shape, divmod(place, side), strict=True)
     )
-    return make_periodic(hm.cut(rows, columns), "smooth").about_mean
+    heights = [(0, hm.source[rows][:, columns])]
+    shape = len(rows), len(columns)
+    part = hm.with_rows(heights, shape, periodic=False, step={"step": "part", "place": place})
+    return make_periodic(part, "smooth").about_mean
 
 
 def _resampled(part: HeightMap, plan: Plan) -> HeightMap:

@@ -25,7 +25,7 @@ from asperity.trust.verified import (
 )
 from surfaces.checks import random_map
 
-from .part_misfit import FLOOR, Judged, long_waves, misfit_on_parts
+from .part_misfit import FLOOR, Judged, corner, long_waves, misfit_on_parts
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -191,8 +191,10 @@ def _load_shares(run: ContactRun, side: int) -> Array:
     """Share of the load that each part of the map carries, shape (parts, n)."""
     hm, places = run.decomposition.hm, run.decomposition.places
     row, column = (
-        np.floor(place * (side / length)).astype(np.int64) % side
-        for place, length in zip(places, hm.size, strict=True)
+        np.floor((place / step - first) * (side / n)).astype(np.int64) % side
+        for place, step, first, n in zip(
+            places, hm.spacing, corner(hm, side), hm.shape, strict=True
+        )
     )
     forces = [np.bincount(row * side + column, each.state.force, side**2) for each in run.points]
     return np.array([force / max(force.sum(), 1e-300) for force in forces]).T
