@@ -6,9 +6,8 @@
 Maps of random waves, drawn: Hurst exponent, cut-off, roll-off, lay to 3.5:1, grading and border
 (those drawn with a hardness are left out: parts do not tell of them); hills with a band of short
 waves; and the textures of `textures.py` whose finest waves are random. The truth is a curve of
-boundary elements to 1 % in
-area. `--time`: elastic waves of five spectra, `solve` by parts against boundary elements to the
-accuracy asked for, alternately in one run.
+boundary elements to 1 % in area. `--time`: elastic waves of five spectra, `solve` by parts against
+boundary elements to the accuracy asked for, alternately in one run.
 """
 
 from __future__ import annotations
