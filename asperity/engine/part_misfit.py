@@ -139,7 +139,7 @@ def misfit_on_parts(
     if grid is not None:
         whole = judged(grid, alone, pressure)
         fine = rate * (model.separation[at] - whole[-1])
-        floor[0] = np.fmax(floor[0], np.hypot(floor[0], FINE * fine))
+        floor[0] = np.hypot(floor[0], FINE * np.nan_to_num(fine))
     most = HEAVIEST if grid is None else 1.0
     usable = (len(shares) * shares > LEAST_SHARE) & (local <= most * pressure[-1])
     best = np.argsort(-np.where(usable, shares, 0.0).sum(axis=1), kind="stable")

@@ -1,0 +1,91 @@
+"""The misfit of the model on parts of a map: how many are solved, and what they leave open."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from strategies import broad
+
+import asperity
+from asperity.engine import part_misfit
+from asperity.engine.parts import _load_shares
+from asperity.halfspace.scene import default_pressures
+
+BODY = asperity.HalfSpace.from_modulus(1.0)
+
+
+class Counted:
+    """In place of `Judged`: one misfit on all parts, and how many loads were solved on each."""
+
+    def __init__(self, misfit=0.0):
+        self.solved = []
+        self.misfit = misfit
+
+    def __call__(self, part, plan, pressures, **told):
+        self.solved.append(len(pressures))
+        return np.array([*np.full((4, len(pressures)), self.misfit), pressures * np.nan])
+
+
+def test_no_part_is_solved_at_a_load_whose_bound_would_be_too_wide():
+    """One part carries the lightest load: how few there are tells that before any is solved; it is
+    told otherwise meanwhile."""
+    hm = broad((512, 512))
+    loads = default_pressures(hm, BODY, 4)
+    plan = asperity.make_plan(hm, BODY, pressures=loads)
+    run = asperity.solve_contacts(hm, BODY, plan, pressures=loads)
+    shares = _load_shares(run, 4)
+    floor, found = np.outer(part_misfit.FLOOR, part_misfit._fewness(shares)), {}
+    assert (floor[:, 0] > floor[:, -1]).all()
+    between = 0.5 * (floor[:, :1] + floor[:, -1:]) / part_misfit.ENOUGH
+    scene = hm, plan, run.curve, np.arange(4), shares, between
+    asked: list[np.ndarray] = []
+    for otherwise in (asked.append, None):
+        judged = Counted()
+        bounds = part_misfit.misfit_on_parts(judged, *scene, otherwise)[1]
+        found[otherwise is None] = sum(judged.solved)
+        untold = np.isnan(bounds).all(axis=0)
+        assert untold[0] == (otherwise is not None)
+        assert not untold[-1]
+        assert otherwise is None or np.array_equal(asked, [untold])
+    assert found[False] < found[True]
+
+
+@pytest.mark.parametrize("allowed, solved", [(1.3, 4), (1.0, 8)])
+def test_no_more_parts_are_solved_than_the_bounds_need(allowed, solved, monkeypatch):
+    """Of 64 that carry alike four at least, with bounds of the floor, and no more than eight."""
+    monkeypatch.setattr(part_misfit, "LONG", 1.0)
+    hm = broad((512, 512))
+    loads = default_pressures(hm, BODY, 4)
+    plan = asperity.make_plan(hm, BODY, pressures=loads, scales="all")
+    run = asperity.solve_contacts(hm, BODY, plan, pressures=loads)
+    shares, floor = np.full((64, 4), 1 / 64), np.array(part_misfit.FLOOR)[:, None]
+    judged = Counted()
+    scene = hm, plan, run.curve, np.arange(4), shares, allowed * floor, None
+    bounds = part_misfit.misfit_on_parts(judged, *scene)[1]
+    assert judged.solved == [4] * solved
+    np.testing.assert_allclose(bounds, floor * np.sqrt(0.5 + 2.0 / solved) * np.ones(4))
+    # where the model has no answer on any part, each is tried once
+    silent = Counted(np.nan)
+    assert np.isnan(part_misfit.misfit_on_parts(silent, *scene)[1]).all()
+    assert silent.solved == [4] * 8
+
+
+def test_fine_waves_that_change_much_of_the_load_leave_more_open():
+    """Where the long ones are solved alone, a tenth of that."""
+    hm = broad((512, 512))
+    loads = default_pressures(hm, BODY, 4)
+    plan = asperity.make_plan(hm, BODY, pressures=loads)
+    run = asperity.solve_contacts(hm, BODY, plan, pressures=loads)
+    model, shares = run.curve, np.full((16, 4), 1 / 16)
+    lower = 0.5 * model.mean_pressure / model.stiffness  # half of the load
+
+    def judged(part, plan, pressures, **told):
+        found = np.zeros((5, len(pressures)))
+        found[-1] = (model.separation - lower)[-len(pressures) :]
+        return found
+
+    scene = hm, plan, model, np.arange(4), shares, np.ones((2, 1)), None
+    assert part_misfit.long_waves(hm, plan, 4) is not None
+    bounds = part_misfit.misfit_on_parts(judged, *scene)[1]
+    load, area = part_misfit.FLOOR
+    np.testing.assert_allclose(bounds.T, [[np.hypot(load, 0.05), area]] * 4)
