@@ -49,9 +49,6 @@ _MAX_INNER = 200
 _SMALL_GRID = 128 * 128
 """Points up to which the transform of the whole grid is cheaper than the split operator."""
 
-_FULL_SHARE = 0.4
-"""Share of the grid on the list above which the whole grid is transformed."""
-
 
 class PoorPredictionError(Exception):
     """A predicted pressure is so far off that a start from coarser grids costs less."""
@@ -243,7 +240,7 @@ class Level:
     ) -> int:
         """One solve on the list of candidates; returns the iterations spent."""
         points, values, gap = listed
-        operator = self.operator(len(points))
+        operator = self.operator()
         operator.bind(points)
         if offset is not None:
             gap -= offset
@@ -270,10 +267,9 @@ class Level:
         )
         return found
 
-    def operator(self, points: int) -> SplitOperator | FullGridOperator:
-        """The cheaper operator for so many points; the sharper one after idle corrections."""
-        size = self.heights.size
-        if self._careful or size <= _SMALL_GRID or points > _FULL_SHARE * size:
+    def operator(self) -> SplitOperator | FullGridOperator:
+        """The cheaper operator for the grid; the sharper one after idle corrections."""
+        if self._careful or self.heights.size <= _SMALL_GRID:
             if self._full is None:
                 self._full = FullGridOperator(self.exact)
             return self._full

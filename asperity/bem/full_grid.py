@@ -1,7 +1,7 @@
 """Operator and preconditioner on a contact list by transforms of the whole grid, in float32.
 
-It costs the same at any filling: it serves small grids, where a list saves nothing, and contacts
-so full that the list is longer than the grid is large.
+It serves small grids, where a list saves nothing, and loads that the split operator is not sharp
+enough for.
 """
 
 from __future__ import annotations

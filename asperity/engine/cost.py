@@ -19,10 +19,10 @@ __all__ = ["can_anchor", "cheapest", "forecast"]
 ANCHORS = 4
 """Load points that are expected to be anchored."""
 
-MODEL_SECONDS = 0.03, 1.5e-5
+MODEL_SECONDS = 0.06, 3e-5
 """Seconds of a curve of the model: in any case, and per peak that may touch."""
 
-BEM_SECONDS = 0.02, 0.9e-7, 0.6e-7
+BEM_SECONDS = 0.03, 2.0e-7, 1.3e-7
 """Seconds of boundary elements: in any case, and per point of a map of 512 x 512, of a curve, times
 the root of the number of its loads, and of one load without a neighbor to start from."""
 
@@ -30,7 +30,7 @@ FREE, YIELDED = 2.0, 1.5
 """Factors of these seconds: on a map that is not periodic, whose transforms have four times its
 points, and under a hardness, where loads take more steps and a stiffness of unloading is found."""
 
-PARTS, MODELS, BESIDE = 1.5, 1.5, 0.6
+PARTS, MODELS, BESIDE = 1.5, 1.5, 1.2
 """Parts expected to be solved by boundary elements over those along a side, curves of the model
 over that of the whole map, and seconds beside these (models of parts, a load on the whole map),
 where parts tell of it."""
