@@ -167,8 +167,10 @@ class _State:
         count, needed = np.count_nonzero(loaded), self.total / self.cap
         if count <= needed:
             gap = np.where(loaded, np.inf, self.start_gap + self.change)
-            lowest = np.argsort(gap)[: max(math.ceil(SPARE * needed - count), 1)]
-            least = min(0.5 * self.cap, self.total)
+            more = max(math.ceil(SPARE * needed - count), 1)
+            lowest = np.argsort(gap)[:more]
+            # hardly more than is missing: what a step moved to the cap would be shifted back
+            least = min(self.cap * (needed - count + SPARE - 1.0) / more, self.total)
             self.pressure[lowest] = np.maximum(self.pressure[lowest], least)
         found: tuple[float, float]
         found = _list_kernels.leveling(self.pressure, self.total, self.cap)

@@ -65,6 +65,24 @@ def test_small_contact_problem(seed):
     np.testing.assert_allclose(pressure, expected, atol=2e-3 * expected.max())
 
 
+def test_points_at_the_hardness_that_hardly_bear_the_load():
+    """Of three springs one is held at the cap, the next has the rest of a load of 1.05 caps. As the
+    step takes that one out, it must not come back with so much that the first leaves the cap."""
+    pressure, heights = np.array([0.87, 0.18, 0.0]), np.array([0.67, 0.0, -1.0])
+    spent = solve_on_list(
+        DenseOperator(0.5 * np.eye(3)),
+        pressure,
+        0.5 * pressure - heights,
+        scale=1.0,
+        tolerance=1e-3,
+        longest=50,
+        total=1.05,
+        cap=1.0,
+    )
+    assert spent < 10
+    np.testing.assert_allclose(pressure, [1.0, 0.05, 0.0], atol=1e-9)
+
+
 def test_passes_match_numpy():
     """One step of the compiled passes equals the same step written out."""
     rng = np.random.default_rng(7)
