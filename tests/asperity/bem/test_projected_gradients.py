@@ -83,6 +83,31 @@ def test_points_at_the_hardness_that_hardly_bear_the_load():
     np.testing.assert_allclose(pressure, [1.0, 0.05, 0.0], atol=1e-9)
 
 
+def test_a_direction_that_is_cut_off_again_does_not_end_the_search():
+    """One point bears all and the preconditioner would press it still harder: cut to the load, the
+    pressure is what it was. The plain direction takes the load to the highest one."""
+
+    skewed = np.array([[2.0, 1.2, 0.0], [1.2, 1.0, 0.0], [0.0, 0.0, 0.1]])
+
+    class Skewed(DenseOperator):
+        def precondition(self, residual):
+            return (skewed @ residual).astype(np.float32)
+
+    pressure, heights = np.array([1.0, 0.0, 0.0]), np.array([0.0, 4.9, 0.1])
+    spent = solve_on_list(
+        Skewed(0.1 * np.eye(3)),
+        pressure,
+        0.1 * pressure - heights,
+        scale=1.0,
+        tolerance=1e-3,
+        longest=50,
+        total=1.0,
+        cap=np.inf,
+    )
+    assert spent < 10
+    np.testing.assert_allclose(pressure, [0.0, 1.0, 0.0], atol=1e-9)
+
+
 def test_passes_match_numpy():
     """One step of the compiled passes equals the same step written out."""
     rng = np.random.default_rng(7)
