@@ -132,49 +132,39 @@ def misfit_on_parts(
     that what the finer ones change in the separation.
     """
     side, pressure = math.isqrt(len(shares)), model.mean_pressure[at]
-    local, rate = len(shares) * shares * pressure, model.stiffness[at] / pressure
-    alone, grid = plan.whole, long_waves(hm, plan, side)
-    cell, floor = replace(alone, boundary="periodic"), np.tile(np.array(FLOOR)[:, None], len(at))
-    whole = np.zeros((5, len(at)))
+    rate = model.stiffness[at] / pressure
+    grid, whole = long_waves(hm, plan, side), np.zeros((5, len(at)))
+    floor = np.tile(np.array(FLOOR)[:, None], len(at))
     if grid is not None:
-        whole = judged(grid, alone, pressure)
+        whole = judged(grid, plan.whole, pressure)
         fine = rate * (model.separation[at] - whole[-1])
         floor[0] = np.hypot(floor[0], FINE * np.nan_to_num(fine))
-    most = HEAVIEST if grid is None else 1.0
-    usable = (len(shares) * shares > LEAST_SHARE) & (local <= most * pressure[-1])
+    over_mean = len(shares) * shares
+    local, heaviest = over_mean * pressure, (HEAVIEST if grid is None else 1.0) * pressure[-1]
+    usable = (over_mean > LEAST_SHARE) & (local <= heaviest)
     best = np.argsort(-np.where(usable, shares, 0.0).sum(axis=1), kind="stable")
-    taken = np.empty_like(usable)
-    taken[best] = usable[best] & (np.cumsum(usable[best], axis=0) <= side)
-    here, beside = np.zeros_like(taken), None
+    taken = _first(usable, best, side)
+    beside = None
     if otherwise is not None:
-        taken &= (floor * _fewness(taken * shares) <= ENOUGH * allowed).all(axis=0)
-        untold = ~taken.any(axis=0)
+        told = floor * _fewness(taken * shares) <= ENOUGH * allowed
+        taken &= told.all(axis=0)
+        untold = np.logical_not(taken.any(axis=0))
         if 2 * np.count_nonzero(untold) > len(at):
             taken[:] = False
         elif untold.any():
             beside = functools.partial(otherwise, untold)
-    found = np.full((*shares.shape, 4), np.nan)
     lightest = int(np.argmax(np.where(taken.any(axis=1), shares[:, 0], -1.0)))
-
-    def solved(place: int) -> Array:
-        part, loads = _part(hm, place, side), local[place, here[place]]
-        waves = _resampled(part, plan)
-        own = replace(
-            cell,
-            sub_contact_law=plan.sub_contact_law,
-            resampled=None if waves is part else Resampled(waves, (0.0, 0.0)),
-        )
-        own_misfit = judged(part, own, loads, tell=place == lightest)[:4]
-        if grid is not None:
-            own_misfit[0] -= judged(waves, cell, loads)[0]
-        return own_misfit
-
     order = np.array([lightest, *best[best != lightest]])
-    here[order] = taken[order] & (np.cumsum(taken[order], axis=0) <= ALIKE)
+    part_misfit = _PartMisfit(judged, hm, plan, side, grid is not None)
+    found, here = np.full((*shares.shape, 4), np.nan), _first(taken, order, ALIKE)
+
+    def solve(place: int) -> None:
+        loads = here[place]
+        found[place, loads] = part_misfit(place, local[place, loads], place == lightest).T
+
     some = order[here[order].any(axis=1)]
     while len(some):
-        for place, own_misfit in zip(some, parallel.apart(solved, some, beside), strict=True):
-            found[place, here[place]] = own_misfit.T
+        parallel.apart(solve, some, beside)
         _, bounds, number = _pooled(found, shares, rate, floor)
         enough = (number >= ALIKE) & (bounds <= ENOUGH * allowed).all(axis=0)
         taken[some] &= ~here[some]  # also where nothing was found
@@ -184,6 +174,40 @@ def misfit_on_parts(
     misfit[0] += rate * whole[0]
     bounds[:, np.isnan(whole[0])] = np.nan
     return misfit, bounds, floor
+
+
+@dataclass(frozen=True)
+class _PartMisfit:
+    """Misfit on one of `side` parts along each side of a map, by the plan of the whole map; of what
+    the finer waves change in the separation, where the long ones are solved alone."""
+
+    judged: Judged
+    hm: HeightMap
+    plan: Plan
+    side: int
+    long_alone: bool
+
+    def __call__(self, place: int, loads: Array, tell: bool) -> Array:
+        """Misfit at some loads [Pa], shape (4, n), see `Judged`."""
+        part = _part(self.hm, place, self.side)
+        waves = _resampled(part, self.plan)
+        cell = replace(self.plan.whole, boundary="periodic")
+        own = replace(
+            cell,
+            sub_contact_law=self.plan.sub_contact_law,
+            resampled=None if waves is part else Resampled(waves, (0.0, 0.0)),
+        )
+        misfit = self.judged(part, own, loads, tell=tell)[:4]
+        if self.long_alone:
+            misfit[0] -= self.judged(waves, cell, loads)[0]
+        return misfit
+
+
+def _first(parts: NDArray[np.bool_], order: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
+    """The first of some parts in an order, at most so many at each load point, shape (parts, n)."""
+    first = np.zeros_like(parts)
+    first[order] = parts[order] & (np.cumsum(parts[order], axis=0) <= count)
+    return first
 
 
 def long_waves(hm: HeightMap, plan: Plan, side: int) -> HeightMap | None:
