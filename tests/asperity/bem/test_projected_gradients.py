@@ -86,7 +86,6 @@ def test_points_at_the_hardness_that_hardly_bear_the_load():
 def test_a_direction_that_is_cut_off_again_does_not_end_the_search():
     """One point bears all and the preconditioner would press it still harder: cut to the load, the
     pressure is what it was. The plain direction takes the load to the highest one."""
-
     skewed = np.array([[2.0, 1.2, 0.0], [1.2, 1.0, 0.0], [0.0, 0.0, 0.1]])
 
     class Skewed(DenseOperator):
