@@ -100,12 +100,10 @@ def solve_on_list(
             if share == 0.0:
                 lowest_energy, share = math.inf, 1.0
             continue
-        if state.energy == lowest_energy:  # all that the step changed was cut off
-            if plain:
-                break
-            plain = True
-        else:
-            plain = plain and math.isinf(lowest_energy)  # once: the step before has done
+        unmoved = state.energy == lowest_energy  # all that the step changed was cut off
+        if unmoved and plain:
+            break
+        plain = unmoved or (plain and math.isinf(lowest_energy))  # once: the step before has done
         lowest_energy, share = state.energy, 1.0
         accepted[:] = pressure
         if not state.step(plain):

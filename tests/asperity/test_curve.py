@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import asperity
-from asperity.contacts.fields import contact_map, pressure_map
+from asperity.contacts.fields import contact_map
 from asperity.contacts.run import solve_contacts
 from asperity.contacts.table import ellipses, microcontacts
-from asperity.errors import ConvergenceError, InputError, SurfaceError
+from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.scene import default_pressures
 from asperity.model.plan import make_plan
 from asperity.parameters import DEFAULTS
@@ -244,15 +244,6 @@ def test_a_separation_above_the_surface_carries_nothing(rough):
     assert not curve.load.any() and not curve.contacts.any()
 
 
-def test_map_and_table_hold_the_same_area(rough):
-    run = solve_contacts(rough, STEEL, pressures=default_pressures(rough, STEEL)[-3:])
-    for point in run.points:
-        table, area = microcontacts(run.decomposition, point), point.state.contact_area
-        pixels = np.count_nonzero(contact_map(run.decomposition, point))
-        assert table["area"].sum() == pytest.approx(area, rel=1e-9)
-        assert pixels * rough.area / rough.heights.size == pytest.approx(area, rel=0.15)
-
-
 def test_table_says_where_contacts_lie_and_how_far_to_trust_them(rough):
     """Radii of a paraboloid are those of its circle; on a rough map outlines hold the area, and
     only contacts that fill part of their basin are cut off."""
@@ -282,19 +273,6 @@ def _radii(table):
     return np.stack([table[f"radii_{i}"] for i in range(16)], axis=1)
 
 
-@pytest.mark.parametrize("m", [-0.3, 0.0])
-def test_contacts_smaller_than_a_pixel_are_in_the_maps_too(m):
-    """Seen at light load on a map that is rough to the pixel, where most of them are."""
-    hm = self_affine((60, 80), (0.6e-3, 1.2e-3), hurst=0.8, rms_slope=0.1, seed=3)
-    body = asperity.HalfSpace.from_modulus(2e11, m=m)
-    loads = default_pressures(hm, body)[0] * np.array([1e-3, 0.1, 1.0])
-    run = solve_contacts(hm, body, pressures=loads)
-    for point, load in zip(run.points, run.curve.mean_pressure, strict=True):
-        pressure = pressure_map(run.decomposition, point)
-        assert pressure.mean() == pytest.approx(load, rel=1e-9)
-        np.testing.assert_array_equal(contact_map(run.decomposition, point), pressure > 0)
-
-
 def test_fewer_points_for_a_smooth_map_change_little():
     hm = self_affine(
         (288, 240), (1.2e-3, 1.2e-3), hurst=0.8, rms_slope=0.1, rolloff=4e-4, cutoff=9e-5, seed=8
@@ -311,23 +289,6 @@ def test_fewer_points_for_a_smooth_map_change_little():
         mine, full = contact_map(few.decomposition, point), contact_map(many.decomposition, other)
         assert mine.shape == hm.shape
         assert np.count_nonzero(mine & full) > 0.9 * np.count_nonzero(mine | full)
-
-
-def test_a_load_point_that_did_not_converge_has_no_tables(rough):
-    run = solve_contacts(rough, STEEL, pressures=[1e7, 1e12])
-    for ask in (run.microcontacts, run.spots, run.contact_map, run.pressure_map):
-        with pytest.raises(ConvergenceError, match="-1 cannot be used: contacts fill"):
-            ask()
-        assert len(ask(0))
-
-
-def test_a_load_point_that_is_none(rough):
-    run = solve_contacts(rough, STEEL, pressures=[1e7, 2e7])
-    for ask in (run.microcontacts, run.spots, run.contact_map, run.pressure_map):
-        for none in (2, slice(0, 1), 1.0):
-            with pytest.raises(InputError, match="numbered 0 to 1"):
-                ask(none)
-    assert len(run.microcontacts(1)) == len(run.microcontacts(-1))
 
 
 def test_maps_with_missing_points_are_refused(rough):

@@ -1,0 +1,57 @@
+"""Maps and tables of the load points of a run: what they share, and those that have none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from strategies import rough
+
+import asperity
+from asperity.contacts.fields import contact_map, pressure_map
+from asperity.contacts.run import solve_contacts
+from asperity.contacts.table import microcontacts
+from asperity.errors import ConvergenceError, InputError
+from asperity.halfspace.scene import default_pressures
+from surfaces import self_affine
+
+STEEL = asperity.HalfSpace(210e9, 0.3)
+
+
+def test_map_and_table_hold_the_same_area():
+    hm = rough(slope=0.1)
+    run = solve_contacts(hm, STEEL, pressures=default_pressures(hm, STEEL)[-3:])
+    for point in run.points:
+        table, area = microcontacts(run.decomposition, point), point.state.contact_area
+        pixels = np.count_nonzero(contact_map(run.decomposition, point))
+        assert table["area"].sum() == pytest.approx(area, rel=1e-9)
+        assert pixels * hm.area / hm.heights.size == pytest.approx(area, rel=0.15)
+
+
+@pytest.mark.parametrize("m", [-0.3, 0.0])
+def test_contacts_smaller_than_a_pixel_are_in_the_maps_too(m):
+    """Seen at light load on a map that is rough to the pixel, where most of them are."""
+    hm = self_affine((60, 80), (0.6e-3, 1.2e-3), hurst=0.8, rms_slope=0.1, seed=3)
+    body = asperity.HalfSpace.from_modulus(2e11, m=m)
+    loads = default_pressures(hm, body)[0] * np.array([1e-3, 0.1, 1.0])
+    run = solve_contacts(hm, body, pressures=loads)
+    for point, load in zip(run.points, run.curve.mean_pressure, strict=True):
+        pressure = pressure_map(run.decomposition, point)
+        assert pressure.mean() == pytest.approx(load, rel=1e-9)
+        np.testing.assert_array_equal(contact_map(run.decomposition, point), pressure > 0)
+
+
+def test_a_load_point_that_did_not_converge_has_no_tables():
+    run = solve_contacts(rough(slope=0.1), STEEL, pressures=[1e7, 1e12])
+    for ask in (run.microcontacts, run.spots, run.contact_map, run.pressure_map):
+        with pytest.raises(ConvergenceError, match="-1 cannot be used: contacts fill"):
+            ask()
+        assert len(ask(0))
+
+
+def test_a_load_point_that_is_none():
+    run = solve_contacts(rough(slope=0.1), STEEL, pressures=[1e7, 2e7])
+    for ask in (run.microcontacts, run.spots, run.contact_map, run.pressure_map):
+        for none in (2, slice(0, 1), 1.0):
+            with pytest.raises(InputError, match="numbered 0 to 1"):
+                ask(none)
+    assert len(run.microcontacts(1)) == len(run.microcontacts(-1))
