@@ -134,9 +134,10 @@ def split_scales(
     Notes
     -----
     Waves are added from the longest on until the breadth m0 m4 / m2^2 of the spectrum (Nayak's
-    parameter) reaches `breadth`, `fewest_waves` along the side of the map at least, and none
-    shorter than `unresolved_pixels` (`parameters.WaveSplit`). The law holds for random waves
-    without lay. A map that is not periodic is taken with its mirror images.
+    parameter) reaches `breadth`, `fewest_waves` along the side of the map and `kept_slope` of the
+    squared slope at least, and none shorter than `unresolved_pixels` (`parameters.WaveSplit`). The
+    law holds for random waves without lay. A map that is not periodic is taken with its mirror
+    images.
     """
     bounds, near_pixel = parameters.wave_split, parameters.pixel_waves
     if abs(material.m) > bounds.grading:
@@ -156,7 +157,8 @@ def split_scales(
     finest = min(int(most / shells.width + 1e-6), m2.size - 1)  # whole numbers but for rounding
     if m2[finest] > (1.0 - bounds.unresolved_slope) * m2[-1] and breadth[-1] < broad:
         return NARROW
-    last = min(max(last or finest, _shell(bounds.fewest_waves, hm)), finest)
+    steep = int(np.argmax(m2 >= bounds.kept_slope * m2[-1]))
+    last = min(max(last or finest, _shell(bounds.fewest_waves, hm), steep), finest)
     law = _law(shells, last, material, parameters)
     if law is None:
         return "scales: all, the map has too few waves to take the finest out"

@@ -206,5 +206,16 @@ def test_without_a_rolloff_enough_waves_are_kept(hurst):
     assert "too few waves" in split_scales(broad(hurst=hurst, rolloff=None, cutoff=5e-6), STEEL)
 
 
+def test_the_longer_waves_keep_some_of_the_slope():
+    """Where they hold next to none, as with a low Hurst exponent, their contacts would cover half
+    of the map at a tenth of contact."""
+    hm = self_affine((1024, 1024), (1024.0,) * 2, hurst=0.2, rms_slope=0.1, seed=3)
+    run = asperity.solve_contacts(hm, BODY)
+    law, least = run.decomposition.plan.sub_contact_law, DEFAULTS.wave_split.kept_slope
+    assert least <= 1.0 / (1.0 + law.ratio) < 1.05 * least
+    assert run.curve.area_fraction[-1] > 0.08
+    assert run.points[-1].state.contact_area < 0.35 * hm.area
+
+
 def test_a_flat_map_loses_no_slope():
     assert fineness(HeightMap(np.full((8, 9), 3.0), (1.0, 1.0))) == 0.0
