@@ -35,11 +35,11 @@ PARTS, MODELS, BESIDE = 1.5, 1.5, 1.2
 over that of the whole map, and seconds beside these (models of parts, a load on the whole map),
 where parts tell of it."""
 
-WORTH = 0.8
+WORTH = 0.75
 """Time of an engine that uses the model, over that of boundary elements, from which on it is not
 worth a try: on surfaces that the model describes badly both are spent."""
 
-GROWTH = 0.3
+GROWTH = 0.2
 """Power of the number of points over 512 x 512 with which the seconds per point grow."""
 
 

@@ -70,7 +70,7 @@ TOGETHER = 2
 """Parts solved before the bounds are looked at again, beyond `ALIKE` at each load point; whatever
 the number of threads: results do not hang on that."""
 
-ENOUGH = 0.8
+ENOUGH = 0.75
 """Bounds by the parts solved at a load point, over the accuracy, at which no more are solved there:
 the bends between load points and the pixels add to them."""
 
