@@ -37,6 +37,9 @@ STIFFEST = 1.5
 SOFTEST = 1e-3
 """Least stiffness over the largest of a contact whose pressure a hardness bounds."""
 
+LEAST_FORCE = 1e-3
+"""Least force over that at reach, per square of the approach over it."""
+
 
 class Evaluated:
     """Laws of some contacts at their approaches; arrays over the contacts.
@@ -274,8 +277,7 @@ def _sound(
     broken |= (stiffness > cap[:, None]).any(axis=1)
     u2 = (np.arange(steps + 1) / steps) ** 2
     force, stiffness = force.copy(), stiffness.copy()
-    # a law that stands still would have an infinite compliance
-    hull = np.maximum(force[broken], 1e-3 * force[broken, -1:] * u2**2)
+    hull = _rising(force[broken])
     hull[:, 0] = 0.0
     law_kernels.convex(u2, hull)
     depth = reach[broken, None] * np.diff(u2)
@@ -289,6 +291,13 @@ def _sound(
     return force, stiffness, np.asarray(broken)
 
 
+def _rising(force: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Forces at the nodes, at least those of laws that rise a little from the start: one that
+    stands still would have an infinite compliance."""
+    u2 = np.linspace(0.0, 1.0, force.shape[1]) ** 2
+    return np.maximum(force, LEAST_FORCE * force[:, -1:] * u2**2)
+
+
 def _growing(
     reach: NDArray[np.float64],
     force: NDArray[np.float64],
@@ -299,6 +308,6 @@ def _growing(
     had to be changed."""
     least = SOFTEST * stiffness.max(axis=1, keepdims=True)
     bounded = np.clip(stiffness, np.minimum(least, cap[:, None]), cap[:, None])
-    grown = np.maximum.accumulate(force, axis=1)
+    grown = np.maximum.accumulate(_rising(force), axis=1)
     broken = (grown != force).any(axis=1) | (bounded != stiffness)[:, 1:].any(axis=1)
     return grown, bounded, np.asarray(broken)

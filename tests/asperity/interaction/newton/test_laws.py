@@ -163,3 +163,16 @@ def test_the_footprint_of_an_increment_is_no_less_than_a_point(seed):
     for depth in np.linspace(0.01, 2.5, 300):
         law = laws(np.full(1, depth))
         assert law.moment[0] >= 0.0 and law.moment[0] + law.growth[0] >= 0.0
+
+
+@pytest.mark.parametrize("hardness", [np.inf, 10.0])
+def test_a_law_that_stands_still_at_first_carries_next_to_nothing(hardness):
+    """As that of a plateau, whose rays rise before they fall."""
+    grid = 2.0 * (np.arange(13) / 12)[None] ** 2
+    force = np.maximum(grid - grid[:, 4:5], 0.0)
+    table = law_table(np.full(1, 2.0), force, np.sign(force), 50.0 * grid)
+    laws = Laws(replace(table, hardness=hardness), Footprints(1.0, 0.0))
+    for depth in np.linspace(0.01, 2.5, 300):
+        law = laws(np.full(1, depth))
+        assert all(np.isfinite(getattr(law, name)).all() for name in law.__slots__)
+        assert law.force[0] > 0.0 and (depth > grid[0, 4] or law.force[0] < 2e-3)
