@@ -30,10 +30,10 @@ FREE, YIELDED = 2.0, 1.5
 """Factors of these seconds: on a map that is not periodic, whose transforms have four times its
 points, and under a hardness, where loads take more steps and a stiffness of unloading is found."""
 
-PARTS, MODELS, BESIDE = 1.5, 1.5, 1.2
-"""Parts expected to be solved by boundary elements over those along a side, curves of the model
-over that of the whole map, and seconds beside these (models of parts, a load on the whole map),
-where parts tell of it."""
+PARTS, BESIDE = 1.5, 1.2
+"""Parts expected to be solved by boundary elements over those along a side, and seconds beside
+these and a curve of the model (models of parts, a load on the whole map), where parts tell of it.
+"""
 
 WORTH = 0.75
 """Time of an engine that uses the model, over that of boundary elements, from which on it is not
@@ -61,7 +61,7 @@ def forecast(hm: HeightMap, material: HalfSpace, plan: Plan, loads: int) -> dict
     return {
         "bem": _curve(points, loads, dearer),
         "anchored": model + BEM_SECONDS[0] + each * min(ANCHORS, loads),
-        "sampled": BESIDE + MODELS * model + PARTS * side * _curve(points / side**2, LOADS, 1.0),
+        "sampled": BESIDE + model + PARTS * side * _curve(points / side**2, LOADS, 1.0),
     }
 
 

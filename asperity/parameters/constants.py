@@ -91,7 +91,7 @@ class WaveSplit:
         hills carry the load, as without a roll-off, the law of the waves on each is rough.
     kept_slope
         Share [-] of the squared slope that they hold at least, else their contacts cover the map:
-        at 0.04 (0.1, 0.2) the load was 12 (6, 3) % low at a tenth of contact. (25 %: load 1 %.)
+        at 0.04 (0.1, 0.2) the load was 12 (6, 3) % low at a tenth of contact. (25 %: 2 % there.)
     points
         Grid points per shortest wave: four lower the load by 1 to 2 %, eight raise it by up to
         0.4 %. (25 %: load 6.0 %, area 1.7 %.)

@@ -275,9 +275,9 @@ def _sound(
     broken = (np.diff(stiffness, axis=1) < -slack).any(axis=1)
     broken |= (np.diff(force, axis=1) <= 0).any(axis=1)
     broken |= (stiffness > cap[:, None]).any(axis=1)
-    u2 = (np.arange(steps + 1) / steps) ** 2
+    u2 = _shares(steps)
     force, stiffness = force.copy(), stiffness.copy()
-    hull = _rising(force[broken])
+    hull = _rising(force[broken], u2)
     hull[:, 0] = 0.0
     law_kernels.convex(u2, hull)
     depth = reach[broken, None] * np.diff(u2)
@@ -291,10 +291,14 @@ def _sound(
     return force, stiffness, np.asarray(broken)
 
 
-def _rising(force: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Forces at the nodes, at least those of laws that rise a little from the start: one that
-    stands still would have an infinite compliance."""
-    u2 = np.linspace(0.0, 1.0, force.shape[1]) ** 2
+def _shares(steps: int) -> NDArray[np.float64]:
+    """Approaches at the nodes over the reach."""
+    return np.asarray((np.arange(steps + 1) / steps) ** 2)
+
+
+def _rising(force: NDArray[np.float64], u2: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Forces at the nodes, of approaches `u2` over the reach, at least those of laws that rise a
+    little from the start: one that stands still would have an infinite compliance."""
     return np.maximum(force, LEAST_FORCE * force[:, -1:] * u2**2)
 
 
@@ -308,6 +312,6 @@ def _growing(
     had to be changed."""
     least = SOFTEST * stiffness.max(axis=1, keepdims=True)
     bounded = np.clip(stiffness, np.minimum(least, cap[:, None]), cap[:, None])
-    grown = np.maximum.accumulate(_rising(force), axis=1)
+    grown = np.maximum.accumulate(_rising(force, _shares(force.shape[1] - 1)), axis=1)
     broken = (grown != force).any(axis=1) | (bounded != stiffness)[:, 1:].any(axis=1)
     return grown, bounded, np.asarray(broken)
