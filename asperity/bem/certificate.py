@@ -6,6 +6,7 @@ enters.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,6 +93,7 @@ def certify(
     cap: float,
     mean_pressure: float | None = None,
     offset: float | None = None,
+    approach: float = math.inf,
 ) -> Reading:
     """Certificate of a pressure.
 
@@ -111,6 +113,8 @@ def certify(
         Prescribed mean of `pressure` [m]; or
     offset
         prescribed value of u - h in the contact [m].
+    approach
+        How far the highest point reaches beyond it without pressure [m], if it is prescribed.
 
     Notes
     -----
@@ -120,7 +124,8 @@ def certify(
 
     The length of scale is the rms height; for a map flat to within rounding, what float64 resolves
     of the gap: a millionth of the largest displacement or of the mean pressure, a length too (a
-    flat map in a periodic cell is not displaced), and 1e-8 of the level of the contact.
+    flat map in a periodic cell is not displaced), and 1e-8 of the level of the contact. With a
+    prescribed level it is the approach if that is less: errors of as much let nothing touch.
     """
     ny, nx = heights.shape
     block_low = np.empty((ny, -(-nx // BLOCK)))
@@ -140,7 +145,7 @@ def certify(
             if offset is not None:
                 level = max(min(offset, most), highest)
     resolved = max(1e-6 * largest, 1e-6 * total / heights.size, 1e-8 * abs(level))
-    scale = max(rms_height, resolved, float(np.finfo(float).tiny))
+    scale = max(min(max(rms_height, resolved), approach), float(np.finfo(float).tiny))
     if count + held == 0:
         missing = 0.0 if not mean_pressure else 1.0
         penetration = 0.0 if offset is None else max(0.0, offset - lowest) / scale

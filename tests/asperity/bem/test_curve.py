@@ -45,6 +45,19 @@ def test_stiffness_by_slope_and_by_energy():
     np.testing.assert_allclose(slope[1:-1], curve.mean_pressure[1:-1], rtol=0.01)
 
 
+@pytest.mark.parametrize("accuracy", [None, 0.05])
+def test_the_slightest_touch_carries_what_it_should(accuracy):
+    """Errors of a prescribed separation are relative to how far the highest point reaches beyond
+    it: an empty contact is none of a small error."""
+    hm = rough()
+    tops = hm.about_mean.heights.max() - hm.rms_height * np.array([1e-9, 1e-6, 1e-4])
+    touched = bem_curve(hm, BODY, separations=tops, accuracy=accuracy, coarsen=False)
+    assert touched.converged.all() and (touched.load > 0.0).all()
+    back = bem_curve(hm, BODY, pressures=touched.mean_pressure)
+    approach = hm.about_mean.heights.max() - back.separation
+    np.testing.assert_allclose(approach / hm.rms_height, [1e-9, 1e-6, 1e-4], rtol=0.05)
+
+
 def test_prescribed_separations():
     """Separations in falling order of load give the same curve back."""
     hm = rough((48, 64), seed=2)
