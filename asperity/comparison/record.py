@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import dataclass
 from typing import Any, Self
@@ -212,16 +213,27 @@ class ComparisonRecord:
 
     def __str__(self) -> str:
         lines = ["  pressure [Pa]   area BEM   area model   load error   area error   ds/rms"]
-        lines += [
-            f"  {row['mean_pressure']:12.4g}   {row['area_bem']:8.4f}   {row['area_model']:10.4f}"
-            f"   {100 * row['load_error']:+8.2f} %   {100 * row['area_error']:+8.2f} %"
-            f"   {row['separation_error']:+.4f}"
-            for row in self.table
-        ]
-        lines += [f"  contact-map overlap {self.overlap:.2f}", self.verdict()]
+        columns = {
+            "mean_pressure": (1, "{:14.4g}"),
+            "area_bem": (1, "{:11.4f}"),
+            "area_model": (1, "{:13.4f}"),
+            "load_error": (100, "{:+11.2f} %"),
+            "area_error": (100, "{:+11.2f} %"),
+            "separation_error": (1, "   {:+.4f}"),
+        }
+        for row in self.table:
+            shown = (_shown(times * row[name], form) for name, (times, form) in columns.items())
+            lines.append("".join(shown))
+        lines += [f"  contact-map overlap {_shown(self.overlap, '{:.2f}')}", self.verdict()]
         return "\n".join(lines)
 
     __repr__ = __str__
+
+
+def _shown(value: float, form: str) -> str:
+    """A number in a form, or as many places with "-" where nothing touches or no answer is."""
+    text = form.format(value)
+    return "-".rjust(len(text)) if math.isnan(value) else text
 
 
 def _has_numbers(table: NDArray[Any] | None, names: tuple[str, ...]) -> bool:
