@@ -16,7 +16,7 @@ SPARE = 1.05
 """Load that the points under pressure can bear under a cap, over the prescribed one."""
 
 _SHORTEST_STEP = 1e-3
-"""Share of a step below which one of steepest descent is taken instead."""
+"""Share of a step, at most as long as the cap, below which one of steepest descent is taken."""
 
 _ENERGY_NOISE, _LOOSEST_NOISE = 0.1, 1e-3
 """Rise of the energy taken for rounding, over tolerance times load times length scale; and the
@@ -89,8 +89,10 @@ def solve_on_list(
         if state.renew() / scale <= tolerance or iterations == longest:
             break
         if state.energy > lowest_energy + margin:
-            share *= 0.5
-            if share < _SHORTEST_STEP:
+            # under a low cap longer steps go from bound to bound, whatever part of them is taken
+            reach = min(1.0, cap / max(np.abs(wanted - accepted).max(), np.finfo(float).tiny))
+            share = 0.5 * min(share, reach)
+            if share < _SHORTEST_STEP * reach:
                 if plain:
                     pressure[:] = accepted
                     break
@@ -169,7 +171,9 @@ class _State:
         loaded = self.pressure > 0.0
         count, needed = np.count_nonzero(loaded), self.total / self.cap
         if count <= needed:
-            gap = np.where(loaded, np.inf, self.start_gap + self.change)
+            # a step leaves the displacement of pressures beyond their bounds, far beyond low caps
+            _list_kernels.cut(self.pressure, self.base, self.moved, (0.0, 1.0), self.cap)
+            gap = np.where(loaded, np.inf, self.start_gap + self.operator.apply(self.moved))
             more = max(math.ceil(SPARE * needed - count), 1)
             lowest = np.argsort(gap)[:more]
             # hardly more than is missing: what a step moved to the cap would be shifted back

@@ -243,6 +243,22 @@ def test_unloaded_surface_carries_the_load_elastically(boundary):
     assert again.elastic_energy == pytest.approx(found.elastic_energy, rel=1e-6)
 
 
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("x", [1e-3, 1e-5, 1e-8])
+def test_bearing_curve_in_the_limit_of_a_low_hardness(x, boundary):
+    """Points yield, others are hardly displaced: the P/H highest of them carry the load, and the
+    flat lies on the next, which bears half of the hardness."""
+    hm = rough((60, 70), slope=0.1)
+    points, mat = hm.heights.size, HalfSpace.from_modulus(1.0, hardness=x * hm.roughness.rms_slope)
+    higher = np.round(np.geomspace(0.01, 0.5, 8) * points)
+    loads = mat.hardness * (higher + 0.5) / points
+    curve = bem_curve(hm, mat, pressures=loads, accuracy=0.05, coarsen=False, boundary=boundary)
+    assert curve.converged.all()
+    heights = np.sort(hm.about_mean.heights.ravel())[::-1][higher.astype(int)]
+    displaced = mat.hardness * max(hm.size) / mat.modulus  # at most, all of the map at the hardness
+    assert np.abs(curve.separation - heights).max() < displaced
+
+
 def test_work_done_is_elastic_and_plastic():
     """The load does work: what is stored, and the hardness times the volume that yielded."""
     mat = body(0.3)
