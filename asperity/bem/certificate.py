@@ -21,20 +21,21 @@ __all__ = ["Certificate", "Reading", "certify"]
 
 @dataclass(frozen=True)
 class Certificate:
-    """Relative errors of a contact solution; zero for the exact one.
+    """Relative errors of a contact solution; zero for the exact one. A length h that they are
+    relative to is the rms height, or what `certify` takes in its place.
 
     Attributes
     ----------
     load
         |mean pressure / prescribed - 1|, or with prescribed separation the error of the
-        separation over the rms height; or, if larger, the share of load above the hardness [-].
+        separation over h; or, if larger, the share of load above the hardness [-].
     complementarity
-        ``(sum_{p<H} p (g - l) + sum_{p=H} H max(g - l, 0)) / (sum p rms h)`` with the smallest gap
+        ``(sum_{p<H} p (g - l) + sum_{p=H} H max(g - l, 0)) / (sum p h)`` with the smallest gap
         l where p < H: pressure times gap, which must vanish [-].
     penetration
-        (mean gap of the contact below the hardness - smallest gap there) / rms h [-].
+        (mean gap of the contact below the hardness - smallest gap there) / h [-].
     lift
-        (largest gap at the hardness - mean gap of the contact below it) / rms h, or zero [-].
+        (largest gap at the hardness - mean gap of the contact below it) / h, or zero [-].
     """
 
     load: float

@@ -167,7 +167,6 @@ class Level:
             If a predicted pressure is too far off; the pressure is then as it was predicted.
         """
         mean = load if offset is None else None
-        beyond = math.inf if offset is None else offset + self.highest
         iterations = 0
         best, idle = math.inf, 0
         self._careful = False
@@ -183,7 +182,7 @@ class Level:
                 cap=self.cap,
                 mean_pressure=mean,
                 offset=offset,
-                approach=beyond if beyond > 0.0 else math.inf,
+                approach=math.inf if offset is None else offset + self.highest,
             )
             worst = reading.certificate.worst
             unsure = here in (PressureOrigin.PREDICTED, PressureOrigin.PROLONGED)

@@ -32,16 +32,15 @@ COMMANDS: dict[str, list[str]] = {
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(folder: Path) -> Path:
     """A folder with two maps and a file that is none, between them by name."""
-    monkeypatch.chdir(tmp_path)
     for seed, name in enumerate(("map1", "map3")):
         hm = surfaces.self_affine(
             (48, 60), (4.8e-4, 6e-4), hurst=0.8, rms_slope=0.1, cutoff=6e-5, seed=seed
         )
-        surfaces.write(hm, tmp_path / f"{name}.h5")
-    (tmp_path / "map2.h5").write_text("no map")
-    return tmp_path
+        surfaces.write(hm, folder / f"{name}.h5")
+    (folder / "map2.h5").write_text("no map")
+    return folder
 
 
 def rows(path: str = "table.csv") -> list[dict[str, str]]:

@@ -19,17 +19,16 @@ STEEL = ["--E", "210e9", "--nu", "0.3"]
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(folder: Path) -> Path:
     """A folder with one periodic synthetic map and one raw scan with tilt and missing points."""
-    monkeypatch.chdir(tmp_path)
     hm = surfaces.self_affine(
         (64, 80), (6.4e-4, 8e-4), hurst=0.8, rms_slope=0.1, rolloff=2e-4, cutoff=6e-5, seed=1
     )
-    surfaces.write(hm, tmp_path / "rough.h5")
+    surfaces.write(hm, folder / "rough.h5")
     heights = hm.heights + 0.05 * hm.x[None, :]
     heights[10:12, 20:23] = np.nan
-    surfaces.write(surfaces.HeightMap(heights, hm.spacing), tmp_path / "scan.h5")
-    return tmp_path
+    surfaces.write(surfaces.HeightMap(heights, hm.spacing), folder / "scan.h5")
+    return folder
 
 
 @pytest.mark.parametrize("command", COMMANDS)

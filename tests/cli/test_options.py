@@ -63,9 +63,8 @@ def test_the_short_name_is_that_of_the_output_and_what_is_written_is_guarded():
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(folder: Path) -> Path:
     """A folder with the files that the examples name."""
-    monkeypatch.chdir(tmp_path)
     hm = surfaces.self_affine(
         (48, 60), (4.8e-4, 6e-4), hurst=0.8, rms_slope=0.1, cutoff=6e-5, seed=1
     )
@@ -80,7 +79,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         file["f"] = 1e5 * radii[:, None] ** 2 * (1 + 0.1 * np.cos(2 * turn))
     material = asperity.HalfSpace(210e9, 0.3)
     asperity.compare(hm, material, pressures=[1e8, 3e8]).to_hdf5("compared.h5")
-    return tmp_path
+    return folder
 
 
 @pytest.mark.parametrize("command", [*COMMANDS])

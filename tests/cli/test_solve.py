@@ -13,14 +13,13 @@ ASKED = ["solve", "rough.h5", "--E", "210e9", "--pressure", "1e8:1e9:8"]
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
+def folder(folder):
     """A folder with one periodic map."""
-    monkeypatch.chdir(tmp_path)
     hm = surfaces.self_affine(
         (96, 96), (9.6e-4, 9.6e-4), hurst=0.8, rms_slope=0.1, rolloff=2e-4, cutoff=6e-5, seed=1
     )
-    surfaces.write(hm, tmp_path / "rough.h5")
-    return tmp_path
+    surfaces.write(hm, folder / "rough.h5")
+    return folder
 
 
 def test_accuracy_in_per_cent_or_as_a_number(capsys):
