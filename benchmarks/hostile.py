@@ -72,7 +72,7 @@ def draw(seed: int) -> tuple[surfaces.HeightMap, asperity.HalfSpace, dict]:
         how["pressures"] = body.modulus * 10.0 ** rng.uniform(-20, 1, rng.integers(1, 7))
     if rng.random() < 0.5:
         hardness = body.modulus * 10.0 ** rng.uniform(-12, 3)
-        body = asperity.HalfSpace.from_modulus(body.modulus, m, hardness)
+        body = asperity.HalfSpace.from_modulus(body.modulus, m, hardness=hardness)
         if "pressures" in how:
             how["pressures"] = np.minimum(how["pressures"], hardness)
     return hm, body, how

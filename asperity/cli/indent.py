@@ -121,7 +121,7 @@ def _profile(args: argparse.Namespace) -> tuple[PowerSumProfile | PolarProfile, 
 def _material(args: argparse.Namespace) -> HalfSpace:
     """Half-space from the options; a test body may do without one, then E* = 1."""
     if args.shape is not None and args.E is args.modulus is args.nu is None:
-        return HalfSpace.from_modulus(1.0, args.m, args.hardness)
+        return HalfSpace.from_modulus(1.0, args.m, hardness=args.hardness)
     return options.material(args)
 
 

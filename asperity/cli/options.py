@@ -60,7 +60,7 @@ def add_material_options(parser: argparse.ArgumentParser, **how: Any) -> None:
         (
             "--hardness",
             pressure,
-            {"metavar": "P", "default": math.inf},
+            {"metavar": "P"},
             "largest contact pressure that the body bears [Pa] (default: no limit)",
         ),
         ("--E2", pressure, {"metavar": "E"}, "Young's modulus of a second body [Pa]"),
@@ -148,8 +148,7 @@ def material(args: argparse.Namespace) -> HalfSpace:
     first = _first_body(args)
     if args.E2 is not None:
         nu = 0.3 if args.nu2 is None else args.nu2
-        hardness = math.inf if args.hardness2 is None else args.hardness2
-        return HalfSpace.pair(first, HalfSpace(args.E2, nu, m=args.m, hardness=hardness))
+        return HalfSpace.pair(first, HalfSpace(args.E2, nu, args.m, hardness=args.hardness2))
     if args.nu2 is not None or args.hardness2 is not None:
         raise InputError("--nu2 and --hardness2 are of a second body: give its --E2")
     if getattr(args, "against", None) is not None and args.modulus is None:

@@ -66,9 +66,8 @@ def hardness_sweep(
     >>> bool(soft.area_fraction[0] > hard.area_fraction[0])
     True
     """
-    bodies = [
-        HalfSpace.from_modulus(material.modulus, material.m, hardness) for hardness in hardnesses
-    ]
+    elastic = material.modulus, material.m
+    bodies = [HalfSpace.from_modulus(*elastic, hardness=hardness) for hardness in hardnesses]
     if not bodies:
         raise InputError("give at least one hardness")
     loads: dict[str, Any] = {"pressures": pressures, "separations": separations}

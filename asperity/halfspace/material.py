@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from asperity.errors import InputError
 
@@ -13,7 +13,7 @@ _SOFTEST, _STIFFEST = 1e-40, 1e40
 """Moduli [Pa] whose products with lengths and each other floating-point numbers hold."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class HalfSpace:
     """Half-space with Young's modulus E(z) = E z^m, constant Poisson ratio and, maybe, a hardness.
 
@@ -27,7 +27,8 @@ class HalfSpace:
     m
         Exponent of the grading, -1 < m < 1; 0 is the homogeneous body.
     hardness
-        Largest pressure [Pa] that a contact bears, positive; by default none limits it.
+        Largest pressure [Pa] that a contact bears, positive; with None nothing limits it, and the
+        attribute is infinite.
 
     Raises
     ------
@@ -51,22 +52,26 @@ class HalfSpace:
 
     E: float | None
     nu: float | None
-    m: float = 0.0
-    hardness: float = math.inf
-    modulus: float = field(init=False)
+    m: float
+    hardness: float
+    modulus: float
 
-    def __post_init__(self) -> None:
-        if self.E is None or self.nu is None:
+    def __init__(
+        self, E: float, nu: float, m: float = 0.0, *, hardness: float | None = None
+    ) -> None:
+        if E is None or nu is None:
             raise InputError("HalfSpace needs E and nu; use HalfSpace.from_modulus without them")
-        young, nu, m = _number(self.E, "E"), _number(self.nu, "nu"), _exponent(self.m)
+        young, ratio, exponent = _number(E, "E"), _number(nu, "nu"), _exponent(m)
         _require_modulus(young, "E")
-        if not -1 < nu <= 0.5:
-            raise InputError(f"nu must lie in -1 < nu <= 0.5, got {nu:g}")
-        modulus = young / (1 - nu * nu) * _grading_factor(m, nu)
-        self._fill(young, nu, m, modulus, _hardness(self.hardness))
+        if not -1 < ratio <= 0.5:
+            raise InputError(f"nu must lie in -1 < nu <= 0.5, got {ratio:g}")
+        modulus = young / (1 - ratio * ratio) * _grading_factor(exponent, ratio)
+        self._fill(young, ratio, exponent, modulus, _hardness(hardness))
 
     @classmethod
-    def from_modulus(cls, modulus: float, m: float = 0.0, hardness: float = math.inf) -> HalfSpace:
+    def from_modulus(
+        cls, modulus: float, m: float = 0.0, *, hardness: float | None = None
+    ) -> HalfSpace:
         """Half-space given by its effective modulus E* (or E_m*, [Pa m^-m]) and hardness alone.
 
         Raises
@@ -100,7 +105,8 @@ class HalfSpace:
                 "modulus; both need the same m"
             )
         product = first.modulus / (first.modulus + second.modulus) * second.modulus
-        return cls.from_modulus(product, first.m, min(first.hardness, second.hardness))
+        softer = min(first.hardness, second.hardness)
+        return cls.from_modulus(product, first.m, hardness=softer)
 
     @property
     def elastic(self) -> HalfSpace:
@@ -164,8 +170,9 @@ def _require_modulus(value: float, name: str) -> None:
         )
 
 
-def _hardness(value: float) -> float:
-    if value == math.inf:
+def _hardness(value: float | None) -> float:
+    """Infinite where none is given."""
+    if value is None or value == math.inf:
         return math.inf
     hardness = _number(value, "hardness")
     _require_modulus(hardness, "hardness")

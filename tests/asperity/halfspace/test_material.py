@@ -52,6 +52,14 @@ def test_the_elastic_body_of_a_hard_one_differs_by_its_hardness_alone():
     assert bare.hardness == 2.0 and bare.elastic == HalfSpace.from_modulus(3.0, 0.1)
 
 
+def test_none_is_a_body_without_a_hardness():
+    for body in (HalfSpace(1.0, 0.3, hardness=None), HalfSpace.from_modulus(1.0, hardness=None)):
+        assert body.hardness == np.inf
+    assert HalfSpace(1.0, 0.3, hardness=None) == HalfSpace(1.0, 0.3)
+    with pytest.raises(TypeError):
+        HalfSpace(1.0, 0.3, 0.0, 2.0)
+
+
 @pytest.mark.parametrize("hardness", [0.0, -1.0, float("nan"), -float("inf"), "soft", 1e80])
 def test_a_hardness_that_is_none_is_refused(hardness):
     with pytest.raises(InputError, match="hardness"):
