@@ -32,7 +32,7 @@ stands for it and those that follow (Euler)."""
 def solve_ellipse(
     profile: PowerSumProfile | PolarProfile, material: HalfSpace, approach: float, start: float
 ) -> EllipseState | None:
-    """Contact of a profile at one approach; None if no ellipse was found.
+    """Contact of a profile at one approach; None if no ellipse was found, or it pulls.
 
     Parameters
     ----------
@@ -55,6 +55,8 @@ def solve_ellipse(
     if best is None:
         return None
     solved = search.solved(best, approach)
+    if not solved.expansion.force > 0:
+        return None
     if isinstance(profile, PowerLawProfile):
         power = 1 + (1 + material.m) / profile.k
     else:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.microcontact.ellipse.shared_tables import LOG_RATIO
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .ellipse_expansion import ANGLES, DEGREE, Edge, Gap, edge_of, fit_points, fitted
@@ -100,13 +101,16 @@ class Search:
         self._gaps: dict[Ellipse, Gap] = {}
 
     def optimum(self, start: Ellipse, approach: float) -> Ellipse | None:
-        """Ellipse of the largest force of the elliptic punch; None if it was not found."""
+        """Ellipse of the largest force of the elliptic punch.
+
+        None if it was not found, or is more slender than the tables reach.
+        """
         best, step = start, self._newton(start, approach)
         for _ in range(_NEWTON):
             if step is None:
                 return None
             if np.abs(step).max() < _STILL:
-                return best
+                break
             move = np.clip(self._inverse @ step, -_LARGEST, _LARGEST)
             best = best.moved(move)
             following = self._newton(best, approach)
@@ -118,7 +122,8 @@ class Search:
                 else:  # steps away from the best have taught a wrong one
                     self._inverse = np.eye(len(self._modes))
             step = following
-        return best if step is not None and np.abs(step).max() < 1e-2 else None
+        found = step is not None and np.abs(step).max() < 1e-2
+        return best if found and np.log(best.b / best.a) >= LOG_RATIO[0] else None
 
     def solved(self, best: Ellipse, approach: float) -> Solved:
         """Expansion about the ellipse of the contour that the one about `best` gives."""

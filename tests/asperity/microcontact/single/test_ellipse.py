@@ -180,3 +180,25 @@ def test_auto_chooses_by_the_expected_error():
         )
         best = min(others, key=lambda other: float(other.error_estimate))
         assert float(one.force) == float(best.force)
+
+
+@pytest.mark.parametrize("law", ["ellipse", "auto"])
+@pytest.mark.parametrize("m", [0.0, -0.4, 0.4])
+@pytest.mark.parametrize("ratio", [10, 30, 60, 200])
+def test_slender_contacts_are_exact_or_told(ratio, m, law):
+    """Contacts more slender than the tables reach were 12 % off at an error of 1e-15."""
+    body = PowerLawProfile(2, lambda phi: np.cos(phi) ** 2 + (np.sin(phi) / ratio) ** 2)
+    half = asperity.HalfSpace.from_modulus(1.0, m)
+    one = asperity.indent(body, half, 0.1, law=law)
+    exact = asperity.indent(body, half, 0.1, law="hertz")
+    error = abs(one.force / exact.force - 1)
+    assert error < 1e-3 or not one.valid or (one.flags > 0 and error < 3 * one.error_estimate)
+
+
+def test_a_contact_that_would_pull_is_no_answer():
+    """The expansion about an ellipse narrower than the samples of psi had a force below zero."""
+    phi = np.linspace(0, 2 * np.pi, 64, endpoint=False)
+    body = PowerLawProfile(2, np.cos(phi) ** 2 + (np.sin(phi) / 20) ** 2)
+    half = asperity.HalfSpace.from_modulus(1.0, -0.2)
+    assert not asperity.indent(body, half, 0.1, law="ellipse").valid
+    assert asperity.indent(body, half, 0.1, law="auto").force > 0
