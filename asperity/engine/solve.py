@@ -134,7 +134,7 @@ def solve(
     ... )
     >>> steel = asperity.HalfSpace(210e9, 0.3)
     >>> answer = asperity.solve(hm, steel, pressures=[1e8, 3e8, 1e9], accuracy=0.05)
-    >>> answer.verification["engine"], bool(answer.error_estimate.max() < 0.05)
+    >>> answer.settings["engine"], bool(answer.error_estimate.max() < 0.05)
     ('bem', True)
     """
     require_half_space(material)
@@ -197,7 +197,8 @@ def solve(
         "resolution": left.told_by,
     }
     warnings = dict.fromkeys([*known, *curve.settings["warnings"], *left.warnings])
-    settings = {**curve.settings, "warnings": [*warnings], "verification": told}
+    settings = {**curve.settings, "engine": choice.engine, "warnings": [*warnings]}
+    settings["verification"] = told
     return replace(curve, seconds=clock.seconds, settings=settings)
 
 
