@@ -7,7 +7,7 @@ import copy
 import csv
 import itertools
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,12 +26,13 @@ if TYPE_CHECKING:
 
 EPILOG = """examples:
   asperity sweep 'scans/*.h5' --E 210GPa 70GPa --hardness 1GPa 2GPa --workers 2 -o sweep/
+  asperity sweep 'scans/*.h5' --config plan.toml -o sweep/
   asperity sweep plan.toml --fill harmonic -o planned/ --json
 
 A .toml file is a plan: its keys are options, written without dashes, with one value or a
 list; each table [[material]] and [[settings]] is a set of them, and all sets are combined. A .csv
 file with a column "file" is a table: a row is a job, its other columns are options. Their files lie
-beside them.
+beside them; with --config a plan needs none and takes those of the command line.
 """
 
 MOST_ROWS = 40
@@ -48,6 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_material_options(parser, nargs="+")
     add_solving_options(parser)
     add_worker_options(parser)
+    parser.add_argument("--config", metavar="FILE", help="plan (.toml) for the files given")
     parser.add_argument(
         "-o",
         "--output",
@@ -163,22 +165,35 @@ def _expanded(args: argparse.Namespace) -> Iterator[argparse.Namespace]:
             own = copy.copy(args)
             del own.files
             yield args.reparse(words, own)
-    if maps:
+    if args.config is not None:
+        if not maps:
+            raise InputError("--config is a plan for the height maps given, and none is given")
+        for words in _plan(Path(args.config), maps):
+            yield args.reparse(words, copy.copy(args))
+    elif maps:
         yield argparse.Namespace(**vars(args) | {"files": maps})
 
 
-def _plan(file: Path) -> Iterator[list[str]]:
-    """Words of each combination of the tables of a plan."""
+def _plan(file: Path, maps: Sequence[str] = ()) -> Iterator[list[str]]:
+    """Words of each combination of the tables of a plan, for its own files or for `maps`."""
     try:
         content = tomllib.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise InputError(f"{file}: no plan in TOML ({error})") from error
-    sets = [content.pop(name, [{}]) for name in TABLES]
+    sets = [_sets(content.pop(name, {}), name, file) for name in TABLES]
     for chosen in itertools.product(*sets):
         merged = dict(content)
         for one in chosen:
             merged |= one
-        yield _words(merged, file)
+        yield _words(merged, file, maps)
+
+
+def _sets(given: Any, name: str, file: Path) -> list[dict[str, Any]]:
+    """One table [name] of a plan, or several [[name]]."""
+    sets = given if isinstance(given, list) else [given]
+    if not sets or not all(isinstance(one, dict) for one in sets):
+        raise InputError(f"{file}: {name} is no table; write [{name}], or [[{name}]] for each set")
+    return sets
 
 
 def _table(file: Path) -> Iterator[list[str]] | None:
@@ -193,7 +208,7 @@ def _table(file: Path) -> Iterator[list[str]] | None:
     return (_words(row, file) for row in cells)
 
 
-def _words(given: Mapping[str, Any], file: Path) -> list[str]:
+def _words(given: Mapping[str, Any], file: Path, maps: Sequence[str] = ()) -> list[str]:
     """Options as words of a command line, the files last; files lie beside the plan."""
     given = dict(given)
     named = [given.pop(name) for name in ("file", "files") if name in given]
@@ -204,6 +219,6 @@ def _words(given: Mapping[str, Any], file: Path) -> list[str]:
         values = [] if value is True else value if isinstance(value, list) else [value]
         words += [f"--{name.replace('_', '-')}", *map(str, values)]
     files = [word for one in named for word in (one if isinstance(one, list) else [one])]
-    if not files:
+    if not (files or maps) or not all(isinstance(word, str) for word in files):
         raise InputError(f'{file}: names no file; give files = ["maps/*.h5"], or a column file')
-    return [*words, "--", *(str(file.parent / word) for word in files)]
+    return [*words, "--", *(str(file.parent / word) for word in files), *maps]

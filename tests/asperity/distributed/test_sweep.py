@@ -252,6 +252,12 @@ def test_the_command_and_its_plans(here, maps, tmp_path, monkeypatch, capsys):
     )
     assert main(["sweep", "plan.toml", "-o", "out", "--workers", "1", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["results"] == rows
+    Path("settings.toml").write_text(
+        'pressure = "100MPa,1GPa"\n[material]\nE = ["210GPa", "70GPa"]\n'
+    )
+    call = ["sweep", "maps/*.h5", "--config", "settings.toml", "-o", "out", "--workers", "1"]
+    assert main([*call, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["results"] == rows
     Path("jobs.csv").write_text(
         'file,E,pressure\nmaps/m0.h5,210GPa,"100MPa,1GPa"\nmaps/no.h5,70GPa,\n'
     )
@@ -288,6 +294,9 @@ def test_an_interrupted_command_says_how_to_go_on(here, maps, tmp_path, monkeypa
         ('E = "210GPa"', "plan.toml: names no file"),
         ('files = "maps/*.h5"\nE = "210um"', "argument --E: 210um"),
         ('files = "maps/*.h5"\nspeed = 3', "unrecognized arguments: --speed"),
+        ('files = "maps/*.h5"\nmaterial = 3', "plan.toml: material is no table"),
+        ('files = "maps/*.h5"\nmaterial = [{E = 1}, 3]', "plan.toml: material is no table"),
+        ("files = [3]", "plan.toml: names no file"),
     ],
 )
 def test_bad_plans_are_refused_in_one_sentence(text, match, tmp_path, monkeypatch, capsys):
