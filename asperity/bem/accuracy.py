@@ -18,7 +18,7 @@ from asperity.results.curve import ContactCurve
 from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap
 
-from .grids import CoarseMaps
+from .grids import coarse_maps
 
 __all__ = [
     "LOOSEST",
@@ -153,13 +153,9 @@ def coarsened(hm: HeightMap, shape: tuple[int, int], boundary: Boundary) -> Heig
     """The map on a coarser grid: Fourier truncation (periodic) or means over the new pixels."""
     size = hm.size
     spacing = (size[0] / shape[0], size[1] / shape[1])
-    heights: NDArray[np.float64] = CoarseMaps(hm.heights, boundary, [shape]).level(0, shape)
-    if boundary == "periodic":
-        heights = heights + hm.heights.mean()
-        heights -= heights.mean() - hm.heights.mean()
-    return hm.replace(
-        heights=heights, spacing=spacing, step={"step": "coarsen", "shape": list(shape)}
-    )
+    (heights,) = coarse_maps(hm.heights, boundary, [shape])
+    step = {"step": "coarsen", "shape": list(shape)}
+    return hm.replace(heights=heights, spacing=spacing, step=step)
 
 
 def loads_to_solve(pressures: NDArray[np.float64]) -> NDArray[np.float64] | None:

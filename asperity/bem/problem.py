@@ -16,7 +16,7 @@ from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import threads as thread_count
 
 from .correction import Level, Outcome, PressureOrigin
-from .grids import CoarseMaps, level_shapes, prolong
+from .grids import coarse_maps, level_shapes, prolong
 from .memory import require_memory
 from .operator import HalfSpaceOperator
 from .solution import read_contact
@@ -154,19 +154,12 @@ class ContactProblem:
         fine, whole = self.level.exact, self.level.heights
         row, column = np.unravel_index(whole.argmax(), whole.shape)
         top = (int(row), int(column)) if self.boundary == "periodic" else (0, 0)
-        maps = CoarseMaps(
-            whole,
-            self.boundary,
-            shapes,
-            threads=self._threads,
-            scratch=Scratch(fine.pressure),
-            origin=top,
-        )
         scratch = Scratch(fine.output)
         outcome: Outcome | None = None
         coarse: Level | None = None
         ly, lx = self.hm.size
-        for index, (ny, nx) in enumerate(shapes):
+        for heights in coarse_maps(whole, self.boundary, shapes, top):
+            ny, nx = heights.shape
             spacing = (ly / ny, lx / nx)
             exact = HalfSpaceOperator(
                 (ny, nx),
@@ -176,7 +169,6 @@ class ContactProblem:
                 threads=self._threads,
                 scratch=scratch,
             )
-            heights = maps.level(index, (ny, nx))
             ratio = exact.compliance / fine.compliance
             level = Level(heights, exact, ratio * self.level.cap)
             if offset is not None and -offset >= level.highest:
