@@ -26,6 +26,7 @@ from asperity.halfspace.scene import (
 from asperity.progress import Progress, reported
 from asperity.results.curve import ContactCurve
 from surfaces.heightmap import HeightMap
+from surfaces.numerics.parallel import apart
 from surfaces.numerics.parallel import threads as thread_count
 
 from .accuracy import (
@@ -192,18 +193,19 @@ def bem_curve(
     chains = split_loads(_shares(kind, values[order]), grid.heights.size)
     together = len(chains) > 1 and thread_count() > 1 and fits(grid.shape, boundary, len(chains))
 
-    def planned() -> ContactProblem:
+    def planned(_: range) -> ContactProblem:
         alone = kind == "pressure" and len(values) == 1
         return ContactProblem(
             grid,
             material,
             tolerance=tolerance,
             boundary=boundary,
-            threads=1 if together else None,
             share=expected_area_fraction(hm, material, values[0]) if alone else None,
         )
 
-    problem = planned()
+    # those followed together have one thread each, from their plans on
+    problems = apart(planned, chains if together else chains[:1])
+    problem = problems[0]
     problem.prescribed(**{kind: float(values.max() if kind == "pressure" else values.min())})
     prepared = time.perf_counter()
     solved: dict[int, SolvedLoad] = {}
@@ -215,7 +217,7 @@ def bem_curve(
         return replace(found, extra={f"asked_{kind}": values[indices], **found.extra})
 
     def follow(chain: range, stop: threading.Event) -> None:
-        path = LoadPath(planned() if together and chain.start else problem, accuracy or math.inf)
+        path = LoadPath(problems[-1] if chain.start else problem, accuracy or math.inf)
         for index in order[chain.start : chain.stop].tolist():
             if stop.is_set():
                 return

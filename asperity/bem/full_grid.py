@@ -32,14 +32,13 @@ class FullGridOperator:
 
     def __init__(self, exact: HalfSpaceOperator) -> None:
         ny, nx = self._shape = exact.shape
-        threads = exact.threads
         scratch = Scratch(exact.pressure)
         self._forward = self._backward = convolution.plan(
-            exact.shape, exact.padded, dtype=np.float32, threads=threads, scratch=scratch
+            exact.shape, exact.padded, dtype=np.float32, scratch=scratch
         )
         if exact.padded != exact.shape:
             self._backward = convolution.plan(
-                exact.shape, exact.shape, dtype=np.float32, threads=threads, scratch=scratch
+                exact.shape, exact.shape, dtype=np.float32, scratch=scratch
             )
         self._symbol = exact.symbol.astype(np.float32)
         inverse = symbol_quadrant(exact.shape, exact.spacing, 1.0 - exact.m, 1.0 / (ny * nx))

@@ -44,8 +44,6 @@ class ContactProblem:
     ----------
     hm, material, tolerance, boundary
         As in `bem_solve`.
-    threads
-        Threads; by default the number in use.
     share
         Forecast of the contact area fraction, on which the memory depends; None if not known.
 
@@ -68,7 +66,6 @@ class ContactProblem:
         *,
         tolerance: float = 1e-6,
         boundary: str | None = None,
-        threads: int | None = None,
         share: float | None = None,
     ) -> None:
         require_scene(hm, material)
@@ -83,10 +80,7 @@ class ContactProblem:
         heights = hm.heights
         require_memory(hm.shape, self.boundary, share)
         self.hm, self.material, self.tolerance = hm, material, float(tolerance)
-        self._threads = thread_count() if threads is None else threads
-        exact = HalfSpaceOperator(
-            hm.shape, hm.spacing, material, self.boundary, threads=self._threads
-        )
+        exact = HalfSpaceOperator(hm.shape, hm.spacing, material, self.boundary)
         self.unit = _unit(hm.roughness.rms_height)
         self.compliance = exact.compliance / self.unit
         self.own = float(influence((1, 1), hm.spacing, exact.m)[0, 0])
@@ -162,12 +156,7 @@ class ContactProblem:
             ny, nx = heights.shape
             spacing = (ly / ny, lx / nx)
             exact = HalfSpaceOperator(
-                (ny, nx),
-                spacing,
-                self.material,
-                self.boundary,
-                threads=self._threads,
-                scratch=scratch,
+                (ny, nx), spacing, self.material, self.boundary, scratch=scratch
             )
             ratio = exact.compliance / fine.compliance
             level = Level(heights, exact, ratio * self.level.cap)

@@ -57,7 +57,7 @@ class SplitOperator:
         self._grid = scratch.zeros((ny + 2 * RADIUS + 1, nx + 2 * LANES), np.float32)
         nyc, nxc = (scipy.fft.next_fast_len(-(-n // COARSENING), real=True) for n in exact.padded)
         self._remainder = convolution.plan(
-            (nyc, nxc), (nyc, nxc), dtype=np.float32, threads=exact.threads, scratch=scratch
+            (nyc, nxc), (nyc, nxc), dtype=np.float32, scratch=scratch
         )
         self._first_y, self._weight_y = _taps(ny, exact.padded[0], nyc)
         self._first_x, self._weight_x = _taps(nx, exact.padded[1], nxc)
