@@ -5,7 +5,7 @@ loads, by monotone interpolation in the logarithm of the load.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy.fft
@@ -22,7 +22,6 @@ from .grids import coarse_maps
 
 __all__ = [
     "LOOSEST",
-    "GridChoice",
     "choose_grid",
     "coarsened",
     "interpolated",
@@ -64,22 +63,6 @@ _COST = ("iterations", "fft_pairs", "seconds")
 """Columns that are zero at interpolated points."""
 
 
-@dataclass(frozen=True)
-class GridChoice:
-    """Grid for an accuracy, and why.
-
-    Attributes
-    ----------
-    shape
-        Points (ny, nx) of the grid to solve on.
-    reason
-        One sentence.
-    """
-
-    shape: tuple[int, int]
-    reason: str
-
-
 def require_accuracy(accuracy: float) -> float:
     """Refuse an accuracy that is no relative error from 1e-4 to 0.2."""
     if not 1e-4 <= as_number("accuracy", accuracy) <= 0.2:
@@ -89,8 +72,8 @@ def require_accuracy(accuracy: float) -> float:
 
 def choose_grid(
     hm: HeightMap, accuracy: float, lightest_area: float, boundary: Boundary
-) -> GridChoice:
-    """Coarsest grid for an accuracy of load and corrected area.
+) -> tuple[tuple[int, int], str]:
+    """Points (ny, nx) of the coarsest grid for an accuracy of load and corrected area, and why.
 
     Parameters
     ----------
@@ -111,7 +94,6 @@ def choose_grid(
     given load is inversely proportional), 7.5 / accuracy points per axis, and 60 contact points at
     the lightest load.
     """
-    require_accuracy(accuracy)
     ny, nx = hm.shape
     needs = {
         "the waves that carry its slope": _slope_share(hm, 1.0 - _SLOPE_SHARE * accuracy, boundary),
@@ -124,10 +106,10 @@ def choose_grid(
     if boundary == "free":
         share = 0.5 ** math.floor(-math.log2(share)) if share < 1.0 else 1.0
     if share > _LARGEST_RATIO:
-        return GridChoice(hm.shape, f"full grid: {rule} ask for it")
+        return hm.shape, f"full grid: {rule} ask for it"
     rows, columns = (scipy.fft.next_fast_len(math.ceil(share * n), real=True) for n in (ny, nx))
     shape = (min(rows, ny), min(columns, nx))
-    return GridChoice(shape, f"{shape[0]} x {shape[1]} points: set by {rule}")
+    return shape, f"{shape[0]} x {shape[1]} points: set by {rule}"
 
 
 def _slope_share(hm: HeightMap, kept: float, boundary: Boundary) -> float:

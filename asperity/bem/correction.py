@@ -241,8 +241,7 @@ class Level:
     ) -> int:
         """One solve on the list of candidates; returns the iterations spent."""
         points, values, gap = listed
-        operator = self.operator()
-        operator.bind(points)
+        operator = self.operator(points)
         if offset is not None:
             gap -= offset
         spent = solve_on_list(
@@ -268,14 +267,16 @@ class Level:
         )
         return found
 
-    def operator(self) -> SplitOperator | FullGridOperator:
-        """The cheaper operator for the grid; the sharper one after idle corrections."""
+    def operator(self, points: ContactList) -> SplitOperator | FullGridOperator:
+        """The cheaper operator for the grid, on a list; the sharper one after idle corrections."""
         if self._careful or self.heights.size <= _SMALL_GRID:
             if self._full is None:
                 self._full = FullGridOperator(self.exact)
+            self._full.bind(points)
             return self._full
         if self._split is None:
             self._split = SplitOperator(self.exact)
+        self._split.bind(points)
         return self._split
 
 

@@ -24,7 +24,7 @@ from asperity.halfspace.scene import (
     pressure_scale,
 )
 from asperity.progress import Progress, reported
-from asperity.results.curve import ContactCurve
+from asperity.results.curve import POINT_FIELDS, ContactCurve
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import apart
 from surfaces.numerics.parallel import threads as thread_count
@@ -186,9 +186,9 @@ def bem_curve(
         tolerance = LOOSEST
     if accuracy is not None and coarsen:
         lightest = _lightest_area(hm, material, kind, values)
-        choice = choose_grid(hm, accuracy, lightest, boundary)
-        grid = hm if choice.shape == hm.shape else coarsened(hm, choice.shape, boundary)
-        asked |= {"accuracy_reason": choice.reason}
+        shape, why = choose_grid(hm, accuracy, lightest, boundary)
+        grid = hm if shape == hm.shape else coarsened(hm, shape, boundary)
+        asked |= {"accuracy_reason": why}
     order = np.argsort(values if kind == "pressure" else -values, kind="stable")
     chains = split_loads(_shares(kind, values[order]), grid.heights.size)
     together = len(chains) > 1 and thread_count() > 1 and fits(grid.shape, boundary, len(chains))
@@ -280,18 +280,10 @@ def _curve(
     seconds: dict[str, float],
     asked: dict[str, Any],
 ) -> ContactCurve:
-    columns = {name: np.array([p.columns[name] for p in points]) for name in points[0].columns}
+    names = points[0].columns
+    columns: dict[str, Any] = {name: np.array([p.columns[name] for p in points]) for name in names}
     return ContactCurve(
-        separation=columns.pop("separation"),
-        mean_pressure=columns.pop("mean_pressure"),
-        load=columns.pop("load"),
-        area_fraction=columns.pop("area_fraction"),
-        contact_area=columns.pop("contact_area"),
-        contacts=columns.pop("contacts"),
-        stiffness=columns.pop("stiffness"),
-        converged=columns.pop("converged").astype(bool),
-        residual=columns.pop("residual"),
-        error_estimate=columns.pop("error_estimate"),
+        **{name: columns.pop(name) for name in POINT_FIELDS},
         model="bem",
         seconds=seconds,
         settings={**problem.settings(), **asked},

@@ -44,7 +44,6 @@ class FullGridOperator:
         inverse = symbol_quadrant(exact.shape, exact.spacing, 1.0 - exact.m, 1.0 / (ny * nx))
         inverse[0, 0] = 0.5 * min(inverse[0, 1], inverse[1, 0])
         self._inverse = inverse.astype(np.float32)
-        self._list = ContactList.empty()
 
     def bind(self, points: ContactList) -> None:
         """Choose the list."""

@@ -64,8 +64,6 @@ class SplitOperator:
         self._whole = exact.padded[1] == COARSENING * nxc
         self._rows_of, self._weight_of = _transposed(self._first_y, self._weight_y, nyc)
         self._symbol = _remainder(exact, stencil, (nyc, nxc))
-        self._list = ContactList.empty()
-        self._tiles = self._points = np.empty((0, 3), np.int32)
 
     def bind(self, points: ContactList) -> None:
         """Choose the list."""

@@ -50,8 +50,7 @@ def contact_stiffness(level: Level, reading: Reading, *, unloading: bool = False
         return 0.0
     if len(points) == level.heights.size and level.exact.boundary == "periodic":
         return math.inf
-    operator = level.operator()
-    operator.bind(points)
+    operator = level.operator(points)
     q, residual = np.zeros(len(points)), np.ones(len(points), np.float32)
     ahead = filtered = operator.precondition(residual)
     first = size = float(np.dot(residual, filtered))
