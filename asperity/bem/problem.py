@@ -12,6 +12,7 @@ from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.influence import influence
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import chosen_boundary, require_scene
+from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import threads as thread_count
 
@@ -74,7 +75,7 @@ class ContactProblem:
                 f"{hm.name or 'the map'} has {hm.missing} missing points of {hm.heights.size}; "
                 'fill them first, for example surfaces.prepare(hm, fill="harmonic")'
             )
-        if not 1e-12 <= _number(tolerance) <= 0.1:
+        if not 1e-12 <= as_number("tolerance", tolerance) <= 0.1:
             raise InputError(f"tolerance is {tolerance!r}; give a number from 1e-12 to 0.1")
         self.boundary = chosen_boundary(hm, boundary)
         heights = hm.heights
@@ -93,10 +94,11 @@ class ContactProblem:
         """Mean of p~, and the level of u - h in the contact if that is prescribed, in units."""
         if (pressure is None) == (separation is None):
             raise InputError("give exactly one of pressure and separation")
+        name = "separation" if pressure is None else "pressure"
         given: Any = separation if pressure is None else pressure
         if np.ndim(given):
             raise InputError("a solution is of one load; asperity.bem_curve takes several")
-        value = _number(given)
+        value = as_number(name, given)
         if pressure is not None:
             if not (math.isfinite(value) and value >= 0.0):
                 raise InputError(
@@ -263,11 +265,3 @@ def _unit(rms_height: float) -> float:
     if rms_height == 0.0 or low <= rms_height <= high:
         return 1.0
     return math.ldexp(1.0, math.frexp(rms_height)[1])
-
-
-def _number(value: Any) -> float:
-    """The value as a float, NaN if it is no number."""
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        return math.nan

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Literal, TypeGuard
+from typing import Any, Literal, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -51,13 +51,9 @@ def known_boundary(name: str) -> Boundary:
     InputError
         If there is none of this name.
     """
-    if _is_boundary(name):
-        return name
-    raise InputError(f'boundary is {name!r}; choose "periodic" or "free"')
-
-
-def _is_boundary(name: str) -> TypeGuard[Boundary]:
-    return name in ("periodic", "free")
+    if name not in get_args(Boundary):
+        raise InputError(f'boundary is {name!r}; choose "periodic" or "free"')
+    return cast(Boundary, name)
 
 
 def require_scene(hm: object, material: object) -> None:
