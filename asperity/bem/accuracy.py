@@ -73,26 +73,14 @@ def require_accuracy(accuracy: float) -> float:
 def choose_grid(
     hm: HeightMap, accuracy: float, lightest_area: float, boundary: Boundary
 ) -> tuple[tuple[int, int], str]:
-    """Points (ny, nx) of the coarsest grid for an accuracy of load and corrected area, and why.
+    """Points (ny, nx) of the coarsest grid for an accuracy, and why.
 
-    Parameters
-    ----------
-    hm
-        Height map without missing points.
-    accuracy
-        Relative error allowed in the load at equal separation and about the same in the corrected
-        area at equal load, 1e-4 to 0.2.
-    lightest_area
-        Expected contact area fraction at the lightest load.
-    boundary
-        As in `bem_solve`.
-
-    Notes
-    -----
-    Calibrated on self-affine maps solved on every coarser grid: two points per wave that still
-    carries slope (a third of the accuracy may be lost from the rms slope, to which the area at
-    given load is inversely proportional), 7.5 / accuracy points per axis, and 60 contact points at
-    the lightest load.
+    The accuracy is the relative error allowed in the load at equal separation, and about that in
+    the corrected area at equal load; `lightest_area` the area fraction expected at the lightest
+    load. Calibrated on self-affine maps solved on every coarser grid: two points per wave that
+    still carries slope (a third of the accuracy may be lost from the rms slope, to which the area
+    at given load is inversely proportional), 7.5 / accuracy points per axis, and 60 contact points
+    at the lightest load.
     """
     ny, nx = hm.shape
     needs = {

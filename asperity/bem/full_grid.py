@@ -20,13 +20,7 @@ __all__ = ["FullGridOperator"]
 
 
 class FullGridOperator:
-    """The exact operator in single precision on a contact list, two transforms each time.
-
-    Parameters
-    ----------
-    exact
-        Operator on the whole grid; its pressure is overwritten.
-    """
+    """An exact operator, whose pressure is overwritten, in single precision on a contact list."""
 
     aim = 1e-3
 

@@ -87,20 +87,10 @@ def prolong(
     mean: float,
     origin: tuple[int, int] = (0, 0),
 ) -> None:
-    """Bilinear interpolation of a coarse pressure into a finer grid, scaled to a mean pressure.
+    """Bilinear interpolation of a coarse pressure into a finer grid, scaled to a mean, if any.
 
-    Parameters
-    ----------
-    coarse, shape
-        Coarse pressure, at least of the given shape.
-    fine, fine_shape
-        Result, at least of the given shape.
-    boundary
-        Whether the map continues across its border.
-    mean
-        Mean of the result; not scaled if zero.
-    origin
-        Row and column of the finer grid at which the coarse one begins, if periodic.
+    Both arrays may be larger than their maps. The coarse map of a periodic cell begins at the row
+    and column `origin` of the finer one.
     """
     rows = _places(shape[0], fine_shape[0], boundary, origin[0])
     columns = _places(shape[1], fine_shape[1], boundary, origin[1])

@@ -21,27 +21,13 @@ __all__ = ["HalfSpaceOperator"]
 
 
 class HalfSpaceOperator:
-    """Displacement of an elastic half-space under a pressure that is constant on each pixel.
+    """Displacement of an elastic half-space under a pressure that is constant on each pixel of a
+    grid (ny, nx).
 
-    Parameters
-    ----------
-    shape
-        Points (ny, nx) of the pressure grid.
-    spacing
-        Pixel size (dy, dx) [m].
-    material
-        Elastic half-space, homogeneous or graded: `modulus` and `m`.
-    boundary
-        "periodic": the cell repeats, and u has zero mean. "free": the half-space is at rest at
-        infinity and carries no pressure outside the grid.
-    scratch
-        Where the buffers come from.
-
-    Notes
-    -----
-    Periodic: ``u^(q) = Lambda(q) p^(q)`` with ``Lambda ~ |q|**(m-1)`` and ``Lambda(0) = 0``.
-    Free: exact cell-integrated influence, convolved by zero padding
-    (docs/development/half_space.md).
+    Periodic: the cell repeats, and u has zero mean, ``u^(q) = Lambda(q) p^(q)`` with
+    ``Lambda ~ |q|**(m-1)`` and ``Lambda(0) = 0``. Free: the half-space is at rest at infinity and
+    carries no pressure outside the grid; exact cell-integrated influence, convolved by zero padding
+    (docs/development/half_space.md). Buffers come from `scratch`.
     """
 
     def __init__(

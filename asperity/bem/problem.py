@@ -41,12 +41,8 @@ and those of pressures far below them."""
 class ContactProblem:
     """A rough contact before its load: checked, planned, with the finest grid ready.
 
-    Parameters
-    ----------
-    hm, material, tolerance, boundary
-        As in `bem_solve`.
-    share
-        Forecast of the contact area fraction, on which the memory depends; None if not known.
+    Arguments are those of `bem_solve`, and the share of the area that is expected in contact, on
+    which the memory depends.
 
     Attributes
     ----------

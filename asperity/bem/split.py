@@ -32,15 +32,7 @@ _LEAST_PLACES = 500
 
 
 class SplitOperator:
-    """Approximate operator and preconditioner on a contact list.
-
-    Parameters
-    ----------
-    exact
-        The operator that is approximated; its pressure is overwritten by every use.
-    aim
-        Largest reduction of the error that one solve with this operator is worth.
-    """
+    """Approximation of an exact operator, whose pressure is overwritten by every use."""
 
     aim = 0.0015
 

@@ -64,20 +64,11 @@ def _cosines(f: NDArray[np.float64], radius: int) -> NDArray[np.float64]:
 def fitted_stencil(
     aspect: float, m: float, free: bool, coarsening: float, order: int
 ) -> NDArray[np.float64]:
-    """Stencil (15, 15) fitted to the symbol of the half-space operator.
+    """Stencil (15, 15) fitted to the symbol of the half-space operator, for pixels of an aspect
+    dy / dx.
 
-    Parameters
-    ----------
-    aspect
-        dy / dx.
-    m
-        Exponent of the grading.
-    free
-        Symbol of the cell-integrated influence instead of |q|**(m-1).
-    coarsening
-        Pixels per pixel of the coarse grid that carries the remainder.
-    order
-        Order of the B-splines between the grids.
+    The symbol is |q|**(m-1), or that of the cell-integrated influence if `free`. The remainder is
+    carried by a grid coarser by `coarsening`, with B-splines of this order between the grids.
 
     Notes
     -----

@@ -89,23 +89,10 @@ def _largest_factor(n: int) -> int:
 
 
 class RealTransform(ABC):
-    """A planned pair of transforms that convolves, see `convolution.Convolution`.
+    """A planned pair of transforms that convolves, see `convolution.Convolution`: of `shape` points
+    that hold values, and `padded` of the transform, in float64 or float32, with buffers of scratch.
 
-    Parameters
-    ----------
-    shape, padded
-        Points (ny, nx) that hold values, and of the transform.
-    dtype
-        float64 or float32.
-    scratch
-        Where the buffers come from.
-
-    Attributes
-    ----------
-    values
-        Input, shape (ny, padded nx); kept by `forward`.
-    spectrum
-        Half spectrum, shape (padded ny, padded nx // 2 + 1).
+    `spectrum` is the half spectrum, shape (padded ny, padded nx // 2 + 1).
     """
 
     spectrum: NDArray[Any]

@@ -122,19 +122,9 @@ def narrow_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
 def resolution(
     hm: HeightMap, material: HalfSpace, boundary: Boundary, lightest: LightestLoad, heaviest: float
 ) -> Resolution:
-    """What the pixels leave open of a curve, by some of its loads on a grid twice as fine.
+    """What the pixels leave open of a curve from its lightest load point to its heaviest mean
+    pressure [Pa], by some of its loads on a grid twice as fine.
 
-    Parameters
-    ----------
-    hm, material, boundary
-        Scene.
-    lightest
-        Lightest load point of the curve.
-    heaviest
-        Heaviest mean pressure of the curve [Pa].
-
-    Notes
-    -----
     Where the waves of a map end well above its pixels, and contacts hold many of them, no finer
     grid is needed to know that it would tell the same.
     """
