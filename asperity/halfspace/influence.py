@@ -45,7 +45,8 @@ def compliance(spacing: tuple[float, float], material: HalfSpace) -> float:
     ``Lambda(q) = 2**(1-m) pi / (E_m* Gamma((1+m)/2)**2) |q|**(m-1)`` at ``|q| = (dy dx)**-1/2``.
     """
     pixel = math.sqrt(spacing[0] * spacing[1])
-    return float(Footprints(material.modulus, material.m).symbol * pixel ** (1.0 - material.m))
+    unit = Footprints(1.0, material.m).symbol
+    return float(unit * pixel ** (1.0 - material.m) / material.modulus)
 
 
 def symbol_quadrant(
