@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.special import gamma, gammaincc, roots_jacobi
 
-from asperity.halfspace.footprint import Footprints
+from asperity.halfspace.footprint import Footprints, _pair_shape
 from asperity.microcontact.law_table import LawTable
 
 
@@ -224,8 +224,28 @@ def dense_matrix(
     spread = variance[:, None] + variance[None, :]
     dy, dx = y[:, None] - y[None, :], x[:, None] - x[None, :]
     if boundary == "free":
-        return footprints.interaction(np.hypot(dy, dx), spread)
+        return free_interaction(footprints, np.hypot(dy, dx), spread)
     return periodic_interaction(dy, dx, spread, cell, footprints)
+
+
+def free_interaction(
+    footprints: Footprints, distance: ArrayLike, variance: ArrayLike
+) -> NDArray[np.float64]:
+    """Displacement g(r; S^2) [m/N] of one Gaussian by another, free half-space.
+
+    Parameters
+    ----------
+    footprints
+        Kernel of the half-space.
+    distance
+        Distance r [m].
+    variance
+        Sum S^2 of the two variances [m^2]; r and S must not both vanish.
+    """
+    r2, spread = np.broadcast_arrays(np.square(np.asarray(distance, float)), variance)
+    reach = r2 + spread
+    shape, _, _ = _pair_shape(footprints.m, spread / reach)
+    return np.asarray(footprints.point * shape * reach ** (-footprints.power / 2))
 
 
 def periodic_interaction(

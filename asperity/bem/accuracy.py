@@ -5,7 +5,7 @@ loads, by monotone interpolation in the logarithm of the load.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy.fft
@@ -18,11 +18,10 @@ from asperity.results.curve import ContactCurve
 from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap
 
-from .grids import CoarseMaps
+from .grids import coarse_maps
 
 __all__ = [
     "LOOSEST",
-    "GridChoice",
     "choose_grid",
     "coarsened",
     "interpolated",
@@ -64,22 +63,6 @@ _COST = ("iterations", "fft_pairs", "seconds")
 """Columns that are zero at interpolated points."""
 
 
-@dataclass(frozen=True)
-class GridChoice:
-    """Grid for an accuracy, and why.
-
-    Attributes
-    ----------
-    shape
-        Points (ny, nx) of the grid to solve on.
-    reason
-        One sentence.
-    """
-
-    shape: tuple[int, int]
-    reason: str
-
-
 def require_accuracy(accuracy: float) -> float:
     """Refuse an accuracy that is no relative error from 1e-4 to 0.2."""
     if not 1e-4 <= as_number("accuracy", accuracy) <= 0.2:
@@ -89,29 +72,16 @@ def require_accuracy(accuracy: float) -> float:
 
 def choose_grid(
     hm: HeightMap, accuracy: float, lightest_area: float, boundary: Boundary
-) -> GridChoice:
-    """Coarsest grid for an accuracy of load and corrected area.
+) -> tuple[tuple[int, int], str]:
+    """Points (ny, nx) of the coarsest grid for an accuracy, and why.
 
-    Parameters
-    ----------
-    hm
-        Height map without missing points.
-    accuracy
-        Relative error allowed in the load at equal separation and about the same in the corrected
-        area at equal load, 1e-4 to 0.2.
-    lightest_area
-        Expected contact area fraction at the lightest load.
-    boundary
-        As in `bem_solve`.
-
-    Notes
-    -----
-    Calibrated on self-affine maps solved on every coarser grid: two points per wave that still
-    carries slope (a third of the accuracy may be lost from the rms slope, to which the area at
-    given load is inversely proportional), 7.5 / accuracy points per axis, and 60 contact points at
-    the lightest load.
+    The accuracy is the relative error allowed in the load at equal separation, and about that in
+    the corrected area at equal load; `lightest_area` the area fraction expected at the lightest
+    load. Calibrated on self-affine maps solved on every coarser grid: two points per wave that
+    still carries slope (a third of the accuracy may be lost from the rms slope, to which the area
+    at given load is inversely proportional), 7.5 / accuracy points per axis, and 60 contact points
+    at the lightest load.
     """
-    require_accuracy(accuracy)
     ny, nx = hm.shape
     needs = {
         "the waves that carry its slope": _slope_share(hm, 1.0 - _SLOPE_SHARE * accuracy, boundary),
@@ -124,10 +94,10 @@ def choose_grid(
     if boundary == "free":
         share = 0.5 ** math.floor(-math.log2(share)) if share < 1.0 else 1.0
     if share > _LARGEST_RATIO:
-        return GridChoice(hm.shape, f"full grid: {rule} ask for it")
+        return hm.shape, f"full grid: {rule} ask for it"
     rows, columns = (scipy.fft.next_fast_len(math.ceil(share * n), real=True) for n in (ny, nx))
     shape = (min(rows, ny), min(columns, nx))
-    return GridChoice(shape, f"{shape[0]} x {shape[1]} points: set by {rule}")
+    return shape, f"{shape[0]} x {shape[1]} points: set by {rule}"
 
 
 def _slope_share(hm: HeightMap, kept: float, boundary: Boundary) -> float:
@@ -153,13 +123,9 @@ def coarsened(hm: HeightMap, shape: tuple[int, int], boundary: Boundary) -> Heig
     """The map on a coarser grid: Fourier truncation (periodic) or means over the new pixels."""
     size = hm.size
     spacing = (size[0] / shape[0], size[1] / shape[1])
-    heights: NDArray[np.float64] = CoarseMaps(hm.heights, boundary, [shape]).level(0, shape)
-    if boundary == "periodic":
-        heights = heights + hm.heights.mean()
-        heights -= heights.mean() - hm.heights.mean()
-    return hm.replace(
-        heights=heights, spacing=spacing, step={"step": "coarsen", "shape": list(shape)}
-    )
+    (heights,) = coarse_maps(hm.heights, boundary, [shape])
+    step = {"step": "coarsen", "shape": list(shape)}
+    return hm.replace(heights=heights, spacing=spacing, step=step)
 
 
 def loads_to_solve(pressures: NDArray[np.float64]) -> NDArray[np.float64] | None:

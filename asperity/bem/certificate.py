@@ -96,26 +96,11 @@ def certify(
     offset: float | None = None,
     approach: float = math.inf,
 ) -> Reading:
-    """Certificate of a pressure.
+    """Certificate of a pressure p~ from 0 to a cap [m] and its displacement by the exact operator
+    [m], both at least as large as the map, heights [m] of shape (ny, nx).
 
-    Parameters
-    ----------
-    pressure
-        Non-negative pressure p~ [m] (`kernel`), at least as large as the map.
-    displacement
-        Displacement of that pressure by the exact operator [m], at least as large as the map.
-    heights
-        Heights out of the solid [m], shape (ny, nx).
-    rms_height
-        Root-mean-square height [m].
-    cap
-        Largest pressure p~ allowed [m].
-    mean_pressure
-        Prescribed mean of `pressure` [m]; or
-    offset
-        prescribed value of u - h in the contact [m].
-    approach
-        How far the highest point reaches beyond it without pressure [m], if it is prescribed.
+    Prescribed is the mean of the pressure [m], or an offset, the value of u - h in the contact [m]:
+    then `approach` is how far the highest point reaches beyond it without pressure [m].
 
     Notes
     -----

@@ -30,11 +30,6 @@ class ContactList:
     start: NDArray[np.int64]
     columns: NDArray[np.int32]
 
-    @classmethod
-    def empty(cls) -> ContactList:
-        """A list without points."""
-        return cls(np.zeros(1, np.int64), np.empty(0, np.int32))
-
     def __len__(self) -> int:
         return self.columns.size
 

@@ -60,7 +60,6 @@ def plan(
     padded: tuple[int, int],
     *,
     dtype: Any = np.float64,
-    threads: int = 1,
     scratch: Scratch | None = None,
 ) -> Convolution:
     """The convolution that is faster for a grid (ny, nx) and its padded shape, by float64 or 32.
@@ -72,24 +71,23 @@ def plan(
     whole = shape[0] * shape[1] <= _LARGEST_WHOLE[padded != shape]
     kind: Callable[..., Convolution] = FFTWTransform if whole else _Blocked
     kind = kind if prefers_fftw(padded) else ScipyTransform
-    return kind(shape, padded, np.dtype(dtype), threads, scratch or Scratch())
+    return kind(shape, padded, np.dtype(dtype), scratch or Scratch())
 
 
 class _Blocked:
-    """Rows and columns in blocks, on as many threads as asked for."""
+    """Rows and columns in blocks, on all threads."""
 
     def __init__(
         self,
         shape: tuple[int, int],
         padded: tuple[int, int],
         dtype: np.dtype[Any],
-        threads: int,
         scratch: Scratch,
     ) -> None:
         ny, nx = self._shape = shape
         self._half = padded[1] // 2 + 1
         self.values = scratch.zeros((ny, nx), dtype)
-        self._lines = [_Lines(padded, dtype) for _ in range(threads)]
+        self._lines = [_Lines(padded, dtype) for _ in range(parallel.threads())]
         self.output = self._spectrum = scratch.zeros((ny, self._half), self._lines[0].half.dtype)
         self.grid = self._spectrum.view(dtype)
 

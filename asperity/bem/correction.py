@@ -108,16 +108,8 @@ class Outcome:
 
 
 class Level:
-    """One grid of the nested solver: heights, exact operator with its pressure, list operators.
-
-    Parameters
-    ----------
-    heights
-        Heights [m], shape (ny, nx), read-only.
-    exact
-        Operator on the whole grid; its `pressure` is the state.
-    cap
-        Largest pressure p~ [m].
+    """One grid of the nested solver: heights [m], shape (ny, nx), the exact operator, whose
+    `pressure` is the state, with a largest pressure p~ [m], and the operators on a list.
 
     Attributes
     ----------
@@ -148,23 +140,11 @@ class Level:
         tolerance: float,
         origin: PressureOrigin = PressureOrigin.GIVEN,
     ) -> Outcome:
-        """Correct the pressure until its certificate is within the tolerance.
+        """Correct the pressure until each entry of its certificate is within the tolerance.
 
-        Parameters
-        ----------
-        load
-            Prescribed mean of p~ [m]; of no account if a level is given.
-        offset
-            Prescribed level u - h of the contact [m], or None.
-        tolerance
-            Bound on each entry of the certificate.
-        origin
-            What the operator's buffers hold.
-
-        Raises
-        ------
-        PoorPredictionError
-            If a predicted pressure is too far off; the pressure is then as it was predicted.
+        Prescribed is the level u - h of the contact [m], `offset`, or without one the mean of p~
+        [m], `load`. A predicted pressure that is too far off stays as it was predicted, and raises
+        PoorPredictionError.
         """
         mean = load if offset is None else None
         iterations = 0
@@ -241,8 +221,7 @@ class Level:
     ) -> int:
         """One solve on the list of candidates; returns the iterations spent."""
         points, values, gap = listed
-        operator = self.operator()
-        operator.bind(points)
+        operator = self.operator(points)
         if offset is not None:
             gap -= offset
         spent = solve_on_list(
@@ -268,14 +247,16 @@ class Level:
         )
         return found
 
-    def operator(self) -> SplitOperator | FullGridOperator:
-        """The cheaper operator for the grid; the sharper one after idle corrections."""
+    def operator(self, points: ContactList) -> SplitOperator | FullGridOperator:
+        """The cheaper operator for the grid, on a list; the sharper one after idle corrections."""
         if self._careful or self.heights.size <= _SMALL_GRID:
             if self._full is None:
                 self._full = FullGridOperator(self.exact)
+            self._full.bind(points)
             return self._full
         if self._split is None:
             self._split = SplitOperator(self.exact)
+        self._split.bind(points)
         return self._split
 
 

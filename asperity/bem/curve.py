@@ -24,8 +24,9 @@ from asperity.halfspace.scene import (
     pressure_scale,
 )
 from asperity.progress import Progress, reported
-from asperity.results.curve import ContactCurve
+from asperity.results.curve import POINT_FIELDS, ContactCurve
 from surfaces.heightmap import HeightMap
+from surfaces.numerics.parallel import apart
 from surfaces.numerics.parallel import threads as thread_count
 
 from .accuracy import (
@@ -185,25 +186,26 @@ def bem_curve(
         tolerance = LOOSEST
     if accuracy is not None and coarsen:
         lightest = _lightest_area(hm, material, kind, values)
-        choice = choose_grid(hm, accuracy, lightest, boundary)
-        grid = hm if choice.shape == hm.shape else coarsened(hm, choice.shape, boundary)
-        asked |= {"accuracy_reason": choice.reason}
+        shape, why = choose_grid(hm, accuracy, lightest, boundary)
+        grid = hm if shape == hm.shape else coarsened(hm, shape, boundary)
+        asked |= {"accuracy_reason": why}
     order = np.argsort(values if kind == "pressure" else -values, kind="stable")
     chains = split_loads(_shares(kind, values[order]), grid.heights.size)
     together = len(chains) > 1 and thread_count() > 1 and fits(grid.shape, boundary, len(chains))
 
-    def planned() -> ContactProblem:
+    def planned(_: range) -> ContactProblem:
         alone = kind == "pressure" and len(values) == 1
         return ContactProblem(
             grid,
             material,
             tolerance=tolerance,
             boundary=boundary,
-            threads=1 if together else None,
             share=expected_area_fraction(hm, material, values[0]) if alone else None,
         )
 
-    problem = planned()
+    # those followed together have one thread each, from their plans on
+    problems = apart(planned, chains if together else chains[:1])
+    problem = problems[0]
     problem.prescribed(**{kind: float(values.max() if kind == "pressure" else values.min())})
     prepared = time.perf_counter()
     solved: dict[int, SolvedLoad] = {}
@@ -215,7 +217,7 @@ def bem_curve(
         return replace(found, extra={f"asked_{kind}": values[indices], **found.extra})
 
     def follow(chain: range, stop: threading.Event) -> None:
-        path = LoadPath(planned() if together and chain.start else problem, accuracy or math.inf)
+        path = LoadPath(problems[-1] if chain.start else problem, accuracy or math.inf)
         for index in order[chain.start : chain.stop].tolist():
             if stop.is_set():
                 return
@@ -278,18 +280,10 @@ def _curve(
     seconds: dict[str, float],
     asked: dict[str, Any],
 ) -> ContactCurve:
-    columns = {name: np.array([p.columns[name] for p in points]) for name in points[0].columns}
+    names = points[0].columns
+    columns: dict[str, Any] = {name: np.array([p.columns[name] for p in points]) for name in names}
     return ContactCurve(
-        separation=columns.pop("separation"),
-        mean_pressure=columns.pop("mean_pressure"),
-        load=columns.pop("load"),
-        area_fraction=columns.pop("area_fraction"),
-        contact_area=columns.pop("contact_area"),
-        contacts=columns.pop("contacts"),
-        stiffness=columns.pop("stiffness"),
-        converged=columns.pop("converged").astype(bool),
-        residual=columns.pop("residual"),
-        error_estimate=columns.pop("error_estimate"),
+        **{name: columns.pop(name) for name in POINT_FIELDS},
         model="bem",
         seconds=seconds,
         settings={**problem.settings(), **asked},

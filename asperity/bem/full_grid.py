@@ -20,32 +20,24 @@ __all__ = ["FullGridOperator"]
 
 
 class FullGridOperator:
-    """The exact operator in single precision on a contact list, two transforms each time.
-
-    Parameters
-    ----------
-    exact
-        Operator on the whole grid; its pressure is overwritten.
-    """
+    """An exact operator, whose pressure is overwritten, in single precision on a contact list."""
 
     aim = 1e-3
 
     def __init__(self, exact: HalfSpaceOperator) -> None:
         ny, nx = self._shape = exact.shape
-        threads = exact.threads
         scratch = Scratch(exact.pressure)
         self._forward = self._backward = convolution.plan(
-            exact.shape, exact.padded, dtype=np.float32, threads=threads, scratch=scratch
+            exact.shape, exact.padded, dtype=np.float32, scratch=scratch
         )
         if exact.padded != exact.shape:
             self._backward = convolution.plan(
-                exact.shape, exact.shape, dtype=np.float32, threads=threads, scratch=scratch
+                exact.shape, exact.shape, dtype=np.float32, scratch=scratch
             )
         self._symbol = exact.symbol.astype(np.float32)
         inverse = symbol_quadrant(exact.shape, exact.spacing, 1.0 - exact.m, 1.0 / (ny * nx))
         inverse[0, 0] = 0.5 * min(inverse[0, 1], inverse[1, 0])
         self._inverse = inverse.astype(np.float32)
-        self._list = ContactList.empty()
 
     def bind(self, points: ContactList) -> None:
         """Choose the list."""

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from asperity.halfspace.scene import Boundary
 from surfaces.numerics import parallel
+from surfaces.preparation.resampling import resample_waves
 
 from ._grid_kernels import interpolate
-from .transform import Scratch
 
-__all__ = ["CoarseMaps", "level_shapes", "prolong"]
+__all__ = ["coarse_maps", "level_shapes", "prolong"]
 
 _SMALLEST = 48
 """Points of the shorter side at which the nested grids end."""
@@ -23,9 +23,6 @@ _LARGE = 1400 * 1400
 """Points from which on the next grid has a quarter of them along each axis, else half. Passes over
 so many are bound by memory: one of half the points costs a third of the finest grid, and saves less
 there than on smaller ones."""
-
-_ROWS = 32
-"""Rows transformed at a time."""
 
 
 def level_shapes(shape: tuple[int, int]) -> list[tuple[int, int]]:
@@ -39,92 +36,31 @@ def level_shapes(shape: tuple[int, int]) -> list[tuple[int, int]]:
     return shapes
 
 
-class CoarseMaps:
-    """Coarser maps of one height map.
+def coarse_maps(
+    heights: NDArray[np.float64],
+    boundary: Boundary,
+    shapes: list[tuple[int, int]],
+    origin: tuple[int, int] = (0, 0),
+) -> list[NDArray[np.float64]]:
+    """Coarser maps [m] of these shapes, coarsest first, of one map (ny, nx).
 
-    Parameters
-    ----------
-    heights
-        Heights [m], shape (ny, nx).
-    boundary
-        Periodic: Fourier truncation, the Nyquist lines left out. Free: means over the pixels.
-    shapes
-        Shapes of the coarser grids, coarsest first.
-    threads
-        Threads of the transforms.
-    scratch
-        Where the memory comes from.
-    origin
-        Row and column of the point that is the first of every coarser grid of a periodic map. About
-        one that belongs to the surface, maps that are moved or mirrored have equal coarser maps.
+    Free: means over the pixels. Periodic: Fourier truncation, the Nyquist lines left out; `origin`
+    is row and column of the point that is the first of every coarser grid. About one that belongs
+    to the surface, maps that are moved or mirrored have equal coarser maps.
     """
-
-    def __init__(
-        self,
-        heights: NDArray[np.float64],
-        boundary: Boundary,
-        shapes: list[tuple[int, int]],
-        *,
-        threads: int = 1,
-        scratch: Scratch | None = None,
-        origin: tuple[int, int] = (0, 0),
-    ) -> None:
-        self._threads = threads
-        self._averages: list[NDArray[np.float64]] = []
-        self._low: NDArray[np.complex128] | None = None
+    maps: list[NDArray[np.float64]] = []
+    for ny, nx in reversed(shapes):
         if boundary == "free":
-            for shape in reversed(shapes):
-                heights = _averaged(_averaged(heights, shape[0]).T, shape[1]).T
-                self._averages.insert(0, _frozen(np.ascontiguousarray(heights)))
-        elif shapes:
-            kept = (shapes[-1][1] - 1) // 2 + 1
-            low = _low_columns(heights, kept, threads, scratch or Scratch())
-            low = scipy.fft.fft(low, axis=0, workers=threads, overwrite_x=True, norm="forward")
-            self._low = _low_waves(low, shapes[-1])
-            for axis, (first, count) in enumerate(zip(origin, heights.shape, strict=True)):
-                waves = scipy.fft.fftfreq(shapes[-1][axis], 1.0 / shapes[-1][axis])
-                turn = np.exp(2j * np.pi * first / count * waves[: self._low.shape[axis]])
-                self._low *= turn[:, None] if axis == 0 else turn
-
-    def level(self, index: int, shape: tuple[int, int]) -> NDArray[np.float64]:
-        """Heights of the grid number `index`."""
-        if self._low is None:
-            return self._averages[index]
-        low = _low_waves(self._low, shape)
-        heights = scipy.fft.irfft2(
-            low, s=shape, workers=self._threads, overwrite_x=True, norm="forward"
-        )
-        return _frozen(np.asarray(heights))
-
-
-def _low_columns(
-    heights: NDArray[np.float64], kept: int, threads: int, scratch: Scratch
-) -> NDArray[np.complex128]:
-    """First columns of the half spectrum along the rows, over their length."""
-    low = scratch.zeros((heights.shape[0], kept), np.complex128)
-
-    def transform(start: int, stop: int) -> None:
-        for y in range(start, stop, _ROWS):
-            rows = scipy.fft.rfft(heights[y : min(y + _ROWS, stop)], axis=1, norm="forward")
-            low[y : y + len(rows)] = rows[:, :kept]
-
-    n = heights.shape[0]
-    parallel.run(transform, [(n * i // threads, n * (i + 1) // threads) for i in range(threads)])
-    return low
-
-
-def _low_waves(spectrum: NDArray[np.complex128], shape: tuple[int, int]) -> NDArray[np.complex128]:
-    """Half spectrum of a coarser grid: the waves that it holds, without the Nyquist lines."""
-    rows, columns = (shape[0] - 1) // 2, (shape[1] - 1) // 2
-    kept = np.zeros((shape[0], shape[1] // 2 + 1), np.complex128)
-    kept[: rows + 1, : columns + 1] = spectrum[: rows + 1, : columns + 1]
-    kept[-rows:, : columns + 1] = spectrum[-rows:, : columns + 1]
-    return kept
-
-
-def _frozen(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    values.setflags(write=False)
-    return values
+            heights = np.ascontiguousarray(_averaged(_averaged(heights, ny).T, nx).T)
+        else:
+            y, x = (
+                (first + 0.5) / old - 0.5 / new
+                for first, old, new in zip(origin, heights.shape, (ny, nx), strict=True)
+            )
+            heights, origin = resample_waves(heights, ny, nx, corner=(y, x)), (0, 0)
+        heights.setflags(write=False)  # as those of a HeightMap: loops are compiled for one kind
+        maps.insert(0, heights)
+    return maps
 
 
 def _averaged(values: NDArray[np.float64], count: int) -> NDArray[np.float64]:
@@ -151,20 +87,10 @@ def prolong(
     mean: float,
     origin: tuple[int, int] = (0, 0),
 ) -> None:
-    """Bilinear interpolation of a coarse pressure into a finer grid, scaled to a mean pressure.
+    """Bilinear interpolation of a coarse pressure into a finer grid, scaled to a mean, if any.
 
-    Parameters
-    ----------
-    coarse, shape
-        Coarse pressure, at least of the given shape.
-    fine, fine_shape
-        Result, at least of the given shape.
-    boundary
-        Whether the map continues across its border.
-    mean
-        Mean of the result; not scaled if zero.
-    origin
-        Row and column of the finer grid at which the coarse one begins, if periodic.
+    Both arrays may be larger than their maps. The coarse map of a periodic cell begins at the row
+    and column `origin` of the finer one.
     """
     rows = _places(shape[0], fine_shape[0], boundary, origin[0])
     columns = _places(shape[1], fine_shape[1], boundary, origin[1])

@@ -32,13 +32,7 @@ def fits(shape: tuple[int, int], boundary: Boundary, copies: int) -> bool:
 
 
 def require_memory(shape: tuple[int, int], boundary: Boundary, share: float | None = None) -> None:
-    """Refuse a grid that will not fit, at moderate contact or at a `share` of the area.
-
-    Raises
-    ------
-    InputError
-        If the estimate exceeds the memory that is available.
-    """
+    """Refuse a grid that will not fit, at moderate contact or at a `share` of the area."""
     need, free = estimated_bytes(shape, boundary, share), available_bytes()
     if need > free:
         raise InputError(

@@ -12,6 +12,7 @@ from asperity.errors import InputError
 from asperity.halfspace.influence import compliance, influence, symbol_quadrant
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import Boundary
+from surfaces.numerics.parallel import threads
 
 from . import convolution
 from .transform import Scratch
@@ -20,29 +21,13 @@ __all__ = ["HalfSpaceOperator"]
 
 
 class HalfSpaceOperator:
-    """Displacement of an elastic half-space under a pressure that is constant on each pixel.
+    """Displacement of an elastic half-space under a pressure that is constant on each pixel of a
+    grid (ny, nx).
 
-    Parameters
-    ----------
-    shape
-        Points (ny, nx) of the pressure grid.
-    spacing
-        Pixel size (dy, dx) [m].
-    material
-        Elastic half-space, homogeneous or graded: `modulus` and `m`.
-    boundary
-        "periodic": the cell repeats, and u has zero mean. "free": the half-space is at rest at
-        infinity and carries no pressure outside the grid.
-    threads
-        Threads of the Fourier transforms.
-    scratch
-        Where the buffers come from.
-
-    Notes
-    -----
-    Periodic: ``u^(q) = Lambda(q) p^(q)`` with ``Lambda ~ |q|**(m-1)`` and ``Lambda(0) = 0``.
-    Free: exact cell-integrated influence, convolved by zero padding
-    (docs/development/half_space.md).
+    Periodic: the cell repeats, and u has zero mean, ``u^(q) = Lambda(q) p^(q)`` with
+    ``Lambda ~ |q|**(m-1)`` and ``Lambda(0) = 0``. Free: the half-space is at rest at infinity and
+    carries no pressure outside the grid; exact cell-integrated influence, convolved by zero padding
+    (docs/development/half_space.md). Buffers come from `scratch`.
     """
 
     def __init__(
@@ -52,7 +37,6 @@ class HalfSpaceOperator:
         material: HalfSpace,
         boundary: Boundary = "periodic",
         *,
-        threads: int = 1,
         scratch: Scratch | None = None,
     ) -> None:
         self.shape = shape
@@ -60,14 +44,13 @@ class HalfSpaceOperator:
         self.m = float(material.m)
         self.boundary = boundary
         self.compliance = compliance(spacing, material)
-        self.threads = threads
         self.pairs = 0
         if boundary == "periodic":
             self.padded = shape
         else:
             self.padded = (_padded_length(shape[0]), _padded_length(shape[1]))
         self.symbol = self._scaled_symbol()
-        self._convolution = convolution.plan(shape, self.padded, threads=threads, scratch=scratch)
+        self._convolution = convolution.plan(shape, self.padded, scratch=scratch)
         self.pressure = self._convolution.values
 
     @property
@@ -91,7 +74,7 @@ class HalfSpaceOperator:
             return symbol_quadrant(self.shape, self.spacing, self.m - 1.0, 1.0 / points)
         ny, nx = self.padded
         quadrant = influence((ny // 2 + 1, nx // 2 + 1), self.spacing, self.m, 1.0 / points)
-        values = scipy.fft.dctn(quadrant, type=1, workers=self.threads, overwrite_x=True)
+        values = scipy.fft.dctn(quadrant, type=1, workers=threads(), overwrite_x=True)
         return np.asarray(values)
 
     def apply(self) -> NDArray[np.float64]:

@@ -58,14 +58,8 @@ _LARGEST_STEP = 3.0
 
 
 def split_loads(shares: NDArray[np.float64], points: int) -> list[range]:
-    """Chains of the loads, in ascending order, that take about the same time.
-
-    Parameters
-    ----------
-    shares
-        Loads over the largest, ascending, shape (n,).
-    points
-        Points of the grid: on a small one, and for few loads, there is one chain.
+    """Chains of loads, given over the largest and ascending, that take about the same time; one on
+    a grid of few points, and for few loads.
 
     Notes
     -----

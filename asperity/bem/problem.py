@@ -12,11 +12,12 @@ from asperity.errors import InputError, SurfaceError
 from asperity.halfspace.influence import influence
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import chosen_boundary, require_scene
+from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import threads as thread_count
 
 from .correction import Level, Outcome, PressureOrigin
-from .grids import CoarseMaps, level_shapes, prolong
+from .grids import coarse_maps, level_shapes, prolong
 from .memory import require_memory
 from .operator import HalfSpaceOperator
 from .solution import read_contact
@@ -40,14 +41,8 @@ and those of pressures far below them."""
 class ContactProblem:
     """A rough contact before its load: checked, planned, with the finest grid ready.
 
-    Parameters
-    ----------
-    hm, material, tolerance, boundary
-        As in `bem_solve`.
-    threads
-        Threads; by default the number in use.
-    share
-        Forecast of the contact area fraction, on which the memory depends; None if not known.
+    Arguments are those of `bem_solve`, and the share of the area that is expected in contact, on
+    which the memory depends.
 
     Attributes
     ----------
@@ -68,7 +63,6 @@ class ContactProblem:
         *,
         tolerance: float = 1e-6,
         boundary: str | None = None,
-        threads: int | None = None,
         share: float | None = None,
     ) -> None:
         require_scene(hm, material)
@@ -77,16 +71,13 @@ class ContactProblem:
                 f"{hm.name or 'the map'} has {hm.missing} missing points of {hm.heights.size}; "
                 'fill them first, for example surfaces.prepare(hm, fill="harmonic")'
             )
-        if not 1e-12 <= _number(tolerance) <= 0.1:
+        if not 1e-12 <= as_number("tolerance", tolerance) <= 0.1:
             raise InputError(f"tolerance is {tolerance!r}; give a number from 1e-12 to 0.1")
         self.boundary = chosen_boundary(hm, boundary)
         heights = hm.heights
         require_memory(hm.shape, self.boundary, share)
         self.hm, self.material, self.tolerance = hm, material, float(tolerance)
-        self._threads = thread_count() if threads is None else threads
-        exact = HalfSpaceOperator(
-            hm.shape, hm.spacing, material, self.boundary, threads=self._threads
-        )
+        exact = HalfSpaceOperator(hm.shape, hm.spacing, material, self.boundary)
         self.unit = _unit(hm.roughness.rms_height)
         self.compliance = exact.compliance / self.unit
         self.own = float(influence((1, 1), hm.spacing, exact.m)[0, 0])
@@ -99,10 +90,11 @@ class ContactProblem:
         """Mean of p~, and the level of u - h in the contact if that is prescribed, in units."""
         if (pressure is None) == (separation is None):
             raise InputError("give exactly one of pressure and separation")
+        name = "separation" if pressure is None else "pressure"
         given: Any = separation if pressure is None else pressure
         if np.ndim(given):
             raise InputError("a solution is of one load; asperity.bem_curve takes several")
-        value = _number(given)
+        value = as_number(name, given)
         if pressure is not None:
             if not (math.isfinite(value) and value >= 0.0):
                 raise InputError(
@@ -154,29 +146,16 @@ class ContactProblem:
         fine, whole = self.level.exact, self.level.heights
         row, column = np.unravel_index(whole.argmax(), whole.shape)
         top = (int(row), int(column)) if self.boundary == "periodic" else (0, 0)
-        maps = CoarseMaps(
-            whole,
-            self.boundary,
-            shapes,
-            threads=self._threads,
-            scratch=Scratch(fine.pressure),
-            origin=top,
-        )
         scratch = Scratch(fine.output)
         outcome: Outcome | None = None
         coarse: Level | None = None
         ly, lx = self.hm.size
-        for index, (ny, nx) in enumerate(shapes):
+        for heights in coarse_maps(whole, self.boundary, shapes, top):
+            ny, nx = heights.shape
             spacing = (ly / ny, lx / nx)
             exact = HalfSpaceOperator(
-                (ny, nx),
-                spacing,
-                self.material,
-                self.boundary,
-                threads=self._threads,
-                scratch=scratch,
+                (ny, nx), spacing, self.material, self.boundary, scratch=scratch
             )
-            heights = maps.level(index, (ny, nx))
             ratio = exact.compliance / fine.compliance
             level = Level(heights, exact, ratio * self.level.cap)
             if offset is not None and -offset >= level.highest:
@@ -282,11 +261,3 @@ def _unit(rms_height: float) -> float:
     if rms_height == 0.0 or low <= rms_height <= high:
         return 1.0
     return math.ldexp(1.0, math.frexp(rms_height)[1])
-
-
-def _number(value: Any) -> float:
-    """The value as a float, NaN if it is no number."""
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        return math.nan

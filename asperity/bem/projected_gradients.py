@@ -24,7 +24,13 @@ largest tolerance that counts. A larger rise is none of rounding: the iteration 
 
 
 class ListOperator(Protocol):
-    """Operator and preconditioner on the points of a list."""
+    """Operator and preconditioner on the points of a list.
+
+    Attributes
+    ----------
+    aim
+        Largest reduction of the error that one solve with this operator is worth.
+    """
 
     aim: float
 
@@ -46,7 +52,8 @@ def solve_on_list(
     total: float | None,
     cap: float,
 ) -> int:
-    """Change the pressure until it closes the gap on its contact; returns the iterations spent.
+    """Change the pressure until it closes the gap on its contact; returns the iterations spent, at
+    most `longest`.
 
     Parameters
     ----------
@@ -56,12 +63,9 @@ def solve_on_list(
         Start p~ [m], shape (n,), and the result; values below 0 or above the cap are repaired.
     gap
         u - h at the start [m], from the exact operator, shape (n,).
-    scale
-        Length that the tolerance is relative to [m].
-    tolerance
-        Error to reach: the largest of complementarity, penetration and lift.
-    longest
-        Most iterations.
+    scale, tolerance
+        Length [m], and the error to reach over it: the largest of complementarity, penetration and
+        lift.
     total
         Prescribed sum of p~ [m], positive; None: the gap of the contact shall be zero.
     cap

@@ -90,7 +90,7 @@ def bem_solve(
     warn_once(warnings)
     surface, hm = hm, hm.about_mean
     share = None
-    if isinstance(pressure, float | int) and isinstance(material, HalfSpace) and pressure >= 0.0:
+    if isinstance(pressure, float | int) and pressure >= 0.0:
         share = expected_area_fraction(hm, material, min(float(pressure), material.hardness))
     problem = ContactProblem(hm, material, tolerance=tolerance, boundary=boundary, share=share)
     load, offset = problem.prescribed(pressure, separation)

@@ -32,15 +32,7 @@ _LEAST_PLACES = 500
 
 
 class SplitOperator:
-    """Approximate operator and preconditioner on a contact list.
-
-    Parameters
-    ----------
-    exact
-        The operator that is approximated; its pressure is overwritten by every use.
-    aim
-        Largest reduction of the error that one solve with this operator is worth.
-    """
+    """Approximation of an exact operator, whose pressure is overwritten by every use."""
 
     aim = 0.0015
 
@@ -57,15 +49,13 @@ class SplitOperator:
         self._grid = scratch.zeros((ny + 2 * RADIUS + 1, nx + 2 * LANES), np.float32)
         nyc, nxc = (scipy.fft.next_fast_len(-(-n // COARSENING), real=True) for n in exact.padded)
         self._remainder = convolution.plan(
-            (nyc, nxc), (nyc, nxc), dtype=np.float32, threads=exact.threads, scratch=scratch
+            (nyc, nxc), (nyc, nxc), dtype=np.float32, scratch=scratch
         )
         self._first_y, self._weight_y = _taps(ny, exact.padded[0], nyc)
         self._first_x, self._weight_x = _taps(nx, exact.padded[1], nxc)
         self._whole = exact.padded[1] == COARSENING * nxc
         self._rows_of, self._weight_of = _transposed(self._first_y, self._weight_y, nyc)
         self._symbol = _remainder(exact, stencil, (nyc, nxc))
-        self._list = ContactList.empty()
-        self._tiles = self._points = np.empty((0, 3), np.int32)
 
     def bind(self, points: ContactList) -> None:
         """Choose the list."""

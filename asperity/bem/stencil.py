@@ -15,7 +15,7 @@ import scipy.fft
 import scipy.linalg
 from numpy.typing import NDArray
 
-from asperity.halfspace.influence import influence, symbol
+from asperity.halfspace.influence import influence, symbol_quadrant
 
 from ._stencil_kernels import LANES, RADIUS, SHORT_RADIUS
 
@@ -44,14 +44,11 @@ def _target(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Sample frequencies [cycles per pixel] along y and x, and the symbol on their grid."""
     spacing = (math.sqrt(aspect), 1.0 / math.sqrt(aspect))
-    n = 2 * _SAMPLES
     if free:
         quadrant = influence((_SAMPLES + 1, _SAMPLES + 1), spacing, m)
-        fold = np.minimum(np.arange(n), n - np.arange(n))
-        values = scipy.fft.rfft2(quadrant[np.ix_(fold, fold)]).real
-        f = np.arange(1, _SAMPLES + 1) / n
-        return f, f, np.ascontiguousarray(values[1 : _SAMPLES + 1, 1 : _SAMPLES + 1])
-    f = (np.arange(_SAMPLES) + 0.5) / n
+        f = np.arange(1, _SAMPLES + 1) / (2 * _SAMPLES)
+        return f, f, np.ascontiguousarray(scipy.fft.dctn(quadrant, type=1)[1:, 1:])
+    f = (np.arange(_SAMPLES) + 0.5) / (2 * _SAMPLES)
     square = (f[:, None] / spacing[0]) ** 2 + (f[None, :] / spacing[1]) ** 2
     return f, f, (4.0 * np.pi**2 * square) ** (0.5 * (m - 1.0))
 
@@ -67,20 +64,11 @@ def _cosines(f: NDArray[np.float64], radius: int) -> NDArray[np.float64]:
 def fitted_stencil(
     aspect: float, m: float, free: bool, coarsening: float, order: int
 ) -> NDArray[np.float64]:
-    """Stencil (15, 15) fitted to the symbol of the half-space operator.
+    """Stencil (15, 15) fitted to the symbol of the half-space operator, for pixels of an aspect
+    dy / dx.
 
-    Parameters
-    ----------
-    aspect
-        dy / dx.
-    m
-        Exponent of the grading.
-    free
-        Symbol of the cell-integrated influence instead of |q|**(m-1).
-    coarsening
-        Pixels per pixel of the coarse grid that carries the remainder.
-    order
-        Order of the B-splines between the grids.
+    The symbol is |q|**(m-1), or that of the cell-integrated influence if `free`. The remainder is
+    carried by a grid coarser by `coarsening`, with B-splines of this order between the grids.
 
     Notes
     -----
@@ -117,7 +105,7 @@ def precondition_stencil(aspect: float, m: float) -> NDArray[np.float64]:
     """
     n = 256
     spacing = (math.sqrt(aspect), 1.0 / math.sqrt(aspect))
-    kernel = scipy.fft.irfft2(symbol((n, n), spacing, 1.0 - m), s=(n, n))
+    kernel = scipy.fft.dctn(symbol_quadrant((n, n), spacing, 1.0 - m, 1.0), type=1)
     quadrant = kernel[: SHORT_RADIUS + 1, : SHORT_RADIUS + 1].copy()
     y, x = np.indices(quadrant.shape)
     quadrant[np.hypot(y, x) > SHORT_RADIUS + 0.5] = 0.0

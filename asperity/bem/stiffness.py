@@ -26,15 +26,8 @@ def contact_stiffness(level: Level, reading: Reading, *, unloading: bool = False
     Points of the edge come and go without a pressure, so that this is the slope of the curve:
     points in contact keep together, and their pressures change by q with (G q) = 1 on them. Where
     nothing touches it is zero; a periodic cell that touches all over has no gap left, and no finite
-    stiffness.
-
-    Parameters
-    ----------
-    level, reading
-        A grid that has converged; its pressure and displacement stay.
-    unloading
-        What has reached the hardness keeps its pressure as the load grows, and yields no more as
-        the load begins to fall: True counts it in.
+    stiffness. What has reached the hardness keeps its pressure as the load grows, and yields no
+    more as the load begins to fall: `unloading` counts it in. Pressure and displacement stay.
 
     Notes
     -----
@@ -50,8 +43,7 @@ def contact_stiffness(level: Level, reading: Reading, *, unloading: bool = False
         return 0.0
     if len(points) == level.heights.size and level.exact.boundary == "periodic":
         return math.inf
-    operator = level.operator()
-    operator.bind(points)
+    operator = level.operator(points)
     q, residual = np.zeros(len(points)), np.ones(len(points), np.float32)
     ahead = filtered = operator.precondition(residual)
     first = size = float(np.dot(residual, filtered))

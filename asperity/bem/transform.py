@@ -11,7 +11,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from surfaces.numerics.parallel import by_rows
+from surfaces.numerics.parallel import by_rows, threads
 
 from ._grid_kernels import multiply
 
@@ -30,12 +30,12 @@ _home: int | None = None
 """Process in which FFTW first ran on threads: one forked from it lacks them, and would wait."""
 
 
-def _own(threads: int) -> int:
+def _own(count: int) -> int:
     """As many threads in the process that has them, one in those forked from it."""
     global _home
-    if threads > 1 and _home is None:
+    if count > 1 and _home is None:
         _home = os.getpid()
-    return threads if _home == os.getpid() else 1
+    return count if _home == os.getpid() else 1
 
 
 class Scratch:
@@ -89,25 +89,10 @@ def _largest_factor(n: int) -> int:
 
 
 class RealTransform(ABC):
-    """A planned pair of transforms that convolves, see `convolution.Convolution`.
+    """A planned pair of transforms that convolves, see `convolution.Convolution`: of `shape` points
+    that hold values, and `padded` of the transform, in float64 or float32, with buffers of scratch.
 
-    Parameters
-    ----------
-    shape, padded
-        Points (ny, nx) that hold values, and of the transform.
-    dtype
-        float64 or float32.
-    threads
-        Threads of the library; one is faster on small grids.
-    scratch
-        Where the buffers come from.
-
-    Attributes
-    ----------
-    values
-        Input, shape (ny, padded nx); kept by `forward`.
-    spectrum
-        Half spectrum, shape (padded ny, padded nx // 2 + 1).
+    `spectrum` is the half spectrum, shape (padded ny, padded nx // 2 + 1).
     """
 
     spectrum: NDArray[Any]
@@ -119,11 +104,10 @@ class RealTransform(ABC):
         shape: tuple[int, int],
         padded: tuple[int, int],
         dtype: np.dtype[Any],
-        threads: int,
         scratch: Scratch,
     ) -> None:
         self._padded = padded
-        self._threads = _own(threads) if math.prod(padded) > _ONE_THREAD else 1
+        self._threads = _own(threads()) if math.prod(padded) > _ONE_THREAD else 1
         self.values = scratch.zeros((shape[0], padded[1]), dtype)
         self._plan(np.result_type(dtype, np.complex64), scratch)
 

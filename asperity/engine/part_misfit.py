@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from asperity.bem.curve import bem_curve
 from asperity.curve import contact_curve
 from asperity.results.interpolation import log_ratio
+from asperity.trust.verified import exact
 from surfaces.numerics import parallel
 from surfaces.preparation.borders import make_periodic
 from surfaces.preparation.filtering import bandpass
@@ -89,19 +90,12 @@ class Judged:
         model has no answer."""
         scene = replace(plan, scene=(hm.without_rounding, self.material))
         model = contact_curve(hm, self.material, pressures=pressures, plan=scene)
-        exact = bem_curve(
-            hm,
-            self.material,
-            pressures=pressures,
-            accuracy=self.error,
-            coarsen=False,
-            boundary=plan.boundary,
-            progress=self.progress if tell else None,
-        )
-        area = np.log(model.contact_area / exact.contact_area)
-        spots = np.log(np.maximum(model.contacts, 1.0) / np.maximum(exact.contacts, 1.0))
-        stiffness = log_ratio(model.extra["tangent_stiffness"], exact.stiffness)
-        apart = model.separation - exact.separation
+        told = {"boundary": plan.boundary, "progress": self.progress if tell else None}
+        true = exact(bem_curve, hm, self.material, "pressure", pressures, self.error, **told)
+        area = np.log(model.contact_area / true.contact_area)
+        spots = np.log(np.maximum(model.contacts, 1.0) / np.maximum(true.contacts, 1.0))
+        stiffness = log_ratio(model.extra["tangent_stiffness"], true.stiffness)
+        apart = model.separation - true.separation
         return np.array([apart, area, spots, stiffness, model.separation])
 
 

@@ -109,22 +109,18 @@ def sampled(
     accuracy: Accuracy,
     progress: Callable[[SolvedLoad], object],
 ) -> ContactCurve:
-    """Correct and bound a curve of the model by its misfit on parts of the map.
+    """Correct and bound a curve of the model, of n load points, by its misfit on parts of the map.
 
     Parameters
     ----------
     hm
         The map, for which `can_sample` holds.
-    plan, run
-        Plan of the model and what it found, n load points.
     kind, values
         "pressure" or "separation", and the load points asked for, shape (n,).
     judge
         Boundary elements on the whole map, for load points where the parts leave more open than
         asked, and for all if these are many. None: they keep their bounds, NaN where no part tells
         anything.
-    accuracy
-        Errors allowed.
     progress
         Called with every load point that boundary elements have solved on the part that carries
         most of the lightest load.

@@ -16,6 +16,7 @@ from asperity.bem.memory import fits
 from asperity.halfspace.material import HalfSpace
 from asperity.halfspace.scene import Boundary
 from asperity.parameters import DEFAULTS
+from asperity.trust.verified import exact
 from surfaces.checks import resolution_warning, seam_warning, straight_warning
 from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel
@@ -121,19 +122,9 @@ def narrow_share(contact: NDArray[np.bool_], *, periodic: bool) -> float:
 def resolution(
     hm: HeightMap, material: HalfSpace, boundary: Boundary, lightest: LightestLoad, heaviest: float
 ) -> Resolution:
-    """What the pixels leave open of a curve, by some of its loads on a grid twice as fine.
+    """What the pixels leave open of a curve from its lightest load point to its heaviest mean
+    pressure [Pa], by some of its loads on a grid twice as fine.
 
-    Parameters
-    ----------
-    hm, material, boundary
-        Scene.
-    lightest
-        Lightest load point of the curve.
-    heaviest
-        Heaviest mean pressure of the curve [Pa].
-
-    Notes
-    -----
     Where the waves of a map end well above its pixels, and contacts hold many of them, no finer
     grid is needed to know that it would tell the same.
     """
@@ -179,14 +170,8 @@ def _apart(
         """Separation, logarithm of the contact area, and stiffness over load: zero in full contact,
         where no load changes the separation; NaN if not converged."""
         grid, pressure = scene
-        curve = bem_curve(
-            grid,
-            material,
-            pressures=[pressure],
-            accuracy=ACCURACY,
-            coarsen=False,
-            boundary=boundary,
-        )
+        load = np.array([pressure])
+        curve = exact(bem_curve, grid, material, "pressure", load, ACCURACY, boundary=boundary)
         stiffness = np.where(np.isinf(curve.stiffness), 0.0, curve.stiffness)
         rate = stiffness / curve.mean_pressure
         found = np.concatenate([curve.separation, np.log(curve.contact_area), rate])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -234,9 +234,9 @@ class _Scene:
     judge: Callable[..., ContactCurve]
     lightest: LightestLoad
 
-    def loads(self, values: Array) -> tuple[Array | None, Array | None]:
-        """Load points as pressures or as separations."""
-        return (values, None) if self.kind == "pressure" else (None, values)
+    def loads(self, values: Array) -> dict[str, Any]:
+        """Load points by the name of their argument."""
+        return {f"{self.kind}s": values}
 
     def choice(self, values: Array, engine: str, verify: bool, asked: Accuracy) -> _Choice:
         """The engine, from the forecast of run times."""
@@ -244,15 +244,9 @@ class _Scene:
             return _Choice("bem", "as asked", None)
         if engine == "auto" and verify and len(values) < LEAST_LOADS:
             return _Choice("bem", f"fewer than {LEAST_LOADS} load points", None)
-        pressures, separations = self.loads(values)
+        loads = self.loads(values)
         try:
-            plan = make_plan(
-                self.hm,
-                self.material,
-                pressures=pressures,
-                separations=separations,
-                boundary=self.boundary,
-            )
+            plan = make_plan(self.hm, self.material, boundary=self.boundary, **loads)
         except ModelRangeError as error:
             return _Choice("bem", f"the microcontact model has no answer: {error}", None)
         if not verify:
@@ -284,10 +278,7 @@ class _Scene:
 
     def model(self, plan: Plan, values: Array) -> ContactRun:
         """What the microcontact model finds."""
-        pressures, separations = self.loads(values)
-        return solve_contacts(
-            self.hm, self.material, plan, pressures=pressures, separations=separations
-        )
+        return solve_contacts(self.hm, self.material, plan, **self.loads(values))
 
     def checked(
         self, choice: _Choice, run: ContactRun, values: Array, asked: Accuracy

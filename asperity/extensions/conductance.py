@@ -74,13 +74,7 @@ def constriction_conductance(
 
 
 def total_resistivity(resistivity: tuple[float, float]) -> float:
-    """Sum of the resistivities of both bodies, checked.
-
-    Raises
-    ------
-    InputError
-        If there are not two numbers, one is negative, or the sum is not positive and finite.
-    """
+    """Sum of the resistivities of both bodies, checked."""
     if np.shape(resistivity) != (2,) or not all(isinstance(rho, Real) for rho in resistivity):
         raise InputError(f"resistivity is {resistivity!r}; give one number for each of two bodies")
     total = float(sum(resistivity))

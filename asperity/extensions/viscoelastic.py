@@ -43,21 +43,18 @@ class Relaxation:
     """
 
     equilibrium: float
-    strengths: tuple[float, ...]
-    times: tuple[float, ...]
+    strengths: Sequence[float]
+    times: Sequence[float]
 
-    def __init__(
-        self, equilibrium: float, strengths: Sequence[float], times: Sequence[float]
-    ) -> None:
-        if len(strengths) != len(times):
+    def __post_init__(self) -> None:
+        if len(self.strengths) != len(self.times):
             raise InputError("give one relaxation time per strength")
-        if equilibrium < 0 or any(v <= 0 for v in (*strengths, *times)):
+        if self.equilibrium < 0 or any(v <= 0 for v in (*self.strengths, *self.times)):
             raise InputError("strengths and times must be positive, equilibrium not negative")
-        if equilibrium == 0 and not strengths:
+        if self.equilibrium == 0 and len(self.strengths) == 0:
             raise InputError("a body without any modulus carries nothing")
-        object.__setattr__(self, "equilibrium", float(equilibrium))
-        object.__setattr__(self, "strengths", tuple(map(float, strengths)))
-        object.__setattr__(self, "times", tuple(map(float, times)))
+        for name in ("strengths", "times"):
+            object.__setattr__(self, name, tuple(map(float, getattr(self, name))))
 
     def __call__(self, t: ArrayLike) -> Array:
         """E*_rel [Pa] at the times `t` [s] >= 0 after a step."""

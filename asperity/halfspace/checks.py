@@ -39,15 +39,7 @@ surfaces without a longest wave have up to 0.82."""
 
 
 def scene_warnings(hm: HeightMap, material: HalfSpace) -> list[str]:
-    """One sentence for each reason why any answer about a contact may be wrong.
-
-    Parameters
-    ----------
-    hm
-        Height map without missing points.
-    material
-        Elastic half-space.
-    """
+    """One sentence for each reason why any answer about a contact may be wrong."""
     found = hm.roughness
     if found.rms_height == 0.0:
         return modulus_warning(material)
@@ -65,15 +57,8 @@ def scene_warnings(hm: HeightMap, material: HalfSpace) -> list[str]:
 
 
 def model_warnings(hm: HeightMap, longest_lay: float) -> list[str]:
-    """One sentence for each reason why no law of a summit describes the contacts of a map.
-
-    Parameters
-    ----------
-    hm
-        Height map without missing points.
-    longest_lay
-        Slopes across over those along a lay from which on no errors are estimated.
-    """
+    """One sentence for each reason why no law of a summit describes the contacts of a map: slopes
+    across over those along a lay from `longest_lay` on are one."""
     return [*straight_warning(hm), *_lay_warning(lay(hm), longest_lay)]
 
 

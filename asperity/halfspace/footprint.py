@@ -98,21 +98,6 @@ class Footprints:
         p = self.power
         return np.asarray((p * np.asarray(stiffness, float) / (2 * self.modulus)) ** (1 / p))
 
-    def interaction(self, distance: ArrayLike, variance: ArrayLike) -> NDArray[np.float64]:
-        """Displacement g(r; S^2) [m/N] of one Gaussian by another, free half-space.
-
-        Parameters
-        ----------
-        distance
-            Distance r [m].
-        variance
-            Sum S^2 of the two variances [m^2]; r and S must not both vanish.
-        """
-        r2, spread = np.broadcast_arrays(np.square(np.asarray(distance, float)), variance)
-        reach = r2 + spread
-        shape, _, _ = _pair_shape(self.m, spread / reach)
-        return np.asarray(self.point * shape * reach ** (-self.power / 2))
-
 
 def _pair_shape(m: float, w: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
     """H, K, J of w = S^2 / (r^2 + S^2): with R = r^2 + S^2, g = C_m H R^(-p/2),

@@ -17,16 +17,15 @@ from scipy.special import hyp2f1
 from surfaces.numerics.compiled import compiled
 from surfaces.numerics.parallel import by_rows
 
+from .footprint import Footprints
 from .material import HalfSpace
 
 __all__ = [
     "compliance",
     "influence",
     "near_influence",
-    "symbol",
     "symbol_quadrant",
 ]
-
 
 _NEAR_CELLS = 8
 """Distance in cells up to which the corner function is used."""
@@ -46,39 +45,8 @@ def compliance(spacing: tuple[float, float], material: HalfSpace) -> float:
     ``Lambda(q) = 2**(1-m) pi / (E_m* Gamma((1+m)/2)**2) |q|**(m-1)`` at ``|q| = (dy dx)**-1/2``.
     """
     pixel = math.sqrt(spacing[0] * spacing[1])
-    return float(_unit(material.m) * pixel ** (1.0 - material.m) / material.modulus)
-
-
-def _unit(m: float) -> float:
-    """`compliance` of a pixel of unit area and unit modulus."""
-    return float(2.0 ** (1.0 - m) * math.pi / math.gamma(0.5 * (1.0 + m)) ** 2)
-
-
-def wave_numbers(
-    shape: tuple[int, int], spacing: tuple[float, float]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Wave numbers times the pixel length (dy dx)**1/2 of a half spectrum: columns ky, rows kx."""
-    pixel = math.sqrt(spacing[0] * spacing[1])
-    ky = np.float64(2.0 * np.pi * pixel / spacing[0]) * np.fft.fftfreq(shape[0])
-    kx = np.float64(2.0 * np.pi * pixel / spacing[1]) * np.fft.rfftfreq(shape[1])
-    return ky.astype(np.float64), kx.astype(np.float64)
-
-
-def symbol(
-    shape: tuple[int, int], spacing: tuple[float, float], power: float
-) -> NDArray[np.float64]:
-    """Dimensionless symbol |q|**power on the half spectrum, shape (ny, nx//2+1), zero at q = 0."""
-    ky, kx = wave_numbers(shape, spacing)
-    square = ky[:, None] ** 2 + kx[None, :] ** 2
-    square[0, 0] = 1.0
-    if abs(power) == 1.0:
-        np.sqrt(square, out=square)
-        if power < 0.0:
-            np.divide(1.0, square, out=square)
-    else:
-        np.power(square, 0.5 * power, out=square)
-    square[0, 0] = 0.0
-    return square
+    unit = Footprints(1.0, material.m).symbol
+    return float(unit * pixel ** (1.0 - material.m) / material.modulus)
 
 
 def symbol_quadrant(
@@ -88,10 +56,12 @@ def symbol_quadrant(
 
     Compiled: its temporaries would take longer than the arithmetic.
     """
-
-    ky, kx = wave_numbers(shape, spacing)
-    values = np.empty((shape[0] // 2 + 1, shape[1] // 2 + 1))
-    squares = np.square(ky[: len(values)]), np.square(kx)
+    pixel = math.sqrt(spacing[0] * spacing[1])
+    squares = [
+        np.square(2.0 * np.pi * pixel / step * np.arange(n // 2 + 1) / n)
+        for n, step in zip(shape, spacing, strict=True)
+    ]
+    values = np.empty((squares[0].size, squares[1].size))
     by_rows(_powers, values.shape, *squares, 0.5 * power, factor, values)
     values[0, 0] = 0.0
     return values
@@ -110,7 +80,6 @@ def influence(
     2F1), a 5 x 5 Gauss rule to 100 cells, and beyond it the mean over the cell by its Taylor
     series to fourth order (relative error below 1e-13).
     """
-
     pixel = math.sqrt(spacing[0] * spacing[1])
     hy, hx = spacing[0] / pixel, spacing[1] / pixel
     factor *= _point_factor(m)
@@ -133,8 +102,9 @@ def near_influence(
 
 
 def _point_factor(m: float) -> float:
-    """C_m over the compliance of a cell of unit area, with C_m = cos(m pi/2) / (pi E_m*)."""
-    return math.sin(0.5 * math.pi * (1.0 - abs(m))) / math.pi / _unit(m)
+    """C_m over the compliance of a cell of unit area."""
+    unit = Footprints(1.0, m)
+    return unit.point / unit.symbol
 
 
 @lru_cache(maxsize=8)

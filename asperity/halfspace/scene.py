@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Literal, TypeGuard
+from typing import Any, Literal, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,30 +44,14 @@ def chosen_boundary(hm: HeightMap, asked: str | None) -> Boundary:
 
 
 def known_boundary(name: str) -> Boundary:
-    """The name of a boundary.
-
-    Raises
-    ------
-    InputError
-        If there is none of this name.
-    """
-    if _is_boundary(name):
-        return name
-    raise InputError(f'boundary is {name!r}; choose "periodic" or "free"')
-
-
-def _is_boundary(name: str) -> TypeGuard[Boundary]:
-    return name in ("periodic", "free")
+    """The name of a boundary; any other is refused."""
+    if name not in get_args(Boundary):
+        raise InputError(f'boundary is {name!r}; choose "periodic" or "free"')
+    return cast(Boundary, name)
 
 
 def require_scene(hm: object, material: object) -> None:
-    """Refuse what is no height map or no half-space, such as a bare array or a bare modulus.
-
-    Raises
-    ------
-    InputError
-        Saying what to give instead.
-    """
+    """Refuse what is no height map or no half-space, such as a bare array or a bare modulus."""
     require_map(hm)
     require_half_space(material)
 
@@ -104,13 +88,8 @@ def pressure_scale(hm: HeightMap, material: HalfSpace) -> float:
 
 
 def default_pressures(hm: HeightMap, material: HalfSpace, count: int = 10) -> NDArray[np.float64]:
-    """Mean pressures [Pa], geometric, for about 0.1 % to 10 % of contact, below the hardness.
-
-    Raises
-    ------
-    InputError
-        If the map has no slope.
-    """
+    """Mean pressures [Pa], geometric, for about 0.1 % to 10 % of contact, below the hardness; a map
+    without slope is refused."""
     if pressure_scale(hm, material) == 0.0:
         raise InputError("the rms slope of the map gives no scale of pressure; name the loads")
     low, high = np.array([1e-3, 1e-1]) / area_over_pressure(hm, material)
@@ -143,14 +122,8 @@ def checked_loads(
     pressures: ArrayLike | None,
     separations: ArrayLike | None,
 ) -> tuple[str, NDArray[np.float64]]:
-    """Kind ("pressure" or "separation") and values of the load points.
-
-    Raises
-    ------
-    InputError
-        If the map or the material is none, both kinds of load are given, a value is no finite
-        number or one that cannot be calculated with, or a pressure is negative.
-    """
+    """Kind ("pressure" or "separation") and values of the load points, by default those of
+    `default_pressures`; what cannot be calculated with is refused."""
     require_scene(hm, material)
     if pressures is not None and separations is not None:
         raise InputError("give either pressures or separations, not both")

@@ -177,18 +177,11 @@ def surface_point(
     area: float,
     highest: float,
 ) -> SurfacePoint:
-    """The point of the whole surface that belongs to a state of its contacts.
+    """The point of the whole surface that belongs to a state of its contacts, those of all waves if
+    there is no law of finer ones.
 
-    Parameters
-    ----------
-    population, state
-        Contacts of the longer waves.
-    law
-        Law of the fine waves; None if all waves are in the contacts.
-    area
-        Contact area [m^2] that the fine waves leave closed.
-    highest
-        Highest point of the whole surface above its mean plane [m]: the flat stands no higher.
+    The fine waves leave an area [m^2] closed. The flat stands no higher than the highest point of
+    the whole surface above its mean plane [m].
 
     Notes
     -----

@@ -50,20 +50,8 @@ NARROW = "scales: all, the spectrum is narrow enough for a contact at each summi
 
 
 def refined_map(hm: HeightMap, parameters: Parameters = DEFAULTS) -> HeightMap | str | None:
-    """A map whose finest waves are near the pixel on more points, by its own spectrum.
-
-    Parameters
-    ----------
-    hm
-        Height map without missing points.
-    parameters
-        Which waves are near the pixel, and how much of the tops may be flat.
-
-    Returns
-    -------
-    The map on the finer grid; why it was left where a finer one would take too long; None if its
-    own grid holds it, or its tops are flat.
-    """
+    """A map whose finest waves are near the pixel on more points, by its own spectrum; why it was
+    left where these would take too long; None if its own grid holds it, or its tops are flat."""
     waves = parameters.pixel_waves
     if fineness(hm) < waves.to_the_pixel:
         return None
@@ -116,20 +104,8 @@ class Split:
 def split_scales(
     hm: HeightMap, material: HalfSpace, parameters: Parameters = DEFAULTS
 ) -> Split | str:
-    """A map without its finest waves, on a grid that holds it well, and the law of those.
-
-    Parameters
-    ----------
-    hm
-        Height map without missing points.
-    material
-        Elastic half-space.
-    parameters
-        Constants of the model.
-
-    Returns
-    -------
-    The split, or the reason to leave the map whole.
+    """A map without its finest waves, on a grid that holds it well, and the law of those; or the
+    reason to leave the map whole.
 
     Notes
     -----

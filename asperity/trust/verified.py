@@ -124,26 +124,11 @@ def anchored(
 def verified(
     hm: HeightMap, model: ContactCurve, kind: str, values: Array, judge: Judge, accuracy: Accuracy
 ) -> ContactCurve:
-    """Anchor a curve of the model until its bounds are within the accuracy.
+    """Anchor a curve of the model, of n load points, until its bounds are within the accuracy.
 
-    Parameters
-    ----------
-    hm
-        The map.
-    model
-        Curve of the microcontact model, n load points.
-    kind, values
-        "pressure" or "separation", and the load points asked for, shape (n,).
-    judge
-        Boundary elements on the grid of the map.
-    accuracy
-        Errors allowed.
-
-    Returns
-    -------
-    ContactCurve
-        `error_estimate` and `extra["area_error_estimate"]` are bounds; `extra["anchor"]` marks the
-        points that boundary elements solved.
+    Asked for were `values` (n,) of a kind, "pressure" or "separation". `error_estimate` and
+    `extra["area_error_estimate"]` of the curve found are bounds; `extra["anchor"]` marks the points
+    that boundary elements on the grid of the map, the `judge`, solved.
 
     Notes
     -----

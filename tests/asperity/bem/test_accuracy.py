@@ -57,7 +57,7 @@ def test_choice_follows_the_spectrum_and_the_load():
     """Rougher maps, lighter loads and higher accuracy ask for more points."""
     smooth, sharp = (rough((256, 320), cutoff=c, seed=7) for c in (32.0, 2.0))
     sizes = [
-        accuracy.choose_grid(hm, wanted, light, "periodic").shape[0]
+        accuracy.choose_grid(hm, wanted, light, "periodic")[0][0]
         for hm, wanted, light in (
             (smooth, 0.1, 0.05),
             (smooth, 0.05, 0.05),
@@ -67,9 +67,9 @@ def test_choice_follows_the_spectrum_and_the_load():
     ]
     assert sizes[0] < min(sizes[1:])
     assert sizes[3] > 160
-    assert accuracy.choose_grid(smooth, 0.035, 0.05, "periodic").shape == smooth.shape
+    assert accuracy.choose_grid(smooth, 0.035, 0.05, "periodic")[0] == smooth.shape
     with pytest.raises(errors.InputError, match=r"accuracy is 2\.0"):
-        accuracy.choose_grid(smooth, 2.0, 0.01, "periodic")
+        bem_curve(smooth, BODY, pressures=[0.1], accuracy=2.0)
     with pytest.raises(errors.InputError, match="give accuracy as well"):
         bem_curve(smooth, BODY, pressures=[0.1], check=True)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asperity.bem import convolution
+from asperity.bem import convolution, transform
 from asperity.bem.transform import FFTWTransform, Scratch
 
 
@@ -14,14 +14,16 @@ from asperity.bem.transform import FFTWTransform, Scratch
 @pytest.mark.parametrize(
     "shape, padded", [((40, 54), (40, 54)), ((37, 35), (37, 35)), ((33, 40), (66, 80))]
 )
-def test_blocked_convolution_is_the_whole_one(shape, padded, threads, dtype):
+def test_blocked_convolution_is_the_whole_one(shape, padded, threads, dtype, monkeypatch):
     """Periodic or padded, odd sizes, blocks that do not divide the grid."""
+    for module in (convolution.parallel, transform):
+        monkeypatch.setattr(module, "threads", lambda: threads)
     rng = np.random.default_rng(1)
     symbol = rng.random((padded[0] // 2 + 1, padded[1] // 2 + 1)).astype(dtype)
     values = rng.standard_normal(shape)
     found = []
     for kind in (FFTWTransform, convolution._Blocked):
-        pair = kind(shape, padded, np.dtype(dtype), threads, Scratch())
+        pair = kind(shape, padded, np.dtype(dtype), Scratch())
         pair.values[:, : shape[1]] = values
         for _ in range(2):
             pair.apply(symbol)

@@ -257,7 +257,7 @@ def test_stagnation_is_not_convergence(monkeypatch):
         ({"pressure": [1.0, 2.0]}, "bem_curve takes several"),
         ({"pressure": -1.0}, "not negative"),
         ({"pressure": np.nan}, "finite mean pressure"),
-        ({"pressure": "much"}, "finite mean pressure"),
+        ({"pressure": "much"}, "must be a number"),
         ({"separation": 0.0}, "prescribe a pressure instead"),
         ({"separation": np.inf}, "finite distance"),
         ({"pressure": 1.0, "tolerance": 1e-14}, "tolerance is"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from oracles import free_interaction
 from scipy.integrate import quad
 from scipy.special import gammaincc, i0e, j0
 
@@ -25,14 +26,16 @@ def test_interaction_is_the_integral_over_waves(m, r, spread):
     integral = quad(
         lambda q: q**m * np.exp(-q * q * spread / 2) * j0(q * r), 0, 40, limit=400, epsabs=1e-12
     )[0]
-    assert f.interaction(r, spread) == pytest.approx(f.symbol / (2 * np.pi) * integral, rel=1e-7)
+    assert free_interaction(f, r, spread) == pytest.approx(
+        f.symbol / (2 * np.pi) * integral, rel=1e-7
+    )
 
 
 def test_homogeneous_interaction_has_its_closed_form():
     r, spread = np.array([0.0, 0.3, 2.0, 30.0]), 0.4
     t2 = r * r / spread
     closed = np.sqrt(np.pi / 2) * i0e(t2 / 4) / (np.pi * np.sqrt(spread))
-    np.testing.assert_allclose(Footprints(1.0).interaction(r, spread), closed, rtol=1e-12)
+    np.testing.assert_allclose(free_interaction(Footprints(1.0), r, spread), closed, rtol=1e-12)
 
 
 @pytest.mark.parametrize("m", EXPONENTS)
@@ -40,13 +43,13 @@ def test_distant_footprints_are_points(m):
     f = Footprints(3.0, m)
     p = 1 + m
     second = 1 + 0.5 * p * p * 1e-6
-    assert f.interaction(1.0, 1e-6) == pytest.approx(f.point * second, rel=1e-10)
+    assert free_interaction(f, 1.0, 1e-6) == pytest.approx(f.point * second, rel=1e-10)
 
 
 @pytest.mark.parametrize("m", EXPONENTS)
 def test_self_compliance_of_the_footprint_is_that_of_the_contact(m):
     f, k = Footprints(3.0, m), 0.7
-    own = f.interaction(0.0, 2 * f.variance(k))
+    own = free_interaction(f, 0.0, 2 * f.variance(k))
     assert own == pytest.approx(1 / ((1 + FLOOR) * k), rel=1e-12)
 
 
@@ -90,11 +93,15 @@ def test_pair_table_holds_value_and_slopes(m):
         reach = r * r + spread
         h, k, j = (np.interp(spread / reach, np.linspace(0, 1, nodes + 1), c) for c in table.T)
         e = 1e-5 * spread
-        assert f.point * h * reach ** (-p / 2) == pytest.approx(f.interaction(r, spread), rel=1e-5)
-        by_spread = (f.interaction(r, spread + e) - f.interaction(r, spread - e)) / (2 * e)
+        assert f.point * h * reach ** (-p / 2) == pytest.approx(
+            free_interaction(f, r, spread), rel=1e-5
+        )
+        by_spread = (free_interaction(f, r, spread + e) - free_interaction(f, r, spread - e)) / (
+            2 * e
+        )
         assert f.point * k * reach ** (-p / 2 - 1) == pytest.approx(by_spread, rel=1e-3)
         e = 1e-4 * r
-        by_r = (f.interaction(r + e, spread) - f.interaction(r - e, spread)) / (2 * e)
+        by_r = (free_interaction(f, r + e, spread) - free_interaction(f, r - e, spread)) / (2 * e)
         assert f.point * j * reach ** (-p / 2 - 1) == pytest.approx(by_r / r, rel=1e-3)
 
 

@@ -84,7 +84,7 @@ def test_both_libraries_transform(shape):
     """FFTW and, for lengths of large factors, scipy: the spectrum, and the values back."""
     values = np.random.default_rng(4).random(shape)
     kind = transform.FFTWTransform if transform.prefers_fftw(shape) else transform.ScipyTransform
-    pair = kind(shape, shape, np.dtype(float), 1, transform.Scratch())
+    pair = kind(shape, shape, np.dtype(float), transform.Scratch())
     pair.values[:] = values
     pair.forward()
     np.testing.assert_allclose(pair.spectrum, np.fft.rfft2(values), atol=1e-12)
