@@ -120,15 +120,8 @@ def fineness(hm: HeightMap) -> float:
 
 
 def resolution_warning(hm: HeightMap, least: float) -> list[str]:
-    """What a map too coarse for its roughness leaves uncertain; empty where its pixels resolve it.
-
-    Parameters
-    ----------
-    hm
-        Height map without missing points.
-    least
-        `fineness` from which on waves are near the pixel.
-    """
+    """What a map too coarse for its roughness, of a `fineness` from `least` on, leaves uncertain;
+    empty where its pixels resolve it."""
     share = fineness(hm)
     if share < least:
         return []
@@ -242,12 +235,7 @@ def fine_waves_random(hm: HeightMap, allowed: float) -> bool:
 def random_map(hm: HeightMap, allowed: float) -> bool:
     """Whether the waves of a map of every length are random: few loads and parts tell of all then.
 
-    Parameters
-    ----------
-    hm
-        The map, without missing points.
-    allowed
-        How far the kurtosis of the second differences of random waves may be from 3.
+    No point may be missing; `allowed` is as in `fine_waves_random`.
 
     Notes
     -----

@@ -29,18 +29,8 @@ _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"
 def draw_heights(
     axes: Axes, heights: NDArray[np.float64], size: tuple[float, float], **style: Any
 ) -> None:
-    """Draw heights [m] about their mean in true proportions, with a color bar.
-
-    Parameters
-    ----------
-    axes
-        Axes to draw on.
-    heights
-        Heights [m], shape (ny, nx); missing ones stay white. Large maps are thinned.
-    size
-        Lengths (Ly, Lx) [m] of the map.
-    style
-        Further arguments of `matplotlib.axes.Axes.imshow`.
+    """Draw heights [m], (ny, nx), about their mean in true proportions, with a color bar; `size` is
+    (Ly, Lx) [m], and `style` goes to ``imshow``. Missing ones stay white; large maps are thinned.
     """
     from matplotlib.ticker import EngFormatter
 
@@ -86,14 +76,7 @@ def image(figure: Figure, dpi: int = 120) -> str:
 def suited(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
     """SI units in the unit with the prefix that suits a quantity, and its name.
 
-    Parameters
-    ----------
-    largest
-        Largest magnitude of the quantity, in the SI unit to its power.
-    unit
-        Symbol of the SI unit.
-    power
-        2 for an area, 3 for a volume.
+    The `largest` magnitude is given in the SI unit to its power: 2 for an area, 3 for a volume.
 
     Examples
     --------

@@ -23,6 +23,7 @@ __all__ = [
     "as_number",
     "as_path",
     "checked_heights",
+    "checked_part",
     "checked_range",
     "checked_spacing",
     "checked_span",
@@ -130,6 +131,17 @@ def checked_spacing(spacing: Any) -> tuple[float, float]:
             f"{SLIMMEST:g} times the other: give both in m"
         )
     return float(pair[0]), float(pair[1])
+
+
+def checked_part(name: str, part: tuple[int, int], count: int) -> tuple[int, int]:
+    """First row or column of a part of a map with so many, and one past its last."""
+    whole = np.shape(part) == (2,) and all(isinstance(n, int | np.integer) for n in part)
+    if not (whole and 0 <= part[0] < part[1] <= count):
+        raise SurfaceError(
+            f"{name} {part} are not inside 0 to {count}; give two whole numbers, first and one "
+            "past last"
+        )
+    return int(part[0]), int(part[1])
 
 
 def checked_span(

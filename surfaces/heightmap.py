@@ -167,7 +167,7 @@ class HeightMap:
         mean = self.roughness.mean
         if abs(mean) <= self.roughness.rms_height:
             return self
-        return self.replace(heights=self.source - mean)
+        return self.replace(heights=each_block(self.source, lambda z: z - mean))
 
     @functools.cached_property
     def without_rounding(self) -> HeightMap:

@@ -20,23 +20,10 @@ _NO_PAIRS = np.zeros((0, 2), np.int32)
 def label_patches(
     mask: NDArray[np.bool_], *, periodic: bool, corners: bool = True
 ) -> tuple[NDArray[np.int32], int]:
-    """Label the connected patches of a mask, joined across the seam if periodic.
+    """Labels 1..n of the connected patches of a mask, 0 outside, (ny, nx), and their number n.
 
-    Parameters
-    ----------
-    mask
-        Pixels that belong to a patch, shape (ny, nx).
-    periodic
-        Whether the map continues across its border as if repeated.
-    corners
-        Whether pixels that meet at a corner join, as those that meet at an edge do.
-
-    Returns
-    -------
-    labels
-        1..n on the patches, 0 outside, shape (ny, nx).
-    count
-        Number of patches n.
+    Patches are joined across the seam if `periodic`. Pixels that meet at an edge join, and those
+    that meet at a corner if `corners`.
     """
     labels, count = _components(mask, 8 if corners else 4)
     shifts = (-1, 0, 1) if corners else (0,)
@@ -84,15 +71,7 @@ def _merged(pairs: NDArray[np.int32], count: int) -> NDArray[np.int32]:
 def points_at(
     heights: Source, levels: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Rows and columns of the points whose height may be one of some levels, and few others.
-
-    Parameters
-    ----------
-    heights
-        Heights [m], shape (ny, nx), in memory or on disk.
-    levels
-        Heights to look for [m].
-    """
+    """Rows and columns of the points whose height may be one of some levels [m], and few others."""
     bits = max(10, int(levels.size).bit_length() + 4)  # 16 places for a level
     table = np.zeros(1 << bits, np.bool_)
     mark = np.empty((1, levels.size), np.bool_)

@@ -93,19 +93,8 @@ class Roughness:
 
 
 def roughness(heights: Source, spacing: tuple[float, float], periodic: bool) -> Roughness:
-    """Means over a map; `HeightMap.roughness` keeps them.
+    """Means over a map of heights [m], (ny, nx), NaN where missing, which `HeightMap` keeps.
 
-    Parameters
-    ----------
-    heights
-        Heights [m], shape (ny, nx), in memory or on disk; NaN where missing.
-    spacing
-        Pixel size (dy, dx) [m].
-    periodic
-        Whether the map continues across its border as if repeated.
-
-    Notes
-    -----
     Differences do not cross the border, but for those of the kurtosis. Heights are summed relative
     to the first one present.
     """

@@ -160,13 +160,9 @@ def chosen_unit(path: Path, stated: str | None, given: str | None) -> str:
 
 
 def metres_per(unit: str) -> float:
-    """Length of one `unit` in metres.
+    """Length in metres of one unit, such as m, mm, um, nm; case matters (mm is not Mm).
 
-    Parameters
-    ----------
-    unit
-        Name of a length unit, such as m, mm, um, nm; case matters (mm is not Mm). A number may
-        stand before it: 2.5nm.
+    A number may stand before its name: 2.5nm.
 
     Raises
     ------

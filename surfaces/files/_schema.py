@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,6 +25,9 @@ __all__ = [
     "plain",
     "read_header",
 ]
+
+Tell = Callable[..., None]
+"""Adds a fault of a dataset to those found: its text without the name, and whether it is fatal."""
 
 SCHEMA = "surface/1"
 DAMAGED = (
@@ -90,14 +93,7 @@ def read_header(
 ) -> tuple[Header | None, list[Fault]]:
     """Header of a dataset and all its faults; the header is None if a fault is fatal.
 
-    Parameters
-    ----------
-    dataset
-        The heights.
-    unit
-        Unit of the heights where the file states none.
-    spacing
-        Pixel size (dy, dx) [m] where the file states none.
+    The unit of the heights and the spacing (dy, dx) [m] are needed where the file states none.
     """
     faults = list(array_faults(dataset))
     if not any(fault.fatal for fault in faults):
@@ -115,19 +111,20 @@ def header_of(
     spacing: tuple[float, float] | None,
 ) -> tuple[Header | None, list[Fault]]:
     """As `read_header`, of the attributes of an array whose other faults are known."""
-    where = f"dataset {dataset.name}"
+
+    def tell(text: str, fatal: bool = True) -> None:
+        faults.append(Fault(f"dataset {dataset.name}{text}", fatal))
+
     holds = f" (its attributes: {', '.join(attributes) or 'none'})"[:200]
-    pixel = _spacing(attributes.pop("spacing", None), spacing, where, faults, holds)
-    stated = _unit(attributes.pop("unit", None), unit, where, faults, holds)
-    periodic = _periodic(attributes.pop("periodic", None), where, faults)
+    pixel = _spacing(attributes.pop("spacing", None), spacing, tell, holds)
+    stated = _unit(attributes.pop("unit", None), unit, tell, holds)
+    periodic = _periodic(attributes.pop("periodic", None), tell)
     schema = attributes.pop("schema", None)
     if schema is None:
-        faults.append(
-            Fault(f'{where} has no attribute schema; schema 1 files say "{SCHEMA}"', False)
-        )
+        tell(f' has no attribute schema; schema 1 files say "{SCHEMA}"', False)
     elif schema != SCHEMA:
-        faults.append(Fault(f"{where} has schema {_shown(schema)}; this version reads {SCHEMA!r}"))
-    history = _history(attributes.pop("history", None), where, faults)
+        tell(f" has schema {_shown(schema)}; this version reads {SCHEMA!r}")
+    history = _history(attributes.pop("history", None), tell)
     if any(fault.fatal for fault in faults):
         return None, faults
     shape = (int(dataset.shape[0]), int(dataset.shape[1]))
@@ -195,66 +192,52 @@ def _attributes(dataset: h5py.Dataset, where: str, faults: list[Fault]) -> dict[
 
 
 def _spacing(
-    stated: Any,
-    given: tuple[float, float] | None,
-    where: str,
-    faults: list[Fault],
-    holds: str,
+    stated: Any, given: tuple[float, float] | None, tell: Tell, holds: str
 ) -> tuple[float, float]:
     pixel = given if stated is None else stated
     if pixel is None:
-        faults.append(
-            Fault(
-                f"{where} has no attribute spacing; pass --spacing DY DX (spacing=...) in m{holds}"
-            )
-        )
+        tell(f" has no attribute spacing; pass --spacing DY DX (spacing=...) in m{holds}")
         return 0.0, 0.0
     values = np.asarray(pixel)
     dy = dx = math.nan
     if values.dtype.kind in "fiu" and values.shape in ((), (1,), (2,)):
         dy, dx = (float(d) for d in np.broadcast_to(values, (2,)))
     if not (0 < dy < math.inf and 0 < dx < math.inf):
-        faults.append(
-            Fault(f"{where}: spacing is {_shown(pixel)}; it must be two positive lengths in m")
-        )
+        tell(f": spacing is {_shown(pixel)}; it must be two positive lengths in m")
     elif stated is not None and given is not None and not np.allclose((dy, dx), given, rtol=1e-9):
-        faults.append(
-            Fault(f"{where} states spacing ({dy:.6g}, {dx:.6g}) m; leave out the other --spacing")
-        )
+        tell(f" states spacing ({dy:.6g}, {dx:.6g}) m; leave out the other --spacing")
     return dy, dx
 
 
-def _unit(stated: Any, given: str | None, where: str, faults: list[Fault], holds: str) -> str:
+def _unit(stated: Any, given: str | None, tell: Tell, holds: str) -> str:
     unit = given if stated is None else stated
     if unit is None:
-        faults.append(
-            Fault(f"{where} has no attribute unit; pass --unit (unit=...), such as um{holds}")
-        )
+        tell(f" has no attribute unit; pass --unit (unit=...), such as um{holds}")
         return ""
     if not isinstance(unit, str):
-        faults.append(Fault(f"{where}: unit is {_shown(unit)}; it must be a name such as um"))
+        tell(f": unit is {_shown(unit)}; it must be a name such as um")
         return ""
     try:
         factor = metres_per(unit)
         if stated is not None and given is not None and metres_per(given) != factor:
-            faults.append(Fault(f"{where} states unit {_shown(stated)}; leave out --unit {given}"))
+            tell(f" states unit {_shown(stated)}; leave out --unit {given}")
     except InputError as error:
-        faults.append(Fault(f"{where}: unit {error}"))
+        tell(f": unit {error}")
     return unit
 
 
-def _periodic(stated: Any, where: str, faults: list[Fault]) -> bool:
+def _periodic(stated: Any, tell: Tell) -> bool:
     if stated is None:
-        faults.append(Fault(f"{where} has no attribute periodic; it is read as False", False))
+        tell(" has no attribute periodic; it is read as False", False)
         return False
     value = np.asarray(stated)
     if value.size != 1 or value.dtype.kind not in "biu" or int(value.ravel()[0]) not in (0, 1):
-        faults.append(Fault(f"{where}: periodic is {_shown(stated)}; it must be true or false"))
+        tell(f": periodic is {_shown(stated)}; it must be true or false")
         return False
     return bool(value.ravel()[0])
 
 
-def _history(stated: Any, where: str, faults: list[Fault]) -> tuple[Mapping[str, Any], ...]:
+def _history(stated: Any, tell: Tell) -> tuple[Mapping[str, Any], ...]:
     if stated is None:
         return ()
     try:
@@ -262,8 +245,7 @@ def _history(stated: Any, where: str, faults: list[Fault]) -> tuple[Mapping[str,
     except (ValueError, RecursionError):
         steps = None
     if not isinstance(steps, list) or not all(isinstance(step, dict) for step in steps):
-        text = f"{where}: history is not a JSON list of steps; it is kept as text"
-        faults.append(Fault(text, False))
+        tell(": history is not a JSON list of steps; it is kept as text", False)
         return ({"step": "history", "text": str(stated)},)
     return tuple(steps)
 

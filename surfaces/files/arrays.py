@@ -6,24 +6,24 @@ import codecs
 import math
 import re
 import zipfile
-import zlib
 from pathlib import Path
-from tokenize import TokenError
 from typing import IO, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces.errors import FileFormatError, InputError
+from surfaces.errors import FileFormatError, InputError, checked_spacing
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.memory import require_memory
 from surfaces.units import chosen_unit, metres_per
 
+from ._damage import DAMAGED
 from .atomic import replacing
 from .columns import gridded
 
 __all__ = [
     "as_map",
+    "chosen_spacing",
     "heading",
     "read_npy",
     "read_npz",
@@ -32,21 +32,6 @@ __all__ = [
     "write_npz",
     "write_text",
 ]
-
-_DAMAGED = (
-    EOFError,
-    KeyError,
-    OSError,
-    OverflowError,
-    RuntimeError,
-    SyntaxError,
-    TypeError,
-    ValueError,
-    TokenError,
-    zipfile.BadZipFile,
-    zlib.error,
-)
-"""What NumPy and zipfile raise on a damaged file, by experience with mutated files."""
 
 _MISSING = {"", "nan", "na", "n/a", "bad", "none", "null", "-", "--", "---", "*", "**", "***"}
 _COMMENT = "#%;/!"
@@ -63,7 +48,7 @@ def read_npy(
     require_unnamed(path, dataset)
     try:
         array = np.load(path, mmap_mode="r", allow_pickle=False)
-    except _DAMAGED as error:
+    except DAMAGED as error:
         raise FileFormatError(f"{path}: damaged or not a plain npy array ({error})") from error
     return as_map(array, path, unit, spacing, {})
 
@@ -94,7 +79,7 @@ def read_npz(
             return as_map(arrays[wanted], path, unit, spacing, stated)
     except InputError:
         raise
-    except (*_DAMAGED, IndexError) as error:
+    except DAMAGED as error:
         raise FileFormatError(f"{path}: damaged or not a plain npz file ({error})") from error
 
 
@@ -232,12 +217,8 @@ def as_map(
             f"{path}: holds {array.dtype} of shape {array.shape}; heights are real numbers, 2-D"
         )
     chosen = chosen_unit(path, stated.get("unit"), unit)
-    if spacing is None and "spacing" not in stated:
-        raise FileFormatError(
-            f"{path}: states no pixel size; pass --spacing DY DX (spacing=...) in m"
-        )
+    pixel = chosen_spacing(path, stated.get("spacing"), spacing)
     require_memory(24 * array.size, f"{path}: a map of {array.shape}", "crop it first")
-    pixel: Any = stated.get("spacing") if spacing is None else spacing
     origin = {"step": "read", "file": path.name, "unit": chosen}
     with np.errstate(all="ignore"):
         heights = np.asarray(array, dtype=np.float64) * metres_per(chosen)
@@ -248,6 +229,16 @@ def as_map(
         name=str(stated.get("name") or path.stem),
         history=(origin,),
     )
+
+
+def chosen_spacing(path: Path, stated: Any, given: ArrayLike | None) -> tuple[float, float]:
+    """Pixel size (dy, dx) [m] of the map in a file: as the caller says, or as the file states."""
+    pixel = stated if given is None else given
+    if pixel is None:
+        raise FileFormatError(
+            f"{path}: states no pixel size; pass --spacing DY DX (spacing=...) in m"
+        )
+    return checked_spacing(pixel)
 
 
 def _periodic(stated: Any, path: Path) -> bool:

@@ -14,12 +14,8 @@ _OFF = 0.1
 
 
 def gridded(table: Array) -> tuple[Array, tuple[float, float]] | None:
-    """Heights (ny, nx) and pixel size (dy, dx) of a table of points; None if it is no such list.
-
-    Parameters
-    ----------
-    table
-        Columns x, y, z, shape (n, 3), in one unit of length.
+    """Heights (ny, nx) and pixel size (dy, dx) of a table of points, (n, 3), of which the columns
+    are x, y, z in one unit of length; None if it is no such list.
 
     Notes
     -----

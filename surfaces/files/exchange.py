@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
-import zlib
 from pathlib import Path
 
 import numpy as np
@@ -13,23 +11,13 @@ from surfaces.errors import FileFormatError
 from surfaces.heightmap import HeightMap
 from surfaces.units import chosen_unit
 
+from ._damage import DAMAGED, damaged
 from .arrays import require_unnamed
 
 __all__ = ["SDF_SIGNATURES", "read_sdf", "read_x3p"]
 
 SDF_SIGNATURES = tuple(f"{kind}{family}-".encode() for kind in "abAB" for family in ("ISO", "BCR"))
 """First bytes of an SDF file, text (a) or binary (b)."""
-
-_DAMAGED = (
-    LookupError,
-    OverflowError,
-    RuntimeError,
-    TypeError,
-    ValueError,
-    zipfile.BadZipFile,
-    zlib.error,
-)
-"""What the readers raise on a damaged file."""
 
 
 def read_sdf(
@@ -41,8 +29,8 @@ def read_sdf(
     require_unnamed(path, dataset)
     try:
         file = sdfio.read(path)
-    except _DAMAGED as error:
-        raise _damaged(path, error) from error
+    except DAMAGED as error:
+        raise damaged(path, error) from error
     header = file.header
     return _stated(path, unit, spacing, file.data, (header.y_scale, header.x_scale), "SDF")
 
@@ -55,8 +43,8 @@ def read_x3p(
 
     try:
         file = x3pio.read(path)
-    except _DAMAGED as error:
-        raise _damaged(path, error) from error
+    except DAMAGED as error:
+        raise damaged(path, error) from error
     names = [str(number) for number in range(len(file.layers))]
     if dataset not in (None, *names):
         raise FileFormatError(f"{path}: no layer {dataset!r}; the file holds {', '.join(names)}")
@@ -81,8 +69,3 @@ def _stated(
         raise FileFormatError(f"{path}: states its pixel size; leave out --spacing")
     origin = {"step": "read", "file": path.name, "format": kind, "unit": "m"}
     return HeightMap(heights, pixel, name=path.stem, history=(origin,))
-
-
-def _damaged(path: Path, error: Exception) -> FileFormatError:
-    reason = " ".join(str(error).split())[:120]
-    return FileFormatError(f"{path}: damaged, or not as its format says ({reason})")

@@ -15,7 +15,14 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surfaces.errors import FileFormatError, InputError, SurfaceError, as_path
+from surfaces.errors import (
+    FileFormatError,
+    InputError,
+    SurfaceError,
+    as_path,
+    checked_part,
+    checked_spacing,
+)
 from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import available_bytes, require_memory
@@ -206,7 +213,8 @@ class SurfaceFile:
 
     def _bounds(self, rows: _Span | None, columns: _Span | None) -> tuple[_Span, _Span]:
         ny, nx = self.shape
-        return _bounds(rows, ny, "rows"), _bounds(columns, nx, "columns")
+        rows, columns = (0, ny) if rows is None else rows, (0, nx) if columns is None else columns
+        return checked_part("rows", rows, ny), checked_part("columns", columns, nx)
 
     def _stored(self, rows: _Span, columns: _Span) -> NDArray[Any]:
         """Heights in the unit of the file; of no more than one chunk, if the chunks are ours."""
@@ -266,7 +274,8 @@ def open(
     (32, 48) (1e-06, 1e-06)
     """
     path = as_path(path)
-    file, found, header, faults = opened_parts(path, dataset, unit, _pair(spacing))
+    pixel = None if spacing is None else checked_spacing(spacing)
+    file, found, header, faults = opened_parts(path, dataset, unit, pixel)
     if header is None:
         file.close()
         raise FileFormatError(f"{path}: {next(f.text for f in faults if f.fatal)}")
@@ -299,22 +308,3 @@ def _parts(start: int, stop: int, side: int) -> list[_Span]:
         (max(first, start), min(first + side, stop))
         for first in range(start - start % side, stop, side)
     ]
-
-
-def _bounds(span: tuple[int, int] | None, count: int, what: str) -> tuple[int, int]:
-    if span is None:
-        return 0, count
-    start, stop = span
-    if not 0 <= start < stop <= count:
-        raise SurfaceError(f"{what} {start} to {stop} are not inside the map's 0 to {count}")
-    return int(start), int(stop)
-
-
-def _pair(spacing: ArrayLike | None) -> tuple[float, float] | None:
-    if spacing is None:
-        return None
-    try:
-        dy, dx = (float(d) for d in np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,)))
-    except (TypeError, ValueError):
-        raise InputError(f"spacing is {spacing!r}; give the pixel size (dy, dx) in m") from None
-    return dy, dx

@@ -3,41 +3,23 @@
 from __future__ import annotations
 
 import importlib
-import struct
-import zipfile
-import zlib
 from pathlib import Path
 from typing import Any
-from xml.parsers.expat import ExpatError
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surfaces.errors import FileFormatError
+from surfaces.errors import FileFormatError, InputError
 from surfaces.heightmap import HeightMap
 from surfaces.units import chosen_unit, metres_per
+
+from ._damage import DAMAGED, damaged
+from .arrays import chosen_spacing
 
 __all__ = ["read_instrument"]
 
 _PIP = "python -m pip install 'asperity[formats]'"
 _BROKEN_EXTRA = (ImportError, AttributeError, RuntimeError, OSError, ValueError, SyntaxError)
-_DAMAGED = (
-    ArithmeticError,
-    AssertionError,
-    AttributeError,
-    EOFError,
-    ExpatError,
-    LookupError,
-    OSError,
-    RuntimeError,
-    SyntaxError,
-    TypeError,
-    ValueError,
-    struct.error,
-    zipfile.BadZipFile,
-    zlib.error,
-)
-"""What a third-party reader may raise on a file that is damaged or not its own."""
 
 
 def read_instrument(
@@ -47,23 +29,11 @@ def read_instrument(
     spacing: ArrayLike | None,
     hint: str = "",
 ) -> HeightMap:
-    """Read one channel of an instrument's file.
+    """Heights from one channel of an instrument's file: `dataset` is its name, or its number as
+    text; the default channel if None.
 
-    Parameters
-    ----------
-    path
-        The file.
-    dataset
-        Name of the channel, or its number as text; the default channel if None.
-    unit, spacing
-        Unit of the heights and pixel size (dy, dx) [m] where the file states none.
-    hint
-        What keeps the file from being read as text, told if it is of no known format.
-
-    Raises
-    ------
-    FileFormatError
-        If the extra is missing or broken, or the file cannot be read with it.
+    The unit of the heights and the spacing (dy, dx) [m] are needed where the file states none. The
+    hint, what keeps the file from being read otherwise, is told where this library cannot either.
     """
     library = _library(path, hint)
     try:
@@ -84,18 +54,15 @@ def read_instrument(
             periodic = bool(topography.is_periodic)
             length_x, length_y = topography.physical_sizes
             instrument = (topography.info.get("instrument") or {}).get("name")
-    except FileFormatError:
+    except InputError:
         raise
     except library.Exceptions.CannotDetectFileFormat as error:
         raise FileFormatError(
             f"{path}: not HDF5, npy, npz or rows of numbers, nor a format that SurfaceTopography "
             f"knows, or damaged{hint}"
         ) from error
-    except (*_DAMAGED, library.Exceptions.ReadFileError) as error:
-        reason = " ".join(str(error).split())[:120]
-        raise FileFormatError(
-            f"{path}: damaged, or not as its format says ({type(error).__name__}: {reason}){hint}"
-        ) from error
+    except (*DAMAGED, library.Exceptions.ReadFileError) as error:
+        raise damaged(path, error, hint) from error
     if instrument:
         origin["instrument"] = str(instrument)
     origin["unit"] = chosen
@@ -111,13 +78,9 @@ def _sizes(
     """What to tell the library about a map whose file does not say how large it is."""
     if channel.physical_sizes is not None:
         return {}
-    if spacing is None:
-        raise FileFormatError(
-            f"{path}: states no pixel size; pass --spacing DY DX (spacing=...) in m"
-        )
-    dy, dx = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,)) / metres
+    dy, dx = chosen_spacing(path, None, spacing)
     nx, ny = channel.nb_grid_pts
-    return {"physical_sizes": (float(nx * dx), float(ny * dy))}
+    return {"physical_sizes": (nx * dx / metres, ny * dy / metres)}
 
 
 def _library(path: Path, hint: str) -> Any:

@@ -22,17 +22,9 @@ def read_picture(
 ) -> HeightMap:
     """Heights from a grey picture; the first row of the picture is the first row of the map.
 
-    Parameters
-    ----------
-    path
-        PNG of 8 or 16 bits, or TIFF of whole or floating-point numbers, NaN where missing. What is
-        no grey picture of one page may still be a format of an instrument.
-    dataset
-        Name of a channel of an instrument's file.
-    unit
-        Height of one grey level, such as 2.5nm; a picture never states it.
-    spacing
-        Pixel size (dy, dx) [m].
+    PNG of 8 or 16 bits, or TIFF of whole or floating-point numbers, NaN where missing. A picture
+    never states its unit, the height of one grey level, such as 2.5nm. What is no grey picture of
+    one page may still be a format of an instrument.
     """
     grey = _only_page(str(path))
     if grey is None or grey.ndim != 2:

@@ -20,13 +20,6 @@ __all__ = ["StoredMap"]
 class StoredMap(HeightMap):
     """A height map too large for memory, made by `surfaces.read` and `SurfaceFile.on_disk`.
 
-    Parameters
-    ----------
-    source
-        Its heights [m].
-    spacing, periodic, name, history
-        As in `HeightMap`.
-
     Notes
     -----
     Preparation and resampling (but for the spline filter of a free border), statistics, the plan of
@@ -99,11 +92,6 @@ class StoredMap(HeightMap):
             heights[begin:end] = rows
         heights.setflags(write=False)
         return heights
-
-    @property
-    def rms_height(self) -> float:
-        """Root-mean-square height about the mean of the points present [m]."""
-        return self.roughness.rms_height
 
     def replace(self, *, step: Mapping[str, Any] | None = None, **changes: Any) -> HeightMap:
         """Copy with some fields changed, and `step` appended to the history."""

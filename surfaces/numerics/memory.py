@@ -136,17 +136,8 @@ def _left_in_container() -> int:
 
 
 def require_memory(needed: int, what: str, remedy: str) -> None:
-    """Refuse in one sentence what would not fit.
-
-    Parameters
-    ----------
-    needed
-        Bytes that the step will hold at its peak.
-    what
-        Subject of the sentence.
-    remedy
-        What to do instead.
-    """
+    """Refuse what needs so many bytes at its peak and would not fit, in a sentence with the subject
+    `what` and a remedy."""
     free = available_bytes()
     if needed > free:
         raise SurfaceError(
@@ -158,12 +149,7 @@ def require_memory(needed: int, what: str, remedy: str) -> None:
 def room_for(least: int, what: str) -> int:
     """Bytes for the arrays of a map in sections, within the limit of `set_memory`; 2 GiB if none.
 
-    Parameters
-    ----------
-    least
-        Bytes of arrays without which there is no section.
-    what
-        Subject of the sentence that refuses less.
+    Less than the `least` that a section takes is refused in a sentence with the subject `what`.
     """
     bound = _USUAL if _limit is None else _limit
     if bound - _PROGRAM < least:
@@ -213,28 +199,29 @@ def _in_file(values: Any) -> bool:
 
 def along_both(
     blocks: Blocks,
-    shapes: tuple[tuple[int, int], tuple[int, int], tuple[int, int]],
     like: Source,
+    width: int,
+    shape: tuple[int, int],
     rows: Change,
     columns: Callable[[slice, NDArray[Any]], NDArray[Any]],
     back: Change,
     tallest: int = 0,
 ) -> Source:
     """An array changed along its rows, then along its columns, then along its rows again; on disk
-    if another is, and then by sections of columns.
+    if another of its shape is, and then by sections of columns.
 
     Parameters
     ----------
     blocks
         Blocks of whole rows, each with the number of its first row.
-    shapes
-        Rows and columns after each of the three changes.
     like
         The other array.
-    rows, back
-        Change whole rows.
-    columns
-        Changes whole columns, those of the slice.
+    width
+        Columns after the first change.
+    shape
+        Rows after the second change, columns after the third.
+    rows, columns, back
+        The changes: of whole rows, of the whole columns of a slice, of whole rows.
     tallest
         Elements of a column while it is changed, if more than before and after.
 
@@ -243,34 +230,29 @@ def along_both(
     InputError, SurfaceError
         If memory or disk have no room.
     """
-    (count, width), (made, _), _ = shapes
+    count, made = len(like), shape[0]
+    kind = rows(np.zeros((1, like.shape[1]))).dtype
     if isinstance(like, np.ndarray):
-        changed: NDArray[Any] | None = None
+        changed = np.empty((count, width), kind)
         for first, block in blocks:
-            part = rows(block)
-            changed = np.empty((count, width), part.dtype) if changed is None else changed
-            changed[first : first + len(part)] = part
-        assert changed is not None
+            changed[first : first + len(block)] = rows(block)
         found = back(columns(slice(0, width), changed))
         found.setflags(write=False)
         return found
     tall = _WORK * max(count, made, tallest)
     room = room_for(4 * tall, f"a filter of {count} x {width} waves")
-    before: Sections | None = None
+    before = Sections((count, width), room // tall, kind)
     for first, block in blocks:
-        part = rows(block)
-        before = before or Sections((count, width), room // tall, part.dtype)
-        before.write_rows(first, part)
-    assert before is not None
-    after = Sections((made, width), room // tall, part.dtype)
+        before.write_rows(first, rows(block))
+    after = Sections((made, width), room // tall, kind)
     for number, place in enumerate(before.columns):
         after.write(number, 0, columns(slice(*place), before.read(number)))
     del before
-    step = max(1, room // (_WORK * max(width, shapes[2][1])))
+    step = max(1, room // (_WORK * max(width, shape[1])))
 
     def changed_back() -> Iterator[tuple[int, Array]]:
         for first, last in spans(made, step):
             parts = [after.read(number, first, last) for number in range(len(after.columns))]
             yield first, back(np.concatenate(parts, axis=1))
 
-    return array_of(changed_back(), shapes[2], like)
+    return array_of(changed_back(), shape, like)

@@ -67,12 +67,8 @@ class StoredArray:
 
     Parameters
     ----------
-    shape
-        Rows and columns.
-    dtype
-        Type of the numbers in the file.
-    read_as
-        Type of the numbers as they are read.
+    dtype, read_as
+        Types of the numbers in the file, and as they are read.
     folder
         Folder of the file; that of temporary files if None.
 
@@ -141,9 +137,6 @@ class StoredArray:
         pages = mmap.mmap(kept._file.fileno(), 0)
         _pages.add(pages)
         return np.ndarray(self.shape, self.dtype, pages)
-
-    def __sub__(self, number: float) -> StoredArray:
-        return self.each(lambda values: values - number)
 
     def __getitem__(self, index: Any) -> NDArray[Any]:
         rows, columns = (*(index if isinstance(index, tuple) else (index,)), slice(None))[:2]
@@ -289,26 +282,8 @@ def array_of(blocks: Blocks, shape: tuple[int, int], like: Source) -> Source:
 class Sections:
     """An array (ny, nx) on disk that is written and read in parts of rows of sections of columns.
 
-    Parameters
-    ----------
-    shape
-        Rows and columns.
-    width
-        Columns of a section; the last one may have fewer.
-    dtype
-        Type of the numbers.
-    folder
-        Folder of the file; that of temporary files if None.
-
-    Attributes
-    ----------
-    columns
-        First and one-past-last column of each section.
-
-    Raises
-    ------
-    SurfaceError
-        If there is no room for the file.
+    Each section has `width` columns, the last one perhaps fewer; `columns` holds the first and
+    one-past-last of each. The file is that of a `StoredArray`.
     """
 
     def __init__(

@@ -78,18 +78,10 @@ def map_figure(
     along: Any = None,
     origin: tuple[float, float] = (0.0, 0.0),
 ) -> Any:
-    """Fields in true proportions, one over the other.
+    """Fields of one shape in true proportions, one over the other, the lowest first.
 
-    Parameters
-    ----------
-    layers
-        Fields of one shape, the lowest first.
-    size
-        Lengths (Ly, Lx) [m] of the map.
-    along
-        Another map that is to move along.
-    origin
-        Place (y, x) of the lower left corner [m].
+    The map has the size (Ly, Lx) [m], and its lower left corner lies at the origin (y, x) [m];
+    another one may move along.
     """
     factor, unit = suited(max(size), "m")
     (height, width), (bottom, left) = (np.divide(pair, factor) for pair in (size, origin))

@@ -30,10 +30,8 @@ def write_html(
 
     Parameters
     ----------
-    path
-        File to write.
     template
-        Name of the template, which extends ``page.html.j2``.
+        Its name; it extends ``page.html.j2``.
     figures
         All figures that the template places.
     rooms

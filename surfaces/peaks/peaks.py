@@ -176,13 +176,6 @@ def expected_peaks(hm: HeightMap, above: float = -np.inf) -> int:
 def flat_tops(hm: HeightMap, peaks: Peaks) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Peaks with a flat top and its middle.
 
-    Parameters
-    ----------
-    hm
-        Height map.
-    peaks
-        Its peaks.
-
     Returns
     -------
     rows

@@ -34,13 +34,8 @@ _TINY = 1e-300
 
 
 def ray_aspect(curvature: Array) -> Array:
-    """Aspect of the ellipses on which the rays are spread: the root of that of the contact.
-
-    Parameters
-    ----------
-    curvature
-        Principal curvatures k1 >= k2 [1/m], shape (..., 2).
-    """
+    """Aspect of the ellipses on which the rays are spread, the root of that of the contact, from
+    the principal curvatures k1 >= k2 [1/m], shape (..., 2)."""
     ratio = curvature[..., 1] / curvature[..., 0]
     return np.maximum(ratio ** (1.0 / 3.0), _NARROWEST)
 
@@ -209,22 +204,8 @@ _RADII = _steps()
 
 
 class Fans:
-    """The rays of some peaks, to be filled part by part.
-
-    Parameters
-    ----------
-    summits
-        Summits of all peaks of the map.
-    index
-        Rows of the peaks, shape (k,).
-    rays, nodes
-        Rays per peak, nodes per ray.
-
-    Attributes
-    ----------
-    phi, weight, edge, q
-        As in `Profiles`, one row per element of `index`.
-    """
+    """The rays of the peaks `index` (k,), to be filled part by part: `phi`, `weight`, `edge` and
+    `q` are as in `Profiles`, one row for each of these peaks."""
 
     def __init__(self, summits: SummitArrays, index: Rows, rays: int, nodes: int) -> None:
         self._summits, self._index = summits, index

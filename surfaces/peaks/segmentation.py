@@ -14,7 +14,7 @@ from surfaces.numerics.stored_array import each_block
 
 from . import _flood
 from .peaks import Peaks
-from .strips import Flooded, flood_strips, unique_pairs
+from .strips import Flooded, ascended, flood_strips, unique_pairs
 
 __all__ = ["segment"]
 
@@ -194,25 +194,11 @@ def _links(
     heights: NDArray[np.float64], hm: HeightMap, above: float
 ) -> tuple[NDArray[np.int32], NDArray[np.int64], list[NDArray[np.int32]], float]:
     """Pointer map, summit pixels (any order), flooded runs by block, lowest height flooded."""
-    dy, dx = hm.spacing
-    inverse = (1.0 / dy, 1.0 / dx, 1.0 / np.hypot(dy, dx))
-    nx = heights.shape[1]
     link = np.empty(heights.size, np.int32)
-
-    def ascend(
-        start: int, stop: int
-    ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32], float]:
-        peaks = np.empty((stop - start) * nx, np.int32)
-        flats = np.empty((stop - start) * nx, np.int32)
-        runs = np.empty(((stop - start) * (nx // 2 + 1), 2), np.int32)
-        window, way, lows = np.empty((3, nx + 2)), np.empty(nx, np.int32), np.full(nx, np.inf)
-        n_peaks, n_flats, n_runs = _flood.ascend(
-            *(heights, hm.periodic, above, inverse, link, peaks, flats, runs, start, stop),
-            *(window, way, lows),
-        )
-        return peaks[:n_peaks], flats[:n_flats], runs[:n_runs], float(lows.min())
-
-    found = parallel.run(ascend, parallel.lines(heights.shape[0], heights.size))
+    found = parallel.run(
+        lambda start, stop: ascended(heights, hm, above, link, start, stop),
+        parallel.lines(heights.shape[0], heights.size),
+    )
     summits = [part[0] for part in found]
     flats = np.concatenate([part[1] for part in found])
     if flats.size:

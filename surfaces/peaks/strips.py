@@ -15,10 +15,11 @@ from surfaces.numerics.stored_array import BLOCK_BYTES, StoredArray, rows_around
 
 from . import _flood
 
-__all__ = ["Flooded", "flood_strips", "unique_pairs"]
+__all__ = ["Flooded", "ascended", "flood_strips", "unique_pairs"]
 
 Array = NDArray[np.float64]
 Pixels = NDArray[np.int64]
+Index = NDArray[np.int32]
 
 HALO = 8
 """Rows on both sides of a strip that tell where its plateaus lead, at first."""
@@ -87,14 +88,8 @@ class _Strip(NamedTuple):
 def flood_strips(hm: HeightMap, above: float) -> Flooded | None:
     """Peaks, basins and passes of a map, in strips of whole rows with a halo on both sides.
 
-    None if a plateau is as long as the map: then no strip tells where it leads.
-
-    Parameters
-    ----------
-    hm
-        A map on disk without missing points.
-    above
-        Flood only pixels at or above this height [m].
+    Pixels below the height `above` [m] are not flooded. None if a plateau is as long as the map:
+    then no strip tells where it leads.
 
     Raises
     ------
@@ -146,20 +141,14 @@ def flood_strips(hm: HeightMap, above: float) -> Flooded | None:
 
 def _flooded(hm: HeightMap, first: int, last: int, above: float) -> _Strip | None:
     """The rows from `first` to `last`, flooded; None if a plateau there is as long as the map."""
-    (ny, nx), (dy, dx) = hm.shape, hm.spacing
-    inverse, halo = (1.0 / dy, 1.0 / dx, 1.0 / np.hypot(dy, dx)), HALO
+    (ny, nx), halo = hm.shape, HALO
     while True:
         top, window = first - halo, _rows(hm, first - halo, last + halo)
         above_all, below_all = not hm.periodic and top <= 0, not hm.periodic and last + halo >= ny
         begin, end = -top if above_all else 1, ny - top if below_all else len(window) - 1
         link = np.full(window.size, -1, np.int32)
-        peaks, flats = np.empty((2, window.size), np.int32)
-        runs = np.empty((len(window) * (nx // 2 + 1), 2), np.int32)
-        found = _flood.ascend(
-            *(window, hm.periodic, above, inverse, link, peaks, flats, runs, begin, end),
-            *(np.empty((3, nx + 2)), np.empty(nx, np.int32), np.full(nx, np.inf)),
-        )
-        flat = flats[: found[1]].astype(np.int64)
+        peaks, flats, runs, _ = ascended(window, hm, above, link, begin, end)
+        flat = flats.astype(np.int64)
         ends = [row for row, whole in ((begin, above_all), (end - 1, below_all)) if not whole]
         cut = flat[np.isin(flat // nx, ends)]
         rows = first - top - 1, last - top + 1
@@ -171,9 +160,9 @@ def _flooded(hm: HeightMap, first: int, last: int, above: float) -> _Strip | Non
     order = np.argsort((flat // nx + top) % ny * nx + flat % nx)
     level_tops = _flood.drain_plateaus(window.ravel(), window.shape, hm.periodic, link, flat[order])
     start, stop = (first - top - 1) * nx, (last - top + 1) * nx
-    summit = np.sort(np.concatenate([peaks[: found[0]], level_tops])).astype(np.int64)
+    summit = np.sort(np.concatenate([peaks, level_tops])).astype(np.int64)
     summit = summit[(summit >= start + nx) & (summit < stop - nx)] - start
-    inside = runs[: found[2]].astype(np.int64)
+    inside = runs.astype(np.int64)
     inside = inside[(inside[:, 0] >= start + nx) & (inside[:, 0] < stop - nx)] - start
     heights = window[first - top - 1 : last - top + 1]
     labels = link[start:stop].reshape(heights.shape)
@@ -198,6 +187,22 @@ def _flooded(hm: HeightMap, first: int, last: int, above: float) -> _Strip | Non
         passes,
         lowest,
     )
+
+
+def ascended(
+    heights: Array, hm: HeightMap, above: float, link: Index, start: int, stop: int
+) -> tuple[Index, Index, Index, float]:
+    """Strict peaks, members of plateaus and runs of the rows [start, stop) of heights of a map, of
+    which the `link` is filled, and the lowest height flooded: see `_flood.ascend`."""
+    nx, (dy, dx) = heights.shape[1], hm.spacing
+    peaks, flats = np.empty((2, (stop - start) * nx), np.int32)
+    runs = np.empty(((stop - start) * (nx // 2 + 1), 2), np.int32)
+    window, way, lows = np.empty((3, nx + 2)), np.empty(nx, np.int32), np.full(nx, np.inf)
+    n_peaks, n_flats, n_runs = _flood.ascend(
+        *(heights, hm.periodic, above, (1.0 / dy, 1.0 / dx, 1.0 / np.hypot(dy, dx))),
+        *(link, peaks, flats, runs, start, stop, window, way, lows),
+    )
+    return peaks[:n_peaks], flats[:n_flats], runs[:n_runs], float(lows.min())
 
 
 @compiled()

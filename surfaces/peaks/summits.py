@@ -52,16 +52,8 @@ class Summits(SummitArrays):
         return replace(self, owner=owner, floor=floor, pixels=pixels, border=border, valid=valid)
 
     def tilted(self, index: NDArray[np.int64], gradient: Array, dip: Array) -> Summits:
-        """Summits of which the surface about those of the rows `index` is tilted.
-
-        Parameters
-        ----------
-        index
-            Rows of the summits, shape (k,).
-        gradient
-            By how much the surface falls along y and x [-], shape (k, 2).
-        dip
-            How far f may fall along a ray before it ends [m], shape (k,).
+        """Summits of which the surface about those of the rows `index` (k,) is tilted: it falls by
+        the `gradient` along y and x [-], (k, 2). A ray ends where f has fallen by `dip` [m], (k,).
 
         Notes
         -----
@@ -97,22 +89,8 @@ class Summits(SummitArrays):
         return _near(self.peaks.row[index], self.peaks.col[index])
 
     def rows(self, index: NDArray[np.int64], *, rays: int = 16, nodes: int = 17) -> Profiles:
-        """Profiles of the peaks `index`, in that order; `owner` keeps the numbers of all peaks.
-
-        Parameters
-        ----------
-        index
-            Rows of the peaks, shape (k,).
-        rays
-            Directions per peak, at least 4.
-        nodes
-            Radial nodes per ray, at least 4.
-
-        Raises
-        ------
-        InputError
-            If there are too few rays or nodes.
-        """
+        """Profiles of the peaks `index` (k,), in that order, with rays and nodes as in
+        `fit_profiles`; `owner` keeps the numbers of all peaks."""
         if as_number("rays", rays) < 4 or as_number("nodes", nodes) < 4:
             raise InputError(f"rays is {rays} and nodes is {nodes}; give at least 4 of each")
         fans = Fans(self, index, rays, nodes)
@@ -125,20 +103,8 @@ class Summits(SummitArrays):
 
 
 def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
-    """Climb from the peaks of a map to the maxima of the surface through its points.
-
-    Parameters
-    ----------
-    hm
-        The map that was segmented.
-    peaks
-        Its peaks, from `segment`.
-
-    Raises
-    ------
-    SurfaceError
-        If the peaks belong to a map of another shape, or the map is constant.
-    """
+    """Climb from the peaks of a map to the maxima of the surface through its points; refused as in
+    `fit_profiles`."""
     require_map(hm)
     if not isinstance(peaks, Peaks):
         raise InputError(f"the peaks of segment are needed, not {type(peaks).__name__}")

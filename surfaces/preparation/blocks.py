@@ -9,18 +9,9 @@ from numpy.typing import NDArray
 
 from surfaces.numerics.stored_array import Source, windows
 
-__all__ = ["extremes", "middle", "replaced"]
+__all__ = ["middle", "replaced"]
 
 Array = NDArray[np.float64]
-
-
-def extremes(heights: Source) -> tuple[float, float]:
-    """The lowest and the highest of the heights present."""
-    low, high = np.nan, np.nan
-    for _, _, rows in windows(heights):
-        low = np.fmin(low, np.fmin.reduce(rows, axis=None))
-        high = np.fmax(high, np.fmax.reduce(rows, axis=None))
-    return float(low), float(high)
 
 
 def middle(heights: Source) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -88,7 +89,7 @@ def make_periodic(hm: HeightMap, how: str, *, width: float | None = None) -> Hei
             (begin, rows - carrier[begin:end]) for begin, end, rows in windows(hm.source)
         )
         changed = 1.0
-    seam, inner = _steps(made.source)
+    seam, inner = _steps(made)
     step |= {
         "rms_after": made.rms_height,
         "seam_step": seam,
@@ -116,15 +117,13 @@ def _faded(
         yield begin, mean + (rows - mean) * (across[begin:end, None] * along)
 
 
-def _steps(source: Source) -> tuple[float, float]:
-    """Rms steps across the seam of an array, and inside it."""
-    total, count = 0.0, 0
-    for begin, end, window in windows(source, below=1):
-        rows = window[: min(end + 1, len(source)) - begin]
-        for steps in np.diff(rows, axis=0).ravel(), np.diff(rows[: end - begin]).ravel():
-            total, count = total + float(steps @ steps), count + steps.size
+def _steps(hm: HeightMap) -> tuple[float, float]:
+    """Rms steps [m] across the seam of a map, and between the neighbors inside it."""
+    (ny, nx), source = hm.shape, hm.source
     ends = np.concatenate([source[0] - source[-1], source[:, 0] - source[:, -1]])
-    return float(np.sqrt(np.mean(np.square(ends)))), float(np.sqrt(total / count))
+    inside = np.square(np.multiply(hm.roughness.slope, hm.spacing))
+    count = (ny - 1) * nx, ny * (nx - 1)
+    return math.sqrt(np.mean(np.square(ends))), math.sqrt(np.average(inside, weights=count))
 
 
 def _seam_carrier(source: Source) -> Source:

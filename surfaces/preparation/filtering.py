@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from surfaces.errors import SurfaceError, as_number
+from surfaces.errors import SurfaceError, as_number, checked_part
 from surfaces.heightmap import HeightMap, require_full, require_map
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import along_both
@@ -120,14 +120,8 @@ def crop(hm: HeightMap, rows: tuple[int, int], columns: tuple[int, int]) -> Heig
     <HeightMap 16 x 32, pixel 1e-06 x 1e-06 m, not periodic>
     """
     require_map(hm)
-    for span, count, what in ((rows, hm.shape[0], "rows"), (columns, hm.shape[1], "columns")):
-        whole = np.shape(span) == (2,) and all(isinstance(n, int | np.integer) for n in span)
-        if not (whole and 0 <= span[0] < span[1] <= count):
-            raise SurfaceError(
-                f"{what} {span} are not inside 0 to {count}; give two whole numbers, first and "
-                "one past last"
-            )
-    return hm.cut(rows, columns)
+    ny, nx = hm.shape
+    return hm.cut(checked_part("rows", rows, ny), checked_part("columns", columns, nx))
 
 
 def _cut(hm: HeightMap, lower: float, upper: float) -> Source:
@@ -195,7 +189,7 @@ def passed(
         )
         return np.asarray(found)
 
-    return along_both(blocks, ((ny, width), (ny, width), (ny, nx)), like, rows, columns, back)
+    return along_both(blocks, like, width, (ny, nx), rows, columns, back)
 
 
 def _frequencies(hm: HeightMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

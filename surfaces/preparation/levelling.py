@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +10,6 @@ from numpy.typing import NDArray
 from surfaces.errors import SurfaceError
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics.stored_array import Source, each_block, windows
-
-from .blocks import extremes
 
 __all__ = ["FORMS", "level"]
 
@@ -94,40 +90,33 @@ def level(hm: HeightMap, form: str = "plane") -> HeightMap:
         raise SurfaceError(f"{present} points are present; too few to fit a {form}")
     stride, sample = _sample(hm.source)
     shift = float(np.median(sample[~np.isnan(sample)]))
-    low, high = extremes(hm.source)
-    scale = max(high - shift, shift - low) or 1.0
+    scale = max(hm.roughness.highest - shift, shift - hm.roughness.lowest) or 1.0
     z, sample = each_block(hm.source, lambda h: (h - shift) / scale), (sample - shift) / scale
     aspect = hm.size[0] / hm.size[1]
     coefficients = _solve(*_block_medians(z, v, u), form, aspect)
-    kept = _Kept(0, hashlib.sha256().digest())
+    left_out, kept = 0, None
     for _ in range(_ROUNDS):
         limits = _limits(sample - _evaluate(coefficients, v[::stride], u[::stride]))
-        found, moments, right = _sums(z, coefficients, limits, v, u, form)
-        if present - found.left_out <= 2 * terms:
+        moments, right = _sums(z, coefficients, limits, v, u, form)
+        inside = round(moments[0, 0])
+        if inside <= 2 * terms:
             break
         coefficients = _fit(moments, right, form, aspect)
-        if found == kept:
+        same = inside == present if kept is None else np.array_equal(moments, kept)
+        left_out, kept = present - inside, moments
+        if same:  # other points would have other moments
             break
-        kept = found
     levelled = hm.with_rows(
         (begin, (rows - _evaluate(coefficients, v[begin:end], u)) * scale)
         for begin, end, rows in windows(z)
     )
-    low, high = extremes(levelled.source)
-    if max(high, -low) <= _ROUNDING * max(abs(shift), scale):
+    if levelled.roughness.largest <= _ROUNDING * max(abs(shift), scale):
         levelled = levelled.replace(
             heights=each_block(levelled.source, lambda h: np.where(np.isnan(h), h, 0.0))
         )
-    step = {"step": "level", "form": form, "left_out": kept.left_out}
+    step = {"step": "level", "form": form, "left_out": left_out}
     step |= _described(coefficients * scale, shift, hm.size, form)
     return levelled.replace(step=step)
-
-
-class _Kept(NamedTuple):
-    """Points that a fit leaves out: their number, and the hash of their places."""
-
-    left_out: int
-    places: bytes
 
 
 def _axis(count: int) -> NDArray[np.float64]:
@@ -172,24 +161,19 @@ def _sums(
     v: NDArray[np.float64],
     u: NDArray[np.float64],
     form: str,
-) -> tuple[_Kept, NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Moments of the places, and of the heights, within limits about a form: one matrix product
     each."""
     center, limit = limits
     most = max(_powers(form)[-1])
     powers_u, powers_v = (np.vander(w, 2 * most + 1, increasing=True) for w in (u, v))
     moments, right = np.zeros((2 * most + 1,) * 2), np.zeros((most + 1,) * 2)
-    left_out, places = 0, hashlib.sha256()
     for begin, end, rows in windows(z):
-        distance = np.abs(rows - _evaluate(coefficients, v[begin:end], u) - center)
-        inside = distance <= limit
-        outside = np.flatnonzero(distance > limit) + begin * len(u)
-        left_out += outside.size
-        places.update(outside.data)
+        inside = np.abs(rows - _evaluate(coefficients, v[begin:end], u) - center) <= limit
         along = powers_v[begin:end].T
         moments += along @ (inside.astype(np.float64) @ powers_u)
         right += along[: most + 1] @ (np.where(inside, rows, 0.0) @ powers_u[:, : most + 1])
-    return _Kept(left_out, places.digest()), moments, right
+    return moments, right
 
 
 def _powers(form: str) -> list[tuple[int, int]]:

@@ -14,7 +14,7 @@ from surfaces.errors import SurfaceError, as_number
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics.stored_array import Source, array_of, each_block, rows_around, windows
 
-from .blocks import extremes, middle, replaced
+from .blocks import middle, replaced
 from .filling import quick_fill
 
 __all__ = ["mark_outliers"]
@@ -71,8 +71,7 @@ def mark_outliers(hm: HeightMap, threshold: float = 6.0) -> HeightMap:
     if not as_number("outliers", threshold) >= 3.0:
         raise SurfaceError(f"outliers is {threshold}; use 3 or more robust standard deviations")
     level = middle(hm.source)
-    low, high = extremes(hm.source)
-    scale = max(high - level, level - low) or 1.0
+    scale = max(hm.roughness.highest - level, level - hm.roughness.lowest) or 1.0
     z = quick_fill(each_block(hm.source, lambda heights: (heights - level) / scale))
     spikes: Index = np.empty(0, np.int64)
     limit = threshold * _ninth_decile(hm, z) / _NINE_TENTHS + 1e-7

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import fft
 
-from surfaces.errors import SurfaceError
+from surfaces.errors import SurfaceError, checked_spacing
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel, splines
 from surfaces.numerics.memory import Change, along_both, require_memory
@@ -72,12 +72,7 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
     <HeightMap 16 x 24, pixel 2e-06 x 2e-06 m, periodic>
     """
     require_full(hm, "resampling")
-    try:
-        wanted = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,))
-    except (TypeError, ValueError):
-        wanted = np.zeros(2)
-    if not (wanted > 0).all():
-        raise SurfaceError(f"spacing is {spacing!r}; give two positive pixel sizes (dy, dx) in m")
+    wanted = checked_spacing(spacing)
     ny, nx = (max(1, round(length / d)) for length, d in zip(hm.size, wanted, strict=True))
     if min(ny, nx) < 3:
         raise SurfaceError(f"pixels of {wanted[0]:g} x {wanted[1]:g} m leave {ny} x {nx} points")
@@ -85,11 +80,11 @@ def resample(hm: HeightMap, spacing: ArrayLike) -> HeightMap:
         needed = 24 * ny * nx + 8 * hm.shape[0] * (nx + hm.shape[1])
         require_memory(needed, f"a map of {ny} x {nx} points", "take larger pixels")
     moved = (_waves if hm.periodic else _cosines)(hm.shape, (ny, nx))
-    shapes = (hm.shape[0], moved.width), (ny, moved.width), (ny, nx)
     heights = along_both(
         blocks_of(hm.source),
-        shapes,
         hm.source,
+        moved.width,
+        (ny, nx),
         moved.rows,
         lambda _, waves: moved.columns(waves),
         moved.back,
@@ -226,11 +221,6 @@ def _cosines(old: tuple[int, ...], new: tuple[int, int]) -> _Moved:
 
 def coarse_map(hm: HeightMap) -> Resampled | None:
     """A smooth periodic map on the coarsest grid that holds it; None if that is its own.
-
-    Parameters
-    ----------
-    hm
-        Height map without missing points.
 
     Notes
     -----

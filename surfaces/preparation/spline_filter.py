@@ -23,17 +23,10 @@ def spline_share(
     hm: HeightMap, cutoff: float, frequencies: tuple[Array, Array]
 ) -> Callable[[slice], Array]:
     """Share of each wave that passes the filter of a map without a border, of those in the columns
-    of its spectrum asked for.
+    of its spectrum asked for; half of the wavelength `cutoff` [m].
 
-    Parameters
-    ----------
-    hm
-        The map.
-    cutoff
-        Wavelength [m] of which half passes.
-    frequencies
-        Frequencies [1/m] along y and x of its Fourier spectrum, or cosine spectrum if it is not
-        periodic.
+    The `frequencies` [1/m] along y and x are those of its Fourier spectrum, or cosine spectrum if
+    it is not periodic.
 
     Raises
     ------
@@ -70,19 +63,11 @@ def spline_share(
 
 
 def free_spline(hm: HeightMap, cutoff: float, passed: Array) -> Array:
-    """Long waves of a map that is not periodic, heights [m] of shape (ny, nx).
+    """Long waves of a map that is not periodic and has no missing points, heights [m] (ny, nx).
 
     Its ends are free (natural conditions), which keep planes: conjugate gradients, preconditioned
-    by the filter of the map mirrored at its border.
-
-    Parameters
-    ----------
-    hm
-        The map, without missing points.
-    cutoff
-        Wavelength [m] of which half passes.
-    passed
-        Share of each wave of its cosine spectrum that passes, see `spline_share`.
+    by the filter of the map mirrored at its border, of which the shares `passed` are those of
+    `spline_share` for this `cutoff` [m].
     """
     y, x = (0.25 / math.sin(math.pi * d / cutoff) ** 2 for d in hm.spacing)
     (slope_y, bend_y), (slope_x, bend_x) = (_differences(count) for count in hm.shape)

@@ -208,12 +208,9 @@ def _correlated(
 
     return along_both(
         blocks_of(hm.source),
-        (
-            (hm.shape[0], shape[1] // 2 + 1),
-            (lags[0].size, shape[1] // 2 + 1),
-            (lags[0].size, lags[1].size),
-        ),
         hm.source,
+        shape[1] // 2 + 1,
+        (lags[0].size, lags[1].size),
         lambda rows: fft.rfft(change(rows), shape[1], workers=workers),
         products,
         lambda modes: fft.irfft(modes, shape[1], workers=workers)[:, lags[1] % shape[1]],

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from surfaces.heightmap import HeightMap, require_full, require_map
+from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel
 from surfaces.numerics.memory import room_for
 from surfaces.numerics.stored_array import Sections, blocks_of, spans
 from surfaces.preparation.levelling import level
 
-from .rows import in_memory, rows_of
+from .rows import in_memory
 
 __all__ = ["Density", "density_of", "over_sections", "wave_numbers"]
 
@@ -68,7 +68,7 @@ class Density:
         if not self.hann:
             return None
         if axis == 1:
-            return _along(axis, self.source, rows_of(self.source))
+            return _along(axis, self.source, (rows for _, rows in blocks_of(self.source.source)))
         if in_memory(self.source):
             return _along(axis, self.source, [self.source.heights.T])
         columns = Sections(self.source.shape, _width(*self.source.shape), np.float64)
@@ -93,11 +93,6 @@ def wave_numbers(waves: Density, columns: slice) -> tuple[Array, Array]:
 def density_of(hm: HeightMap) -> Density:
     """Density of a map, less its mean; windowed, less its plane, if it is not periodic.
 
-    Parameters
-    ----------
-    hm
-        The map, without missing points.
-
     Raises
     ------
     SurfaceError
@@ -105,7 +100,6 @@ def density_of(hm: HeightMap) -> Density:
     InputError
         If the memory is too little.
     """
-    require_map(hm)
     require_full(hm, "a power spectrum")
     hann = not hm.periodic
     source = level(hm, "plane") if hann else hm

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel
-
-from .rows import rows_of
+from surfaces.numerics.stored_array import rows_around, spans
 
 __all__ = ["differences"]
 
@@ -23,20 +19,17 @@ _BLOCK = 200_000  # points
 def differences(hm: HeightMap) -> dict[str, float]:
     """Sdq, rms gradient [-], Sdr, additional area [-], and ``curvature``, rms mean curvature [1/m].
 
-    Parameters
-    ----------
-    hm
-        The map; differences that meet a missing point are left out.
-
     Notes
     -----
     Forward differences, and (h_xx + h_yy) / 2 of second central differences; around the seam only
-    for a periodic map. Both fall below the spectral values where waves of a few pixels count. The
-    additional area is that of the triangulated surface over its projection.
+    for a periodic map, and without those that meet a missing point. Both fall below the spectral
+    values where waves of a few pixels count. The additional area is that of the triangulated
+    surface over its projection.
     """
     dy, dx = hm.spacing
 
-    def squares(z: NDArray[np.float64]) -> list[tuple[float, int]]:
+    def squares(first: int, last: int) -> list[tuple[float, int]]:
+        z = _bordered(hm, first, last)
         middle = z[1:-1, 1:-1]
         bend = (z[2:, 1:-1] + z[:-2, 1:-1] - 2.0 * middle) / dy**2
         bend += (z[1:-1, 2:] + z[1:-1, :-2] - 2.0 * middle) / dx**2
@@ -48,11 +41,8 @@ def differences(hm: HeightMap) -> dict[str, float]:
         found = np.square(slope_y), np.square(slope_x), np.square(bend), np.mean(corners, axis=0)
         return [(float(np.nansum(v)), int(np.count_nonzero(v == v))) for v in found]
 
-    totals = np.zeros((4, 2))
-    parts = _bordered(hm)
-    while batch := list(itertools.islice(parts, 4 * parallel.threads())):
-        for part in parallel.each(squares, batch):
-            totals += part
+    blocks = spans(hm.shape[0], max(1, _BLOCK // hm.shape[1]))
+    totals = np.sum(parallel.run(squares, blocks), axis=0)
     with np.errstate(invalid="ignore"):
         slope_y, slope_x, bend, area = (totals[:, 0] / totals[:, 1]).tolist()
     return {
@@ -62,21 +52,13 @@ def differences(hm: HeightMap) -> dict[str, float]:
     }
 
 
-def _bordered(hm: HeightMap) -> Iterator[NDArray[np.float64]]:
-    """Rows of the map in blocks that fit the cache, each with one more point on every side.
+def _bordered(hm: HeightMap, first: int, last: int) -> NDArray[np.float64]:
+    """Rows [first, last) of the map with one more point on every side.
 
     Beyond the border of a map that is not periodic there are missing points.
     """
-    nx = hm.shape[1]
-    outside = np.full((1, nx), np.nan)
-    border: dict[str, Any] = {"mode": "wrap"} if hm.periodic else {"constant_values": np.nan}
-    rows = max(1, _BLOCK // nx)
-    parts = (
-        block[first : first + rows] for block in rows_of(hm) for first in range(0, len(block), rows)
-    )
-    above = hm.source[-1:] if hm.periodic else outside
-    here = next(parts)
-    end = here[:1].copy() if hm.periodic else outside
-    for below in itertools.chain(parts, [end]):
-        yield np.pad(np.vstack([above, here, below[:1]]), ((0, 0), (1, 1)), **border)
-        above, here = here[-1:], below
+    rows = rows_around(hm.source, first - 1, last + 1, hm.periodic)
+    if hm.periodic:
+        return np.pad(rows, ((0, 0), (1, 1)), mode="wrap")
+    ends = int(first == 0), int(last == hm.shape[0])
+    return np.pad(rows, (ends, (1, 1)), constant_values=np.nan)

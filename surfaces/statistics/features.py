@@ -18,14 +18,8 @@ _TOP = 5
 
 
 def features(hm: HeightMap, wolf: float) -> dict[str, float]:
-    """Feature parameters of a map after Wolf pruning; NaN where there is no such feature.
-
-    Parameters
-    ----------
-    hm
-        The map, without missing points.
-    wolf
-        Smallest height of a hill above its saddle, and depth of a dale, in percent of Sz.
+    """Feature parameters of a map after Wolf pruning at `wolf` percent of Sz, see `describe`; NaN
+    where there is no such feature.
 
     Notes
     -----

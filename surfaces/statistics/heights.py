@@ -17,13 +17,7 @@ __all__ = ["height_parameters", "some_roughness"]
 
 
 def some_roughness(hm: HeightMap) -> Roughness:
-    """Mean and extremes of a map that is not constant.
-
-    Raises
-    ------
-    SurfaceError
-        If the map is constant.
-    """
+    """Means and extremes of a map; a constant one is refused."""
     found = hm.roughness
     if found.lowest == found.highest:
         raise SurfaceError("the map is constant; it has no roughness")

@@ -12,7 +12,7 @@ from surfaces.heightmap import HeightMap
 from surfaces.numerics import parallel
 from surfaces.numerics.stored_array import windows
 
-__all__ = ["in_memory", "over_present", "rows_of"]
+__all__ = ["in_memory", "over_present"]
 
 Array = NDArray[np.float64]
 Result = TypeVar("Result")
@@ -23,16 +23,11 @@ def in_memory(hm: HeightMap) -> bool:
     return isinstance(hm.source, np.ndarray)
 
 
-def rows_of(hm: HeightMap) -> Iterator[Array]:
-    """Heights [m] of whole rows, block after block."""
-    return (rows for _, _, rows in windows(hm.source))
-
-
 def over_present(function: Callable[[Array], Result], hm: HeightMap) -> Iterator[Result]:
     """What a function finds in the heights of the points present, of blocks of whole rows in order;
     in threads if the map is on disk."""
     parts = 1 if in_memory(hm) else parallel.threads()
-    for block in rows_of(hm):
+    for _, _, block in windows(hm.source):
         yield from parallel.each(
             lambda rows: function(rows[np.isfinite(rows)]),
             np.array_split(block, min(parts, len(block))),

@@ -305,6 +305,8 @@ def test_instrument_text_without_size_takes_it_from_the_options(tmp_path: Path) 
         surfaces.read(tmp_path / "a.asc", spacing=SPACING)
     with pytest.raises(FileFormatError, match="states no pixel size; pass --spacing"):
         surfaces.read(tmp_path / "a.asc", unit="um")
+    with pytest.raises(SurfaceError, match="give the pixel size"):
+        surfaces.read(tmp_path / "a.asc", unit="um", spacing="fine")
     hm = surfaces.read(tmp_path / "a.asc", unit="um", spacing=SPACING)
     assert hm.spacing == pytest.approx(SPACING)
 

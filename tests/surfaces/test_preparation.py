@@ -308,8 +308,8 @@ def test_nothing_is_left_of_a_map_that_is_the_form_itself() -> None:
     ("change", "match"),
     [
         (lambda hm: surfaces.prepare(hm, bandpass=1e-5), "shortest, longest"),
-        (lambda hm: surfaces.resample(hm, (1e-6, 2e-6, 3e-6)), "two positive pixel sizes"),
-        (lambda hm: surfaces.resample(hm, "fine"), "two positive pixel sizes"),
+        (lambda hm: surfaces.resample(hm, (1e-6, 2e-6, 3e-6)), "give the pixel size"),
+        (lambda hm: surfaces.resample(hm, "fine"), "give the pixel size"),
         (lambda hm: surfaces.resample(hm, 1e-13), r"GB of memory .* take larger pixels"),
         (lambda hm: surfaces.crop(hm, (0.5, 10), (0, 10)), "whole numbers"),
         (lambda hm: surfaces.crop(hm, None, (0, 10)), "whole numbers"),

@@ -58,7 +58,10 @@ def test_parts_are_those_of_the_array(
     values, kept = both
     if all(isinstance(index, np.ndarray) for index in (rows, columns)):
         columns = np.resize(columns, np.shape(rows))  # type: ignore[arg-type]
-    for one, two in ((values, kept), (2.0 * values - 1.0, kept.each(lambda z: 2.0 * z) - 1.0)):
+    for one, two in (
+        (values, kept),
+        (2.0 * values - 1.0, kept.each(lambda z: 2.0 * z).each(lambda z: z - 1.0)),
+    ):
         np.testing.assert_array_equal(two[rows], one[rows])  # type: ignore[index]
         np.testing.assert_array_equal(two[rows, columns], one[rows, columns])  # type: ignore[index]
 
@@ -138,7 +141,7 @@ def test_some_rows_tell_how_many_peaks_there_are() -> None:
 
 def test_pages_are_those_of_the_array(both: tuple[np.ndarray, StoredArray]) -> None:
     values, kept = both
-    for one, two in ((values, kept), (values - 1.0, kept - 1.0)):
+    for one, two in ((values, kept), (values - 1.0, kept.each(lambda z: z - 1.0))):
         np.testing.assert_array_equal(mapped(two), one)
         drop_pages()
         np.testing.assert_array_equal(mapped(two), one)
