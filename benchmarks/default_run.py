@@ -45,7 +45,7 @@ def rows_of(path: Path, prepared: str) -> list[dict[str, object]]:
     for grid in ("own", "refined"):
         part = hm if grid == "own" else surfaces.resample(hm, np.asarray(hm.spacing) / 2)
         start = time.perf_counter()
-        truth = asperity.bem_curve(part, body, pressures=pressures, accuracy=TRUTH, coarsen=False)
+        truth = asperity.bem_curve(part, body, pressures=pressures, accuracy=TRUTH)
         seconds = time.perf_counter() - start
         slope = np.gradient(np.log(truth.mean_pressure), truth.separation)
         for name, answer in answers.items():

@@ -92,9 +92,7 @@ def judge(points: int, seed: int) -> list[np.ndarray]:
         if not can_sample(hm, body, asperity.make_plan(hm, body, boundary=border), Accuracy()):
             continue
         loads = default_pressures(hm, body, 8)
-        true = asperity.bem_curve(
-            hm, body, pressures=loads, accuracy=0.01, coarsen=False, boundary=border
-        )
+        true = asperity.bem_curve(hm, body, pressures=loads, accuracy=0.01, boundary=border)
         curve = asperity.solve(hm, body, pressures=loads, engine="sampled", boundary=border)
         if curve.verification["engine"] != "sampled":
             print(f"{name}: left to boundary elements", flush=True)
@@ -122,7 +120,7 @@ def timed(points: int, seed: int) -> None:
         curve = asperity.contact_curve(hm, body)
         loads = curve.mean_pressure[curve.converged]
         begun = time.perf_counter()
-        asperity.bem_curve(hm, body, pressures=loads, accuracy=0.1, coarsen=False)
+        asperity.bem_curve(hm, body, pressures=loads, accuracy=0.1)
         middle = time.perf_counter()
         asperity.solve(hm, body, pressures=loads, engine="sampled")
         alone, parts = middle - begun, time.perf_counter() - middle

@@ -39,9 +39,7 @@ def rows_of(name, seed, hm, m, boundary, args) -> list[dict]:
     """Rows of one map."""
     body = asperity.HalfSpace.from_modulus(1.0, m, args.hardness * hm.roughness.rms_slope)
     loads = default_pressures(hm, body, args.loads)
-    truth = asperity.bem_curve(
-        hm, body, pressures=loads, accuracy=TRUTH, coarsen=False, boundary=boundary
-    )
+    truth = asperity.bem_curve(hm, body, pressures=loads, accuracy=TRUTH, boundary=boundary)
     work = truth.extra["elastic_energy"] + truth.extra.get("plastic_work", 0.0)
     rate = truth.load / work
     found = []
@@ -49,7 +47,7 @@ def rows_of(name, seed, hm, m, boundary, args) -> list[dict]:
         for accuracy in args.accuracies:
             begun = time.perf_counter()
             alone = asperity.bem_curve(
-                hm, body, pressures=loads, accuracy=2 * accuracy, coarsen=False, boundary=boundary
+                hm, body, pressures=loads, accuracy=2 * accuracy, boundary=boundary
             )
             middle = time.perf_counter()
             # another object: nothing that a map keeps of itself may help

@@ -25,24 +25,20 @@ from asperity.halfspace.scene import (
 )
 from asperity.progress import Progress, reported
 from asperity.results.curve import POINT_FIELDS, ContactCurve
+from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import apart
 from surfaces.numerics.parallel import threads as thread_count
 
-from .accuracy import (
-    LOOSEST,
-    choose_grid,
-    coarsened,
-    interpolated,
-    loads_to_solve,
-    require_accuracy,
-)
 from .bounds import area_error, load_error
 from .memory import fits
 from .path import LoadPath, follow_chains, split_loads
 from .problem import ContactProblem
 
 __all__ = ["SolvedLoad", "bem_curve"]
+
+_LOOSEST = 1e-2
+"""Tolerance that each load of an accuracy is solved to first; looser saves little."""
 
 _NO_MAP = np.zeros((0, 0), np.bool_)
 
@@ -96,8 +92,6 @@ def bem_curve(
     tolerance: float = 1e-6,
     boundary: str | None = None,
     accuracy: float | None = None,
-    coarsen: bool = True,
-    check: bool = False,
     progress: Progress = None,
     checkpoint: Callable[[ContactCurve], object] | None = None,
 ) -> ContactCurve:
@@ -114,17 +108,7 @@ def bem_curve(
         from the rms slope and the modulus.
     accuracy
         Relative error allowed in load and corrected area [-], 1e-4 to 0.2, in place of a
-        tolerance: each load is solved until its certificate bounds the error by that. The coarsest
-        grid that holds it is chosen from the spectrum of the map and the lightest load
-        (`accuracy.choose_grid`), and of more than ten pressures about ten are solved and the others
-        interpolated (`accuracy.interpolated`): see `extra["interpolated"]` and the setting
-        `solved_loads`.
-    coarsen
-        With `accuracy`: False solves every load on the grid of the map.
-    check
-        With `accuracy`: solve the middle load once more on a grid twice as fine (at most the full
-        one); where the difference in separation over rms height or in area is larger than the bound
-        of the certificate, it is the `error_estimate`.
+        tolerance: each load is solved until its certificate bounds the error by that.
     progress
         True for a progress bar, or a function called with every finished load point
         (`SolvedLoad`), with its contact map; one call at a time.
@@ -151,24 +135,8 @@ def bem_curve(
     >>> bool(curve.converged.all()), bool(curve.area_fraction[1] > curve.area_fraction[0])
     (True, True)
     """
-    if check and accuracy is None:
-        raise InputError("check tells how well an accuracy is held; give accuracy as well")
     compile_ahead("bem")
     kind, values = checked_loads(hm, material, pressures, separations)
-    sparse = accuracy is not None and coarsen and kind == "pressure"
-    few = loads_to_solve(values) if sparse else None
-    if few is not None:
-        solved_curve = bem_curve(
-            hm,
-            material,
-            pressures=few,
-            boundary=boundary,
-            accuracy=accuracy,
-            check=check,
-            progress=progress,
-            checkpoint=checkpoint,
-        )
-        return interpolated(solved_curve, values)
     begun = time.perf_counter()
     boundary = chosen_boundary(hm, boundary)
     warnings = scene_warnings(hm, material)
@@ -180,23 +148,17 @@ def bem_curve(
         "warnings": warnings,
     }
     hm = hm.about_mean
-    grid = hm
     if accuracy is not None:
-        asked |= {"accuracy": require_accuracy(accuracy)}
-        tolerance = LOOSEST
-    if accuracy is not None and coarsen:
-        lightest = _lightest_area(hm, material, kind, values)
-        shape, why = choose_grid(hm, accuracy, lightest, boundary)
-        grid = hm if shape == hm.shape else coarsened(hm, shape, boundary)
-        asked |= {"accuracy_reason": why}
+        asked |= {"accuracy": _require_accuracy(accuracy)}
+        tolerance = _LOOSEST
     order = np.argsort(values if kind == "pressure" else -values, kind="stable")
-    chains = split_loads(_shares(kind, values[order]), grid.heights.size)
-    together = len(chains) > 1 and thread_count() > 1 and fits(grid.shape, boundary, len(chains))
+    chains = split_loads(_shares(kind, values[order]), hm.heights.size)
+    together = len(chains) > 1 and thread_count() > 1 and fits(hm.shape, boundary, len(chains))
 
     def planned(_: range) -> ContactProblem:
         alone = kind == "pressure" and len(values) == 1
         return ContactProblem(
-            grid,
+            hm,
             material,
             tolerance=tolerance,
             boundary=boundary,
@@ -231,8 +193,14 @@ def bem_curve(
 
     with reported(progress, len(values), "load points") as tell:
         follow_chains(chains, follow, together=together)
-    curve = curve_of([*range(len(values))])
-    return _checked(curve, hm, material, problem) if check and grid is not hm else curve
+    return curve_of([*range(len(values))])
+
+
+def _require_accuracy(accuracy: float) -> float:
+    """Refuse an accuracy that is no relative error from 1e-4 to 0.2."""
+    if not 1e-4 <= as_number("accuracy", accuracy) <= 0.2:
+        raise InputError(f"accuracy is {accuracy!r}; give a relative error from 1e-4 to 0.2")
+    return accuracy
 
 
 def _solve_point(path: LoadPath, kind: str, value: float, keep_map: bool) -> SolvedLoad:
@@ -297,36 +265,3 @@ def _shares(kind: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
     if kind == "pressure":
         return np.asarray(values / max(values[-1], 1e-300))
     return np.linspace(0.0, 1.0, len(values)) ** 2
-
-
-def _lightest_area(
-    hm: HeightMap, material: HalfSpace, kind: str, values: NDArray[np.float64]
-) -> float:
-    """Area fraction expected at the lightest load point: from the load, or by the heights."""
-    if kind == "pressure":
-        loads = values[values > 0.0]
-        return expected_area_fraction(hm, material, float(loads.min())) if loads.size else 1.0
-    return 0.3 * float(np.mean(hm.heights - hm.heights.mean() > values.max()))
-
-
-def _checked(
-    curve: ContactCurve, hm: HeightMap, material: HalfSpace, problem: ContactProblem
-) -> ContactCurve:
-    """The curve with the error estimate from one solve on a grid twice as fine."""
-    good = np.flatnonzero(curve.converged)
-    if not good.size:
-        return curve
-    middle = int(good[np.argsort(curve.mean_pressure[good])[len(good) // 2]])
-    rows, columns = (min(2 * n, full) for n, full in zip(problem.hm.shape, hm.shape, strict=True))
-    whole = (rows, columns) == hm.shape
-    finer = hm if whole else coarsened(hm, (rows, columns), problem.boundary)
-    finest = bem_curve(
-        finer,
-        material,
-        pressures=[curve.mean_pressure[middle]],
-        tolerance=problem.tolerance,
-        boundary=problem.boundary,
-    )
-    shift = abs(finest.separation[0] - curve.separation[middle]) / hm.rms_height
-    area = abs(curve.contact_area[middle] / max(finest.contact_area[0], 1e-300) - 1.0)
-    return replace(curve, error_estimate=np.maximum(curve.error_estimate, max(shift, area)))

@@ -105,7 +105,7 @@ def exact(
     **told: Any,
 ) -> ContactCurve:
     """Boundary elements on the grid of the map, within an error of the area."""
-    return engine(hm, material, **{f"{kind}s": values}, accuracy=error, coarsen=False, **told)
+    return engine(hm, material, **{f"{kind}s": values}, accuracy=error, **told)
 
 
 def anchored(

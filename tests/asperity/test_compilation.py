@@ -142,7 +142,7 @@ contact_curve(hm, warmup.BODY, separations=[2.5 * hm.rms_height, 2.2 * hm.rms_he
 waves = {"hurst": 0.8, "rms_slope": 0.1, "cutoff": 0.01, "rolloff": 0.05}
 large = self_affine((512, 512), (1.0, 1.0), **waves)
 loads = contact_curve(large, warmup.BODY).mean_pressure
-bem_curve(large, warmup.BODY, pressures=loads[-3:], boundary="free", accuracy=0.1, coarsen=False)
+bem_curve(large, warmup.BODY, pressures=loads[-3:], boundary="free", accuracy=0.1)
 print(forms() - known or "{}")
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -51,7 +51,7 @@ def test_the_slightest_touch_carries_what_it_should(accuracy):
     it: an empty contact is none of a small error."""
     hm = rough()
     tops = hm.about_mean.heights.max() - hm.rms_height * np.array([1e-9, 1e-6, 1e-4])
-    touched = bem_curve(hm, BODY, separations=tops, accuracy=accuracy, coarsen=False)
+    touched = bem_curve(hm, BODY, separations=tops, accuracy=accuracy)
     assert touched.converged.all() and (touched.load > 0.0).all()
     back = bem_curve(hm, BODY, pressures=touched.mean_pressure)
     approach = hm.about_mean.heights.max() - back.separation

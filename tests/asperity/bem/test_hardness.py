@@ -252,7 +252,7 @@ def test_bearing_curve_in_the_limit_of_a_low_hardness(x, boundary):
     points, mat = hm.heights.size, HalfSpace.from_modulus(1.0, hardness=x * hm.roughness.rms_slope)
     higher = np.round(np.geomspace(0.01, 0.5, 8) * points)
     loads = mat.hardness * (higher + 0.5) / points
-    curve = bem_curve(hm, mat, pressures=loads, accuracy=0.05, coarsen=False, boundary=boundary)
+    curve = bem_curve(hm, mat, pressures=loads, accuracy=0.05, boundary=boundary)
     assert curve.converged.all()
     heights = np.sort(hm.about_mean.heights.ravel())[::-1][higher.astype(int)]
     displaced = mat.hardness * max(hm.size) / mat.modulus  # at most, all of the map at the hardness
@@ -276,7 +276,7 @@ def test_work_done_is_elastic_and_plastic():
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 def test_curves(boundary):
-    """Loads, separations and a coarse interpolated curve agree within their error bounds."""
+    """Loads, separations and a loose curve agree within their error bounds."""
     mat = body(0.2)
     loads = np.geomspace(0.002, 0.05, 12) * SCALE
     curve = bem_curve(HM, mat, pressures=loads, boundary=boundary)

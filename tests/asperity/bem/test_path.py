@@ -105,7 +105,7 @@ def test_a_load_begins_with_the_tolerance_that_the_one_before_or_the_coarser_gri
 
     monkeypatch.setattr(Level, "solve", noted)
     loads = np.geomspace(0.02, 0.2, 7)
-    found = bem_curve(rough((128, 160)), BODY, pressures=loads, accuracy=0.02, coarsen=False)
+    found = bem_curve(rough((128, 160)), BODY, pressures=loads, accuracy=0.02)
     assert (found.extra["area_error_estimate"] <= 0.02).all()
     (first, tolerance), (second, _), *rest = begun
     assert first is PressureOrigin.PROLONGED

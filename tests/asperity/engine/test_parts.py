@@ -30,9 +30,7 @@ def waves(**recipe: object) -> surfaces.HeightMap:
 
 
 def truth(hm, body, loads, boundary=None):
-    return asperity.bem_curve(
-        hm, body, pressures=loads, accuracy=0.01, coarsen=False, boundary=boundary
-    )
+    return asperity.bem_curve(hm, body, pressures=loads, accuracy=0.01, boundary=boundary)
 
 
 def off(curve, true):

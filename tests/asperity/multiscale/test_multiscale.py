@@ -168,7 +168,7 @@ def test_light_contacts_meet_the_fine_waves_as_heights(hurst, rolloff, seed):
     pressures = np.array([1e-3, 4e-3, 1.6e-2, 6e-2]) * pressure_scale(hm, body)
     curve = asperity.contact_curve(hm, body, pressures=pressures)
     fine = surfaces.resample(hm, np.asarray(hm.spacing) / 2)
-    exact = asperity.bem_curve(fine, body, pressures=pressures, coarsen=False)
+    exact = asperity.bem_curve(fine, body, pressures=pressures)
     assert curve.settings["shortest_wave"] is not None
     rate = exact.stiffness / exact.mean_pressure
     error = np.abs(rate * (curve.separation - exact.separation))
@@ -209,7 +209,7 @@ def test_fine_waves_that_yield_lift_less(noise, x):
     pressures = np.geomspace(1e-3, 2e-2, 4) * scale
     curve = asperity.contact_curve(noise, body, pressures=pressures)
     fine = surfaces.resample(noise, np.asarray(noise.spacing) / 2)
-    exact = asperity.bem_curve(fine, body, pressures=pressures, accuracy=0.01, coarsen=False)
+    exact = asperity.bem_curve(fine, body, pressures=pressures, accuracy=0.01)
     assert curve.settings["shortest_wave"] is not None
     rate = exact.stiffness / exact.mean_pressure
     error = np.abs(rate * (curve.separation - exact.separation))

@@ -185,13 +185,6 @@ def test_a_reference_that_misses_a_point_leaves_the_others_to_be_compared(hm):
     assert both.model.mean_pressure[1] == pytest.approx(3e8, rel=1e-3)
 
 
-def test_interpolated_loads_beside_one_that_failed_are_not_known(hm):
-    loads = np.geomspace(1e7, 1e9, 30)
-    whole = asperity.bem_curve(hm, STEEL, pressures=loads, accuracy=0.05)
-    assert whole.converged.all() and whole.extra["interpolated"].any()
-    assert np.isfinite(whole.area_fraction).all()
-
-
 @pytest.mark.parametrize(
     ("x", "y", "labels"),
     [

@@ -313,7 +313,7 @@ def test_spikes_that_end_above_their_pixels_are_doubted(height):
     body = asperity.HalfSpace.from_modulus(1.0)
     loads = np.array([1e-3, 5e-3, 2e-2]) * pressure_scale(spiked, body)
     curve = asperity.contact_curve(spiked, body, pressures=loads)
-    true = asperity.bem_curve(spiked, body, pressures=loads, accuracy=0.01, coarsen=False)
+    true = asperity.bem_curve(spiked, body, pressures=loads, accuracy=0.01)
     rate = true.stiffness / true.mean_pressure
     wrong = np.abs(rate * (curve.separation - true.separation))
     weight = DEFAULTS.error_estimate.overshoot

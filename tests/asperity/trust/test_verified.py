@@ -25,7 +25,7 @@ def test_the_verified_curve_is_within_its_bounds(rough):
     settings = {"pressures": LOADS, "interaction": False}
     model = asperity.contact_curve(rough, STEEL, **settings)
     curve = asperity.contact_curve(rough, STEEL, **settings, verify=asperity.bem_curve)
-    tight = asperity.bem_curve(rough, STEEL, pressures=LOADS, accuracy=1e-3, coarsen=False)
+    tight = asperity.bem_curve(rough, STEEL, pressures=LOADS, accuracy=1e-3)
 
     def off(found):
         rate = tight.stiffness / tight.mean_pressure
