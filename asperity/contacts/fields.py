@@ -51,18 +51,9 @@ def pressure_map(decomposition: Decomposition, point: LoadPoint) -> Array:
 
 
 def pressed_pixels(decomposition: Decomposition, point: LoadPoint) -> tuple[Index, Index, Array]:
-    """The pixels in contact, whose they are, and their pressures.
+    """Flat index of each pixel in contact, the contact that presses there, and its pressure [Pa].
 
-    Parameters
-    ----------
-    decomposition, point
-        As in `microcontacts`.
-
-    Returns
-    -------
-    pixel, contact, pressure
-        Flat index of each pixel, the contact that presses there, and its pressure [Pa]. A contact
-        whose basin has no pixel's centre has the pixel of its summit, with another contact.
+    A contact whose basin has no pixel's centre has the pixel of its summit, with another contact.
 
     Notes
     -----

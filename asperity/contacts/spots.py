@@ -29,11 +29,6 @@ def spot_table(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.voi
     meet at an edge or a corner. Necks break there: the weakest patches beyond those that the curve
     counts belong to the strongest patch of their contact.
 
-    Parameters
-    ----------
-    decomposition, point
-        As in `microcontacts`.
-
     Returns
     -------
     Structured array, largest spot first, with x, y [m] (centre of the pressure), area [m^2],

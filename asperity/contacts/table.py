@@ -32,13 +32,6 @@ _ROUNDS = 6
 def microcontacts(decomposition: Decomposition, point: LoadPoint) -> NDArray[np.void]:
     """Table of the contacts that carry load.
 
-    Parameters
-    ----------
-    decomposition
-        The decomposed surface.
-    point
-        One load point.
-
     Returns
     -------
     Structured array with x, y, height [m], approach [m], force [N], area [m^2], radius [m] (of the
@@ -162,24 +155,11 @@ def _semi_axes(
 def outlines(
     profiles: Profiles, approach: Array, area: Array, aspect: Array, m: float
 ) -> tuple[Array, Array]:
-    """Radii of contacts about their summits, and the share of their rays that fill the basin.
+    """Radii [m] of contacts about their summits, shape (n, DIRECTIONS), and the share of their rays
+    that fill the basin, (n,).
 
-    Parameters
-    ----------
-    profiles
-        Profiles of n contacts.
-    approach, area
-        Approach [m] and contact area [m^2] of each, shape (n,).
-    aspect
-        Short over long axis of the ellipse on each summit, shape (n,).
-    m
-        Exponent of the grading.
-
-    Returns
-    -------
-    radii, filled
-        Radii [m], shape (n, DIRECTIONS); share of the rays [-] that end at the edge of the basin,
-        shape (n,).
+    `approach` [m], contact `area` [m^2] and `aspect`, short over long axis of the ellipse on each
+    summit, have the shape (n,).
 
     Notes
     -----

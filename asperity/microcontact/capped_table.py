@@ -46,14 +46,8 @@ ROUNDING = 1e-9
 
 
 def capped_table(table: LawTable, material: HalfSpace) -> LawTable:
-    """The laws of contacts whose pressure the hardness of a half-space bounds, from elastic ones.
-
-    Parameters
-    ----------
-    table
-        Elastic laws, with their bearing areas.
-    material
-        Half-space; without a hardness the table is returned as it is.
+    """The laws of contacts whose pressure the hardness of a half-space bounds, from elastic ones
+    with their bearing areas; without a hardness these.
 
     Notes
     -----

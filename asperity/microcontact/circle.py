@@ -50,27 +50,16 @@ def tabulate(
     radii: int = 14,
     points: int = 5,
 ) -> LawTable:
-    """Law table of the profiles by the first-order (`paper`) or `harmonic` expansion.
-
-    Parameters
-    ----------
-    profiles, material, nodes
-        As of `laws.tabulate`.
-    law
-        "paper" (equations 22-25, 49, 50) or "harmonic" (harmonic by harmonic, with the
-        second-order force and area).
-    radii, points
-        Radii at which the expansion is evaluated, and points of the radial rule.
-
-    Returns
-    -------
-    LawTable
-        The table of a contact ends (its reach) where its contact area equals the area of its
-        basin, ``1/2 sum weight edge^2``; or at 1.15 times the radius of that area, if the
-        contact stays smaller; or before the mean profile turns over (D' <= 0).
+    """Law table of the profiles by the law "paper" (equations 22-25, 49, 50) or "harmonic"
+    (harmonic by harmonic, with the second-order force and area); see `laws.tabulate`.
 
     Notes
     -----
+    The table of a contact ends (its reach) where its contact area equals the area of its basin,
+    ``1/2 sum weight edge^2``; or at 1.15 times the radius of that area, if the contact stays
+    smaller; or before the mean profile turns over (D' <= 0). The expansion is evaluated at `radii`
+    radii by a radial rule of `points` points.
+
     All quantities are computed on a grid of radii a, where everything is explicit, and
     interpolated to the approaches in the normalised forms F/u^(3+m), A/u^2, u = sqrt(d). Beyond
     the end of a ray f goes on with its last slope and the curvature 2q, so that the mean profile
@@ -172,16 +161,11 @@ def _derivative(ratio: Array, a: Array, p: float) -> Array:
 
 
 def expected_error(first: Array, resolved: Array, published: Array, law: str) -> Array:
-    """Relative error of the force to be expected of the law "paper" or "harmonic".
+    """Relative error of the force to be expected of the law "paper", which leaves out the
+    second-order force F2, or "harmonic", which leaves out what follows it.
 
-    Parameters
-    ----------
-    first
-        First-order force [N].
-    resolved, published
-        Second-order force F2 [N] with the operator of each harmonic, and with that of n = 2.
-    law
-        "paper" leaves F2 out; "harmonic" leaves out what follows it.
+    From the first-order force [N] and F2 [N] with the operator of each harmonic, `resolved`, and
+    with that of n = 2, `published`.
 
     Notes
     -----

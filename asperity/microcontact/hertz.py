@@ -52,16 +52,8 @@ class EllipticContact(NamedTuple):
 def elliptic_contact(
     k1: ArrayLike, k2: ArrayLike, approach: ArrayLike, material: HalfSpace
 ) -> EllipticContact:
-    """Exact contact of an elliptic paraboloid, any m (broadcast over all arguments).
-
-    Parameters
-    ----------
-    k1, k2
-        Principal curvatures [1/m] of the gap, positive, in any order.
-    approach
-        Approach d [m], non-negative.
-    material
-        Half-space.
+    """Exact contact of an elliptic paraboloid of positive principal curvatures [1/m] of the gap, in
+    any order, at a non-negative approach [m], any m (broadcast over all arguments).
 
     Raises
     ------

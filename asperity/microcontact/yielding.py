@@ -74,18 +74,11 @@ def capped(
     *,
     level: ArrayLike | None = None,
 ) -> Capped:
-    """Approach and force of capped contacts that have the areas of elastic ones.
+    """Approach and force of contacts under a hardness H [Pa] that have the areas of elastic ones,
+    of approach d [m], force F [N], contact area A [m^2] and stiffness dF/dd [N/m].
 
-    Parameters
-    ----------
-    approach, force, area, stiffness
-        Approach d [m], force F [N], contact area A [m^2] and dF/dd [N/m] of elastic contacts,
-        arrays that broadcast.
-    material
-        Half-space with its hardness H [Pa].
-    level
-        Gap [m] of the level line of the profile that encloses the area: the outline of a soft
-        contact. None where the level lines are circles.
+    `level` is the gap [m] of the level line of the profile that encloses the area: the outline of a
+    soft contact. None where the level lines are circles. All broadcast.
 
     Notes
     -----

@@ -37,22 +37,8 @@ function."""
 
 
 class LawFactory:
-    """Laws of summits by their rows.
-
-    Parameters
-    ----------
-    summits
-        Summits of the map that is solved.
-    shares
-        Loads that they carry; None: laws are not corrected.
-    material
-        Half-space.
-    law
-        Name of the law.
-    parameters
-        Constants of the model.
-    seconds
-        Time of each stage [s], to which that of profiles and laws is added.
+    """Laws of summits by their rows; without `shares` they are not corrected. The time [s] of
+    profiles and laws is added to `seconds`.
 
     Attributes
     ----------

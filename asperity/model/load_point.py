@@ -89,18 +89,8 @@ def point_at_separation(
     last: LoadPoint | None,
     tolerance: float,
 ) -> LoadPoint:
-    """The load point at which the flat is at a separation [m] from the whole surface.
-
-    Parameters
-    ----------
-    decomposition
-        The contacts.
-    separation
-        Separation wanted [m].
-    last
-        The load point of a near separation, to start from.
-    tolerance
-        As in `Population.solve`.
+    """The load point at which the flat is at a separation [m] from the whole surface, from the
+    `last` one, of a near separation; `tolerance` as in `Population.solve`.
 
     Notes
     -----
@@ -173,13 +163,6 @@ def spot_count(decomposition: Decomposition, point: LoadPoint) -> int:
     """Number of separate spots: of what touches on the pixels of the map, where pixels that meet at
     an edge or a corner belong together, as boundary elements on these pixels count them.
 
-    Parameters
-    ----------
-    decomposition
-        The decomposed surface.
-    point
-        One load point.
-
     Notes
     -----
     Contacts of adjoining basins have joined where their mean approach is 1.6 times the mean depth
@@ -227,14 +210,8 @@ def joined_spots(
 ) -> NDArray[np.int64]:
     """First contact of the spot that each contact belongs to, -1 without area, shape (n,).
 
-    Parameters
-    ----------
-    pairs
-        Contacts on both sides of each pass, shape (k, 2).
-    depth
-        Sum of their approaches [m] from which on they have joined, shape (k,).
-    approach, area
-        Approaches [m] and areas [m^2] of the contacts, shape (n,).
+    The contacts of each of the `pairs` (k, 2) have joined where their approaches [m] add up to more
+    than its `depth` [m].
     """
     parent = np.empty(area.size, np.int64)
     for i in range(area.size):

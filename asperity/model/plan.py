@@ -299,9 +299,10 @@ def _lowest_height(
     sample = _sample(hm)
     if kind == "pressure":
         share = expected_area_fraction(hm, material, float(values.max()))
-        candidate = _above_contacts(sample, share, bounds)
-        if candidate is None:
+        top = bounds.spare_share + bounds.depth * share
+        if top >= bounds.whole_share:
             return whole
+        candidate = float(np.quantile(sample, 1.0 - top))
     else:
         highest = hm.roughness.highest - hm.roughness.mean
         candidate = min(float(values.min()), highest) - 0.5 * hm.roughness.rms_height
@@ -328,12 +329,3 @@ def _sample(hm: HeightMap) -> NDArray[np.float64]:
     """Heights [m] above the mean plane of so many points that they tell a quantile."""
     step = max(1, int(np.sqrt(math.prod(hm.shape) / SAMPLE)))
     return hm.source[::step, ::step].ravel() - hm.roughness.mean
-
-
-def _above_contacts(
-    sample: NDArray[np.float64], share: float, bounds: Segmentation
-) -> float | None:
-    """Height above which all candidates for contact lie, up to a share of the area in contact;
-    None where that is hardly less than all of the heights."""
-    top = bounds.spare_share + bounds.depth * share
-    return None if top >= bounds.whole_share else float(np.quantile(sample, 1.0 - top))

@@ -65,23 +65,10 @@ FEWEST = 3
 
 def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> Array:
     """Force [N], area [m^2], centre y, x [m] from the summit, moments yy, xx, yx [m^2] of the
-    pressure about it and area above the flat [m^2], of basins pressed alone.
+    pressure about it and area above the flat [m^2], of the basins of some summits pressed alone.
 
-    Parameters
-    ----------
-    summits
-        Summits of a map.
-    rows
-        Those to press, shape (n,).
-    depths
-        Approaches [m], shape (n, levels), rising along each row.
-    material
-        Half-space.
-
-    Returns
-    -------
-    Array of shape (n, levels, 8); zero where too few elements overlap, and from the level on at
-    which a basin reaches too far.
+    Approaches `depths` [m] (n, levels) rise along each row; the result (n, levels, 8) is zero where
+    too few elements overlap, and from the level on at which a basin reaches too far.
 
     Notes
     -----
@@ -112,22 +99,10 @@ def press(summits: Summits, rows: Rows, depths: Array, material: HalfSpace) -> A
 
 
 def areas_under(summits: Summits, rows: Rows, force: Array, depth: Array, body: HalfSpace) -> Array:
-    """Areas [m^2] of basins pressed alone by forces under the hardness of a half-space, shape (n,).
+    """Areas [m^2] of basins pressed alone by forces [N] under the hardness of a half-space, (n,).
 
-    Parameters
-    ----------
-    summits
-        Summits of a map, which may be tilted (`Summits.tilted`).
-    rows
-        Those to press, shape (n,).
-    force, depth
-        Force [N] and about the approach [m] of each, shape (n,).
-    body
-        Half-space with its hardness.
-
-    Returns
-    -------
-    Areas; zero where a basin reaches too far, or does not bear the force.
+    `depth` is about the approach [m] of each. An area is zero where a basin reaches too far, or
+    does not bear the force.
     """
     from ._element_kernels import areas_under_load
 
@@ -195,15 +170,9 @@ def _kernels(m: float) -> NDArray[np.float32]:
 def put(table: LawTable, slots: Rows, summits: Summits, rows: Rows, material: HalfSpace) -> None:
     """Go on from the expansions of some contacts by their basins pressed alone.
 
-    Parameters
-    ----------
-    table
-        Laws by expansion; nobody else holds it. Up to the last node that its expansion describes a
-        row stays as it is; it keeps its reach and its flags.
-    slots, rows
-        Rows of the table, and the summits that they belong to, shape (n,).
-    summits, material
-        As in `press`.
+    Of a table of laws by expansion, which nobody else holds, the rows `slots` belong to the summits
+    `rows`. Up to the last node that its expansion describes a row stays as it is; it keeps its
+    reach and its flags.
 
     Notes
     -----

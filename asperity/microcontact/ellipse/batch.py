@@ -48,9 +48,6 @@ they carry 1 % too little at equal approach."""
 _FIRST = 8
 """Newton steps at the smallest approach; every other one needs a single evaluation."""
 
-_STENCIL = 5
-"""Levels over which a slope is taken."""
-
 _BLOCK = 256
 """Profiles followed at a time: what is kept of them stays in the cache."""
 
@@ -69,9 +66,11 @@ def levels_of(nodes: int) -> Array:
 @lru_cache(maxsize=8)
 def _stencils(nodes: int) -> Array:
     """Weights [width - 1, start, place, k] of the slope over u from `width` levels from `start`."""
+    from ._table_kernels import WIDTH
+
     u = levels_of(nodes)
-    out = np.zeros((_STENCIL, u.size, _STENCIL, _STENCIL))
-    for width in range(1, _STENCIL + 1):
+    out = np.zeros((WIDTH, u.size, WIDTH, WIDTH))
+    for width in range(1, WIDTH + 1):
         for start in range(u.size - width + 1):
             own = u[start : start + width]
             for place in range(width):

@@ -174,22 +174,10 @@ def punch_moments(degree: int, m: float) -> Array:
 
 
 def edge_operator(m: float, ratio: Array, degree: int = DEGREE) -> Array:
-    """Edge amplitudes of displacement monomials on ellipses of unit area measure a b = 1.
+    """Edge amplitudes of displacement monomials on ellipses of ``a b = 1`` of axis ratios (n,).
 
-    Parameters
-    ----------
-    m
-        Exponent of the grading.
-    ratio
-        Axis ratios b/a, shape (n,).
-    degree
-        Degree of the polynomials.
-
-    Returns
-    -------
-    NDArray
-        Amplitude P(t) of ``p = P (1 - rho**2)**((m-1)/2)`` for unit modulus, shape
-        (n, monomials, degree + 1), at t from 0 to pi/2; even or odd beyond by parity.
+    Amplitude P(t) of ``p = P (1 - rho**2)**((m-1)/2)`` for unit modulus, shape
+    (n, monomials, degree + 1), at t from 0 to pi/2; even or odd beyond by parity.
     """
     nodes = np.linspace(0, np.pi / 2, degree + 1)
     operator = _operator(degree, m, _chord_transform(degree, m), 0, ratio)

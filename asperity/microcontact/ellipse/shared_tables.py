@@ -13,6 +13,7 @@ beforehand.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -83,92 +84,76 @@ class EllipseTables:
     order: NDArray[np.int64]
 
 
-def _boundary_modes(degree: int, kind: int, t: Array) -> Array:
-    """Angular modes of a parity class at parameters t: (t, modes)."""
-    if kind == 0:
-        return np.asarray(np.cos(np.outer(t, np.arange(0, degree + 1, 2))))
-    if kind == 1:
-        return np.asarray(np.sin(np.outer(t, np.arange(2, degree + 1, 2))))
-    odd = np.arange(1, degree + 1, 2)
-    return np.asarray((np.cos if kind == 2 else np.sin)(np.outer(t, odd)))
+def _free_fields(
+    m: float, ratio: Array, degree: int, t: Array
+) -> Iterator[tuple[int, Index, Array, list[Array]]]:
+    """Fields ``P (1 - rho**2)**((m-3)/2)`` that displace nothing, P a polynomial, by parity class.
 
-
-def _free_fields(lower: Array, edge: Array, modes: Array) -> Array:
-    """Polynomials P of a parity class, as coefficients (ratio, monomial, mode), whose fields
-    ``P (1 - rho**2)**((m-3)/2)`` displace nothing and whose values on the edge are the modes.
-
-    `lower` is the operator of such fields (ratio, n, n), `edge` the monomials on the edge (n, t),
-    `modes` the wanted values there (t, modes).
+    For each class: 0 for cosines, 1 for sines; their numbers k; the values of P at the edge, which
+    are these modes, at parameters t, shape (t, k); and the first and second coefficient of P in
+    powers of ``1 - rho**2`` there, shapes (ratio, t, k).
     """
-    null = np.swapaxes(lower, 1, 2)
-    null = null / np.abs(null).max()
-    system = np.concatenate([null, np.broadcast_to(edge.T, (len(null), *edge.T.shape))], axis=1)
-    right = np.concatenate([np.zeros((len(edge), modes.shape[1])), modes])
-    return np.asarray(np.linalg.pinv(system, rcond=1e-12) @ right)
-
-
-def _stiffness_forms(degree: int, m: float, lower: Array, weight: Array, bent: Array) -> Array:
-    """Upper triangles of the second-order stiffness form, per ratio (ellipse_law 2).
-
-    ``lower`` is the operator with exponent (m-3)/2, ``weight`` and ``bent`` the product weights
-    of w and of its second derivative over 2 pi.
-    """
+    lower = steeper_operator(m, ratio, degree)
     i, j = monomials(degree)
     parity, order = parity_of(degree), i + j
-    t = np.arange(weight.shape[1]) * 2 * np.pi / weight.shape[1]
     edge = np.cos(t) ** i[:, None] * np.sin(t) ** j[:, None]
-    out = []
-    for kind in range(4):
+    for kind, (form, first) in enumerate(((0, 0), (1, 2), (0, 1), (1, 1))):
         rows = np.flatnonzero(parity == kind)
-        modes = _boundary_modes(degree, kind, t)
-        solution = _free_fields(lower[:, rows[:, None], rows], edge[rows], modes)
-        slope = np.einsum("rt,brk->btk", edge[rows] * order[rows, None], solution)
-        amplitude = -0.5 * (m - 1) * slope
-        form = np.einsum("bt,ti,btj->bij", weight, modes, 0.5 * m * modes + amplitude)
+        number = np.arange(first, degree + 1, 2)
+        modes = (np.cos if form == 0 else np.sin)(np.outer(t, number))
+        null = np.swapaxes(lower[:, rows[:, None], rows], 1, 2)
+        null = null / np.abs(null).max()
+        values = np.broadcast_to(edge[rows].T, (ratio.size, t.size, rows.size))
+        system = np.concatenate([null, values], axis=1)
+        right = np.concatenate([np.zeros((rows.size, number.size)), modes])
+        solution = np.linalg.pinv(system, rcond=1e-12) @ right
+        slopes = [
+            np.einsum("rt,brk->btk", edge[rows] * factor[rows, None], solution)
+            for factor in (-order / 2, order * (order - 2) / 8)
+        ]
+        yield form, number, modes, slopes
+
+
+def _stiffness_forms(m: float, ratio: Array, degree: int, moments: Array) -> Array:
+    """Upper triangles of the second-order stiffness form, per ratio (ellipse_law 2).
+
+    `moments` are the means of ``gamma**(m-1) cos(k t)`` over the edges.
+    """
+    count = 2 * (moments.shape[1] - 1)
+    weight, bent = (
+        product_weights(part, count, 2 * np.pi)
+        for part in (moments, -moments * np.arange(moments.shape[1]) ** 2)
+    )
+    out = []
+    for _, number, modes, (slope, _) in _free_fields(
+        m, ratio, degree, np.arange(count) * 2 * np.pi / count
+    ):
+        form = np.einsum("bt,ti,btj->bij", weight, modes, 0.5 * m * modes + (m - 1) * slope)
         form = form + 0.25 * np.einsum("bt,ti,tj->bij", bent, modes, modes)
         form = 0.5 * (form + np.swapaxes(form, 1, 2))
-        for p in range(modes.shape[1]):
-            for q in range(p, modes.shape[1]):
+        for p in range(number.size):
+            for q in range(p, number.size):
                 out.append(form[:, p, q] * (1.0 if p == q else 2.0))
     return np.array(out).T
 
 
 @lru_cache(maxsize=8)
 def edge_slopes(m: float, degree: int) -> Array:
-    """Edge of the fields (1 - rho**2)**((m-3)/2) without displacement, in Fourier modes.
+    """Edge of the fields ``(1 - rho**2)**((m-3)/2)`` without displacement, in Fourier modes up to
+    an even degree.
 
-    Parameters
-    ----------
-    m
-        Exponent of the grading.
-    degree
-        Highest mode, even.
-
-    Returns
-    -------
-    NDArray
-        Per ln(b/a) of the tables the matrices from the modes cos k t (first) and sin k t (second)
-        of the polynomial's value at the edge to those of its first and second coefficient in
-        powers of ``1 - rho**2`` there, shape (ratios, 2, 2, degree + 1, degree + 1), the
-        coefficient first; ``-k/2`` and ``k (k - 2)/8`` on the circle.
+    Per ln(b/a) of the tables the matrices from the modes cos k t (first) and sin k t (second) of
+    the polynomial's value at the edge to those of its first and second coefficient in powers of
+    ``1 - rho**2`` there, shape (ratios, 2, 2, degree + 1, degree + 1), the coefficient first;
+    ``-k/2`` and ``k (k - 2)/8`` on the circle.
     """
-    ratio = np.exp(np.linspace(*LOG_RATIO))
-    lower = steeper_operator(m, ratio, degree)
-    i, j = monomials(degree)
-    order = i + j
-    parity = parity_of(degree)
-    count = 4 * (degree + 1)
-    t = np.arange(count) * 2 * np.pi / count
-    edge = np.cos(t) ** i[:, None] * np.sin(t) ** j[:, None]
+    ratio, count = np.exp(np.linspace(*LOG_RATIO)), 4 * (degree + 1)
     out = np.zeros((ratio.size, 2, 2, degree + 1, degree + 1))
-    for kind, (form, first) in enumerate(((0, 0), (1, 2), (0, 1), (1, 1))):
-        rows = np.flatnonzero(parity == kind)
-        number = np.arange(first, degree + 1, 2)
-        modes = (np.cos if form == 0 else np.sin)(np.outer(t, number))
-        solution = _free_fields(lower[:, rows[:, None], rows], edge[rows], modes)
+    for form, number, modes, slopes in _free_fields(
+        m, ratio, degree, np.arange(count) * 2 * np.pi / count
+    ):
         norm = np.sum(modes * modes, axis=0)
-        for which, factor in enumerate((-order / 2, order * (order - 2) / 8)):
-            inner = np.einsum("rt,brk->btk", edge[rows] * factor[rows, None], solution)
+        for which, inner in enumerate(slopes):
             out[:, which, form, number[:, None], number] = np.swapaxes(
                 np.einsum("btk,tl->bkl", inner, modes) / norm, 1, 2
             )
@@ -177,37 +162,22 @@ def edge_slopes(m: float, degree: int) -> Array:
 
 @lru_cache(maxsize=8)
 def ellipse_tables(m: float, degree: int = DEGREE) -> EllipseTables:
-    """Tables of the elliptic contact for one grading exponent, built once per process.
-
-    Parameters
-    ----------
-    m
-        Exponent of the grading, -1 < m < 1.
-    degree
-        Degree of the profile polynomials, even, at least 2.
-    """
+    """Tables of the elliptic contact for one grading exponent -1 < m < 1 and an even degree of the
+    profile polynomials, at least 2; built once per process."""
     quarter = degree + 1
     nodes = np.linspace(0, np.pi / 2, quarter)
-    around = 4 * (quarter - 1)
     ratio = np.exp(np.linspace(*LOG_RATIO))
-    edge = edge_operator(m, ratio, degree)
-    lower = steeper_operator(m, ratio, degree)
-    ratio = ratio[:, None]
     fine = np.arange(8192) * np.pi / 8192
-    squared = np.cos(fine) ** 2 * ratio + np.sin(fine) ** 2 / ratio
-    dense = 8 * (degree + 2)
-    even = fourier_moments(squared ** ((m - 1) / 2), dense // 4 + 1)
-    full = np.zeros((ratio.size, dense // 2 + 1))
-    full[:, ::2] = even
-    weight = product_weights(full, dense, 2 * np.pi)
-    bent = product_weights(-full * np.arange(full.shape[1]) ** 2, dense, 2 * np.pi)
-    forms = _stiffness_forms(degree, m, lower, weight, bent)
-
-    on_quarter = product_weights(full[:, : around // 2 + 1], around, 2 * np.pi)[:, :quarter]
+    squared = np.cos(fine) ** 2 * ratio[:, None] + np.sin(fine) ** 2 / ratio[:, None]
+    moments = np.zeros((ratio.size, 4 * (degree + 2) + 1))
+    moments[:, ::2] = fourier_moments(squared ** ((m - 1) / 2), 2 * (degree + 2) + 1)
+    around = 4 * degree
+    on_quarter = product_weights(moments[:, : around // 2 + 1], around, 2 * np.pi)[:, :quarter]
     on_quarter = on_quarter * np.where((nodes == 0) | (nodes == nodes[-1]), 2.0, 4.0)
-    alpha = fourier_moments(squared ** ((m - 1) / 2), 1)
-    stiffness = 2 / ((1 + m) * alpha)
+    stiffness = 2 / ((1 + m) * moments[:, :1])
+    forms = _stiffness_forms(m, ratio, degree, moments)
     spare = ((0, 0), (0, max(LANES - quarter, 0)))
+    edge = edge_operator(m, ratio, degree)
     edge = np.pad(edge, ((0, 0), *spare), mode="edge").reshape(ratio.size, -1)
     rows = np.concatenate([edge, np.pad(on_quarter, spare), stiffness, forms], axis=1)
     i, j = monomials(degree)

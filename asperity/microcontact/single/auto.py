@@ -31,7 +31,6 @@ def indent(
     own = np.where(np.isfinite(first.force), first.error_estimate, np.inf)
     other = np.where(np.isfinite(second.force), second.error_estimate, np.inf)
     take = np.nan_to_num(own, nan=np.inf) <= np.nan_to_num(other, nan=np.inf)
-    rows = take.reshape(-1, 1)
     names = ("force", "contact_area", "radius", "stiffness", "flags", "error_estimate")
     columns = {name: np.where(take, getattr(first, name), getattr(second, name)) for name in names}
     return replace(
@@ -39,10 +38,10 @@ def indent(
         law=law,
         **columns,
         contour_function=lambda phi: np.where(
-            rows, first.contour_function(phi), second.contour_function(phi)
+            take[:, None], first.contour_function(phi), second.contour_function(phi)
         ),
         pressure_function=lambda r, phi: np.where(
-            rows, first.pressure_function(r, phi), second.pressure_function(r, phi)
+            take[:, None], first.pressure_function(r, phi), second.pressure_function(r, phi)
         ),
         history_function=None,
     )

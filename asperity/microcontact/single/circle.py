@@ -14,7 +14,7 @@ from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .basis import Basis, PowerBasis, basis_of, samples, synthesis
 from .indentation import Indentation, contour_flags, profile_flags
-from .inverse_approach import InverseApproach
+from .inverse_approach import radius_at
 from .pressure import AxisymmetricPressure, HistoryPressure
 
 __all__ = ["Expansion", "indent"]
@@ -129,13 +129,12 @@ def indent(
 ) -> Indentation:
     """Solution by the laws "paper" and "harmonic"; see `asperity.indent`."""
     basis = basis_of(profile, material.m)
-    depth = approach.ravel()
-    a = InverseApproach(basis).radius(depth)
+    a = radius_at(basis, approach)
     known = np.isfinite(a) & (a > 0)
     harmonic = Expansion.at(basis, a[known], material, published=False)
     published = Expansion.at(basis, a[known], material, published=True)
     one = published if law == "paper" else harmonic
-    fields = _Fields(basis, material, law, one, depth, known)
+    fields = _Fields(basis, material, law, one, approach, known)
     force, stiffness = one.first, one.first_stiffness()
     area = np.pi * (one.a**2 + one.variance())
     if law == "harmonic":
@@ -144,23 +143,23 @@ def indent(
         area = one.resolved_area()
     spread = expected_error(one.first, harmonic.second, published.second, law)
 
-    def shaped(values: Array) -> Array:
-        return fields.fill(values[:, None])[:, 0].reshape(approach.shape)
+    def everywhere(values: Array) -> Array:
+        return fields.fill(values[:, None])[:, 0]
 
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     flags = contour_flags(a, fields.fill(fields.first_order(phi)))
-    flags |= profile_flags(profile, depth, phi, fields.contour(phi))
+    flags |= profile_flags(profile, approach, phi, fields.contour(phi))
     flags[~np.isfinite(a)] |= np.uint8(Flag.TURNING)
     return Indentation(
         law=law,
         material=material,
         approach=approach,
-        force=shaped(force),
-        contact_area=shaped(area),
-        radius=shaped(one.a),
-        stiffness=shaped(stiffness),
-        flags=flags.reshape(approach.shape),
-        error_estimate=shaped(spread),
+        force=everywhere(force),
+        contact_area=everywhere(area),
+        radius=everywhere(one.a),
+        stiffness=everywhere(stiffness),
+        flags=flags,
+        error_estimate=everywhere(spread),
         contour_function=fields.contour,
         pressure_function=fields.scaled if fields.similar else fields.history,
         history_function=fields.history,
@@ -222,7 +221,7 @@ class _Fields:
     def first_order(self, phi: Array) -> Array:
         """First-order contour [m] of the solved contacts: what the flags judge."""
         if self.law == "paper":
-            return self.state.boundary(self.basis.published(self.state.a, phi))
+            return self._boundary(self.state, phi)
         return self.state.boundary(self.state.edge(phi))
 
     def _earlier(self, radii: Array) -> Expansion:

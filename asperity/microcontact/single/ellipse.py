@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from operator import attrgetter
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,12 +15,12 @@ from surfaces.polar import PolarProfile, PowerLawProfile, PowerSumProfile
 
 from . import circle
 from .basis import basis_of
-from .ellipse_search import Search, Solved
+from .ellipse_search import Search
 from .ellipse_state import EllipseState
 from .indentation import Indentation, profile_flags
-from .inverse_approach import InverseApproach
+from .inverse_approach import radius_at
 
-__all__ = ["indent", "solve_ellipse"]
+__all__ = ["indent"]
 
 Array = NDArray[np.float64]
 
@@ -29,24 +32,12 @@ _LAST = 0.5
 stands for it and those that follow (Euler)."""
 
 
-def solve_ellipse(
+def _state(
     profile: PowerSumProfile | PolarProfile, material: HalfSpace, approach: float, start: float
 ) -> EllipseState | None:
-    """Contact of a profile at one approach; None if no ellipse was found, or it pulls.
+    """Contact at one approach [m], of a radius near `start` [m]; None if no ellipse was found, or
+    it pulls.
 
-    Parameters
-    ----------
-    profile
-        The profile.
-    material
-        Half-space.
-    approach
-        Approach [m], positive.
-    start
-        Radius [m] near that of the contact.
-
-    Notes
-    -----
     The expansion is made about the ellipse of the contour that the one about the best ellipse
     gives. The stiffness is that of a power law, or a difference of the force.
     """
@@ -54,48 +45,19 @@ def solve_ellipse(
     best = search.optimum(search.first, approach)
     if best is None:
         return None
-    solved = search.solved(best, approach)
-    if not solved.expansion.force > 0:
+    (a, b, turn, x, y), gap, one, widest = search.solved(best, approach)
+    if not one.force > 0:
         return None
     if isinstance(profile, PowerLawProfile):
         power = 1 + (1 + material.m) / profile.k
     else:
         power = search.power(best, approach)
-    return _state(solved, material, approach, power, _cornered(profile))
-
-
-def _states(
-    profile: PowerSumProfile | PolarProfile, material: HalfSpace, depth: Array, start: Array
-) -> list[EllipseState | None]:
-    """Contacts at several approaches; those of a power law are all similar to the first."""
-    states: list[EllipseState | None] = []
-    first: tuple[float, EllipseState] | None = None
-    for d, a in zip(depth, start, strict=True):
-        if not (np.isfinite(a) and a > 0):
-            states.append(None)
-        elif first is not None and isinstance(profile, PowerLawProfile):
-            states.append(first[1].scaled(float(d) / first[0], profile.k, material.m))
-        else:
-            one = solve_ellipse(profile, material, float(d), float(a))
-            first = None if one is None else (float(d), one)
-            states.append(one)
-    return states
-
-
-def _cornered(profile: PowerSumProfile | PolarProfile) -> bool:
-    """Whether the section has kinks."""
-    return len(getattr(profile, "corners", ())) > 0
-
-
-def _state(
-    solved: Solved, material: HalfSpace, approach: float, power: float, kinked: bool
-) -> EllipseState:
-    (a, b, turn, x, y), gap, one, widest = solved
     unit = material.modulus
     coefs = -gap.polynomial
     coefs[0] += approach
     e1, e2, e3 = one.contour
     # logarithm of the squared contour; at a kink the higher orders ring and cut the corner
+    kinked = len(getattr(profile, "corners", ())) > 0
     grown = e1 if kinked else e1 + e2 - e1**2 / 2 + _LAST * (e3 - e1 * e2 + e1**3 / 3)
     grown = np.exp(np.clip(grown, -3.0, 3.0))
     mean = float((1 + e1 + e2 + _LAST * e3).mean())
@@ -118,6 +80,24 @@ def _state(
     )
 
 
+def _states(
+    profile: PowerSumProfile | PolarProfile, material: HalfSpace, depth: Array, start: Array
+) -> list[EllipseState | None]:
+    """Contacts at several approaches; those of a power law are all similar to the first."""
+    states: list[EllipseState | None] = []
+    first: tuple[float, EllipseState] | None = None
+    for d, a in zip(depth, start, strict=True):
+        if not (np.isfinite(a) and a > 0):
+            states.append(None)
+        elif first is not None and isinstance(profile, PowerLawProfile):
+            states.append(first[1].scaled(float(d) / first[0], profile.k, material.m))
+        else:
+            one = _state(profile, material, float(d), float(a))
+            first = None if one is None else (float(d), one)
+            states.append(one)
+    return states
+
+
 def indent(
     profile: PowerSumProfile | PolarProfile,
     material: HalfSpace,
@@ -129,52 +109,48 @@ def indent(
 
     The pressure of a sharp tip, which is no polynomial, is that of the law "harmonic".
     """
-    depth = approach.ravel()
-    start = InverseApproach(basis_of(profile, material.m)).radius(depth)
-    states = _states(profile, material, depth, start)
+    start = radius_at(basis_of(profile, material.m), approach)
+    states = _states(profile, material, approach, start)
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
 
-    def rows(values: list[Array | float | None], empty: Array) -> Array:
-        out = np.where(depth > 0, np.nan, 0.0)
-        out = np.repeat(out[:, None], empty.size, axis=1)
-        for row, value in zip(out, values, strict=True):
-            if value is not None:
-                row[:] = value
+    def rows(told: Callable[[EllipseState], Array], size: int) -> Array:
+        """What is told of each contact, shape (n, size): zero without one, NaN if not found."""
+        out = np.repeat(np.where(approach > 0, np.nan, 0.0)[:, None], size, axis=1)
+        for row, one in zip(out, states, strict=True):
+            if one is not None:
+                row[:] = told(one)
         return out
 
-    def shaped(name: str) -> Array:
-        values = [None if one is None else getattr(one, name) for one in states]
-        return rows(values, np.zeros(1))[:, 0].reshape(approach.shape)
+    def column(name: str) -> Array:
+        return rows(attrgetter(name), 1)[:, 0]
 
     def contour(angle: Array) -> Array:
-        return rows([None if one is None else one.boundary(angle) for one in states], angle)
+        return rows(lambda one: one.boundary(angle), angle.size)
 
     sharp = np.array([one is not None and one.sharp for one in states])
 
     def pressure(r: Array, angle: Array) -> Array:
-        values = rows(
-            [None if one is None else one.pressure(r, angle, material) for one in states], angle
-        )
+        values = rows(lambda one: one.pressure(r, angle, material), angle.size)
         if np.any(sharp):
-            tips = circle.indent(profile, material, depth[sharp], law="harmonic")
+            tips = circle.indent(profile, material, approach[sharp], law="harmonic")
             values[sharp] = tips.pressure_function(r, angle)
         return values
 
-    force, stiffness = shaped("force"), shaped("stiffness")
-    flags = profile_flags(profile, depth, phi, contour(phi)).reshape(approach.shape)
-    doubtful = rows([None if one is None else float(one.doubtful) for one in states], np.zeros(1))
-    flags[doubtful.reshape(approach.shape) > 0] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
+    force, stiffness = column("force"), column("stiffness")
+    flags = profile_flags(profile, approach, phi, contour(phi))
+    doubtful = np.array([one is not None and one.doubtful for one in states])
+    flags[doubtful] |= np.uint8(Flag.CONTOUR_DOUBTFUL)
     flags[~np.isfinite(force)] |= np.uint8(Flag.TURNING)
     return Indentation(
         law=law,
         material=material,
         approach=approach,
         force=force,
-        contact_area=shaped("area"),
+        contact_area=column("area"),
         radius=Footprints(material.modulus, material.m).radius(np.maximum(stiffness, 0.0)),
         stiffness=stiffness,
         flags=flags,
-        error_estimate=shaped("expected_error"),
+        error_estimate=column("expected_error"),
         contour_function=contour,
         pressure_function=pressure,
     )

@@ -30,6 +30,9 @@ DEGREE = 8
 ANGLES = 192
 """Equispaced parameters t on an ellipse."""
 
+_WAVES = ANGLES // 2 + 1
+"""Harmonics that they tell apart."""
+
 _RADII = 14
 """Radii at which f is fitted."""
 
@@ -102,14 +105,14 @@ class Edge:
         return self.amplitude / self.level
 
 
-@lru_cache(maxsize=4)
-def fit_points(degree: int) -> tuple[Array, Array, Array, Array]:
+@lru_cache(maxsize=1)
+def fit_points() -> tuple[Array, Array, Array, Array]:
     """Scaled places (xi, eta) of the samples, the monomials there, and their pseudo-inverse."""
     rho = _REGION * np.sqrt((np.arange(_RADII) + 0.5) / _RADII)
     t = 2 * np.pi * np.arange(ANGLES) / ANGLES
     xi: Array = (rho[:, None] * np.cos(t)).ravel()
     eta: Array = (rho[:, None] * np.sin(t)).ravel()
-    i, j = monomials(degree)
+    i, j = monomials(DEGREE)
     matrix = xi[:, None] ** i * eta[:, None] ** j
     return xi, eta, matrix, _inverse(matrix, 1e-12)
 
@@ -129,8 +132,8 @@ def _inverse(matrix: Array, cut: float) -> Array:
 
 
 def fitted(samples: Array) -> Gap:
-    """Representation of the values of f at `fit_points(DEGREE)`."""
-    _, _, matrix, inverse = fit_points(DEGREE)
+    """Representation of the values of f at `fit_points`."""
+    _, _, matrix, inverse = fit_points()
     polynomial = inverse @ samples
     left = (samples - matrix @ polynomial).reshape(_RADII, ANGLES)
     powers, whole, bare = _radial_fit()
@@ -178,7 +181,7 @@ def edge_of(gap: Gap, approach: float, a: float, b: float, m: float) -> Edge:
 def _edge_weight(m: float, ratio: float) -> Array:
     """Weights at the parameters t, exact for trigonometric polynomials times gamma^(m-1)."""
     widths = (ratio * _FINE_COSINE + (1 - _FINE_COSINE) / ratio) ** ((m - 1) / 2)
-    moments = np.zeros(ANGLES // 2 + 1)
+    moments = np.zeros(_WAVES)
     moments[::2] = np.fft.rfft(widths).real[: ANGLES // 4 + 1] / widths.size
     return np.asarray(2 * np.pi * np.fft.irfft(moments, ANGLES))
 
@@ -187,7 +190,7 @@ def _edge_weight(m: float, ratio: float) -> Array:
 def _rest_factors(m: float) -> tuple[Array, Array]:
     """Edge amplitude of ``rho^k e^(i n t)`` on the circle, shape (n, k), and mean of rho^k under
     the pressure of the flat punch."""
-    order = np.arange(ANGLES // 2 + 1)[:, None]
+    order = np.arange(_WAVES)[:, None]
     return kappa(m, _POWERS + order) / np.pi, kappa(m, _POWERS) / (_POWERS + 1 + m) * (1 + m)
 
 
@@ -211,7 +214,7 @@ def between(rows: Array, position: float) -> Array:
 def _resampled(values: Array) -> Complex:
     """Transforms, for ANGLES points, of trigonometric polynomials at 4 DEGREE equispaced ones."""
     waves = np.fft.rfft(values, axis=-1)
-    out = np.zeros((*values.shape[:-1], ANGLES // 2 + 1), dtype=complex)
+    out = np.zeros((*values.shape[:-1], _WAVES), dtype=complex)
     out[..., : DEGREE + 1] = waves[..., : DEGREE + 1] * (ANGLES / values.shape[-1])
     return out
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from asperity.microcontact.ellipse.shared_tables import LOG_RATIO
 from surfaces.polar import PolarProfile, PowerSumProfile
 
-from .ellipse_expansion import ANGLES, DEGREE, Edge, Gap, edge_of, fit_points, fitted
+from .ellipse_expansion import ANGLES, Edge, Gap, edge_of, fit_points, fitted
 from .ellipse_series import Expansion, expand
 
 __all__ = ["SHARP", "Ellipse", "Search", "Solved"]
@@ -95,10 +96,10 @@ class Search:
         self, profile: PowerSumProfile | PolarProfile, m: float, approach: float, radius: float
     ) -> None:
         self._profile, self._m = profile, m
-        self.first, free = _first_ellipse(profile, radius, approach)
+        self._gap = lru_cache(maxsize=_KEPT)(self._fitted)
+        self.first, free = self._first(radius, approach)
         self._modes = _MODES if free else _MODES[:3]
         self._inverse = np.eye(len(self._modes))
-        self._gaps: dict[Ellipse, Gap] = {}
 
     def optimum(self, start: Ellipse, approach: float) -> Ellipse | None:
         """Ellipse of the largest force of the elliptic punch.
@@ -159,28 +160,20 @@ class Search:
     def _edge(self, ellipse: Ellipse, approach: float) -> Edge:
         return edge_of(self._gap(ellipse), approach, ellipse.a, ellipse.b, self._m)
 
-    def _gap(self, ellipse: Ellipse) -> Gap:
-        """f on the ellipse; the last few are kept."""
-        if ellipse not in self._gaps:
-            xi, eta, _, _ = fit_points(DEGREE)
-            while len(self._gaps) >= _KEPT:
-                self._gaps.pop(next(iter(self._gaps)))
-            self._gaps[ellipse] = fitted(np.asarray(self._profile(*ellipse.places(xi, eta))))
-        return self._gaps[ellipse]
+    def _fitted(self, ellipse: Ellipse) -> Gap:
+        """f on the ellipse."""
+        xi, eta, _, _ = fit_points()
+        return fitted(np.asarray(self._profile(*ellipse.places(xi, eta))))
 
-
-def _first_ellipse(
-    profile: PowerSumProfile | PolarProfile, radius: float, approach: float
-) -> tuple[Ellipse, bool]:
-    """Ellipse of the Hertzian aspect about the summit, a circle about a sharp one, and whether
-    its centre is free."""
-    xi, eta, _, _ = fit_points(DEGREE)
-    circle = Ellipse(radius, radius, 0.0, 0.0, 0.0)
-    gap = fitted(np.asarray(profile(*circle.places(xi, eta))))
-    c = gap.polynomial
-    values, axes = np.linalg.eigh([[c[3], 0.5 * c[4]], [0.5 * c[4], c[5]]])
-    if gap.misfit > SHARP * approach or not values[1] > 0:
-        return circle, gap.misfit <= SHARP * approach
-    root = float(np.clip(values[0] / values[1], 1e-3, 1.0)) ** 0.315
-    turn = float(np.arctan2(axes[1, 0], axes[0, 0]))
-    return Ellipse(radius / root, radius * root, turn, 0.0, 0.0), True
+    def _first(self, radius: float, approach: float) -> tuple[Ellipse, bool]:
+        """Ellipse of the Hertzian aspect about the summit, a circle about a sharp one, and whether
+        its centre is free."""
+        circle = Ellipse(radius, radius, 0.0, 0.0, 0.0)
+        gap = self._gap(circle)
+        c = gap.polynomial
+        values, axes = np.linalg.eigh([[c[3], 0.5 * c[4]], [0.5 * c[4], c[5]]])
+        if gap.misfit > SHARP * approach or not values[1] > 0:
+            return circle, gap.misfit <= SHARP * approach
+        root = float(np.clip(values[0] / values[1], 1e-3, 1.0)) ** 0.315
+        turn = float(np.arctan2(axes[1, 0], axes[0, 0]))
+        return Ellipse(radius / root, radius * root, turn, 0.0, 0.0), True

@@ -29,6 +29,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import binom
 
 from asperity.microcontact.ellipse.shared_tables import edge_slopes
 
@@ -105,37 +106,30 @@ def expand(edge: Edge) -> Expansion:
     # orders of eta (e), of c_1 and c_2, and of the singular coefficients (s)
     e1 = edge.amplitude / ((b + 1) * a1[0])
     c1, c2 = a1[1] - (b + 2) * e1 * a2[0], a2[1] - (b + 3) * e1 * a3
-    half, sixth = _binomial(b + 1, 2), _binomial(b + 2, 3)
+    half, sixth = binom(b + 1, 2), binom(b + 2, 3)
     s2 = half * e1**2 * a1[0]
     by_s2, by_s2_bent = fields(s2), fields(s2, 1)
-    e2 = by_s2 / (b + 1) - e1 * c1 - _binomial(b + 2, 2) / (b + 1) * e1**2 * a2[0]
+    e2 = by_s2 / (b + 1) - e1 * c1 - binom(b + 2, 2) / (b + 1) * e1**2 * a2[0]
     e2 = e2 / a1[0]
-    c1_second = by_s2_bent - (b + 2) * (e2 * a2[0] + e1 * c2) - _binomial(b + 3, 2) * e1**2 * a3
+    c1_second = by_s2_bent - (b + 2) * (e2 * a2[0] + e1 * c2) - binom(b + 3, 2) * e1**2 * a3
     s3 = half * (2 * e1 * e2 * a1[0] + e1**2 * c1) + sixth * e1**3 * a2[0]
-    low3 = _binomial(b + 1, 3) * e1**3 * a1[0]
+    low3 = binom(b + 1, 3) * e1**3 * a1[0]
     by_s3, by_low3 = fields(np.stack([s3, low3]))
     right = by_s3 + fields.lower(low3, by_low3, b)
-    right -= _binomial(b + 2, 2) * (2 * e1 * e2 * a2[0] + e1**2 * c2)
-    right -= _binomial(b + 3, 3) * e1**3 * a3
+    right -= binom(b + 2, 2) * (2 * e1 * e2 * a2[0] + e1**2 * c2)
+    right -= binom(b + 3, 3) * e1**3 * a3
     e3 = (right / (b + 1) - e2 * c1 - e1 * c1_second) / a1[0]
     s4 = half * ((2 * e1 * e3 + e2**2) * a1[0] + 2 * e1 * e2 * c1 + e1**2 * c1_second)
-    s4 += sixth * (3 * e1**2 * e2 * a2[0] + e1**3 * c2) + _binomial(b + 3, 4) * e1**4 * a3
-    low4 = _binomial(b + 1, 3) * (3 * e1**2 * e2 * a1[0] + e1**3 * c1)
-    low4 += _binomial(b + 2, 4) * e1**4 * a2[0]
-    lowest = _binomial(b + 1, 4) * e1**4 * a1[0]
+    s4 += sixth * (3 * e1**2 * e2 * a2[0] + e1**3 * c2) + binom(b + 3, 4) * e1**4 * a3
+    low4 = binom(b + 1, 3) * (3 * e1**2 * e2 * a1[0] + e1**3 * c1)
+    low4 += binom(b + 2, 4) * e1**4 * a2[0]
+    lowest = binom(b + 1, 4) * e1**4 * a1[0]
     by_low4, by_lowest = fields(np.stack([low4, lowest]))
     inner = s4 + b / (b - 1) * (low4 - by_low4)
     inner += b / (b - 2) * (lowest - by_lowest - fields.lower(lowest, by_lowest, b))
     work = np.stack([s2, s3 + b / (b - 1) * (low3 - by_low3), inner]) @ edge.weight
     second, third, fourth = (edge.scale / (2 * b) * work).tolist()
     return Expansion(edge.lower, second, third, fourth, np.stack([e1, e2, e3]))
-
-
-def _binomial(top: float, count: int) -> float:
-    value = 1.0
-    for k in range(count):
-        value *= (top - k) / (k + 1)
-    return value
 
 
 class _EdgeFields:

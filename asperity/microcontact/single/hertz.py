@@ -28,7 +28,7 @@ def indent(
 ) -> Indentation:
     """Hertz contact of the curvatures at the summit; see `asperity.indent`."""
     k1, k2, along = _summit(profile, material.m)
-    depth = np.maximum(approach.ravel(), 0.0)
+    depth = np.maximum(approach, 0.0)
     contact = elliptic_contact(k1, k2, depth, material)
     major, minor = contact.semi_major, contact.semi_minor
 
@@ -44,18 +44,16 @@ def indent(
         return np.asarray(contact.peak_pressure[:, None] * inside ** ((1 + material.m) / 2))
 
     phi = 2 * np.pi * np.arange(180) / 180
-    flags = profile_flags(profile, depth, phi, contour(phi))
-    shape = approach.shape
     return Indentation(
         law=law,
         material=material,
         approach=approach,
-        force=contact.force.reshape(shape),
-        contact_area=np.asarray(np.pi * major * minor).reshape(shape),
-        radius=np.sqrt(major * minor).reshape(shape),
-        stiffness=contact.stiffness.reshape(shape),
-        flags=flags.reshape(shape),
-        error_estimate=_difference(profile, material, depth, contact.force).reshape(shape),
+        force=contact.force,
+        contact_area=np.asarray(np.pi * major * minor),
+        radius=np.sqrt(major * minor),
+        stiffness=contact.stiffness,
+        flags=profile_flags(profile, depth, phi, contour(phi)),
+        error_estimate=_difference(profile, material, depth, contact.force),
         contour_function=contour,
         pressure_function=pressure,
     )

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -98,25 +99,40 @@ def indent(
     if (approach is None) == (load is None):
         raise InputError("give either approach or load")
     solve = _solver(law)
-    goal = _finite(approach if load is None else load, "approach" if load is None else "load")
-    if load is not None and np.any(goal <= 0):
+    given = _finite(approach if load is None else load, "approach" if load is None else "load")
+    if load is not None and np.any(given <= 0):
         raise InputError("load must be positive; give approach for a body that does not touch")
     elastic = partial(solve, profile, material.elastic, law=law)
-    bounded = np.isfinite(material.hardness)
-    if load is None and not bounded:
-        return elastic(goal)
+    goal = given.ravel()
     refusal = f"the law {law!r} reaches no {'approach' if load is None else 'load'}"
-    first = np.full(goal.shape, _typical(profile))
-    if not bounded:
-        return elastic(_depth(_forces(elastic), first, goal, refusal))
-    capped = CappedLaw(elastic, profile, material)
-    if load is None:
+    if np.isfinite(material.hardness):
+        if load is not None:
+            _require_carried(profile, material, goal)
+        capped = CappedLaw(elastic, profile, material)
+        one = _yielding(capped, goal, _first(profile, goal), load is not None, refusal)
+    elif load is None:
+        one = elastic(goal)
+    else:
+        one = elastic(_depth(_forces(elastic), _first(profile, goal), goal, refusal))
+    columns = {column.name: getattr(one, column.name) for column in fields(one)}
+    shaped: dict[str, Any] = {
+        name: values.reshape(given.shape)
+        for name, values in columns.items()
+        if isinstance(values, np.ndarray)
+    }
+    return replace(one, **shaped)
+
+
+def _yielding(
+    capped: CappedLaw, goal: Array, first: Array, loaded: bool, refusal: str
+) -> Indentation:
+    """Contacts under a hardness at the approaches or, if `loaded`, the loads `goal`."""
+    if loaded:
+        one = capped.contact(_depth(_values(capped, "force"), first, goal, refusal))
+    else:
         one = capped.contact(_depth(_values(capped, "approach"), goal, goal, refusal))
         force = one.force + one.stiffness * (goal - one.approach)
         one = replace(one, approach=goal, force=force)
-    else:
-        _require_carried(profile, material, goal)
-        one = capped.contact(_depth(_values(capped, "force"), first, goal, refusal))
     return replace(
         one,
         first_yield_function=partial(_limit, capped, "yielding", 1.0, first),
@@ -145,17 +161,17 @@ def _values(capped: CappedLaw, name: str) -> Measure:
     """A quantity of capped contacts, and its change with the logarithm of the elastic approach."""
 
     def measure(depth: Array) -> tuple[Array, Array]:
-        values, changes = capped.at(depth.ravel())
-        return values[name].reshape(depth.shape), changes[name].reshape(depth.shape)
+        values, changes = capped.at(depth)
+        return values[name], changes[name]
 
     return measure
 
 
-def _typical(profile: PowerSumProfile | PolarProfile) -> float:
-    """Gap [m] at a quarter of the radius of a profile."""
+def _first(profile: PowerSumProfile | PolarProfile, goal: Array) -> Array:
+    """Approaches to begin with: the gap [m] at a quarter of the radius of a profile."""
     radius = profile.radius if np.isfinite(profile.radius) else 1.0
     turn = 2 * np.pi * np.arange(16) / 16
-    return float(np.mean(profile(radius / 4, turn)))
+    return np.full(goal.shape, np.mean(profile(radius / 4, turn)))
 
 
 def _depth(measure: Measure, start: Array, goal: Array, refusal: str) -> Array:
@@ -183,7 +199,7 @@ def _depth(measure: Measure, start: Array, goal: Array, refusal: str) -> Array:
 
 def _limit(capped: CappedLaw, name: str, goal: float, start: Array) -> tuple[float, float]:
     """Approach and force at which a quantity reaches `goal`: zero from the start, or infinite."""
-    middle = np.ravel(start)[:1]
+    middle = start[:1]
     values, changes = capped.at(np.append(_TINY * middle, middle))
     if not values[name][0] < goal:
         return 0.0, 0.0

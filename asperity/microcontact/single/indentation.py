@@ -22,6 +22,7 @@ _RAYS = 96
 
 _RADII = 160
 """Radii on each."""
+
 _FARTHEST = 4.0
 """How far a profile without a last radius is looked at, over the reach of the contact."""
 
@@ -177,17 +178,8 @@ def contour_flags(a: Array, contour: Array) -> NDArray[np.uint8]:
 def profile_flags(
     profile: PowerSumProfile | PolarProfile, approach: Array, phi: Array, contour: Array
 ) -> NDArray[np.uint8]:
-    """Flags of the profile inside the contact, from one polar scan.
-
-    Parameters
-    ----------
-    profile
-        The profile.
-    approach
-        Approaches [m], shape (k,).
-    phi, contour
-        Angles [rad] and the contours a(phi) [m] at them, shape (k, phi.size).
-    """
+    """Flags of the profile inside contacts at approaches [m], (k,), from one polar scan; `contour`
+    (k, phi.size) holds their a(phi) [m]."""
     flags = np.zeros(approach.shape, dtype=np.uint8)
     reach = np.max(np.nan_to_num(contour), axis=1)
     flags[reach > profile.radius] |= np.uint8(Flag.BEYOND_RADIUS)

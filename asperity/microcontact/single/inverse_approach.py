@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,7 +9,7 @@ from asperity.errors import ModelRangeError
 
 from .basis import Basis, PowerBasis, TableBasis
 
-__all__ = ["InverseApproach"]
+__all__ = ["radius_at"]
 
 Array = NDArray[np.float64]
 
@@ -22,82 +20,66 @@ _FARTHEST = 4.0
 """Radius to which a table is followed, over its last."""
 
 
-class InverseApproach:
-    """D(a) from a = 0 to the first zero of D'(a), and its inverse.
+def radius_at(basis: Basis, approach: Array) -> Array:
+    """Radius a [m] with D(a) = approach, zero at d <= 0.
 
-    Parameters
-    ----------
-    basis
-        Transforms of the profile.
-
-    Notes
-    -----
-    A table is followed to four times its last radius. `end` is the largest radius of the branch
-    (infinite for a power-law body that only rises).
+    NaN beyond the first zero of D'(a), and beyond four times the last radius of a table.
     """
+    scan, d = _scan(basis), np.where(approach > 0, approach, np.nan)
+    if not basis.depth(scan[:1])[0] > 0:
+        raise ModelRangeError(
+            "the mean profile does not rise from its summit, so the approach has no contact; "
+            "put the origin at the highest point"
+        )
+    end = _end(basis, scan)
+    if isinstance(basis, PowerBasis):
+        low = _positive_root(basis, d)
+        if np.isinf(end):
+            return np.where(approach > 0, low, 0.0)
+        high = np.full_like(low, end)
+    else:
+        grid = np.append(scan[scan < end], end)
+        cell = np.minimum(np.searchsorted(basis.depth(grid), np.nan_to_num(d)), grid.size - 1)
+        low, high = np.append(0.0, grid)[cell], grid[cell]
+    top = basis.depth(np.array([end]))[0]
+    d = np.where(d <= top * (1 + 1e-14), d, np.nan)
+    return np.where(approach > 0, _bracketed(basis, d, low, high), 0.0)
 
-    def __init__(self, basis: Basis) -> None:
-        self._basis = basis
-        first = self._scan[0]
-        if not basis.depth(np.array([first]))[0] > 0:
-            raise ModelRangeError(
-                "the mean profile does not rise from its summit, so the approach has no contact; "
-                "put the origin at the highest point"
-            )
 
-    def radius(self, approach: Array) -> Array:
-        """Radius a [m] with D(a) = approach, NaN beyond the end of the branch; zero at d <= 0."""
-        basis, d = self._basis, np.where(approach > 0, approach, np.nan)
-        if isinstance(basis, PowerBasis):
-            low = _positive_root(basis, d)
-            if np.isinf(self.end):
-                return np.where(approach > 0, low, 0.0)
-            high = np.full_like(low, self.end)
+def _scan(basis: Basis) -> Array:
+    """Radii at which the sign of D' is looked at."""
+    if isinstance(basis, TableBasis):
+        r = basis.nodes
+        inside = np.sort(np.concatenate([r[1:], (r[1:] + r[:-1]) / 2]))
+        return np.append(inside, r[-1] * np.linspace(1.02, _FARTHEST, 40))
+    assert isinstance(basis, PowerBasis)
+    pull = np.abs(basis.means * basis.powers)
+    rising, falling = basis.means > 0, basis.means < 0
+    if not np.any(falling) or not np.any(rising):
+        return np.array([1.0])
+    ratio = pull[rising][:, None] / pull[falling]
+    gap = basis.powers[falling] - basis.powers[rising][:, None]
+    with np.errstate(divide="ignore", over="ignore"):
+        crossing = ratio ** (1 / np.where(gap == 0, np.inf, gap))
+    return np.geomspace(1e-3 * crossing.min(), 1e3 * crossing.max(), 3000)
+
+
+def _end(basis: Basis, scan: Array) -> float:
+    """Radius [m] at which D' first vanishes, or to which a table is followed; infinite for a
+    power-law body that only rises."""
+    turned = np.flatnonzero(basis.depth(scan, 1) <= 0)
+    if turned.size == 0:
+        return float(scan[-1]) if isinstance(basis, TableBasis) else np.inf
+    first = int(turned[0])
+    low = scan[first - 1] if first else scan[0] / 8
+    high = scan[first]
+    for _ in range(_STEPS):
+        middle = (low + high) / 2
+        if basis.depth(np.array([middle]), 1)[0] > 0:
+            low = middle
         else:
-            grid = np.append(self._scan[self._scan < self.end], self.end)
-            cell = np.searchsorted(basis.depth(grid), np.nan_to_num(d))
-            low = np.append(0.0, grid)[np.minimum(cell, grid.size - 1)]
-            high = grid[np.minimum(cell, grid.size - 1)]
-        top = basis.depth(np.array([self.end]))[0]
-        d = np.where(d <= top * (1 + 1e-14), d, np.nan)
-        return np.where(approach > 0, _bracketed(basis, d, low, high), 0.0)
-
-    @cached_property
-    def _scan(self) -> Array:
-        """Radii at which the sign of D' is looked at."""
-        basis = self._basis
-        if isinstance(basis, TableBasis):
-            r = basis.nodes
-            inside = np.sort(np.concatenate([r[1:], (r[1:] + r[:-1]) / 2]))
-            return np.append(inside, r[-1] * np.linspace(1.02, _FARTHEST, 40))
-        assert isinstance(basis, PowerBasis)
-        pull = np.abs(basis.means * basis.powers)
-        rising, falling = basis.means > 0, basis.means < 0
-        if not np.any(falling) or not np.any(rising):
-            return np.array([1.0])
-        ratio = pull[rising][:, None] / pull[falling]
-        gap = basis.powers[falling] - basis.powers[rising][:, None]
-        with np.errstate(divide="ignore", over="ignore"):
-            crossing = ratio ** (1 / np.where(gap == 0, np.inf, gap))
-        return np.geomspace(1e-3 * crossing.min(), 1e3 * crossing.max(), 3000)
-
-    @cached_property
-    def end(self) -> float:
-        """Radius [m] at which D' first vanishes, or to which a table is followed."""
-        slope = self._basis.depth(self._scan, 1)
-        turned = np.flatnonzero(slope <= 0)
-        if turned.size == 0:
-            return float(self._scan[-1]) if isinstance(self._basis, TableBasis) else np.inf
-        first = int(turned[0])
-        low = self._scan[first - 1] if first else self._scan[0] / 8
-        high = self._scan[first]
-        for _ in range(_STEPS):
-            middle = (low + high) / 2
-            if self._basis.depth(np.array([middle]), 1)[0] > 0:
-                low = middle
-            else:
-                high = middle
-        return float(low)
+            high = middle
+    return float(low)
 
 
 def _positive_root(basis: PowerBasis, d: Array) -> Array:

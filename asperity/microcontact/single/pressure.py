@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,7 @@ from asperity.halfspace.material import HalfSpace
 
 from .basis import Basis, PowerBasis
 
-__all__ = ["AxisymmetricPressure", "HistoryPressure", "edge_rule", "punch_factor"]
+__all__ = ["AxisymmetricPressure", "HistoryPressure"]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -54,15 +54,9 @@ _FEW = 500
 """Points up to which each is integrated by itself."""
 
 
+@dataclass(frozen=True, eq=False)
 class AxisymmetricPressure:
     """Pressure p(r) [Pa] under the mean profile (equations 28, 51 without the history).
-
-    Parameters
-    ----------
-    basis
-        Transforms of the profile.
-    material
-        Half-space.
 
     Notes
     -----
@@ -71,53 +65,47 @@ class AxisymmetricPressure:
     ``x^2 = r^2 + s (a^2 - r^2)`` and a Gauss-Jacobi rule in s.
     """
 
-    def __init__(self, basis: Basis, material: HalfSpace) -> None:
-        self._basis = basis
-        self._material = material
+    basis: Basis
+    material: HalfSpace
 
     def __call__(self, r: Array, a: Array) -> Array:
         """Pressure at the radii `r`, shape (k, points), in contacts of radius `a`, shape (k,)."""
         rho = np.minimum(r / a[:, None], 1.0)
         z = (1 - rho) * (1 + rho)
-        m = self._material.m
-        shape = self._power_law if isinstance(self._basis, PowerBasis) else self._table
-        return np.asarray(self._material.modulus / np.pi * z ** ((1 + m) / 2) * shape(z, a))
+        m = self.material.m
+        shape = self._power_law if isinstance(self.basis, PowerBasis) else self._table
+        return np.asarray(self.material.modulus / np.pi * z ** ((1 + m) / 2) * shape(z, a))
 
     def resolved(self, r: Array, phi: Array, a: float, ratios: Complex) -> Array:
-        """What the exact punches of each harmonic add at the (stretched) points, shape (p,).
+        """What the exact punches of each harmonic add at points (p,), stretched to the radius `a`.
 
-        Parameters
-        ----------
-        r, phi
-            Points, `r` stretched to the circle of radius `a` [m].
-        ratios
-            Amplitudes of the contour over `a`, harmonics n = 1, 2, ....
+        `ratios` are the amplitudes of the contour over `a`, harmonics n = 1, 2, ....
         """
-        m = self._material.m
+        m = self.material.m
         rho = np.sin(np.pi / 2 * np.linspace(0.0, 1.0, _RADII))
-        s, w = self._rule
+        s, w = _edge_rule(m)
         x = a * np.sqrt(rho[:, None] ** 2 * (1 - s) + s)
         slope = np.asarray(self._slope_at(x, a) * w / (2 * x))
         count = min(ratios.size, _RESOLVED)
         table = np.empty((rho.size, count))
         inner = np.asarray(a * rho[:, None] / x)
         for i in range(count):
-            table[:, i] = np.sum(slope * punch_factor(inner, i + 1), axis=1)
+            table[:, i] = np.sum(slope * _punch_factor(inner, i + 1), axis=1)
         inside = np.minimum(r / a, 1.0)
         weight = a ** (1 + m) * ((1 - inside) * (1 + inside)) ** ((1 + m) / 2)
         order = np.arange(1, count + 1)
         wave = (ratios[:count] * np.exp(1j * np.multiply.outer(phi, order))).real
         total = np.sum(CubicSpline(rho, table)(inside) * wave, axis=1)
-        return np.asarray(-(1 - m) * self._material.modulus / np.pi * weight * total)
+        return np.asarray(-(1 - m) * self.material.modulus / np.pi * weight * total)
 
     def _slope_at(self, x: Array, a: float) -> Array:
         """D'(x), closed for power laws, splined for tables."""
-        if isinstance(self._basis, PowerBasis):
-            return np.asarray((self._basis.depth(x.ravel(), 1) / x.ravel()).reshape(x.shape))
+        if isinstance(self.basis, PowerBasis):
+            return np.asarray((self.basis.depth(x.ravel(), 1) / x.ravel()).reshape(x.shape))
         return np.asarray(self._slope(a)(x))
 
     def _power_law(self, z: Array, a: Array) -> Array:
-        basis, m = self._basis, self._material.m
+        basis, m = self.basis, self.material.m
         assert isinstance(basis, PowerBasis)
         total = np.zeros_like(z)
         for factor, k in zip(basis.depth_factors * basis.powers, basis.powers, strict=True):
@@ -126,8 +114,8 @@ class AxisymmetricPressure:
         return total
 
     def _table(self, z: Array, a: Array) -> Array:
-        m = self._material.m
-        s, w = self._rule
+        m = self.material.m
+        s, w = _edge_rule(m)
         grid = np.linspace(0.0, 1.0, _RADII) ** 2
         slope = self._slope(float(np.max(a)))
         total = np.empty_like(z)
@@ -137,26 +125,23 @@ class AxisymmetricPressure:
             total[row] = PchipInterpolator(1 - grid[::-1], values)(where)
         return total
 
-    @cached_property
-    def _rule(self) -> tuple[Array, Array]:
-        return edge_rule(self._material.m)
-
     def _slope(self, top: float) -> PchipInterpolator:
         """D'(x) up to the radius `top`."""
         x = top * (np.arange(1, _SLOPES + 1) / _SLOPES) ** 1.5
-        slope = self._basis.depth(x, 1) / x
+        slope = self.basis.depth(x, 1) / x
         first = np.maximum(slope[0] - x[0] * (slope[1] - slope[0]) / (x[1] - x[0]), 0.0)
         return PchipInterpolator(np.append(0.0, x), np.append(first, slope))
 
 
-def punch_factor(rho: Array, order: int) -> Array:
+def _punch_factor(rho: Array, order: int) -> Array:
     """q_n(rho) = (rho^n - rho^2) / (1 - rho^2), with its limit 1 - n/2 at the edge."""
     square = (1 - rho) * (1 + rho)
     near = square < 1e-7
     return np.where(near, 1 - order / 2, (rho**order - rho**2) / np.where(near, 1.0, square))
 
 
-def edge_rule(m: float) -> tuple[Array, Array]:
+@lru_cache(maxsize=8)
+def _edge_rule(m: float) -> tuple[Array, Array]:
     """Nodes and weights of ``int_0^1 h(s) s^((m-1)/2) ds``."""
     q = (m - 1) / 2
     x, w = roots_jacobi(_POINTS, 0, q)
@@ -167,12 +152,8 @@ def edge_rule(m: float) -> tuple[Array, Array]:
 class HistoryPressure:
     """Pressure of one contact by the history integral.
 
-    Parameters
+    Attributes
     ----------
-    basis
-        Transforms of the profile.
-    material
-        Half-space.
     contour
         Function (radii, angles) -> boundary a*(phi) [m] of the earlier contacts.
     ratios
@@ -223,7 +204,7 @@ class HistoryPressure:
     def _on_ray(self, a: float, rays: _Rays, i: int, r: Array) -> Array:
         """Pressure at the radii `r` of ray i."""
         m = self.material.m
-        s, w = edge_rule(m)
+        s, w = _edge_rule(m)
         line = rays.edges[:, i]
         if np.any(np.diff(line) <= 0):
             return np.full(r.shape, np.nan)
@@ -260,5 +241,5 @@ class _Rays:
         for column, order in zip(wave.T, n, strict=True):
             if np.any(column):
                 ratio = column[low] * (1 - part) + column[low + 1] * part
-                total += ratio * punch_factor(rho, order)
+                total += ratio * _punch_factor(rho, order)
         return total

@@ -24,7 +24,7 @@ from surfaces.polar import PolarProfile, PowerSumProfile
 
 from .basis import basis_of
 from .indentation import Indentation, contour_flags, profile_flags
-from .inverse_approach import InverseApproach
+from .inverse_approach import radius_at
 
 __all__ = ["indent"]
 
@@ -182,8 +182,8 @@ def indent(
     law: str = "ritz",
 ) -> Indentation:
     """Solution by the law "ritz"; see `asperity.indent`. It has no pressure field."""
-    m, depth = material.m, approach.ravel()
-    start = InverseApproach(basis_of(profile, m)).radius(depth)
+    m, depth = material.m, approach
+    start = radius_at(basis_of(profile, m), depth)
     rays = np.full((depth.size, _RAYS), np.nan)
     rays[depth <= 0] = 0.0
     force, lower, free = np.where(depth > 0, np.nan, np.zeros((3, depth.size)))
@@ -215,12 +215,8 @@ def indent(
     touching = force > 0
     spread = np.where(touching, (free - lower) / np.where(touching, force, 1.0), 0.0)
     centre = np.mean(rays**3 * np.exp(1j * phi), axis=1) * 2 * np.pi / 3
-    offset = (
-        np.abs(centre)
-        / np.where(touching, area, 1.0)
-        / np.sqrt(np.where(touching, area, 1.0) / np.pi)
-    )
-
+    held = np.where(touching, area, 1.0)
+    offset = np.abs(centre) / held / np.sqrt(held / np.pi)
     error = _SPREAD * np.abs(spread) + _OFFSET * offset**2 + missed
 
     def contour(angle: Array) -> Array:
@@ -233,12 +229,12 @@ def indent(
         law=law,
         material=material,
         approach=approach,
-        force=(material.modulus * force).reshape(approach.shape),
-        contact_area=area.reshape(approach.shape),
-        radius=np.sqrt(area / np.pi).reshape(approach.shape),
-        stiffness=stiffness.reshape(approach.shape),
-        flags=flags.reshape(approach.shape),
-        error_estimate=error.reshape(approach.shape),
+        force=material.modulus * force,
+        contact_area=area,
+        radius=np.sqrt(area / np.pi),
+        stiffness=stiffness,
+        flags=flags,
+        error_estimate=error,
         contour_function=contour,
         pressure_function=pressure,
     )

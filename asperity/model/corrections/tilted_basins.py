@@ -125,7 +125,7 @@ def _shifts(population: Population, state: PopulationState, own: Rows, punch: Ar
     """Shift of some contacts by the gradient of the field over their radius, which the stiffness
     `punch` [N/m] tells, shape (k,)."""
     body, depth = population.footprints, state.listed[0, own]
-    radius = (body.power * np.maximum(punch, 0.0) / (2.0 * body.modulus)) ** (1.0 / body.power)
+    radius = body.radius(np.maximum(punch, 0.0))
     return np.asarray(radius * np.hypot(*state.tilt[own].T) / (body.power * depth))
 
 

@@ -50,6 +50,20 @@ def test_true_error_is_within_the_bound(make, body, boundary):
         assert (curve.error_estimate <= 3.0 * tolerance * rate).all()
 
 
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_an_accuracy_holds_where_the_spectrum_says_little(boundary):
+    """Heights cut off, with a trace of noise: the waves that touch carry no slope."""
+    hm = self_affine(
+        (400, 400), (400.0, 400.0), hurst=0.8, rms_slope=0.1, cutoff=8.0, rolloff=50.0, seed=1
+    )
+    noise = 1e-9 * hm.rms_height * np.random.default_rng(1).normal(size=hm.shape)
+    hm = hm.replace(heights=np.minimum(hm.heights, 0.8 * hm.rms_height) + noise)
+    how = {"pressures": [1e-4, 1e-3], "boundary": boundary}
+    exact = bem_curve(hm, BODY, **how, tolerance=1e-6)
+    load, area = errors(bem_curve(hm, BODY, **how, accuracy=0.1), exact)
+    assert load.max() < 0.1 and area.max() < 0.3
+
+
 @pytest.mark.parametrize("hardness", [np.inf, 0.03])
 @pytest.mark.parametrize("accuracy", [0.1, 0.03, 0.01])
 def test_the_bound_holds_where_a_plane_begins_to_touch(hardness, accuracy):
