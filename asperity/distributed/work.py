@@ -114,7 +114,7 @@ def _run(
         outcome = _outcome(at_heaviest(curve), curve.settings)
         outcome["seconds"] = time.perf_counter() - begun
         content = ResultFile(
-            curves={curve.model: curve.to_record()},
+            curves={curve.model: curve},
             about={"job": job.digest, "surface": job.surface.name, "outcome": outcome},
         )
         write_results(folder / job.file, content)

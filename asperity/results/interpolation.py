@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.errors import InputError
 
 __all__ = [
+    "POINT_FIELDS",
     "READ_FIELDS",
     "SLACK",
     "CurvePoint",
@@ -35,6 +36,9 @@ READ_FIELDS = (
     "stiffness",
 )
 """Columns of a curve that can be read off between its points."""
+
+POINT_FIELDS = (*READ_FIELDS, "converged", "residual", "error_estimate")
+"""Columns that every curve has."""
 
 SLACK = 5e-3
 """Relative distance beyond the ends at which a curve can be evaluated: solved pressures differ from

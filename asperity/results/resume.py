@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from asperity.errors import InputError
 
-from .curve import ContactCurve
-from .storage import ResultFile, read_results, write_results
+from .curve import ContactCurve, read_results
+from .storage import ResultFile, write_results
 
 __all__ = ["Solve", "require_continuable", "run_resumably"]
 
@@ -70,9 +70,8 @@ def run_resumably(
     """
     done, asked = None, f"asked_{kind}"
     if resume and Path(path).exists():
-        record = require_continuable(path, request).curves.get(model)
-        if record is not None:
-            curve = ContactCurve.from_record(record)
+        curve = require_continuable(path, request).curves.get(model)
+        if curve is not None:
             known = curve.converged.any() and asked in curve.extra
             done = curve.select(curve.converged) if known else None
     held = np.zeros((len(values), 1), bool)
@@ -88,7 +87,7 @@ def run_resumably(
 
     def write(curve: ContactCurve) -> None:
         about = {"request": dict(request)}
-        write_results(path, ResultFile(curves={curve.model: curve.to_record()}, about=about))
+        write_results(path, ResultFile(curves={curve.model: curve}, about=about))
 
     def keep(fresh: ContactCurve) -> None:
         nonlocal next_write
@@ -105,7 +104,9 @@ def run_resumably(
     return done.select(place)
 
 
-def require_continuable(path: str | os.PathLike[str], request: Mapping[str, Any]) -> ResultFile:
+def require_continuable(
+    path: str | os.PathLike[str], request: Mapping[str, Any]
+) -> ResultFile[ContactCurve]:
     """What the results file of an earlier run of the same request holds.
 
     Raises

@@ -13,8 +13,7 @@ import numpy as np
 
 from asperity.comparison.record import ComparisonRecord
 from asperity.errors import InputError
-from asperity.results.curve import ContactCurve
-from asperity.results.storage import read_results
+from asperity.results.curve import ContactCurve, read_results
 from surfaces.drawing import told
 
 __all__ = ["Sample", "named_apart", "read_sample"]
@@ -87,9 +86,8 @@ def read_sample(path: str | os.PathLike[str]) -> Sample:
         return Sample.of_comparison(ComparisonRecord.from_results(held, path), stem)
     if not held.curves:
         raise InputError(f"{path} holds no curve to report; make one with asperity solve")
-    curves = {name: ContactCurve.from_record(one) for name, one in held.curves.items()}
     # of `solve`, the boundary elements are the means and the other curve the answer
-    curves = dict(sorted(curves.items(), key=lambda one: one[0] == "bem"))
+    curves = dict(sorted(held.curves.items(), key=lambda one: one[0] == "bem"))
     first = next(iter(curves.values()))
     facts = {**first.settings, **first.settings.get("map", {}), **held.about.get("request", {})}
     name = str(facts.get("name") or stem)
