@@ -249,7 +249,8 @@ def _independent(last: Continuation, separation: float) -> PopulationState:
         shares=np.ones(count),
         slope=float(laws.stiffness.sum()),
     )
-    return _state(last.independent(solution), np.arange(count), laws.area, solution)
+    last = replace(last, candidates=None, field=None, solution=solution)
+    return _state(last, np.arange(count), laws.area, solution)
 
 
 def _state(
