@@ -26,8 +26,8 @@ __all__ = ["Case", "LawRow", "draw_case", "judge"]
 
 Array = NDArray[np.float64]
 
-_ANGLES = 360
-"""Angles at which contours are compared."""
+_ANGLES = 2 * np.pi * np.arange(360) / 360
+"""Angles [rad] at which contours are compared."""
 
 _EVERY = tuple(law for law in LAWS if law != "auto")
 
@@ -151,14 +151,13 @@ def judge(
     """
     reference, seconds, edge = None, np.nan, np.empty(0)
     driven = {"approach": approach, "load": load}
-    phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     if grid is not None:
         from asperity.bem.single import indent_bem
 
         start = time.perf_counter()
         reference = indent_bem(profile, material, **driven, grid=grid, tolerance=tolerance)
         seconds = time.perf_counter() - start
-        edge = reference.contour(phi)
+        edge = reference.contour(_ANGLES)
     if {"ellipse", "auto"} & set(laws or _EVERY):
         # its tables of one grading are made once per process: no part of the time of a contact
         indent(PowerLawProfile(2.0, 1.0), material, 1.0, law="ellipse")
@@ -174,11 +173,10 @@ def _row(
     reference: BemIndentation | None,
     edge: Array,
 ) -> LawRow:
-    phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     start = time.perf_counter()
     try:
         one = indent(profile, material, law=law, **driven)
-        contour = one.contour(phi)
+        contour = one.contour(_ANGLES)
     except ModelRangeError as error:
         return LawRow(law, None, str(error))
     seconds = time.perf_counter() - start

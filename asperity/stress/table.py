@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import csv
 import time
 import warnings
 from collections.abc import Iterable, Iterator
-from dataclasses import astuple, dataclass, fields
-from pathlib import Path
+from dataclasses import dataclass
 
 from asperity.compilation import CURVE, HARD, compile_ahead
 from asperity.errors import AsperityError, ContactWarning
@@ -19,7 +17,7 @@ from .judges import Doubted
 from .refusals import refusal_cases
 from .rough_maps import map_cases
 
-__all__ = ["FAILURE", "Row", "cases", "run", "summary", "write"]
+__all__ = ["FAILURE", "Row", "cases", "run", "summary"]
 
 OUTCOMES = RIGHT, REFUSED, WARNED, FAILURE = "right", "refused", "warned", "FAILURE"
 
@@ -119,11 +117,3 @@ def _counted(theme: str, engine: str, rows: list[Row]) -> tuple[str, ...]:
     worst = f"{max(ratios):.2g}" if ratios else ""
     longest = max(row.seconds for row in rows)
     return theme, engine, str(len(rows)), *counts, worst, f"{longest:.1f}"
-
-
-def write(path: str | Path, rows: Iterable[Row]) -> None:
-    """Write rows as CSV."""
-    with Path(path).open("w", newline="", encoding="utf-8") as file:
-        out = csv.writer(file)
-        out.writerow([field.name for field in fields(Row)])
-        out.writerows(astuple(row) for row in rows)

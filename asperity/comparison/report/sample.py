@@ -54,9 +54,7 @@ class Sample:
     @classmethod
     def of_comparison(cls, comparison: ComparisonRecord, file: str = "") -> Sample:
         """The sample of a comparison."""
-        curves = {"asperity": comparison.model, "bem": comparison.reference}
-        if comparison.elastic is not None:
-            curves["elastic"] = comparison.elastic
+        curves = comparison.to_results().curves
         name = str(comparison.about.get("name") or file or "sample")
         return cls(name, _named(curves), comparison.about, comparison, file)
 
