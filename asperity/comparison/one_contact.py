@@ -136,18 +136,11 @@ def judge(
     grid: int | None = 256,
     tolerance: float = 1e-6,
 ) -> Case:
-    """Solve one contact by the laws, and by boundary elements unless `grid` is None.
+    """Solve one contact by the laws, and by boundary elements on `grid` points per axis unless that
+    is None.
 
-    Parameters
-    ----------
-    profile, material, approach, load
-        The contact, see `asperity.indent`; all are compared at the same approach, or load.
-    laws
-        Names of the laws; by default all but "auto", which is one of them.
-    grid
-        Points per axis of the boundary elements, or None for none.
-    tolerance
-        Their tolerance.
+    The contact is that of `asperity.indent`; all are compared at the same approach, or load.
+    Without `laws` it is all but "auto", which is one of them.
     """
     reference, seconds, edge = None, np.nan, np.empty(0)
     driven = {"approach": approach, "load": load}

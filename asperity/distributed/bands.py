@@ -43,12 +43,8 @@ TENTHS = 0.1, 0.9
 
 
 class Confidence:
-    """Mean of curves that come one by one, and its confidence interval, at each pressure.
-
-    Parameters
-    ----------
-    size
-        Points of a curve; NaN is left out.
+    """Mean of curves of `size` points that come one by one, and its confidence interval, at each
+    point; NaN is left out.
 
     Notes
     -----

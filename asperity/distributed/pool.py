@@ -70,13 +70,7 @@ Work = Callable[[Sequence[Job]], list[Outcome]]
 
 
 class Pool(Protocol):
-    """What runs calls in other processes.
-
-    Attributes
-    ----------
-    workers
-        How many run at a time.
-    """
+    """What runs calls in other processes, `workers` at a time."""
 
     @property
     def workers(self) -> int: ...
@@ -106,20 +100,9 @@ class Workers:
 
 @contextmanager
 def opened(on: Workers, jobs: int) -> Iterator[Pool]:
-    """Workers on Dask, or in a pool of processes where it is not installed.
-
-    Parameters
-    ----------
-    on
-        Those asked for.
-    jobs
-        What they have to do: none more is started here.
-
-    Raises
-    ------
-    InputError
-        If no scheduler answers, or Dask is needed and not installed.
-    """
+    """Workers on Dask, or in a pool of processes where it is not installed; no more are started
+    here than there are jobs. Refused if no scheduler answers, or Dask is needed and not
+    installed."""
     for name, number in (("workers", on.count), ("threads", on.threads)):
         if number is not None and as_number(f"the number of {name}", number) < 1:
             raise InputError(f"the number of {name} is {number}; give at least 1")
@@ -262,21 +245,9 @@ def _end_with_parent() -> None:
 
 
 def outcomes(jobs: Sequence[Job], work: Work, pool: Pool) -> Iterator[tuple[Job, Outcome]]:
-    """Run jobs in batches and tell of each as it ends.
+    """Run jobs in batches, begun in their order, and tell of each as it ends.
 
-    Parameters
-    ----------
-    jobs
-        Jobs, begun in this order.
-    work
-        Runs a batch of them; goes to the workers.
-    pool
-        The workers.
-
-    Raises
-    ------
-    AsperityError
-        If the scheduler is lost.
+    What runs a batch, `work`, goes to the workers. A lost scheduler is an AsperityError.
 
     Notes
     -----

@@ -38,30 +38,13 @@ def run_resumably(
 ) -> ContactCurve:
     """Solve load points, keeping every finished one in the results file, beside those it held.
 
-    Parameters
-    ----------
-    solve
-        Solves load points, telling what is finished as it goes.
-    values
-        Load points, shape (n,).
-    kind
-        What they are: "pressure" or "separation".
-    path
-        Results file.
-    model
-        Name of the curve in the file: "asperity" or "bem".
-    request
-        JSON-able facts that two runs must share for one to continue the other.
-    resume
-        Whether to continue from the file, if it exists.
-    chained
-        Whether the solution of a point depends on those solved before it: if one is missing, all
-        are solved again, so that the curve is that of a run without interruption.
+    The `values`, shape (n,), are of the `kind` "pressure" or "separation"; `model` is the name of
+    the curve in the file, and `request` holds the JSON-able facts that two runs must share for one
+    to continue the other.
 
-    Returns
-    -------
-    ContactCurve
-        All points in the order of `values`.
+    With `resume` it continues from the file, if that exists. Where the solution of a point depends
+    on those solved before it (`chained`) and one is missing, all are solved again, so that the
+    curve is that of a run without interruption. Returned are all points in the order of `values`.
 
     Raises
     ------

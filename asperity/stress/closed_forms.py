@@ -60,12 +60,8 @@ def elliptic_contact(ratio: float, depth: float, modulus: float) -> tuple[float,
 
 
 def wave_contact(share: Array) -> tuple[Array, Array]:
-    """Contact area fraction, and mean gap over the amplitude, of a wave of ridges.
-
-    Parameters
-    ----------
-    share
-        Mean pressure over the pressure pi E* A / wavelength of full contact, 0 to 1, shape (n,).
+    """Contact area fraction, and mean gap over the amplitude, of a wave of ridges, at mean
+    pressures from 0 to 1 times that of full contact, pi E* A / wavelength, shape (n,).
 
     Notes
     -----

@@ -75,17 +75,8 @@ ENGINES: Mapping[str, Callable[..., ContactCurve]] = {
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """A map, a half-space and mean pressures.
-
-    Attributes
-    ----------
-    hm, material
-        The scene.
-    pressures
-        Mean pressures [Pa], shape (n,).
-    boundary
-        "periodic" or "free"; as the map says if None.
-    """
+    """A map, a half-space and mean pressures [Pa], shape (n,), with the boundary "periodic" or
+    "free", as the map says if None."""
 
     hm: HeightMap
     material: HalfSpace

@@ -26,19 +26,9 @@ OUTCOMES = RIGHT, REFUSED, WARNED, FAILURE = "right", "refused", "warned", "FAIL
 class Row:
     """How one case ended.
 
-    Attributes
-    ----------
-    theme, case, engine, against
-        The case.
-    outcome
-        "right"; "refused"; "warned": farther off than it states, for a reason that the engine
-        warns of; or "FAILURE".
-    error_over_allowance
-        What the judge gives; NaN of a refusal.
-    seconds
-        Run time [s].
-    reason
-        Why it was refused, or what is wrong; else "".
+    The outcome is "right"; "refused"; "warned": farther off than it states, for a reason that the
+    engine warns of; or "FAILURE". The error over the allowance is what the judge gives, NaN of a
+    refusal; the reason says why it was refused, or what is wrong, else "".
     """
 
     theme: str

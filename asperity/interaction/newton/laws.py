@@ -68,17 +68,8 @@ class Evaluated:
 class Laws:
     """Force, energy and footprint moment of many contacts over their approach.
 
-    Parameters
-    ----------
-    nodes
-        Law table, of which rows are made when they are needed.
-    footprints
-        Kernel that turns a stiffness into a footprint.
-
-    Attributes
-    ----------
-    index
-        Rows of the table that belong to these contacts, shape (n,).
+    The rows of the law table `nodes` are made when they are needed; those that belong to these
+    contacts are `index`, shape (n,).
 
     Notes
     -----

@@ -133,13 +133,8 @@ class State:
     def balance(self, separation: float, balanced: bool) -> None:
         """Judge the contacts at a separation [m]; `linearize` follows.
 
-        Parameters
-        ----------
-        separation
-            Separation [m].
-        balanced
-            Whether it is moved first to where the errors of the closed contacts, times stiffness,
-            cancel.
+        If `balanced` it is moved first to where the errors of the closed contacts, times stiffness,
+        cancel.
         """
         law, field, n = self.laws, self.field, len(self.approach)
         self.gap, self.wanted, self.error = np.empty((3, n))
