@@ -36,21 +36,11 @@ _EVERY = tuple(law for law in LAWS if law != "auto")
 class LawRow:
     """One law on one case; errors [-] are relative to the boundary elements, NaN without them.
 
-    Attributes
-    ----------
-    law
-        Name.
-    solution
-        The solution, or None where the law does not hold.
-    reason
-        Why there is no solution.
-    force_error, contour_error, area_error
-        e_F, e_a (root mean square over the angle, relative to the mean radius) and e_A at the
-        same approach, or at the same load (equations 44, 45); e_F is zero at the same load.
-    approach_error
-        e_d, the error of the approach; zero at the same approach.
-    seconds
-        Run time [s], contour included.
+    Where the law does not hold, the solution is None and `reason` says why. The errors of force
+    (e_F), contour (e_a, root mean square over the angle, relative to the mean radius) and area
+    (e_A) are at the same approach, or at the same load (equations 44, 45); that of the force is
+    zero at the same load, and that of the approach (e_d) at the same approach. The run time [s]
+    includes the contour.
     """
 
     law: str

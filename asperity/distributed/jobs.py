@@ -53,16 +53,10 @@ class Surface(NamedTuple):
 class Job:
     """One surface, material and set of settings.
 
-    Attributes
-    ----------
-    surface, material
-        What is pressed.
-    settings
-        ``method``, a key of `METHODS`, and keyword arguments of that function; ``loads`` [N] in
-        place of its pressures, ``prepare`` for those of `surfaces.prepare`.
-    digest
-        Tells whether two jobs are the same: of the content of all files, the material, the settings
-        and the version of the package.
+    The settings are ``method``, a key of `METHODS`, and keyword arguments of that function;
+    ``loads`` [N] in place of its pressures, ``prepare`` for those of `surfaces.prepare`. The digest
+    tells whether two jobs are the same: of the content of all files, the material, the settings and
+    the version of the package.
     """
 
     surface: Surface

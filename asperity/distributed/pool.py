@@ -83,14 +83,8 @@ class Pool(Protocol):
 class Workers:
     """What workers a sweep asks for.
 
-    Attributes
-    ----------
-    count
-        Number of processes; as many as the threads of their jobs leave processors for if None.
-    scheduler
-        Address of a Dask scheduler whose workers run the jobs; None starts workers here.
-    threads
-        Threads of each job.
+    So many processes, as many as the threads of their jobs leave processors for if None; or those
+    of the Dask scheduler at an address. Each job has so many threads.
     """
 
     count: int | None = None

@@ -271,13 +271,8 @@ def read_results(path: str | os.PathLike[str]) -> ResultFile[ContactCurve]:
 
 
 def require_curve(curve: object) -> None:
-    """Refuse what is no contact curve, such as the run that holds one.
-
-    Raises
-    ------
-    InputError
-        Saying what to give instead.
-    """
+    """Refuse what is no contact curve, such as the run that holds one, and say what to give
+    instead."""
     if not isinstance(curve, ContactCurve):
         raise InputError(
             f"a contact curve is needed, not {type(curve).__name__}: asperity.contact_curve(...), "

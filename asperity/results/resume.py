@@ -90,13 +90,8 @@ def run_resumably(
 def require_continuable(
     path: str | os.PathLike[str], request: Mapping[str, Any]
 ) -> ResultFile[ContactCurve]:
-    """What the results file of an earlier run of the same request holds.
-
-    Raises
-    ------
-    FileFormatError, InputError
-        If it is no results file, or of another request.
-    """
+    """What the results file of an earlier run of the same request holds; refused if it is no
+    results file, or of another request."""
     held = read_results(path)
     before = held.about.get("request", {})
     changed = [key for key in request if before.get(key) != request[key]]

@@ -134,13 +134,8 @@ def _command() -> str:
 
 
 def write_results(path: str | os.PathLike[str], results: ResultFile[Any]) -> None:
-    """Write a results file through a temporary file and an atomic rename.
-
-    Raises
-    ------
-    InputError
-        If the folder does not exist or cannot be written.
-    """
+    """Write a results file through a temporary file and an atomic rename; refused if the folder
+    does not exist or cannot be written."""
     import h5py
 
     with replacing(path) as partial, h5py.File(partial, "w", libver=("v110", "v110")) as file:

@@ -31,18 +31,9 @@ NAMES = {
 class Sample:
     """One sample of a report.
 
-    Attributes
-    ----------
-    name
-        Its name on the page.
-    curves
-        Its curves by their names for a reader, the answer first.
-    about
-        Facts about map, material and run; what a file lacks is missing.
-    comparison
-        The comparison, where there is one.
-    file
-        Name of its file without suffix.
+    Its curves go by their names for a reader, the answer first; the facts `about` map, material and
+    run lack what its file lacks; the comparison is there where there is one, and `file` is the name
+    of its file without suffix.
     """
 
     name: str
@@ -71,13 +62,8 @@ class Sample:
 
 
 def read_sample(path: str | os.PathLike[str]) -> Sample:
-    """The sample of a results file of any command.
-
-    Raises
-    ------
-    FileFormatError, InputError
-        If the file cannot be read, or holds no curve.
-    """
+    """The sample of a results file of any command; refused if the file cannot be read, or holds no
+    curve."""
     held = read_results(path)
     stem = Path(path).stem
     if "comparison" in held.tables:
