@@ -19,7 +19,7 @@ from concurrent.futures import (
     ProcessPoolExecutor,
     wait,
 )
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing import forkserver, get_context, parent_process
 from typing import Any, Protocol
@@ -112,7 +112,7 @@ def opened(on: Workers, jobs: int) -> Iterator[Pool]:
                 f"installed; {INSTALL}"
             ) from None
         _tell(f"dask.distributed is not installed: a pool of {count} processes; {INSTALL}")
-        with _Processes(count, method) as pool:
+        with closing(_Processes(count, method)) as pool:
             yield pool
         return
     with ExitStack() as stack:
@@ -218,10 +218,7 @@ class _Processes:
             self._executor = self._new()
             return self._executor.submit(*call)
 
-    def __enter__(self) -> _Processes:
-        return self
-
-    def __exit__(self, *_: object) -> None:
+    def close(self) -> None:
         self._executor.shutdown(cancel_futures=True)
 
 

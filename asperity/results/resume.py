@@ -42,14 +42,10 @@ def run_resumably(
     the curve in the file, and `request` holds the JSON-able facts that two runs must share for one
     to continue the other.
 
-    With `resume` it continues from the file, if that exists. Where the solution of a point depends
-    on those solved before it (`chained`) and one is missing, all are solved again, so that the
-    curve is that of a run without interruption. Returned are all points in the order of `values`.
-
-    Raises
-    ------
-    InputError
-        If the file was made from another input or with other settings.
+    With `resume` it continues from the file, if that exists, and refuses one of another request.
+    Where the solution of a point depends on those solved before it (`chained`) and one is missing,
+    all are solved again, so that the curve is that of a run without interruption. Returned are all
+    points in the order of `values`.
     """
     done, asked = None, f"asked_{kind}"
     if resume and Path(path).exists():

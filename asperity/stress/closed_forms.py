@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
+from scipy.signal import fftconvolve
 from scipy.special import beta, ellipe, ellipk, gamma
 
 __all__ = [
@@ -96,9 +97,4 @@ def free_displacement(pressure: Array, spacing: tuple[float, float], modulus: fl
         return np.asarray(x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y)))
 
     kernel = corner(x + dx, y + dy) - corner(x, y + dy) - corner(x + dx, y) + corner(x, y)
-    size = 2 * ny - 1, 2 * nx - 1
-    waves = np.fft.rfft2(kernel, s=(size[0] + ny, size[1] + nx)) * np.fft.rfft2(
-        pressure, s=(size[0] + ny, size[1] + nx)
-    )
-    whole = np.fft.irfft2(waves, s=(size[0] + ny, size[1] + nx))
-    return np.asarray(whole[ny - 1 : 2 * ny - 1, nx - 1 : 2 * nx - 1] / (np.pi * modulus))
+    return np.asarray(fftconvolve(kernel, pressure, mode="valid") / (np.pi * modulus))

@@ -112,12 +112,8 @@ class Step:
     def refine(
         self, change: Array, *, tolerance: float, load: float | None
     ) -> tuple[Step, Array, float, int]:
-        """A second Newton step at the forces after `change` [N], with the laws there.
-
-        Returns
-        -------
-        The step with these laws, the whole change of the forces, that of the separation [m], and
-        products spent.
+        """A second Newton step at the forces after `change` [N], with the laws there: the step with
+        these laws, the whole change of the forces, that of the separation [m], and products spent.
 
         Notes
         -----
