@@ -19,7 +19,7 @@ from .interpolation import POINT_FIELDS, READ_FIELDS, CurvePoint, curve_stiffnes
 from .storage import ResultFile, write_results
 from .table import CurveTable
 
-__all__ = ["POINT_FIELDS", "ContactCurve", "CurvePoint", "read_results", "require_curve"]
+__all__ = ["ContactCurve", "read_results", "require_curve"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

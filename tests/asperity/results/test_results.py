@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from asperity.errors import FileFormatError, InputError
-from asperity.results.curve import POINT_FIELDS, ContactCurve, read_results
+from asperity.results.curve import ContactCurve, read_results
+from asperity.results.interpolation import POINT_FIELDS
 from asperity.results.storage import ResultFile, structured, write_csv, write_results
 
 
