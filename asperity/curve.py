@@ -216,16 +216,10 @@ def solve_loads(
 class _Row(NamedTuple):
     """What the curve tells of a load point.
 
-    Attributes
-    ----------
-    numbers
-        Of the contacts, of the whole surface and of its spots, by name; with
-        ``interaction_difference``, the load of independent contacts over that of interacting ones,
-        less one, or NaN if not known, where both are compared.
-    terms
-        Terms of its error estimate.
-    reason
-        Why the load point cannot be used; empty if it can.
+    The numbers are of the contacts, of the whole surface and of its spots, by name; with
+    ``interaction_difference``, the load of independent contacts over that of interacting ones, less
+    one, or NaN if not known, where both are compared. The terms are those of its error estimate;
+    the reason says why the load point cannot be used, and is empty if it can.
     """
 
     numbers: dict[str, float]

@@ -18,14 +18,8 @@ def bar(
 ) -> Iterator[Callable[[Any], None]]:
     """A progress bar on standard error, advanced by one at each call, which shows text it is given.
 
-    Parameters
-    ----------
-    total
-        Number of calls; None if it is not known.
-    label
-        What stands before the bar.
-    hidden
-        None hides it where standard error is no terminal.
+    The total number of calls is None if it is not known; the label stands before the bar; `hidden`
+    None hides it where standard error is no terminal.
     """
     from tqdm import tqdm
 

@@ -37,19 +37,8 @@ BODIES: dict[str, Callable[..., PowerSumProfile]] = {
 def body(text: str, k: float | None, scale: float | None) -> PowerSumProfile:
     """Test body from its name and numbers, such as ``rounded:4:0.3``.
 
-    Parameters
-    ----------
-    text
-        As the keys of `BODIES`; numbers that have a default may be left out.
-    k
-        Exponent of r of a power, 1 if None.
-    scale
-        Factor of the gap, 1 if None.
-
-    Raises
-    ------
-    InputError
-        If there is no such body, or a number is not usable.
+    The name is one of the keys of `BODIES`, of which numbers that have a default may be left out;
+    `k` is the exponent of r of a power, 1 if None, and `scale` the factor of the gap, 1 if None.
     """
     name, *words = text.split(":")
     forms = {form.split(":")[0]: form for form in BODIES}

@@ -145,16 +145,13 @@ def _laws(text: str | None) -> tuple[str, ...]:
 
 def _driven(args: argparse.Namespace, profile: Any) -> tuple[str, list[float]]:
     """What is prescribed, "approach" or "load", and its values."""
-    if args.load is not None:
-        forces = quantities.spread(args.load, "--load", "force", geometric=True)
-        if np.any(forces <= 0):
-            raise InputError("--load must be positive")
-        return "load", [float(f) for f in forces]
-    if args.approach is not None:
-        depths = quantities.spread(args.approach, "--approach", "length", geometric=False)
-        if np.any(depths <= 0):
-            raise InputError("--approach must be positive")
-        return "approach", [float(d) for d in depths]
+    for name, kind in (("load", "force"), ("approach", "length")):
+        text = getattr(args, name)
+        if text is not None:
+            values = quantities.spread(text, f"--{name}", kind, geometric=kind == "force")
+            if np.any(values <= 0):
+                raise InputError(f"--{name} must be positive")
+            return name, values.tolist()
     if args.shape is not None:
         return "approach", [1.0]
     turn = 2 * np.pi * np.arange(64) / 64

@@ -73,7 +73,7 @@ def _solve(
     request = output.request_of(hm, material, args, settings)
     judge = _Resumable(args, request)
     curve = solve(hm, material, **loads, **settings, judge=judge)
-    curves = {one.model: one.to_record() for one in (judge.solved, curve) if one is not None}
+    curves = {one.model: one for one in (judge.solved, curve) if one is not None}
     write_results(args.output, ResultFile(curves=curves, about={"request": request}))
     return output.finish(curve, hm, material, args)
 

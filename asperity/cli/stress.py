@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import fields
 
 from . import targets
 
@@ -24,7 +25,8 @@ def run(args: argparse.Namespace) -> int:
     """Run the cases; print the table and whatever failed."""
     from asperity.errors import InputError
     from asperity.progress import bar
-    from asperity.stress.table import FAILURE, cases, summary, write
+    from asperity.results.storage import write_csv
+    from asperity.stress.table import FAILURE, Row, cases, summary
     from asperity.stress.table import run as rows_of
 
     from .exit_codes import EXIT_NOT_CONVERGED, EXIT_OK
@@ -40,7 +42,8 @@ def run(args: argparse.Namespace) -> int:
             rows.append(row)
             advance(row)
     if args.output:
-        write(args.output, rows)
+        names = [field.name for field in fields(Row)]
+        write_csv(args.output, {name: [getattr(row, name) for row in rows] for name in names})
     table = summary(rows)
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     for line in table:

@@ -27,12 +27,8 @@ PICTURES = ("plot", "fans")
 class Target:
     """A file that an option names.
 
-    Attributes
-    ----------
-    suffix
-        Ending of its name in a folder, `ONE` if one file serves all inputs.
-    alone, several
-        What is written for one input, and for several, where the option is not given.
+    Its name in a folder ends with `suffix`, which is `ONE` if one file serves all inputs; `alone`
+    is written for one input and `several` for several where the option is not given.
     """
 
     suffix: str
@@ -101,19 +97,8 @@ def require(
 ) -> None:
     """Refuse, before any work, what cannot be written, or would replace a file or another output.
 
-    Parameters
-    ----------
-    args
-        All options.
-    runs
-        Those of each input, from `of_input`, where each has outputs of its own.
-    inputs
-        Further files that are read.
-
-    Raises
-    ------
-    InputError
-        Saying which file, and how to mend it.
+    `runs` are the options of each input, from `of_input`, where each has outputs of its own;
+    `inputs` are further files that are read.
     """
     inputs = [*inputs, *(run.file for run in runs)]
     taken = {Path(os.path.realpath(file)): f"would replace the input {file}" for file in inputs}

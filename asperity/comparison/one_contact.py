@@ -26,8 +26,8 @@ __all__ = ["Case", "LawRow", "draw_case", "judge"]
 
 Array = NDArray[np.float64]
 
-_ANGLES = 360
-"""Angles at which contours are compared."""
+_ANGLES = 2 * np.pi * np.arange(360) / 360
+"""Angles [rad] at which contours are compared."""
 
 _EVERY = tuple(law for law in LAWS if law != "auto")
 
@@ -36,21 +36,11 @@ _EVERY = tuple(law for law in LAWS if law != "auto")
 class LawRow:
     """One law on one case; errors [-] are relative to the boundary elements, NaN without them.
 
-    Attributes
-    ----------
-    law
-        Name.
-    solution
-        The solution, or None where the law does not hold.
-    reason
-        Why there is no solution.
-    force_error, contour_error, area_error
-        e_F, e_a (root mean square over the angle, relative to the mean radius) and e_A at the
-        same approach, or at the same load (equations 44, 45); e_F is zero at the same load.
-    approach_error
-        e_d, the error of the approach; zero at the same approach.
-    seconds
-        Run time [s], contour included.
+    Where the law does not hold, the solution is None and `reason` says why. The errors of force
+    (e_F), contour (e_a, root mean square over the angle, relative to the mean radius) and area
+    (e_A) are at the same approach, or at the same load (equations 44, 45); that of the force is
+    zero at the same load, and that of the approach (e_d) at the same approach. The run time [s]
+    includes the contour.
     """
 
     law: str
@@ -136,29 +126,21 @@ def judge(
     grid: int | None = 256,
     tolerance: float = 1e-6,
 ) -> Case:
-    """Solve one contact by the laws, and by boundary elements unless `grid` is None.
+    """Solve one contact by the laws, and by boundary elements on `grid` points per axis unless that
+    is None.
 
-    Parameters
-    ----------
-    profile, material, approach, load
-        The contact, see `asperity.indent`; all are compared at the same approach, or load.
-    laws
-        Names of the laws; by default all but "auto", which is one of them.
-    grid
-        Points per axis of the boundary elements, or None for none.
-    tolerance
-        Their tolerance.
+    The contact is that of `asperity.indent`; all are compared at the same approach, or load.
+    Without `laws` it is all but "auto", which is one of them.
     """
     reference, seconds, edge = None, np.nan, np.empty(0)
     driven = {"approach": approach, "load": load}
-    phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     if grid is not None:
         from asperity.bem.single import indent_bem
 
         start = time.perf_counter()
         reference = indent_bem(profile, material, **driven, grid=grid, tolerance=tolerance)
         seconds = time.perf_counter() - start
-        edge = reference.contour(phi)
+        edge = reference.contour(_ANGLES)
     if {"ellipse", "auto"} & set(laws or _EVERY):
         # its tables of one grading are made once per process: no part of the time of a contact
         indent(PowerLawProfile(2.0, 1.0), material, 1.0, law="ellipse")
@@ -174,11 +156,10 @@ def _row(
     reference: BemIndentation | None,
     edge: Array,
 ) -> LawRow:
-    phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     start = time.perf_counter()
     try:
         one = indent(profile, material, law=law, **driven)
-        contour = one.contour(phi)
+        contour = one.contour(_ANGLES)
     except ModelRangeError as error:
         return LawRow(law, None, str(error))
     seconds = time.perf_counter() - start

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import FileFormatError, InputError
-from asperity.results.curve import ContactCurve
-from asperity.results.storage import ResultFile, read_results, write_results
+from asperity.results.curve import ContactCurve, read_results
+from asperity.results.storage import ResultFile, write_results
 from surfaces.drawing import told
 from surfaces.heightmap import HeightMap
 
@@ -131,7 +131,7 @@ class ComparisonRecord:
             f"{rival['seconds']:.2g} s)."
         )
 
-    def to_results(self) -> ResultFile:
+    def to_results(self) -> ResultFile[ContactCurve]:
         """Everything as the content of a results file."""
         about = {
             **self.about,
@@ -149,12 +149,7 @@ class ComparisonRecord:
         }
         if self.resolution is not None:
             tables["resolution"] = self.resolution
-        return ResultFile(
-            curves={name: curve.to_record() for name, curve in curves.items()},
-            tables=tables,
-            maps=dict(self.maps),
-            about=about,
-        )
+        return ResultFile(curves, tables, dict(self.maps), about)
 
     def to_hdf5(self, path: str | os.PathLike[str]) -> None:
         """Write the curves, the tables and the maps to a results file."""
@@ -172,7 +167,7 @@ class ComparisonRecord:
         return cls.from_results(read_results(path), path)
 
     @classmethod
-    def from_results(cls, held: ResultFile, path: str | os.PathLike[str]) -> Self:
+    def from_results(cls, held: ResultFile[ContactCurve], path: str | os.PathLike[str]) -> Self:
         """The comparison that the content of a results file holds; `path` is for messages."""
         if "comparison" not in held.tables:
             raise InputError(f"{path} holds no comparison; make one with asperity compare")
@@ -186,8 +181,8 @@ class ComparisonRecord:
             )
         try:
             found = cls(
-                model=ContactCurve.from_record(held.curves["asperity"]),
-                reference=ContactCurve.from_record(held.curves["bem"]),
+                model=held.curves["asperity"],
+                reference=held.curves["bem"],
                 table=held.tables["comparison"],
                 pareto=held.tables["pareto"],
                 plan=tuple(about.pop("plan")),
@@ -197,9 +192,7 @@ class ComparisonRecord:
                 | {name: held.maps[name].astype(bool) for name in ("bem", "asperity")},
                 microcontacts=held.tables["microcontacts"],
                 about=about,
-                elastic=ContactCurve.from_record(held.curves["elastic"])
-                if "elastic" in held.curves
-                else None,
+                elastic=held.curves.get("elastic"),
                 resolution=held.tables.get("resolution"),
             )
             whole = set(CONTACTS) <= set(found.maps) and all(

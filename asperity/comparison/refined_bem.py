@@ -31,13 +31,6 @@ def refined_run(
 ) -> NDArray[np.void] | None:
     """Errors of the reference's own grid at its lightest and at its heaviest load.
 
-    Parameters
-    ----------
-    hm, material, boundary
-        Scene.
-    reference
-        Boundary-element curve on the map's own grid.
-
     Returns
     -------
     Structured array, a row per load: mean_pressure [Pa]; load_error, of the load at equal

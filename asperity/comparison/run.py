@@ -196,13 +196,8 @@ def _map_point(reference: ContactCurve, model: ContactCurve) -> int:
 
 def _pressures(reference: ContactCurve, kind: str, values: NDArray[np.float64]) -> Array:
     """Mean pressures [Pa] of the load points, shape (n,): where the reference did not converge, as
-    asked for, or read off its other points.
-
-    Raises
-    ------
-    ConvergenceError
-        If separations are asked for, and the reference has no two points to read a load off.
-    """
+    asked for, or read off its other points; a ConvergenceError if it has no two points to read a
+    load off."""
     asked = values if kind == "pressure" else load_at_separation(reference, values)
     found = np.where(reference.converged, reference.mean_pressure, asked)
     if np.isnan(found).any():

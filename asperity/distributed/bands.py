@@ -43,12 +43,8 @@ TENTHS = 0.1, 0.9
 
 
 class Confidence:
-    """Mean of curves that come one by one, and its confidence interval, at each pressure.
-
-    Parameters
-    ----------
-    size
-        Points of a curve; NaN is left out.
+    """Mean of curves of `size` points that come one by one, and its confidence interval, at each
+    point; NaN is left out.
 
     Notes
     -----
@@ -177,8 +173,8 @@ class Ensemble:
         write_csv(folder / "ensemble.csv", columns(self.table))
         write_csv(folder / "convergence.csv", narrowing)
         tables = {"ensemble": self.table, "convergence": structured(narrowing)}
-        content = ResultFile(tables=tables, maps=dict(self.values), about={"until": self.until})
-        write_results(folder / "ensemble.h5", content)
+        about = {"until": self.until}
+        write_results(folder / "ensemble.h5", ResultFile({}, tables, dict(self.values), about))
 
     def plot(self, y: str = "area_fraction", ax: Axes | None = None, **style: Any) -> Axes:
         """Draw a mean over the pressure: its confidence dark, the middle 80 % of members light.

@@ -177,13 +177,8 @@ def enough(widths: Sequence[float], until: float) -> bool:
 def windows_of(
     shape: tuple[int, int], window: int | tuple[int, int]
 ) -> list[tuple[tuple[int, int], tuple[int, int]]]:
-    """Rows and columns, first and one past last, of the windows of a map, in a random order.
-
-    Raises
-    ------
-    InputError
-        If no window fits into the map.
-    """
+    """Rows and columns, first and one past last, of the windows of a map, in a random order;
+    refused if no window fits into it."""
     ny, nx = (int(n) for n in np.broadcast_to(np.asarray(window), 2))
     if not (3 <= ny <= shape[0] and 3 <= nx <= shape[1]):
         raise InputError(f"windows of {ny} x {nx} points do not fit into {shape[0]} x {shape[1]}")

@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import FileFormatError, InputError
-from asperity.results.curve import ContactCurve
+from asperity.results.curve import ContactCurve, read_results
 from asperity.results.storage import (
     ResultFile,
     columns,
-    read_results,
     structured,
     write_csv,
     write_results,

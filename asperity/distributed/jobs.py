@@ -42,15 +42,8 @@ BODY = ("E", "nu", "m", "hardness", "modulus")
 
 
 class Surface(NamedTuple):
-    """A surface that a worker makes or reads.
-
-    Attributes
-    ----------
-    name
-        What the index calls it.
-    load
-        Makes it: a function of a module, or a `functools.partial` of one.
-    """
+    """A surface that a worker makes or reads: what the index calls it, and what makes it, a
+    function of a module or a `functools.partial` of one."""
 
     name: str
     load: Callable[[], HeightMap]
@@ -60,16 +53,10 @@ class Surface(NamedTuple):
 class Job:
     """One surface, material and set of settings.
 
-    Attributes
-    ----------
-    surface, material
-        What is pressed.
-    settings
-        ``method``, a key of `METHODS`, and keyword arguments of that function; ``loads`` [N] in
-        place of its pressures, ``prepare`` for those of `surfaces.prepare`.
-    digest
-        Tells whether two jobs are the same: of the content of all files, the material, the settings
-        and the version of the package.
+    The settings are ``method``, a key of `METHODS`, and keyword arguments of that function;
+    ``loads`` [N] in place of its pressures, ``prepare`` for those of `surfaces.prepare`. The digest
+    tells whether two jobs are the same: of the content of all files, the material, the settings and
+    the version of the package.
     """
 
     surface: Surface
@@ -94,25 +81,14 @@ class Job:
 
 @dataclass
 class Jobs:
-    """Makes jobs; each file is read for its digest once.
-
-    Parameters
-    ----------
-    folder
-        Where maps that are in memory are written, for the workers to read.
-    """
+    """Makes jobs; each file is read for its digest once, and maps that are in memory are written to
+    the folder, for the workers to read."""
 
     folder: Path
     _digests: dict[str, str] = field(default_factory=dict)
 
     def job(self, surface: Surface, material: HalfSpace, settings: Mapping[str, Any]) -> Job:
-        """One job.
-
-        Raises
-        ------
-        InputError
-            If the material or a setting is none.
-        """
+        """One job; refused if the material or a setting is none."""
         require_half_space(material)
         chosen = {"method": next(iter(METHODS)), **settings}
         _require_settings(chosen)
@@ -134,13 +110,7 @@ class Jobs:
         ]
 
     def surfaces(self, given: Any) -> Iterator[Surface]:
-        """Surfaces of paths, globs, maps and functions.
-
-        Raises
-        ------
-        InputError
-            If one is none of these.
-        """
+        """Surfaces of paths, globs, maps and functions; what is none of these is refused."""
         for one in _several(given, str, os.PathLike, HeightMap, Surface):
             if isinstance(one, Surface):
                 yield one

@@ -19,7 +19,7 @@ from concurrent.futures import (
     ProcessPoolExecutor,
     wait,
 )
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing import forkserver, get_context, parent_process
 from typing import Any, Protocol
@@ -70,13 +70,7 @@ Work = Callable[[Sequence[Job]], list[Outcome]]
 
 
 class Pool(Protocol):
-    """What runs calls in other processes.
-
-    Attributes
-    ----------
-    workers
-        How many run at a time.
-    """
+    """What runs calls in other processes, `workers` at a time."""
 
     @property
     def workers(self) -> int: ...
@@ -89,14 +83,8 @@ class Pool(Protocol):
 class Workers:
     """What workers a sweep asks for.
 
-    Attributes
-    ----------
-    count
-        Number of processes; as many as the threads of their jobs leave processors for if None.
-    scheduler
-        Address of a Dask scheduler whose workers run the jobs; None starts workers here.
-    threads
-        Threads of each job.
+    So many processes, as many as the threads of their jobs leave processors for if None; or those
+    of the Dask scheduler at an address. Each job has so many threads.
     """
 
     count: int | None = None
@@ -106,20 +94,9 @@ class Workers:
 
 @contextmanager
 def opened(on: Workers, jobs: int) -> Iterator[Pool]:
-    """Workers on Dask, or in a pool of processes where it is not installed.
-
-    Parameters
-    ----------
-    on
-        Those asked for.
-    jobs
-        What they have to do: none more is started here.
-
-    Raises
-    ------
-    InputError
-        If no scheduler answers, or Dask is needed and not installed.
-    """
+    """Workers on Dask, or in a pool of processes where it is not installed; no more are started
+    here than there are jobs. Refused if no scheduler answers, or Dask is needed and not
+    installed."""
     for name, number in (("workers", on.count), ("threads", on.threads)):
         if number is not None and as_number(f"the number of {name}", number) < 1:
             raise InputError(f"the number of {name} is {number}; give at least 1")
@@ -135,7 +112,7 @@ def opened(on: Workers, jobs: int) -> Iterator[Pool]:
                 f"installed; {INSTALL}"
             ) from None
         _tell(f"dask.distributed is not installed: a pool of {count} processes; {INSTALL}")
-        with _Processes(count, method) as pool:
+        with closing(_Processes(count, method)) as pool:
             yield pool
         return
     with ExitStack() as stack:
@@ -241,10 +218,7 @@ class _Processes:
             self._executor = self._new()
             return self._executor.submit(*call)
 
-    def __enter__(self) -> _Processes:
-        return self
-
-    def __exit__(self, *_: object) -> None:
+    def close(self) -> None:
         self._executor.shutdown(cancel_futures=True)
 
 
@@ -262,21 +236,9 @@ def _end_with_parent() -> None:
 
 
 def outcomes(jobs: Sequence[Job], work: Work, pool: Pool) -> Iterator[tuple[Job, Outcome]]:
-    """Run jobs in batches and tell of each as it ends.
+    """Run jobs in batches, begun in their order, and tell of each as it ends.
 
-    Parameters
-    ----------
-    jobs
-        Jobs, begun in this order.
-    work
-        Runs a batch of them; goes to the workers.
-    pool
-        The workers.
-
-    Raises
-    ------
-    AsperityError
-        If the scheduler is lost.
+    What runs a batch, `work`, goes to the workers. A lost scheduler is an AsperityError.
 
     Notes
     -----

@@ -39,20 +39,11 @@ def run_jobs(
     force: bool,
     at: NDArray[np.float64] | None = None,
 ) -> list[Outcome]:
-    """Run jobs in this process; what has its results file already is read from there.
+    """Run jobs in this process, in turn; what has its results file in the folder already is read
+    from there, unless by `force` it is run again.
 
-    Parameters
-    ----------
-    jobs
-        Jobs, run in turn. A process runs one at a time.
-    folder
-        Folder of the results files.
-    threads
-        Threads of each job. The number changes the order of some sums, and so the last digits.
-    force
-        Whether finished jobs are run again.
-    at
-        Pressures [Pa] asked for, at which the outcome holds the ``values`` of the curve too.
+    The number of threads of each job changes the order of some sums, and so the last digits. With
+    pressures [Pa] `at` the outcome holds the ``values`` of the curve there too.
     """
     with _one_at_a_time, warnings.catch_warnings():
         warnings.simplefilter("ignore", ContactWarning)  # results hold them
@@ -114,7 +105,7 @@ def _run(
         outcome = _outcome(at_heaviest(curve), curve.settings)
         outcome["seconds"] = time.perf_counter() - begun
         content = ResultFile(
-            curves={curve.model: curve.to_record()},
+            curves={curve.model: curve},
             about={"job": job.digest, "surface": job.surface.name, "outcome": outcome},
         )
         write_results(folder / job.file, content)

@@ -103,24 +103,12 @@ class CandidateList:
         spare: float,
         rounded: bool,
     ) -> CandidateList:
-        """The candidates at a separation, about a prediction.
+        """The candidates at a separation [m], about a prediction.
 
-        Parameters
-        ----------
-        system
-            All summits.
-        rows, values
-            `Point.values` of these summits; those that are closed are listed in any case.
-        field
-            The smooth part of the last field, if any.
-        separation
-            Separation [m].
-        growth
-            How much deeper the field can be where it is negative.
-        spare
-            Summits listed over those that overlap.
-        rounded
-            Whether all footprints are taken as round.
+        The `values` are `Point.values` of the summits `rows`; those that are closed are listed in
+        any case. `field` is the smooth part of the last field, if any, `growth` how much deeper the
+        field can be where it is negative, and `spare` the number of summits listed over those that
+        overlap. With `rounded` all footprints are taken as round.
         """
         elongation = None if rounded else system.elongation
         closed = values[0] > 0

@@ -56,18 +56,8 @@ LEVEL = 1e-9
 def solve_at(
     last: Continuation, separation: float, tolerance: float, pressure: float | None = None
 ) -> PopulationState:
-    """State at a separation, or at a mean pressure.
-
-    Parameters
-    ----------
-    last
-        What is taken over from the last point.
-    separation
-        Separation [m]; the first guess of it if a mean pressure is given.
-    tolerance
-        Bound on the residual.
-    pressure
-        Mean pressure [Pa], or None.
+    """State at a separation [m], or at a mean pressure [Pa], of which the separation is then the
+    first guess; `last` is taken over from the last point, and the tolerance bounds the residual.
 
     Notes
     -----
@@ -152,14 +142,9 @@ def solve_at(
 class Start(NamedTuple):
     """Where the solve of a point starts.
 
-    Attributes
-    ----------
-    rows, values
-        Summits to start from, and the prediction of their `Point.values`.
-    growth, spare, rise
-        As `CandidateList.of` takes them, and by how much the separation there is to be raised [m].
-    listed
-        The candidates of the last point, where they are those of this one too.
+    From the summits `rows` and the prediction of their `Point.values`; `growth` and `spare` as
+    `CandidateList.of` takes them, `rise` by how much the separation there is to be raised [m].
+    `listed` are the candidates of the last point, where they are those of this one too.
     """
 
     rows: Rows
@@ -249,7 +234,8 @@ def _independent(last: Continuation, separation: float) -> PopulationState:
         shares=np.ones(count),
         slope=float(laws.stiffness.sum()),
     )
-    return _state(last.independent(solution), np.arange(count), laws.area, solution)
+    last = replace(last, candidates=None, field=None, solution=solution)
+    return _state(last, np.arange(count), laws.area, solution)
 
 
 def _state(

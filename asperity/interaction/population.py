@@ -182,16 +182,8 @@ def solve_under(
     """State at a mean pressure [Pa], with the separation as one more unknown of the Newton steps;
     by search for the separation where these fail, and of independent contacts.
 
-    Parameters
-    ----------
-    last
-        What is taken over from the last point.
-    pressure
-        Mean pressure [Pa].
-    tolerance
-        Bound on the residual.
-    state
-        The last point itself, if there is one.
+    What is taken over from the last point is `last`, the last point itself, if there is one,
+    `state`; the tolerance bounds the residual.
     """
     system = last.system
     if pressure == 0:

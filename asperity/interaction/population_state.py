@@ -166,10 +166,6 @@ class Continuation:
             solution=solution,
         )
 
-    def independent(self, solution: Solution) -> Continuation:
-        """The continuation from a solution of independent contacts on."""
-        return replace(self, candidates=None, field=None, solution=solution)
-
     def predicted(self, separation: float, pressure: float | None) -> tuple[Rows, Array]:
         """Summits to start from, and `Point.values` of each, at a separation or mean pressure."""
         system = self.system
@@ -219,29 +215,6 @@ class Continuation:
         if self.solution is None:
             return self.slope
         return self.solution.tangent[0] / self.system.nominal_area
-
-    def unloading_stiffness(self, rows: Rows) -> float:
-        """Stiffness [Pa/m] at the last point, of which `rows` are the summits, with contacts that
-        keep their areas: those of elastic contacts of these areas, which the half-space couples."""
-        assert self.solution is not None
-        closed, system = self.solution.laws.force > 0.0, self.system
-        stiffness = np.ones(closed.size)
-        stiffness[closed] = system.table.elastic_at(rows[closed], self.solution.approach[closed])[1]
-        load = stiffness[closed]
-        if self.candidates is not None and closed.any():
-            problem = self.candidates.problem
-            tangent = Tangent(problem.plan, closed, stiffness, None, problem.form)
-            ones = np.ones(len(tangent.index))
-            load = conjugate_gradients(tangent, ones, tolerance=UNLOADING).solution
-        return float(load.sum()) / system.nominal_area
-
-    @property
-    def response(self) -> Array:
-        """Approach that each contact gains per fall of the flat [-], shape (n,)."""
-        gained = np.ones(len(self.system))
-        if self.points and self.solution is not None:
-            gained[self.points[-1].rows] = self.solution.tangent[1]
-        return gained
 
 
 @dataclass(frozen=True, eq=False)
@@ -341,10 +314,25 @@ class PopulationState:
     @property
     def unloading_stiffness(self) -> float:
         """Minus the slope of mean pressure over separation [Pa/m] as the load begins to fall, where
-        contacts that have yielded keep their areas."""
-        return self.continuation.unloading_stiffness(self.rows)
+        contacts that have yielded keep their areas: the stiffness of elastic contacts of these
+        areas, which the half-space couples."""
+        last, closed = self.continuation, self.listed[1] > 0.0
+        stiffness = np.ones(closed.size)
+        elastic = last.system.table.elastic_at(self.rows[closed], self.listed[0, closed])
+        stiffness[closed] = elastic[1]
+        load = stiffness[closed]
+        if last.candidates is not None and closed.any():
+            problem = last.candidates.problem
+            tangent = Tangent(problem.plan, closed, stiffness, None, problem.form)
+            ones = np.ones(len(tangent.index))
+            load = conjugate_gradients(tangent, ones, tolerance=UNLOADING).solution
+        return float(load.sum()) / last.system.nominal_area
 
     @property
     def response(self) -> Array:
         """Approach that each contact gains per fall of the flat [-], shape (n,)."""
-        return self.continuation.response
+        last = self.continuation
+        gained = np.ones(len(last.system))
+        if last.points and last.solution is not None:
+            gained[last.points[-1].rows] = last.solution.tangent[1]
+        return gained

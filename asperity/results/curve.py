@@ -13,18 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import FileFormatError, InputError
 
+from . import storage
 from .interface_law import InterfaceLaw
-from .interpolation import READ_FIELDS, CurvePoint, curve_stiffness, read_off
-from .storage import CurveRecord, ResultFile, write_results
-from .storage import read_results as read_records
-from .table import POINT_FIELDS, CurveTable
+from .interpolation import POINT_FIELDS, READ_FIELDS, CurvePoint, curve_stiffness, read_off
+from .storage import ResultFile, write_results
+from .table import CurveTable
 
-__all__ = ["POINT_FIELDS", "ContactCurve", "CurvePoint", "Results", "read_results", "require_curve"]
-
-ATTRIBUTES = ("model", "version", "settings", "seconds")
-
-DERIVED = "mean_contact_pressure"
-"""Column that files hold for other programs; here it follows from load and area."""
+__all__ = ["ContactCurve", "read_results", "require_curve"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -172,7 +167,7 @@ class ContactCurve(CurveTable):
 
     def to_hdf5(self, path: str | os.PathLike[str]) -> None:
         """Write the curve to a results file (schema "asperity/1"), replacing it at once."""
-        write_results(path, ResultFile(curves={self.model: self.to_record()}))
+        write_results(path, ResultFile(curves={self.model: self}))
 
     @classmethod
     def from_hdf5(cls, path: str | os.PathLike[str], model: str | None = None) -> ContactCurve:
@@ -190,53 +185,17 @@ class ContactCurve(CurveTable):
         FileFormatError
             If the file is no results file or holds no such curve.
         """
-        held = read_records(path).curves
+        held = storage.read_results(path, cls).curves
         if model is None and len(held) == 1:
-            return cls.from_record(next(iter(held.values())))
+            return next(iter(held.values()))
         if model not in held:
             names = ", ".join(held) or "no curve"
             raise FileFormatError(f"{path} has no curve {model!r}; it holds {names}")
-        return cls.from_record(held[model])
+        return held[model]
 
     def to_interface_law(self, **choices: Any) -> InterfaceLaw:
         """The law for finite elements, see `InterfaceLaw.of`, which takes the `conductance` too."""
-        return InterfaceLaw.of(self.to_record(), **choices)
-
-    def to_record(self) -> CurveRecord:
-        """The curve as plain columns and attributes, for a results file."""
-        return CurveRecord(
-            columns={name: getattr(self, name) for name in (*POINT_FIELDS, DERIVED)},
-            extra=dict(self.extra),
-            reasons=self.reasons,
-            attributes={name: getattr(self, name) for name in ATTRIBUTES},
-        )
-
-    @classmethod
-    def from_record(cls, record: CurveRecord) -> ContactCurve:
-        """The curve of plain columns and attributes that a results file held.
-
-        Raises
-        ------
-        FileFormatError
-            If a column or an attribute is missing or of the wrong kind.
-        """
-        missing = [n for n in POINT_FIELDS if n not in record.columns]
-        missing += [n for n in ATTRIBUTES if n not in record.attributes]
-        if missing:
-            raise FileFormatError(f"{record.source} lacks {', '.join(missing)}; make it again")
-        for name, column in record.columns.items():
-            if column.dtype.kind not in "biuf":
-                raise FileFormatError(f"{record.source}: column {name} holds no numbers")
-        columns: dict[str, Any] = {name: record.columns[name] for name in POINT_FIELDS}
-        try:
-            return cls(
-                **columns,
-                **{name: record.attributes[name] for name in ATTRIBUTES},
-                extra=record.extra,
-                reasons=record.reasons,
-            )
-        except InputError as error:
-            raise FileFormatError(f"{record.source}: {error}") from error
+        return InterfaceLaw.of(self, **choices)
 
     def __str__(self) -> str:
         good = int(np.count_nonzero(self.converged))
@@ -289,35 +248,13 @@ def _told(verification: Mapping[str, Any]) -> list[str]:
     ]
 
 
-@dataclass(frozen=True)
-class Results:
-    """What a results file holds.
-
-    Attributes
-    ----------
-    curves
-        Contact curves by name: "asperity", "bem", "anchored" ...
-    tables
-        Structured arrays by name, such as "microcontacts"; ``pandas.DataFrame`` takes them.
-    maps
-        Arrays (ny, nx) by name.
-    about
-        Facts about the input.
-    """
-
-    curves: dict[str, ContactCurve]
-    tables: dict[str, NDArray[Any]]
-    maps: dict[str, NDArray[Any]]
-    about: dict[str, Any]
-
-
-def read_results(path: str | os.PathLike[str]) -> Results:
+def read_results(path: str | os.PathLike[str]) -> ResultFile[ContactCurve]:
     """Read a results file: all its curves, tables and maps.
 
     Raises
     ------
     FileFormatError
-        If it is no results file, or damaged.
+        If it is absent, damaged, or of another schema.
 
     Examples
     --------
@@ -330,19 +267,12 @@ def read_results(path: str | os.PathLike[str]) -> Results:
     ...     list(asperity.read_results(f"{folder}/results.h5").curves)
     ['asperity']
     """
-    held = read_records(path)
-    curves = {name: ContactCurve.from_record(record) for name, record in held.curves.items()}
-    return Results(curves, held.tables, held.maps, held.about)
+    return storage.read_results(path, ContactCurve)
 
 
 def require_curve(curve: object) -> None:
-    """Refuse what is no contact curve, such as the run that holds one.
-
-    Raises
-    ------
-    InputError
-        Saying what to give instead.
-    """
+    """Refuse what is no contact curve, such as the run that holds one, and say what to give
+    instead."""
     if not isinstance(curve, ContactCurve):
         raise InputError(
             f"a contact curve is needed, not {type(curve).__name__}: asperity.contact_curve(...), "

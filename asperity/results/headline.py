@@ -23,13 +23,8 @@ COLUMNS = (
 
 
 def at_heaviest(curve: ContactCurve) -> dict[str, Any]:
-    """Values at the heaviest load point that converged, and whether and why others did not.
-
-    Parameters
-    ----------
-    curve
-        Of at least one load point.
-    """
+    """Values at the heaviest load point that converged, and whether and why others did not, of a
+    curve of at least one load point."""
     heaviest = np.argmax(np.where(curve.converged, curve.mean_pressure, -np.inf))
     columns = curve.columns()
     return {

@@ -16,7 +16,7 @@ from asperity.errors import FileFormatError, InputError
 from surfaces.files.atomic import replacing
 
 from .interpolation import READ_FIELDS, knots_of, read_off
-from .storage import CurveRecord
+from .table import CurveTable
 
 __all__ = ["BANDS", "FORMATS", "UNITS", "InterfaceLaw"]
 
@@ -87,13 +87,13 @@ class InterfaceLaw:
     hardness: float = math.inf
 
     @classmethod
-    def of(cls, record: CurveRecord, *, conductance: ArrayLike | None = None) -> InterfaceLaw:
+    def of(cls, curve: CurveTable, *, conductance: ArrayLike | None = None) -> InterfaceLaw:
         """The law of a curve, see `ContactCurve.to_interface_law`.
 
         Parameters
         ----------
-        record
-            The curve as plain columns.
+        curve
+            The curve.
         conductance
             Thermal conductance at each load point [W/(m^2 K)], see `constriction_conductance`.
 
@@ -109,13 +109,13 @@ class InterfaceLaw:
         the lightest load the law runs to zero in a straight line with the stiffness there: where
         this line ends is overclosure 0.
         """
-        columns = {name: record.columns[name] for name in READ_FIELDS}
-        good, loads = record.columns["converged"].astype(bool), columns["mean_pressure"]
+        columns = {name: getattr(curve, name) for name in READ_FIELDS}
+        good, loads = curve.converged, curve.mean_pressure
         usable = loads[knots_of(columns, good)]
         if usable.size < 2:
             raise InputError("the curve has fewer than two converged points with load")
         # the error and the conductance are read off as the stiffness is
-        told = {"error": record.columns["error_estimate"]}
+        told = {"error": curve.error_estimate}
         if conductance is not None:
             told["conductance"] = np.asarray(conductance, dtype=float)
             if told["conductance"].shape != loads.shape:
@@ -133,7 +133,7 @@ class InterfaceLaw:
         first = -np.diff(point.separation[:2])[0] / np.diff(pressure[:2])[0]
         run_in = low / point.stiffness[0] if np.isfinite(point.stiffness[0]) else low * first
         reference = float(point.separation[0] + run_in)
-        hardness = float(record.attributes["settings"].get("hardness", math.inf))
+        hardness = float(curve.settings.get("hardness", math.inf))
         lower = pressure * np.maximum(1.0 - more["error"], 0.0)
         upper = np.minimum(pressure * (1.0 + more["error"]), hardness)
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.errors import InputError
 
 __all__ = [
+    "POINT_FIELDS",
     "READ_FIELDS",
     "SLACK",
     "CurvePoint",
@@ -35,6 +36,9 @@ READ_FIELDS = (
     "stiffness",
 )
 """Columns of a curve that can be read off between its points."""
+
+POINT_FIELDS = (*READ_FIELDS, "converged", "residual", "error_estimate")
+"""Columns that every curve has."""
 
 SLACK = 5e-3
 """Relative distance beyond the ends at which a curve can be evaluated: solved pressures differ from
@@ -95,14 +99,8 @@ def read_off(
 ) -> CurvePoint:
     """Interpolate a curve, see `ContactCurve.at`.
 
-    Parameters
-    ----------
-    columns
-        The columns `READ_FIELDS` of the curve, shape (n,) each.
-    converged
-        Points that count, shape (n,).
-    questions
-        Where the curve is read, by the names of `QUESTIONS`; all but one are None.
+    Its columns `READ_FIELDS`, shape (n,) each, are read between the points that converged, where
+    `questions` says by the names of `QUESTIONS`; all but one of these are None.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -202,14 +200,9 @@ def curve_stiffness(
 ) -> NDArray[np.float64]:
     """Minus the slope of pressure over separation at the points of a curve [Pa/m], shape (n,).
 
-    Parameters
-    ----------
-    pressure, separation
-        Points [Pa], [m], shape (n,), in any order.
-    tangent
-        Stiffness of each point at contacts that stay where they are and keep their shapes [Pa/m].
-    usable
-        Points that may be used (converged).
+    The points are at mean pressures [Pa] and separations [m], shape (n,), in any order; `tangent`
+    is the stiffness of each at contacts that stay where they are and keep their shapes [Pa/m], and
+    `usable` those that converged.
 
     Notes
     -----
@@ -252,25 +245,14 @@ def interpolated_misfit(
     misfit: NDArray[np.float64],
     floor: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Misfit at all load points, interpolated between the anchors, and a bound on what that leaves.
+    """Misfit at all load points, interpolated between the anchors, and a bound on what that leaves,
+    both of shape (n,).
 
-    Parameters
-    ----------
-    position
-        Logarithm of the load, rising, shape (n,).
-    anchors
-        Load points at which the misfit is known, rising, the first and the last among them, (k,).
-    misfit
-        Logarithm of the ratio of the model to boundary elements at the anchors, shape (k,).
-    floor
-        Least bound between anchors, shape (n,).
-
-    Returns
-    -------
-    misfit, bound
-        Shape (n,). The bound is zero at anchors. Elsewhere it is the largest of half the difference
-        of the two anchors beside the point, of what the interpolation misses either of them by when
-        that one is left out, and of the floor.
+    The load points have the logarithms `position` of their loads, rising, shape (n,). At the
+    `anchors` (k,), rising, the first and the last point among them, the logarithm of the ratio of
+    the model to boundary elements is the `misfit` (k,). The bound is zero there. Elsewhere it is
+    the largest of half the difference of the two anchors beside the point, of what the
+    interpolation misses either of them by when that one is left out, and of the `floor` (n,).
     """
     missed = np.zeros(len(anchors))
     for j in range(1, len(anchors) - 1):
@@ -287,12 +269,8 @@ def interpolated_misfit(
 def halved_intervals(anchors: NDArray[np.int64], need: NDArray[np.float64]) -> NDArray[np.int64]:
     """The anchors and one more, in the middle of the interval of the point that needs it most.
 
-    Parameters
-    ----------
-    anchors
-        Load points, rising, the first and the last among them.
-    need
-        How much each load point needs an anchor near it, zero at anchors, shape (n,).
+    Anchors are load points, rising, the first and the last among them; `need` says how much each
+    load point needs an anchor near it, zero at anchors, shape (n,).
     """
     right = int(np.searchsorted(anchors, int(np.argmax(need))))
     return np.union1d(anchors, (anchors[right - 1] + anchors[right]) // 2)

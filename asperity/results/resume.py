@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from asperity.errors import InputError
 
-from .curve import ContactCurve
-from .storage import ResultFile, read_results, write_results
+from .curve import ContactCurve, read_results
+from .storage import ResultFile, write_results
 
 __all__ = ["Solve", "require_continuable", "run_resumably"]
 
@@ -38,41 +38,19 @@ def run_resumably(
 ) -> ContactCurve:
     """Solve load points, keeping every finished one in the results file, beside those it held.
 
-    Parameters
-    ----------
-    solve
-        Solves load points, telling what is finished as it goes.
-    values
-        Load points, shape (n,).
-    kind
-        What they are: "pressure" or "separation".
-    path
-        Results file.
-    model
-        Name of the curve in the file: "asperity" or "bem".
-    request
-        JSON-able facts that two runs must share for one to continue the other.
-    resume
-        Whether to continue from the file, if it exists.
-    chained
-        Whether the solution of a point depends on those solved before it: if one is missing, all
-        are solved again, so that the curve is that of a run without interruption.
+    The `values`, shape (n,), are of the `kind` "pressure" or "separation"; `model` is the name of
+    the curve in the file, and `request` holds the JSON-able facts that two runs must share for one
+    to continue the other.
 
-    Returns
-    -------
-    ContactCurve
-        All points in the order of `values`.
-
-    Raises
-    ------
-    InputError
-        If the file was made from another input or with other settings.
+    With `resume` it continues from the file, if that exists, and refuses one of another request.
+    Where the solution of a point depends on those solved before it (`chained`) and one is missing,
+    all are solved again, so that the curve is that of a run without interruption. Returned are all
+    points in the order of `values`.
     """
     done, asked = None, f"asked_{kind}"
     if resume and Path(path).exists():
-        record = require_continuable(path, request).curves.get(model)
-        if record is not None:
-            curve = ContactCurve.from_record(record)
+        curve = require_continuable(path, request).curves.get(model)
+        if curve is not None:
             known = curve.converged.any() and asked in curve.extra
             done = curve.select(curve.converged) if known else None
     held = np.zeros((len(values), 1), bool)
@@ -88,7 +66,7 @@ def run_resumably(
 
     def write(curve: ContactCurve) -> None:
         about = {"request": dict(request)}
-        write_results(path, ResultFile(curves={curve.model: curve.to_record()}, about=about))
+        write_results(path, ResultFile(curves={curve.model: curve}, about=about))
 
     def keep(fresh: ContactCurve) -> None:
         nonlocal next_write
@@ -105,14 +83,11 @@ def run_resumably(
     return done.select(place)
 
 
-def require_continuable(path: str | os.PathLike[str], request: Mapping[str, Any]) -> ResultFile:
-    """What the results file of an earlier run of the same request holds.
-
-    Raises
-    ------
-    FileFormatError, InputError
-        If it is no results file, or of another request.
-    """
+def require_continuable(
+    path: str | os.PathLike[str], request: Mapping[str, Any]
+) -> ResultFile[ContactCurve]:
+    """What the results file of an earlier run of the same request holds; refused if it is no
+    results file, or of another request."""
     held = read_results(path)
     before = held.about.get("request", {})
     changed = [key for key in request if before.get(key) != request[key]]

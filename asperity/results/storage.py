@@ -24,21 +24,22 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity import __version__
-from asperity.errors import FileFormatError
+from asperity.errors import FileFormatError, InputError
 from surfaces.files.atomic import replacing
+
+from .interpolation import POINT_FIELDS
 
 if TYPE_CHECKING:
     import h5py
 
 __all__ = [
     "SCHEMA",
-    "CurveRecord",
     "ResultFile",
     "columns",
     "flat_columns",
@@ -54,6 +55,14 @@ __all__ = [
 SCHEMA = "asperity/1"
 
 LIBRARIES = ("numpy", "scipy", "numba")
+
+ATTRIBUTES = ("model", "version", "settings", "seconds")
+
+DERIVED = "mean_contact_pressure"
+"""Column that files hold for other programs; here it follows from load and area."""
+
+Curve = TypeVar("Curve")
+"""What holds a curve: `ContactCurve`, which this module does not know."""
 
 
 def structured(columns: Mapping[str, Any]) -> NDArray[np.void]:
@@ -76,48 +85,23 @@ def columns(table: NDArray[np.void]) -> dict[str, NDArray[Any]]:
 
 
 @dataclass
-class CurveRecord:
-    """A contact curve as plain data.
-
-    Attributes
-    ----------
-    columns
-        Arrays over the load points by name, shape (n,) each.
-    extra
-        Further arrays over the load points by name.
-    reasons
-        One sentence per load point, "" where all is well.
-    attributes
-        JSON-able facts by name: model, version, settings, seconds.
-    source
-        File and curve, for messages.
-    """
-
-    columns: dict[str, NDArray[Any]]
-    extra: dict[str, NDArray[Any]]
-    reasons: tuple[str, ...]
-    attributes: dict[str, Any]
-    source: str = "the curve"
-
-
-@dataclass
-class ResultFile:
-    """What a results file holds: curves, tables, maps and facts about the input.
+class ResultFile(Generic[Curve]):
+    """What a results file holds.
 
     Attributes
     ----------
     curves
-        Contact curves by name.
+        Contact curves by name: "asperity", "bem", "anchored" ...
     tables
-        Structured arrays by name (microcontacts, error against run time, ...).
+        Structured arrays by name, such as "microcontacts"; ``pandas.DataFrame`` takes them.
     maps
-        Two-dimensional arrays by name.
+        Arrays (ny, nx) by name.
     about
         JSON-able facts: input map, material, preparation; how the file was made (`provenance`) is
         added where it lacks.
     """
 
-    curves: dict[str, CurveRecord] = field(default_factory=dict)
+    curves: dict[str, Curve] = field(default_factory=dict)
     tables: dict[str, NDArray[Any]] = field(default_factory=dict)
     maps: dict[str, NDArray[Any]] = field(default_factory=dict)
     about: dict[str, Any] = field(default_factory=dict)
@@ -149,14 +133,9 @@ def _command() -> str:
     return shlex.join(["asperity", *sys.argv[1:]]) if ours else program.name or "python"
 
 
-def write_results(path: str | os.PathLike[str], results: ResultFile) -> None:
-    """Write a results file through a temporary file and an atomic rename.
-
-    Raises
-    ------
-    InputError
-        If the folder does not exist or cannot be written.
-    """
+def write_results(path: str | os.PathLike[str], results: ResultFile[Any]) -> None:
+    """Write a results file through a temporary file and an atomic rename; refused if the folder
+    does not exist or cannot be written."""
     import h5py
 
     with replacing(path) as partial, h5py.File(partial, "w", libver=("v110", "v110")) as file:
@@ -171,18 +150,12 @@ def write_results(path: str | os.PathLike[str], results: ResultFile) -> None:
             _write_array(file, f"maps/{name}", array, **packed)
 
 
-def read_results(path: str | os.PathLike[str]) -> ResultFile:
-    """Read a results file.
-
-    Raises
-    ------
-    FileFormatError
-        If the file is absent, damaged, or of another schema.
-    """
+def read_results(path: str | os.PathLike[str], kind: Callable[..., Curve]) -> ResultFile[Curve]:
+    """Read a results file, see `asperity.read_results`; `kind` makes a curve of its columns."""
     with _results(path) as (file, about):
         return ResultFile(
             curves={
-                name: _read_curve(group, f"{path}: curve {name!r}")
+                name: _read_curve(group, f"{path}: curve {name!r}", kind)
                 for name, group in _members(file, "curves")
             },
             tables={k: _plain(d[()]) for k, d in _members(file, "tables")},
@@ -248,11 +221,11 @@ def flat_columns(columns: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             yield name, column
 
 
-def _write_curve(group: h5py.Group, curve: CurveRecord) -> None:
-    text = curve.attributes.items()
-    _write_text(group, {k: value if isinstance(value, str) else _json(value) for k, value in text})
-    for name, column in curve.columns.items():
-        _write_array(group, name, column)
+def _write_curve(group: h5py.Group, curve: Any) -> None:
+    facts = {name: getattr(curve, name) for name in ATTRIBUTES}
+    _write_text(group, {k: v if isinstance(v, str) else _json(v) for k, v in facts.items()})
+    for name in (*POINT_FIELDS, DERIVED):
+        _write_array(group, name, getattr(curve, name))
     _write_array(group, "reasons", np.array(curve.reasons, np.str_))
     for name, array in curve.extra.items():
         _write_array(group, f"extra/{name}", array)
@@ -279,22 +252,28 @@ def _members(group: h5py.Group, name: str = ".") -> Iterator[tuple[str, Any]]:
     return ((part, inner[part]) for part in inner)
 
 
-def _read_curve(group: h5py.Group, source: str) -> CurveRecord:
+def _read_curve(group: h5py.Group, source: str, kind: Callable[..., Curve]) -> Curve:
+    """A curve; raises FileFormatError if a part of it is missing or of the wrong kind."""
     text = _read_text(group)
-    return CurveRecord(
-        columns={
-            name: _plain(held[()])
-            for name, held in _members(group)
-            if name not in ("extra", "reasons")
-        },
-        extra={name: _plain(held[()]) for name, held in _members(group, "extra")},
-        reasons=tuple(group["reasons"].asstr("utf-8")[()].tolist()),
-        attributes={
-            name: json.loads(value) if name in ("settings", "seconds") else value
-            for name, value in text.items()
-        },
-        source=source,
-    )
+    held = {
+        name: _plain(part[()]) for name, part in _members(group) if name not in ("extra", "reasons")
+    }
+    extra = {name: _plain(part[()]) for name, part in _members(group, "extra")}
+    reasons = tuple(group["reasons"].asstr("utf-8")[()].tolist())
+    facts = {k: json.loads(v) if k in ("settings", "seconds") else v for k, v in text.items()}
+    missing = [name for name in POINT_FIELDS if name not in held]
+    missing += [name for name in ATTRIBUTES if name not in facts]
+    if missing:
+        raise FileFormatError(f"{source} lacks {', '.join(missing)}; make it again")
+    for name, column in held.items():
+        if column.dtype.kind not in "biuf":
+            raise FileFormatError(f"{source}: column {name} holds no numbers")
+    told = {name: facts[name] for name in ATTRIBUTES}
+    try:
+        columns = {name: held[name] for name in POINT_FIELDS}
+        return kind(**columns, **told, extra=extra, reasons=reasons)
+    except InputError as error:
+        raise FileFormatError(f"{source}: {error}") from error
 
 
 def _storable(array: NDArray[Any]) -> NDArray[Any]:

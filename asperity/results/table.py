@@ -15,27 +15,14 @@ from asperity import __version__
 from asperity.errors import InputError
 from surfaces.drawing import image, logarithmic
 
-from .interpolation import READ_FIELDS, contact_pressure
+from .interpolation import POINT_FIELDS, READ_FIELDS, contact_pressure
 from .storage import flat_columns, write_csv
 
 if TYPE_CHECKING:
     import pandas
     from matplotlib.axes import Axes
 
-__all__ = ["POINT_FIELDS", "CurveTable", "axis"]
-
-POINT_FIELDS = (
-    "separation",
-    "mean_pressure",
-    "load",
-    "area_fraction",
-    "contact_area",
-    "contacts",
-    "stiffness",
-    "converged",
-    "residual",
-    "error_estimate",
-)
+__all__ = ["CurveTable", "axis"]
 
 HOW_SOLVED = (
     "asked_pressure",

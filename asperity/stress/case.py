@@ -15,19 +15,10 @@ SECONDS = 10.0
 class Case:
     """A question to one engine, and its judge.
 
-    Attributes
-    ----------
-    theme, name, engine
-        What is stiff or extreme, how far, and who is asked.
-    against
-        What the answer is judged against.
-    judge
-        Asks, and gives the error over what is allowed; raises an error of the package where the
-        engine refuses.
-    seconds
-        Time that it may take [s].
-    must_refuse
-        Whether any answer is wrong.
+    The theme, the name and the engine say what is stiff or extreme, how far, and who is asked;
+    `against` what the answer is judged against. The judge asks, and gives the error over what is
+    allowed; it raises an error of the package where the engine refuses. A case may take so many
+    seconds. Where it `must_refuse` any answer is wrong.
     """
 
     theme: str

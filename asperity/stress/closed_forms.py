@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
+from scipy.signal import fftconvolve
 from scipy.special import beta, ellipe, ellipk, gamma
 
 __all__ = [
@@ -60,12 +61,8 @@ def elliptic_contact(ratio: float, depth: float, modulus: float) -> tuple[float,
 
 
 def wave_contact(share: Array) -> tuple[Array, Array]:
-    """Contact area fraction, and mean gap over the amplitude, of a wave of ridges.
-
-    Parameters
-    ----------
-    share
-        Mean pressure over the pressure pi E* A / wavelength of full contact, 0 to 1, shape (n,).
+    """Contact area fraction, and mean gap over the amplitude, of a wave of ridges, at mean
+    pressures from 0 to 1 times that of full contact, pi E* A / wavelength, shape (n,).
 
     Notes
     -----
@@ -100,9 +97,4 @@ def free_displacement(pressure: Array, spacing: tuple[float, float], modulus: fl
         return np.asarray(x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y)))
 
     kernel = corner(x + dx, y + dy) - corner(x, y + dy) - corner(x + dx, y) + corner(x, y)
-    size = 2 * ny - 1, 2 * nx - 1
-    waves = np.fft.rfft2(kernel, s=(size[0] + ny, size[1] + nx)) * np.fft.rfft2(
-        pressure, s=(size[0] + ny, size[1] + nx)
-    )
-    whole = np.fft.irfft2(waves, s=(size[0] + ny, size[1] + nx))
-    return np.asarray(whole[ny - 1 : 2 * ny - 1, nx - 1 : 2 * nx - 1] / (np.pi * modulus))
+    return np.asarray(fftconvolve(kernel, pressure, mode="valid") / (np.pi * modulus))

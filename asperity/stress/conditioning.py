@@ -22,17 +22,8 @@ MOST_PAIRS, MOST_ITERATIONS = 15, 1000
 
 @dataclass(frozen=True)
 class Work:
-    """One load on one rough map.
-
-    Attributes
-    ----------
-    size
-        Points per axis.
-    m
-        Exponent of the grading.
-    load
-        Mean pressure over the one that flattens the roughness.
-    """
+    """One load on one rough map of `size` points per axis, graded by the exponent m: the load is a
+    mean pressure over the one that flattens the roughness."""
 
     size: int
     m: float

@@ -75,17 +75,8 @@ ENGINES: Mapping[str, Callable[..., ContactCurve]] = {
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """A map, a half-space and mean pressures.
-
-    Attributes
-    ----------
-    hm, material
-        The scene.
-    pressures
-        Mean pressures [Pa], shape (n,).
-    boundary
-        "periodic" or "free"; as the map says if None.
-    """
+    """A map, a half-space and mean pressures [Pa], shape (n,), with the boundary "periodic" or
+    "free", as the map says if None."""
 
     hm: HeightMap
     material: HalfSpace
@@ -202,13 +193,8 @@ def bounded(engine: str, question: Question, finer: HeightMap | None = None) -> 
 
 def _grain(curve: ContactCurve) -> Array:
     """Relative error of an area that is counted in pixels: (n N / pi)^(1/4) / N of N in n spots."""
-    pixels = np.maximum(curve.extra["contact_area_raw"] / _pixel(curve), 1.0)
+    pixels = np.maximum(curve.extra["contact_area_raw"] / np.prod(curve.settings["spacing"]), 1.0)
     return np.asarray((np.maximum(curve.contacts, 1) * pixels / np.pi) ** 0.25 / pixels)
-
-
-def _pixel(curve: ContactCurve) -> float:
-    dy, dx = curve.settings["spacing"]
-    return float(dy * dx)
 
 
 def certified(question: Question) -> float:

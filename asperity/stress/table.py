@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import csv
 import time
 import warnings
 from collections.abc import Iterable, Iterator
-from dataclasses import astuple, dataclass, fields
-from pathlib import Path
+from dataclasses import dataclass
 
 from asperity.compilation import CURVE, HARD, compile_ahead
 from asperity.errors import AsperityError, ContactWarning
@@ -19,7 +17,7 @@ from .judges import Doubted
 from .refusals import refusal_cases
 from .rough_maps import map_cases
 
-__all__ = ["FAILURE", "Row", "cases", "run", "summary", "write"]
+__all__ = ["FAILURE", "Row", "cases", "run", "summary"]
 
 OUTCOMES = RIGHT, REFUSED, WARNED, FAILURE = "right", "refused", "warned", "FAILURE"
 
@@ -28,19 +26,9 @@ OUTCOMES = RIGHT, REFUSED, WARNED, FAILURE = "right", "refused", "warned", "FAIL
 class Row:
     """How one case ended.
 
-    Attributes
-    ----------
-    theme, case, engine, against
-        The case.
-    outcome
-        "right"; "refused"; "warned": farther off than it states, for a reason that the engine
-        warns of; or "FAILURE".
-    error_over_allowance
-        What the judge gives; NaN of a refusal.
-    seconds
-        Run time [s].
-    reason
-        Why it was refused, or what is wrong; else "".
+    The outcome is "right"; "refused"; "warned": farther off than it states, for a reason that the
+    engine warns of; or "FAILURE". The error over the allowance is what the judge gives, NaN of a
+    refusal; the reason says why it was refused, or what is wrong, else "".
     """
 
     theme: str
@@ -119,11 +107,3 @@ def _counted(theme: str, engine: str, rows: list[Row]) -> tuple[str, ...]:
     worst = f"{max(ratios):.2g}" if ratios else ""
     longest = max(row.seconds for row in rows)
     return theme, engine, str(len(rows)), *counts, worst, f"{longest:.1f}"
-
-
-def write(path: str | Path, rows: Iterable[Row]) -> None:
-    """Write rows as CSV."""
-    with Path(path).open("w", newline="", encoding="utf-8") as file:
-        out = csv.writer(file)
-        out.writerow([field.name for field in fields(Row)])
-        out.writerows(astuple(row) for row in rows)

@@ -52,20 +52,8 @@ class Part:
 
 
 def write_report(path: str | os.PathLike[str], samples: Sequence[Sample]) -> None:
-    """Write the report as one HTML file that needs nothing else.
-
-    Parameters
-    ----------
-    path
-        File to write; replaced at once when it is complete.
-    samples
-        At least one; several are overlaid, with a table of a column each.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-    """
+    """Write the report as one HTML file that needs nothing else, replaced at once when it is
+    complete; several samples are overlaid, with a table of a column each."""
     samples = named_apart(samples)
     several = len(samples) > 1
     colors = sample_colors(len(samples))

@@ -13,8 +13,7 @@ import numpy as np
 
 from asperity.comparison.record import ComparisonRecord
 from asperity.errors import InputError
-from asperity.results.curve import ContactCurve
-from asperity.results.storage import read_results
+from asperity.results.curve import ContactCurve, read_results
 from surfaces.drawing import told
 
 __all__ = ["Sample", "named_apart", "read_sample"]
@@ -32,18 +31,9 @@ NAMES = {
 class Sample:
     """One sample of a report.
 
-    Attributes
-    ----------
-    name
-        Its name on the page.
-    curves
-        Its curves by their names for a reader, the answer first.
-    about
-        Facts about map, material and run; what a file lacks is missing.
-    comparison
-        The comparison, where there is one.
-    file
-        Name of its file without suffix.
+    Its curves go by their names for a reader, the answer first; the facts `about` map, material and
+    run lack what its file lacks; the comparison is there where there is one, and `file` is the name
+    of its file without suffix.
     """
 
     name: str
@@ -55,9 +45,7 @@ class Sample:
     @classmethod
     def of_comparison(cls, comparison: ComparisonRecord, file: str = "") -> Sample:
         """The sample of a comparison."""
-        curves = {"asperity": comparison.model, "bem": comparison.reference}
-        if comparison.elastic is not None:
-            curves["elastic"] = comparison.elastic
+        curves = comparison.to_results().curves
         name = str(comparison.about.get("name") or file or "sample")
         return cls(name, _named(curves), comparison.about, comparison, file)
 
@@ -74,22 +62,16 @@ class Sample:
 
 
 def read_sample(path: str | os.PathLike[str]) -> Sample:
-    """The sample of a results file of any command.
-
-    Raises
-    ------
-    FileFormatError, InputError
-        If the file cannot be read, or holds no curve.
-    """
+    """The sample of a results file of any command; refused if the file cannot be read, or holds no
+    curve."""
     held = read_results(path)
     stem = Path(path).stem
     if "comparison" in held.tables:
         return Sample.of_comparison(ComparisonRecord.from_results(held, path), stem)
     if not held.curves:
         raise InputError(f"{path} holds no curve to report; make one with asperity solve")
-    curves = {name: ContactCurve.from_record(one) for name, one in held.curves.items()}
     # of `solve`, the boundary elements are the means and the other curve the answer
-    curves = dict(sorted(curves.items(), key=lambda one: one[0] == "bem"))
+    curves = dict(sorted(held.curves.items(), key=lambda one: one[0] == "bem"))
     first = next(iter(curves.values()))
     facts = {**first.settings, **first.settings.get("map", {}), **held.about.get("request", {})}
     name = str(facts.get("name") or stem)

@@ -120,94 +120,69 @@ def error_table(comparison: ComparisonRecord) -> Table:
     table, (load, area) = comparison.table, _stated(comparison)
     stress, stress_unit = suited(typical(table["mean_pressure"]), "Pa")
     length, length_unit = suited(typical(table["separation_bem"]), "m")
-    head = [
-        f"mean pressure [{stress_unit}]",
-        "area, boundary elements [%]",
-        "area, model [%]",
-        "area error [%]",
-        "stated [%]",
-        "load error [%]",
-        "stated [%]",
-        f"separation [{length_unit}]",
-        "separation error [rms heights]",
-        "contacts, boundary elements",
-        "contacts, model",
-    ]
-    rows = []
-    for i, row in enumerate(table):
-        rows.append(
-            [
-                _text(row["mean_pressure"] / stress, ".4g"),
-                _text(100 * row["area_bem"], ".3g"),
-                _text(100 * row["area_model"], ".3g"),
-                _text(100 * row["area_error"], "+.2f"),
-                _stated_text(row["area_error"], area[2][i]),
-                _text(100 * row["load_error"], "+.2f"),
-                _stated_text(row["load_error"], load[2][i]),
-                _text(row["separation_bem"] / length, ".4g"),
-                _text(row["separation_error"], "+.4f"),
-                _text(row["contacts_bem"], ".0f"),
-                _text(row["contacts_model"], ".0f"),
-            ]
-        )
-    return head, rows
+    return _of_columns(
+        (f"mean pressure [{stress_unit}]", _texts(table["mean_pressure"] / stress, ".4g")),
+        ("area, boundary elements [%]", _texts(100 * table["area_bem"], ".3g")),
+        ("area, model [%]", _texts(100 * table["area_model"], ".3g")),
+        ("area error [%]", _texts(100 * table["area_error"], "+.2f")),
+        ("stated [%]", list(map(_stated_text, table["area_error"], area[2]))),
+        ("load error [%]", _texts(100 * table["load_error"], "+.2f")),
+        ("stated [%]", list(map(_stated_text, table["load_error"], load[2]))),
+        (f"separation [{length_unit}]", _texts(table["separation_bem"] / length, ".4g")),
+        ("separation error [rms heights]", _texts(table["separation_error"], "+.4f")),
+        ("contacts, boundary elements", _texts(table["contacts_bem"], ".0f")),
+        ("contacts, model", _texts(table["contacts_model"], ".0f")),
+    )
 
 
 def pareto_table(pareto: NDArray[np.void]) -> Table:
-    """Every run, its time and its errors."""
-    head = [
-        "run",
-        "grid",
-        "tolerance",
-        "run time [s]",
-        "load error, rms [%]",
-        "area error, rms [%]",
-        "separation error, rms [rms heights]",
-    ]
-    rows = []
-    for i, row in enumerate(pareto):
-        errors = [
-            _text(100 * row["load_error"], ".2f"),
-            _text(100 * row["area_error"], ".2f"),
-            _text(row["separation_error"], ".4f"),
-        ]
-        rows.append(
+    """Every run, its time and its errors; the second one is the reference."""
+    own = np.arange(len(pareto)) == 1
+    load, area, apart = (
+        np.where(own, np.nan, pareto[name])
+        for name in ("load_error", "area_error", "separation_error")
+    )
+    loads = zip(own, _texts(100 * load, ".2f"), strict=True)
+    return _of_columns(
+        (
+            "run",
             [
-                "microcontacts" if row["model"] == "asperity" else "boundary elements",
-                f"{row['ny']} × {row['nx']}",
-                _text(row["tolerance"], ".0e"),
-                _text(row["seconds"], ".3g"),
-                *(["reference", MISSING, MISSING] if i == 1 else errors),
-            ]
-        )
-    return head, rows
+                "microcontacts" if one == "asperity" else "boundary elements"
+                for one in pareto["model"]
+            ],
+        ),
+        ("grid", [f"{ny} × {nx}" for ny, nx in pareto[["ny", "nx"]].tolist()]),
+        ("tolerance", _texts(pareto["tolerance"], ".0e")),
+        ("run time [s]", _texts(pareto["seconds"], ".3g")),
+        ("load error, rms [%]", ["reference" if mine else text for mine, text in loads]),
+        ("area error, rms [%]", _texts(100 * area, ".2f")),
+        ("separation error, rms [rms heights]", _texts(apart, ".4f")),
+    )
 
 
 def resolution_table(comparison: ComparisonRecord) -> Table | None:
     """Error of the reference's own grid at its ends, beside that of the model."""
-    held = comparison.resolution
+    held, table = comparison.resolution, comparison.table
     if held is None or not len(held):
         return None
-    head = [
-        "mean pressure",
-        "reference against its refined grid: load [%]",
-        "area [%]",
-        "model against the reference: load [%]",
-        "area [%]",
-        "model against the refined grid: load [%]",
-        "area [%]",
-    ]
-    rows = []
-    for row in held:
-        point = comparison.table[
-            np.argmin(np.abs(comparison.table["mean_pressure"] - row["mean_pressure"]))
-        ]
-        pairs = [(row[name], point[name]) for name in ("load_error", "area_error")]
-        cells = [*(own for own, _ in pairs), *(model for _, model in pairs)]
-        cells += [(1 + own) * (1 + model) - 1 for own, model in pairs]
-        load = told(float(row["mean_pressure"]), "Pa")
-        rows.append([load, *(_text(100 * one, "+.2f") for one in cells)])
-    return head, rows
+    loads = held["mean_pressure"]
+    near = table[[np.argmin(np.abs(table["mean_pressure"] - load)) for load in loads]]
+    both = {name: (1 + held[name]) * (1 + near[name]) - 1 for name in ("load_error", "area_error")}
+    return _of_columns(
+        ("mean pressure", [told(float(load), "Pa") for load in loads]),
+        ("reference against its refined grid: load [%]", _texts(100 * held["load_error"], "+.2f")),
+        ("area [%]", _texts(100 * held["area_error"], "+.2f")),
+        ("model against the reference: load [%]", _texts(100 * near["load_error"], "+.2f")),
+        ("area [%]", _texts(100 * near["area_error"], "+.2f")),
+        ("model against the refined grid: load [%]", _texts(100 * both["load_error"], "+.2f")),
+        ("area [%]", _texts(100 * both["area_error"], "+.2f")),
+    )
+
+
+def _of_columns(*columns: tuple[str, list[str]]) -> Table:
+    """The table of columns of equal length, each with its name."""
+    rows = zip(*(cells for _, cells in columns), strict=True)
+    return [name for name, _ in columns], [list(row) for row in rows]
 
 
 def _stated(comparison: ComparisonRecord) -> list[tuple[str, str, NDArray[np.float64]]]:
@@ -225,8 +200,9 @@ def _stated_text(error: float, stated: float) -> str:
     return f"± {100 * stated:.1f}{mark}"
 
 
-def _text(value: float, form: str) -> str:
-    return format(value, form) if math.isfinite(value) else MISSING
+def _texts(values: NDArray[Any], form: str) -> list[str]:
+    """Numbers in a form; a dash for what is not known."""
+    return [format(float(one), form) if math.isfinite(one) else MISSING for one in values]
 
 
 def size_of(about: Any) -> tuple[float, float]:

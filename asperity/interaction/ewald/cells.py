@@ -85,22 +85,12 @@ def split_length(
     cut: float,
     neighbours: float | None = None,
 ) -> float:
-    """Split length eta [m] of an interaction.
+    """Split length eta [m] of an interaction of `count` points.
 
-    Parameters
-    ----------
-    count
-        Number of points.
-    size
-        Cell, or extent of the points on a free half-space, (Ly, Lx) [m].
-    periodic
-        Whether the cell repeats.
-    widest
-        Largest variance of a footprint [m^2].
-    cut
-        Cut-off of the near pairs over the split length.
-    neighbours
-        Neighbours within the cut-off, on average; as many as are fastest if None.
+    The cell, or the extent of the points on a free half-space, has the sides `size` (Ly, Lx) [m].
+    The largest variance of a footprint is `widest` [m^2], and `cut` the cut-off of the near pairs
+    over the split length, within which there are so many `neighbours` on average; as many as are
+    fastest if None.
     """
     if neighbours is None:
         neighbours = max(NEAREST if count <= FEW else NEIGHBOURS, PAIRS / count)
@@ -218,16 +208,8 @@ class TwoLevelPreconditioner:
     D^-1 + D^-1 P E P' D^-1, E = A_c^-1 - K^-1 = -(1 + G_c K)^-1 G_c: positive definite, and right
     for those forces.
 
-    Parameters
-    ----------
-    y, x
-        Places of the points in a cell of `size`, shape (n,).
-    size, sides
-        Sides of the cell in the unit of the places, and in [m].
-    wrap
-        Whether the cell repeats.
-    footprints
-        Kernel of the half-space.
+    The places y, x of the points, shape (n,), lie in a cell with the sides `size` in their unit and
+    `sides` in [m], which repeats if `wrap`.
 
     Attributes
     ----------

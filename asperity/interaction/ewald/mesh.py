@@ -37,21 +37,11 @@ HIGHEST = 13.0
 class Mesh:
     """Convolution of mesh masses with the smooth part of the half-space kernel.
 
-    Lengths are in units of the split length eta, results in units of C_m eta^-p.
-
-    Parameters
-    ----------
-    footprints
-        Kernel of the half-space.
-    size
-        Cell, or extent of the points on a free half-space, (Ly, Lx) [eta].
-    periodic
-        Whether the cell repeats. Then the kernel has zero mean over the cell; otherwise it is that
-        of the free half-space, on a mesh padded to twice the extent.
-    nodes
-        Mesh nodes per eta.
-    precision
-        Of masses and results: float32 or float64.
+    Lengths are in units of the split length eta, results in units of C_m eta^-p. The cell, or the
+    extent of the points on a free half-space, is `size` (Ly, Lx). If `periodic` it repeats, and the
+    kernel has zero mean over it; otherwise the kernel is that of the free half-space, on a mesh
+    padded to twice the extent. There are so many `nodes` per eta; the precision of masses and
+    results is float32 or float64.
 
     Attributes
     ----------
@@ -119,22 +109,9 @@ class Mesh:
 class SmoothField:
     """The smooth part of a field, known at any place without the points that made it.
 
-    Parameters
-    ----------
-    origin
-        Corner (y, x) of the mesh [m].
-    unit
-        Length [m] in which the following are told.
-    size
-        Extent (y, x) of the mesh.
-    wrap
-        Whether it repeats.
-    per_step
-        One over the distance of its nodes, along y and x.
-    scale
-        Displacement [m] of a value 1.
-    values
-        Values at the nodes, shape (my, mx).
+    The mesh has its corner (y, x) at `origin` [m] and extends over `size` (y, x), told in the
+    length `unit` [m]; it repeats if `wrap`, and `per_step` is one over the distance of its nodes
+    along y and x. The `values` at the nodes, shape (my, mx), times `scale` are displacements [m].
     """
 
     origin: tuple[float, float]

@@ -191,20 +191,13 @@ class Interaction:
         moment: NDArray[np.float64] | None = None,
         form: NDArray[np.float64] | None = None,
     ) -> Field:
-        """Displacement by forces spread with their variances.
+        """Displacement by forces [N], shape (n,), spread with their variances per axis [m^2], shape
+        (n,).
 
-        Parameters
-        ----------
-        force
-            Force [N] at each point, shape (n,).
-        variance
-            Variance per axis [m^2] of each footprint, shape (n,).
-        growth, moment
-            To know the gradients too, and the field of forces that have moved: variance [m^2] by
-            which the footprint of an increment exceeds that of the whole force, shape (n,), and
-            force times shift [N m], shape (n, 2).
-        form
-            Second moments yy, xx, xy of elongated footprints over their variance, shape (n, 3).
+        To know the gradients too, and the field of forces that have moved: `growth` is the variance
+        [m^2] by which the footprint of an increment exceeds that of the whole force, shape (n,),
+        and `moment` force times shift [N m], shape (n, 2). Elongated footprints have the second
+        moments `form` yy, xx, xy over their variance, shape (n, 3).
         """
         n, moves = len(force), moment is not None
         size, skew, shape = self.shaped(form)

@@ -24,18 +24,9 @@ class Tangent:
     active points in the order of the plan. The newest tangent of a plan is the valid one: its
     values lie in the work space of the plan.
 
-    Parameters
-    ----------
-    plan
-        Interaction of all points.
-    active
-        Points of the matrix, bool, shape (n,).
-    stiffness
-        k [N/m], shape (n,), positive at the active points.
-    extra
-        Compliance [m/N] added to that of the points, not negative, shape (n,); none if None.
-    form
-        Second moments yy, xx, xy of elongated footprints over their variance, shape (n, 3).
+    Of the n points of the plan those that are `active` have a positive stiffness k [N/m]. To their
+    compliance `extra` [m/N], not negative, is added, none if None; `form` holds the second moments
+    yy, xx, xy of elongated footprints over their variance, shape (n, 3).
     """
 
     def __init__(

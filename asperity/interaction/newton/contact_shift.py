@@ -35,16 +35,9 @@ def contact_shifts(
     """Height [m] that each contact gains by moving aside, shape (n,), its shift [m], (n, 2), and
     its force times that [N m].
 
-    Parameters
-    ----------
-    footprints
-        Kernel of the half-space.
-    law, approach
-        Laws of the contacts at their approaches [m], shape (n,).
-    tilt
-        Gradient [-] of the displacement by all others, shape (n, 2).
-    radii
-        Radii of curvature yy, xx, xy over those of round contacts (`Elongation`), shape (n, 3).
+    The laws are those at the approaches [m], shape (n,); `tilt` is the gradient [-] of the
+    displacement by all others, (n, 2); `radii` are radii of curvature yy, xx, xy over those of
+    round contacts (`Elongation`), (n, 3).
 
     Notes
     -----
@@ -76,14 +69,8 @@ def widened(
     radii: NDArray[np.float64],
     outgrown: NDArray[np.bool_],
 ) -> NDArray[np.float64]:
-    """Contact areas [m^2] beside the summits, shape (n,).
-
-    Parameters
-    ----------
-    footprints, law, approach, tilt, radii
-        As of `contact_shifts`.
-    outgrown
-        Contacts that reach beyond the paraboloid of their summit, shape (n,).
+    """Contact areas [m^2] beside the summits, shape (n,), wider where contacts have `outgrown` the
+    paraboloid of their summit, shape (n,); other arguments are those of `contact_shifts`.
 
     Notes
     -----

@@ -83,13 +83,15 @@ class Solution:
         return np.stack((self.wanted, self.laws.force, *self.tilt.T, self.shares))
 
     @functools.cached_property
+    @np.errstate(all="ignore")  # of a point that is refused
     def tangent(self) -> tuple[float, Array]:
         """Minus the slope of the load over the separation [N/m], and the approach that each contact
         gains per fall of the plane [-], shape (n,)."""
         if self.slope is not None:
             return self.slope, self.shares
-        assert self.linearized is not None
-        return tangent_response(self.linearized, self.shares)
+        state = self.linearized
+        assert state is not None
+        return tangent_response(tangent_of(state), state, self.shares)[:2]
 
     def without_matrix(self) -> Solution:
         """The solution with its tangent in numbers, and not what these are made from."""
@@ -108,7 +110,7 @@ def finished(state: State, found: Solution, load: float) -> Solution:
     approach[rows] = move.approach(solved.solution)
     wanted[rows] = move.wanted_after(solved.constant, solved.solution, error - solved.residual)
     separation = found.separation + solved.constant
-    slope, shares, products = _tangent_response(tangent, state, found.shares)
+    slope, shares, products = tangent_response(tangent, state, found.shares)
     for _ in range(FALLS if slope > 0 else 0):
         fall = (load - float(move.laws(approach[rows]).force.sum())) / slope
         closed = approach > 0
@@ -127,26 +129,17 @@ def finished(state: State, found: Solution, load: float) -> Solution:
     )
 
 
-@np.errstate(all="ignore")  # of a point that is refused
-def tangent_response(state: State, compliance: Array) -> tuple[float, Array]:
-    """Minus the slope of the load over the separation [N/m], and the approach that each contact
-    gains per fall of the plane [-], shape (n,), from a guess of it."""
-    tangent = tangent_of(state)
-    if not len(tangent):
-        return 0.0, np.ones(len(state.error))
-    return _tangent_response(tangent, state, compliance)[:2]
-
-
-def _tangent_response(
-    tangent: Tangent, state: State, compliance: Array
-) -> tuple[float, Array, int]:
-    """`tangent_response`, and the products spent, by a tangent that has done its service."""
-    rows = tangent.index
+def tangent_response(tangent: Tangent, state: State, compliance: Array) -> tuple[float, Array, int]:
+    """Minus the slope of the load over the separation [N/m], the approach that each contact gains
+    per fall of the plane [-], shape (n,), from a guess of it, and the products spent; by a tangent
+    that serves no more afterwards."""
+    shares, rows = np.ones(len(state.error)), tangent.index
+    if not len(rows):
+        return 0.0, shares, 0
     # footprints that grow would make it too soft
     tangent.stiffen(1 / state.stiffness[rows] - tangent.compliance)
     start = shared(None, compliance, tangent)
     solved = conjugate_gradients(tangent, np.ones(len(rows)), tolerance=RESPONSE, start=start)
-    shares = np.ones(len(state.error))
     shares[rows] = solved.solution * tangent.compliance
     # stationary in the solution, so that its error counts twice
     return float(np.sum(solved.solution * (1 + solved.residual))), shares, solved.products

@@ -68,17 +68,8 @@ class Evaluated:
 class Laws:
     """Force, energy and footprint moment of many contacts over their approach.
 
-    Parameters
-    ----------
-    nodes
-        Law table, of which rows are made when they are needed.
-    footprints
-        Kernel that turns a stiffness into a footprint.
-
-    Attributes
-    ----------
-    index
-        Rows of the table that belong to these contacts, shape (n,).
+    The rows of the law table `nodes` are made when they are needed; those that belong to these
+    contacts are `index`, shape (n,).
 
     Notes
     -----
@@ -94,7 +85,6 @@ class Laws:
 
     def __init__(self, nodes: LawTable | LazyTable, footprints: Footprints) -> None:
         lazy = nodes if isinstance(nodes, LazyTable) else LazyTable.of(nodes)
-        self.footprints = footprints
         self.store = _Store(lazy, footprints)
         self.index = np.arange(len(lazy))
         if lazy is not nodes:
@@ -106,7 +96,7 @@ class Laws:
     def rows(self, index: NDArray[np.int64]) -> Laws:
         """The laws of the contacts `index` alone; the table is shared."""
         part = object.__new__(Laws)
-        part.footprints, part.store, part.index = self.footprints, self.store, self.index[index]
+        part.store, part.index = self.store, self.index[index]
         return part
 
     @property
@@ -123,11 +113,6 @@ class Laws:
     def usable(self) -> NDArray[np.bool_]:
         """Contacts that can carry load, or whose law is not made yet, shape (n,)."""
         return self.store.usable[self.index]
-
-    @property
-    def repaired(self) -> NDArray[np.bool_]:
-        """Contacts whose table broke a law of contact and was mended, shape (n,)."""
-        return self.store.repaired[self.index]
 
     @property
     def ready(self) -> NDArray[np.bool_]:
@@ -205,7 +190,7 @@ class _Store:
     def __init__(self, nodes: LazyTable, footprints: Footprints) -> None:
         self.footprints, self.nodes, n = footprints, nodes, len(nodes)
         self.reach, self.largest = np.zeros((2, n))
-        self.usable, self.repaired, self.ready = np.ones(n, bool), *np.zeros((2, n), bool)
+        self.usable, self.ready = np.ones(n, bool), np.zeros(n, bool)
         self.exponent = 3.0 + footprints.m
         self.table, self.tips = law_kernels.empty_columns(n, 0)
         self.place, self.made = np.zeros(n, np.int32), 0
@@ -240,9 +225,11 @@ class _Store:
         self.usable[rows] = good
         rows, reach, area = rows[good], reach[good], area[good]
         cap = STIFFEST * self.footprints.punch(np.sqrt(area.max(axis=1) / np.pi))
-        known = reach, force[good], stiffness[good], cap
-        sound = _sound(*known) if nodes.hardness == math.inf else _growing(*known)
-        force, stiffness, self.repaired[rows] = sound
+        force, stiffness = force[good], stiffness[good]
+        if nodes.hardness == math.inf:
+            force, stiffness = _sound(reach, force, stiffness, cap)
+        else:
+            force, stiffness = _growing(force, stiffness, cap)
         self.reach[rows], self.largest[rows] = reach, area[:, -1]
         first, self.made = self.made, self.made + len(rows)
         self.place[rows] = np.arange(first, self.made)
@@ -268,8 +255,8 @@ def _sound(
     force: NDArray[np.float64],
     stiffness: NDArray[np.float64],
     cap: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
-    """Forces and stiffnesses that both grow, and which rows had to be changed."""
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Forces and stiffnesses that both grow."""
     steps = force.shape[1] - 1
     slack = 1e-6 * stiffness[:, -1:]
     broken = (np.diff(stiffness, axis=1) < -slack).any(axis=1)
@@ -288,7 +275,7 @@ def _sound(
     below = np.concatenate((np.zeros((len(secant), 1)), secant), axis=1)
     above[:, -1] = np.maximum(cap[broken], secant[:, -1])
     stiffness[broken] = np.clip(stiffness[broken], below, above)
-    return force, stiffness, np.asarray(broken)
+    return force, stiffness
 
 
 def _shares(steps: int) -> NDArray[np.float64]:
@@ -303,15 +290,12 @@ def _rising(force: NDArray[np.float64], u2: NDArray[np.float64]) -> NDArray[np.f
 
 
 def _growing(
-    reach: NDArray[np.float64],
     force: NDArray[np.float64],
     stiffness: NDArray[np.float64],
     cap: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
-    """Forces that grow, with stiffnesses between a part of the largest and `cap`, and which rows
-    had to be changed."""
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Forces that grow, with stiffnesses between a part of the largest and `cap`."""
     least = SOFTEST * stiffness.max(axis=1, keepdims=True)
     bounded = np.clip(stiffness, np.minimum(least, cap[:, None]), cap[:, None])
     grown = np.maximum.accumulate(_rising(force, _shares(force.shape[1] - 1)), axis=1)
-    broken = (grown != force).any(axis=1) | (bounded != stiffness)[:, 1:].any(axis=1)
-    return grown, bounded, np.asarray(broken)
+    return grown, bounded

@@ -75,23 +75,12 @@ def descent(
     Yields the contacts whose laws it lacks, which are to be made before it goes on, and returns the
     solution.
 
-    Parameters
-    ----------
-    problem
-        Contacts.
-    separation
-        Separation s [m]; the first guess of it if a load is given.
-    start
-        Approaches to start from [m], shape (n,); where positive the laws are made.
-    tolerance
-        Bound on `Solution.residual`; half of it bounds the relative error of the load.
-    tilt
-        Gradients [-] to start the contact shifts from, shape (n, 2); none if None.
-    load
-        Sum of the forces [N] to reach, positive; at the separation given if None.
-    compliance
-        How much of a small fall of the plane each contact takes up as approach [-], shape (n,): the
-        first guess of how a missing load is shared; all of it if None.
+    It starts from approaches [m], shape (n,), whose laws are made where they are positive, and from
+    the gradients [-] `tilt` of the contact shifts, shape (n, 2), none if None. At a separation s
+    [m] the tolerance bounds `Solution.residual`; if the sum of the forces is to reach a `load` [N],
+    positive, the separation is a first guess, and half of the tolerance bounds the relative error
+    of the load. `compliance` is how much of a small fall of the plane each contact takes up as
+    approach [-], shape (n,), the first guess of how a missing load is shared; all of it if None.
 
     Notes
     -----

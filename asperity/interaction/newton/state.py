@@ -20,18 +20,10 @@ __all__ = ["Problem", "State"]
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Contacts that may close, their laws and their interaction.
+    """Contacts that may close, their laws and their interaction in the same order.
 
-    Attributes
-    ----------
-    height
-        Summit heights z [m], shape (n,).
-    laws, plan
-        Laws and interaction in the same order.
-    contact_shift
-        Whether contacts shift under the slope of the field (`contact_shifts`).
-    elongation
-        Their elongation in the same order; None: round.
+    Their summits have the heights z [m], shape (n,). With `contact_shift` they shift under the
+    slope of the field (`contact_shifts`); their footprints are round if `elongation` is None.
     """
 
     height: NDArray[np.float64]
@@ -133,13 +125,8 @@ class State:
     def balance(self, separation: float, balanced: bool) -> None:
         """Judge the contacts at a separation [m]; `linearize` follows.
 
-        Parameters
-        ----------
-        separation
-            Separation [m].
-        balanced
-            Whether it is moved first to where the errors of the closed contacts, times stiffness,
-            cancel.
+        If `balanced` it is moved first to where the errors of the closed contacts, times stiffness,
+        cancel.
         """
         law, field, n = self.laws, self.field, len(self.approach)
         self.gap, self.wanted, self.error = np.empty((3, n))

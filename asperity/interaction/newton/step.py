@@ -48,21 +48,11 @@ def conjugate_gradients(
     limit: int = 200,
 ) -> Solved:
     """Solve `matrix` x = `right`, preconditioned by the contacts' own stiffness and, if they are
-    many, by cells of them (`TwoLevelPreconditioner`).
+    many, by cells of them (`TwoLevelPreconditioner`), in `limit` products at most.
 
-    Parameters
-    ----------
-    matrix, right
-        Positive definite system.
-    tolerance
-        Fall of the residual, weighted by stiffness, against that of x = 0.
-    start
-        First x; zero if None, and then any iterate is a direction of descent.
-    held
-        Solve `matrix` x + c = `right` for x and the number c instead, with the sum of x held as in
-        `start`.
-    limit
-        Products spent at most.
+    The tolerance is the fall of the residual, weighted by stiffness, against that of x = 0. From a
+    `start` of zero (None) any iterate is a direction of descent. With `held` it solves `matrix` x +
+    c = `right` for x and the number c instead, with the sum of x held as in `start`.
     """
     stiffness, cell = 1 / matrix.compliance, matrix.cell
     inverse, total = matrix.far
@@ -91,17 +81,9 @@ def conjugate_gradients(
 
 
 class Step:
-    """The active contacts of a state, their displacement linear in the change of their forces.
-
-    All arrays run over the points of the tangent matrix.
-
-    Parameters
-    ----------
-    state
-        Where the step starts, after `State.balance`.
-    tangent
-        Tangent matrix there; `refine` changes it.
-    """
+    """The active contacts of a state after `State.balance`, their displacement linear in the change
+    of their forces. All arrays run over the points of the tangent matrix there, which `refine`
+    changes."""
 
     def __init__(self, state: State, tangent: Tangent) -> None:
         self.rows = rows = tangent.index
@@ -130,12 +112,8 @@ class Step:
     def refine(
         self, change: Array, *, tolerance: float, load: float | None
     ) -> tuple[Step, Array, float, int]:
-        """A second Newton step at the forces after `change` [N], with the laws there.
-
-        Returns
-        -------
-        The step with these laws, the whole change of the forces, that of the separation [m], and
-        products spent.
+        """A second Newton step at the forces after `change` [N], with the laws there: the step with
+        these laws, the whole change of the forces, that of the separation [m], and products spent.
 
         Notes
         -----
@@ -184,16 +162,8 @@ def corrected_prediction(
 ) -> tuple[Array, int]:
     """Approaches that agree with the forces of a forecast, and the products spent.
 
-    Parameters
-    ----------
-    problem
-        Contacts.
-    wanted
-        Forecast of z - s - u [m], shape (n,).
-    force
-        Forecast of the forces [N] with the same weights of the same points, shape (n,).
-    tolerance
-        Residual to which the point will be solved.
+    The forecasts of z - s - u [m] and of the forces [N], shape (n,) each, have the same weights of
+    the same points; the point will be solved to a residual of the tolerance.
 
     Notes
     -----

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from asperity.errors import FileFormatError, InputError
-from asperity.results.curve import POINT_FIELDS, ContactCurve
-from asperity.results.storage import ResultFile, read_results, structured, write_csv, write_results
+from asperity.results.curve import ContactCurve, read_results
+from asperity.results.interpolation import POINT_FIELDS
+from asperity.results.storage import ResultFile, structured, write_csv, write_results
 
 
 def power_law_curve(n: int = 12, *, broken: int | None = None) -> ContactCurve:
@@ -158,7 +159,7 @@ def test_file_gives_back_the_curve(tmp_path):
 def test_tables_maps_and_facts_come_back(tmp_path):
     table = structured({"model": np.array(["bem", "µ"]), "seconds": np.array([1.0, 2.0])})
     held = ResultFile(
-        curves={"a": power_law_curve().to_record(), "b": power_law_curve(3).to_record()},
+        curves={"a": power_law_curve(), "b": power_law_curve(3)},
         tables={"pareto": table},
         maps={"contact": np.eye(4, 6, dtype=bool)},
         about={"name": "scan", "history": [{"step": "level"}]},
@@ -176,9 +177,7 @@ def test_tables_maps_and_facts_come_back(tmp_path):
 
 def test_an_interrupted_write_leaves_the_old_file(tmp_path):
     power_law_curve().to_hdf5(tmp_path / "r.h5")
-    broken = ResultFile(
-        curves={"a": power_law_curve().to_record()}, tables={"bad": np.array([object()])}
-    )
+    broken = ResultFile(curves={"a": power_law_curve()}, tables={"bad": np.array([object()])})
     with pytest.raises(TypeError):
         write_results(tmp_path / "r.h5", broken)
     assert len(ContactCurve.from_hdf5(tmp_path / "r.h5")) == 12

@@ -15,8 +15,8 @@ import asperity
 from asperity.errors import InputError
 from asperity.halfspace.scene import pressure_scale
 from asperity.results.curve import ContactCurve
+from asperity.results.interpolation import POINT_FIELDS
 from asperity.results.resume import run_resumably
-from asperity.results.table import POINT_FIELDS
 from surfaces import self_affine
 
 STEEL = asperity.HalfSpace(210e9, 0.3)
