@@ -24,7 +24,8 @@ from asperity.halfspace.scene import (
     pressure_scale,
 )
 from asperity.progress import Progress, reported
-from asperity.results.curve import POINT_FIELDS, ContactCurve
+from asperity.results.curve import ContactCurve
+from asperity.results.interpolation import POINT_FIELDS
 from surfaces.errors import as_number
 from surfaces.heightmap import HeightMap
 from surfaces.numerics.parallel import apart

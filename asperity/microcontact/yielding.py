@@ -103,7 +103,7 @@ def capped(
     >>> ball = asperity.HalfSpace.from_modulus(1.0, hardness=0.04)  # d = 0.01, R = 1, a = 0.1
     >>> found = capped(0.01, 4 / 3 * 0.1**3, 3.14159e-2, 0.2, ball)
     >>> f"{found.force / (0.04 * 3.14159e-2):.4f} {found.approach:.6f} {found.saturated:.2f}"
-    '0.9145 0.009449 0.81'
+    '0.9146 0.009449 0.81'
     """
     outline = np.nan if level is None else level
     parts = np.broadcast_arrays(approach, force, area, stiffness, outline)
