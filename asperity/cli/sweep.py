@@ -41,6 +41,9 @@ MOST_ROWS = 40
 TABLES = ("material", "settings")
 """Tables of a plan."""
 
+LOADS = ("pressure", "load", "separation")
+"""Options that take a list of load points as one word."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of ``asperity sweep``."""
@@ -217,6 +220,8 @@ def _words(given: Mapping[str, Any], file: Path, maps: Sequence[str] = ()) -> li
         if value is False:
             continue
         values = [] if value is True else value if isinstance(value, list) else [value]
+        if name in LOADS:
+            values = [",".join(map(str, values))]
         words += [f"--{name.replace('_', '-')}", *map(str, values)]
     files = [word for one in named for word in (one if isinstance(one, list) else [one])]
     if not (files or maps) or not all(isinstance(word, str) for word in files):

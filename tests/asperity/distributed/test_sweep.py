@@ -253,7 +253,7 @@ def test_the_command_and_its_plans(here, maps, tmp_path, monkeypatch, capsys):
     assert main(["sweep", "plan.toml", "-o", "out", "--workers", "1", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["results"] == rows
     Path("settings.toml").write_text(
-        'pressure = "100MPa,1GPa"\n[material]\nE = ["210GPa", "70GPa"]\n'
+        'pressure = ["100MPa", "1GPa"]\n[material]\nE = ["210GPa", "70GPa"]\n'
     )
     call = ["sweep", "maps/*.h5", "--config", "settings.toml", "-o", "out", "--workers", "1"]
     assert main([*call, "--json"]) == 0
