@@ -77,7 +77,7 @@ def test_the_bound_holds_where_a_plane_begins_to_touch(hardness, accuracy):
     hm = HeightMap(heights, (1.0, 1.0), periodic=True)
     mat = HalfSpace.from_modulus(1.0, hardness=hardness)
     loads = np.geomspace(3e-4, 2e-3, 12)
-    curve = bem_curve(hm, mat, pressures=loads, accuracy=accuracy, coarsen=False)
+    curve = bem_curve(hm, mat, pressures=loads, accuracy=accuracy)
     exact = bem_curve(hm, mat, separations=curve.separation, tolerance=1e-8)
     assert exact.area_fraction[0] < 0.02 and exact.area_fraction[-1] > 0.3
     load = np.abs(np.log(curve.mean_pressure / exact.mean_pressure))
@@ -98,7 +98,7 @@ def test_points_that_open_or_close_together_count(waves):
     loads = default_pressures(hm, BODY, 24)
     exact = bem_curve(hm, BODY, pressures=loads, tolerance=1e-8)
     for accuracy in (0.05, 0.1, 0.2):
-        curve = bem_curve(hm, BODY, pressures=loads, accuracy=accuracy, coarsen=False)
+        curve = bem_curve(hm, BODY, pressures=loads, accuracy=accuracy)
         _, area = errors(curve, exact)
         assert (area <= curve.extra["area_error_estimate"]).all()
         assert np.mean(curve.extra["area_error_estimate"] <= accuracy) > 0.8
@@ -114,7 +114,7 @@ def test_many_points_that_carry_next_to_nothing_count(seed):
     loads = default_pressures(hm, BODY, 24)[-8:] * 3.0
     exact = bem_curve(hm, BODY, pressures=loads, tolerance=1e-8)
     for load in loads:
-        curve = bem_curve(hm, BODY, pressures=[load], accuracy=0.1, coarsen=False)
+        curve = bem_curve(hm, BODY, pressures=[load], accuracy=0.1)
         _, area = errors(curve, exact.select(np.flatnonzero(loads == load)))
         assert (area <= curve.extra["area_error_estimate"]).all()
 
@@ -138,7 +138,7 @@ def test_an_accuracy_is_held_on_the_grid_of_the_map(make, accuracy):
     hm = make(5)
     loads = default_pressures(hm, BODY, 6)
     exact = bem_curve(hm, BODY, pressures=loads, tolerance=1e-8)
-    curve = bem_curve(hm, BODY, pressures=loads, accuracy=accuracy, coarsen=False)
+    curve = bem_curve(hm, BODY, pressures=loads, accuracy=accuracy)
     assert curve.settings["shape"] == hm.shape
     load, area = errors(curve, exact)
     assert (area <= accuracy).all() and (load <= accuracy).all()
@@ -147,7 +147,7 @@ def test_an_accuracy_is_held_on_the_grid_of_the_map(make, accuracy):
 
 def test_no_load_has_no_error():
     hm = waves(2)
-    curve = bem_curve(hm, BODY, pressures=[0.0, 1e-3], accuracy=0.05, coarsen=False)
+    curve = bem_curve(hm, BODY, pressures=[0.0, 1e-3], accuracy=0.05)
     assert curve.error_estimate[0] == 0.0 and curve.extra["area_error_estimate"][0] == 0.0
 
 
