@@ -36,7 +36,7 @@ from scipy import fft
 import asperity
 import surfaces
 from asperity.memory import set_memory
-from asperity.threads import threads
+from surfaces.numerics.parallel import threads
 from surfaces.units import quantity
 
 BODY = asperity.HalfSpace(210e9, 0.3)
