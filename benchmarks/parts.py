@@ -94,7 +94,7 @@ def judge(points: int, seed: int) -> list[np.ndarray]:
         loads = default_pressures(hm, body, 8)
         true = asperity.bem_curve(hm, body, pressures=loads, accuracy=0.01, boundary=border)
         curve = asperity.solve(hm, body, pressures=loads, engine="sampled", boundary=border)
-        if curve.verification["engine"] != "sampled":
+        if curve.settings["engine"] != "sampled":
             print(f"{name}: left to boundary elements", flush=True)
             continue
         rate = true.stiffness / true.mean_pressure

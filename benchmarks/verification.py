@@ -68,7 +68,7 @@ def rows_of(name, seed, hm, m, boundary, args) -> list[dict]:
                         "seed": seed,
                         "asked": engine,
                         "accuracy": accuracy,
-                        "engine": told["engine"],
+                        "engine": curve.settings["engine"],
                         "anchors": len(told["anchors"]),
                         "anchor": i in told["anchors"],
                         "met": told["met"],

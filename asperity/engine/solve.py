@@ -110,8 +110,8 @@ def solve(
     ContactCurve
         One row per load point, in the order asked. `error_estimate` and
         `extra["area_error_estimate"]` are bounds on the distance from the exact solution on the
-        grid of the map; `verification` tells engine, reasons, anchors and what the pixels of the
-        map leave open beside that (`resolution_uncertainty`).
+        grid of the map; `settings["engine"]` names the engine, and `verification` tells reasons,
+        anchors and what the pixels of the map leave open beside that (`resolution_uncertainty`).
 
     Raises
     ------
@@ -187,7 +187,6 @@ def solve(
         left = UNTOLD if choice.engine == "model" else scene.resolution(curve, values)
         clock.stage("resolution")
     told = {
-        "engine": choice.engine,
         "reason": choice.reason,
         "accuracy": [asked.load, asked.area],
         "met": _met(curve, asked),

@@ -224,7 +224,7 @@ class ContactCurve(CurveTable):
             f"seconds         {sum(self.seconds.values()):.3g} ({stages})",
         ]
         if self.verification is not None:
-            lines += _told(self.verification)
+            lines += _told(self.settings.get("engine", self.model), self.verification)
         if alone is not None:
             lines.append(f"interaction     left out: load {span(100 * alone, ' %')} off by that")
         lines += [f"warning         {why}" for why in self.settings.get("warnings", ())]
@@ -234,14 +234,14 @@ class ContactCurve(CurveTable):
     __repr__ = __str__
 
 
-def _told(verification: Mapping[str, Any]) -> list[str]:
+def _told(engine: str, verification: Mapping[str, Any]) -> list[str]:
     """Lines about engine, accuracy and resolution."""
     load, area = (f"{share:.2g}" for share in verification["accuracy"])
     met = "met" if verification["met"] else "NOT MET"
     left = verification["resolution_uncertainty"]
     open_ = (f"{100 * x:.2g} %" if x <= 1 else "all" if x > 1 else "unknown" for x in left)
     return [
-        f"engine          {verification['engine']} ({verification['reason']})",
+        f"engine          {engine} ({verification['reason']})",
         f"accuracy        {load} in load, {area} in area: {met} on the "
         f"{verification['reference']}; points by boundary elements: {len(verification['anchors'])}",
         f"pixels leave    {' in load, '.join(open_)} in area open ({verification['resolution']})",

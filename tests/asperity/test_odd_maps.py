@@ -218,7 +218,7 @@ def test_waves_of_two_pixels_are_left_to_boundary_elements():
     with pytest.raises(asperity.ModelRangeError, match="waves of two pixels"):
         asperity.contact_curve(hm, body, pressures=loads)
     curve = asperity.solve(hm, body, pressures=loads, engine="anchored")
-    assert curve.converged.all() and curve.verification["engine"] == "bem"
+    assert curve.converged.all() and curve.settings["engine"] == "bem"
 
 
 def test_a_contact_without_a_stiffness_ends_in_a_reason():

@@ -223,7 +223,7 @@ def _verified(curve: ContactCurve) -> str:
     held = curve.verification
     if held is None:
         raise KeyError("verification")
-    return f"{held['engine']}: {held['reason']}"
+    return f"{curve.settings.get('engine', curve.model)}: {held['reason']}"
 
 
 def _run_time(sample: Sample) -> str:

@@ -140,7 +140,7 @@ def test_where_boundary_elements_of_the_whole_do_not_fit(monkeypatch):
     hm = waves()
     loads = default_pressures(hm, BODY, 6)
     curve = asperity.solve(hm, BODY, pressures=loads)
-    assert curve.verification["engine"] == "sampled" and curve.verification["anchors"] == []
+    assert curve.settings["engine"] == "sampled" and curve.verification["anchors"] == []
     assert (off(curve, true := truth(hm, BODY, loads)) <= bounds(curve) + bounds(true)).all()
 
 
@@ -154,7 +154,7 @@ def test_a_map_on_disk_stays_there(monkeypatch):
     kept = StoredMap.of_blocks(blocks, hm.shape, np.float64, hm.spacing, periodic=True)
     loads = default_pressures(hm, BODY, 5)
     known, found = (asperity.solve(each, BODY, pressures=loads) for each in (hm, kept))
-    assert "heights" not in vars(kept) and found.verification["engine"] == "sampled"
+    assert "heights" not in vars(kept) and found.settings["engine"] == "sampled"
     for name in ("separation", "contact_area", "error_estimate"):
         np.testing.assert_allclose(getattr(found, name), getattr(known, name), rtol=1e-4)
 
@@ -260,7 +260,7 @@ def test_bounds_hold_with_more_parts(monkeypatch):
     curve = asperity.solve(hm, BODY, pressures=loads, engine="sampled")
     true = truth(hm, BODY, loads)
     assert parts.parts_along(hm, hm) == 5
-    assert curve.verification["engine"] == "sampled"
+    assert curve.settings["engine"] == "sampled"
     assert (off(curve, true) <= bounds(curve) + bounds(true)).all()
 
 
@@ -276,7 +276,7 @@ def test_bounds_hold_with_more_parts(monkeypatch):
 def test_parts_of_other_maps_do_not_tell_of_the_whole(hm):
     with pytest.raises(asperity.InputError, match="engine is 'sampled', but parts of the map"):
         asperity.solve(hm, BODY, engine="sampled")
-    assert asperity.solve(hm, BODY).verification["engine"] != "sampled"
+    assert asperity.solve(hm, BODY).settings["engine"] != "sampled"
 
 
 @pytest.mark.parametrize("m", [0.0, 0.3])

@@ -77,7 +77,7 @@ def test_points_solved_by_boundary_elements_are_theirs():
     hm = waves()
     loads = default_pressures(hm, BODY, 9)
     curve = solve(hm, BODY, pressures=loads, engine="anchored", accuracy=0.1)
-    assert curve.model == "anchored" and curve.verification["engine"] == "anchored"
+    assert curve.model == "anchored" and curve.settings["engine"] == "anchored"
     anchors = curve.verification["anchors"]
     assert {0, 8} < set(anchors) and len(anchors) < 9
     true = exact(hm, BODY, loads[anchors])
@@ -129,7 +129,7 @@ def test_boundary_elements_alone_where_they_are_cheaper():
     hm = waves()
     plan = make_plan(hm, BODY)
     seconds = forecast(hm, BODY, plan, 10)
-    assert seconds["bem"] < seconds["anchored"] and solve(hm, BODY).verification["engine"] == "bem"
+    assert seconds["bem"] < seconds["anchored"] and solve(hm, BODY).settings["engine"] == "bem"
     large = waves(1024, cutoff=None, rolloff=256.0)
     seconds = forecast(large, BODY, make_plan(large, BODY), 60)
     assert seconds["bem"] > max(seconds["anchored"], seconds["sampled"])
@@ -154,7 +154,7 @@ def test_where_anchors_fail_the_rest_is_solved_no_closer_than_asked():
     curve = solve(
         hm, BODY, pressures=default_pressures(hm, BODY, 12), engine="anchored", judge=judge
     )
-    assert curve.verification["met"] and curve.verification["engine"] == curve.model == "bem"
+    assert curve.verification["met"] and curve.settings["engine"] == curve.model == "bem"
     assert asked == [(5, pytest.approx(0.015)), (7, pytest.approx(0.1))]
 
 
@@ -184,7 +184,7 @@ def test_a_model_without_an_answer_leaves_all_to_boundary_elements():
     hm = surfaces.HeightMap(heights, (1.0, 1.0), periodic=True)
     loads = default_pressures(hm, BODY, 6)
     curve = solve(hm, BODY, pressures=loads, engine="anchored")
-    assert curve.verification["engine"] == "bem" and inside(curve, exact(hm, BODY, loads))
+    assert curve.settings["engine"] == "bem" and inside(curve, exact(hm, BODY, loads))
 
 
 def test_without_verification_the_model_answers_alone():
@@ -194,7 +194,7 @@ def test_without_verification_the_model_answers_alone():
     alone = contact_curve(hm, BODY, pressures=loads)
     np.testing.assert_array_equal(curve.separation, alone.separation)
     np.testing.assert_array_equal(curve.error_estimate, alone.error_estimate)
-    assert curve.verification["engine"] == "model" and curve.verification["anchors"] == []
+    assert curve.settings["engine"] == "model" and curve.verification["anchors"] == []
     assert np.isnan(curve.verification["resolution_uncertainty"]).all() and "model" in str(curve)
 
 
@@ -202,7 +202,7 @@ def test_the_model_answers_where_boundary_elements_do_not_fit(monkeypatch):
     hm = waves()
     monkeypatch.setattr("asperity.engine.solve.fits", lambda *_: False)
     curve = solve(hm, BODY, pressures=default_pressures(hm, BODY, 6))
-    assert curve.verification["engine"] == "model" and "memory" in curve.verification["reason"]
+    assert curve.settings["engine"] == "model" and "memory" in curve.verification["reason"]
 
 
 @pytest.mark.parametrize(
