@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import os
+import reprlib
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,11 @@ __all__ = [
     "FileFormatError",
     "InputError",
     "SurfaceError",
+    "as_count",
     "as_number",
+    "as_numbers",
     "as_path",
+    "as_positive",
     "checked_heights",
     "checked_part",
     "checked_range",
@@ -58,8 +62,47 @@ def as_number(name: str, value: Any) -> float:
         if isinstance(value, str | bytes):
             raise TypeError
         return float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} is {value!r}; it must be a number") from None
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name} is {_shortened(value)}; it must be a number") from None
+
+
+def as_positive(name: str, value: Any) -> float:
+    """The argument called `name` as a positive float, of which powers are floats, too."""
+    number = as_number(name, value)
+    if not 1e-100 <= number <= 1e100:
+        raise InputError(f"{name} is {_shortened(value)}; it must be positive and finite")
+    return number
+
+
+def as_numbers(name: str, values: Any, *, finite: bool = True) -> NDArray[np.float64]:
+    """The argument called `name` as an array of any shape; only real numbers are taken, and only
+    `finite` ones where so asked."""
+    try:
+        given = np.ma.asarray(values)
+        if given.dtype.kind in "cSU":
+            raise TypeError
+        array = np.ma.filled(given.astype(np.float64), np.nan)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(
+            f"{name} is {_shortened(values)}; it must be a number or an array of numbers"
+        ) from None
+    if finite and not np.isfinite(array).all():
+        raise InputError(f"{name} is {_shortened(values)}; it must be finite")
+    return np.asarray(array)
+
+
+def as_count(name: str, value: Any, least: int) -> int:
+    """The argument called `name` as a whole number, at least `least`."""
+    number = as_number(name, value)
+    if not (least <= number <= 2**53 and number == int(number)):
+        raise InputError(f"{name} is {_shortened(value)}; give a whole number, at least {least}")
+    return int(number)
+
+
+def _shortened(value: Any) -> str:
+    """What was given, on one line of a message."""
+    text = reprlib.repr(value)
+    return " ".join(text.split())
 
 
 def as_path(path: str | os.PathLike[str]) -> Path:
@@ -82,7 +125,7 @@ def checked_heights(heights: Any) -> NDArray[np.float64]:
         array = np.asarray(heights, dtype=np.float64, order="C")
         if (array is heights and array.flags.writeable) or not array.flags.owndata:
             array = array.copy()
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise SurfaceError(f"heights are not an array of real numbers: {error}") from error
     if array.ndim != 2 or min(array.shape) < 3:
         raise SurfaceError(
@@ -118,7 +161,7 @@ def checked_spacing(spacing: Any) -> tuple[float, float]:
     """Pixel size (dy, dx) [m], both positive and finite, from a pair or one number."""
     try:
         pair = np.broadcast_to(np.asarray(spacing, dtype=np.float64), (2,))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise SurfaceError(f"spacing is {spacing!r}; give the pixel size (dy, dx) in m") from None
     if not ((pair >= SHORTEST) & (pair <= LONGEST)).all():
         raise SurfaceError(

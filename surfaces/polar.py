@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import InputError
+from .errors import InputError, as_numbers
 
 __all__ = ["PolarProfile", "PolynomialProfile", "PowerLawProfile", "PowerSumProfile"]
 
@@ -59,18 +59,18 @@ class PowerSumProfile:
     def __init__(
         self, powers: Sequence[float], angular: Sequence[Any], *, corners: Sequence[float] = ()
     ) -> None:
-        exponents = tuple(float(k) for k in powers)
+        exponents = tuple(as_numbers("powers", powers).ravel().tolist())
         if not exponents or len(exponents) != len(angular):
             raise InputError(
                 f"give one angular factor per exponent, got {len(exponents)} exponents and "
                 f"{len(angular)} factors"
             )
         for k in exponents:
-            if not (np.isfinite(k) and k > 0):
+            if not k > 0:
                 raise InputError(f"the exponent k must be positive and finite, got {k:g}")
         object.__setattr__(self, "powers", exponents)
         object.__setattr__(self, "angular", tuple(_angular(psi) for psi in angular))
-        object.__setattr__(self, "corners", tuple(float(c) for c in corners))
+        object.__setattr__(self, "corners", tuple(as_numbers("corners", corners).ravel().tolist()))
 
     @property
     def radius(self) -> float:
@@ -205,20 +205,19 @@ class PolarProfile:
     edge: Array | None = None
 
     def __post_init__(self) -> None:
-        r, phi, f = (np.array(a, dtype=float) for a in (self.r, self.phi, self.f))
+        given = {"r": self.r, "phi": self.phi, "f": self.f}
+        r, phi, f = (as_numbers(name, values).copy() for name, values in given.items())
         if r.ndim != 1 or phi.ndim != 1 or f.shape != (r.size, phi.size):
             raise InputError(
                 f"f must have the shape (r, phi) = ({r.size}, {phi.size}), got {f.shape}"
             )
-        if not (np.all(np.isfinite(f)) and np.all(np.isfinite(r)) and np.all(np.isfinite(phi))):
-            raise InputError("r, phi and f must be finite; fill or cut missing points first")
         if phi.size < 4 or not np.allclose(np.diff(phi), 2 * np.pi / phi.size, rtol=1e-6):
             raise InputError("phi must hold at least 4 equispaced angles over one turn")
         if r.size and r[0] > 0:
             r, f = np.append(0.0, r), np.vstack([np.zeros(phi.size), f])
         if r.size < 4 or r[0] != 0 or np.any(np.diff(r) <= 0):
             raise InputError("r must hold at least 4 increasing radii, none negative")
-        edge = None if self.edge is None else np.array(self.edge, dtype=float)
+        edge = None if self.edge is None else as_numbers("edge", self.edge).copy()
         if edge is not None and not (edge.shape == phi.shape and np.all(edge > 0)):
             raise InputError(f"edge must hold a positive radius per angle, shape ({phi.size},)")
         for name, value in (("r", r), ("phi", phi), ("f", f - f[0]), ("edge", edge)):
@@ -295,9 +294,7 @@ def _angular(psi: Any) -> Angular:
     """A vectorised function of phi from a function, a number or equispaced samples."""
     if callable(psi):
         return psi  # type: ignore[no-any-return]
-    values = np.asarray(psi, dtype=float)
-    if not np.all(np.isfinite(values)):
-        raise InputError("the samples of psi must be finite")
+    values = as_numbers("psi", psi)
     if values.ndim == 0:
         return partial(_constant, float(values))
     if values.ndim != 1 or values.size < 4:

@@ -13,7 +13,7 @@ from surfaces.numerics import parallel
 from surfaces.numerics.memory import require_memory, room_for
 from surfaces.numerics.stored_array import Sections, spans
 
-from .errors import LONGEST, SHORTEST, InputError, as_number
+from .errors import LONGEST, SHORTEST, InputError, as_number, as_numbers
 
 __all__ = ["RandomWaves", "checked_shape", "checked_size"]
 
@@ -79,7 +79,7 @@ class RandomWaves:
             "give either rms_slope or rms_height, and not both",
         )
         _check(
-            0.0 < self._target < np.inf,
+            0.0 < self._target <= LONGEST,
             f"the rms value is {self._target}; it must be positive and finite",
         )
 
@@ -250,17 +250,18 @@ def _middle(first: int, last: int) -> int:
 
 def checked_shape(shape: tuple[int, int]) -> tuple[int, int]:
     """Numbers of points (ny, nx), each at least 3."""
-    _check(np.shape(shape) == (2,), f"shape is {shape}; give the numbers of points (ny, nx)")
-    ny, nx = (int(n) for n in shape)
-    whole = (ny, nx) == tuple(shape)
-    _check(whole and min(ny, nx) >= 3, f"shape is {tuple(shape)}; give whole numbers from 3")
-    return ny, nx
+    counts = as_numbers("shape", shape)
+    _check(counts.shape == (2,), f"shape is {shape}; give the numbers of points (ny, nx)")
+    whole = bool(np.all((counts >= 3) & (counts == np.rint(counts))))
+    _check(whole, f"shape is {tuple(shape)}; give whole numbers from 3")
+    return int(counts[0]), int(counts[1])
 
 
 def checked_size(size: tuple[float, float]) -> tuple[float, float]:
     """Lengths (Ly, Lx) [m], both positive."""
-    _check(np.shape(size) == (2,), f"size is {size}; give the lengths (Ly, Lx) in m")
-    ly, lx = (float(length) for length in size)
+    lengths = as_numbers("size", size)
+    _check(lengths.shape == (2,), f"size is {size}; give the lengths (Ly, Lx) in m")
+    ly, lx = lengths.tolist()
     _check(
         SHORTEST <= min(ly, lx) and max(ly, lx) <= LONGEST,
         f"size is {tuple(size)}; both (Ly, Lx) must be positive lengths in m",

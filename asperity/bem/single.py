@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.errors import Flag, InputError, cautious, warn_once
 from asperity.halfspace.checks import modulus_warning
 from asperity.halfspace.material import HalfSpace, require_half_space
-from surfaces.errors import as_number
+from surfaces.errors import as_count, as_numbers
 
 from .certificate import Certificate
 from .profile_map import Profile, axes, map_of, sampled, section_box
@@ -197,19 +197,15 @@ def indent_bem(
         raise InputError(f"profile must be a gap f(r, phi), got {type(profile).__name__}")
     require_half_space(material)
     warn_once(modulus_warning(material))
-    if as_number("grid", grid) < 16:
-        raise InputError(f"grid is {grid}; give at least 16 points per axis")
+    points = as_count("grid", grid, 16)
     if (approach is None) == (load is None):
         raise InputError("give either approach or load")
     name = "approach" if load is None else "load"
-    try:
-        depths = np.asarray(approach if load is None else load, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError("approach or load must be a positive number or several") from None
-    if depths.size == 0 or not (np.isfinite(depths).all() and (depths > 0.0).all()):
+    depths = as_numbers(name, approach if load is None else load)
+    if depths.size == 0 or not (depths > 0.0).all():
         unit = "[m]" if load is None else "[N]"
         raise InputError(f"{name} must be positive and finite {unit}")
-    found = [_one(profile, material, name, float(d), grid, tolerance) for d in depths.ravel()]
+    found = [_one(profile, material, name, float(d), points, tolerance) for d in depths.ravel()]
     solutions, summits, inside, reached = zip(*found, strict=True)
     converged = _shaped([s.converged for s in solutions], depths)
     return BemIndentation(

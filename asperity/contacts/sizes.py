@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from numbers import Integral
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
 from asperity.results.storage import structured
+from surfaces.errors import as_count, as_numbers
 
 __all__ = ["size_distribution"]
 
@@ -41,18 +40,14 @@ def size_distribution(area: ArrayLike, *, bins: int = 20) -> NDArray[np.void]:
     >>> int(sizes["contacts"].sum())
     4
     """
-    try:
-        sizes = np.asarray(area, dtype=np.float64).ravel()
-    except (TypeError, ValueError):
-        raise InputError('contact areas are numbers: give the column table["area"]') from None
-    usable = (sizes > 0).all() and np.isfinite(sizes).all()
-    if not (usable and isinstance(bins, Integral) and bins >= 1):
-        raise InputError("contact areas must be positive and finite, bins a whole number above 0")
-    edges = np.empty(0)
+    sizes, rows = as_numbers("the column of areas", area).ravel(), as_count("bins", bins, 1)
+    if not (sizes > 0).all():
+        raise InputError('contact areas must be positive: give the column table["area"]')
     if sizes.size:
-        edges = np.geomspace(sizes.min() * (1 - 1e-9), sizes.max() * (1 + 1e-9), bins + 1)
-    place = np.searchsorted(edges, sizes, side="right") - 1
-    rows = max(len(edges) - 1, 0)
+        edges = np.geomspace(sizes.min() * (1 - 1e-9), sizes.max() * (1 + 1e-9), rows + 1)
+    else:
+        rows, edges = 0, np.empty(0)
+    place = np.minimum(np.searchsorted(edges, sizes, side="right"), rows) - 1
     share = np.bincount(place, weights=sizes, minlength=rows) / max(sizes.sum(), 1e-300)
     return structured(
         {

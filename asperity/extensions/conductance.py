@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from numbers import Real
-
 import numpy as np
 from numpy.typing import NDArray
 
 from asperity.errors import InputError
 from asperity.results.curve import ContactCurve, require_curve
+from surfaces.errors import as_numbers, as_positive
 
 __all__ = ["constriction_conductance", "total_resistivity"]
 
@@ -59,8 +58,7 @@ def constriction_conductance(
         raise InputError("the conductance analogy holds for homogeneous half-spaces, m = 0")
     if modulus is None:
         modulus = curve.settings.get("modulus")
-    if not (isinstance(modulus, Real) and 0 < modulus < np.inf):
-        raise InputError(f"the composite modulus is {modulus} Pa; it must be positive and finite")
+    modulus = as_positive("the composite modulus", modulus)
     stiffness = curve.stiffness
     if curve.settings.get("hardness", np.inf) < np.inf:
         if "unloading_stiffness" not in curve.extra:
@@ -75,9 +73,10 @@ def constriction_conductance(
 
 def total_resistivity(resistivity: tuple[float, float]) -> float:
     """Sum of the resistivities of both bodies, checked."""
-    if np.shape(resistivity) != (2,) or not all(isinstance(rho, Real) for rho in resistivity):
+    both = as_numbers("resistivity", resistivity)
+    if both.shape != (2,):
         raise InputError(f"resistivity is {resistivity!r}; give one number for each of two bodies")
-    total = float(sum(resistivity))
-    if not (min(resistivity) >= 0 and 0 < total < np.inf):
+    total = float(both.sum())
+    if not (both.min() >= 0 and 0 < total < np.inf):
         raise InputError("resistivities must not be negative, their sum positive and finite")
     return total

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from numpy.typing import ArrayLike
 
 from asperity.curve import solve_loads
 from asperity.errors import InputError, cautious, warn_once
-from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.halfspace.scene import checked_loads
 from asperity.model.decomposition import Decomposition
 from asperity.model.plan import make_plan
@@ -66,6 +66,9 @@ def hardness_sweep(
     >>> bool(soft.area_fraction[0] > hard.area_fraction[0])
     True
     """
+    require_half_space(material)
+    if not isinstance(hardnesses, Iterable):
+        raise InputError(f"hardnesses is {hardnesses!r}; give several, in a list")
     elastic = material.modulus, material.m
     bodies = [HalfSpace.from_modulus(*elastic, hardness=hardness) for hardness in hardnesses]
     if not bodies:

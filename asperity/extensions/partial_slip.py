@@ -6,17 +6,17 @@ Of one contact, and of a whole rough surface from its normal contact curve alone
 from __future__ import annotations
 
 from dataclasses import dataclass
-from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError, ModelRangeError
-from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.microcontact.single.indent import indent
 from asperity.microcontact.single.indentation import Indentation
 from asperity.results.curve import ContactCurve, require_curve
 from asperity.results.interpolation import SLACK
+from surfaces.errors import as_count, as_numbers, as_positive
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 __all__ = ["FrictionCurve", "PartialSlip", "friction_curve", "partial_slip", "tangential_modulus"]
@@ -44,6 +44,7 @@ def tangential_modulus(first: HalfSpace, second: HalfSpace | None = None) -> flo
     """
     total = 0.0
     for body in (first, second) if second is not None else (first,):
+        require_half_space(body)
         if body.E is None or body.nu is None:
             raise InputError("the tangential modulus needs E and nu of each body")
         if body.m != 0:
@@ -156,36 +157,33 @@ def partial_slip(
     >>> f"{push.stick_area / one.contact_area:.4f}"  # (1 - 0.5) ** (2 / 3), Cattaneo and Mindlin
     '0.6300'
     """
+    require_half_space(material)
     if material.m != 0:
         raise InputError("partial slip needs a homogeneous half-space, m = 0")
     if material.hardness < np.inf:
         raise InputError(ELASTIC_ALONE)
-    if not (friction > 0 and modulus_ratio > 0 and approach > 0):
-        raise InputError("friction, modulus_ratio and approach must be positive")
+    depth, friction = as_positive("approach", approach), as_positive("friction", friction)
+    ratio = as_positive("modulus_ratio", modulus_ratio)
     if (displacement is None) == (tangential_force is None):
         raise InputError("give either displacement or tangential_force")
-    full = indent(profile, material, float(approach), law=law)
+    full = indent(profile, material, depth, law=law)
     if displacement is not None:
-        push = _push(displacement, "displacement")
-        depth = float(approach) - push / (friction * modulus_ratio)
+        moved = _push("displacement", displacement)
+        sticking = depth - moved / (friction * ratio)
     else:
-        push = _push(tangential_force, "tangential_force")
-        depth = _stick_depth(profile, material, full, push / friction, law)
-    slipping = depth <= 0
-    stick = indent(profile, material, np.maximum(depth, 0.0), law=law)
+        lost = _push("tangential_force", tangential_force) / friction
+        sticking = _stick_depth(profile, material, full, lost, law)
+        moved = np.where(sticking > 0, friction * ratio * (depth - sticking), np.nan)
+    slipping = sticking <= 0
+    stick = indent(profile, material, np.maximum(sticking, 0.0), law=law)
     force = friction * (full.force - np.where(slipping, 0.0, stick.force))
-    moved = friction * modulus_ratio * (float(approach) - depth)
-    if displacement is not None:
-        moved = push
-    else:
-        moved = np.where(slipping, np.nan, moved)
     return PartialSlip(full, stick, friction, force, moved, slipping)
 
 
-def _push(values: ArrayLike | None, name: str) -> Array:
-    array = np.asarray(values, dtype=float)
-    if array.ndim > 1 or not np.all(np.isfinite(array) & (array >= 0)):
-        raise InputError(f"{name} must be finite and not negative")
+def _push(name: str, values: ArrayLike | None) -> Array:
+    array = as_numbers(name, values)
+    if array.ndim > 1 or np.any(array < 0):
+        raise InputError(f"{name} must be a number or one axis of them, not negative")
     return array
 
 
@@ -287,13 +285,8 @@ def friction_curve(
     '3.0e+08'
     """
     require_curve(curve)
-    given = friction, modulus_ratio, pressure, points
-    if not all(isinstance(value, Real) and 0 < float(value) < np.inf for value in given):
-        raise InputError(
-            f"friction, modulus_ratio, pressure and points are {given}; give positive numbers"
-        )
-    if points < 2 or points != int(points):
-        raise InputError(f"points is {points}; give a whole number, at least 2")
+    pressure, friction = as_positive("pressure", pressure), as_positive("friction", friction)
+    ratio, count = as_positive("modulus_ratio", modulus_ratio), as_count("points", points, 2)
     if curve.settings.get("m", 0.0) != 0.0:
         raise InputError("partial slip needs homogeneous half-spaces, m = 0")
     if "hardness" in curve.settings:
@@ -305,11 +298,11 @@ def friction_curve(
             f"the curve begins at {lightest:.4g} Pa, not below {pressure:.4g} Pa; "
             "partial slip needs lighter load points as well"
         )
-    share = np.linspace(0.0, 1.0, int(points))
+    share = np.linspace(0.0, 1.0, count)
     asked = pressure * (lightest / pressure) ** share
     stick = curve.at(pressure=asked)
     return FrictionCurve(
-        displacement=friction * modulus_ratio * (stick.separation - whole.separation),
+        displacement=friction * ratio * (stick.separation - whole.separation),
         shear=friction * (pressure - asked),
         stick_area_fraction=stick.area_fraction,
         slip_shear=friction * pressure,

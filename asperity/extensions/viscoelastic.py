@@ -12,6 +12,7 @@ from asperity.errors import InputError, ModelRangeError
 from asperity.halfspace.material import HalfSpace
 from asperity.microcontact.single.indent import indent
 from asperity.microcontact.single.indentation import Indentation
+from surfaces.errors import as_number, as_numbers
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 __all__ = ["Relaxation", "ViscoelasticContact", "viscoelastic_force", "viscoelastic_indent"]
@@ -47,14 +48,19 @@ class Relaxation:
     times: Sequence[float]
 
     def __post_init__(self) -> None:
-        if len(self.strengths) != len(self.times):
+        strengths, times = as_numbers("strengths", self.strengths), as_numbers("times", self.times)
+        equilibrium = as_number("equilibrium", self.equilibrium)
+        if strengths.ndim != 1 or strengths.shape != times.shape:
             raise InputError("give one relaxation time per strength")
-        if self.equilibrium < 0 or any(v <= 0 for v in (*self.strengths, *self.times)):
-            raise InputError("strengths and times must be positive, equilibrium not negative")
-        if self.equilibrium == 0 and len(self.strengths) == 0:
+        if not 0 <= equilibrium < np.inf or np.any(strengths <= 0) or np.any(times <= 0):
+            raise InputError(
+                "strengths and times must be positive, equilibrium finite and not negative"
+            )
+        if equilibrium == 0 and len(strengths) == 0:
             raise InputError("a body without any modulus carries nothing")
-        for name in ("strengths", "times"):
-            object.__setattr__(self, name, tuple(map(float, getattr(self, name))))
+        object.__setattr__(self, "equilibrium", equilibrium)
+        object.__setattr__(self, "strengths", tuple(strengths.tolist()))
+        object.__setattr__(self, "times", tuple(times.tolist()))
 
     def __call__(self, t: ArrayLike) -> Array:
         """E*_rel [Pa] at the times `t` [s] >= 0 after a step."""
@@ -141,14 +147,17 @@ def viscoelastic_indent(
     >>> f"{held.force[0] / held.force[-1]:.2f}"
     '4.00'
     """
-    instants = np.asarray(time, dtype=float)
+    if not isinstance(relaxation, Relaxation):
+        raise InputError(f"an asperity.Relaxation is needed, not {type(relaxation).__name__}")
+    instants = as_numbers("time", time)
     if instants.ndim != 1 or instants.size < 2 or np.any(np.diff(instants) <= 0):
         raise InputError("time must hold at least two rising instants")
     if (approach is None) == (load is None):
         raise InputError("give either approach or load")
-    given = np.asarray(approach if load is None else load, dtype=float)
-    if given.shape != instants.shape or not np.all(np.isfinite(given)) or np.any(given < 0):
-        raise InputError("approach or load must be finite, not negative and as long as time")
+    name, chosen = ("approach", approach) if load is None else ("load", load)
+    given = as_numbers(name, chosen)
+    if given.shape != instants.shape or np.any(given < 0):
+        raise InputError(f"{name} must be not negative and as long as time")
     unit = HalfSpace.from_modulus(1.0, m)
     if load is None:
         _growing(given)

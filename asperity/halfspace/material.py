@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from asperity.errors import InputError
+from surfaces.errors import as_number
 
 __all__ = ["HalfSpace", "require_half_space"]
 
@@ -150,10 +151,7 @@ def _grading_factor(m: float, nu: float) -> float:
 
 
 def _number(value: float, name: str) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} must be a number, got {value!r}") from None
+    number = as_number(name, value)
     if not math.isfinite(number):
         rigid = number == math.inf and name in ("E", "modulus")
         hint = "; of a rigid and an elastic body take the elastic one alone" if rigid else ""
@@ -172,10 +170,9 @@ def _require_modulus(value: float, name: str) -> None:
 
 def _hardness(value: float | None) -> float:
     """Infinite where none is given."""
-    if value is None or value == math.inf:
-        return math.inf
-    hardness = _number(value, "hardness")
-    _require_modulus(hardness, "hardness")
+    hardness = math.inf if value is None else as_number("hardness", value)
+    if hardness != math.inf:
+        _require_modulus(hardness, "hardness")
     return hardness
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
+from surfaces.errors import as_numbers
 from surfaces.heightmap import HeightMap, require_map
 
 from .material import HalfSpace, require_half_space
@@ -132,13 +133,9 @@ def checked_loads(
         kind, chosen = "separation", separations
     elif pressures is None:
         chosen = default_pressures(hm, material)
-    try:
-        filled = np.ma.filled(np.ma.asarray(chosen, dtype=np.float64), np.nan)
-        values = np.atleast_1d(filled).ravel()
-    except (TypeError, ValueError):
-        values = np.empty(0)
-    if not values.size or not np.isfinite(values).all():
-        raise InputError(f"the {kind} load points must be finite numbers, at least one")
+    values = as_numbers(f"{kind}s", chosen).ravel()
+    if not values.size:
+        raise InputError(f"{kind}s is empty; give at least one load point")
     if kind == "pressure" and values.max() > material.hardness:
         raise InputError(
             f"mean pressure {values.max():.4g} Pa is above the hardness of {material.hardness:.4g} "

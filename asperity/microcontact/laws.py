@@ -24,7 +24,7 @@ LAWS = ("auto", "hertz", "paper", "harmonic", "ellipse", "ritz")
 
 def require_law(law: str) -> None:
     """Refuse a name that is not that of a law."""
-    if law not in LAWS:
+    if not isinstance(law, str) or law not in LAWS:
         raise InputError(f"no law is called {law!r}; the laws are {', '.join(LAWS)}")
 
 

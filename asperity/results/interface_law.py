@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import FileFormatError, InputError
+from surfaces.errors import as_numbers
 from surfaces.files.atomic import replacing
 
 from .interpolation import READ_FIELDS, knots_of, read_off
@@ -117,7 +118,7 @@ class InterfaceLaw:
         # the error and the conductance are read off as the stiffness is
         told = {"error": curve.error_estimate}
         if conductance is not None:
-            told["conductance"] = np.asarray(conductance, dtype=float)
+            told["conductance"] = as_numbers("conductance", conductance, finite=False)
             if told["conductance"].shape != loads.shape:
                 raise InputError(
                     f"conductance has shape {told['conductance'].shape}; give one number for each "

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
+from surfaces.errors import as_numbers
 
 __all__ = [
     "POINT_FIELDS",
@@ -116,12 +117,7 @@ def read_off(
     if len(order) < 2:
         raise InputError("the curve has fewer than two converged points with load")
     log_p = np.log(columns["mean_pressure"][order])
-    try:
-        asked: NDArray[np.float64] = np.ma.filled(
-            np.ma.asarray(questions[name], dtype=float), np.nan
-        )
-    except (TypeError, ValueError):
-        raise InputError("the curve is read off at a number or an array of numbers") from None
+    asked = as_numbers(name, questions[name])
     knots = columns[column][order]
     if column == "separation":
         falling = knots[::-1]

@@ -7,6 +7,7 @@ import ctypes
 import dataclasses
 import math
 import mmap
+import math
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -81,7 +82,7 @@ def set_memory(limit: int | None) -> None:
     >>> asperity.set_memory(None)
     """
     global _limit
-    if limit is not None and not as_number("the memory limit", limit) > _PROGRAM:
+    if limit is not None and not _PROGRAM < as_number("the memory limit", limit) < math.inf:
         raise InputError(f"the memory limit is {limit} bytes; give at least {_PROGRAM >> 20} MiB")
     _limit = None if limit is None else int(limit)
     if limit is not None:

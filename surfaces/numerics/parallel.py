@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from surfaces.errors import InputError, as_number
+from surfaces.errors import InputError, as_count
 
 from .stored_array import drop_pages
 
@@ -77,9 +77,8 @@ def set_threads(count: int | None) -> None:
     >>> asperity.set_threads(None)  # as many as there are processors
     """
     global _chosen
-    if count is not None and as_number("count", count) < 1:
-        raise InputError(f"the number of threads is {count}; give at least 1")
-    _chosen = None if count is None else min(int(count), available())
+    chosen = None if count is None else as_count("the number of threads", count, 1)
+    _chosen = None if chosen is None else min(chosen, available())
 
 
 def blocks(count: int, least: int = 1, most: float = math.inf) -> list[tuple[int, int]]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surfaces.errors import InputError, SurfaceError, as_number
+from surfaces.errors import InputError, SurfaceError, as_count
 from surfaces.heightmap import HeightMap, require_map
 from surfaces.numerics import parallel, splines
 from surfaces.numerics.stored_array import mapped, most_together
@@ -91,8 +91,7 @@ class Summits(SummitArrays):
     def rows(self, index: NDArray[np.int64], *, rays: int = 16, nodes: int = 17) -> Profiles:
         """Profiles of the peaks `index` (k,), in that order, with rays and nodes as in
         `fit_profiles`; `owner` keeps the numbers of all peaks."""
-        if as_number("rays", rays) < 4 or as_number("nodes", nodes) < 4:
-            raise InputError(f"rays is {rays} and nodes is {nodes}; give at least 4 of each")
+        rays, nodes = as_count("rays", rays, 4), as_count("nodes", nodes, 4)
         fans = Fans(self, index, rays, nodes)
         near = self.near(index)
         parallel.run(lambda a, b: fans.fill(near[a:b]), parallel.blocks(len(index), PART))

@@ -52,6 +52,68 @@ def test_a_wrong_type_is_one_sentence(call):
         call()
 
 
+CURVE = asperity.contact_curve(HM, STEEL, pressures=[1e7, 1e8])
+RUBBER = asperity.Relaxation(1e6, [1e7], [1.0])
+PUSH = {"friction": 0.3, "modulus_ratio": 1.2}
+NO_NUMBER = [None, "much", 1j, {}, object(), [1.0, "b"], 10**400, float("nan"), -1.0]
+
+
+@pytest.mark.parametrize("wrong", NO_NUMBER, ids=lambda value: type(value).__name__)
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda x: asperity.HalfSpace(x, 0.3),
+        lambda x: asperity.HalfSpace(1e9, 0.3, hardness=-1.0 if x is None else x),
+        lambda x: asperity.HalfSpace.from_modulus(x),
+        lambda x: asperity.Relaxation(x, [1e7], [1.0]),
+        lambda x: asperity.Relaxation(1e6, x, [1.0]),
+        lambda x: asperity.Relaxation(1e6, [1e7], x),
+        lambda x: asperity.viscoelastic_indent(BALL, x, [0.0, 1.0], [0.0, 1e-6]),
+        lambda x: asperity.viscoelastic_indent(BALL, RUBBER, x, [0.0, 1e-6]),
+        lambda x: asperity.viscoelastic_indent(BALL, RUBBER, [0.0, 1.0], x),
+        lambda x: asperity.viscoelastic_indent(BALL, RUBBER, [0.0, 1.0], load=x),
+        lambda x: asperity.partial_slip(BALL, x, 1e-6, **PUSH, displacement=1e-9),
+        lambda x: asperity.partial_slip(BALL, STEEL, x, **PUSH, displacement=1e-9),
+        lambda x: asperity.partial_slip(BALL, STEEL, 1e-6, **PUSH, displacement=x),
+        lambda x: asperity.partial_slip(BALL, STEEL, 1e-6, **PUSH, tangential_force=x),
+        lambda x: asperity.tangential_modulus(x),
+        lambda x: asperity.friction_curve(CURVE, x, **PUSH),
+        lambda x: asperity.friction_curve(CURVE, 1e8, **PUSH, points=x),
+        lambda x: asperity.constriction_conductance(CURVE, resistivity=x),
+        lambda x: asperity.constriction_conductance(CURVE, resistivity=(1.0, x)),
+        lambda x: asperity.hardness_sweep(HM, STEEL, x, pressures=[1e7]),
+        lambda x: asperity.hardness_sweep(HM, x, [1e9], pressures=[1e7]),
+        lambda x: asperity.flat_punch(x, STEEL),
+        lambda x: asperity.flat_punch(1e-3, x),
+        lambda x: asperity.size_distribution(x),
+        lambda x: asperity.size_distribution([1.0], bins=x),
+        lambda x: asperity.indent(BALL, STEEL, x if x != -1.0 else 1e300),
+        lambda x: asperity.indent(BALL, STEEL, 1e-6, law=x),
+        lambda x: asperity.indent_bem(BALL, STEEL, x),
+        lambda x: asperity.bem_curve(HM, STEEL, pressures=-1.0 if x is None else x),
+        lambda x: asperity.set_threads(-1 if x is None else x),
+        lambda x: CURVE.at(pressure=x),
+        lambda x: CURVE.to_interface_law(conductance=[x]),
+        lambda x: surfaces.self_affine((x, 8), (1.0, 1.0), hurst=0.8, rms_slope=0.1),
+        lambda x: surfaces.self_affine((8, 8), (1.0, x), hurst=0.8, rms_slope=0.1),
+        lambda x: surfaces.HeightMap(np.eye(4), x),
+        lambda x: surfaces.PowerLawProfile(x, 1.0),
+        lambda x: surfaces.PolarProfile(x, np.arange(8), np.ones((8, 8))),
+    ],
+)
+def test_what_is_no_number_is_one_sentence(call, wrong):
+    with pytest.raises(asperity.InputError, match=r"^[^\n]+$"):
+        call(wrong)
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf"), 2.5, 1e300])
+def test_a_count_is_a_whole_number(bad):
+    with pytest.raises(asperity.InputError, match="whole number, at least 4"):
+        surfaces.fit_profiles(HM, surfaces.segment(HM), rays=bad)
+    with pytest.raises(asperity.InputError, match="whole number, at least 1"):
+        asperity.set_threads(bad)
+
+
 def test_a_sum_of_powers_is_read_at_single_numbers():
     assert float(surfaces.PowerSumProfile([2.0, 4.0], [1.0, 0.5])(1.0, 0.0)) == 1.5
 

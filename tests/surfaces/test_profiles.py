@@ -291,7 +291,7 @@ def test_no_peaks_give_no_profiles():
 def test_refusals():
     hm = rough()
     peaks = surfaces.segment(hm)
-    with pytest.raises(surfaces.InputError, match="at least 4 of each"):
+    with pytest.raises(surfaces.InputError, match="rays is 2; give a whole number, at least 4"):
         surfaces.fit_profiles(hm, peaks, rays=2)
     flat = surfaces.HeightMap(np.ones((5, 6)), 1.0)
     with pytest.raises(surfaces.SurfaceError, match="map is constant"):

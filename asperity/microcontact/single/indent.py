@@ -14,6 +14,7 @@ from asperity.errors import InputError, ModelRangeError, cautious, warn_once
 from asperity.halfspace.checks import modulus_warning
 from asperity.halfspace.material import HalfSpace, require_half_space
 from asperity.microcontact.laws import require_law
+from surfaces.errors import as_numbers
 from surfaces.polar import PolarProfile, PowerSumProfile
 
 from . import auto, circle, ellipse, hertz, ritz
@@ -35,6 +36,10 @@ SOLVERS: dict[str, Solver] = {
     "ritz": ritz.indent,
 }
 """Solution of one contact by each law."""
+
+_LARGEST = 1e100
+"""Approaches [m] and loads [N] larger than this, or smaller than its inverse, are refused: squares
+and powers of them are no floating-point numbers."""
 
 _STEPS = 60
 """Newton steps towards a load."""
@@ -228,12 +233,14 @@ def _require_carried(
 
 
 def _finite(values: ArrayLike | None, name: str) -> Array:
-    try:
-        array = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        array = np.full(1, np.nan)
-    if array.ndim > 1 or not np.all(np.isfinite(array)):
-        raise InputError(f"{name} must be a finite number or a one-dimensional array of them")
+    array = as_numbers(name, values)
+    if array.ndim > 1:
+        raise InputError(f"{name} has {array.ndim} axes; give a number or one axis of them")
+    size = np.abs(array[array != 0])
+    if not array.size or np.any((size < 1 / _LARGEST) | (size > _LARGEST)):
+        raise InputError(
+            f"{name} is {values!r}; give numbers from {1 / _LARGEST:g} to {_LARGEST:g}, or zero"
+        )
     return array
 
 

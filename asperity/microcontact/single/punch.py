@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.errors import InputError
-from asperity.halfspace.material import HalfSpace
+from asperity.halfspace.material import HalfSpace, require_half_space
+from surfaces.errors import as_numbers
 
 from .basis import corner_rule
 
@@ -106,11 +107,13 @@ def flat_punch(
     >>> f"{punch.stiffness / (2 * 1e9 * 1e-3):.4f}"
     '1.0000'
     """
+    require_half_space(material)
     function = _boundary(edge)
     phi = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
     weight = np.full(_ANGLES, 2 * np.pi / _ANGLES)
-    if np.size(corners):
-        phi, weight = (part.ravel() for part in corner_rule(np.ravel(corners), _PANEL))
+    kinks = as_numbers("corners", corners).ravel()
+    if kinks.size:
+        phi, weight = (part.ravel() for part in corner_rule(kinks, _PANEL))
     a = function(phi)
     if not np.all(np.isfinite(a) & (a > 0)):
         raise InputError("the planform must contain the origin: a(phi) > 0 at every angle")
@@ -124,7 +127,9 @@ def flat_punch(
 def _boundary(edge: Callable[[Array], ArrayLike] | ArrayLike) -> Callable[[Array], Array]:
     if callable(edge):
         return lambda phi: np.asarray(edge(phi), dtype=float)
-    values = np.atleast_1d(np.asarray(edge, dtype=float))
+    values = as_numbers("edge", edge).ravel()
+    if not values.size:
+        raise InputError("edge is empty; give a radius, or several at equispaced angles")
     turn = 2 * np.pi * np.arange(values.size + 1) / values.size
     closed = np.append(values, values[0])
     return lambda phi: np.interp(np.mod(phi, 2 * np.pi), turn, closed)

@@ -32,7 +32,7 @@ def test_thin_corners_are_not_cut_off():
             lambda m: indent_bem(PowerLawProfile(2, 1.0), 1e9, 1.0),
             "HalfSpace is needed, not float",
         ),
-        (lambda m: indent_bem(PowerLawProfile(2, 1.0), m, "deep"), "positive number or several"),
+        (lambda m: indent_bem(PowerLawProfile(2, 1.0), m, "deep"), "number or an array of numbers"),
         (lambda m: indent_bem(PowerLawProfile(1, -1.0), m, 1.0), "does not rise to the approach"),
         (lambda m: indent_bem(PowerLawProfile(1, 0.0), m, 1.0), "does not rise to the approach"),
     ],

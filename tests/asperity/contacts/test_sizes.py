@@ -33,9 +33,17 @@ def test_few_and_equal_contacts(area, rows):
     assert len(table) == rows and table["contacts"].sum() == len(area)
 
 
-@pytest.mark.parametrize(("area", "bins"), [([-1.0], 3), ([np.nan], 3), ([1.0], 0), ([1.0], 2.5)])
-def test_what_is_no_area_or_no_bin(area, bins):
-    with pytest.raises(InputError, match="positive"):
+@pytest.mark.parametrize(
+    ("area", "bins", "match"),
+    [
+        ([-1.0], 3, "positive"),
+        ([np.nan], 3, "finite"),
+        ([1.0], 0, "at least 1"),
+        ([1.0], 2.5, "whole number"),
+    ],
+)
+def test_what_is_no_area_or_no_bin(area, bins, match):
+    with pytest.raises(InputError, match=match):
         size_distribution(area, bins=bins)
 
 

@@ -61,9 +61,9 @@ def test_forecast_of_the_area_is_monotone_and_bounded():
         (None, [1e-7, -1e300], "-1e.300 m is beyond"),
         ([np.nan], None, "finite"),
         (None, [], "at least one"),
-        ("heavy", None, "finite numbers"),
-        ([1 + 2j], None, "finite numbers"),
-        (np.ma.masked_equal([1.0, 2.0], 2.0), None, "finite numbers"),
+        ("heavy", None, "array of numbers"),
+        ([1 + 2j], None, "array of numbers"),
+        (np.ma.masked_equal([1.0, 2.0], 2.0), None, "must be finite"),
     ],
 )
 def test_unusable_load_points(pressures, separations, match):
