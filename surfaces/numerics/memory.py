@@ -7,7 +7,6 @@ import ctypes
 import dataclasses
 import math
 import mmap
-import math
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
