@@ -113,7 +113,7 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
             "segment this map first"
         )
     n = len(peaks)
-    depth = peaks.prominence
+    depth = _depths(peaks)
     if not (depth > 0.0).all():  # the lowest peak of all has none; its basin is filled anyway
         relief = hm.roughness.highest - hm.roughness.lowest
         if relief == 0.0:
@@ -155,6 +155,15 @@ def locate_summits(hm: HeightMap, peaks: Peaks) -> Summits:
         x, y, height, curvature, angle, pixels, border, own, owner, peaks, hm, spline, places,
         kinds, np.full(n, np.inf), level, dip, owner,
     )  # fmt: skip
+
+
+def _depths(peaks: Peaks) -> Array:
+    """Height [m] of each peak above its pass to the first that is at least as high: of equal peaks
+    alike, whichever of them is the parent."""
+    saddle, parent = peaks.saddle.copy(), peaks.parent
+    even = np.flatnonzero((parent >= 0) & (peaks.height[parent] == peaks.height))
+    np.maximum.at(saddle, parent[even], peaks.saddle[even])
+    return np.asarray(peaks.height - saddle)
 
 
 def fit_profiles(hm: HeightMap, peaks: Peaks, *, rays: int = 16, nodes: int = 17) -> Profiles:

@@ -313,3 +313,16 @@ def test_a_tilt_along_a_level_ridge_of_a_periodic_map_comes_to_an_end():
     rows = np.arange(len(summits))
     tilted = summits.tilted(rows, np.tile([-1e-3, 0.0], (len(rows), 1)), np.zeros(len(rows)))
     assert np.isfinite(tilted.height).all()
+
+
+def test_of_flat_tops_of_one_height_none_is_the_parent_of_the_others():
+    """Which of equal peaks is named the parent is a matter of order: their profiles are alike."""
+    y, x = np.mgrid[:48, :96]
+    hills = np.cos(2 * np.pi * x / 48) * np.cos(2 * np.pi * y / 48)
+    heights = np.minimum(hills, 0.7)
+    for map_of in (heights, heights[::-1, ::-1]):
+        hm = surfaces.HeightMap(map_of, 1.0, periodic=True)
+        peaks = surfaces.segment(hm)
+        assert len(peaks) == 4 and len(np.unique(peaks.prominence.round(9))) == 2
+        curvature = surfaces.fit_profiles(hm, peaks).curvature
+        np.testing.assert_allclose(curvature, curvature[0, 0], rtol=0.1)
