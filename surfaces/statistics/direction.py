@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .density import Density, over_sections, wave_numbers
+from .density import Density, over_rows, wave_numbers
 
 __all__ = ["texture_direction"]
 
@@ -33,7 +33,7 @@ def texture_direction(waves: Density) -> float:
         values = amplitude, amplitude * angle
         return np.stack([np.bincount(sector.ravel() % 180, v.ravel(), 180) for v in values])
 
-    total, moment = sum(over_sections(sectors, waves), np.zeros((2, 180)))
+    total, moment = sum(over_rows(sectors, waves), np.zeros((2, 180)))
     most = int(np.argmax(total))
     if total[most] == 0.0:
         return np.nan
