@@ -15,8 +15,7 @@ from surfaces.numerics import parallel
 from surfaces.numerics.memory import along_both
 from surfaces.numerics.stored_array import Blocks, Source, array_of, blocks_of, windows
 
-from .heights import some_roughness
-from .rows import over_present
+from .heights import over_present, some_roughness
 
 __all__ = ["THRESHOLD", "Autocorrelation", "Texture", "autocorrelation", "texture"]
 

@@ -1,4 +1,5 @@
-"""Power spectral density of a height map: in two dimensions, around rings, along the axes."""
+"""Power spectral density of a height map: in two dimensions, around rings, along the axes, and the
+texture direction."""
 
 from __future__ import annotations
 
@@ -18,6 +19,7 @@ __all__ = [
     "power_spectrum",
     "power_spectrum_2d",
     "spectrum_of",
+    "texture_direction",
 ]
 
 Array = NDArray[np.float64]
@@ -257,6 +259,34 @@ def power_spectrum_2d(
     require_map(hm)
     waves = density_of(hm.replace(heights=hm.heights))
     return *wave_numbers(waves, slice(None)), np.array(waves.values[:])
+
+
+def texture_direction(waves: Density) -> float:
+    """Texture direction Std [rad], 0 to pi: where the angular amplitude spectrum is largest.
+
+    Notes
+    -----
+    ISO 25178-2:2021, 4.3: amplitudes of all waves up to the largest full ring, summed over sectors
+    of one degree; the mean direction in the largest. It is that of the wave vectors, ccw from +x
+    to +y, across the lay; NaN of a plane.
+    """
+
+    def sectors(part: slice, density: Array) -> Array:
+        qy, qx = wave_numbers(waves, part)
+        q, angle = np.hypot(qy[:, None], qx), np.arctan2(qy[:, None], qx) % np.pi
+        amplitude = np.sqrt(density) * (q <= np.pi / max(waves.source.spacing))
+        amplitude *= np.where(qx == 0.0, 0.5, 1.0)  # holds both of two opposite waves
+        amplitude[q == 0.0] = 0.0
+        sector = np.round(np.degrees(angle)).astype(np.int64)
+        angle -= np.radians(sector)
+        values = amplitude, amplitude * angle
+        return np.stack([np.bincount(sector.ravel() % 180, v.ravel(), 180) for v in values])
+
+    total, moment = sum(over_rows(sectors, waves), np.zeros((2, 180)))
+    most = int(np.argmax(total))
+    if total[most] == 0.0:
+        return np.nan
+    return float((np.radians(most) + moment[most] / total[most]) % np.pi)
 
 
 def _edge(waves: Density, width: float, nyquist: float) -> float:
