@@ -21,7 +21,8 @@ from h5py import _objects
 
 from surfaces.errors import AsperityError, FileFormatError
 
-from ._schema import DAMAGED, brief, read_header
+from ._damage import DAMAGED, brief
+from ._schema import read_header
 
 __all__ = ["HEIGHTS", "find", "naming_damage", "opened", "require_sound"]
 

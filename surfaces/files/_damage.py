@@ -11,7 +11,7 @@ from xml.parsers.expat import ExpatError
 
 from surfaces.errors import FileFormatError
 
-__all__ = ["DAMAGED", "damaged"]
+__all__ = ["DAMAGED", "brief", "damaged"]
 
 DAMAGED = (
     ArithmeticError,
@@ -23,6 +23,7 @@ DAMAGED = (
     OSError,
     RuntimeError,
     SyntaxError,
+    SystemError,
     TokenError,
     TypeError,
     ValueError,
@@ -30,11 +31,18 @@ DAMAGED = (
     zipfile.BadZipFile,
     zlib.error,
 )
-"""Errors of NumPy, zipfile and the readers of instruments' files, by experience with mutated files;
-those of HDF5 are in `_schema`."""
+"""Errors of NumPy, h5py, zipfile and the readers of instruments' files, by experience with mutated
+files."""
 
 
 def damaged(path: Path, error: Exception, hint: str = "") -> FileFormatError:
     """One sentence about a file of which a library raised an error."""
     reason = " ".join(f"{type(error).__name__}: {error}".split())[:120]
     return FileFormatError(f"{path}: damaged, or not as its format says ({reason}){hint}")
+
+
+def brief(error: BaseException) -> str:
+    """The reason inside a message of h5py or Zarr, on one line."""
+    text = " ".join(str(error).split())
+    inner = text[text.find("(") + 1 : text.rfind(")")] if "(" in text else text
+    return inner[:120] or type(error).__name__

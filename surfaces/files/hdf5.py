@@ -29,8 +29,9 @@ from surfaces.numerics.memory import available_bytes, require_memory
 from surfaces.units import metres_per
 
 from ._container import find, naming_damage, opened, require_sound
+from ._damage import DAMAGED, brief
 from ._packing import ours, unpacked
-from ._schema import DAMAGED, Fault, Header, brief, plain, read_header
+from ._schema import Fault, Header, plain, read_header
 from .stored_map import StoredMap
 from .zarr_array import is_zarr, read_zarr
 

@@ -10,7 +10,8 @@ import numpy as np
 from surfaces.errors import AsperityError, FileFormatError
 
 from ._container import HEIGHTS
-from ._schema import DAMAGED, Fault, Header, array_faults, brief, header_of
+from ._damage import DAMAGED, brief
+from ._schema import Fault, Header, array_faults, header_of
 
 __all__ = ["is_zarr", "read_zarr"]
 
