@@ -23,15 +23,13 @@ _COLS = np.array([-1, 0, 1, -1, 1, -1, 0, 1])
 
 
 @compiled()
-def ascend(
-    heights, periodic, above, inverse, link, peaks, flats, runs, start, stop, window, way, lows
-):
+def ascend(heights, periodic, above, inverse, link, peaks, flats, runs, start, stop, window, way):
     """Link each flooded pixel of the rows [start, stop) to its steepest higher neighbor.
 
     `inverse` holds 1/distance to the neighbors above, beside and diagonal. Pixels without a higher
     neighbor are collected: strict peaks in `peaks`, members of plateaus in `flats`. `runs` gets the
-    first pixel and the end of each flooded run of a row. The lowest flooded height of each column
-    lowers `lows`; `window` (3, nx + 2) and `way` (nx,) are scratch. Returns the three counts.
+    first pixel and the end of each flooded run of a row; `window` (3, nx + 2) and `way` (nx,) are
+    scratch. Returns the three counts.
     """
     ny, nx = heights.shape
     inv_y, inv_x, inv_d = inverse
@@ -95,7 +93,6 @@ def ascend(
                 best = s if s > best else best
                 on = on if best >= 0.0 else top
                 way[c] = on if best != 0.0 else FLAT
-                lows[c] = z if z < lows[c] else lows[c]
             for c in range(first, j):
                 link[base + c] = -2 - base - c - way[c]
             if first == 0 and (way[0] + 1) % nx == 0:
