@@ -124,7 +124,7 @@ def beside(p, k, shape, periodic):
 
 
 @compiled()
-def _spread(flat, shape, periodic, link, queue, at, tail):
+def spread(flat, shape, periodic, link, queue, at, tail):
     """Link the plateau around the `tail` pixels in the queue towards them, nearest first.
 
     `at` holds their row and column without wrapping. Returns the pixels in the queue.
@@ -165,7 +165,7 @@ def drain_plateaus(flat, shape, periodic, link, flats):
                 break
     for exit_ in range(tail):
         link[queue[exit_]] = -2 - found[exit_]
-    _spread(flat, shape, periodic, link, queue, at, tail)
+    spread(flat, shape, periodic, link, queue, at, tail)
     n_peaks = 0
     for p in flats:
         if link[p] != FLAT:
@@ -173,7 +173,7 @@ def drain_plateaus(flat, shape, periodic, link, flats):
         queue[0] = p
         at[0, 0], at[0, 1] = 0, 0
         link[p] = -2 - p
-        size = _spread(flat, shape, periodic, link, queue, at, 1)
+        size = spread(flat, shape, periodic, link, queue, at, 1)
         row, col = 0.0, 0.0
         for member in range(size):
             row += at[member, 0] / size
@@ -188,7 +188,7 @@ def drain_plateaus(flat, shape, periodic, link, flats):
         link[queue[0]] = -2 - queue[0]
         found[n_peaks] = queue[0]
         n_peaks += 1
-        _spread(flat, shape, periodic, link, queue, at, 1)
+        spread(flat, shape, periodic, link, queue, at, 1)
     return found[:n_peaks]
 
 

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surfaces.heightmap import HeightMap
-from surfaces.numerics.compiled import compiled
 from surfaces.numerics.memory import require_memory
 from surfaces.numerics.stored_array import BLOCK_BYTES, StoredArray, rows_around
 
@@ -139,7 +138,7 @@ def _flooded(hm: HeightMap, first: int, last: int, above: float) -> _Strip | Non
         ends = [row for row, whole in ((begin, above_all), (end - 1, below_all)) if not whole]
         cut = flat[np.isin(flat // nx, ends)]
         rows = first - top - 1, last - top + 1
-        if not _reach(window.ravel(), window.shape, hm.periodic, link, cut, *rows):
+        if not _reach(window, hm.periodic, link, flat, cut, rows):
             break
         halo *= 2
         if halo > ny:
@@ -182,38 +181,16 @@ def ascended(
     return peaks[:n_peaks], flats[:n_flats], runs[:n_runs]
 
 
-@compiled()
 def _reach(
-    flat: Array,
-    shape: tuple[int, int],
-    periodic: bool,
-    link: NDArray[np.int32],
-    seeds: Pixels,
-    first: int,
-    last: int,
+    window: Array, periodic: bool, link: Index, flat: Pixels, cut: Pixels, rows: tuple[int, int]
 ) -> bool:
-    """Whether plateaus with pixels among the `seeds` have any in the rows [first, last)."""
-    nx = shape[1]
-    seen = np.zeros(flat.size, np.uint8)
-    queue = np.empty(flat.size, np.int32)
-    tail = 0
-    for p in seeds:
-        seen[p] = 1
-        queue[tail] = p
-        tail += 1
-    head = 0
-    while head < tail:
-        p = queue[head]
-        head += 1
-        if first * nx <= p < last * nx:
-            return True
-        for k in range(8):
-            q = _flood.beside(p, k, shape, periodic)
-            if q >= 0 and seen[q] == 0 and flat[q] == flat[p] and link[q] == _flood.FLAT:
-                seen[q] = 1
-                queue[tail] = q
-                tail += 1
-    return False
+    """Whether plateaus, of pixels `flat`, that hold a pixel of `cut` have any in some rows."""
+    link, queue = link.copy(), np.empty(flat.size, np.int64)
+    queue[: cut.size], link[cut] = cut, -2 - cut
+    at = np.zeros((flat.size, 2), np.int64)
+    size = _flood.spread(window.ravel(), window.shape, periodic, link, queue, at, cut.size)
+    row = queue[:size] // window.shape[1]
+    return bool(((row >= rows[0]) & (row < rows[1])).any())
 
 
 def _rows(hm: HeightMap, top: int, bottom: int) -> Array:
