@@ -15,7 +15,7 @@ from scipy.sparse.linalg import LinearOperator, cg
 from surfaces.errors import SurfaceError, as_number, checked_part
 from surfaces.heightmap import HeightMap, require_full, require_map
 from surfaces.numerics import parallel
-from surfaces.numerics.memory import along_both
+from surfaces.numerics.memory import Transform, along_both
 from surfaces.numerics.stored_array import Blocks, Source, blocks_of, windows
 
 __all__ = ["FILTERS", "bandpass", "crop", "passed"]
@@ -275,7 +275,7 @@ def passed(
         )
         return np.asarray(found)
 
-    return along_both(blocks, like, width, (ny, nx), rows, columns, back)
+    return along_both(blocks, like, (ny, nx), Transform(width, rows, columns, back))
 
 
 def _frequencies(hm: HeightMap) -> tuple[Array, Array]:

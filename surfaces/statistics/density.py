@@ -12,7 +12,7 @@ from scipy import fft
 
 from surfaces.heightmap import HeightMap, require_full
 from surfaces.numerics import parallel
-from surfaces.numerics.memory import along_both
+from surfaces.numerics.memory import Transform, along_both
 from surfaces.numerics.stored_array import Blocks, Source, blocks_of, spans, windows
 from surfaces.preparation.levelling import level
 
@@ -59,15 +59,13 @@ class Density:
         if axis == 1:
             total = sum(power(rows).sum(axis=0) for _, rows in blocks_of(source))
         else:
-            total = along_both(
-                blocks_of(source),
-                source,
+            change = Transform(
                 nx,
-                (ny // 2 + 1, 1),
                 lambda rows: rows,
                 lambda _, columns: power(columns.T).T,
                 lambda powers: powers.sum(axis=1, keepdims=True),
-            )[:, 0]
+            )
+            total = along_both(blocks_of(source), source, (ny // 2 + 1, 1), change)[:, 0]
         return np.asarray(total * step / (count * self.source.shape[1 - axis]))
 
 
@@ -115,16 +113,12 @@ def density_of(hm: HeightMap) -> Density:
         density *= hm.area / hm.source.size**2
         return density
 
-    values = along_both(
-        windowed(),
-        source.source,
-        nx // 2 + 1,
-        (ny, nx // 2 + 1),
-        lambda rows: fft.rfft(rows, overwrite_x=True, workers=workers),
-        squared,
-        np.real,
-    )
-    return Density(source, hann, values)
+    def rows(heights: NDArray[Any]) -> NDArray[Any]:
+        return np.asarray(fft.rfft(heights, overwrite_x=True, workers=workers))
+
+    half = nx // 2 + 1
+    change = Transform(half, rows, squared, np.real)
+    return Density(source, hann, along_both(windowed(), source.source, (ny, half), change))
 
 
 def _hann(count: int) -> Array:
